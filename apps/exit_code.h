@@ -1,0 +1,42 @@
+// How a run ended, as scripts see it, and the two exceptions by which a verb ends early.
+#pragma once
+
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+namespace rigfit::apps {
+
+enum class ExitCode : int {
+  done = 0,
+  fault = 1,  ///< ours
+  wrong_usage = 2,
+  bad_input = 3,  ///< an input cannot be read
+  refused = 4,    ///< the data cannot support what was asked
+  not_converged = 5,
+};
+
+/// Ends a verb whose call makes no sense (options that exclude each other, an output folder that is
+/// a file).
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Ends a verb without a result: the data cannot support what was asked. A verb that can give part
+/// of it sets `VerbContext::exit_code` by `refuse` instead and returns that part.
+class Refused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Ends a verb whose computation did not converge.
+class NotConverged : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The exit code that an exception stands for.
+[[nodiscard]] ExitCode exit_code_of(const std::exception& error);
+
+}  // namespace rigfit::apps

@@ -1,0 +1,104 @@
+// rigfit: one program, one verb a task. Parses the command line, runs the verb, writes its
+// document.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <streambuf>
+
+#include "apps/exit_code.h"
+#include "apps/json_document.h"
+#include "apps/output_file.h"
+#include "apps/verb.h"
+
+namespace rigfit::apps {
+namespace {
+
+struct CommonOptions {
+  std::string json;
+  bool quiet = false;
+  int threads = 1;
+  std::uint64_t seed = 1;
+};
+
+void add_common(CLI::App& verb, CommonOptions& common) {
+  verb.add_option("--json", common.json, "Write the result as JSON to F; '-' is standard output")
+      ->type_name("F")
+      ->group("Common");
+  verb.add_flag("--quiet", common.quiet, "Say nothing but errors")->group("Common");
+  verb.add_option("--threads", common.threads, "Threads to use")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str()
+      ->group("Common");
+  verb.add_option("--seed", common.seed, "Seed of every random number")
+      ->capture_default_str()
+      ->group("Common");
+}
+
+class NullBuffer : public std::streambuf {
+  int overflow(int c) override { return c; }
+};
+
+int run(int argc, char** argv) {
+  CLI::App program{
+      "Test-rig recordings to identified parameters, a segment model and a report of model against "
+      "test.",
+      "rigfit"};
+  program.set_version_flag("--version", RIGFIT_VERSION);
+  program.require_subcommand(1);
+  program.option_defaults()->always_capture_default(false);
+
+  Verbs verbs;
+  add_all_verbs(program, verbs);
+  CommonOptions common;
+  for (auto& verb : verbs) add_common(*verb.app, common);
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return program.exit(help);
+  } catch (const CLI::CallForVersion& version) {
+    return program.exit(version);
+  } catch (const CLI::ParseError& error) {
+    program.exit(error);
+    return static_cast<int>(ExitCode::wrong_usage);
+  }
+
+  const auto chosen =
+      std::find_if(verbs.begin(), verbs.end(), [](const Verb& verb) { return verb.app->parsed(); });
+  NullBuffer nothing;
+  std::ostream sink(&nothing);
+  VerbContext context(common.quiet || common.json == "-" ? sink : std::cout);
+  context.quiet = common.quiet;
+  context.threads = common.threads;
+  context.seed = common.seed;
+  context.command.assign(argv, argv + argc);
+
+  Json result = chosen->run(context);
+  const Json document = json_document(context, chosen->app->get_name(), std::move(result));
+  if (common.json == "-") {
+    std::cout << document.dump(2) << '\n';
+  } else if (!common.json.empty()) {
+    write_whole_file(common.json, document.dump(2) + "\n");
+  }
+  std::cout.flush();
+  return static_cast<int>(context.exit_code);
+}
+
+}  // namespace
+}  // namespace rigfit::apps
+
+int main(int argc, char** argv) {
+  using rigfit::apps::ExitCode;
+  try {
+    return rigfit::apps::run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::cerr << "error: not enough memory\n";
+    return static_cast<int>(ExitCode::fault);
+  } catch (const std::exception& error) {
+    std::cerr << "error: " << error.what() << '\n';
+    return static_cast<int>(rigfit::apps::exit_code_of(error));
+  }
+}

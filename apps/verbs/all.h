@@ -1,0 +1,6 @@
+// The verbs there are. Each `add_*` registers one: its options, its help with an example, its run.
+#pragma once
+
+#include "apps/verb.h"
+
+namespace rigfit::apps {}  // namespace rigfit::apps

@@ -1,0 +1,36 @@
+// Bending stiffness a strand can have, and the solid cylinder that stands for it in a
+// finite-element model.
+//
+// EImin = sum_i E pi d_i^4 / 64 (all elements slip), EImax = E pi d_c^4 / 64 (none does).
+// Source: Jalali and Rideout 2021, eqs. (16), (20), (21).
+#pragma once
+
+namespace rigfit::ident {
+
+struct StrandGeometry {
+  double youngs_modulus_Pa = 0;
+  int elements = 0;  ///< round wires
+  double element_diameter_m = 0;
+  double strand_diameter_m = 0;
+};
+
+struct StiffnessBounds {
+  double EI_min_Nm2 = 0;
+  double EI_max_Nm2 = 0;
+};
+
+/// Throws std::invalid_argument for values that are not positive and finite.
+[[nodiscard]] StiffnessBounds stiffness_bounds(const StrandGeometry& geometry);
+
+/// Solid round bar with the same EI, EA and mass per length.
+struct EquivalentCylinder {
+  double youngs_modulus_Pa = 0;
+  double diameter_m = 0;
+  double density_kg_m3 = 0;
+};
+
+/// d = 4 sqrt(EI / EA). Throws std::invalid_argument for values that are not positive and finite.
+[[nodiscard]] EquivalentCylinder equivalent_cylinder(double EI_Nm2, double EA_N,
+                                                     double mass_per_length_kg_m);
+
+}  // namespace rigfit::ident

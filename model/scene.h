@@ -1,0 +1,119 @@
+// A rig as a person describes it: nodes, members, loads, sensors. Plain data in SI; `read_scene`
+// fills it and checks it, the chain is built from it.
+//
+// Axes: x along the cables, y up, z out of plane. Mass and stiffness are per unstretched length.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rigfit::model {
+
+inline constexpr double kStandardGravity = 9.80665;  // m/s^2, ISO 80000-3
+
+/// Stiffness of an elastic support; infinity: fixed, zero: free.
+struct Support {
+  enum class Kind { free, pinned, clamped, elastic };
+  Kind kind = Kind::free;
+  Eigen::Vector3d translational = Eigen::Vector3d::Zero();  ///< N/m along x, y, z (elastic only)
+  Eigen::Vector3d rotational = Eigen::Vector3d::Zero();  ///< N m/rad about x, y, z (elastic only)
+};
+
+struct SceneNode {
+  std::string name;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m
+  Support support;
+  double mass = 0;  ///< kg (sensor, clamp)
+};
+
+/// Viscous joint dampers in parallel with the springs, as sections (per unit strain or curvature
+/// rate): a joint of a segment of length l has the damper `bending / l`, as its spring is EI / l.
+struct JointDamping {
+  double axial = 0;    ///< N s
+  double bending = 0;  ///< N m^2 s
+  double torsion = 0;  ///< N m^2 s
+};
+
+/// A mass clamped to a member between its ends (sensor, U-bolt).
+struct AttachedMass {
+  double position = 0;  ///< 0..1 of the unstretched length
+  double mass = 0;      ///< kg
+};
+
+struct Member {
+  enum class Kind { cable, beam };
+  enum class Assembled { hanging, straight };
+  enum class Joint { rigid, pinned };
+
+  std::string name;
+  Kind kind = Kind::cable;
+  std::array<std::string, 2> nodes;
+  int segments = 0;            ///< 0: "auto" by the scene's accuracy
+  double mass_per_length = 0;  ///< kg/m at the first node
+  double EA = 0;               ///< N
+  std::array<double, 2> EI{
+      0, 0};      ///< N m^2 about z (in-plane bending), about the horizontal in-plane axis
+  double GJ = 0;  ///< N m^2
+  double polar_inertia =
+      0;  ///< kg m, about the axis per length; 0: torsion follows without inertia
+  /// Diameter at the second node over that at the first, linear between: mass and EA go with its
+  /// square, EI, GJ and polar inertia with its fourth power. 1: prismatic.
+  double taper = 1;
+
+  // A cable's initial state: exactly one of these (a beam: none, it is stress-free as drawn).
+  std::optional<double> tension;             ///< N, horizontal component in the sagged equilibrium
+  std::optional<double> unstretched_length;  ///< m
+  std::optional<double> stretch;  ///< m, end displacement from the unstretched straight cable
+
+  Assembled assembled = Assembled::hanging;
+  std::array<Joint, 2> joint{Joint::rigid, Joint::rigid};  ///< at each end
+  std::optional<double> damping_ratio;                     ///< modal; exclusive with joint dampers
+  JointDamping damping;
+  std::vector<AttachedMass> masses;
+};
+
+/// A place in the scene: a node, or a position along a member (0..1 of the unstretched length).
+struct Place {
+  std::string node;    ///< empty: on a member
+  std::string member;  ///< empty: at a node
+  double position = 0;
+};
+
+struct Load {
+  enum class Kind { impact, release, record };
+  std::string name;
+  Kind kind = Kind::impact;
+  Place place;
+  Eigen::Vector3d direction{0, -1, 0};  ///< unit vector
+  double peak = 0;                      ///< N (impact)
+  double duration = 0;                  ///< s (impact, half-sine)
+  double start = 0;                     ///< s (impact)
+  double mass = 0;                      ///< kg (release: hung there, string cut at t = 0)
+  std::string file;  ///< record: CSV of time, force; resolved against the scene's folder
+};
+
+struct Sensor {
+  enum class Quantity { acceleration, velocity, displacement, force };
+  std::string name;
+  Place place;
+  Eigen::Vector3d direction{0, 1, 0};  ///< unit vector
+  Quantity quantity = Quantity::acceleration;
+};
+
+struct Scene {
+  std::string title;
+  std::string file;  ///< where it was read from, empty: made in memory
+  Eigen::Vector3d gravity{0, -kStandardGravity, 0};  ///< m/s^2
+  double accuracy =
+      1e-4;  ///< relative error in frequency asked of "auto" and of the choice of solver
+  std::vector<SceneNode> nodes;
+  std::vector<Member> members;
+  std::vector<Load> loads;
+  std::vector<Sensor> sensors;
+};
+
+}  // namespace rigfit::model

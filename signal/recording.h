@@ -1,0 +1,82 @@
+// What a logger wrote, in SI, as every reader returns it and every estimator takes it.
+//
+// Units are converted once, by the reader; a channel whose unit is unknown keeps its numbers and
+// says so by an empty `unit`. Missing samples (empty fields, NaN) are NaN in `samples` and counted;
+// nothing is repaired here.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rigfit::signal {
+
+enum class Quantity {
+  unknown,
+  time,
+  force,
+  acceleration,
+  velocity,
+  displacement,
+  angle,
+  angular_velocity,
+  angular_acceleration,
+  torque,
+  strain,
+  pressure,
+  temperature,
+  voltage,
+};
+
+/// The word used in JSON and messages, such as "acceleration".
+[[nodiscard]] const char* name_of(Quantity quantity);
+
+struct Channel {
+  std::string name;
+  std::string unit;          ///< SI symbol ("m/s^2", "N", "V"), empty: the file gives none
+  std::string source_unit;   ///< as written in the file
+  double si_per_source = 1;  ///< factor applied to the file's numbers
+  double si_offset = 0;      ///< added after the factor (temperatures)
+  Quantity quantity = Quantity::unknown;
+  std::array<double, 3> direction{0, 0, 0};  ///< of positive values, scene axes; zero: not known
+  double nominal_range = 0;                  ///< SI, full scale stated by the file; 0: not stated
+  Eigen::VectorXd samples;                   ///< SI; NaN where missing
+  long missing_samples = 0;
+};
+
+/// Something about a recording that a person should know; `code` is stable, `message` is for
+/// people.
+struct Note {
+  std::string code;
+  std::string message;
+  std::string where;  ///< channel or line, may be empty
+};
+
+struct Recording {
+  std::filesystem::path path;
+  std::string format;         ///< "csv", "lvm", "uff58-ascii", "uff58-binary"
+  double sample_rate_hz = 0;  ///< from the time column where there is one; 0: not known
+  double start_time_s = 0;
+  double time_jitter_s = 0;  ///< rms departure of the time column from uniform sampling
+  Eigen::VectorXd time_s;    ///< kept only when sampling is not uniform, else empty
+  std::vector<Channel>
+      channels;  ///< all of the same length (a shorter one is padded with NaN and noted)
+  std::vector<Note> notes;
+
+  [[nodiscard]] Eigen::Index samples() const {
+    return channels.empty() ? 0 : channels.front().samples.size();
+  }
+  [[nodiscard]] double duration_s() const {
+    return sample_rate_hz > 0 ? static_cast<double>(samples()) / sample_rate_hz : 0;
+  }
+  /// Index of the channel of that name (exact, then case-insensitive, then 1-based "#k").
+  /// Throws RecordingError naming the channels there are.
+  [[nodiscard]] Eigen::Index channel_index(const std::string& name) const;
+  [[nodiscard]] const Channel& channel(const std::string& name) const {
+    return channels[static_cast<std::size_t>(channel_index(name))];
+  }
+};
+
+}  // namespace rigfit::signal

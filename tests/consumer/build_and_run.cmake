@@ -1,0 +1,17 @@
+# Installs the build into a fresh prefix, then configures, builds and runs the consumer against it.
+set(prefix ${BINARY}/prefix)
+file(REMOVE_RECURSE ${BINARY})
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${ARGN}\nended with ${result}:\n${output}")
+  endif()
+endfunction()
+if(SANITIZE)
+  set(flags -DCMAKE_EXE_LINKER_FLAGS=-fsanitize=address,undefined)
+endif()
+run(${CMAKE_COMMAND} --install ${RIGFIT_BUILD} --prefix ${prefix})
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${BINARY}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${prefix}
+    ${flags})
+run(${CMAKE_COMMAND} --build ${BINARY}/build)
+run(${BINARY}/build/consumer)
