@@ -1,0 +1,30 @@
+#!/bin/sh
+# Builds rigfit and runs its main job on testdata/: published tables to a report of model against test.
+# On a fresh Debian 12 machine it first installs what is missing.   sh apps/demo.sh [OUTPUT_FOLDER]
+set -eu
+cd "$(dirname "$0")/.."
+out="${1:-build/demo}"
+
+sh apps/install_packages.sh build
+[ -f build/release/build.ninja ] || {
+  echo "Configuring (release) ..."
+  mkdir -p build
+  cmake --preset release -DRIGFIT_BUILD_TESTS=OFF -DRIGFIT_BUILD_BENCHMARKS=OFF \
+    >build/configure-release.log 2>&1 || {
+    cat build/configure-release.log >&2
+    echo "error: configuring failed (above)" >&2
+    exit 1
+  }
+}
+echo "Building rigfit (a few minutes the first time) ..."
+cmake --build build/release --target rigfit
+
+echo "Running the report on testdata/jalali2021/campaign.toml ..."
+status=0
+build/release/apps/rigfit report testdata/jalali2021/campaign.toml --out "$out" || status=$?
+# 4: something was refused and the report says so; everything else there is there.
+if [ "$status" -ne 0 ] && [ "$status" -ne 4 ]; then
+  echo "error: rigfit report ended with exit code $status" >&2
+  exit "$status"
+fi
+echo "The report: $(cd "$out" && pwd)/report.html"

@@ -1,0 +1,23 @@
+#!/bin/sh
+# Builds everything and runs every test. On a fresh Debian 12 machine it first installs what is missing.
+#   sh tests/run.sh [PRESET]      PRESET: release (default), dev or asan
+set -eu
+cd "$(dirname "$0")/.."
+preset="${1:-release}"
+benchmarks=OFF
+[ "$preset" = asan ] || benchmarks=ON
+
+sh apps/install_packages.sh test
+echo "Configuring ($preset) ..."
+mkdir -p build
+cmake --preset "$preset" -DRIGFIT_BUILD_TESTS=ON \
+  -DRIGFIT_BUILD_BENCHMARKS="$benchmarks" \
+  >"build/configure-$preset.log" 2>&1 || {
+  cat "build/configure-$preset.log" >&2
+  echo "error: configuring failed (above)" >&2
+  exit 1
+}
+echo "Building ($preset; a few minutes the first time) ..."
+cmake --build "build/$preset"
+echo "Testing ..."
+exec ctest --preset "$preset" -j "$(nproc)"
