@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/scene_error.h"
@@ -15,6 +16,10 @@ namespace rigfit::model {
 
 /// Bounds a number must keep; refused with the remedy otherwise. Non-finite is always refused.
 enum class Bound { any, not_negative, positive };
+
+/// The word most like the given one (few typing errors away), if any is; for "did you mean".
+[[nodiscard]] std::optional<std::string> nearest_word(const std::string& word,
+                                                      const std::vector<std::string>& words);
 
 class TomlTable {
  public:
@@ -39,8 +44,9 @@ class TomlTable {
   /// One of the words; the remedy lists them.
   std::string choice_or(const std::string& key, const std::vector<std::string>& words,
                         const std::string& fallback);
+  /// `infinite_allowed`: plus infinity (`inf`) passes too, as a stiffness that is fixed.
   std::vector<double> numbers(const std::string& key, std::size_t min_size, std::size_t max_size,
-                              Bound bound, const std::string& unit);
+                              Bound bound, const std::string& unit, bool infinite_allowed = false);
   std::vector<std::string> strings(const std::string& key);
   /// Strings given as one string or as a list of them.
   std::vector<std::string> string_or_strings(const std::string& key);
