@@ -1,6 +1,6 @@
-// From what happens at a sensor to what a logger writes: sensitivity, transverse sensitivity, offset,
-// drift, noise, quantisation and clipping. Part of the virtual laboratory; every recording made
-// with it is synthetic.
+// From what happens at a sensor to what a logger writes: sensitivity, transverse sensitivity,
+// offset, drift, noise, quantisation and clipping. Part of the virtual laboratory; every recording
+// made with it is synthetic.
 //
 //   y = clip( quantise( x + t x_transverse + offset + drift(t) + noise ) )
 // Drift is a straight line plus a random walk; noise is white over the logger's band.
@@ -25,11 +25,12 @@ struct SensorModel {
 /// Seeded random numbers that are the same on every run.
 using Random = std::mt19937_64;
 
-/// What the logger writes of `signal` (one sample a step of `dt_s`); `transverse` has the same length or
-/// is empty. Throws std::invalid_argument for different lengths or a converter without full scale.
+/// What the logger writes of `signal` (one sample a step of `dt_s`); `transverse` has the same
+/// length or is empty. Throws std::invalid_argument for different lengths or a converter without
+/// full scale.
 [[nodiscard]] Eigen::VectorXd recorded(const Eigen::Ref<const Eigen::VectorXd>& signal,
-                                       const Eigen::Ref<const Eigen::VectorXd>& transverse, double dt_s,
-                                       const SensorModel& sensor, Random& random);
+                                       const Eigen::Ref<const Eigen::VectorXd>& transverse,
+                                       double dt_s, const SensorModel& sensor, Random& random);
 
 /// A generator for one part of a laboratory, independent of the others for the same seed.
 [[nodiscard]] Random random_stream(std::uint64_t seed, std::uint64_t stream);

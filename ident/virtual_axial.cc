@@ -26,10 +26,9 @@ void check(const VirtualAxialTest& test) {
 double frequency_equation(const VirtualAxialTest& test, double omega) {
   const double b = omega * std::sqrt(test.mass_per_length_kg_m / test.EA_N);
   const double rod = test.EA_N * b / std::tan(b * test.length_m);
-  const double series =
-      test.adapter_stiffness_N_m > 0
-          ? rod * test.adapter_stiffness_N_m / (rod + test.adapter_stiffness_N_m)
-          : rod;
+  const double series = test.adapter_stiffness_N_m > 0
+                            ? rod * test.adapter_stiffness_N_m / (rod + test.adapter_stiffness_N_m)
+                            : rod;
   return omega * omega * test.hung_mass_kg - series;
 }
 
@@ -87,9 +86,8 @@ signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& ran
     if (s > 0) {
       // Force through the cell is M (g - x''); x = v/wd exp(-d s) sin(wd s).
       const double e = std::exp(-decay * s) * velocity / omega_d;
-      const double acceleration =
-          e * ((decay * decay - omega_d * omega_d) * std::sin(omega_d * s) -
-               2 * decay * omega_d * std::cos(omega_d * s));
+      const double acceleration = e * ((decay * decay - omega_d * omega_d) * std::sin(omega_d * s) -
+                                       2 * decay * omega_d * std::cos(omega_d * s));
       tension[i] -= test.hung_mass_kg * acceleration;
     }
   }

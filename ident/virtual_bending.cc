@@ -11,7 +11,8 @@ namespace {
 // Q / d = 4 P / (l g), g = 1 - 2 tanh(x/2)/x with x = sqrt(P l^2 / (4 EI)); stable for every x > 0.
 double elastic_stiffness(double tension, double span, double EI) {
   const double x = std::sqrt(tension * span * span / (4 * EI));
-  // For small x the difference cancels: x^2/12 - x^4/120 + 17 x^6/20160, next term below 1e-6 at 0.1.
+  // For small x the difference cancels: x^2/12 - x^4/120 + 17 x^6/20160, next term below 1e-6 at
+  // 0.1.
   const double g = x < 0.1 ? x * x * (1. / 12 - x * x * (1. / 120 - x * x * 17. / 20160))
                            : 1 - 2 * std::tanh(x / 2) / x;
   return 4 * tension / (span * g);
@@ -45,10 +46,8 @@ signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random&
     // Exact solution of Dahl's law over a step of constant direction.
     const double target = std::copysign(test.friction_load_N, step);
     friction = target + (friction - target) * std::exp(-std::abs(step) / test.friction_travel_m);
-    const double tension =
-        test.tension_N + test.frame_stiffness_N_m * 2 * d * d / test.span_m;
-    truth.row(i) << tension,
-        elastic_stiffness(tension, test.span_m, test.EI_Nm2) * d + friction, d;
+    const double tension = test.tension_N + test.frame_stiffness_N_m * 2 * d * d / test.span_m;
+    truth.row(i) << tension, elastic_stiffness(tension, test.span_m, test.EI_Nm2) * d + friction, d;
     before = d;
   }
   signal::Recording recording;

@@ -37,10 +37,11 @@ std::string csv_text(const Recording& recording,
   const bool own_time = recording.time_s.size() == recording.samples();
   for (Eigen::Index i = 0; i < recording.samples(); ++i) {
     // Times of uniform sampling are written such that the rate can be read back from them.
-    fmt::format_to(out, "{:.12g}",
-                   own_time && recording.time_s.size() > 0
-                       ? recording.time_s[i]
-                       : recording.start_time_s + static_cast<double>(i) / recording.sample_rate_hz);
+    fmt::format_to(
+        out, "{:.12g}",
+        own_time && recording.time_s.size() > 0
+            ? recording.time_s[i]
+            : recording.start_time_s + static_cast<double>(i) / recording.sample_rate_hz);
     for (const auto& channel : recording.channels) {
       text += ',';
       const double value = (channel.samples[i] - channel.si_offset) / channel.si_per_source;

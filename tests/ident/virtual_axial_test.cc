@@ -20,7 +20,8 @@ VirtualAxialTest light_test() {
 }
 
 // k = (M + mc/3) w^2 is the rod's Rayleigh quotient; what it leaves out is of second order in mc/M:
-// the exact series k_rod = EA/L (1 - x/3 - x^2/45 ...), x = (bL)^2 = about mc/M = 0.076, so x^2/45 = 1.3e-4.
+// the exact series k_rod = EA/L (1 - x/3 - x^2/45 ...), x = (bL)^2 = about mc/M = 0.076, so x^2/45
+// = 1.3e-4.
 TEST(VirtualAxial, ContinuousRodNearsTheLumpedOneFromBelow) {
   const auto test = light_test();
   const double k = test.EA_N / test.length_m;
@@ -36,7 +37,8 @@ TEST(VirtualAxial, AStiffAdapterVanishesAndASoftOneTakesOver) {
   const double bare = axial_truth(test).frequency_hz;
   test.adapter_stiffness_N_m = 1e15;
   EXPECT_NEAR(axial_truth(test).frequency_hz, bare, 1e-9 * bare);
-  test.adapter_stiffness_N_m = 10;  // cable is 22000 times stiffer: only the adapter's spring is left
+  test.adapter_stiffness_N_m =
+      10;  // cable is 22000 times stiffer: only the adapter's spring is left
   const double soft = std::sqrt(10 / 2.2) / (2 * std::numbers::pi);
   EXPECT_NEAR(axial_truth(test).frequency_hz, soft, 3e-4 * soft);
 }

@@ -18,7 +18,8 @@ VirtualBendingTest quiet_test() {
   return test;
 }
 
-// Without tension to speak of, a clamped beam: d = Q l^3 / (192 EI); g's next term is x^2/10 = 2.5e-6 here.
+// Without tension to speak of, a clamped beam: d = Q l^3 / (192 EI); g's next term is x^2/10
+// = 2.5e-6 here.
 TEST(VirtualBending, WithoutTensionIsAClampedBeam) {
   auto test = quiet_test();
   test.tension_N = 6e-5;
