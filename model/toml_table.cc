@@ -5,6 +5,8 @@
 #include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 
 namespace rigfit::model {
@@ -100,6 +102,28 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& file) {
         "mend this line (strings in quotes, a decimal point, one `key = value` a line)");
   }
   return {std::move(node), ""};
+}
+
+TomlTable TomlTable::read_file(const std::filesystem::path& path) {
+  constexpr std::uintmax_t kLargest = 64u << 20;  // no person writes more; keeps a wrong path cheap
+  std::error_code error;
+  const auto fail = [&](const std::string& why, const char* remedy) {
+    throw SceneError({path.string(), 0, 0, ""}, why, remedy);
+  };
+  if (!std::filesystem::exists(path, error)) {
+    fail("there is no such file",
+         "check the path; relative paths start at the file that names them");
+  }
+  if (!std::filesystem::is_regular_file(path, error)) {
+    fail("this is not a file", "name the TOML file itself");
+  }
+  if (std::filesystem::file_size(path, error) > kLargest) {
+    fail("the file is too large to be a description", "name the TOML file, not a recording");
+  }
+  std::ifstream stream(path, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  if (!stream) fail("cannot be read", "check its permissions");
+  return parse(text, path.string());
 }
 
 bool TomlTable::has(const std::string& key) const { return node_->find(key) != nullptr; }

@@ -4,6 +4,7 @@
 // wrong file is refused in the same words everywhere.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,6 +26,8 @@ class TomlTable {
  public:
   /// Parses a file's text; throws SceneError with line and column.
   static TomlTable parse(std::string_view text, const std::string& file);
+  /// The same from a file; a missing or unreadable one is a SceneError too.
+  static TomlTable read_file(const std::filesystem::path& path);
 
   [[nodiscard]] bool has(const std::string& key) const;
   [[nodiscard]] const std::string& path() const {
