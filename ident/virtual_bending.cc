@@ -4,22 +4,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "ident/bending_equation.h"
+
 namespace rigfit::ident {
-namespace {
-
-// Load per deflection of a clamped cable under tension (Jalali and Rideout 2021, eq. (17)):
-// Q / d = 4 P / (l g), g = 1 - 2 tanh(x/2)/x with x = sqrt(P l^2 / (4 EI)); stable for every x > 0.
-double elastic_stiffness(double tension, double span, double EI) {
-  const double x = std::sqrt(tension * span * span / (4 * EI));
-  // For small x the difference cancels: x^2/12 - x^4/120 + 17 x^6/20160, next term below 1e-6 at
-  // 0.1.
-  const double g = x < 0.1 ? x * x * (1. / 12 - x * x * (1. / 120 - x * x * 17. / 20160))
-                           : 1 - 2 * std::tanh(x / 2) / x;
-  return 4 * tension / (span * g);
-}
-
-}  // namespace
-
 signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random& random) {
   for (double value : {test.EI_Nm2, test.span_m, test.tension_N, test.peak_load_N,
                        test.friction_travel_m, test.cycle_s, test.sample_rate_hz}) {
@@ -33,7 +20,7 @@ signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random&
   const double dt = 1 / test.sample_rate_hz;
   const auto samples = static_cast<Eigen::Index>(std::floor(test.cycles * test.cycle_s / dt)) + 1;
   const double peak_deflection =
-      test.peak_load_N / elastic_stiffness(test.tension_N, test.span_m, test.EI_Nm2);
+      test.peak_load_N * midspan_compliance(test.EI_Nm2, test.tension_N, test.span_m);
 
   Eigen::MatrixX3d truth(samples, 3);  // tension, load, deflection
   double friction = 0;
@@ -47,7 +34,8 @@ signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random&
     const double target = std::copysign(test.friction_load_N, step);
     friction = target + (friction - target) * std::exp(-std::abs(step) / test.friction_travel_m);
     const double tension = test.tension_N + test.frame_stiffness_N_m * 2 * d * d / test.span_m;
-    truth.row(i) << tension, elastic_stiffness(tension, test.span_m, test.EI_Nm2) * d + friction, d;
+    truth.row(i) << tension, d / midspan_compliance(test.EI_Nm2, tension, test.span_m) + friction,
+        d;
     before = d;
   }
   signal::Recording recording;
