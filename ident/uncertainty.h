@@ -1,0 +1,61 @@
+// What a least-squares fit knows about its parameters: covariance, correlations, rank, and the
+// names of those that the data cannot separate.
+//
+// With J the Jacobian of residuals already divided by their standard deviations and S a diagonal
+// matrix of the parameters' scales, J S = U diag(s) V'. A direction v_i of relative change is known
+// to 1 / s_i, so var(p_j) = S_j^2 sum_i (V_ji / s_i)^2. A parameter whose relative standard
+// uncertainty exceeds `max_relative_std` is not determined: it gets none, and each direction
+// responsible is named. Source: Golub and Van Loan, Matrix Computations, 5.5; Bard, Nonlinear
+// Parameter Estimation, 7.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace rigfit::ident {
+
+struct IdentifiabilityOptions {
+  /// Above this relative standard uncertainty a parameter counts as not determined: its order of
+  /// magnitude is then all that is left.
+  double max_relative_std = 1;
+  /// Singular values below this share of the largest are zero as far as the Jacobian's own accuracy
+  /// goes.
+  double relative_rank_tolerance = 1e-9;
+  /// Multiplies every variance (a scale estimated from the scatter); 1: the weights are right.
+  double variance_factor = 1;
+};
+
+/// A direction in parameter space along which the data say nothing.
+struct OpenDirection {
+  std::vector<int> parameters;  ///< those that take part, the strongest first
+  Eigen::VectorXd direction;    ///< relative change of all, unit length
+  double relative_std = 0;      ///< 1 / s; infinite for an exact null direction
+  std::string message;          ///< for a person, with the names
+};
+
+struct Identifiability {
+  int rank = 0;          ///< directions that are determined
+  double condition = 0;  ///< largest over smallest singular value of J S
+  std::vector<bool> identifiable;
+  Eigen::VectorXd std;          ///< NaN where not identifiable
+  Eigen::MatrixXd covariance;   ///< rows and columns of unidentifiable parameters are NaN
+  Eigen::MatrixXd correlation;  ///< the same
+  std::vector<OpenDirection> open;
+
+  [[nodiscard]] bool complete() const { return open.empty(); }
+};
+
+/// `jacobian` residuals x parameters, whitened; `scales` (> 0) what a relative change of 1 means.
+/// Throws std::invalid_argument when sizes differ; a Jacobian with what is not finite determines
+/// nothing.
+[[nodiscard]] Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                                              const Eigen::Ref<const Eigen::VectorXd>& scales,
+                                              const std::vector<std::string>& names,
+                                              const IdentifiabilityOptions& options = {});
+
+/// Two-sided quantile for a coverage such as 0.95: Student's t, or the normal's for no (<= 0)
+/// degrees of freedom.
+[[nodiscard]] double coverage_factor(double coverage, double degrees_of_freedom);
+
+}  // namespace rigfit::ident
