@@ -1,0 +1,28 @@
+// A file's bytes for a reader, mapped rather than copied, so that a 1 GB recording costs no memory
+// of its own.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace rigfit::signal {
+
+class MappedFile {
+ public:
+  /// Throws RecordingError when the file cannot be opened, is a folder, or is empty.
+  explicit MappedFile(const std::filesystem::path& path);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  [[nodiscard]] std::string_view bytes() const { return {data_, size_}; }
+
+  /// Says that bytes before `offset` are not needed soon; they no longer count as memory in use.
+  void release_before(std::size_t offset) const;
+
+ private:
+  char* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace rigfit::signal

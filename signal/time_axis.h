@@ -1,0 +1,38 @@
+// The sample rate that a column of times shows, and how far the column departs from it.
+//
+// t_k = start + k / rate, by least squares over all samples: the rounding of printed times averages
+// out, where the median of their differences would keep it. Departures that printing explains
+// (half of the last digit) and those below a hundredth of a step leave the sampling uniform.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace rigfit::signal {
+
+struct TimeAxisOptions {
+  double printed_resolution_s = 0;  ///< one unit of the last printed digit; 0: full precision
+  double stated_rate_hz = 0;        ///< by a header; taken when the times agree with it; 0: none
+};
+
+struct TimeAxis {
+  double rate_hz = 0;  ///< 0: not to be had (fewer than two times, or they do not rise)
+  double start_s = 0;
+  double jitter_s = 0;  ///< rms departure from uniform sampling
+  bool uniform = false;
+  bool agrees_with_stated = true;  ///< true also when nothing is stated
+  long missing = 0;                ///< NaN among the times
+  long repeated = 0;               ///< steps of zero that printing does not explain
+  long backward = 0;
+  long gaps = 0;                  ///< steps over 1.5 of the usual one
+  Eigen::Index first_fault = -1;  /// sample after the first repeated, backward or long step
+  Eigen::Index longest_gap_at = -1;
+  double longest_gap_s = 0;
+};
+
+[[nodiscard]] TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
+                                 const TimeAxisOptions& options = {});
+
+/// The roundest rate within `tolerance` (relative) of `rate_hz`: 65535.95 -> 65536 at 1e-5.
+[[nodiscard]] double round_rate(double rate_hz, double tolerance);
+
+}  // namespace rigfit::signal
