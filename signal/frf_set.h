@@ -14,6 +14,8 @@ namespace rigfit::signal {
 
 enum class FrfForm { receptance, mobility, accelerance, unknown };
 [[nodiscard]] const char* name_of(FrfForm form);
+/// "m/N", "(m/s)/N", "(m/s^2)/N", "" for unknown.
+[[nodiscard]] const char* unit_of(FrfForm form);
 
 /// Where and in which direction a signal was taken: UFF 58's node and direction, plus a name.
 struct MeasuredPoint {
@@ -28,7 +30,8 @@ struct FrfSet {
   std::vector<MeasuredPoint> inputs;     ///< Ni
   /// lines x (No * Ni), column `response * Ni + input`; SI per N in the units of `form`.
   Eigen::MatrixXcd H;
-  /// Same layout: standard deviation of the real and of the imaginary part, each; empty: unknown.
+  /// Same layout: standard deviation of the real and of the imaginary part, each (random error of
+  /// the average, not of one hit); empty: unknown.
   Eigen::MatrixXd H_std;
   Eigen::MatrixXd coherence;  ///< same layout; empty: unknown
   FrfForm form = FrfForm::unknown;
@@ -44,8 +47,9 @@ struct FrfSet {
   }
 };
 
-/// Multiplies by (i omega)^k to get `form`; the line at 0 Hz, where that would divide by zero, is
-/// dropped (noted). Throws std::invalid_argument when the present form is unknown.
+/// Multiplies by s^k to get `form`, with s = i omega + exponential_decay_rate_1_s: under a shared
+/// exponential window the lines hold H on that line of the s plane. Where this divides, the line at
+/// 0 Hz is dropped (noted). Throws std::invalid_argument when either form is unknown.
 [[nodiscard]] FrfSet converted(const FrfSet& frfs, FrfForm form);
 
 }  // namespace rigfit::signal

@@ -1,0 +1,72 @@
+// Averaged frequency response functions of one input from hits, with coherence and error bars.
+//
+// With X_i, Y_i the transforms of force and response of hit i, sums over n hits
+//   Gxx = sum |X|^2, Gyy = sum |Y|^2, Gxy = sum conj(X) Y:
+//   H1 = Gxy / Gxx (noise on the response), H2 = Gyy / conj(Gxy) (noise on the force),
+//   Hv = (Gxy / |Gxy|) sqrt(Gyy / Gxx) (noise shared in proportion; the geometric mean),
+//   coherence g2 = |Gxy|^2 / (Gxx Gyy), and the random error (Bendat and Piersol, Random Data, 4th
+//   ed., sec. 9.2) std(|H|) = |H| sqrt((1 - g2) / (2 n g2)), here with n - 1 in place of n: the
+//   residual power Gyy (1 - g2) of n hits has n - 1 complex degrees of freedom, and std(Re H) =
+//   std(Im H) = sqrt(Gyy (1 - g2) / (2 (n - 1) Gxx)) is then free of bias from n = 2 on.
+// Transforms are unscaled sums over the block; the ratio needs no scale. A window shared by force
+// and response changes no amplitude: see window.h. A ring-down that is cut at the end of the block
+// (no window) leaves the poles in place but scales each mode's residue by 1 - exp(p T), p its pole
+// and T from the hit to the end.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+namespace rigfit::signal {
+
+enum class FrfEstimator { h1, h2, hv };
+[[nodiscard]] const char* name_of(FrfEstimator estimator);
+
+/// One hit: views into recordings, all beginning at the same instant. A view shorter than the block
+/// counts as zero (after its offset) from there on.
+struct FrfBlock {
+  std::span<const double> force;
+  std::vector<std::span<const double>> responses;
+  double force_offset = 0;                 ///< subtracted
+  std::vector<double> response_offset;     ///< subtracted; empty: zeros
+  Eigen::Index force_flat = -1;            ///< samples of force kept as they are; -1: all
+  Eigen::Index force_taper = 0;            ///< then faded out over so many
+  double force_noise_std = 0;              ///< of one sample, such as before the hit; 0: not known
+  std::vector<double> response_noise_std;  /// < the same per response; empty: not known
+};
+
+struct FrfOptions {
+  FrfEstimator estimator = FrfEstimator::h1;
+  double sample_rate_hz = 0;
+  Eigen::Index block_samples = 0;
+  double exponential_decay_rate_1_s = 0;  ///< of exp(-a t) on force and response; 0: none
+  /// The residual noise power is averaged over this many lines on either side before it becomes an
+  /// error bar: noise spectra are smooth, and an error bar from few hits alone scatters by
+  /// 1 / (2 sqrt(n - 1)). Where the noise before the hit is known, its share through the force
+  /// (which peaks where |H| does) gives the shape that is scaled. 0: every line by itself.
+  Eigen::Index error_smoothing_lines = 10;
+  bool leave_one_out = false;  ///< fill `FrfEstimate::incoherence_without`
+  /// Lines used by leave-one-out: where the force spectrum is within this of its maximum.
+  double leave_one_out_range_db = 20;
+  int threads = 1;  ///< over responses; the result does not depend on it
+};
+
+struct FrfEstimate {
+  Eigen::VectorXd frequency_hz;
+  Eigen::MatrixXcd H;                      ///< lines x responses
+  Eigen::MatrixXd H_std;                   ///< of real and imaginary part, each; empty: unknown
+  Eigen::MatrixXd coherence;               ///< empty for one hit, where it says nothing
+  Eigen::VectorXd force_power;             ///< mean |X|^2 a hit, unscaled, lines
+  bool std_from_noise_before_hit = false;  ///< one hit: from the blocks' noise_std
+  /// Part of the response power (all responses, each relative to its own) not explained by the
+  /// force, per degree of freedom, in the lines of `leave_one_out_range_db`.
+  double incoherence = 0;
+  Eigen::VectorXd incoherence_without;  ///< the same without hit i
+};
+
+/// Blocks need the same responses. n = 1: no coherence; error bars only when the noise is known.
+/// A line without force or response gives H = 0, never NaN.
+[[nodiscard]] FrfEstimate average_frfs(std::span<const FrfBlock> blocks, const FrfOptions& options);
+
+}  // namespace rigfit::signal

@@ -1,0 +1,26 @@
+// Windows of impact tests.
+//
+// Force: one through the pulse, then a half cosine down to zero: what follows is noise, not force.
+// Exponential: w(t) = exp(-a t), shared by force and response. Since both become functions of
+// s = i omega + a, their ratio is the FRF on that line of the s plane: every pole moves by -a, no
+// amplitude changes, and a is taken off again from the poles. Source: Fladung, Rost, "Application
+// and correction of the exponential window", Mechanical Systems and Signal Processing 11 (1997)
+// 23-36.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace rigfit::signal {
+
+/// exp(-a n / rate), n = 0 .. length - 1.
+[[nodiscard]] Eigen::VectorXd exponential_window(Eigen::Index length, double sample_rate_hz,
+                                                 double decay_rate_1_s);
+
+/// a of the window that has fallen to `end_level` (0..1) after `duration_s`.
+[[nodiscard]] double decay_rate_for(double end_level, double duration_s);
+
+/// 1 for `flat` samples, a half cosine over the next `taper`, then 0.
+[[nodiscard]] Eigen::VectorXd force_window(Eigen::Index length, Eigen::Index flat,
+                                           Eigen::Index taper);
+
+}  // namespace rigfit::signal
