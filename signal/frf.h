@@ -33,7 +33,7 @@ struct FrfBlock {
   Eigen::Index force_flat = -1;            ///< samples of force kept as they are; -1: all
   Eigen::Index force_taper = 0;            ///< then faded out over so many
   double force_noise_std = 0;              ///< of one sample, such as before the hit; 0: not known
-  std::vector<double> response_noise_std;  /// < the same per response; empty: not known
+  std::vector<double> response_noise_std;  ///< the same per response; empty: not known
 };
 
 struct FrfOptions {

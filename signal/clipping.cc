@@ -1,0 +1,51 @@
+#include "signal/clipping.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rigfit::signal {
+using Eigen::Index;
+
+ClipLevels clip_levels(const Eigen::Ref<const Eigen::VectorXd>& channel) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  ClipLevels levels{kInfinity, -kInfinity, kInfinity};
+  double previous = std::numeric_limits<double>::quiet_NaN();
+  for (const double value : channel) {
+    if (std::isfinite(value)) {
+      levels.low = std::min(levels.low, value);
+      levels.high = std::max(levels.high, value);
+      const double change = std::abs(value - previous);
+      if (change > 0) levels.step = std::min(levels.step, change);
+    }
+    previous = value;
+  }
+  if (!(levels.high >= levels.low)) return {};
+  if (!std::isfinite(levels.step)) levels.step = 0;
+  return levels;
+}
+
+bool is_clipped(const Eigen::Ref<const Eigen::VectorXd>& channel, const ClipLevels& levels,
+                double rest, Index first, Index last, double nominal_range) {
+  const double span = levels.high - levels.low;
+  if (!(span > 0)) return false;
+  for (Index k = first; k <= last; ++k) {
+    const double value = channel[k];
+    if (nominal_range > 0 && std::abs(value) >= 0.9999 * nominal_range) return true;
+    if ((value != levels.high && value != levels.low) || std::abs(value - rest) < 0.1 * span) {
+      continue;
+    }
+    Index end = k;
+    while (end < last && channel[end + 1] == value) ++end;
+    if (end - k + 1 >= 3) {
+      double entry = 0;
+      if (k > 0) entry = std::max(entry, std::abs(channel[k - 1] - value));
+      if (end + 1 < channel.size()) entry = std::max(entry, std::abs(channel[end + 1] - value));
+      if (entry > 3 * levels.step) return true;
+    }
+    k = end;
+  }
+  return false;
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,24 @@
+// Location and scatter that a few wild samples do not move.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace rigfit::signal {
+
+/// Middle value (upper of the two for an even number); 0 of nothing. Reorders `values`.
+[[nodiscard]] inline double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// 1.4826 times the median absolute deviation: the standard deviation of Gaussian noise.
+[[nodiscard]] inline double robust_std(std::vector<double> values, double centre) {
+  for (double& value : values) value = std::abs(value - centre);
+  return 1.4826 * median(values);
+}
+
+}  // namespace rigfit::signal
