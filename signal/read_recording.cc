@@ -4,6 +4,8 @@
 #include "signal/csv_layout.h"
 #include "signal/mapped_file.h"
 #include "signal/read_csv.h"
+#include "signal/read_lvm.h"
+#include "signal/read_uff.h"
 
 namespace rigfit::signal {
 
@@ -24,6 +26,14 @@ RecordingFormat format_of(std::string_view bytes) {
 
 Recording read_recording(const std::filesystem::path& path, const ReadOptions& options) {
   const MappedFile file(path);
+  switch (format_of(file.bytes())) {
+    case RecordingFormat::uff:
+      return read_uff(file.bytes(), path, options);
+    case RecordingFormat::lvm:
+      return read_lvm(file.bytes(), path, options);
+    case RecordingFormat::csv:
+      break;
+  }
   return read_csv(file.bytes(), path, options,
                   [&](std::size_t offset) { file.release_before(offset); });
 }
