@@ -2,9 +2,6 @@
 
 namespace rigfit::apps {
 
-void add_all_verbs(CLI::App& program, Verbs& verbs) {
-  (void)program;
-  (void)verbs;
-}
+void add_all_verbs(CLI::App& program, Verbs& verbs) { add_frf(program, verbs); }
 
 }  // namespace rigfit::apps

@@ -3,4 +3,8 @@
 
 #include "apps/verb.h"
 
-namespace rigfit::apps {}  // namespace rigfit::apps
+namespace rigfit::apps {
+
+void add_frf(CLI::App& program, Verbs& verbs);
+
+}  // namespace rigfit::apps
