@@ -6,5 +6,6 @@
 namespace rigfit::apps {
 
 void add_frf(CLI::App& program, Verbs& verbs);
+void add_report(CLI::App& program, Verbs& verbs);
 
 }  // namespace rigfit::apps

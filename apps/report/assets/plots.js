@@ -1,0 +1,161 @@
+// Draws the page's plots with dygraphs: zoom by dragging, values under the pointer or by arrow keys, series switched
+// in the legend, linear or logarithmic axes. The data are in the page (script element "plots").
+(function () {
+  "use strict";
+  var STYLE = getComputedStyle(document.documentElement);
+  function colour(word) { return STYLE.getPropertyValue("--" + word).trim() || "#888"; }
+  function shown(v) { return v === null || v === undefined || isNaN(v) ? "" : String(Number(v.toPrecision(5))); }
+
+  // Series with their own x values become columns over all of them; null where a series has no value.
+  function table(plot) {
+    var banded = plot.series.some(function (s) { return s.low && s.line; });
+    var row_of = new Map(), rows = [];
+    plot.series.forEach(function (s, k) {
+      var used = new Set();
+      s.x.forEach(function (x, i) {
+        // Several points of one series may share an x: each gets a row of its own.
+        var list = row_of.get(x);
+        if (!list) { list = []; row_of.set(x, list); }
+        var row = list.find(function (r) { return !used.has(r); });
+        if (!row) {
+          row = [x];
+          for (var c = 0; c < plot.series.length; ++c) row.push(banded ? [null, null, null] : null);
+          list.push(row); rows.push(row);
+        }
+        used.add(row);
+        var y = s.y[i];
+        if (y === null) y = NaN;
+        row[k + 1] = banded ? (s.low && s.line ? [s.low[i], y, s.high[i]] : [y, y, y]) : y;
+        row["i" + k] = i;
+      });
+    });
+    rows.sort(function (a, b) { return a[0] - b[0]; });
+    return { rows: rows, banded: banded };
+  }
+
+  function shape(kind, ctx, x, y, size) {
+    ctx.beginPath();
+    if (kind === "published-model0") ctx.rect(x - size, y - size, 2 * size, 2 * size);
+    else if (kind === "published-model1") { ctx.moveTo(x, y - 1.3 * size); ctx.lineTo(x + 1.3 * size, y); ctx.lineTo(x, y + 1.3 * size); ctx.lineTo(x - 1.3 * size, y); ctx.closePath(); }
+    else if (kind.indexOf("synthetic") === 0) { ctx.moveTo(x, y - size); ctx.lineTo(x + size, y + size); ctx.lineTo(x - size, y + size); ctx.closePath(); }
+    else if (kind.indexOf("modelled") === 0) { ctx.moveTo(x - size, y); ctx.lineTo(x + size, y); ctx.moveTo(x, y - size); ctx.lineTo(x, y + size); }
+    else ctx.arc(x, y, size, 0, 2 * Math.PI);
+  }
+
+  function draw(host, plot) {
+    var data = table(plot);
+    var labels = ["x"], options = {};
+    plot.series.forEach(function (s, k) {
+      var name = s.name;
+      while (labels.indexOf(name) >= 0) name += " ";
+      labels.push(name);
+      var line_colour = colour(s.origin);
+      var kind = s.origin + (s.variant % 2);
+      options[name] = {
+        color: line_colour,
+        connectSeparatedPoints: true,
+        strokeWidth: s.line ? 1.8 : 0,
+        strokePattern: s.dashed ? [7, 4] : [null, [9, 3], [2, 3], [9, 3, 2, 3]][s.variant % 4],
+        drawPoints: !!s.points, pointSize: s.points ? 4.5 : 1, highlightCircleSize: 6,
+        drawPointCallback: function (g, series, ctx, x, y, c, size, idx) {
+          ctx.save();
+          ctx.strokeStyle = line_colour; ctx.lineWidth = 1.6;
+          if (s.low) {
+            var i = data.rows[idx]["i" + k], low = s.low[i], high = s.high[i];
+            if (low !== null && high !== null) {
+              var a = g.toDomYCoord(low), b = g.toDomYCoord(high);
+              ctx.beginPath(); ctx.moveTo(x, a); ctx.lineTo(x, b); ctx.moveTo(x - 4, a); ctx.lineTo(x + 4, a); ctx.moveTo(x - 4, b); ctx.lineTo(x + 4, b); ctx.stroke();
+            }
+          }
+          shape(kind, ctx, x, y, size);
+          ctx.fillStyle = s.origin === "published-model" || (s.variant % 2 && s.origin !== "modelled") ? colour("paper") : line_colour;
+          ctx.fill(); ctx.stroke();
+          ctx.restore();
+        }
+      };
+    });
+    var xs = data.rows.map(function (r) { return r[0]; });
+    var low = Math.min.apply(null, xs), high = Math.max.apply(null, xs), margin = 0.04 * (high - low || 1);
+    var readout = host.parentNode.querySelector(".readout");
+    var g = new Dygraph(host, data.rows, {
+      labels: labels, series: options, customBars: data.banded, fillAlpha: 0.15,
+      xlabel: plot.x_label, ylabel: plot.y_label, xLabelHeight: 18, yLabelWidth: 18,
+      axes: { x: { logscale: plot.log_x, gridLineColor: colour("rule"), axisLineColor: colour("soft") },
+              y: { logscale: plot.log_y, gridLineColor: colour("rule"), axisLineColor: colour("soft"), axisLabelWidth: 58 } },
+      dateWindow: plot.log_x ? null : [low - margin, high + margin],
+      legend: "never", includeZero: false, highlightSeriesOpts: null, xRangePad: 6, yRangePad: 12, labelsKMB: false,
+      highlightCallback: function (event, x, points) {
+        readout.textContent = plot.x_label + " " + shown(x) + ": " + points.filter(function (p) {
+          return p.yval !== null && !isNaN(p.yval); }).map(function (p) { return p.name.trim() + " " + shown(p.yval); }).join("; ");
+      },
+      unhighlightCallback: function () { readout.textContent = ""; }
+    });
+    host.dygraph = g;
+    tools(host, plot, g, low - margin, high + margin);
+    keys(host, plot, g, data, readout);
+  }
+
+  function tools(host, plot, g, low, high) {
+    var box = host.parentNode.querySelector(".plot-tools"), groups = new Map();
+    plot.series.forEach(function (s, k) {
+      var name = s.group || s.name;
+      if (!groups.has(name)) groups.set(name, { series: [], origin: s.origin });
+      groups.get(name).series.push(k);
+    });
+    groups.forEach(function (group, name) {
+      var label = document.createElement("label"), tick = document.createElement("input"), text = document.createElement("span");
+      tick.type = "checkbox"; tick.checked = true;
+      tick.addEventListener("change", function () { group.series.forEach(function (k) { g.setVisibility(k, tick.checked); }); });
+      text.className = "mark o-" + group.origin; text.textContent = name;
+      label.append(tick, text); box.append(label);
+    });
+    function button(text, act) {
+      var b = document.createElement("button"); b.type = "button"; b.textContent = text;
+      b.addEventListener("click", act); box.append(b); return b;
+    }
+    button("Whole range", function () { g.updateOptions({ dateWindow: plot.log_x ? null : [low, high], valueRange: null }); });
+    var log = plot.log_y, positive = plot.series.every(function (s) { return s.y.every(function (y) { return y === null || y > 0; }); });
+    if (positive) {
+      var b = button(log ? "Linear y" : "Logarithmic y", function () {
+        log = !log; b.textContent = log ? "Linear y" : "Logarithmic y";
+        g.updateOptions({ axes: { y: { logscale: log } } });
+      });
+    }
+  }
+
+  function keys(host, plot, g, data, readout) {
+    var at = -1;
+    host.tabIndex = 0;
+    host.setAttribute("role", "application");
+    host.setAttribute("aria-label", plot.title + ": interactive plot. Left and right arrows read values, plus and minus zoom, the table below lists all values.");
+    host.addEventListener("keydown", function (e) {
+      var range = g.xAxisRange(), middle = (range[0] + range[1]) / 2, half = (range[1] - range[0]) / 2;
+      if (e.key === "ArrowRight" || e.key === "ArrowLeft") {
+        at = Math.max(0, Math.min(data.rows.length - 1, at + (e.key === "ArrowRight" ? 1 : -1)));
+        g.setSelection(at);
+        var row = data.rows[at];
+        readout.textContent = plot.x_label + " " + shown(row[0]) + ": " + plot.series.map(function (s, k) {
+          var v = data.banded ? row[k + 1][1] : row[k + 1]; return shown(v) === "" ? "" : s.name + " " + shown(v);
+        }).filter(Boolean).join("; ");
+      } else if (e.key === "+" || e.key === "-") {
+        half *= e.key === "+" ? 0.7 : 1.4; g.updateOptions({ dateWindow: [middle - half, middle + half] });
+      } else return;
+      e.preventDefault();
+    });
+  }
+
+  document.documentElement.classList.remove("no-script");
+  var plots = JSON.parse(document.getElementById("plots").textContent), drawn = [];
+  document.querySelectorAll(".plot").forEach(function (host) { drawn.push([host, plots[host.dataset.plot]]); });
+  // Plots are drawn when they come near the screen, so that a long report opens at once.
+  var waiting = new Map(drawn);
+  function now(host) { var p = waiting.get(host); if (p) { waiting.delete(host); draw(host, p); } }
+  if (window.IntersectionObserver) {
+    var observer = new IntersectionObserver(function (seen) {
+      seen.forEach(function (s) { if (s.isIntersecting) { observer.unobserve(s.target); now(s.target); } });
+    }, { rootMargin: "600px" });
+    drawn.forEach(function (d) { observer.observe(d[0]); });
+  } else drawn.forEach(function (d) { now(d[0]); });
+  window.rigfit_draw_all = function () { drawn.forEach(function (d) { now(d[0]); }); };
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", function () { location.reload(); });
+})();

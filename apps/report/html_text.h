@@ -1,0 +1,19 @@
+// Text and numbers as they stand in HTML.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace rigfit::apps {
+
+/// &, <, >, ", ' replaced; bytes that are not UTF-8 become U+FFFD; control characters go.
+[[nodiscard]] std::string escaped(std::string_view text);
+
+/// A number with so many significant digits, thin-spaced thousands left out; "–" when not finite.
+[[nodiscard]] std::string shown(double value, int digits = 4);
+/// A ratio as percent with sign: "+1.24 %".
+[[nodiscard]] std::string shown_percent(double ratio);
+/// A value with its standard uncertainty, rounded to two digits of the latter: "0.4948 ± 0.0012".
+[[nodiscard]] std::string shown_estimate(double value, double std, int digits = 4);
+
+}  // namespace rigfit::apps

@@ -1,0 +1,35 @@
+// Runs the program as a person does: a command line in, exit code and what it wrote out.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rigfit::apps {
+
+struct ProgramRun {
+  int exit_code = -1;  ///< -1: ended by a signal
+  std::string out, err;
+};
+
+/// Arguments after the program's name, passed as they are (no shell).
+[[nodiscard]] ProgramRun run_program(const std::vector<std::string>& arguments);
+
+/// A folder of this test's own, empty, removed with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// Writes a file in it (folders as needed) and returns its path.
+  std::string write(const std::string& name, const std::string& content) const;
+  /// The content of a file in it; empty when there is none.
+  [[nodiscard]] std::string read(const std::string& name) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace rigfit::apps
