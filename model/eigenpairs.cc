@@ -1,0 +1,291 @@
+#include "model/eigenpairs.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace rigfit::model {
+namespace {
+
+EnvelopeMatrix shifted(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double mu) {
+  EnvelopeMatrix out = k;
+  out.values() -= mu * m.values();
+  return out;
+}
+
+class Lanczos {
+ public:
+  Lanczos(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double shift)
+      : m_(m), shift_(shift), random_(20210101), coupled_(true) {
+    if (shift == 0) {
+      factor_.factor(k);
+    } else {
+      factor_.factor(shifted(k, m, shift));
+    }
+    work_.resize(m.size());
+    reserve(24);
+  }
+
+  /// One vector more; false when the space is exhausted.
+  bool extend() {
+    if (size_ == 0 || renew_) {
+      if (!random_start()) return false;
+      renew_ = false;
+    }
+    const int j = size_ - 1;  // the vector to apply the operator to
+    work_ = mv_.col(j);
+    factor_.solve_in_place(work_);
+    return finish_step(j);
+  }
+
+  /// Ritz values nu = 1 / (lambda - shift) of largest magnitude first, with error bounds.
+  void ritz() {
+    const int s = done_;
+    Eigen::MatrixXd h = projected_.topLeftCorner(s, s);
+    h = 0.5 * (h + h.transpose()).eval();
+    if (coupled_) {
+      eigen_.computeFromTridiagonal(h.diagonal(), h.diagonal(-1));
+    } else {
+      eigen_.compute(h);
+    }
+    order_.resize(std::size_t(s));
+    for (int i = 0; i < s; ++i) order_[std::size_t(i)] = i;
+    std::sort(order_.begin(), order_.end(), [&](int a, int b) {
+      return std::abs(eigen_.eigenvalues()[a]) > std::abs(eigen_.eigenvalues()[b]);
+    });
+  }
+
+  double nu(int i) const { return eigen_.eigenvalues()[order_[std::size_t(i)]]; }
+  double lambda(int i) const { return shift_ + 1 / nu(i); }
+  double bound(int i) const {
+    return beta_ * std::abs(eigen_.eigenvectors()(done_ - 1, order_[std::size_t(i)]));
+  }
+  bool converged(int i) const { return bound(i) <= 1e-10 * std::abs(nu(i)); }
+  Eigen::VectorXd vector(int i) const {
+    return v_.leftCols(done_) * eigen_.eigenvectors().col(order_[std::size_t(i)]);
+  }
+  int done() const { return done_; }
+  bool exhausted() const { return exhausted_; }
+  /// Continue from a random vector: finds what the first start could not see.
+  void renew() { renew_ = true; }
+
+ private:
+  void reserve(int columns) {
+    v_.conservativeResize(m_.size(), columns);
+    mv_.conservativeResize(m_.size(), columns);
+    const auto old = projected_.rows();
+    projected_.conservativeResize(columns, columns);
+    projected_.rightCols(columns - old).setZero();
+    projected_.bottomRows(columns - old).setZero();
+  }
+
+  /// Removes the space so far from work_ (twice is enough), coefficients added to `coefficients`.
+  void orthogonalise(Eigen::VectorXd* coefficients) {
+    for (int pass = 0; pass < 2; ++pass) {
+      small_.noalias() = mv_.leftCols(size_).transpose() * work_;
+      work_.noalias() -= v_.leftCols(size_) * small_;
+      if (coefficients) *coefficients += small_;
+    }
+  }
+
+  bool append(double norm) {
+    if (size_ == v_.cols()) reserve(2 * size_);
+    v_.col(size_) = work_ / norm;
+    mv_.col(size_) = product_ / norm;
+    ++size_;
+    return true;
+  }
+
+  double norm() {
+    m_.multiply(work_, product_);
+    return std::sqrt(std::max(0.0, work_.dot(product_)));
+  }
+
+  bool random_start() {
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    Eigen::VectorXd start(m_.size());
+    for (Eigen::Index i = 0; i < start.size(); ++i) start[i] = uniform(random_);
+    m_.multiply(start, work_);
+    factor_.solve_in_place(work_);  // into the space of finite eigenvalues
+    const double before = norm();
+    if (!(before > 0)) return !(exhausted_ = true);
+    if (size_ > 0) orthogonalise(nullptr);
+    double after = norm();
+    if (!(after > 1e-9 * before)) return !(exhausted_ = true);
+    if (size_ > 0) {
+      work_ /= after;
+      orthogonalise(nullptr);
+      after = norm();
+      coupled_ = false;
+    }
+    return append(after);
+  }
+
+  bool finish_step(int j) {
+    const double before = norm();
+    coefficients_.setZero(size_);
+    orthogonalise(&coefficients_);
+    projected_.col(j).head(size_) = coefficients_;
+    done_ = size_;
+    beta_ = norm();
+    if (!(beta_ > 1e-13 * before)) {
+      beta_ = 0;
+      renew_ = true;
+      return true;
+    }
+    append(beta_);
+    projected_(j + 1, j) = beta_;
+    return true;
+  }
+
+  const EnvelopeMatrix& m_;
+  double shift_;
+  std::mt19937_64 random_;
+  bool coupled_;  // projected_ is tridiagonal
+  bool renew_ = false, exhausted_ = false;
+  EnvelopeFactor factor_;
+  Eigen::MatrixXd v_, mv_, projected_;
+  Eigen::VectorXd work_, product_, small_, coefficients_;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
+  std::vector<int> order_;
+  int size_ = 0, done_ = 0;
+  double beta_ = 0;
+};
+
+Eigenpairs collect(const Lanczos& lanczos, std::vector<int> chosen) {
+  std::sort(chosen.begin(), chosen.end(),
+            [&](int a, int b) { return lanczos.lambda(a) < lanczos.lambda(b); });
+  Eigenpairs out;
+  const auto n = static_cast<Eigen::Index>(chosen.size());
+  out.values.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int k = chosen[std::size_t(i)];
+    out.values[i] = lanczos.lambda(k);
+    const Eigen::VectorXd x = lanczos.vector(k);
+    if (i == 0) out.vectors.resize(x.size(), n);
+    // The sign: first large entry positive.
+    const double large = 0.5 * x.cwiseAbs().maxCoeff();
+    Eigen::Index first = 0;
+    while (first + 1 < x.size() && std::abs(x[first]) < large) ++first;
+    out.vectors.col(i) = x[first] < 0 ? Eigen::VectorXd(-x) : x;
+  }
+  out.steps = lanczos.done();
+  return out;
+}
+
+}  // namespace
+
+int count_below(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double mu) {
+  EnvelopeFactor factor;
+  factor.factor(shifted(k, m, mu));
+  return factor.negative_pivots();
+}
+
+Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, int count) {
+  Eigenpairs none;
+  none.complete = none.exhausted = true;
+  if (k.size() == 0 || count <= 0) return none;
+  Lanczos lanczos(k, m, 0);
+  const int n = k.size();
+  int next_check = std::min(n, 2 * count + 6);
+  int verified_at = -1;
+  for (int guard = 0; guard < 20 * n + 100; ++guard) {
+    const bool grew = lanczos.extend();
+    if (grew && lanczos.done() < next_check && lanczos.done() < n) continue;
+    lanczos.ritz();
+    const bool all = !grew || lanczos.exhausted() || lanczos.done() >= n;
+    int good = 0;
+    while (good < lanczos.done() && good < count && lanczos.converged(good)) ++good;
+    // One more than wanted, at least roughly, to place the count between two.
+    const bool beyond = lanczos.done() > count;
+    if ((good == count && beyond) || all) {
+      const int found = all ? lanczos.done() : count;
+      std::vector<int> chosen;
+      for (int i = 0; i < std::min(found, count); ++i) {
+        if (lanczos.nu(i) > 0) chosen.push_back(i);
+      }
+      // Count just above the last wanted that has a gap behind it.
+      int last = static_cast<int>(chosen.size()) - 1;
+      bool complete = true;
+      if (last >= 0 && verified_at != lanczos.done()) {
+        int edge = last;
+        const auto gap_after = [&](int i) {
+          return i + 1 >= lanczos.done() ||
+                 lanczos.lambda(i + 1) - lanczos.lambda(i) > 1e-7 * std::abs(lanczos.lambda(i));
+        };
+        while (edge > 0 && !gap_after(edge)) --edge;
+        const double above = edge + 1 < lanczos.done() && lanczos.nu(edge + 1) > 0
+                                 ? lanczos.lambda(edge + 1)
+                                 : 1.01 * lanczos.lambda(edge);
+        const double here = lanczos.lambda(edge);
+        const double mu = here + std::min(0.5 * (above - here), 0.01 * here);
+        complete = gap_after(edge) ? count_below(k, m, mu) == edge + 1 : all;
+      }
+      if (complete || all) {
+        Eigenpairs out = collect(lanczos, chosen);
+        out.complete = complete;
+        out.exhausted = all;
+        return out;
+      }
+      lanczos.renew();
+      next_check = lanczos.done() + std::max(6, count / 2);
+    } else {
+      next_check = lanczos.done() + std::max(4, count / 3);
+    }
+  }
+  lanczos.ritz();
+  std::vector<int> chosen;
+  for (int i = 0; i < std::min(count, lanczos.done()); ++i) {
+    if (lanczos.converged(i)) chosen.push_back(i);
+  }
+  return collect(lanczos, chosen);
+}
+
+Eigenpairs eigenpairs_between(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double low,
+                              double high) {
+  Eigenpairs none;
+  none.complete = none.exhausted = true;
+  if (k.size() == 0) return none;
+  const int wanted =
+      count_below(k, m, high * (1 + 1e-12)) - (low > 0 ? count_below(k, m, low * (1 - 1e-12)) : 0);
+  if (wanted <= 0) return none;
+  // A shift on an eigenvalue would be no shift: the middle of the band is moved off it by the
+  // factor's own replacement of a vanished pivot.
+  const double shift = low > 0 ? 0.5 * (low + high) : 0;
+  Lanczos lanczos(k, m, shift);
+  const int n = k.size();
+  int next_check = std::min(n, 2 * wanted + 6);
+  int settled_checks = 0;
+  for (int guard = 0; guard < 20 * n + 100; ++guard) {
+    const bool grew = lanczos.extend();
+    if (grew && lanczos.done() < next_check && lanczos.done() < n) continue;
+    lanczos.ritz();
+    const bool all = !grew || lanczos.exhausted() || lanczos.done() >= n;
+    std::vector<int> inside;
+    bool pending = false;
+    for (int i = 0; i < lanczos.done(); ++i) {
+      const double lambda = lanczos.lambda(i);
+      if (!(lambda >= low * (1 - 1e-12) && lambda <= high * (1 + 1e-12))) continue;
+      if (lanczos.converged(i)) {
+        inside.push_back(i);
+      } else {
+        pending = true;
+      }
+    }
+    if (static_cast<int>(inside.size()) >= wanted || all) {
+      Eigenpairs out = collect(lanczos, inside);
+      out.complete = static_cast<int>(inside.size()) == wanted;
+      return out;
+    }
+    if (!pending && ++settled_checks > 2) {
+      lanczos.renew();
+      settled_checks = 0;
+    }
+    next_check = lanczos.done() + std::max(4, wanted / 3);
+  }
+  return none;
+}
+
+}  // namespace rigfit::model
