@@ -39,12 +39,28 @@ struct Plans {
   fftw_plan inverse = nullptr;
 };
 
+/// One pair of plans for each length in use, kept until the program ends.
+struct PlanCache {
+  std::mutex mutex;
+  std::map<Index, Plans> plans;
+
+  PlanCache() = default;
+  PlanCache(const PlanCache&) = delete;
+  PlanCache& operator=(const PlanCache&) = delete;
+  ~PlanCache() {
+    for (auto& [length, pair] : plans) {
+      fftw_destroy_plan(pair.forward);
+      fftw_destroy_plan(pair.inverse);
+    }
+    fftw_cleanup();
+  }
+};
+
 /// FFTW's planner is not thread-safe; executing a plan on other arrays of the same alignment is.
 Plans plans_of(Index length, Buffers& buffers) {
-  static std::mutex mutex;
-  static std::map<Index, Plans> cache;  // never released: as many as there are lengths in use
-  const std::lock_guard lock(mutex);
-  Plans& plans = cache[length];
+  static PlanCache cache;
+  const std::lock_guard lock(cache.mutex);
+  Plans& plans = cache.plans[length];
   if (plans.forward == nullptr) {
     const int n = static_cast<int>(length);
     plans.forward = fftw_plan_dft_r2c_1d(n, buffers.time, buffers.spectrum,
