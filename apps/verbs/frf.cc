@@ -9,6 +9,7 @@
 #include "apps/impact_command.h"
 #include "apps/output_file.h"
 #include "apps/verbs/all.h"
+#include "signal/write_uff.h"
 
 namespace rigfit::apps {
 namespace {
@@ -17,6 +18,7 @@ using Eigen::Index;
 struct Options {
   ImpactCommand impact;
   std::string out, csv;
+  std::string encoding = "binary";
 };
 
 /// Median over the lines of the usable band of |H_std / H| of one response.
@@ -133,10 +135,17 @@ Json run_frf(VerbContext& context, const Options& options) {
   }
   result["responses"] = std::move(responses);
   if (test.driving_point) result["driving_point"] = driving_json(*test.driving_point);
+  if (!options.out.empty()) {
+    const auto encoding =
+        options.encoding == "ascii" ? signal::UffEncoding::ascii : signal::UffEncoding::binary;
+    write_whole_file(options.out, signal::uff_text(frfs, encoding));
+    result["out"] = options.out;
+    context.out << "FRFs, coherence and error bars: " << options.out << '\n';
+  }
   if (!options.csv.empty()) {
     write_whole_file(options.csv, csv_of(frfs));
     result["csv"] = options.csv;
-    context.out << "FRFs with error bars: " << options.csv << '\n';
+    context.out << "the same as a table: " << options.csv << '\n';
   }
   return result;
 }
@@ -148,10 +157,15 @@ void add_frf(CLI::App& program, Verbs& verbs) {
   CLI::App* verb = program.add_subcommand(
       "frf", "Hammer hits found and judged, averaged FRFs with coherence and error bars");
   add_impact_options(*verb, options->impact, true);
+  verb->add_option("--out", options->out, "FRFs with coherence and error bars as UFF 58")
+      ->type_name("F.uff");
+  verb->add_option("--encoding", options->encoding, "Of the UFF file")
+      ->check(CLI::IsMember({"binary", "ascii"}))
+      ->capture_default_str();
   verb->add_option("--csv", options->csv, "FRFs with standard deviations and coherence as CSV")
       ->type_name("F");
   verb->footer(
-      "Example:\n  rigfit frf hits.csv --force hammer --response a1 a2 --csv frf.csv --json -\n"
+      "Example:\n  rigfit frf hits.csv --force hammer --response a1 a2 --out frf.uff --json -\n"
       "Exit code 4: no hit can be used; the hits and their reasons are given all the same.");
   verbs.push_back({verb, [options](VerbContext& context) { return run_frf(context, *options); }});
 }
