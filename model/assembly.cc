@@ -482,13 +482,11 @@ void Assembly::mass(EnvelopeMatrix& mass) const {
       if (row >= 0 && col >= 0) mass.add(row, col, value);
     }
   };
-  const bool accurate = chain_->rotary_inertia == RotaryInertia::accurate;
-  const double own = accurate ? 5.0 / 12 : 1.0 / 3, mixed = accurate ? 1.0 / 12 : 1.0 / 6;
   for (std::size_t k = 0; k < chain_->segments.size(); ++k) {
     const Segment& s = chain_->segments[k];
-    block(s.a, s.a, own * s.mass);
-    block(s.b, s.b, own * s.mass);
-    block(s.a, s.b, mixed * s.mass);
+    block(s.a, s.a, (0.5 - s.coupling) * s.mass);
+    block(s.b, s.b, (0.5 - s.coupling) * s.mass);
+    block(s.a, s.b, s.coupling * s.mass);
     const int twist = numbering_.twist[static_cast<Eigen::Index>(k)];
     if (twist >= 0 && s.polar > 0) mass.add(twist, twist, s.polar);
   }

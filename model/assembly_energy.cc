@@ -45,8 +45,6 @@ EnergyAccount Assembly::energy(const ChainState& state, const Eigen::VectorXd& v
     }
     return v;
   };
-  const bool accurate = chain.rotary_inertia == RotaryInertia::accurate;
-  const double own = accurate ? 5.0 / 12 : 1.0 / 3, mixed = accurate ? 1.0 / 12 : 1.0 / 6;
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     const ChainMember& member = chain.members[m];
     Energy& energy = account.members[m];
@@ -64,7 +62,8 @@ EnergyAccount Assembly::energy(const ChainState& state, const Eigen::VectorXd& v
       if (moving) {
         const Eigen::Vector3d va = speed(s.a), vb = speed(s.b);
         energy.kinetic +=
-            s.mass * (0.5 * own * (va.squaredNorm() + vb.squaredNorm()) + mixed * va.dot(vb));
+            s.mass * (0.5 * (0.5 - s.coupling) * (va.squaredNorm() + vb.squaredNorm()) +
+                      s.coupling * va.dot(vb));
         const int twist = numbering_.twist[index];
         if (twist >= 0) energy.kinetic += 0.5 * s.polar * velocity[twist] * velocity[twist];
       }

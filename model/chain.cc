@@ -208,6 +208,8 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       segment.EA = sections.EA(i);
       segment.mass = sections.segment_mass(i);
       segment.polar = framed ? sections.polar(i) : 0;
+      segment.coupling =
+          out.cable && options.rotary_inertia == RotaryInertia::accurate ? 1.0 / 12 : 1.0 / 6;
       segment.axial_damping = member.damping.axial / segment.length;
       chain.segments.push_back(segment);
       if (i > 0) {

@@ -12,8 +12,11 @@
 // that is K (1 - cos phi) for a bend by phi: K phi^2 / 2 to second order, smooth at every angle,
 // objective, no angles in it. Torsion by tau adds K3 (1 + cos phi)(1 - cos tau) / 2.
 //
-// Mass is lumped so that it is constant: m l (1/3, 1/6) between a segment's nodes for a rigid rod,
-// (5/12, 1/12) with the accurate rotary inertia m l^2 / 6 (see RotaryInertia).
+// Mass is lumped so that it is constant: m l (1/3, 1/6) between a segment's nodes for a rigid rod
+// of rotary inertia m l^2 / 12, (5/12, 1/12) with m l^2 / 6. Where tension stiffens, the second
+// cancels the springs' error to first order: (2 - 2 cos kl) / (k l)^2 = 1 - (k l)^2 / 12 = its
+// mass; where bending does, the first, since that error is twice as large. RotaryInertia::accurate
+// takes each for its kind of member.
 #pragma once
 
 #include <Eigen/Core>
@@ -37,11 +40,12 @@ struct Segment {
   int member = 0;
   int frame =
       -1;  ///< column of ChainState::director; -1: no torsion, both bending stiffnesses equal
-  double length = 0;         ///< m, unstretched
-  double EA = 0;             ///< N
-  double mass = 0;           ///< kg
-  double axial_damping = 0;  ///< N s / m
-  double polar = 0;          ///< kg m^2 about its axis
+  double length = 0;          ///< m, unstretched
+  double EA = 0;              ///< N
+  double mass = 0;            ///< kg
+  double axial_damping = 0;   ///< N s / m
+  double polar = 0;           ///< kg m^2 about its axis
+  double coupling = 1.0 / 6;  ///< of the mass, between the two nodes; 1/2 - coupling at each
 };
 
 /// Stiffnesses of a joint (N m / rad) about the member's material axes, and its dampers (N m s).

@@ -37,8 +37,9 @@ struct Equilibrium {
   std::vector<MemberEquilibrium> members;
 };
 
-/// The rod's rotary inertia about a transverse axis: m l^2/12 is a rigid rod's (the paper's),
-/// m l^2/6 makes the first-order error of the lumping vanish (accurate).
+/// The rod's rotary inertia about a transverse axis: m l^2/12 is a rigid rod's (the paper's).
+/// Accurate makes the first-order error of the lumping vanish: m l^2/6 for a cable, whose tension
+/// stiffens it, m l^2/12 for a beam, whose bending does (chain.h).
 enum class RotaryInertia { accurate, rigid_rod };
 
 enum class ModePlane { in, out, mixed, axial, torsion };
@@ -54,6 +55,9 @@ struct ModeShape {
 
 struct NaturalMode {
   double frequency_hz = 0;  ///< undamped
+  /// Richardson's value for vanishing segments, from three numbers of segments; the frequency
+  /// itself when no error estimate was asked for.
+  double extrapolated_hz = 0;
   double damping_ratio = 0;
   ModePlane plane = ModePlane::in;
   ModeFamily family = ModeFamily::cable;
@@ -61,7 +65,8 @@ struct NaturalMode {
                                        ///< less that of node masses
   std::vector<ModeShape> shape;        ///< by member
   Eigen::VectorXd
-      sensor_shape;  ///< modal displacement at each of the scene's sensors along its direction
+      sensor_shape;  ///< modal displacement at each of the scene's sensors along its direction;
+                     ///< of a force sensor the change of axial force, N kg^-1/2
   Eigen::VectorXd load_shape;  ///< the same at each of the scene's loads
 };
 
@@ -71,6 +76,7 @@ struct ModesOptions {
   RotaryInertia rotary_inertia = RotaryInertia::accurate;
   bool damped = true;           ///< damping ratios too
   bool shapes = true;           ///< false: frequencies, planes and sensors only
+  bool error_estimate = true;   ///< two more numbers of segments, about the same time again
   std::optional<int> segments;  ///< overrides every member's number
   std::optional<bool> torsion;  ///< force modelling it or not; else by need
 };

@@ -32,8 +32,8 @@ bool ChainModes::complete() const {
                                          [](const MotionModes& m) { return m.complete; });
 }
 
-ChainModes find_modes(const Scene& scene, const ModesOptions& options,
-                      const std::vector<int>& segments) {
+ChainModes prepare_motions(const Scene& scene, const ModesOptions& options,
+                           const std::vector<int>& segments) {
   ChainModes out;
   ChainOptions chain_options;
   chain_options.segments = segments;
@@ -58,7 +58,13 @@ ChainModes find_modes(const Scene& scene, const ModesOptions& options,
     motion.assembly->mass(motion.mass);
     out.motions.push_back(std::move(motion));
   }
+  return out;
+}
 
+ChainModes find_modes(const Scene& scene, const ModesOptions& options,
+                      const std::vector<int>& segments) {
+  ChainModes out = prepare_motions(scene, options, segments);
+  if (out.equilibrium.status != EquilibriumStatus::converged) return out;
   if (options.band_hz) {
     for (MotionModes& motion : out.motions) {
       Eigenpairs pairs =

@@ -33,10 +33,17 @@ struct ChainModes {
   [[nodiscard]] bool complete() const;
 };
 
+/// The equilibrium and each motion's matrices, without modes. `segments` as below.
+[[nodiscard]] ChainModes prepare_motions(const Scene& scene, const ModesOptions& options,
+                                         const std::vector<int>& segments = {});
 /// `segments` by member; empty: the scene's own, 30 where it says "auto". Uses of `options`:
 /// count, band, rotary inertia, torsion.
 [[nodiscard]] ChainModes find_modes(const Scene& scene, const ModesOptions& options,
                                     const std::vector<int>& segments = {});
+
+/// What a user sees of them: planes, families, damping, shapes, sensors (modal_analysis.cc).
+[[nodiscard]] std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& scene,
+                                                     const ModesOptions& options);
 
 /// Row of a sensor's quantity in a motion's unknowns: displacement along its direction, or for a
 /// force sensor the change of axial force, N per m.
