@@ -2,6 +2,9 @@
 
 namespace rigfit::apps {
 
-void add_all_verbs(CLI::App& program, Verbs& verbs) { add_frf(program, verbs); }
+void add_all_verbs(CLI::App& program, Verbs& verbs) {
+  add_bending(program, verbs);
+  add_frf(program, verbs);
+}
 
 }  // namespace rigfit::apps
