@@ -61,16 +61,15 @@ MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
       plan.shared[i == 0 ? 0 : 1] = shared_of_node[at(node)];
       shared_[at(shared_of_node[at(node)])].slots.push_back(slot);
     }
-    const bool accurate = chain.rotary_inertia == RotaryInertia::accurate;
     for (int i = 0; i < plan.segments; ++i) {
       const Segment& segment = chain.segments[at(member.first_segment + i)];
       slot_of_segment_[at(member.first_segment + i)] = slots_ + i;
       plan.axial.push_back(segment.EA / segment.length);
       plan.length.push_back(segment.length);
-      const double own = segment.mass * (accurate ? 5.0 / 12 : 1.0 / 3);
+      const double own = segment.mass * (0.5 - segment.coupling);
       plan.diagonal[at(i)] += own;
       plan.diagonal[at(i + 1)] += own;
-      plan.off[at(i)] += segment.mass * (accurate ? 1.0 / 12 : 1.0 / 6);
+      plan.off[at(i)] += segment.mass * segment.coupling;
     }
     for (int i = 1; i < plan.segments; ++i) {
       const InnerJoint& joint = chain.inner_joints[at(member.first_joint + i - 1)];
