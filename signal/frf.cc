@@ -39,21 +39,52 @@ void load(RealFft& fft, std::span<const double> samples, double offset, const Wi
 struct Sums {
   Eigen::ArrayXd gyy;
   Eigen::ArrayXcd gxy;
-  Eigen::ArrayXXcd spectra;  ///< lines x hits, only for leave-one-out
+  Eigen::ArrayXXcd spectra;                           ///< lines x hits, only for leave-one-out
+  Eigen::ArrayXd cross, residual, shape, cumulative;  ///< work space
+
+  explicit Sums(Index lines)
+      : gyy(lines),
+        gxy(lines),
+        cross(lines),
+        residual(lines),
+        shape(lines),
+        cumulative(lines + 1) {}
 };
 
+/// gyy += |y|^2, gxy += conj(x) y, in one pass over real and imaginary parts side by side.
+void accumulate(const Complex* x_values, const Complex* y_values, Sums& sums) {
+  const auto* x = reinterpret_cast<const double*>(x_values);
+  const auto* y = reinterpret_cast<const double*>(y_values);
+  auto* gxy = reinterpret_cast<double*>(sums.gxy.data());
+  double* gyy = sums.gyy.data();
+  const Index lines = sums.gyy.size();
+  for (Index k = 0; k < lines; ++k) {
+    const double xr = x[2 * k], xi = x[2 * k + 1], yr = y[2 * k], yi = y[2 * k + 1];
+    gyy[k] += yr * yr + yi * yi;
+    gxy[2 * k] += xr * yr + xi * yi;
+    gxy[2 * k + 1] += xr * yi - xi * yr;
+  }
+}
+
 /// Average over lines k - half .. k + half (fewer at the ends), by running sums.
-void smooth(Eigen::ArrayXd& values, Index half) {
+void smooth(Eigen::ArrayXd& values, Index half, Eigen::ArrayXd& cumulative) {
   if (half <= 0) return;
   const Index n = values.size();
-  Eigen::ArrayXd cumulative(n + 1);
   cumulative[0] = 0;
   for (Index k = 0; k < n; ++k) cumulative[k + 1] = cumulative[k] + values[k];
-  for (Index k = 0; k < n; ++k) {
+  const auto average = [&](Index k) {
     const Index first = std::max<Index>(0, k - half), last = std::min(n, k + half + 1);
-    values[k] =
-        std::max(0.0, (cumulative[last] - cumulative[first]) / static_cast<double>(last - first));
-  }
+    return std::max(0.0,
+                    (cumulative[last] - cumulative[first]) / static_cast<double>(last - first));
+  };
+  const Index inner_first = std::min(n, half), inner_last = std::max(inner_first, n - half);
+  for (Index k = 0; k < inner_first; ++k) values[k] = average(k);
+  const Index inner = inner_last - inner_first;
+  values.segment(inner_first, inner) = ((cumulative.segment(inner_first + half + 1, inner) -
+                                         cumulative.segment(inner_first - half, inner)) /
+                                        static_cast<double>(2 * half + 1))
+                                           .max(0.0);
+  for (Index k = inner_last; k < n; ++k) values[k] = average(k);
 }
 
 double mean_square(std::span<const FrfBlock> blocks, Index response) {
@@ -87,12 +118,11 @@ class Averager {
   void average(Index first, Index last) {
     RealFft fft(options_.block_samples);
     const Index lines = fft.lines();
-    Sums sums{Eigen::ArrayXd(lines), Eigen::ArrayXcd(lines), {}};
+    Sums sums(lines);
     if (options_.leave_one_out) sums.spectra.resize(lines, hits());
-    Eigen::ArrayXd residual(lines);
     for (Index c = first; c < last; ++c) {
       transform_response(fft, c, sums);
-      estimate(c, sums, residual);
+      estimate(c, sums);
       if (options_.leave_one_out) leave_one_out(c, sums);
     }
   }
@@ -131,6 +161,7 @@ class Averager {
     result_.force_power = gxx_ / static_cast<double>(hits());
     // Where there is no force at all nothing is known: the floor keeps H at zero over zero finite.
     gxx_ = gxx_.max(gxx_.maxCoeff() * 1e-30 + std::numeric_limits<double>::min());
+    inverse_gxx_ = gxx_.inverse();
     share_ = Eigen::ArrayXXd::Zero(hits() + 1, result_.H.cols());
   }
 
@@ -148,45 +179,43 @@ class Averager {
           block.response_offset.empty() ? 0 : block.response_offset[static_cast<std::size_t>(c)];
       load(fft, block.responses[static_cast<std::size_t>(c)], offset, windows_);
       fft.forward();
-      const auto y = fft.spectrum().array();
-      if (i == 0) {
-        sums.gyy = y.abs2();
-        sums.gxy = force_.col(i).conjugate() * y;
-      } else {
-        sums.gyy += y.abs2();
-        sums.gxy += force_.col(i).conjugate() * y;
-      }
-      if (options_.leave_one_out) sums.spectra.col(i) = y;
+      if (i == 0) sums.gyy.setZero(), sums.gxy.setZero();
+      accumulate(force_.col(i).data(), fft.spectrum().data(), sums);
+      if (options_.leave_one_out) sums.spectra.col(i) = fft.spectrum();
     }
   }
 
-  void estimate(Index c, const Sums& sums, Eigen::ArrayXd& residual) {
+  void estimate(Index c, Sums& sums) {
     const Index lines = gxx_.size();
     auto H = result_.H.col(c);
-    for (Index k = 0; k < lines; ++k) {
-      const Complex gxy = sums.gxy[k];
-      const double cross = std::norm(gxy), gxx = gxx_[k], gyy = sums.gyy[k];
-      const bool signal = cross > 0;
-      residual[k] = std::max(0.0, gyy - cross / gxx);
-      switch (options_.estimator) {
-        case FrfEstimator::h1:
-          H[k] = gxy / gxx;
-          break;
-        case FrfEstimator::h2:
-          H[k] = signal ? gyy / cross * gxy : 0;
-          break;
-        case FrfEstimator::hv:
-          H[k] = signal ? std::sqrt(gyy / (gxx * cross)) * gxy : 0;
-          break;
-      }
-      if (hits() > 1) {
-        result_.coherence(k, c) = signal ? std::min(1.0, cross / (gxx * gyy)) : 0;
-      }
+    sums.cross = sums.gxy.abs2();
+    sums.residual = (sums.gyy - sums.cross * inverse_gxx_).max(0.0);
+    switch (options_.estimator) {
+      case FrfEstimator::h1:
+        H.array() = sums.gxy * inverse_gxx_;
+        break;
+      case FrfEstimator::h2:
+        for (Index k = 0; k < lines; ++k) {
+          H[k] = sums.cross[k] > 0 ? sums.gyy[k] / sums.cross[k] * sums.gxy[k] : 0;
+        }
+        break;
+      case FrfEstimator::hv:
+        for (Index k = 0; k < lines; ++k) {
+          H[k] = sums.cross[k] > 0
+                     ? std::sqrt(sums.gyy[k] * inverse_gxx_[k] / sums.cross[k]) * sums.gxy[k]
+                     : 0;
+        }
+        break;
     }
-    if (result_.H_std.size() > 0) error_bars(c, sums, residual);
+    if (hits() > 1) {
+      // Without any response at a line: nothing of it is explained.
+      result_.coherence.col(c).array() =
+          (sums.cross * inverse_gxx_ / sums.gyy.max(std::numeric_limits<double>::min())).min(1.0);
+    }
+    if (result_.H_std.size() > 0) error_bars(c, sums);
   }
 
-  void error_bars(Index c, const Sums& sums, Eigen::ArrayXd& residual) {
+  void error_bars(Index c, Sums& sums) {
     const double of_response = mean_square(blocks_, c) * windows_.energy;
     const double of_force = mean_square(blocks_, -1) * force_energy_;
     const auto H = result_.H.col(c).array();
@@ -197,13 +226,15 @@ class Averager {
     }
     if (options_.error_smoothing_lines > 0) {
       // The known shape of the noise power, up to a factor that the residuals give locally.
-      Eigen::ArrayXd shape = Eigen::ArrayXd::Ones(residual.size());
-      if (of_response > 0) shape += of_force / of_response * H.abs2();
-      residual /= shape;
-      smooth(residual, options_.error_smoothing_lines);
-      residual *= shape;
+      const bool shaped = of_response > 0 && of_force > 0;
+      if (shaped) {
+        sums.shape = 1 + of_force / of_response * H.abs2();
+        sums.residual /= sums.shape;
+      }
+      smooth(sums.residual, options_.error_smoothing_lines, sums.cumulative);
+      if (shaped) sums.residual *= sums.shape;
     }
-    std = (residual / (2.0 * static_cast<double>(hits() - 1) * gxx_)).sqrt();
+    std = (sums.residual * inverse_gxx_ * (0.5 / static_cast<double>(hits() - 1))).sqrt();
     if (options_.estimator != FrfEstimator::h1) {
       // The relative error is that of H1 (Bendat and Piersol).
       std *= H.abs() / (sums.gxy.abs() / gxx_).max(std::numeric_limits<double>::min());
@@ -240,7 +271,7 @@ class Averager {
   FrfEstimate& result_;
   Windows windows_;
   Eigen::ArrayXXcd force_;  ///< lines x hits
-  Eigen::ArrayXd gxx_;
+  Eigen::ArrayXd gxx_, inverse_gxx_;
   double force_energy_ = 0;   ///< of the windows on the force, mean over hits
   std::vector<Index> lines_;  ///< of leave-one-out
   Eigen::ArrayXXd share_;     ///< hits + 1 x responses

@@ -423,8 +423,10 @@ HitSearch find_hits(std::span<const Recording> recordings, Index force,
   std::vector<std::vector<ChannelFacts>> facts(recordings.size());
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     force_facts.emplace_back(channel_of(i));
+    search.response_rest.emplace_back();
     for (const Index channel : responses) {
       facts[i].emplace_back(recordings[i].channels[static_cast<std::size_t>(channel)]);
+      search.response_rest.back().push_back(facts[i].back().rest);
     }
   }
   for (Hit& hit : search.hits) {

@@ -92,6 +92,8 @@ struct HitSearch {
   Eigen::Index block_samples = 0;
   double sample_rate_hz = 0;
   int sign = 1;  ///< of the pulses
+  /// Value at rest (median) of each response, by recording.
+  std::vector<std::vector<double>> response_rest;
   std::vector<Note> notes;
 };
 

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "signal/recording_error.h"
-#include "signal/robust.h"
 #include "signal/window.h"
 
 namespace rigfit::signal {
@@ -42,12 +41,6 @@ std::string ratio_of_units(const std::string& response, const std::string& force
   return part(response) + "/" + part(force);
 }
 
-std::vector<double> finite_copy(const Eigen::VectorXd& samples) {
-  std::vector<double> values(samples.data(), samples.data() + samples.size());
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  return values;
-}
-
 double scatter(const Eigen::Ref<const Eigen::VectorXd>& x) {
   constexpr Index kFewest = 16;  // a standard deviation from fewer is off by a fifth or more
   if (x.size() < kFewest) return 0;
@@ -76,7 +69,6 @@ class Analysis {
     if (recordings_.empty()) return std::move(test_);
     test_.search = find_hits(recordings_, force_, test_.responses, options_.hits);
     test_.notes = test_.search.notes;
-    find_offsets();
     const FrfEstimate estimate = average_without_outliers();
     for (const Hit& hit : test_.search.hits) {
       if (hit.accepted && hit.has(HitFault::unresolved_pulse)) test_.amplitudes = false;
@@ -99,16 +91,6 @@ class Analysis {
 
   const Channel& channel(std::size_t recording, Index index) const {
     return recordings_[recording].channels[static_cast<std::size_t>(index)];
-  }
-
-  void find_offsets() {
-    for (std::size_t i = 0; i < recordings_.size(); ++i) {
-      offsets_.emplace_back();
-      for (const Index index : test_.responses) {
-        std::vector<double> values = finite_copy(channel(i, index).samples);
-        offsets_.back().push_back(median(values));
-      }
-    }
   }
 
   double decay_rate() const {
@@ -141,7 +123,7 @@ class Analysis {
     for (std::size_t r = 0; r < test_.responses.size(); ++r) {
       const Eigen::VectorXd& y = channel(hit.recording, test_.responses[r]).samples;
       block.responses.push_back({y.data() + hit.block_first, length});
-      block.response_offset.push_back(offsets_[hit.recording][r]);
+      block.response_offset.push_back(test_.search.response_rest[hit.recording][r]);
       block.response_noise_std.push_back(scatter(y.segment(hit.block_first, quiet)));
     }
     return block;
@@ -372,7 +354,6 @@ class Analysis {
   std::span<const Recording> recordings_;
   const ImpactTestOptions& options_;
   Index force_ = 0;
-  std::vector<std::vector<double>> offsets_;  ///< of the responses, per recording
   ImpactTest test_;
 };
 
