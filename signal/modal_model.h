@@ -3,9 +3,9 @@
 //
 // H(i w) = sum_r [ psi_r L_r^T / (i w - p_r) + conj ] (receptance) + lower / (i w)^2 + upper;
 // p_r = -zeta_r w_r + i w_r sqrt(1 - zeta_r^2). FRFs measured under an exponential window shared by
-// force and response are this at i w + decay rate. An FRF set of unknown form is taken as receptance:
-// poles and the likeness of shapes are right then, their units are not known. Source: Heylen, Lammens, Sas, Modal Analysis Theory
-// and Testing.
+// force and response are this at i w + decay rate. An FRF set of unknown form is taken as
+// receptance: poles and the likeness of shapes are right then, their units are not known. Source:
+// Heylen, Lammens, Sas, Modal Analysis Theory and Testing.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,11 +29,11 @@ struct IdentifiedMode {
   double reconstruction_error = 0;       ///< rms misfit over rms FRF near the mode, 0..
   /// Share of the orders of the stabilisation diagram that show the mode, 0..1.
   double presence = 0;
-  /// How far the residues of all FRFs together stand out of their noise: root of the sum over FRFs of
-  /// residue' covariance^-1 residue, over what chance gives a mode that is not there.
+  /// How far the residues of all FRFs together stand out of their noise: root of the sum over FRFs
+  /// of residue' covariance^-1 residue, over what chance gives a mode that is not there.
   double significance = 0;
-  /// The window's decay rate is more than half of what was measured: the corrected damping is mostly
-  /// a difference of large numbers and is not to be used.
+  /// The window's decay rate is more than half of what was measured: the corrected damping is
+  /// mostly a difference of large numbers and is not to be used.
   bool damping_dominated_by_window = false;
   bool doubtful = false;
   std::string doubt;  ///< why, for a person; empty when not doubtful

@@ -127,8 +127,8 @@ FrfNoise noise_from_std(const Eigen::Ref<const MatrixXcd>& H,
   const VectorXd freedom = VectorXd::Ones(H.rows()), least = floor_of(H);
   FrfNoise noise = noise_unknown(H, inputs, correlation_lines);
   noise.column = squares.colwise().mean().transpose().matrix().cwiseMax(least);
-  for (int round = 0; round < 6; ++round) {
-    update_lines(noise, squares, power, freedom);
+  for (int round = 0; round < 12; ++round) {
+    // The line factor comes last: given the choice, it would take a resonance's share for itself.
     update_columns(noise, squares, power, freedom.array(), least);
     const ArrayXXd variance = model_variance(noise, power);
     for (Index i = 0; i < inputs; ++i) {
@@ -141,8 +141,8 @@ FrfNoise noise_from_std(const Eigen::Ref<const MatrixXcd>& H,
       }
       noise.common[i] = below > 0 ? std::max(0.0, above / below) : 0;
     }
+    if (round >= 4) update_lines(noise, squares, power, freedom);
   }
-  update_lines(noise, squares, power, freedom);
   return noise;
 }
 

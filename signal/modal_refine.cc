@@ -29,7 +29,8 @@ class ScaledGram {
     const VectorXd pivots = factor_.matrixLLT().diagonal();
     // A pivot is the sine of a column's angle to those before it; rounding in the Gram matrix hides
     // angles below some 1e-7.
-    usable_ = factor_.info() == Eigen::Success && pivots.allFinite() && pivots.minCoeff() > 1e-7;
+    usable_ = gram.size() == 0 ||
+              (factor_.info() == Eigen::Success && pivots.allFinite() && pivots.minCoeff() > 1e-7);
   }
   bool usable() const { return usable_; }
   MatrixXd solve(const MatrixXd& right) const {
@@ -153,6 +154,7 @@ VectorXd leverage_of(const Stage& stage, const FrfNoise& noise, const VectorXd& 
 
   const ScaledGram information(pole_information(stage, inverse_variance));
   if (!information.usable()) return leverage;
+  if (size == 0) return leverage;
   const MatrixXd outside = stage.derivatives - stage.basis * factor.solve(stage.cross);
   const MatrixXd covariance = information.solve(MatrixXd::Identity(size, size));
   MatrixXd turned_sum = MatrixXd::Zero(size, size);
@@ -316,6 +318,11 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   const ScaledGram information(pole_information(stage, inverse_variance));
   if (!information.usable()) return result;
   result.full_rank = true;
+  if (modes == 0) {
+    result.poles.resize(0, 0);
+    result.significance.resize(0);
+    return result;
+  }
 
   // Weighted errors have the variance a_c (w^2 q) at a line: rows of what they multiply take its
   // root.
