@@ -55,8 +55,8 @@ LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium
         const Segment& segment = assembly.chain().segments[static_cast<std::size_t>(s)];
         const Eigen::Vector3d edge =
             before.position.col(segment.b) - before.position.col(segment.a);
-        const Eigen::Vector3d change = trial.position.col(segment.b) -
-                                       trial.position.col(segment.a) - edge;
+        const Eigen::Vector3d change =
+            trial.position.col(segment.b) - trial.position.col(segment.a) - edge;
         axial(s) = trial_axial(s) + segment.EA / segment.length * edge.normalized().dot(change);
       }
     }

@@ -36,12 +36,12 @@ enum class ResponseSolver {
 struct ResponseOptions {
   SamplingOptions sampling;
   ResponseSolver solver = ResponseSolver::automatic;
-  std::optional<bool> plane;    ///< move in the plane of symmetry only; else by need
-  std::optional<bool> torsion;  ///< model it or not; else by need
-  std::optional<int> segments;  ///< overrides every member's number
-  std::optional<double> step_s;            ///< largest step of the explicit and implicit schemes
-  double relative_tolerance = 1e-6;        ///< of the CVODE solvers
-  std::vector<ForceHistory> records;       ///< by load of the scene; used for kind `record`
+  std::optional<bool> plane;          ///< move in the plane of symmetry only; else by need
+  std::optional<bool> torsion;        ///< model it or not; else by need
+  std::optional<int> segments;        ///< overrides every member's number
+  std::optional<double> step_s;       ///< largest step of the explicit and implicit schemes
+  double relative_tolerance = 1e-6;   ///< of the CVODE solvers
+  std::vector<ForceHistory> records;  ///< by load of the scene; used for kind `record`
   int modes = 0;  ///< of the linear answer; 0: all up to 400 unknowns a motion, else the lowest 200
 };
 
@@ -55,8 +55,8 @@ struct ResponseResult {
   Eigen::MatrixXd samples;           ///< rows (0, 1/rate, ...) x sensors
 
   ResponseSolver solver = ResponseSolver::modal;
-  bool nonlinear = false;        ///< whether the estimated shift exceeds the scene's accuracy
-  double frequency_shift = 0;    ///< estimated, relative
+  bool nonlinear = false;             ///< whether the estimated shift exceeds the scene's accuracy
+  double frequency_shift = 0;         ///< estimated, relative
   double frequency_at_rest_hz = 0;    ///< of the mode with most of the energy
   double frequency_deflected_hz = 0;  ///< the same in the most deflected state
   std::string motion;                 ///< "plane" or "space"

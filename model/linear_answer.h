@@ -1,0 +1,33 @@
+// A scene's linear motion about its equilibrium, as poles: all its natural modes with modal ratios
+// (diagonal) or joint dampers (coupled: eigenvalues of the state matrix in modal coordinates).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "model/modal_response.h"
+#include "model/modes.h"
+#include "model/scene.h"
+
+namespace rigfit::model {
+
+struct LinearAnswer {
+  PoleModel sensors;                    ///< output: the scene's sensors
+  PoleModel modal;                      ///< the same poles; output: each mode's coordinate
+  bool coupled = false;                 ///< joint dampers couple the modes
+  Eigen::VectorXd omega;                ///< rad/s, modes of all motions one after the other
+  Eigen::VectorXd ratio;                ///< from the members' damping ratios alone
+  std::vector<ChainModes::Which> mode;  ///< motion and mode of each
+  bool truncated = false;               ///< not all modes of the chain are in it
+};
+
+[[nodiscard]] LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene);
+
+/// Weight of the mass hung by a release, N along the load's direction.
+[[nodiscard]] double hung_weight(const Scene& scene, const Load& load);
+
+/// Increments of one numbering's unknowns as another's; what the other lacks is left out.
+[[nodiscard]] Eigen::VectorXd renumbered(const Eigen::VectorXd& x, const Numbering& from,
+                                         const Numbering& to);
+
+}  // namespace rigfit::model

@@ -1,0 +1,154 @@
+#include "model/nonlinearity.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rigfit::model {
+namespace {
+
+// Lowest eigenvalues of K x = lambda M x by subspace iteration from the columns of x; empty when K
+// is not positive definite on them.
+Eigen::VectorXd lowest_near(const EnvelopeMatrix& stiffness, const EnvelopeMatrix& mass,
+                            Eigen::MatrixXd x) {
+  EnvelopeFactor factor;
+  if (!factor.factor(stiffness) || factor.negative_pivots() > 0) return {};
+  Eigen::MatrixXd kx(x.rows(), x.cols()), mx(x.rows(), x.cols());
+  Eigen::VectorXd values;
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    for (Eigen::Index c = 0; c < x.cols(); ++c) mx.col(c) = mass * Eigen::VectorXd(x.col(c));
+    x = mx;
+    factor.solve_in_place(x);
+    for (Eigen::Index c = 0; c < x.cols(); ++c) {
+      kx.col(c) = stiffness * Eigen::VectorXd(x.col(c));
+      mx.col(c) = mass * Eigen::VectorXd(x.col(c));
+    }
+    const Eigen::MatrixXd k = x.transpose() * kx, m = x.transpose() * mx;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(k, m);
+    if (solver.info() != Eigen::Success) return {};
+    x = x * solver.eigenvectors();
+    values = solver.eigenvalues();
+  }
+  return values;
+}
+
+}  // namespace
+
+Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& answer,
+                                   const Scene& scene,
+                                   const std::vector<const ForceHistory*>& records,
+                                   double duration_s, const Assembly& assembly) {
+  Nonlinearity out;
+  const Eigen::Index count = answer.omega.size();
+  if (count == 0) return out;
+  double last_force = 0;
+  for (std::size_t l = 0; l < scene.loads.size(); ++l) {
+    last_force = std::max(last_force, LoadForce(scene.loads[l], records[l]).end_s());
+  }
+
+  // Modal coordinates where the strain energy is greatest. A hung mass' own state is the start.
+  const auto coordinates = [&](double t) -> Eigen::VectorXd {
+    const Eigen::VectorXcd z = modal_state(answer.modal, scene.loads, records, t);
+    if (answer.coupled) return (answer.modal.output * z).real();
+    Eigen::VectorXd q = Eigen::VectorXd::Zero(count);
+    for (Eigen::Index p = 0, r = 0; p < z.size(); ++p) {
+      while (r < count && answer.modal.output(r, p) == std::complex<double>(0)) ++r;
+      if (r == count) break;
+      q(r) += (answer.modal.output(r, p) * z(p)).real();
+    }
+    return q;
+  };
+  const auto energies = [&](const Eigen::VectorXd& q) -> Eigen::VectorXd {
+    return 0.5 * (answer.omega.cwiseProduct(q)).cwiseAbs2();
+  };
+  Eigen::VectorXd q = coordinates(0);
+  double greatest = energies(q).sum();
+  if (last_force > 0) {
+    const double lowest = answer.omega.minCoeff();
+    const double end =
+        std::min(duration_s, last_force + 4 * std::numbers::pi / std::max(lowest, 1e-3));
+    const int instants = 80;
+    for (int i = 1; i <= instants; ++i) {
+      const double t = end * i / instants;
+      const Eigen::VectorXd here = coordinates(t);
+      const double energy = energies(here).sum();
+      if (energy > greatest) greatest = energy, q = here, out.time_s = t;
+    }
+  }
+  out.energy_J = greatest;
+  if (!(greatest > 0)) return out;
+  const Eigen::VectorXd share = energies(q) / greatest;
+
+  std::vector<Eigen::Index> rising(static_cast<std::size_t>(count));
+  for (Eigen::Index i = 0; i < count; ++i) rising[static_cast<std::size_t>(i)] = i;
+  std::sort(rising.begin(), rising.end(),
+            [&](Eigen::Index a, Eigen::Index b) { return answer.omega(a) < answer.omega(b); });
+  double held = 0;
+  for (Eigen::Index i : rising) {
+    held += share(i);
+    out.upper_frequency_hz = answer.omega(i) / (2 * std::numbers::pi);
+    if (held >= 0.99) break;
+  }
+
+  // Elastic forces of the linear answer in the motion's unknowns, and its lowest shapes.
+  const Numbering& to = assembly.numbering();
+  EnvelopeMatrix stiffness = assembly.matrix(), mass = assembly.matrix();
+  Eigen::VectorXd force(assembly.size());
+  assembly.force_and_tangent(modes.equilibrium.state, force, stiffness);
+  assembly.mass(mass);
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(assembly.size());
+  std::vector<Eigen::Index> lowest;
+  Eigen::MatrixXd shapes(assembly.size(), 0);
+  for (Eigen::Index i : rising) {
+    const auto [m, k] = answer.mode[static_cast<std::size_t>(i)];
+    const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
+    const Eigen::VectorXd shape =
+        renumbered(motion.shapes.col(k), motion.assembly->numbering(), to);
+    if (q(i) != 0) u += q(i) * shape;
+    if (lowest.size() < 8 && !shape.isZero(0)) {
+      lowest.push_back(i);
+      shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
+      shapes.rightCols(1) = shape;
+    }
+  }
+  Eigen::VectorXd load(assembly.size());
+  if (last_force > 0 || answer.truncated) {
+    stiffness.multiply(u, load);
+  }
+  if (last_force == 0) {  // the hung masses themselves
+    load.setZero();
+    for (std::size_t l = 0; l < scene.loads.size(); ++l) {
+      load += hung_weight(scene, scene.loads[l]) * load_row(assembly, static_cast<int>(l));
+    }
+  }
+  const LoadedState loaded = loaded_state(assembly, modes.equilibrium.state, load);
+  if (!loaded.converged || lowest.empty()) {
+    out.frequency_shift = 1;
+    return out;
+  }
+  assembly.force_and_tangent(loaded.state, force, stiffness);
+  const Eigen::VectorXd values = lowest_near(stiffness, mass, shapes);
+  if (values.size() == 0) {
+    out.frequency_shift = 1;
+    return out;
+  }
+  double weighted = 0, weight = 0, most = -1;
+  // The last of the subspace has not converged: it is there for the others.
+  const Eigen::Index compared = std::max<Eigen::Index>(1, values.size() - 2);
+  for (Eigen::Index i = 0; i < compared; ++i) {
+    const Eigen::Index mode = lowest[static_cast<std::size_t>(i)];
+    const double omega = std::sqrt(std::max(0.0, values(i)));
+    weighted += share(mode) * std::abs(omega / answer.omega(mode) - 1);
+    weight += share(mode);
+    if (share(mode) > most) {
+      most = share(mode);
+      out.frequency_at_rest_hz = answer.omega(mode) / (2 * std::numbers::pi);
+      out.frequency_deflected_hz = omega / (2 * std::numbers::pi);
+    }
+  }
+  out.frequency_shift = weight > 0 ? weighted / weight : 0;
+  return out;
+}
+
+}  // namespace rigfit::model
