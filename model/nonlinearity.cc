@@ -122,29 +122,34 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
       load += hung_weight(scene, scene.loads[l]) * load_row(assembly, static_cast<int>(l));
     }
   }
-  const LoadedState loaded = loaded_state(assembly, modes.equilibrium.state, load);
-  if (!loaded.converged || lowest.empty()) {
-    out.frequency_shift = 1;
-    return out;
+  if (lowest.empty()) return out;
+  // Eigenvalues in both extremes; one alone when there is no equilibrium the other way.
+  Eigen::VectorXd values[2];
+  for (int side = 0; side < 2; ++side) {
+    const LoadedState loaded =
+        loaded_state(assembly, modes.equilibrium.state, side == 0 ? load : Eigen::VectorXd(-load));
+    if (!loaded.converged) continue;
+    assembly.force_and_tangent(loaded.state, force, stiffness);
+    values[side] = lowest_near(stiffness, mass, shapes);
   }
-  assembly.force_and_tangent(loaded.state, force, stiffness);
-  const Eigen::VectorXd values = lowest_near(stiffness, mass, shapes);
-  if (values.size() == 0) {
+  if (values[0].size() == 0 || values[1].size() == 0) {
     out.frequency_shift = 1;
     return out;
   }
   double weighted = 0, weight = 0, most = -1;
-  // The last of the subspace has not converged: it is there for the others.
-  const Eigen::Index compared = std::max<Eigen::Index>(1, values.size() - 2);
+  // The last of the subspace have not converged: they are there for the others.
+  const Eigen::Index compared = std::max<Eigen::Index>(1, values[0].size() - 2);
   for (Eigen::Index i = 0; i < compared; ++i) {
     const Eigen::Index mode = lowest[static_cast<std::size_t>(i)];
-    const double omega = std::sqrt(std::max(0.0, values(i)));
-    weighted += share(mode) * std::abs(omega / answer.omega(mode) - 1);
+    const double rest = answer.omega(mode) * answer.omega(mode);
+    const double even = ((values[0](i) + values[1](i)) / (2 * rest) - 1) / 8;
+    const double half = (values[0](i) - values[1](i)) / (2 * rest), odd = 5 * half * half / 48;
+    weighted += share(mode) * (std::abs(even) + odd);
     weight += share(mode);
     if (share(mode) > most) {
       most = share(mode);
       out.frequency_at_rest_hz = answer.omega(mode) / (2 * std::numbers::pi);
-      out.frequency_deflected_hz = omega / (2 * std::numbers::pi);
+      out.frequency_moving_hz = out.frequency_at_rest_hz * (1 + even - odd);
     }
   }
   out.frequency_shift = weight > 0 ? weighted / weight : 0;

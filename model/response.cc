@@ -174,7 +174,7 @@ ResponseResult simulate_response(const Scene& scene, const ResponseOptions& opti
       estimate_nonlinearity(modes, answer, scene, records, options.sampling.duration_s, assembly);
   out.frequency_shift = shift.frequency_shift;
   out.frequency_at_rest_hz = shift.frequency_at_rest_hz;
-  out.frequency_deflected_hz = shift.frequency_deflected_hz;
+  out.frequency_moving_hz = shift.frequency_moving_hz;
   out.nonlinear = shift.frequency_shift > scene.accuracy;
   out.solver = options.solver;
   if (out.solver == ResponseSolver::automatic) {

@@ -1,9 +1,7 @@
 // The time response of a scene, by the solver that the scene needs: one call.
 //
-// The linear answer comes first. From its instant of greatest strain energy (the hung mass' own
-// shape for a release) the elastic forces are taken and put on the geometrically exact chain; the
-// natural frequencies of the chain in that deflected state, against those at rest and weighted by
-// the modes' share of the energy, are the estimated shift. Within the scene's accuracy the exact
+// The linear answer comes first; from it the shift of frequencies by the size of the motion is
+// estimated (nonlinearity.h). Within the scene's accuracy the exact
 // modal response is the answer; beyond it the equations are integrated as they are, in the plane
 // when nothing pushes the scene out of it, explicitly unless that would take many times the work of
 // the implicit scheme.
@@ -55,11 +53,11 @@ struct ResponseResult {
   Eigen::MatrixXd samples;           ///< rows (0, 1/rate, ...) x sensors
 
   ResponseSolver solver = ResponseSolver::modal;
-  bool nonlinear = false;             ///< whether the estimated shift exceeds the scene's accuracy
-  double frequency_shift = 0;         ///< estimated, relative
-  double frequency_at_rest_hz = 0;    ///< of the mode with most of the energy
-  double frequency_deflected_hz = 0;  ///< the same in the most deflected state
-  std::string motion;                 ///< "plane" or "space"
+  bool nonlinear = false;           ///< whether the estimated shift exceeds the scene's accuracy
+  double frequency_shift = 0;       ///< estimated, relative
+  double frequency_at_rest_hz = 0;  ///< of the mode with most of the energy
+  double frequency_moving_hz = 0;   ///< its estimate in motion
+  std::string motion;               ///< "plane" or "space"
   int unknowns = 0;
   long steps = 0;
   double step_s = 0;
