@@ -335,7 +335,7 @@ Recording read_uff_functions(std::string_view bytes, const std::filesystem::path
     throw RecordingError({path.string(), 1, 0, "", ""}, "holds no dataset 58",
                          "give measured functions");
   }
-  if (std::all_of(file.functions.begin(), file.functions.end(), is_time_history)) {
+  if (std::any_of(file.functions.begin(), file.functions.end(), is_time_history)) {
     return read_uff(bytes, path);
   }
   Recording recording;

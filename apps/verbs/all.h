@@ -8,5 +8,6 @@ namespace rigfit::apps {
 void add_bending(CLI::App& program, Verbs& verbs);
 void add_frf(CLI::App& program, Verbs& verbs);
 void add_report(CLI::App& program, Verbs& verbs);
+void add_inspect(CLI::App& program, Verbs& verbs);
 
 }  // namespace rigfit::apps

@@ -1,0 +1,121 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps {
+namespace {
+using testing::fresh_folder;
+using testing::run_program;
+using testing::write_file;
+
+class Inspect : public ::testing::Test {
+ protected:
+  void SetUp() override { folder = fresh_folder("inspect"); }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder / name).string(); }
+  std::filesystem::path folder;
+};
+
+/// 2 s at 500 Hz: a sine of 3.3 Hz, amplitude 2, cut at `top`; and its negative in millimetres.
+std::string sine(double top) {
+  std::string text = "Time (s);Load [kN];d (mm)\r\n";
+  for (int k = 0; k < 1000; ++k) {
+    const double x = std::min(top, 2 * std::sin(2 * std::numbers::pi * 3.3 * k / 500.0));
+    char line[80];
+    std::snprintf(line, sizeof line, "%.3f;%.6f;%.6f\r\n", k / 500.0, x, -x);
+    text += line;
+  }
+  for (char& c : text) {
+    if (c == '.') c = ',';
+  }
+  return text;
+}
+
+TEST_F(Inspect, GivesRateChannelsAndClipping) {
+  folder.write("a.csv", sine(1.5));
+  const auto run = run_program({"inspect", "--json", "-", path("a.csv")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto recording = json_of(run)["recordings"][0];
+  EXPECT_EQ(recording["format"], "csv");
+  EXPECT_EQ(recording["sample_rate_hz"], 500.0);
+  EXPECT_EQ(recording["samples"], 1000);
+  EXPECT_EQ(recording["duration_s"], 2.0);
+  ASSERT_EQ(recording["channels"].size(), 2u);
+  const auto load = recording["channels"][0];
+  EXPECT_EQ(load["name"], "Load");
+  EXPECT_EQ(load["unit"], "N");
+  EXPECT_EQ(load["quantity"], "force");
+  EXPECT_EQ(load["max"], 1500.0);
+  // 1.5 of 2: above asin(0.75) = 0.848 of pi / 2 in 6.6 periods, seven tops: (pi - 2 * 0.848) / 2
+  // pi = 0.230 of a period of 151.5 samples, 34 or 35 a top.
+  EXPECT_NEAR(load["clipped_samples"].get<double>(), 7 * 34.9, 7);
+  EXPECT_EQ(recording["channels"][1]["unit"], "m");
+  bool clipped = false;
+  const auto warnings = json_of(run)["warnings"];
+  for (const auto& warning : warnings) clipped |= warning["code"] == "clipped";
+  EXPECT_TRUE(clipped);
+}
+
+TEST_F(Inspect, FileBesideItNamesAndScales) {
+  folder.write("b.csv", "t,CH1,CH2\n0,1,10\n0.1,2,20\n0.2,3,15\n0.3,2,10\n");
+  folder.write("b.toml",
+               "[[channel]]\nsource = \"CH1\"\nname = \"hammer\"\nsensitivity = 2.0\n"
+               "sensitivity_unit = \"mV/N\"\n[[channel]]\nsource = \"#2\"\nunit = \"g\"\n"
+               "direction = [0, -2, 0]\n");
+  const auto run = run_program({"inspect", "--json", "-", path("b.csv")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto document = json_of(run);
+  const auto channels = document["recordings"][0]["channels"];
+  EXPECT_EQ(channels[0]["name"], "hammer");
+  EXPECT_EQ(channels[0]["unit"], "N");
+  EXPECT_DOUBLE_EQ(channels[0]["max"].get<double>(), 1.5);  // 3 mV over 2 mV/N
+  EXPECT_DOUBLE_EQ(channels[1]["max"].get<double>(), 20 * 9.80665);
+  EXPECT_EQ(document["inputs"].size(), 2u);
+}
+
+TEST_F(Inspect, WrongDescriptionsAreRefused) {
+  folder.write("c.csv", "t,CH1\n0,1\n0.1,2\n0.2,3\n");
+  for (const std::string text :
+       {"[[channel]]\nsource = \"CH9\"\nname = \"x\"\n",
+        "[[channel]]\nsource = \"CH1\"\nunit = \"blorp\"\n", "sample_rate = 5\n",
+        "[[channel]]\nsource = \"CH1\"\nsensitivity = 0.0\nsensitivity_unit = \"mV/N\"\n",
+        "sample_rate_hz = -1.0\n", "[[channel\n"}) {
+    folder.write("c.toml", text);
+    const auto run = run_program({"inspect", "--json", "-", path("c.csv")});
+    EXPECT_EQ(run.exit_code, 3) << text << run.err;
+    EXPECT_THAT(run.err, ::testing::HasSubstr("c."));
+  }
+}
+
+TEST_F(Inspect, BadInputsEndWithThree) {
+  folder.write("bad.csv", "t,F\n0,1\n0.1,2\n0.2,oops\n0.3,3\n0.4,1\n");
+  folder.write("empty.csv", "");
+  folder.write("words.csv", "nothing here\nbut words\n");
+  const auto run = run_program({"inspect", path("bad.csv")});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.err, ::testing::HasSubstr("bad.csv:4:5"));
+  EXPECT_THAT(run.err, ::testing::HasSubstr("oops"));
+  EXPECT_EQ(run_program({"inspect", path("empty.csv")}).exit_code, 3);
+  EXPECT_EQ(run_program({"inspect", path("words.csv")}).exit_code, 3);
+  EXPECT_EQ(run_program({"inspect", path("none.csv")}).exit_code, 3);
+  EXPECT_EQ(run_program({"inspect", folder.path().string()}).exit_code, 3);
+  EXPECT_EQ(run_program({"inspect"}).exit_code, 2);
+  EXPECT_EQ(run_program({"inspect", "--sample-rate", "0", path("bad.csv")}).exit_code, 2);
+}
+
+TEST_F(Inspect, EmptyChannelGivesNullNotNan) {
+  folder.write("d.csv", "t,a,b\n0,1,\n0.5,2,\n1,4,\n1.5,1,\n");
+  const auto run = run_program({"inspect", "--json", "-", path("d.csv")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto b = json_of(run)["recordings"][0]["channels"][1];
+  EXPECT_TRUE(b["min"].is_null());
+  EXPECT_EQ(b["missing_samples"], 4);
+}
+
+}  // namespace
+}  // namespace rigfit::apps
