@@ -323,17 +323,24 @@ CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
     const std::string last = std::string(text.substr(whole)) + '\n';
     const Eigen::Index rows_before = body.rows;
     const long short_before = body.short_rows;
-    const auto missing_before = body.missing;
     const bool good = parser.parse_line(last.data(), last.data() + last.size()) != nullptr;
     const bool broken = !good || body.short_rows > short_before;
     if (broken && rows_before > 0) {
       // A logger that lost its power: the line is not whole.
       body.rows = rows_before;
       body.short_rows = short_before;
-      body.missing = missing_before;
       body.incomplete_last = true;
     } else if (!good) {
       throw refuse(layout.body + whole, last.data(), parser.bad());
+    }
+  }
+  // A row given up half way has been counted in part.
+  if (body.footer_line > 0 || body.incomplete_last) {
+    for (std::size_t c = 0; c < n; ++c) {
+      if (wanted[c]) {
+        body.missing[c] =
+            static_cast<long>(body.columns[c].head(body.rows).array().isNaN().count());
+      }
     }
   }
   // Rows of nothing at the end (spreadsheets leave them).

@@ -120,18 +120,26 @@ std::vector<Run> improbable_runs(const Eigen::VectorXd& x, const QualityOptions&
     const Eigen::Index length = end - k;
     if (length >= options.dropout_run) {
       const Eigen::Index reach = std::max<Eigen::Index>(100, 10 * length);
-      long pairs = 0, equal = 0;
+      long pairs = 0, equal = 0, from_value = 0, stays = 0;
       const auto count = [&](Eigen::Index from, Eigen::Index to) {
         for (Eigen::Index j = std::max<Eigen::Index>(from, 0) + 1; j < std::min(to, n); ++j) {
           if (!std::isfinite(x[j]) || !std::isfinite(x[j - 1])) continue;
           ++pairs;
           equal += x[j] == x[j - 1] ? 1 : 0;
+          if (x[j - 1] != x[k]) continue;
+          ++from_value;
+          stays += x[j] == x[k] ? 1 : 0;
         }
       };
       count(k - reach, k);
       count(end, end + reach);
-      // One more equal pair than seen: a rate of zero would make everything improbable.
-      const double chance = (static_cast<double>(equal) + 1) / (static_cast<double>(pairs) + 2);
+      // One more equal pair than seen: a rate of zero would make everything improbable. A value at
+      // which the signal often rests is kept longer than the others.
+      double chance = (static_cast<double>(equal) + 1) / (static_cast<double>(pairs) + 2);
+      if (from_value >= 20) {
+        chance = std::max(chance,
+                          (static_cast<double>(stays) + 1) / (static_cast<double>(from_value) + 2));
+      }
       const double expected =
           static_cast<double>(n) * std::pow(chance, static_cast<double>(length - 1));
       if (expected < options.dropout_chance && pairs > 2 * options.dropout_run) {
@@ -314,7 +322,8 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel,
           0, -1);
     }
   }
-  if (rests_at_zero(channel.quantity) && std > 0 && std::abs(q.mean) > options.offset_ratio * std) {
+  if (count >= 16 && rests_at_zero(channel.quantity) && std > 0 &&
+      std::abs(q.mean) > options.offset_ratio * std) {
     add("offset",
         fmt::format("mean {} is {:.2g} times the standard deviation", with_unit(q.mean, channel),
                     std::abs(q.mean) / std),

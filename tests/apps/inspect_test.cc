@@ -9,17 +9,16 @@
 
 namespace rigfit::apps {
 namespace {
-using testing::fresh_folder;
-using testing::run_program;
-using testing::write_file;
 
 class Inspect : public ::testing::Test {
  protected:
-  void SetUp() override { folder = fresh_folder("inspect"); }
-  void TearDown() override { std::filesystem::remove_all(folder); }
-  [[nodiscard]] std::string path(const std::string& name) const { return (folder / name).string(); }
-  std::filesystem::path folder;
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (folder.path() / name).string();
+  }
+  TemporaryFolder folder;
 };
+
+nlohmann::json json_of(const ProgramRun& run) { return nlohmann::json::parse(run.out); }
 
 /// 2 s at 500 Hz: a sine of 3.3 Hz, amplitude 2, cut at `top`; and its negative in millimetres.
 std::string sine(double top) {
