@@ -77,15 +77,27 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
     }
     if (steps.empty()) return axis;
     const double usual = median(steps);
-    // Gaps bias the line; the usual step does not see them. Where printing is coarser than the
-    // step the usual step is a multiple of the last digit and the line is better.
-    if (usual > 2 * resolution || !(step > 0)) step = usual;
+    // Gaps bias the line. The mean of the steps that are no gaps does not see them, and printing,
+    // which may make most steps zero, averages out of it.
+    const double near = std::max(1.5 * resolution, 0.5 * std::abs(usual));
+    double sum_of_steps = 0;
+    long regular = 0;
+    for (const double h : steps) {
+      if (std::abs(h - usual) > near) continue;
+      sum_of_steps += h;
+      ++regular;
+    }
+    step = sum_of_steps / static_cast<double>(std::max(1L, regular));
+    // Printed steps differ by a digit, unless the step is a whole number of them.
+    const double digits = resolution > 0 ? step / resolution : 1;
+    const bool whole = digits > 0.5 && std::abs(digits - std::round(digits)) < 1e-3;
+    const double slack = whole ? 0 : resolution;
     double worst_step = 0;
     for (Eigen::Index k = 1; k < n; ++k) {
       const double h = time_s[k] - time_s[k - 1];
       if (!std::isfinite(h)) continue;
-      const bool back = h < 0, again = h == 0 && !(resolution > 0.5 * step);
-      const bool gap = step > 0 && h > 1.5 * step + resolution;
+      const bool back = h < 0, again = h == 0 && !(resolution > 1.01 * step);
+      const bool gap = step > 0 && h > 1.5 * step + slack;
       axis.backward += back ? 1 : 0;
       axis.repeated += again ? 1 : 0;
       axis.gaps += gap ? 1 : 0;
@@ -123,6 +135,13 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
     sum += d * d;
   }
   axis.jitter_s = std::sqrt(sum / static_cast<double>(count));
+  // Times near the largest double: sums over them are no numbers, nor is a rate from them.
+  if (!std::isfinite(axis.jitter_s) || !std::isfinite(axis.start_s) ||
+      !std::isfinite(axis.rate_hz)) {
+    TimeAxis none;
+    none.missing = axis.missing;
+    return none;
+  }
   return axis;
 }
 

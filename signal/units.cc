@@ -332,7 +332,7 @@ bool parse_product(std::string s, Product& product) {
         (c == '-' && !term.empty() && i + 1 < s.size() && std::isalpha(s[i + 1]) != 0)) {
       if (!flush()) return false;
       if (c == '/') {
-        if (pending_slash) return false;
+        if (pending_slash || terms == 0) return false;
         sign = -1, pending_slash = true;
       } else if (c == '(') {
         if (depth++ > 0) return false;
