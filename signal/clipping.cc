@@ -7,6 +7,19 @@
 namespace rigfit::signal {
 using Eigen::Index;
 
+namespace {
+
+/// Samples for which the signal keeps the value that it takes when it leaves `at` in a direction.
+double next_step(const Eigen::Ref<const Eigen::VectorXd>& channel, Index at, Index direction) {
+  double length = 0;
+  for (Index k = at + direction; k >= 0 && k < channel.size(); k += direction, ++length) {
+    if (channel[k] != channel[at + direction]) return length;
+  }
+  return static_cast<double>(channel.size());  // the record ends there: nothing can be said
+}
+
+}  // namespace
+
 ClipLevels clip_levels(const Eigen::Ref<const Eigen::VectorXd>& channel) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   ClipLevels levels{kInfinity, -kInfinity, kInfinity};
@@ -42,6 +55,11 @@ bool is_clipped(const Eigen::Ref<const Eigen::VectorXd>& channel, const ClipLeve
       if (k > 0) entry = std::max(entry, std::abs(channel[k - 1] - value));
       if (end + 1 < channel.size()) entry = std::max(entry, std::abs(channel[end + 1] - value));
       if (entry > 3 * levels.step) return true;
+      const Index length = end - k + 1;
+      if (length >= 10 && next_step(channel, k, -1) < 0.1 * static_cast<double>(length) &&
+          next_step(channel, end, 1) < 0.1 * static_cast<double>(length)) {
+        return true;
+      }
     }
     k = end;
   }

@@ -20,6 +20,7 @@ using Complex = std::complex<double>;
 struct Windows {
   Eigen::VectorXd shared;  ///< exponential; empty: none
   double energy = 0;
+  double bandwidth_lines = 1;  ///< noise bandwidth in lines: N sum w^2 / (sum w)^2
 };
 
 void load(RealFft& fft, std::span<const double> samples, double offset, const Windows& windows) {
@@ -39,14 +40,15 @@ void load(RealFft& fft, std::span<const double> samples, double offset, const Wi
 struct Sums {
   Eigen::ArrayXd gyy;
   Eigen::ArrayXcd gxy;
-  Eigen::ArrayXXcd spectra;                           ///< lines x hits, only for leave-one-out
-  Eigen::ArrayXd cross, residual, shape, cumulative;  ///< work space
+  Eigen::ArrayXXcd spectra;  ///< lines x hits, only for leave-one-out
+  Eigen::ArrayXd cross, residual, narrow, shape, cumulative;  ///< work space
 
   explicit Sums(Index lines)
       : gyy(lines),
         gxy(lines),
         cross(lines),
         residual(lines),
+        narrow(lines),
         shape(lines),
         cumulative(lines + 1) {}
 };
@@ -78,6 +80,7 @@ void smooth(Eigen::ArrayXd& values, Index half, Eigen::ArrayXd& cumulative) {
                     (cumulative[last] - cumulative[first]) / static_cast<double>(last - first));
   };
   const Index inner_first = std::min(n, half), inner_last = std::max(inner_first, n - half);
+  // Lines inner_first .. inner_last - 1 have all their neighbours.
   for (Index k = 0; k < inner_first; ++k) values[k] = average(k);
   const Index inner = inner_last - inner_first;
   values.segment(inner_first, inner) = ((cumulative.segment(inner_first + half + 1, inner) -
@@ -108,6 +111,8 @@ class Averager {
       windows_.shared =
           exponential_window(n, options.sample_rate_hz, options.exponential_decay_rate_1_s);
       windows_.energy = windows_.shared.squaredNorm();
+      windows_.bandwidth_lines =
+          static_cast<double>(n) * windows_.energy / std::pow(windows_.shared.sum(), 2);
     } else {
       windows_.energy = static_cast<double>(n);
     }
@@ -144,19 +149,20 @@ class Averager {
     for (Index i = 0; i < hits(); ++i) {
       const FrfBlock& block = blocks_[static_cast<std::size_t>(i)];
       load(fft, block.force, block.force_offset, windows_);
-      Index kept = options_.block_samples;
-      if (block.force_flat >= 0) {
-        const Eigen::VectorXd window =
-            force_window(options_.block_samples, block.force_flat, block.force_taper);
+      if (block.force_last >= 0) {
+        Eigen::VectorXd window = force_window(options_.block_samples, block.force_first,
+                                              block.force_last, block.force_taper);
         fft.time().array() *= window.array();
-        kept = std::min(kept, block.force_flat + block.force_taper);
+        if (windows_.shared.size() > 0) window.array() *= windows_.shared.array();
+        force_energy_ += window.squaredNorm();
+      } else {
+        force_energy_ += windows_.energy;
       }
-      force_energy_ += windows_.shared.size() > 0 ? windows_.shared.head(kept).squaredNorm()
-                                                  : static_cast<double>(kept);
       fft.forward();
       force_.col(i) = fft.spectrum();
     }
     force_energy_ /= static_cast<double>(hits());
+    result_.force_noise_power = mean_square(blocks_, -1) * force_energy_;
     gxx_ = force_.abs2().rowwise().sum();
     result_.force_power = gxx_ / static_cast<double>(hits());
     // Where there is no force at all nothing is known: the floor keeps H at zero over zero finite.
@@ -231,7 +237,7 @@ class Averager {
         sums.shape = 1 + of_force / of_response * H.abs2();
         sums.residual /= sums.shape;
       }
-      smooth(sums.residual, options_.error_smoothing_lines, sums.cumulative);
+      smooth_residual(sums);
       if (shaped) sums.residual *= sums.shape;
     }
     std = (sums.residual * inverse_gxx_ * (0.5 / static_cast<double>(hits() - 1))).sqrt();
@@ -239,6 +245,23 @@ class Averager {
       // The relative error is that of H1 (Bendat and Piersol).
       std *= H.abs() / (sums.gxy.abs() / gxx_).max(std::numeric_limits<double>::min());
     }
+  }
+
+  void smooth_residual(Sums& sums) const {
+    const auto lines_of = [&](Index independent) {
+      return std::min(sums.residual.size(),
+                      static_cast<Index>(
+                          std::ceil(static_cast<double>(independent) * windows_.bandwidth_lines)));
+    };
+    constexpr Index kNarrow = 2;
+    sums.narrow = sums.residual;
+    smooth(sums.residual, lines_of(options_.error_smoothing_lines), sums.cumulative);
+    if (options_.error_smoothing_lines <= kNarrow) return;
+    smooth(sums.narrow, lines_of(kNarrow), sums.cumulative);
+    // 99.9 % of chi-square over its degrees of freedom (Wilson and Hilferty).
+    const double dof = 2.0 * static_cast<double>(hits() - 1) * (2 * kNarrow + 1);
+    const double limit = std::pow(1 - 2 / (9 * dof) + 3.09 * std::sqrt(2 / (9 * dof)), 3);
+    sums.residual = (sums.narrow > limit * sums.residual).select(sums.narrow, sums.residual);
   }
 
   /// Residual power per degree of freedom relative to the response's power: all hits (last row) and

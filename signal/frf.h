@@ -30,8 +30,9 @@ struct FrfBlock {
   std::vector<std::span<const double>> responses;
   double force_offset = 0;                 ///< subtracted
   std::vector<double> response_offset;     ///< subtracted; empty: zeros
-  Eigen::Index force_flat = -1;            ///< samples of force kept as they are; -1: all
-  Eigen::Index force_taper = 0;            ///< then faded out over so many
+  Eigen::Index force_first = 0;            ///< samples of force kept as they are: from this ...
+  Eigen::Index force_last = -1;            ///< ... to the one before this; -1: all of it
+  Eigen::Index force_taper = 0;            ///< faded over so many on either side, zero beyond
   double force_noise_std = 0;              ///< of one sample, such as before the hit; 0: not known
   std::vector<double> response_noise_std;  ///< the same per response; empty: not known
 };
@@ -43,8 +44,12 @@ struct FrfOptions {
   double exponential_decay_rate_1_s = 0;  ///< of exp(-a t) on force and response; 0: none
   /// The residual noise power is averaged over this many lines on either side before it becomes an
   /// error bar: noise spectra are smooth, and an error bar from few hits alone scatters by
-  /// 1 / (2 sqrt(n - 1)). Where the noise before the hit is known, its share through the force
-  /// (which peaks where |H| does) gives the shape that is scaled. 0: every line by itself.
+  /// 1 / (2 sqrt(n - 1)). Under an exponential window neighbouring lines share their noise; the
+  /// width grows by the window's noise bandwidth, so as to hold as many independent lines. Where
+  /// the average over two lines on either side exceeds the wide one beyond chance (0.1 %), as where
+  /// modes still ring from the hit before, it is taken instead. Where the noise before the hit is
+  /// known, its share through the force (which peaks where |H| does) gives the shape that is
+  /// scaled. 0: every line by itself.
   Eigen::Index error_smoothing_lines = 10;
   bool leave_one_out = false;  ///< fill `FrfEstimate::incoherence_without`
   /// Lines used by leave-one-out: where the force spectrum is within this of its maximum.
@@ -54,10 +59,11 @@ struct FrfOptions {
 
 struct FrfEstimate {
   Eigen::VectorXd frequency_hz;
-  Eigen::MatrixXcd H;                      ///< lines x responses
-  Eigen::MatrixXd H_std;                   ///< of real and imaginary part, each; empty: unknown
-  Eigen::MatrixXd coherence;               ///< empty for one hit, where it says nothing
-  Eigen::VectorXd force_power;             ///< mean |X|^2 a hit, unscaled, lines
+  Eigen::MatrixXcd H;            ///< lines x responses
+  Eigen::MatrixXd H_std;         ///< of real and imaginary part, each; empty: unknown
+  Eigen::MatrixXd coherence;     ///< empty for one hit, where it says nothing
+  Eigen::VectorXd force_power;   ///< mean |X|^2 a hit, unscaled, lines
+  double force_noise_power = 0;  ///< the same of the force's noise, from the blocks' noise_std
   bool std_from_noise_before_hit = false;  ///< one hit: from the blocks' noise_std
   /// Part of the response power (all responses, each relative to its own) not explained by the
   /// force, per degree of freedom, in the lines of `leave_one_out_range_db`.

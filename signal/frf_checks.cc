@@ -84,7 +84,9 @@ DrivingPointCheck check_driving_point(const FrfSet& frfs, Index response, Index 
   // The imaginary mobility is positive below a resonance and negative above it; from one resonance
   // to the next it has to turn back, at an antiresonance.
   const double sign = check.verdict == DrivingPointVerdict::inverted ? -1 : 1;
-  const std::vector<Index> peaks = prominent_peaks(Y.abs2(), 4);
+  // At a 25th of the power of both resonances each is 78 degrees or more past its own, so that the
+  // turn shows; closer ones may merge.
+  const std::vector<Index> peaks = prominent_peaks(Y.abs2(), 25);
   check.resonances = static_cast<int>(peaks.size());
   for (std::size_t i = 1; i < peaks.size(); ++i) {
     const Index first = peaks[i - 1], last = peaks[i];

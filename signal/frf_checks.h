@@ -30,7 +30,7 @@ struct DrivingPointCheck {
   /// Part of sum |Re mobility| with the wrong sign, over lines where it exceeds three standard
   /// deviations (all lines when these are not known).
   double wrong_sign_share = 0;
-  int resonances = 0;  ///< peaks that stand out fourfold (power) from the dips beside them
+  int resonances = 0;  ///< peaks that stand out 25-fold (power) from the dips beside them
   int missing_antiresonances = 0;  ///< between neighbouring ones
 };
 

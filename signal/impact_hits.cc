@@ -117,8 +117,9 @@ void judge_spectrum(const Eigen::VectorXd& force, double rate, const HitOptions&
   const Index flat = hit.pulse_last + 2 * width - first;
   RealFft fft(good_fft_length(std::max<Index>(4096, 4 * (last - first))));
   fft.time().setZero();
-  fft.time().head(last - first) = (force.segment(first, last - first).array() - hit.offset) *
-                                  force_window(last - first, flat, 2 * width).array();
+  fft.time().head(last - first) =
+      (force.segment(first, last - first).array() - hit.offset) *
+      force_window(last - first, hit.pulse_first - first, flat, 2 * width).array();
   fft.forward();
   const Eigen::ArrayXd power = fft.spectrum().array().abs2();
   const Eigen::VectorXd f = line_frequencies(fft.length(), rate);

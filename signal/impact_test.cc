@@ -117,7 +117,8 @@ class Analysis {
         options_.force_window_s < 0 ? 3 * hit.pulse_duration_s : options_.force_window_s;
     if (kept > 0) {
       const auto samples = std::max(width, static_cast<Index>(std::ceil(kept * rate)));
-      block.force_flat = hit.pulse_first - hit.block_first + samples;
+      block.force_first = std::max<Index>(0, hit.pulse_first - width - hit.block_first);
+      block.force_last = hit.pulse_first - hit.block_first + samples;
       block.force_taper = std::max<Index>(1, samples / 2);
     }
     for (std::size_t r = 0; r < test_.responses.size(); ++r) {
@@ -245,14 +246,9 @@ class Analysis {
 
   void judge(const FrfEstimate& estimate) {
     test_.usable_hz = 0.5 * test_.search.sample_rate_hz;
-    double force_noise = 0, end_level = 0, drop = 0, hidden = 0;
+    double end_level = 0, drop = 0, hidden = 0;
     for (const Hit& hit : test_.search.hits) {
       if (!hit.accepted) continue;
-      const FrfBlock block = block_of(hit);
-      const Index kept = block.force_flat >= 0 ? block.force_flat + block.force_taper
-                                               : static_cast<Index>(block.force.size());
-      force_noise += std::pow(block.force_noise_std, 2) * static_cast<double>(kept) /
-                     std::max(1, test_.frfs.averages);
       test_.usable_hz = std::min(test_.usable_hz, hit.usable_hz);
       end_level = std::max(end_level, hit.end_level);
       drop = std::max(drop, hit.spectrum_drop_db);
@@ -262,7 +258,7 @@ class Analysis {
     for (Index k = 1; k < estimate.frequency_hz.size(); ++k) {
       if (estimate.frequency_hz[k] > high || !(estimate.force_power[k] > 0)) continue;
       test_.force_noise_bias =
-          std::max(test_.force_noise_bias, force_noise / estimate.force_power[k]);
+          std::max(test_.force_noise_bias, estimate.force_noise_power / estimate.force_power[k]);
     }
     if (test_.force_noise_bias > 0.01 && options_.estimator == FrfEstimator::h1) {
       test_.notes.push_back(

@@ -21,11 +21,12 @@ double decay_rate_for(double end_level, double duration_s) {
   return -std::log(end_level) / duration_s;
 }
 
-Eigen::VectorXd force_window(Index length, Index flat, Index taper) {
+Eigen::VectorXd force_window(Index length, Index first, Index last, Index taper) {
   return Eigen::VectorXd::NullaryExpr(length, [=](Index n) {
-    if (n < flat) return 1.0;
-    if (n >= flat + taper) return 0.0;
-    const double x = static_cast<double>(n - flat + 1) / static_cast<double>(taper + 1);
+    const Index outside = n < first ? first - n : n - last + 1;  // samples away from the flat part
+    if (outside <= 0) return 1.0;
+    if (outside > taper) return 0.0;
+    const double x = static_cast<double>(outside) / static_cast<double>(taper + 1);
     return 0.5 * (1 + std::cos(std::numbers::pi * x));
   });
 }

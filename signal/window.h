@@ -1,11 +1,11 @@
 // Windows of impact tests.
 //
-// Force: one through the pulse, then a half cosine down to zero: what follows is noise, not force.
-// Exponential: w(t) = exp(-a t), shared by force and response. Since both become functions of
-// s = i omega + a, their ratio is the FRF on that line of the s plane: every pole moves by -a, no
-// amplitude changes, and a is taken off again from the poles. Source: Fladung, Rost, "Application
-// and correction of the exponential window", Mechanical Systems and Signal Processing 11 (1997)
-// 23-36.
+// Force: one through the pulse, half cosines up to it and down from it, else zero: what comes
+// before and after is noise, not force. Exponential: w(t) = exp(-a t), shared by force and
+// response. Since both become functions of s = i omega + a, their ratio is the FRF on that line of
+// the s plane: every pole moves by -a, no amplitude changes, and a is taken off again from the
+// poles. Source: Fladung, Rost, "Application and correction of the exponential window", Mechanical
+// Systems and Signal Processing 11 (1997) 23-36.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,8 +19,8 @@ namespace rigfit::signal {
 /// a of the window that has fallen to `end_level` (0..1) after `duration_s`.
 [[nodiscard]] double decay_rate_for(double end_level, double duration_s);
 
-/// 1 for `flat` samples, a half cosine over the next `taper`, then 0.
-[[nodiscard]] Eigen::VectorXd force_window(Eigen::Index length, Eigen::Index flat,
-                                           Eigen::Index taper);
+/// 1 for samples first .. last - 1, half cosines over `taper` samples on either side, else 0.
+[[nodiscard]] Eigen::VectorXd force_window(Eigen::Index length, Eigen::Index first,
+                                           Eigen::Index last, Eigen::Index taper);
 
 }  // namespace rigfit::signal

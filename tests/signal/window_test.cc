@@ -18,13 +18,16 @@ TEST(Window, ExponentialFallsToTheLevelItWasMadeFor) {
   EXPECT_THROW((void)decay_rate_for(1.5, 1), std::invalid_argument);
 }
 
-TEST(Window, ForceIsKeptThenFadedThenGone) {
-  const Eigen::VectorXd w = force_window(20, 5, 3);
-  EXPECT_EQ(w.head(5), Eigen::VectorXd::Ones(5));
-  EXPECT_NEAR(w[6], 0.5, 1e-15);  // the middle of a half cosine
-  EXPECT_GT(w[5], w[6]);
-  EXPECT_GT(w[7], 0);
-  EXPECT_EQ(w.tail(12), Eigen::VectorXd::Zero(12));
+TEST(Window, ForceIsKeptAndFadedOnBothSides) {
+  const Eigen::VectorXd w = force_window(20, 6, 11, 3);
+  EXPECT_EQ(w.segment(6, 5), Eigen::VectorXd::Ones(5));
+  EXPECT_NEAR(w[12], 0.5, 1e-15);  // the middle of a half cosine
+  EXPECT_GT(w[11], w[12]);
+  EXPECT_GT(w[13], 0);
+  EXPECT_EQ(w.tail(6), Eigen::VectorXd::Zero(6));
+  EXPECT_NEAR(w[4], 0.5, 1e-15);
+  EXPECT_EQ(w.head(3), Eigen::VectorXd::Zero(3));
+  EXPECT_EQ(force_window(5, 0, 5, 2), Eigen::VectorXd::Ones(5));
 }
 
 }  // namespace

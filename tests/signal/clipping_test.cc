@@ -1,0 +1,50 @@
+#include "signal/clipping.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace rigfit::signal {
+namespace {
+using Eigen::Index;
+
+Eigen::VectorXd sine(double period, double step) {
+  return Eigen::VectorXd::NullaryExpr(2000, [=](Index n) {
+    const double x = std::sin(2 * EIGEN_PI * (static_cast<double>(n) + 0.3) / period);
+    return step > 0 ? step * std::round(x / step) : x;
+  });
+}
+
+bool clipped(const Eigen::VectorXd& x, double range = 0) {
+  return is_clipped(x, clip_levels(x), 0, 0, x.size() - 1, range);
+}
+
+TEST(Clipping, FlatTopsAreNotQuantisation) {
+  for (const double period : {8.0, 40.0, 300.0}) {
+    for (const double step : {0.0, 1.0 / 2048, 1.0 / 32}) {
+      const Eigen::VectorXd x = sine(period, step);
+      EXPECT_FALSE(clipped(x)) << period << " " << step;
+      // Clipped to 60 %, on a level of the converter, with more than three samples above.
+      const double level = step > 0 ? step * std::round(0.6 / step) : 0.6;
+      if (period > 10) {
+        EXPECT_TRUE(clipped(x.cwiseMin(level))) << period << " " << step;
+        EXPECT_TRUE(clipped(x.cwiseMax(-level))) << period << " " << step;
+      }
+    }
+  }
+}
+
+TEST(Clipping, RangeRestAndNothing) {
+  const Eigen::VectorXd x = sine(40, 0);
+  EXPECT_TRUE(clipped(x, 0.99));
+  EXPECT_FALSE(clipped(x, 1.01));
+  Eigen::VectorXd pulse = Eigen::VectorXd::Zero(100);
+  pulse.segment(40, 5) << 0.3, 0.8, 1, 0.7, 0.2;
+  EXPECT_FALSE(clipped(pulse));  // at rest at its lower extreme
+  EXPECT_FALSE(clipped(Eigen::VectorXd::Constant(50, 3)));
+  EXPECT_FALSE(clipped(Eigen::VectorXd::Constant(50, std::numeric_limits<double>::quiet_NaN())));
+}
+
+}  // namespace
+}  // namespace rigfit::signal
