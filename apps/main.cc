@@ -79,9 +79,10 @@ int run(int argc, char** argv) {
   Json result = chosen->run(context);
   const Json document = json_document(context, chosen->app->get_name(), std::move(result));
   if (common.json == "-") {
-    std::cout << document.dump(2) << '\n';
+    std::cout << document.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   } else if (!common.json.empty()) {
-    write_whole_file(common.json, document.dump(2) + "\n");
+    write_whole_file(common.json,
+                     document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   }
   std::cout.flush();
   return static_cast<int>(context.exit_code);

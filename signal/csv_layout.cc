@@ -112,10 +112,19 @@ Trial best_dialect(const Sample& sample) {
 }  // namespace
 
 std::size_t line_end(std::string_view bytes, std::size_t from) {
-  const std::size_t lf = bytes.find('\n', from);
-  const std::size_t limit = lf == std::string_view::npos ? bytes.size() : lf;
-  const std::size_t cr = bytes.substr(0, limit).find('\r', from);
-  return cr == std::string_view::npos ? limit : cr;
+  // Both signs are looked for in pieces: in a file that has only one of them the search for the
+  // other would run to the end of the file for every line.
+  std::size_t piece = 256;
+  while (from < bytes.size()) {
+    const auto window = bytes.substr(from, piece);
+    const std::size_t lf = window.find('\n');
+    const std::size_t cr = window.substr(0, lf).find('\r');
+    if (cr != std::string_view::npos) return from + cr;
+    if (lf != std::string_view::npos) return from + lf;
+    from += window.size();
+    piece = std::min<std::size_t>(2 * piece, 1 << 16);
+  }
+  return bytes.size();
 }
 
 std::size_t next_line(std::string_view bytes, std::size_t end) {

@@ -101,6 +101,19 @@ TEST_P(Malformed, SeedsAndMutationsGiveARecordingOrAReason) {
 
 INSTANTIATE_TEST_SUITE_P(Readers, Malformed, ::testing::Values("csv", "lvm", "uff"));
 
+TEST(FuzzSeeds, LongFilesOfOddLineEndsAreReadInLinearTime) {
+  // 2 MB with carriage returns only and a fault at the end: a search for the other line end from
+  // every line would take minutes, the test's limit is in seconds.
+  std::string text = "t,a\r";
+  for (int k = 0; k < 200000; ++k) text += std::to_string(k) + ".5,1.25\r";
+  EXPECT_EQ(read_csv(text, "x").samples(), 200000);
+  for (int k = 0; k < 20000; ++k) text += "0.5,wrong\r";
+  EXPECT_THROW((void)read_csv(text, "x"), RecordingError);
+  std::string marks;
+  for (int k = 0; k < 100000; ++k) marks += "    -1\r    15\r    -1\r";
+  EXPECT_THROW((void)read_uff(marks + "    -1\r    x\r", "x"), RecordingError);
+}
+
 TEST(FuzzSeeds, AreReadable) {
   for (const auto& seed : seeds_of("csv")) {
     if (fs::exists(fs::path(RIGFIT_FUZZ) / "seeds" / "csv" / seed.name)) {
