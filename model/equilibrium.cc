@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -98,7 +98,11 @@ class Solver {
         small_.noalias() = -gradient_.transpose() * border_;
         small_.diagonal() += own;
         mismatch_.noalias() -= gradient_.transpose() * column_;
-        lengths_ = small_.partialPivLu().solve(mismatch_);
+        // Cables in line over a node that nothing else holds share one condition: least change.
+        Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+        decomposition.setThreshold(1e-9);
+        decomposition.compute(small_);
+        lengths_ = decomposition.solve(mismatch_);
         column_.noalias() -= border_ * lengths_;
       }
       if (!column_.allFinite() || !lengths_.allFinite()) return false;

@@ -1,0 +1,31 @@
+// Frequency response functions of a scene, from any of its loads to any of its sensors, about the
+// equilibrium: H = r (K + i omega C - omega^2 M)^-1 l, per newton at the load, by solving the
+// damped equations at every line, so that no mode is left out.
+//
+// Sign e^(+i omega t). Acceleration sensors give (m/s^2)/N (accelerance), velocity m/s/N,
+// displacement m/N (receptance), force sensors N/N. Members with a modal damping ratio add
+// C = sum_r 2 zeta_r omega_r (M phi_r)(M phi_r)' over the modes up to twice the highest line
+// (Clough and Penzien, Dynamics of Structures, ch. 12; the inverse by Woodbury's formula), which
+// is the damping that the modal response has; modes beyond take none.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "model/modal_analysis.h"
+#include "model/scene.h"
+
+namespace rigfit::model {
+
+struct SynthesizedFrfs {
+  Equilibrium equilibrium;  ///< H is empty unless converged
+  Eigen::VectorXd frequency_hz;
+  std::vector<Eigen::MatrixXcd> H;  ///< per line: sensors x loads
+};
+
+/// Uses of `options`: segments, rotary inertia, torsion. Lines must not be negative.
+[[nodiscard]] SynthesizedFrfs synthesize_frfs(const Scene& scene,
+                                              const Eigen::VectorXd& frequency_hz,
+                                              const ModesOptions& options = {});
+
+}  // namespace rigfit::model

@@ -1,0 +1,138 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps {
+namespace {
+using ::testing::HasSubstr;
+
+const char* const kCable = R"(
+title = "cable"
+[[node]]
+name = "left"
+position = [0.0, 0.0, 0.0]
+support = "pinned"
+[[node]]
+name = "right"
+position = [2.4, 0.0, 0.0]
+support = "pinned"
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "right"]
+segments = "auto"
+mass_per_length = 0.16667
+EA = 221780.0
+EI = 0.5972
+tension = 200.0
+damping_ratio = 0.005
+[[sensor]]
+name = "mid"
+member = "cable"
+position = 0.5
+direction = [0.0, 1.0, 0.0]
+)";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+TEST(ModesVerb, GivesTheCablesModes) {
+  const TemporaryFolder folder;
+  const auto run = run_program(
+      {"modes", folder.write("cable.toml", kCable), "--count", "4", "--shapes", "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json["command"], "modes");
+  ASSERT_EQ(json["modes"].size(), 4u);
+  // Taut string of mass 0.16667 kg/m with EI: f = sqrt((T + EI k^2) / m) / (2 L), to the strain
+  // T / EA = 9e-4 and the sag's and the accuracy's 1e-4.
+  const double k = M_PI / 2.4;
+  const double f1 = k / (2 * M_PI) * std::sqrt((200 + 0.5972 * k * k) / 0.16667);
+  EXPECT_EQ(json["modes"][0]["plane"], "out");
+  EXPECT_NEAR(json["modes"][0]["frequency_hz"].get<double>() / f1, 1, 1e-3);
+  EXPECT_EQ(json["modes"][1]["plane"], "in");
+  EXPECT_GT(json["modes"][1]["frequency_hz"], json["modes"][0]["frequency_hz"]);
+  for (const auto& mode : json["modes"]) {
+    EXPECT_EQ(mode["family"], "cable");
+    EXPECT_NEAR(mode["damping_ratio"].get<double>(), 0.005, 1e-12);
+    EXPECT_NEAR(mode["kinetic_energy"]["cable"].get<double>(), 1, 1e-9);
+  }
+  const auto& rest = json["equilibrium"]["members"][0];
+  EXPECT_NEAR(rest["tension_N"].get<double>(), 200, 1e-6);
+  // Parabola m g L^2 / (8 T), to its (sag / span)^2.
+  EXPECT_NEAR(rest["sag_m"].get<double>(), 0.16667 * 9.80665 * 5.76 / 1600, 1e-4);
+  EXPECT_EQ(json["modes"][0]["shape"][0]["displacement"].size(),
+            rest["segments"].get<std::size_t>() + 1);
+  EXPECT_LE(json["relative_error_estimate"].get<double>(), 1e-4);
+  EXPECT_TRUE(json["complete"].get<bool>());
+  EXPECT_EQ(json["modelled"]["left_out"][0]["what"], "torsion");
+}
+
+TEST(ModesVerb, BandGivesTheSameModesAsTheCount) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("cable.toml", kCable);
+  const auto counted =
+      run_program({"modes", scene, "--segments", "30", "--count", "8", "--json", "-"});
+  const auto banded =
+      run_program({"modes", scene, "--segments", "30", "--band", "10", "25", "--json", "-"});
+  ASSERT_EQ(banded.exit_code, 0) << banded.err;
+  const auto all = nlohmann::json::parse(counted.out)["modes"];
+  const auto some = nlohmann::json::parse(banded.out)["modes"];
+  std::size_t next = 0;
+  for (const auto& mode : all) {
+    const double f = mode["frequency_hz"];
+    if (f < 10 || f > 25) continue;
+    ASSERT_LT(next, some.size());
+    EXPECT_NEAR(some[next++]["frequency_hz"].get<double>(), f, 1e-7 * f);
+  }
+  EXPECT_EQ(next, some.size());
+  EXPECT_GT(next, 2u);
+}
+
+TEST(ModesVerb, SlackCableEndsWithFiveAndTheReason) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write(
+      "slack.toml", "gravity = 0.0\n" + replaced(kCable, "tension = 200.0", "stretch = -0.01"));
+  const auto run = run_program({"modes", scene, "--json", "-"});
+  EXPECT_EQ(run.exit_code, run.err.find("stretch") != std::string::npos ? 3 : 5) << run.err;
+  const std::string longer = folder.write(
+      "longer.toml",
+      "gravity = 0.0\n" + replaced(kCable, "tension = 200.0", "unstretched_length = 2.5"));
+  const auto second = run_program({"modes", longer, "--json", "-"});
+  EXPECT_EQ(second.exit_code, 5);
+  EXPECT_THAT(second.err, HasSubstr("slack"));
+  const auto json = nlohmann::json::parse(second.out);
+  EXPECT_EQ(json["equilibrium"]["status"], "slack");
+  EXPECT_TRUE(json["modes"].empty());
+}
+
+TEST(ModesVerb, BadInputsAndUsage) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("cable.toml", kCable);
+  EXPECT_EQ(run_program({"modes", "missing.toml"}).exit_code, 3);
+  EXPECT_EQ(run_program({"modes", scene, "--count", "0"}).exit_code, 2);
+  EXPECT_EQ(run_program({"modes", scene, "--band", "20", "10"}).exit_code, 2);
+  EXPECT_EQ(run_program({"modes", scene, "--band", "1", "5", "--count", "3"}).exit_code, 2);
+  const std::string unknown =
+      folder.write("unknown.toml", replaced(kCable, "\"right\"]", "\"rihgt\"]"));
+  const auto run = run_program({"modes", unknown});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.err, HasSubstr("rihgt"));
+}
+
+TEST(ModesVerb, ExampleOfTheHelpWorks) {
+  const TemporaryFolder folder;
+  const auto run = run_program({"modes", RIGFIT_TESTDATA "/jalali2021/scenes/rig.toml", "--count",
+                                "6", "--json", (folder.path() / "modes.json").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(nlohmann::json::parse(folder.read("modes.json"))["modes"].size(), 6u);
+  EXPECT_THAT(run.out, HasSubstr("Sturm"));
+}
+
+}  // namespace
+}  // namespace rigfit::apps
