@@ -404,6 +404,37 @@ void fill_shape(const ModalRefineResult& fit, const ModalCovariance& covariance,
   mode.modal_phase_collinearity = modal_phase_collinearity(mode.shape);
 }
 
+/// Correlation of the weighted misfit at neighbouring lines, less what the noise model expects;
+/// noted when it is beyond chance and large enough to matter for the error bars.
+void check_misfit(ModalResult& result, const Band& band, const MatrixXcd& misfit) {
+  const Index pairs = misfit.rows() - 1;
+  Complex product = 0;
+  double power = 0, frfs = 0;
+  for (Index c = 0; c < misfit.cols(); ++c) {
+    if (!std::isfinite(result.noise.column[c])) continue;
+    const VectorXcd r = misfit.col(c).cwiseQuotient(result.noise.line.cwiseSqrt().cast<Complex>()) /
+                        std::sqrt(result.noise.column[c]);
+    product += r.head(pairs).dot(r.tail(pairs));
+    power += 0.5 * (r.head(pairs).squaredNorm() + r.tail(pairs).squaredNorm());
+    ++frfs;
+  }
+  if (!(power > 0)) return;
+  const double window = band.correlation_lines;
+  const double expected = window > 0 ? (1.0 / Complex(1, std::numbers::pi / window)).real() : 0;
+  result.misfit_line_correlation = product.real() / power - expected;
+  const double chance = 5 / std::sqrt(2 * frfs * static_cast<double>(pairs));
+  if (std::abs(result.misfit_line_correlation) > std::max(chance, 0.2)) {
+    result.model.notes.push_back(
+        {"systematic_misfit",
+         fmt::format(
+             "the misfit is not like noise: neighbouring lines correlate by {:.2f} more than "
+             "noise does. Something is left out (non-linearity, change between hits, modes "
+             "outside the band); error bars of the modes are too small then",
+             result.misfit_line_correlation),
+         ""});
+  }
+}
+
 /// Why a person should not rely on a mode, each reason with its figure.
 void judge(ModalResult& result, const Band& band) {
   ModalModel& model = result.model;
@@ -600,6 +631,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     }
     result.misfit_over_error_bars = std::sqrt(sum / static_cast<double>(count));
   }
+  check_misfit(result, band, H - search.model());
   judge(result, band);
   return result;
 }

@@ -7,6 +7,7 @@ void add_all_verbs(CLI::App& program, Verbs& verbs) {
   add_inspect(program, verbs);
   add_bending(program, verbs);
   add_frf(program, verbs);
+  add_modal(program, verbs);
   add_modes(program, verbs);
 }
 

@@ -8,6 +8,7 @@ namespace rigfit::apps {
 void add_bending(CLI::App& program, Verbs& verbs);
 void add_frf(CLI::App& program, Verbs& verbs);
 void add_modes(CLI::App& program, Verbs& verbs);
+void add_modal(CLI::App& program, Verbs& verbs);
 void add_report(CLI::App& program, Verbs& verbs);
 void add_inspect(CLI::App& program, Verbs& verbs);
 

@@ -1,0 +1,74 @@
+// Times of the poles of order 60 and of the whole identification. The accuracy beside them is that
+// of the truth table (modal_truth).
+#include <benchmark/benchmark.h>
+
+#include <complex>
+#include <random>
+
+#include "signal/lscf.h"
+#include "signal/modal_identification.h"
+#include "tests/signal/ten_mode_truth.h"
+
+namespace rigfit {
+namespace {
+
+signal::FrfSet noisy_frfs(Eigen::Index responses, Eigen::Index lines) {
+  const auto truth = testing::ten_mode_truth(responses);
+  const double step = 1400.0 / static_cast<double>(lines);
+  signal::FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(lines, step, 1400));
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  const double scale = 1e-3 * set.H.norm() / std::sqrt(static_cast<double>(set.H.size()));
+  for (auto& h : set.H.reshaped())
+    h += scale * std::complex<double>(normal(random), normal(random));
+  return set;
+}
+
+double worst_ppm(const Eigen::VectorXd& found, const testing::TenModeTruth& truth) {
+  double worst = 0;
+  for (const double f : truth.frequency_hz) {
+    worst = std::max(worst, 1e6 * (found.array() - f).abs().minCoeff() / f);
+  }
+  return worst;
+}
+
+/// Arguments: FRFs, lines. All orders to 60 with stabilisation data.
+void BM_LscfOrder60(benchmark::State& state) {
+  const signal::FrfSet set = noisy_frfs(state.range(0), state.range(1));
+  signal::LscfResult result;
+  for (auto _ : state) {
+    result = signal::lscf(set.frequency_hz, set.H, 1);
+    benchmark::DoNotOptimize(result.poles.data());
+  }
+  std::vector<double> top;
+  for (const auto& pole : result.poles) {
+    if (pole.order == 60) top.push_back(pole.frequency_hz);
+  }
+  state.counters["worst_ppm_at_60"] =
+      worst_ppm(Eigen::Map<Eigen::VectorXd>(top.data(), static_cast<Eigen::Index>(top.size())),
+                testing::ten_mode_truth());
+}
+BENCHMARK(BM_LscfOrder60)
+    ->Args({20, 5600})
+    ->Args({20, 1601})
+    ->Args({222, 1601})
+    ->Unit(benchmark::kMillisecond);
+
+void BM_IdentifyModes(benchmark::State& state) {
+  const signal::FrfSet set = noisy_frfs(state.range(0), state.range(1));
+  signal::ModalResult result;
+  for (auto _ : state) {
+    result = signal::identify_modes(set);
+    benchmark::DoNotOptimize(result.model.modes.data());
+  }
+  Eigen::VectorXd found(static_cast<Eigen::Index>(result.model.modes.size()));
+  for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
+    found[static_cast<Eigen::Index>(r)] = result.model.modes[r].frequency_hz.value;
+  }
+  state.counters["modes"] = static_cast<double>(found.size());
+  state.counters["worst_ppm"] = worst_ppm(found, testing::ten_mode_truth());
+}
+BENCHMARK(BM_IdentifyModes)->Args({20, 5600})->Args({222, 1601})->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace rigfit
