@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -132,7 +133,8 @@ void print(const Study& study, const testing::TenModeTruth& truth, const Options
     const Tally& t = study.modes[r];
     const auto i = static_cast<Index>(r);
     fmt::print(
-        "| {} | {} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.1f} % | {:.1f} % | {:.2f} | {:.2f} "
+        "| {:.4g} | {:.4g} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.1f} % | {:.1f} % | {:.2f} | "
+        "{:.2f} "
         "| {:.6f} |\n",
         truth.frequency_hz[i], 100 * truth.damping_ratio[i], t.worst_frequency,
         std::sqrt(t.square_frequency / n), t.worst_damping, std::sqrt(t.square_damping / n),
@@ -148,6 +150,7 @@ void print(const Study& study, const testing::TenModeTruth& truth, const Options
       "{:.2f} % of {:.0f} parts of residues. Modes called doubtful: {}.\n",
       100 * covered / (20 * n), 20 * n, 100 * shapes / std::max(1.0, shape_total), shape_total,
       doubtful);
+  std::fflush(stdout);
 }
 
 int run(int argc, char** argv) {
