@@ -1,0 +1,506 @@
+#include "signal/damped_sinusoids.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+constexpr Index kBlock = 256;
+// exp(-a j) below this adds nothing to a double and would only make denormals.
+constexpr double kNegligible = 1e-150;
+
+double re_product(Complex a, Complex b) { return a.real() * b.real() - a.imag() * b.imag(); }
+
+// The columns z^l and (l/N) z^l of one block; z^(b + l) = z^b z^l serves all blocks.
+struct BlockBasis {
+  Eigen::Matrix<double, kBlock, 4> columns;  // Re z^l, Im z^l, (l/N) Re z^l, (l/N) Im z^l
+
+  void set(Complex pole, Index n) {
+    constexpr int kLanes = 8;
+    const Index length = std::min(kBlock, (n + kLanes - 1) / kLanes * kLanes);
+    std::array<double, kLanes> re, im;
+    for (int l = 0; l < kLanes; ++l) {
+      const Complex z = std::exp(pole * static_cast<double>(l));
+      re[static_cast<std::size_t>(l)] = z.real(), im[static_cast<std::size_t>(l)] = z.imag();
+    }
+    const Complex stride = std::exp(pole * static_cast<double>(kLanes));
+    const double sr = stride.real(), si = stride.imag();
+    double* c0 = columns.data();
+    double* c1 = c0 + kBlock;
+    for (Index l = 0; l < length; l += kLanes) {
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        c0[l + static_cast<Index>(k)] = re[k], c1[l + static_cast<Index>(k)] = im[k];
+        const double r = re[k] * sr - im[k] * si;
+        im[k] = re[k] * si + im[k] * sr;
+        re[k] = r;
+      }
+    }
+    const double step = 1.0 / static_cast<double>(n);
+    double* c2 = c1 + kBlock;
+    double* c3 = c2 + kBlock;
+    for (Index l = 0; l < length; ++l) {
+      const double t = static_cast<double>(l) * step;
+      c2[l] = t * c0[l], c3[l] = t * c1[l];
+    }
+  }
+};
+
+struct Products {  // with z^j and (j/N) z^j
+  Complex zero, one;
+};
+
+// One column of the Jacobian: Re(factor (j/N)^power z^j).
+struct Column {
+  int mode;  // -1: background, z = 1
+  int power;
+  Complex factor;
+};
+
+class Problem {
+ public:
+  Problem(const Eigen::Ref<const Eigen::VectorXd>& y, std::span<const Index> missing,
+          std::size_t modes, int background_terms)
+      : y_(y), missing_(missing), n_(y.size()), m_(modes), background_(background_terms) {
+    basis_.resize(m_);
+    products_.resize(m_);
+    residual_.resize(n_);
+    const Index size = parameters();
+    gram_.resize(size, size);
+    gradient_.resize(size);
+  }
+
+  Index parameters() const { return 4 * static_cast<Index>(m_) + background_; }
+  Index linear() const { return 2 * static_cast<Index>(m_) + background_; }
+
+  std::vector<Complex> poles, amplitudes;
+  std::array<double, 2> background{0, 0};
+  double sum_squares = 0;
+
+  // Linear parameters, residual, Gram matrix and gradient at `poles`. False: rank-deficient.
+  bool evaluate() {
+    amplitudes.assign(m_, 1.0);  // scale of the derivative columns; set again below
+    background = {0, 0};
+    residual_ = y_;
+    for (std::size_t m = 0; m < m_; ++m) basis_[m].set(poles[m], n_);
+    fill_pair_sums();
+    fill_gram();
+    // Twice: the second pass takes away what rounding in the normal equations left.
+    for (int pass = 0; pass < 2; ++pass) {
+      project();
+      if (!solve_linear()) return false;
+    }
+    project();
+    fill_gram();
+    fill_gradient();
+    return std::isfinite(sum_squares);
+  }
+
+  // Pole steps (per sample) for the Levenberg-Marquardt parameter; false when singular.
+  bool step(double lambda, Eigen::VectorXd& pole_step, double& step_norm_squared) {
+    const Index nl = linear(), nn = 2 * static_cast<Index>(m_);
+    Eigen::VectorXd scale = gram_.diagonal().cwiseSqrt();
+    if (!(scale.minCoeff() > 0)) return false;
+    Eigen::MatrixXd scaled =
+        scale.cwiseInverse().asDiagonal() * gram_ * scale.cwiseInverse().asDiagonal();
+    Eigen::LDLT<Eigen::MatrixXd> ll(scaled.topLeftCorner(nl, nl));
+    if (ll.info() != Eigen::Success || !(ll.vectorD().minCoeff() > 1e-14)) return false;
+    const Eigen::MatrixXd coupling = ll.solve(scaled.topRightCorner(nl, nn));
+    Eigen::MatrixXd schur =
+        scaled.bottomRightCorner(nn, nn) - scaled.bottomLeftCorner(nn, nl) * coupling;
+    const Eigen::VectorXd g =
+        gradient_.tail(nn).cwiseQuotient(scale.tail(nn)) -
+        coupling.transpose() * gradient_.head(nl).cwiseQuotient(scale.head(nl));
+    const Eigen::MatrixXd plain = schur;
+    schur.diagonal() *= 1 + lambda;
+    Eigen::LDLT<Eigen::MatrixXd> nn_factor(schur);
+    if (nn_factor.info() != Eigen::Success || !(nn_factor.vectorD().minCoeff() > 1e-14))
+      return false;
+    const Eigen::VectorXd delta = nn_factor.solve(g);
+    step_norm_squared = delta.dot(plain * delta);
+    pole_step = delta.cwiseQuotient(scale.tail(nn)) / static_cast<double>(n_);
+    return pole_step.allFinite();
+  }
+
+  void fill(DampedSinusoidsFit& fit) const {
+    fit.poles = poles;
+    fit.amplitudes = amplitudes;
+    fit.offset = background[0];
+    fit.drift = background[1];
+    fit.residual_sum_squares = sum_squares;
+    fit.samples = n_;
+    fit.degrees = n_ - static_cast<Index>(missing_.size()) - parameters();
+    fit.residual = residual_;
+    // From this class's order and scale (linear ones first, poles times N) to the public one.
+    const Index size = parameters();
+    Eigen::VectorXi from(size);
+    Eigen::VectorXd factor = Eigen::VectorXd::Ones(size);
+    const auto modes = static_cast<Index>(m_);
+    for (Index m = 0; m < modes; ++m) {
+      from.segment<4>(4 * m) << int(2 * m), int(2 * m + 1), int(linear() + 2 * m),
+          int(linear() + 2 * m + 1);
+      factor.segment<2>(4 * m + 2).setConstant(static_cast<double>(n_));
+    }
+    for (Index b = 0; b < background_; ++b) from(4 * modes + b) = static_cast<int>(2 * modes + b);
+    fit.jacobian_gram.resize(size, size);
+    for (Index i = 0; i < size; ++i) {
+      for (Index k = 0; k < size; ++k) {
+        fit.jacobian_gram(i, k) = gram_(from(i), from(k)) * factor(i) * factor(k);
+      }
+    }
+    const Eigen::VectorXd scale = fit.jacobian_gram.diagonal().cwiseSqrt();
+    if (scale.minCoeff() > 0) {
+      const auto inverse_scale = scale.cwiseInverse().asDiagonal();
+      Eigen::LDLT<Eigen::MatrixXd> factorised(inverse_scale * fit.jacobian_gram * inverse_scale);
+      if (factorised.info() == Eigen::Success && factorised.vectorD().minCoeff() > 1e-13) {
+        fit.unit_covariance =
+            inverse_scale * factorised.solve(Eigen::MatrixXd::Identity(size, size)) * inverse_scale;
+      }
+    }
+    if (fit.unit_covariance.size() == 0) fit.end = DampedSinusoidsFit::End::rank_deficient;
+  }
+
+ private:
+  // Residual at the present linear parameters, its sum of squares and its products with the basis.
+  void project() {
+    for (auto& p : products_) p = {};
+    background_products_ = {0, 0};
+    sum_squares = 0;
+    const double per = 1.0 / static_cast<double>(n_);
+    for (Index start = 0; start < n_; start += kBlock) {
+      const Index length = std::min(kBlock, n_ - start);
+      auto r = residual_.segment(start, length);
+      r = y_.segment(start, length);
+      if (background_ > 0 && (background[0] != 0 || background[1] != 0)) {
+        const double first = background[0] + background[1] * static_cast<double>(start) * per;
+        const double slope = background[1] * per;
+        for (Index l = 0; l < length; ++l) r(l) -= first + slope * static_cast<double>(l);
+      }
+      for (std::size_t m = 0; m < m_; ++m) {
+        const Complex head = std::exp(poles[m] * static_cast<double>(start));
+        if (std::abs(head) < kNegligible) continue;
+        const Complex c = amplitudes_now_[m] * head;
+        if (c == 0.0) continue;
+        const auto& b = basis_[m].columns;
+        r -= c.real() * b.col(0).head(length) - c.imag() * b.col(1).head(length);
+      }
+      for (Index j : missing_) {
+        if (j >= start && j < start + length) r(j - start) = 0;
+      }
+      sum_squares += r.squaredNorm();
+      for (std::size_t m = 0; m < m_; ++m) {
+        const Complex head = std::exp(poles[m] * static_cast<double>(start));
+        if (std::abs(head) < kNegligible) continue;
+        const auto& b = basis_[m].columns;
+        const Complex zero(b.col(0).head(length).dot(r), b.col(1).head(length).dot(r));
+        const Complex one(b.col(2).head(length).dot(r), b.col(3).head(length).dot(r));
+        products_[m].zero += head * zero;
+        products_[m].one += head * (one + static_cast<double>(start) * per * zero);
+      }
+      if (background_ > 0) {
+        const double sum = r.sum();
+        background_products_[0] += sum;
+        if (background_ > 1) {
+          double ramp = 0;
+          for (Index l = 0; l < length; ++l) ramp += static_cast<double>(l) * r(l);
+          background_products_[1] += per * (ramp + static_cast<double>(start) * sum);
+        }
+      }
+    }
+  }
+
+  bool solve_linear() {
+    const Index nl = linear();
+    Eigen::VectorXd right(nl);
+    for (std::size_t m = 0; m < m_; ++m) {
+      right(2 * static_cast<Index>(m)) = products_[m].zero.real();
+      right(2 * static_cast<Index>(m) + 1) = -products_[m].zero.imag();
+    }
+    for (int b = 0; b < background_; ++b) {
+      right(2 * static_cast<Index>(m_) + b) = background_products_[static_cast<std::size_t>(b)];
+    }
+    const Eigen::VectorXd scale = gram_.diagonal().head(nl).cwiseSqrt();
+    if (!(scale.minCoeff() > 0)) return false;
+    const auto inverse_scale = scale.cwiseInverse().asDiagonal();
+    Eigen::LDLT<Eigen::MatrixXd> factor(inverse_scale * gram_.topLeftCorner(nl, nl) *
+                                        inverse_scale);
+    if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-14)) return false;
+    const Eigen::VectorXd x = inverse_scale * factor.solve(inverse_scale * right);
+    if (!x.allFinite()) return false;
+    for (std::size_t m = 0; m < m_; ++m) {
+      amplitudes_now_[m] += Complex(x(2 * static_cast<Index>(m)), x(2 * static_cast<Index>(m) + 1));
+    }
+    for (int b = 0; b < background_; ++b) {
+      background[static_cast<std::size_t>(b)] += x(2 * static_cast<Index>(m_) + b);
+    }
+    amplitudes = amplitudes_now_;
+    return true;
+  }
+
+  std::vector<Column> columns() const {
+    std::vector<Column> list;
+    list.reserve(static_cast<std::size_t>(parameters()));
+    const Complex i(0, 1);
+    for (int m = 0; m < static_cast<int>(m_); ++m) {
+      list.push_back({m, 0, 1.0});
+      list.push_back({m, 0, i});
+    }
+    for (int b = 0; b < background_; ++b) list.push_back({-1, b, 1.0});
+    for (int m = 0; m < static_cast<int>(m_); ++m) {
+      const Complex c = amplitudes[static_cast<std::size_t>(m)];
+      list.push_back({m, 1, c});
+      list.push_back({m, 1, i * c});
+    }
+    return list;
+  }
+
+  Complex pole_of(int mode) const {
+    return mode < 0 ? Complex(0) : poles[static_cast<std::size_t>(mode)];
+  }
+
+  // S_k(z_a z_b) and S_k(z_a conj z_b) for every pair of modes, the background being mode "m_".
+  void fill_pair_sums() {
+    amplitudes_now_.assign(m_, 0.0);
+    const std::size_t count = m_ + 1;
+    sums_.resize(count * count);
+    for (std::size_t a = 0; a < count; ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        const Complex pa = a == m_ ? Complex(0) : poles[a];
+        const Complex pb = b == m_ ? Complex(0) : poles[b];
+        power_sums(std::exp(pa + pb), n_, sums_[a * count + b].plain);
+        power_sums(std::exp(pa + std::conj(pb)), n_, sums_[a * count + b].conjugate);
+      }
+    }
+  }
+
+  void fill_gram() {
+    const auto list = columns();
+    const std::size_t count = m_ + 1;
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      for (std::size_t l = 0; l <= k; ++l) {
+        const Column *p = &list[k], *q = &list[l];
+        std::size_t a = p->mode < 0 ? m_ : static_cast<std::size_t>(p->mode);
+        std::size_t b = q->mode < 0 ? m_ : static_cast<std::size_t>(q->mode);
+        if (a < b) std::swap(a, b), std::swap(p, q);
+        const auto& s = sums_[a * count + b];
+        const auto power = static_cast<std::size_t>(p->power + q->power);
+        const double value =
+            0.5 * (re_product(p->factor * q->factor, s.plain[power]) +
+                   re_product(p->factor * std::conj(q->factor), s.conjugate[power]));
+        gram_(static_cast<Index>(k), static_cast<Index>(l)) = value;
+        gram_(static_cast<Index>(l), static_cast<Index>(k)) = value;
+      }
+    }
+    if (missing_.empty()) return;
+    Eigen::VectorXd row(parameters());
+    for (Index j : missing_) {
+      const double t = static_cast<double>(j) / static_cast<double>(n_);
+      for (std::size_t k = 0; k < list.size(); ++k) {
+        const Complex z = std::exp(pole_of(list[k].mode) * static_cast<double>(j));
+        row(static_cast<Index>(k)) = re_product(list[k].factor, z) * (list[k].power ? t : 1.0);
+      }
+      gram_ -= row * row.transpose();
+    }
+  }
+
+  void fill_gradient() {
+    const auto list = columns();
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      const auto& c = list[k];
+      double value;
+      if (c.mode < 0) {
+        value = background_products_[static_cast<std::size_t>(c.power)];
+      } else {
+        const auto& p = products_[static_cast<std::size_t>(c.mode)];
+        value = re_product(c.factor, c.power ? p.one : p.zero);
+      }
+      gradient_(static_cast<Index>(k)) = value;
+    }
+  }
+
+  struct PairSums {
+    std::array<Complex, 3> plain, conjugate;
+  };
+
+  const Eigen::Ref<const Eigen::VectorXd> y_;
+  std::span<const Index> missing_;
+  Index n_;
+  std::size_t m_;
+  int background_;
+  std::vector<BlockBasis> basis_;
+  std::vector<Products> products_;
+  std::array<double, 2> background_products_{0, 0};
+  std::vector<Complex> amplitudes_now_;
+  std::vector<PairSums> sums_;
+  Eigen::VectorXd residual_, gradient_;
+  Eigen::MatrixXd gram_;
+};
+
+}  // namespace
+
+void power_sums(Complex q, Index n, std::span<Complex> sums) {
+  // S_k over [0, a + b) = S_k over [0, a) + q^a sum_i binomial(k, i) a^(k-i) S_i over [0, b).
+  static constexpr double binomial[5][5] = {
+      {1, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {1, 2, 1, 0, 0}, {1, 3, 3, 1, 0}, {1, 4, 6, 4, 1}};
+  const std::size_t order = sums.size();
+  std::array<Complex, 5> s{}, next{};
+  s[0] = 1;
+  const double per = 1.0 / static_cast<double>(n);
+  Complex power = q;  // q^length
+  Index length = 1;
+  int bit = 0;
+  while ((n >> (bit + 1)) > 0) ++bit;
+  for (--bit; bit >= 0; --bit) {
+    const double a = static_cast<double>(length) * per;
+    for (std::size_t k = 0; k < order; ++k) {
+      Complex tail = s[k];
+      double a_power = a;
+      for (std::size_t i = k; i-- > 0;) {
+        tail += binomial[k][i] * a_power * s[i];
+        a_power *= a;
+      }
+      next[k] = s[k] + power * tail;
+    }
+    s = next;
+    power *= power;
+    length *= 2;
+    if ((n >> bit) & 1) {
+      const double t = static_cast<double>(length) * per;
+      double t_power = 1;
+      for (std::size_t k = 0; k < order; ++k) {
+        s[k] += t_power * power;
+        t_power *= t;
+      }
+      power *= q;
+      ++length;
+    }
+  }
+  std::copy_n(s.begin(), order, sums.begin());
+}
+
+Eigen::VectorXd DampedSinusoidsFit::mode_signal(std::size_t m) const {
+  Eigen::VectorXd signal(samples);
+  for (Index start = 0; start < samples; start += kBlock) {
+    Complex z = amplitudes[m] * std::exp(poles[m] * static_cast<double>(start));
+    const Complex q = std::exp(poles[m]);
+    for (Index j = start; j < std::min(samples, start + kBlock); ++j) {
+      signal(j) = z.real();
+      z = Complex(z.real() * q.real() - z.imag() * q.imag(),
+                  z.real() * q.imag() + z.imag() * q.real());
+    }
+  }
+  return signal;
+}
+
+Eigen::VectorXd DampedSinusoidsFit::jacobian_column(Index k) const {
+  const auto modes = static_cast<Index>(poles.size());
+  if (k >= 4 * modes) {
+    if (k == 4 * modes) return Eigen::VectorXd::Ones(samples);
+    return Eigen::VectorXd::LinSpaced(samples, 0, static_cast<double>(samples - 1)) /
+           static_cast<double>(samples);
+  }
+  const auto m = static_cast<std::size_t>(k / 4);
+  const int which = static_cast<int>(k % 4);
+  const Complex factor =
+      (which % 2 ? Complex(0, 1) : Complex(1)) * (which < 2 ? 1.0 : amplitudes[m]);
+  Eigen::VectorXd column(samples);
+  for (Index start = 0; start < samples; start += kBlock) {
+    Complex z = std::exp(poles[m] * static_cast<double>(start)) * factor;
+    const Complex q = std::exp(poles[m]);
+    for (Index j = start; j < std::min(samples, start + kBlock); ++j) {
+      column(j) = which < 2 ? z.real() : static_cast<double>(j) * z.real();
+      z = Complex(z.real() * q.real() - z.imag() * q.imag(),
+                  z.real() * q.imag() + z.imag() * q.real());
+    }
+  }
+  return column;
+}
+
+DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                        std::span<const Complex> poles,
+                                        const DampedSinusoidsOptions& options,
+                                        std::span<const Index> missing) {
+  Problem problem(y, missing, poles.size(), options.background_terms);
+  const auto present = y.size() - static_cast<Index>(missing.size());
+  if (present <= problem.parameters()) {
+    throw std::invalid_argument("damped sinusoids: fewer samples than parameters");
+  }
+  const double n = static_cast<double>(y.size());
+  const auto degrees = static_cast<double>(present - problem.parameters());
+  const double total = y.squaredNorm();
+  DampedSinusoidsFit fit;
+  problem.poles.assign(poles.begin(), poles.end());
+  if (!problem.evaluate()) {
+    fit.poles = problem.poles;
+    fit.amplitudes.assign(poles.size(), 0.0);
+    fit.samples = y.size();
+    fit.residual = y;
+    fit.residual_sum_squares = total;
+    fit.end = DampedSinusoidsFit::End::rank_deficient;
+    return fit;
+  }
+  double lambda = 1e-3;
+  Eigen::VectorXd step;
+  std::vector<Complex> accepted = problem.poles;
+  double best = problem.sum_squares;
+  bool stale = false;  // problem holds a refused trial
+  for (fit.iterations = 0; fit.iterations < options.max_iterations; ++fit.iterations) {
+    double norm_squared = 0;
+    if (!problem.step(lambda, step, norm_squared)) {
+      fit.end = DampedSinusoidsFit::End::rank_deficient;
+      break;
+    }
+    // Small against the noise, or at rounding where there is no noise.
+    const double tolerance = options.step_in_std * options.step_in_std;
+    if (norm_squared <= tolerance * best / degrees || norm_squared <= 1e-28 * total) {
+      fit.end = DampedSinusoidsFit::End::converged;
+      break;
+    }
+    for (std::size_t m = 0; m < poles.size(); ++m) {
+      Complex delta(step(2 * static_cast<Index>(m)), step(2 * static_cast<Index>(m) + 1));
+      // The functional is smooth over about the width of the line and no further.
+      const double reach = std::numbers::pi / n + 0.5 * std::abs(accepted[m].real());
+      if (std::abs(delta) > reach) delta *= reach / std::abs(delta);
+      Complex next = accepted[m] + delta;
+      // A pole may grow by no more than e^3 over the record, so that nothing overflows; below a
+      // quarter of a cycle a sinusoid is a polynomial that the background has already.
+      next.real(std::clamp(next.real(), -30.0, 3.0 / n));
+      next.imag(std::clamp(next.imag(), 0.5 * std::numbers::pi / n, std::numbers::pi));
+      problem.poles[m] = next;
+    }
+    const bool better = problem.evaluate() && problem.sum_squares <= best;
+    if (better) {
+      best = problem.sum_squares;
+      accepted = problem.poles;
+      lambda = std::max(lambda / 10, 1e-12);
+      stale = false;
+    } else {
+      stale = true;
+      if (lambda > 1e8) {  // no downhill step is left: a minimum to rounding
+        fit.end = DampedSinusoidsFit::End::converged;
+        break;
+      }
+      lambda = std::max(lambda * 10, 1e-6);
+      problem.poles = accepted;
+      problem.evaluate();
+      stale = false;
+    }
+  }
+  if (stale) {
+    problem.poles = accepted;
+    problem.evaluate();
+  }
+  const auto end = fit.end;
+  problem.fill(fit);
+  if (fit.end != DampedSinusoidsFit::End::rank_deficient) fit.end = end;
+  return fit;
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,64 @@
+// Damped sinusoids on an offset and a drift, fitted to uniform samples by least squares.
+//
+//   y_j = sum_m Re(C_m exp(p_m j)) + c0 + c1 j / N + e_j,   p_m = -a_m + i w_m per sample
+//
+// Variable projection: for given poles the complex amplitudes C and the background are linear and
+// solved exactly; the poles move by Gauss-Newton steps on the projected functional (Kaufman's
+// form), damped after Levenberg and Marquardt. Every Gram matrix is a sum of j^k q^j, evaluated by
+// doubling in O(log N); only the products with the data cost O(N). With white Gaussian noise this
+// is the maximum-likelihood estimate and reaches the Cramer-Rao bound.
+// Sources: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49;
+// Ruhe and Wedin, SIAM Review 22 (1980) 318.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <span>
+#include <vector>
+
+namespace rigfit::signal {
+
+/// sum_{j=0}^{n-1} (j/n)^k q^j for k = 0 .. sums.size()-1 (at most 5), by doubling: no cancellation
+/// as q -> 1, no n-fold loop. n > 0, |q| <= about 1.
+void power_sums(std::complex<double> q, Eigen::Index n, std::span<std::complex<double>> sums);
+
+struct DampedSinusoidsOptions {
+  int background_terms = 2;   ///< 0: none, 1: offset, 2: offset and drift
+  int max_iterations = 60;    ///< of Gauss-Newton steps, taken or refused
+  double step_in_std = 1e-3;  ///< stop when a step is this small against the standard uncertainties
+};
+
+struct DampedSinusoidsFit {
+  enum class End {
+    converged,
+    iterations,      ///< max_iterations reached
+    rank_deficient,  ///< the columns cannot be told apart; no covariance
+  };
+  std::vector<std::complex<double>> poles;       ///< per sample
+  std::vector<std::complex<double>> amplitudes;  ///< C at sample 0
+  double offset = 0;                             ///< at sample 0
+  double drift = 0;                              ///< over the whole of N samples
+  double residual_sum_squares = 0;
+  Eigen::Index samples = 0;  ///< N, with the missing ones
+  Eigen::Index degrees = 0;  ///< samples present less parameters
+  Eigen::VectorXd residual;  ///< N; 0 where missing
+  Eigen::MatrixXd
+      jacobian_gram;  ///< J'J, parameters (Re C, Im C, Re p, Im p) per mode, then c0, c1
+  Eigen::MatrixXd unit_covariance;  ///< (J'J)^-1; empty when rank-deficient
+  int iterations = 0;
+  End end = End::iterations;
+
+  /// Mode m alone at every sample.
+  [[nodiscard]] Eigen::VectorXd mode_signal(std::size_t m) const;
+  /// The column of J for parameter k (order as in `jacobian_gram`), N long.
+  [[nodiscard]] Eigen::VectorXd jacobian_column(Eigen::Index k) const;
+};
+
+/// Fits `y` from the starting poles (per sample). `missing` lists samples to leave out (y there
+/// must be 0). Needs more samples than parameters, else std::invalid_argument.
+[[nodiscard]] DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                                      std::span<const std::complex<double>> poles,
+                                                      const DampedSinusoidsOptions& options = {},
+                                                      std::span<const Eigen::Index> missing = {});
+
+}  // namespace rigfit::signal

@@ -1,0 +1,620 @@
+#include "signal/decay.h"
+
+#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+
+#include "signal/damped_sinusoids.h"
+#include "signal/decay_search.h"
+#include "signal/decay_window.h"
+#include "signal/log_decrement.h"
+#include "signal/residual_noise.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+constexpr double kTwoPi = 2 * std::numbers::pi;
+// After this many time constants of the slowest mode a record holds nothing but noise.
+constexpr double kTailTimeConstants = 10;
+constexpr double kHighestDamping = 0.9;
+constexpr Index kFewDegrees = 200;
+
+struct Samples {
+  Eigen::VectorXd values;  // 0 where missing
+  std::vector<Index> missing;
+};
+
+Samples take(const Eigen::Ref<const Eigen::VectorXd>& y, Index start, Index end) {
+  Samples s;
+  s.values = y.segment(start, end - start);
+  for (Index j = 0; j < s.values.size(); ++j) {
+    if (!std::isfinite(s.values(j))) s.values(j) = 0, s.missing.push_back(j);
+  }
+  return s;
+}
+
+double damping_of(Complex pole) { return -pole.real() / std::abs(pole); }
+
+double mode_energy(const DampedSinusoidsFit& fit, std::size_t m) {
+  std::array<Complex, 1> plain, square;
+  power_sums(std::exp(2.0 * fit.poles[m]), fit.samples, plain);
+  power_sums(std::exp(2.0 * fit.poles[m].real()), fit.samples, square);
+  const Complex c = fit.amplitudes[m];
+  return 0.5 * ((c * c * plain[0]).real() + std::norm(c) * square[0].real());
+}
+
+bool plausible(Complex pole, Index n) {
+  const double cycles = pole.imag() / kTwoPi * static_cast<double>(n);
+  return damping_of(pole) < kHighestDamping && cycles > 0.3 &&
+         pole.real() * static_cast<double>(n) < 2.9;
+}
+
+class ModeSearch {
+ public:
+  ModeSearch(const Samples& samples, const DecayOptions& options)
+      : samples_(samples), options_(options), n_(samples.values.size()) {}
+
+  // The first mode, from several starts; nothing when no peak stands out of the noise.
+  std::optional<DampedSinusoidsFit> first(double lowest, double highest) {
+    const Eigen::VectorXd x = trendless();
+    DecaySearchOptions search;
+    search.lowest = lowest, search.highest = highest, search.candidates = 3;
+    search.energy_over_noise = threshold();
+    const auto found = search_decays(x, search);
+    std::vector<DecayCandidate> starts;
+    for (const auto& c : found) {
+      if (c.energy > 0.3 * found.front().energy) starts.push_back(c);
+    }
+    // In a few cycles the spectrum tells little, noise included: there the fit decides.
+    auto anywhere = found;
+    if (found.empty()) {
+      search.energy_over_noise = 0;
+      anywhere = search_decays(x, search);
+    }
+    if (!anywhere.empty() && samples_.missing.empty()) {
+      const auto few = few_cycle_starts(samples_.values, anywhere.front(), search);
+      starts.insert(starts.end(), few.begin(), few.end());
+    }
+    std::optional<DampedSinusoidsFit> best;
+    for (const auto& start : starts) {
+      auto fit =
+          fit_damped_sinusoids(samples_.values, std::span(&start.pole, 1), {}, samples_.missing);
+      if (!plausible(fit.poles[0], n_) || fit.unit_covariance.size() == 0) continue;
+      if (!oscillates(fit)) continue;
+      if (!passes_fisher(x.squaredNorm() - fit.residual_sum_squares, fit)) continue;
+      if (!best || fit.residual_sum_squares < best->residual_sum_squares) best = std::move(fit);
+    }
+    return best;
+  }
+
+  // One mode more, or nothing when none is worth it.
+  std::optional<DampedSinusoidsFit> next(const DampedSinusoidsFit& fit, double lowest,
+                                         double highest) {
+    DecaySearchOptions search;
+    search.lowest = lowest, search.highest = highest, search.candidates = 3;
+    search.energy_over_noise = threshold();
+    for (const auto& candidate : search_decays(fit.residual, search)) {
+      auto poles = fit.poles;
+      poles.push_back(candidate.pole);
+      const auto needed = static_cast<Index>(4 * poles.size() + 2);
+      if (n_ - static_cast<Index>(samples_.missing.size()) <= needed + 2) return {};
+      auto more = fit_damped_sinusoids(samples_.values, poles, {}, samples_.missing);
+      if (more.unit_covariance.size() == 0) continue;
+      if (worthwhile(fit, more, candidate.noise_variance)) return more;
+    }
+    return {};
+  }
+
+ private:
+  double threshold() const { return detection_threshold(n_, options_.false_alarm); }
+
+  Eigen::VectorXd trendless() const {
+    Eigen::VectorXd x = samples_.values;
+    for (Index j : samples_.missing) x(j) = std::numeric_limits<double>::quiet_NaN();
+    return without_trend(x);
+  }
+
+  bool worthwhile(const DampedSinusoidsFit& fit, const DampedSinusoidsFit& more,
+                  double noise_variance) const {
+    const double gain = fit.residual_sum_squares - more.residual_sum_squares;
+    if (!(gain > threshold() * noise_variance)) return false;
+    // Few samples know little of the noise: Fisher's test as well.
+    if (more.degrees < kFewDegrees && !passes_fisher(gain, more)) return false;
+    const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
+    for (std::size_t m = 0; m < more.poles.size(); ++m) {
+      if (!plausible(more.poles[m], n_)) return false;
+      const auto k = static_cast<Index>(4 * m);
+      const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
+      const double w_std = std::sqrt(white * more.unit_covariance(k + 3, k + 3));
+      if (w_std > 0.05 * more.poles[m].imag()) return false;
+      // Strongly damped ones explain transients as readily as modes: they must be well determined.
+      if (damping_of(more.poles[m]) > 0.15 && a_std > 0.2 * std::abs(more.poles[m].real()))
+        return false;
+    }
+    // A pole that left its candidate for the company of another: told apart only when the two beat
+    // at least half a beat while both last, and, under one and a half, when two modes explain twice
+    // as much of the residual as one mode whose amplitude and phase depart from an exponential.
+    for (std::size_t i = 0; i < more.poles.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        const double a = std::max(-more.poles[i].real(), -more.poles[k].real());
+        const double both =
+            a > 0 ? std::min(static_cast<double>(n_), 3 / a) : static_cast<double>(n_);
+        const double beats = std::abs(more.poles[i].imag() - more.poles[k].imag()) / kTwoPi * both;
+        if (beats < 0.5) return false;
+        if (beats < 1.5) {
+          std::size_t nearest = 0;
+          for (std::size_t m = 1; m < fit.poles.size(); ++m) {
+            if (std::abs(fit.poles[m] - more.poles[i]) <
+                std::abs(fit.poles[nearest] - more.poles[i])) {
+              nearest = m;
+            }
+          }
+          if (more.residual_sum_squares > 0.5 * departing_residual(fit, nearest)) return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  // Whether noise of the residual's variance would take out so much with one mode more, in the best
+  // of all cells of the bank, with probability `false_alarm` at most.
+  bool passes_fisher(double gain, const DampedSinusoidsFit& fit) const {
+    const double degrees = static_cast<double>(fit.degrees);
+    const double ratio = gain / 4 / std::max(fit.residual_sum_squares / degrees, 1e-300);
+    const double cells = std::exp(0.5 * threshold()) * options_.false_alarm;
+    return gsl_cdf_fdist_Q(ratio, 4, degrees) * cells < options_.false_alarm;
+  }
+
+  // An arc is no oscillation: where few cycles are seen, the fit must leave less than half of what
+  // a polynomial with as many coefficients leaves.
+  bool oscillates(const DampedSinusoidsFit& fit) const {
+    const Complex p = fit.poles[0];
+    const double lasts =
+        p.real() < 0 ? std::min(static_cast<double>(n_), 3 / -p.real()) : static_cast<double>(n_);
+    if (p.imag() / kTwoPi * lasts > 3) return true;
+    Eigen::MatrixXd legendre(n_, 6);
+    for (Index j = 0; j < n_; ++j) {
+      const double t = n_ > 1 ? 2 * static_cast<double>(j) / static_cast<double>(n_ - 1) - 1 : 0;
+      legendre(j, 0) = 1, legendre(j, 1) = t;
+      for (int k = 2; k < 6; ++k) {
+        legendre(j, k) = ((2 * k - 1) * t * legendre(j, k - 1) - (k - 1) * legendre(j, k - 2)) / k;
+      }
+    }
+    for (Index j : samples_.missing) legendre.row(j).setZero();
+    const Eigen::VectorXd x = legendre.colPivHouseholderQr().solve(samples_.values);
+    return fit.residual_sum_squares < 0.5 * (samples_.values - legendre * x).squaredNorm();
+  }
+
+  // Sum of squares left when mode m may also have t^2 and t^3 in its complex amplitude: as many
+  // parameters as one mode more.
+  double departing_residual(const DampedSinusoidsFit& fit, std::size_t m) const {
+    Eigen::MatrixXd columns(n_, 8);
+    for (Index j = 0; j < n_; ++j) {
+      const double t = static_cast<double>(j) / static_cast<double>(n_);
+      const Complex z = std::exp(fit.poles[m] * static_cast<double>(j));
+      double power = 1;
+      for (Index k = 0; k < 4; ++k) {
+        columns(j, 2 * k) = power * z.real(), columns(j, 2 * k + 1) = power * z.imag();
+        power *= t;
+      }
+    }
+    for (Index j : samples_.missing) columns.row(j).setZero();
+    const Eigen::VectorXd x = columns.colPivHouseholderQr().solve(fit.residual);
+    return (fit.residual - columns * x).squaredNorm();
+  }
+
+  const Samples& samples_;
+  const DecayOptions& options_;
+  Index n_;
+};
+
+struct Band {
+  double low, high;  // cycles per sample
+  bool all;
+  bool contains(Complex pole) const {
+    const double f = std::abs(pole) / kTwoPi;
+    return all || (f >= low && f <= high);
+  }
+};
+
+// All modes that the samples support; nothing when there is none.
+std::optional<DampedSinusoidsFit> find_modes(const Samples& samples, const DecayOptions& options,
+                                             const Band& band) {
+  ModeSearch search(samples, options);
+  auto fit = search.first(band.all ? 0 : band.low, band.all ? 0.5 : band.high);
+  if (!fit) return fit;
+  const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
+  while (fit->poles.size() < limit * (band.all ? 1 : 2)) {
+    auto more = search.next(*fit, 0, 0.5);
+    if (!more) break;
+    fit = std::move(more);
+  }
+  const auto inside = [&] {
+    return static_cast<std::size_t>(std::count_if(fit->poles.begin(), fit->poles.end(),
+                                                  [&](Complex p) { return band.contains(p); }));
+  };
+  while (!band.all && inside() < limit && fit->poles.size() < 3 * limit) {
+    auto more = search.next(*fit, band.low, band.high);
+    if (!more) break;
+    fit = std::move(more);
+  }
+  return fit;
+}
+
+// How far the start should move: while the first half cycle leaves three times the rms of the rest.
+Index start_shift(const DampedSinusoidsFit& fit, std::size_t strongest) {
+  const Complex pole = fit.poles[strongest];
+  const double cycle = kTwoPi / pole.imag();
+  const auto half = std::max<Index>(3, static_cast<Index>(std::lround(0.5 * cycle)));
+  const auto rest_from = static_cast<Index>(std::ceil(2 * cycle));
+  if (fit.samples < rest_from + std::max<Index>(8, static_cast<Index>(3 * cycle))) return 0;
+  const auto rest = fit.residual.tail(fit.samples - rest_from);
+  const double level = rest.squaredNorm() / static_cast<double>(rest.size());
+  return fit.residual.head(half).squaredNorm() > 9 * level * static_cast<double>(half) ? half : 0;
+}
+
+std::size_t strongest_of(const DampedSinusoidsFit& fit, const Band& band) {
+  std::size_t best = 0;
+  double most = -1;
+  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
+    const double energy = band.contains(fit.poles[m]) ? mode_energy(fit, m) : 0;
+    if (energy > most) most = energy, best = m;
+  }
+  return best;
+}
+
+void refuse(DecayResult& result, std::string code, std::string message) {
+  result.refusal_code = std::move(code);
+  result.refusal = std::move(message);
+}
+
+void note(DecayResult& result, std::string code, std::string message) {
+  result.notes.push_back({std::move(code), std::move(message), ""});
+}
+
+// Frequency and damping of every mode and their joint covariance, from the fit's.
+Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, double rate) {
+  const auto modes = static_cast<Index>(fit.poles.size());
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 * modes, 4 * modes + 2);
+  for (Index m = 0; m < modes; ++m) {
+    const Complex p = fit.poles[static_cast<std::size_t>(m)];
+    const double s = p.real(), w = p.imag(), r = std::abs(p);
+    jacobian(2 * m, 4 * m + 2) = rate / kTwoPi * s / r;
+    jacobian(2 * m, 4 * m + 3) = rate / kTwoPi * w / r;
+    jacobian(2 * m + 1, 4 * m + 2) = -w * w / (r * r * r);
+    jacobian(2 * m + 1, 4 * m + 3) = s * w / (r * r * r);
+  }
+  return jacobian;
+}
+
+void describe(DecayResult& result, const Samples& samples, const DampedSinusoidsFit& fit,
+              const Band& band, double rate, const DecayOptions& options);
+void judge(DecayResult& result, double rate);
+
+}  // namespace
+
+DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sample_rate_hz,
+                           const DecayOptions& options) {
+  if (!(sample_rate_hz > 0) || !std::isfinite(sample_rate_hz)) {
+    throw std::invalid_argument("decay: the sample rate must be positive");
+  }
+  const double nyquist = 0.5 * sample_rate_hz;
+  const bool banded = options.band_low_hz > 0 || options.band_high_hz > 0;
+  Band band{options.band_low_hz / sample_rate_hz,
+            (options.band_high_hz > 0 ? std::min(options.band_high_hz, nyquist) : nyquist) /
+                sample_rate_hz,
+            !banded};
+  if (band.low < 0 || !(band.low < band.high)) {
+    throw std::invalid_argument(fmt::format(
+        "decay: the band must lie below half the sample rate ({} Hz) and rise", nyquist));
+  }
+  DecayResult result;
+  result.end = y.size();
+  const Index finite = static_cast<Index>(
+      std::count_if(y.data(), y.data() + y.size(), [](double v) { return std::isfinite(v); }));
+  if (finite < 7) {
+    refuse(result, "too_few_samples",
+           fmt::format("{} samples: one damped sinusoid with offset and drift has 6 unknowns",
+                       finite));
+    return result;
+  }
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (double v : y) {
+    if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+  }
+  if (!(high - low > 1e-14 * std::max(std::abs(high), std::abs(low)))) {
+    refuse(result, "constant", "the signal does not change: nothing vibrates in this channel");
+    return result;
+  }
+  bool moved_start = false;
+  if (options.choose_window) {
+    DecayWindowOptions window_options;
+    if (banded) window_options.lowest = band.low, window_options.highest = band.high;
+    const auto windows = find_decays(y, window_options);
+    result.decays_found = static_cast<Index>(windows.size());
+    double most = -1;
+    const DecayWindow* chosen = &windows.front();
+    for (const auto& w : windows) {
+      if (w.end - w.start < 7) continue;
+      const double energy = without_trend(y.segment(w.start, w.end - w.start)).squaredNorm();
+      if (energy > most) most = energy, chosen = &w;
+    }
+    result.start = chosen->start, result.end = chosen->end;
+    moved_start = chosen->after_impact;
+    if (windows.size() > 1) {
+      note(result, "several_decays",
+           fmt::format("{} decays in the record; the strongest is taken (name another by its start "
+                       "and end)",
+                       windows.size()));
+    }
+    if (chosen->clipped_until > 0) {
+      note(result, "clipped",
+           fmt::format("the signal sits on its rail until sample {}; the fit starts "
+                       "after it",
+                       chosen->clipped_until));
+    }
+  }
+  Samples samples = take(y, result.start, result.end);
+  const auto lost = static_cast<Index>(samples.missing.size());
+  if (samples.values.size() - lost < 7) {
+    refuse(result, "too_few_samples", "fewer than 7 samples are left after clipping and gaps");
+    return result;
+  }
+  if (5 * lost > samples.values.size()) {
+    refuse(result, "missing_samples",
+           fmt::format("{} of {} samples are missing: name a stretch without gaps by start and end",
+                       lost, samples.values.size()));
+    return result;
+  }
+  if (lost > 0)
+    note(result, "missing_samples", fmt::format("{} missing samples were left out", lost));
+
+  auto fit = find_modes(samples, options, band);
+  if (!fit) {
+    refuse(
+        result, "too_noisy",
+        "no oscillation stands out of the noise (or less than half a cycle is recorded): a longer "
+        "record, a harder impulse or a band around the mode would help");
+    return result;
+  }
+  // Behind what the slowest mode has left the record only costs time and invites drift.
+  double slowest = std::numeric_limits<double>::infinity();
+  for (Complex p : fit->poles) slowest = std::min(slowest, -p.real());
+  const double tail = kTailTimeConstants / std::max(slowest, 1e-300);
+  if (tail < 0.8 * static_cast<double>(fit->samples) &&
+      tail > 4.0 * static_cast<double>(6 * fit->poles.size())) {
+    result.end = result.start + static_cast<Index>(std::ceil(tail));
+    samples = take(y, result.start, result.end);
+    auto again = fit_damped_sinusoids(samples.values, fit->poles, {}, samples.missing);
+    if (again.unit_covariance.size() > 0) fit = std::move(again);
+  }
+  if (options.trim_start) {
+    const Complex pole = fit->poles[strongest_of(*fit, band)];
+    const Index first = result.start;
+    const double most = std::min(3 * kTwoPi / pole.imag(), 0.35 / std::max(-pole.real(), 1e-300));
+    while (true) {
+      const Index shift = start_shift(*fit, strongest_of(*fit, band));
+      if (shift == 0 || static_cast<double>(result.start + shift - first) > most) break;
+      Samples shorter = take(y, result.start + shift, result.end);
+      auto again = find_modes(shorter, options, band);
+      if (!again) break;
+      result.start += shift;
+      samples = std::move(shorter);
+      fit = std::move(again);
+      moved_start = true;
+    }
+  }
+  if (moved_start) {
+    note(result, "start_chosen",
+         fmt::format("the fit starts at sample {}, after the impact or release", result.start));
+  }
+  describe(result, samples, *fit, band, sample_rate_hz, options);
+  if (result.refusal_code.empty()) judge(result, sample_rate_hz);
+  return result;
+}
+
+namespace {
+
+void describe(DecayResult& result, const Samples& samples, const DampedSinusoidsFit& fit,
+              const Band& band, double rate, const DecayOptions& options) {
+  const auto noise = residual_noise(fit.residual, fit.degrees);
+  const Eigen::MatrixXd covariance = fit_covariance(fit, noise);
+  const Eigen::MatrixXd jacobian = mode_jacobian(fit, rate);
+  const Eigen::MatrixXd of_modes = jacobian * covariance * jacobian.transpose();
+  result.offset = fit.offset;
+  result.drift_per_s = fit.drift / static_cast<double>(fit.samples) * rate;
+  result.noise_std = std::sqrt(noise.variance);
+  result.residual_order = noise.coefficients.size();
+  result.degrees_of_freedom = fit.degrees;
+  result.coverage_factor_95 = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit.degrees));
+  result.residual = fit.residual;
+
+  const double seconds = static_cast<double>(fit.samples) / rate;
+  std::vector<DecayMode> all(fit.poles.size());
+  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
+    DecayMode& mode = all[m];
+    const auto k = static_cast<Index>(2 * m);
+    const Complex p = fit.poles[m];
+    mode.frequency_hz = {std::abs(p) * rate / kTwoPi, std::sqrt(of_modes(k, k))};
+    mode.damping_ratio = {damping_of(p), std::sqrt(of_modes(k + 1, k + 1))};
+    mode.correlation = of_modes(k, k + 1) / std::sqrt(of_modes(k, k) * of_modes(k + 1, k + 1));
+    const auto w = static_cast<Index>(4 * m + 3);
+    mode.damped_frequency_hz = {p.imag() * rate / kTwoPi,
+                                std::sqrt(covariance(w, w)) * rate / kTwoPi};
+    mode.amplitude = std::abs(fit.amplitudes[m]);
+    mode.phase_rad = std::arg(fit.amplitudes[m]);
+    mode.energy = mode_energy(fit, m);
+    mode.cycles = mode.damped_frequency_hz.value * seconds;
+  }
+  std::vector<std::size_t> order(all.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t l, std::size_t r) { return all[l].energy > all[r].energy; });
+  bool decays = false;
+  const auto fall = [&](std::size_t m) {
+    return -fit.poles[m].real() * static_cast<double>(fit.samples);
+  };
+  for (std::size_t m : order) decays = decays || fall(m) > 0.5;
+  std::vector<std::size_t> kept;
+  for (std::size_t m : order) {
+    const auto s = static_cast<Index>(4 * m + 2);
+    const double fall_std = std::sqrt(covariance(s, s)) * static_cast<double>(fit.samples);
+    // Known to change by less than a tenth over the record while others decay: hum.
+    const bool steady = decays && std::abs(fall(m)) + 2 * fall_std < 0.1;
+    if (steady) {
+      result.steady_tones.push_back(all[m]);
+    } else if (band.contains(fit.poles[m])) {
+      if (fall(m) < -0.05 && fall(m) + 3 * fall_std < 0) {
+        if (kept.empty()) {
+          refuse(result, "grows",
+                 fmt::format(
+                     "the oscillation at {:.6g} Hz grows by a factor of {:.3g} over the window: "
+                     "this is no free decay (name its start and end)",
+                     all[m].damped_frequency_hz.value, std::exp(-fall(m))));
+          return;
+        }
+        note(result, "grows",
+             fmt::format("a weaker oscillation at {:.6g} Hz grows; it is fitted but "
+                         "not reported",
+                         all[m].damped_frequency_hz.value));
+        continue;
+      }
+      kept.push_back(m);
+    }
+  }
+  if (kept.empty()) {
+    refuse(result, "no_decay",
+           result.steady_tones.empty() ? "no oscillation in the band"
+                                       : "only steady tones in the band, nothing that decays");
+    return;
+  }
+  result.covariance.resize(2 * static_cast<Index>(kept.size()),
+                           2 * static_cast<Index>(kept.size()));
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      result.covariance.block<2, 2>(2 * static_cast<Index>(i), 2 * static_cast<Index>(k)) =
+          of_modes.block<2, 2>(2 * static_cast<Index>(kept[i]), 2 * static_cast<Index>(kept[k]));
+    }
+  }
+  for (std::size_t m : kept) {
+    DecayMode& mode = all[m];
+    Eigen::VectorXd alone = fit.mode_signal(m) + fit.residual;
+    for (Index j : samples.missing) alone(j) = fit.mode_signal(m)(j);
+    const double left = fit.residual_sum_squares;
+    const double spread = (alone.array() - alone.mean()).square().sum();
+    mode.r_squared = spread > 0 ? 1 - left / spread : 0;
+    LogDecrementOptions ruler;
+    ruler.noise_std = result.noise_std;
+    const auto decrement = log_decrement(alone, rate, mode.damped_frequency_hz.value, ruler);
+    mode.damping_ratio_log_decrement = decrement.damping_ratio;
+    mode.log_decrement_refusal = decrement.refusal;
+    result.modes.push_back(mode);
+  }
+  const std::size_t main = kept.front();
+  const double f = fit.poles[main].imag() / kTwoPi;
+  result.signal_to_noise_db =
+      10 * std::log10(0.5 * std::norm(fit.amplitudes[main]) / std::max(noise.variance, 1e-300));
+  // Noise near the mode, read beside it: what the model leaves at the mode itself is not noise.
+  DecaySearchOptions beside;
+  beside.damped = false, beside.candidates = 1;
+  beside.lowest = std::max(0.0, f - 0.05), beside.highest = std::min(0.5, f + 0.05);
+  const auto floor = search_decays(fit.residual, beside);
+  result.envelope =
+      mode_envelope(fit, main, rate, floor.empty() ? noise.variance : floor.front().noise_variance,
+                    options.envelope);
+}
+
+// What a person should know before using the numbers, and whether they can be given at all.
+void judge(DecayResult& result, double rate) {
+  const DecayMode& mode = result.modes.front();
+  const double f = mode.frequency_hz.value, zeta = mode.damping_ratio.value;
+  const double seconds = static_cast<double>(result.end - result.start) / rate;
+  if (!(mode.frequency_hz.std < 0.05 * f) || !std::isfinite(mode.damping_ratio.std)) {
+    refuse(
+        result, "not_determined",
+        fmt::format(
+            "frequency ({:.4g} Hz) is uncertain by more than 5 %: the record holds {:.2g} cycles "
+            "at {:.3g} dB; more cycles or less noise are needed",
+            f, mode.cycles, result.signal_to_noise_db));
+    return;
+  }
+  if (mode.cycles < 1) {
+    refuse(result, "under_one_cycle",
+           fmt::format(
+               "the window holds {:.2g} cycles: offset, drift and damping cannot be told apart "
+               "below one",
+               mode.cycles));
+    return;
+  }
+  const double fall = zeta * kTwoPi * f * seconds;
+  if (fall < 0.7) {
+    note(result, "record_shorter_than_decay",
+         fmt::format(
+             "the amplitude falls by {:.2g} % only within the {:.4g} s of the window: a longer "
+             "record would determine the damping better",
+             100 * (1 - std::exp(-std::max(fall, 0.0))), seconds));
+  }
+  if (!(zeta > 2 * mode.damping_ratio.std)) {
+    note(result, "damping_not_resolved",
+         fmt::format(
+             "damping ratio {:.3g} is not distinguishable from zero (standard uncertainty {:.2g})",
+             zeta, mode.damping_ratio.std));
+  } else if (mode.damping_ratio.std > 0.1 * zeta) {
+    note(result, "damping_uncertain",
+         fmt::format("damping ratio is known to {:.0f} % only: too noisy or too short",
+                     100 * mode.damping_ratio.std / zeta));
+  }
+  if (mode.cycles < 3) {
+    note(result, "few_cycles",
+         fmt::format("{:.2g} cycles only: the answer leans on the model of offset "
+                     "and drift",
+                     mode.cycles));
+  }
+  const auto& envelope = result.envelope;
+  if (envelope.law != DecayLaw::exponential) {
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (const auto& p : envelope.points) {
+      least = std::min(least, p.damping_ratio.value), most = std::max(most, p.damping_ratio.value);
+    }
+    note(result, "not_exponential",
+         fmt::format(
+             "damping depends on amplitude ({}): damping ratio {:.3g} to {:.3g} along the decay; "
+             "one number holds for one amplitude only",
+             envelope.law == DecayLaw::friction ? "rises as the motion dies, as under dry friction"
+                                                : "falls as the motion dies, as under drag",
+             least, most));
+  }
+  const auto& drift = envelope.frequency_drift_hz;
+  if (std::isfinite(drift.std) && std::abs(drift.value) > 5 * drift.std &&
+      std::abs(drift.value) > 2 * mode.frequency_hz.std) {
+    note(result, "frequency_drifts",
+         fmt::format("frequency changes by {:+.4g} Hz from the first to the last part of the decay",
+                     drift.value));
+  }
+  if (result.residual_order > 0) {
+    note(result, "coloured_residual",
+         fmt::format(
+             "the residual is not white (autoregression of order {}): uncertainties allow for it",
+             result.residual_order));
+  }
+  for (const auto& tone : result.steady_tones) {
+    note(result, "steady_tone",
+         fmt::format("a steady tone at {:.6g} Hz (mains hum?) was fitted and kept "
+                     "out of the modes",
+                     tone.damped_frequency_hz.value));
+  }
+}
+
+}  // namespace
+
+}  // namespace rigfit::signal

@@ -1,0 +1,50 @@
+// Where in a record damped sinusoids are: a bank of matched filters over frequency and decay rate.
+//
+// For a decay rate a the filter's output at frequency w is |sum_j y_j exp(-(a + i w) j)|^2, one FFT
+// of the record under the window exp(-a j). Divided by half the window's energy it is the energy
+// that a sinusoid of that pole takes out of the record, and for white noise of variance s^2 it has
+// a mean of 2 s^2 (chi-squared, two degrees). The noise is read beside each peak, as the median
+// of the undamped spectrum around it, so that coloured noise does not pass for modes.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <span>
+#include <vector>
+
+namespace rigfit::signal {
+
+struct DecaySearchOptions {
+  double lowest = 0;             ///< cycles per sample; peaks below are not looked at
+  double highest = 0.5;          ///< cycles per sample
+  int candidates = 3;            ///< at most so many distinct peaks, best first
+  bool damped = true;            ///< false: the undamped filter only
+  double energy_over_noise = 0;  ///< peaks with less are left out; see `detection_threshold`
+};
+
+struct DecayCandidate {
+  std::complex<double> pole;  ///< per sample
+  double energy = 0;          ///< taken out of the record's sum of squares
+  double noise_variance = 0;  ///< white-equivalent, near that frequency
+};
+
+/// Strongest distinct peaks of the bank, by energy. `y` should have its offset and trend removed.
+[[nodiscard]] std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                                        const DecaySearchOptions& options = {});
+
+/// Starts for a pole near `candidate` that lives for a few cycles only, where the two halves of the
+/// spectrum and the background overlap and the bank misleads: the fit's own functional (offset and
+/// drift included) on a grid of frequencies and decay rates, best first. Empty when `candidate`
+/// lives for many cycles.
+[[nodiscard]] std::vector<DecayCandidate> few_cycle_starts(
+    const Eigen::Ref<const Eigen::VectorXd>& y, const DecayCandidate& candidate,
+    const DecaySearchOptions& options = {});
+
+/// Energy over noise that the best of all cells of the bank exceeds in noise alone with probability
+/// `false_alarm`.
+[[nodiscard]] double detection_threshold(Eigen::Index samples, double false_alarm);
+
+/// The straight line of least squares taken off, missing samples (NaN) left out and set to 0.
+[[nodiscard]] Eigen::VectorXd without_trend(const Eigen::Ref<const Eigen::VectorXd>& y);
+
+}  // namespace rigfit::signal

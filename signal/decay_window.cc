@@ -1,0 +1,209 @@
+#include "signal/decay_window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+#include "signal/decay_search.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+constexpr double kTwoPi = 2 * std::numbers::pi;
+
+struct Onset {
+  Index start = 0;
+  double energy = 0;      // taken out from there on
+  double from_first = 0;  // the most that any decay from sample 0 takes out
+};
+
+// Best start for a sinusoid of frequency w over a bank of decay rates.
+Onset best_onset(const Eigen::VectorXd& y, double w) {
+  const Index n = y.size();
+  Onset onset;
+  for (double decays = 2; decays / static_cast<double>(n) < 0.5 * w; decays *= 2.5) {
+    const double a = decays / static_cast<double>(n);
+    const Complex q = std::exp(Complex(-a, -w));
+    const double q2 = std::exp(-2 * a);
+    Complex sum = 0;
+    double energy = 0;
+    for (Index s = n - 1; s >= 0; --s) {
+      const double re = sum.real() * q.real() - sum.imag() * q.imag() + y(s);
+      sum = Complex(re, sum.real() * q.imag() + sum.imag() * q.real());
+      energy = 1 + q2 * energy;
+      const double taken = 2 * std::norm(sum) / energy;
+      if (taken > onset.energy) onset.energy = taken, onset.start = s;
+      if (s == 0) onset.from_first = std::max(onset.from_first, taken);
+    }
+  }
+  return onset;
+}
+
+// Samples over which an amplitude is averaged: a cycle, and near half the sample rate, where the
+// negative frequency comes close, a cycle of the beat with it.
+Index averaging_cycle(double w) {
+  const double f = w / kTwoPi;
+  return static_cast<Index>(std::ceil(std::max({4.0, 1 / f, 1 / std::max(1 - 2 * f, 1e-6)})));
+}
+
+// Complex amplitude over a cycle, from running sums of y exp(-i w j).
+class RunningAmplitude {
+ public:
+  RunningAmplitude(const Eigen::VectorXd& y, double w) : sums_(y.size() + 1) {
+    Complex sum = 0, z = 1;
+    const Complex q = std::polar(1.0, -w);
+    sums_(0) = 0;
+    for (Index j = 0; j < y.size(); ++j) {
+      if (j % 1024 == 0) z = std::polar(1.0, -w * static_cast<double>(j));
+      sum += y(j) * z;
+      sums_(j + 1) = sum;
+      z *= q;
+    }
+  }
+  Complex over(Index from, Index to) const {
+    from = std::max<Index>(from, 0), to = std::min<Index>(to, sums_.size() - 1);
+    return to > from ? 2.0 * (sums_(to) - sums_(from)) / static_cast<double>(to - from) : 0;
+  }
+
+ private:
+  Eigen::VectorXcd sums_;
+};
+
+// Onsets of further impacts: within a cycle the amplitude comes from under a third of what it then
+// is, and what it then is is a good part of the record's largest. (A beat needs a beat period
+// under five cycles to rise so fast.)
+std::vector<Index> impacts(const Eigen::VectorXd& y, double w, Index cycle, double noise_variance) {
+  std::vector<Index> found;
+  if (y.size() < 8 * cycle) return found;
+  const RunningAmplitude running(y, w);
+  const Index step = std::max<Index>(1, cycle / 8);
+  double largest = 0;
+  for (Index j = 0; j + cycle <= y.size(); j += step) {
+    largest = std::max(largest, std::abs(running.over(j, j + cycle)));
+  }
+  // Amplitude over a cycle of noise: variance 4 s^2 / cycle.
+  const double floor = 8 * std::sqrt(4 * noise_variance / static_cast<double>(cycle));
+  double best_jump = 0;
+  Index best = -1;
+  for (Index j = 0; j + cycle <= y.size(); j += step) {
+    const double before = j >= cycle ? std::abs(running.over(j - cycle, j)) : 0;
+    const double after = std::abs(running.over(j, j + cycle));
+    const bool jump = j >= cycle && after > 3 * before && after > 0.3 * largest && after > floor;
+    if (jump && after - before > best_jump) best_jump = after - before, best = j;
+    if (best >= 0 && (j > best + 2 * cycle || j + cycle + step > y.size())) {
+      found.push_back(best);
+      best = -1, best_jump = 0;
+    }
+  }
+  return found;
+}
+
+// Whether what lies before an onset is small beside what follows: a beat that swells is not.
+bool quiet_before(const Eigen::VectorXd& y, double w, Index start, Index cycle) {
+  const RunningAmplitude running(y, w);
+  const double after = std::abs(running.over(start, start + cycle));
+  for (Index j = 0; j + cycle <= start; j += std::max<Index>(1, cycle / 2)) {
+    if (std::abs(running.over(j, j + cycle)) > 0.3 * after) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Index clipped_until(const Eigen::Ref<const Eigen::VectorXd>& y, double cycles_per_sample) {
+  double high = -std::numeric_limits<double>::infinity(), low = -high;
+  for (Index j = 0; j < y.size(); ++j) {
+    if (std::isfinite(y(j))) high = std::max(high, y(j)), low = std::min(low, y(j));
+  }
+  const double amplitude = 0.5 * (high - low);
+  if (!(amplitude > 0)) return 0;
+  // Quantum: the least step between neighbouring samples that is a step at all.
+  double quantum = std::numeric_limits<double>::infinity();
+  for (Index j = 1; j < y.size(); ++j) {
+    const double step = std::abs(y(j) - y(j - 1));
+    if (step > 1e-9 * amplitude) quantum = std::min(quantum, step);
+  }
+  quantum = std::min(quantum, amplitude);
+  // A sinusoid stays within one quantum of its peak for acos(1 - q/A) / (pi f) samples.
+  const double natural =
+      std::acos(1 - quantum / amplitude) / (std::numbers::pi * cycles_per_sample);
+  const double longest = std::max(3.0, 2 * natural + 2);
+  Index last = 0;
+  for (const double rail : {high, low}) {
+    Index run = 0;
+    for (Index j = 0; j <= y.size(); ++j) {
+      if (j < y.size() && std::abs(y(j) - rail) <= 1e-12 * amplitude) {
+        ++run;
+        continue;
+      }
+      if (static_cast<double>(run) >= longest) last = std::max(last, j);
+      run = 0;
+    }
+  }
+  return last;
+}
+
+std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                     const DecayWindowOptions& options) {
+  const Index n = y.size();
+  DecayWindow whole;
+  whole.end = n;
+  const Eigen::VectorXd x = without_trend(y);
+  const double total = x.squaredNorm();
+  if (n < 16 || !(total > 0)) return {whole};
+
+  DecaySearchOptions search;
+  search.lowest = options.lowest, search.highest = options.highest;
+  search.candidates = 4;
+  auto candidates = search_decays(x, search);
+  if (candidates.empty()) return {whole};
+
+  // The candidate that gains most by starting later tells where the event is; hum gains nothing.
+  Onset chosen;
+  double gain = 0, noise = candidates.front().noise_variance;
+  double w = candidates.front().pole.imag();
+  for (const auto& c : candidates) {
+    if (c.energy < 0.05 * candidates.front().energy) break;
+    const Onset onset = best_onset(x, c.pole.imag());
+    const double now = onset.energy - onset.from_first;
+    if (now > gain) gain = now, chosen = onset, noise = c.noise_variance, w = c.pole.imag();
+  }
+  const Index cycle = averaging_cycle(w);
+  const bool late = gain > detection_threshold(n, 1e-6) * noise && gain > 0.1 * chosen.energy &&
+                    chosen.start > cycle && n - chosen.start > 3 * cycle &&
+                    quiet_before(x, w, chosen.start, cycle);
+
+  std::vector<Index> starts;
+  starts = impacts(x, w, cycle, noise);
+  std::vector<DecayWindow> windows;
+  const auto add = [&](Index from, Index to, bool impact) {
+    DecayWindow window;
+    window.start = from, window.end = to, window.after_impact = impact;
+    const Index clip = clipped_until(y.segment(from, to - from), w / kTwoPi);
+    if (clip > 0) {
+      window.clipped_until = from + clip;
+      window.start = std::min(from + clip, to);
+    }
+    windows.push_back(window);
+  };
+  if (starts.size() >= 2 || (starts.size() == 1 && !late && starts.front() > 4 * cycle)) {
+    // Each stretch between impacts is a decay of its own; its onset is sharpened within it.
+    if (!late && starts.front() > 4 * cycle) starts.insert(starts.begin(), 0);
+    for (std::size_t k = 0; k < starts.size(); ++k) {
+      const Index from = std::max<Index>(0, starts[k] - 2 * cycle * (starts[k] > 0));
+      const Index to =
+          k + 1 < starts.size() ? std::max<Index>(starts[k + 1] - 2 * cycle, from + 1) : n;
+      const Onset onset = best_onset(x.segment(from, to - from), w);
+      add(starts[k] > 0 ? from + onset.start : 0, to, starts[k] > 0);
+    }
+  } else {
+    add(late ? chosen.start : 0, n, late);
+  }
+  return windows;
+}
+
+}  // namespace rigfit::signal

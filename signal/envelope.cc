@@ -1,0 +1,214 @@
+#include "signal/envelope.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "signal/fft.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+constexpr double kTwoPi = 2 * std::numbers::pi;
+
+// Analytic signal of `residual` in the band (cycles per sample), raised-cosine edges.
+Eigen::VectorXcd band_analytic(const Eigen::VectorXd& residual, double centre, double half_width) {
+  const Index n = residual.size();
+  RealFft fft(good_fft_length(n + n / 4 + 16));
+  auto time = fft.time();
+  time.head(n) = residual;
+  time.tail(time.size() - n).setZero();
+  fft.forward();
+  Eigen::VectorXcd band = fft.spectrum();
+  for (Index k = 0; k < band.size(); ++k) {
+    const double x =
+        std::abs(static_cast<double>(k) / static_cast<double>(fft.length()) - centre) / half_width;
+    const double gain = x < 0.75 ? 1
+                        : x < 1  ? 0.5 * (1 + std::cos(std::numbers::pi * (x - 0.75) / 0.25))
+                                 : 0;
+    band(k) *= gain;
+  }
+  Eigen::VectorXcd analytic(n);
+  fft.spectrum() = band;
+  fft.inverse();
+  analytic.real() = fft.time().head(n);
+  fft.spectrum() = Complex(0, -1) * band;  // the Hilbert transform of the band
+  fft.inverse();
+  analytic.imag() = fft.time().head(n);
+  return analytic;
+}
+
+struct Line {
+  double level = 0, slope = 0, slope_variance = 0, chi2 = 0;
+};
+
+Line weighted_line(const std::vector<double>& x, const std::vector<double>& y,
+                   const std::vector<double>& std) {
+  double s = 0, sx = 0, sy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double w = 1 / (std[i] * std[i]);
+    s += w, sx += w * x[i], sy += w * y[i];
+  }
+  double sxx = 0, sxy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double w = 1 / (std[i] * std[i]);
+    sxx += w * (x[i] - sx / s) * (x[i] - sx / s), sxy += w * (x[i] - sx / s) * (y[i] - sy / s);
+  }
+  Line line;
+  if (!(sxx > 0)) return line;
+  line.slope = sxy / sxx;
+  line.level = sy / s - line.slope * sx / s;
+  line.slope_variance = 1 / sxx;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double r = (y[i] - line.level - line.slope * x[i]) / std[i];
+    line.chi2 += r * r;
+  }
+  return line;
+}
+
+}  // namespace
+
+const char* name_of(DecayLaw law) {
+  switch (law) {
+    case DecayLaw::exponential:
+      return "exponential";
+    case DecayLaw::friction:
+      return "friction";
+    case DecayLaw::drag:
+      return "drag";
+  }
+  return "exponential";
+}
+
+EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m, double sample_rate_hz,
+                             double noise_variance, const EnvelopeOptions& options) {
+  EnvelopeResult result;
+  const Index n = fit.samples;
+  const Complex pole = fit.poles[m];
+  const double frequency = pole.imag() / kTwoPi;
+  double half_width = std::min(0.4 * frequency, 0.5 - frequency);
+  for (std::size_t k = 0; k < fit.poles.size(); ++k) {
+    if (k != m) {
+      half_width = std::min(half_width, 0.5 * std::abs(fit.poles[k].imag() - pole.imag()) / kTwoPi);
+    }
+  }
+  half_width = std::max(half_width, 2.0 / static_cast<double>(n));
+  const Eigen::VectorXcd extra = band_analytic(fit.residual, frequency, half_width);
+  // E|analytic noise|^2 in a band of width W cycles per sample is 4 s^2 W.
+  const double width = 2 * half_width * 0.875;
+  const double noise_power = std::max(4 * noise_variance * width, 1e-300);
+
+  // Rotated back by the fitted pole's frequency: slow amplitude and phase.
+  Eigen::VectorXd log_amplitude(n), phase(n);
+  double previous = 0, turns = 0;
+  Index clear = n;
+  const double least = options.least_amplitude * options.least_amplitude * noise_power;
+  // Loss of signal is judged over a cycle, so that one noisy sample does not end the decay.
+  const auto cycle = static_cast<Index>(std::max(1.0, std::ceil(1 / frequency)));
+  Index below = 0;
+  for (Index j = 0; j < n; ++j) {
+    const double t = static_cast<double>(j);
+    const Complex u = fit.amplitudes[m] * std::exp(pole.real() * t) +
+                      extra(j) * std::polar(1.0, -pole.imag() * t);
+    const double power = std::norm(u);
+    below = power < least ? below + 1 : 0;
+    if (below >= cycle) {
+      clear = j + 1 - below;
+      break;
+    }
+    log_amplitude(j) = 0.5 * std::log(std::max(power, 1e-300));
+    double angle = std::arg(u);
+    if (j > 0) {
+      const double jump = angle + turns - previous;
+      turns -= kTwoPi * std::round(jump / kTwoPi);
+      angle += turns;
+    }
+    previous = phase(j) = angle;
+  }
+  result.clear_until_s = static_cast<double>(clear) / sample_rate_hz;
+  const double cycles = static_cast<double>(clear) * frequency;
+  const int spans = std::min(options.points, static_cast<int>(cycles / options.least_cycles));
+  std::vector<double> times, rates, rate_stds, logs, inverse, amplitudes, frequencies,
+      frequency_stds;
+  for (int s = 0; s < spans; ++s) {
+    const Index from = clear * s / spans, length = clear * (s + 1) / spans - from;
+    if (length < 8) break;
+    double st = 0, sa = 0, sp = 0;
+    for (Index j = from; j < from + length; ++j) {
+      st += static_cast<double>(j), sa += log_amplitude(j), sp += phase(j);
+    }
+    const double count = static_cast<double>(length);
+    const double mt = st / count, ma = sa / count, mp = sp / count;
+    double stt = 0, sta = 0, stp = 0;
+    for (Index j = from; j < from + length; ++j) {
+      const double dt = static_cast<double>(j) - mt;
+      stt += dt * dt, sta += dt * (log_amplitude(j) - ma), stp += dt * (phase(j) - mp);
+    }
+    const double rate = -sta / stt * sample_rate_hz;
+    const double f = (pole.imag() + stp / stt) / kTwoPi * sample_rate_hz;
+    // ln|u| and arg u each carry half the band's noise power over |u|^2; a band of width W gives W
+    // independent values a sample.
+    const double amplitude = std::exp(ma);
+    const double slope_std =
+        std::sqrt(0.5 * noise_power / (amplitude * amplitude) / (std::min(1.0, width) * stt)) *
+        sample_rate_hz;
+    const double w = kTwoPi * f;
+    const double modulus = std::sqrt(rate * rate + w * w);
+    EnvelopePoint point;
+    point.time_s = mt / sample_rate_hz;
+    point.amplitude = amplitude;
+    point.frequency_hz = {f, slope_std / kTwoPi};
+    point.damping_ratio = {rate / modulus, slope_std / modulus};
+    result.points.push_back(point);
+    times.push_back(point.time_s);
+    rates.push_back(rate);
+    rate_stds.push_back(slope_std);
+    logs.push_back(ma);
+    amplitudes.push_back(amplitude);
+    inverse.push_back(1 / amplitude);
+    frequencies.push_back(f);
+    frequency_stds.push_back(slope_std / kTwoPi);
+  }
+  const std::size_t k = result.points.size();
+  if (k < 2) return result;
+  const Line drift = weighted_line(times, frequencies, frequency_stds);
+  const double span = times.back() - times.front();
+  // Misfit of the line beyond the noise counts as uncertainty.
+  const double excess = k > 2 ? std::max(1.0, drift.chi2 / static_cast<double>(k - 2)) : 1.0;
+  result.frequency_drift_hz = {drift.slope * span, std::sqrt(drift.slope_variance * excess) * span};
+  if (k < 3) return result;
+  std::vector<double> zetas, zeta_stds;
+  for (const auto& p : result.points) {
+    zetas.push_back(p.damping_ratio.value), zeta_stds.push_back(p.damping_ratio.std);
+  }
+  const Line trend = weighted_line(logs, zetas, zeta_stds);
+  const double trend_excess = std::max(1.0, trend.chi2 / static_cast<double>(k - 2));
+  result.damping_per_log_amplitude = {trend.slope, std::sqrt(trend.slope_variance * trend_excess)};
+  // Exponential: one constant. Friction and drag: one coefficient more, which must not be negative.
+  double weight = 0, mean = 0, constant_chi2 = 0;
+  for (std::size_t i = 0; i < k; ++i) {
+    const double w = 1 / (rate_stds[i] * rate_stds[i]);
+    weight += w, mean += w * rates[i];
+  }
+  mean /= weight;
+  for (std::size_t i = 0; i < k; ++i) {
+    constant_chi2 += (rates[i] - mean) * (rates[i] - mean) / (rate_stds[i] * rate_stds[i]);
+  }
+  const Line friction = weighted_line(inverse, rates, rate_stds);
+  const Line drag = weighted_line(amplitudes, rates, rate_stds);
+  const double friction_gain = friction.slope > 0 ? constant_chi2 - friction.chi2 : 0;
+  const double drag_gain = drag.slope > 0 ? constant_chi2 - drag.chi2 : 0;
+  // A coefficient must pay five standard uncertainties to be believed.
+  const double gain = std::max(friction_gain, drag_gain);
+  if (gain > 25) {
+    result.law = friction_gain >= drag_gain ? DecayLaw::friction : DecayLaw::drag;
+    result.law_evidence = gain;
+  }
+  return result;
+}
+
+}  // namespace rigfit::signal

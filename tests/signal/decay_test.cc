@@ -1,0 +1,270 @@
+#include "signal/decay.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "signal/damped_sinusoids.h"
+#include "signal/decay_window.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+struct Mode {
+  double f, zeta, amplitude;
+};
+
+Complex pole(const Mode& m, double rate) {
+  const double w = 2 * std::numbers::pi * m.f / rate;
+  return {-m.zeta * w, w * std::sqrt(1 - m.zeta * m.zeta)};
+}
+
+class Records {
+ public:
+  explicit Records(unsigned seed) : generator_(seed) {}
+
+  Eigen::VectorXd decay(const std::vector<Mode>& modes, double rate, Index n, double noise) {
+    Eigen::VectorXd y(n);
+    std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
+    for (Index j = 0; j < n; ++j)
+      y(j) = 0.3 + 0.1 * static_cast<double>(j) / static_cast<double>(n);
+    for (const auto& m : modes) {
+      const Complex a = std::polar(m.amplitude, angle(generator_)), p = pole(m, rate);
+      for (Index j = 0; j < n; ++j) y(j) += (a * std::exp(p * static_cast<double>(j))).real();
+    }
+    add_noise(y, noise);
+    return y;
+  }
+  void add_noise(Eigen::Ref<Eigen::VectorXd> y, double noise) {
+    std::normal_distribution<double> normal(0, 1);
+    for (double& v : y) v += noise * normal(generator_);
+  }
+
+ private:
+  std::mt19937_64 generator_;
+};
+
+bool says(const DecayResult& result, const std::string& code) {
+  return std::any_of(result.notes.begin(), result.notes.end(),
+                     [&](const Note& n) { return n.code == code; });
+}
+
+double noise_of(double snr_db) { return std::sqrt(0.5 * std::pow(10, -snr_db / 10)); }
+
+TEST(Decay, AxialTestReachesTheCramerRaoBound) {
+  // 200 seeds a level: scatter known to 5 %, bias to 0.07 of the bound. The bound is a floor that
+  // an unbiased estimate cannot pass: 1.1 of it plus two standard deviations of the scatter's own
+  // scatter; bias a tenth plus two standard deviations.
+  const Mode truth{50, 0.017, 1};
+  for (const double snr : {10.0, 30.0, 60.0}) {
+    double sf = 0, sff = 0, sz = 0, szz = 0, bf = 0, bz = 0;
+    int in_f = 0, in_z = 0;
+    const int seeds = 200;
+    for (unsigned seed = 0; seed < seeds; ++seed) {
+      Records records(seed + 1);
+      const auto y = records.decay({truth}, 500, 500, noise_of(snr));
+      const auto result = estimate_decay(y, 500);
+      ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+      ASSERT_EQ(result.modes.size(), 1u);
+      const auto& mode = result.modes[0];
+      DampedSinusoidsOptions at_truth;
+      at_truth.max_iterations = 0;
+      const Complex p = pole(truth, 500);
+      const auto bound = fit_damped_sinusoids(y, std::span(&p, 1), at_truth);
+      const double df = mode.frequency_hz.value - truth.f,
+                   dz = mode.damping_ratio.value - truth.zeta;
+      sf += df, sff += df * df, sz += dz, szz += dz * dz;
+      // zeta^2 = 3e-4: to that accuracy f follows Im p and zeta Re p alone.
+      const double s2 = noise_of(snr) * noise_of(snr);
+      const double to_hz = 500 / (2 * std::numbers::pi);
+      bf += s2 * bound.unit_covariance(3, 3) * to_hz * to_hz;
+      bz += s2 * bound.unit_covariance(2, 2) / std::norm(p);
+      in_f += std::abs(df) < result.coverage_factor_95 * mode.frequency_hz.std;
+      in_z += std::abs(dz) < result.coverage_factor_95 * mode.damping_ratio.std;
+    }
+    EXPECT_LT(std::sqrt(sff / bf), 1.2) << snr;
+    EXPECT_LT(std::sqrt(szz / bz), 1.2) << snr;
+    EXPECT_LT(std::abs(sf) / seeds / std::sqrt(bf / seeds), 0.24) << snr;
+    EXPECT_LT(std::abs(sz) / seeds / std::sqrt(bz / seeds), 0.24) << snr;
+    // 95 % of 200 less three standard deviations (3.1 each).
+    EXPECT_GE(in_f, 181) << snr;
+    EXPECT_GE(in_z, 181) << snr;
+  }
+}
+
+TEST(Decay, FromLightToHeavyFromTwoCyclesToThousands) {
+  struct Case {
+    Mode mode;
+    double rate;
+    Index n;
+    double snr;
+  };
+  for (const Case& c : {Case{{50, 1e-4, 1}, 500, 20, 60}, Case{{50, 1e-4, 1}, 500, 100000, 20},
+                        Case{{50, 0.5, 1}, 2000, 80, 60}, Case{{50, 0.5, 1}, 2000, 4000, 60},
+                        Case{{50, 0.2, 1}, 500, 50, 60}, Case{{50, 0.002, 1}, 105, 600, 40},
+                        Case{{1, 0.01, 1}, 1000, 2000, 40}, Case{{50, 0.017, 1}, 500, 500, 80}}) {
+    Records records(17);
+    const auto y = records.decay({c.mode}, c.rate, c.n, noise_of(c.snr));
+    const auto result = estimate_decay(y, c.rate);
+    ASSERT_TRUE(result.refusal.empty()) << c.mode.f << " " << c.mode.zeta << " " << result.refusal;
+    ASSERT_EQ(result.modes.size(), 1u) << c.mode.f << " " << c.mode.zeta;
+    const auto& m = result.modes[0];
+    // Five standard uncertainties of Student's kind; and the uncertainty itself must be of use.
+    const double k = 5 * result.coverage_factor_95 / 1.96;
+    EXPECT_NEAR(m.frequency_hz.value, c.mode.f, k * m.frequency_hz.std);
+    EXPECT_NEAR(m.damping_ratio.value, c.mode.zeta, k * m.damping_ratio.std);
+    EXPECT_LT(m.frequency_hz.std, 0.02 * c.mode.f);
+  }
+}
+
+TEST(Decay, BeatingPairsComeOutAsTwo) {
+  Records records(5);
+  const auto y = records.decay({{50, 0.002, 1}, {50.5, 0.003, 0.7}}, 500, 2000, 0.01);
+  const auto result = estimate_decay(y, 500);
+  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+  ASSERT_EQ(result.modes.size(), 2u);
+  EXPECT_GT(result.modes[0].energy, result.modes[1].energy);
+  EXPECT_NEAR(result.modes[0].frequency_hz.value, 50, 5 * result.modes[0].frequency_hz.std);
+  EXPECT_NEAR(result.modes[1].frequency_hz.value, 50.5, 5 * result.modes[1].frequency_hz.std);
+  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.002, 5 * result.modes[0].damping_ratio.std);
+  EXPECT_NEAR(result.modes[1].damping_ratio.value, 0.003, 5 * result.modes[1].damping_ratio.std);
+}
+
+TEST(Decay, StartsAfterTheImpactAndTheQuietBefore) {
+  Records records(6);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(1500);
+  const Mode m{50, 0.017, 1};
+  for (Index j = 0; j < 900; ++j) {
+    y(600 + j) = (std::exp(pole(m, 500) * static_cast<double>(j)) * Complex(0, -1)).real();
+  }
+  for (Index j = 0; j < 4; ++j)
+    y(598 + j) += 6 * std::sin(0.6 * static_cast<double>(j + 1));  // pulse
+  records.add_noise(y, 0.005);
+  const auto result = estimate_decay(y, 500);
+  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+  EXPECT_GE(result.start, 598);
+  EXPECT_LE(result.start, 640);
+  EXPECT_TRUE(says(result, "start_chosen"));
+  EXPECT_NEAR(result.modes[0].frequency_hz.value, 50, 5 * result.modes[0].frequency_hz.std);
+  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.017, 5 * result.modes[0].damping_ratio.std);
+}
+
+TEST(Decay, SeveralImpactsAreSeveralDecays) {
+  Records records(7);
+  Eigen::VectorXd y = Eigen::VectorXd::Constant(3000, 21.6);
+  const Mode m{50, 0.017, 1};
+  const std::vector<Index> hits{300, 900, 1500, 2100, 2600};
+  for (Index hit : hits) {
+    for (Index j = hit; j < y.size(); ++j) {
+      y(j) += std::exp(pole(m, 500) * static_cast<double>(j - hit)).imag();
+    }
+  }
+  records.add_noise(y, 0.004);
+  const auto windows = find_decays(y);
+  ASSERT_EQ(windows.size(), hits.size());
+  for (std::size_t k = 0; k < hits.size(); ++k) {
+    EXPECT_NEAR(static_cast<double>(windows[k].start), static_cast<double>(hits[k]), 6);
+    if (k > 0) EXPECT_LE(windows[k - 1].end, hits[k]);
+  }
+  const auto result = estimate_decay(y, 500);
+  EXPECT_EQ(result.decays_found, 5);
+  EXPECT_TRUE(says(result, "several_decays"));
+  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.017, 5 * result.modes[0].damping_ratio.std);
+}
+
+TEST(Decay, StartsAfterClipping) {
+  Records records(8);
+  auto y = records.decay({{50, 0.01, 1}}, 5000, 5000, 0.001);
+  for (double& v : y) v = std::clamp(v, -0.6, 0.9);
+  const auto result = estimate_decay(y, 5000);
+  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+  EXPECT_TRUE(says(result, "clipped"));
+  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.01, 5 * result.modes[0].damping_ratio.std);
+}
+
+TEST(Decay, QuantisedSlowSignalIsNotCalledClipped) {
+  Records records(9);
+  auto y = records.decay({{1, 0.005, 1}}, 1000, 20000, 0.001);
+  for (double& v : y) v = 0.01 * std::round(v / 0.01);
+  const auto result = estimate_decay(y, 1000);
+  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+  EXPECT_FALSE(says(result, "clipped"));
+  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.005, 5 * result.modes[0].damping_ratio.std);
+}
+
+TEST(Decay, HumIsKeptOutOfTheModes) {
+  Records records(10);
+  auto y = records.decay({{31, 0.01, 1}}, 1000, 4000, 0.003);
+  for (Index j = 0; j < y.size(); ++j)
+    y(j) += 0.1 * std::sin(2 * std::numbers::pi * 0.05 * static_cast<double>(j));
+  const auto result = estimate_decay(y, 1000);
+  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+  ASSERT_EQ(result.modes.size(), 1u);
+  ASSERT_EQ(result.steady_tones.size(), 1u);
+  EXPECT_NEAR(result.steady_tones[0].damped_frequency_hz.value, 50, 0.01);
+  EXPECT_NEAR(result.modes[0].frequency_hz.value, 31, 5 * result.modes[0].frequency_hz.std);
+}
+
+TEST(Decay, ABandChoosesTheModeWithoutFilteringTheRecord) {
+  Records records(11);
+  const auto y = records.decay({{20, 0.01, 1}, {90, 0.02, 0.2}}, 1000, 2000, 0.005);
+  DecayOptions options;
+  options.band_low_hz = 60, options.band_high_hz = 120;
+  const auto result = estimate_decay(y, 1000, options);
+  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+  ASSERT_EQ(result.modes.size(), 1u);
+  EXPECT_NEAR(result.modes[0].frequency_hz.value, 90, 5 * result.modes[0].frequency_hz.std);
+  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.02, 5 * result.modes[0].damping_ratio.std);
+  options.band_low_hz = 600, options.band_high_hz = 700;
+  EXPECT_THROW((void)estimate_decay(y, 1000, options), std::invalid_argument);
+}
+
+TEST(Decay, RefusesWithAReason) {
+  Records records(12);
+  EXPECT_EQ(estimate_decay(Eigen::VectorXd::Constant(100, 2.0), 100).refusal_code, "constant");
+  EXPECT_EQ(estimate_decay(Eigen::VectorXd::Random(5), 100).refusal_code, "too_few_samples");
+  EXPECT_EQ(estimate_decay(Eigen::VectorXd(), 100).refusal_code, "too_few_samples");
+  EXPECT_EQ(
+      estimate_decay(Eigen::VectorXd::Constant(50, std::numeric_limits<double>::quiet_NaN()), 100)
+          .refusal_code,
+      "too_few_samples");
+  Eigen::VectorXd noise = Eigen::VectorXd::Zero(500);
+  records.add_noise(noise, 1);
+  EXPECT_EQ(estimate_decay(noise, 500).refusal_code, "too_noisy");
+  const auto arc = records.decay({{1, 0.01, 1}}, 1000, 200, 0.001);
+  EXPECT_FALSE(estimate_decay(arc, 1000).refusal.empty());
+  Eigen::VectorXd grows(500);
+  for (Index j = 0; j < 500; ++j)
+    grows(j) = std::exp(0.004 * static_cast<double>(j)) * std::sin(0.6 * static_cast<double>(j));
+  records.add_noise(grows, 0.01);
+  EXPECT_EQ(estimate_decay(grows, 500).refusal_code, "grows");
+  EXPECT_THROW((void)estimate_decay(noise, 0), std::invalid_argument);
+}
+
+TEST(Decay, SaysWhenTheRecordIsShorterThanTheDecay) {
+  Records records(13);
+  const auto result = estimate_decay(records.decay({{50, 1e-4, 1}}, 500, 500, 0.01), 500);
+  ASSERT_TRUE(result.refusal.empty());
+  EXPECT_TRUE(says(result, "record_shorter_than_decay"));
+}
+
+TEST(Decay, GapsAreLeftOut) {
+  Records records(14);
+  auto y = records.decay({{50, 0.017, 1}}, 500, 500, 0.01);
+  for (Index j = 60; j < 75; ++j) y(j) = std::numeric_limits<double>::quiet_NaN();
+  const auto result = estimate_decay(y, 500);
+  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+  EXPECT_TRUE(says(result, "missing_samples"));
+  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.017, 5 * result.modes[0].damping_ratio.std);
+  EXPECT_TRUE(result.residual.allFinite());
+}
+
+}  // namespace
+}  // namespace rigfit::signal
