@@ -136,6 +136,7 @@ class ModeSearch {
       const auto k = static_cast<Index>(4 * m);
       const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
       const double w_std = std::sqrt(white * more.unit_covariance(k + 3, k + 3));
+      if (m + 1 < more.poles.size()) continue;  // held its ground before
       if (w_std > 0.05 * more.poles[m].imag()) return false;
       // Strongly damped ones explain transients as readily as modes: they must be well determined.
       if (damping_of(more.poles[m]) > 0.15 && a_std > 0.2 * std::abs(more.poles[m].real()))
@@ -231,7 +232,7 @@ struct Band {
 std::optional<DampedSinusoidsFit> find_modes(const Samples& samples, const DecayOptions& options,
                                              const Band& band) {
   ModeSearch search(samples, options);
-  auto fit = search.first(band.all ? 0 : band.low, band.all ? 0.5 : band.high);
+  auto fit = search.first(0, 0.5);
   if (!fit) return fit;
   const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
   while (fit->poles.size() < limit * (band.all ? 1 : 2)) {

@@ -82,11 +82,18 @@ std::vector<Index> impacts(const Eigen::VectorXd& y, double w, Index cycle, doub
   const RunningAmplitude running(y, w);
   const Index step = std::max<Index>(1, cycle / 8);
   double largest = 0;
+  std::vector<double> levels;
   for (Index j = 0; j + cycle <= y.size(); j += step) {
-    largest = std::max(largest, std::abs(running.over(j, j + cycle)));
+    levels.push_back(std::abs(running.over(j, j + cycle)));
+    largest = std::max(largest, levels.back());
   }
   // Amplitude over a cycle of noise: variance 4 s^2 / cycle.
-  const double floor = 8 * std::sqrt(4 * noise_variance / static_cast<double>(cycle));
+  // The spectrum beside the peak holds the skirts of many decays; the quietest tenth of the record
+  // may say less.
+  std::nth_element(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 10),
+                   levels.end());
+  const double floor = std::min(8 * std::sqrt(4 * noise_variance / static_cast<double>(cycle)),
+                                4 * levels[levels.size() / 10]);
   double best_jump = 0;
   Index best = -1;
   for (Index j = 0; j + cycle <= y.size(); j += step) {
@@ -182,6 +189,8 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
   std::vector<DecayWindow> windows;
   const auto add = [&](Index from, Index to, bool impact) {
     DecayWindow window;
+    // An impact lasts: half a cycle is left to it (more where the fit then shows so).
+    if (impact) from = std::min(from + static_cast<Index>(std::ceil(0.5 * kTwoPi / w)), to - 1);
     window.start = from, window.end = to, window.after_impact = impact;
     const Index clip = clipped_until(y.segment(from, to - from), w / kTwoPi);
     if (clip > 0) {

@@ -52,6 +52,15 @@ double interpolated(const Eigen::VectorXd& y, Index eighths) {
       .dot(Eigen::Map<const Eigen::Matrix<double, 2 * kTaps, 1>>(row.data()));
 }
 
+// At any time, by a parabola through the three nearest eighths.
+double value_at(const Eigen::VectorXd& y, double time) {
+  const auto at = static_cast<Index>(std::lround(time * kPhases));
+  const double u = time * kPhases - static_cast<double>(at);
+  const double left = interpolated(y, at - 1), middle = interpolated(y, at),
+               right = interpolated(y, at + 1);
+  return middle + 0.5 * u * (right - left) + 0.5 * u * u * (left - 2 * middle + right);
+}
+
 struct Extreme {
   double time;  // samples
   double value;
@@ -66,6 +75,8 @@ bool find_extreme(const Eigen::VectorXd& y, double from, double to, double sign,
   for (Index j = lo; j <= hi; ++j) {
     if (sign * y(j) > sign * y(best)) best = j;
   }
+  // A slope that runs out of the range is no extreme.
+  if (sign * y(best - 1) > sign * y(best) || sign * y(best + 1) > sign * y(best)) return false;
   // Eight steps a sample, then a parabola: its error is of fourth order in a tenth of a radian.
   Index at = best * kPhases;
   double value = sign * y(best);
@@ -106,36 +117,54 @@ LogDecrementResult log_decrement(const Eigen::Ref<const Eigen::VectorXd>& y, dou
   const double rate = sample_rate_hz / static_cast<double>(block);
   const double noise = options.noise_std / std::sqrt(static_cast<double>(block));
 
+  // First pass: when the extremes are, from one to the next half a cycle on.
   std::vector<Extreme> extremes;
   Extreme high, low;
-  const double begin = kTaps;
-  if (find_extreme(x, begin, begin + per_cycle, 1, high) &&
-      find_extreme(x, begin, begin + per_cycle, -1, low)) {
-    const bool high_first = high.time < low.time;
-    extremes.push_back(high_first ? high : low);
-    double sign = high_first ? -1 : 1;
-    while (true) {
-      const double expected = extremes.back().time + 0.5 * per_cycle;
-      Extreme next;
-      if (expected + 0.2 * per_cycle > static_cast<double>(x.size() - kTaps - 2)) break;
-      if (!find_extreme(x, expected - 0.2 * per_cycle, expected + 0.2 * per_cycle, sign, next))
-        break;
-      const double swing = std::abs(next.value - extremes.back().value);
-      if (!(swing > options.least_swing * noise) || !(swing > 0)) break;
-      if (sign * (next.value - extremes.back().value) <= 0) break;
-      extremes.push_back(next);
-      sign = -sign;
-    }
+  for (int quarter = 0; quarter < 4 && extremes.empty(); ++quarter) {
+    const double begin = kTaps + 0.25 * quarter * per_cycle;
+    if (!find_extreme(x, begin, begin + 0.6 * per_cycle, 1, high)) continue;
+    extremes.push_back(high);
+  }
+  double sign = -1;
+  while (!extremes.empty()) {
+    const double expected = extremes.back().time + 0.5 * per_cycle;
+    Extreme next;
+    if (!find_extreme(x, expected - 0.2 * per_cycle, expected + 0.2 * per_cycle, sign, next)) break;
+    const double swing = sign * (next.value - extremes.back().value);
+    if (!(swing > options.least_swing * noise) || !(swing > 0)) break;
+    extremes.push_back(next);
+    sign = -sign;
   }
   if (extremes.size() < 4) {
     result.refusal = "fewer than three swings above the noise";
     return result;
   }
+  // Second pass: extremes lie half a damped cycle apart, so a line through their times, weighted
+  // with their swings, says when they were; read there, values are not biased by noise that looks
+  // for the highest sample.
+  {
+    double w = 0, wk = 0, wt = 0;
+    for (std::size_t k = 1; k < extremes.size(); ++k) {
+      const double d = extremes[k].value - extremes[k - 1].value;
+      w += d * d, wk += d * d * static_cast<double>(k), wt += d * d * extremes[k].time;
+    }
+    double kk = 0, kt = 0;
+    for (std::size_t k = 1; k < extremes.size(); ++k) {
+      const double d = extremes[k].value - extremes[k - 1].value;
+      kk += d * d * (static_cast<double>(k) - wk / w) * (static_cast<double>(k) - wk / w);
+      kt += d * d * (static_cast<double>(k) - wk / w) * (extremes[k].time - wt / w);
+    }
+    for (std::size_t k = 0; k < extremes.size(); ++k) {
+      const double time = wt / w + kt / kk * (static_cast<double>(k) - wk / w);
+      extremes[k].value = value_at(x, std::clamp(time, static_cast<double>(kTaps),
+                                                 static_cast<double>(x.size() - kTaps - 2)));
+    }
+  }
   double sw = 0, sk = 0, sl = 0, st = 0;
   const std::size_t count = extremes.size() - 1;
   std::vector<double> log_swing(count), weight(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const double d = std::abs(extremes[k + 1].value - extremes[k].value);
+    const double d = std::max(std::abs(extremes[k + 1].value - extremes[k].value), 1e-300);
     const double t = 0.5 * (extremes[k].time + extremes[k + 1].time);
     result.swing.push_back(d);
     result.time_s.push_back(
