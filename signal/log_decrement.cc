@@ -119,7 +119,7 @@ LogDecrementResult log_decrement(const Eigen::Ref<const Eigen::VectorXd>& y, dou
 
   // First pass: when the extremes are, from one to the next half a cycle on.
   std::vector<Extreme> extremes;
-  Extreme high, low;
+  Extreme high;
   for (int quarter = 0; quarter < 4 && extremes.empty(); ++quarter) {
     const double begin = kTaps + 0.25 * quarter * per_cycle;
     if (!find_extreme(x, begin, begin + 0.6 * per_cycle, 1, high)) continue;

@@ -6,6 +6,8 @@ void add_all_verbs(CLI::App& program, Verbs& verbs) {
   // In the order in which a person goes from recordings to a report.
   add_inspect(program, verbs);
   add_bending(program, verbs);
+  add_axial(program, verbs);
+  add_decay(program, verbs);
   add_frf(program, verbs);
   add_modal(program, verbs);
   add_modes(program, verbs);

@@ -6,6 +6,8 @@
 namespace rigfit::apps {
 
 void add_bending(CLI::App& program, Verbs& verbs);
+void add_axial(CLI::App& program, Verbs& verbs);
+void add_decay(CLI::App& program, Verbs& verbs);
 void add_frf(CLI::App& program, Verbs& verbs);
 void add_modes(CLI::App& program, Verbs& verbs);
 void add_modal(CLI::App& program, Verbs& verbs);

@@ -1,0 +1,88 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <random>
+
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps {
+namespace {
+using ::testing::HasSubstr;
+
+std::string decay_csv(double f, double zeta, double rate, int samples, double noise,
+                      int quiet = 0) {
+  std::mt19937_64 generator(3);
+  std::normal_distribution<double> normal(0, noise);
+  const double w = 2 * std::numbers::pi * f, wd = w * std::sqrt(1 - zeta * zeta);
+  std::string text = "time (s),force (N)\n";
+  for (int j = 0; j < samples; ++j) {
+    const double t = (j - quiet) / rate;
+    const double y =
+        21.6 + (j >= quiet ? std::exp(-zeta * w * t) * std::sin(wd * t) : 0.0) + normal(generator);
+    text += std::to_string(j / rate) + "," + std::to_string(y) + "\n";
+  }
+  return text;
+}
+
+TEST(DecayVerb, GivesFrequencyAndDampingOfAFile) {
+  TemporaryFolder folder;
+  const auto file = folder.write("tap.csv", decay_csv(50, 0.017, 500, 800, 0.003, 200));
+  const auto run = run_program({"decay", file, "--channel", "force", "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json["command"], "decay");
+  EXPECT_EQ(json["inputs"].size(), 1u);
+  ASSERT_EQ(json["modes"].size(), 1u);
+  const auto& mode = json["modes"][0];
+  const double f = mode["frequency_hz"]["value"], f_std = mode["frequency_hz"]["std"];
+  const double z = mode["damping_ratio"]["value"], z_std = mode["damping_ratio"]["std"];
+  EXPECT_NEAR(f, 50, 5 * f_std);
+  EXPECT_NEAR(z, 0.017, 5 * z_std);
+  EXPECT_LT(f_std, 0.05);
+  // The ruler is a check: within a tenth.
+  EXPECT_NEAR(mode["damping_ratio_log_decrement"].get<double>(), 0.017, 0.0017);
+  EXPECT_GT(mode["r_squared"].get<double>(), 0.99);
+  EXPECT_GE(json["window"]["start_s"].get<double>(), 0.399);
+  EXPECT_TRUE(json.contains("frequency_drift_hz"));
+  EXPECT_GE(json["amplitude_dependence"]["points"].size(), 2u);
+}
+
+TEST(DecayVerb, TakesStartEndAndBandInTheFilesTime) {
+  TemporaryFolder folder;
+  const auto file = folder.write("tap.csv", decay_csv(50, 0.017, 500, 800, 0.003));
+  const auto run = run_program(
+      {"decay", file, "--start", "0.1", "--end", "0.9", "--band", "30", "80", "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_NEAR(json["window"]["start_s"].get<double>(), 0.1, 1e-9);
+  EXPECT_NEAR(json["window"]["end_s"].get<double>(), 0.9, 1e-9);
+}
+
+TEST(DecayVerb, ExitCodesSayWhoseFaultItIs) {
+  TemporaryFolder folder;
+  const auto file = folder.write("tap.csv", decay_csv(50, 0.017, 500, 800, 0.003));
+  EXPECT_EQ(run_program({"decay"}).exit_code, 2);
+  EXPECT_EQ(run_program({"decay", file, "--band", "80", "30"}).exit_code, 2);
+  EXPECT_EQ(run_program({"decay", file, "--start", "5"}).exit_code, 2);
+  EXPECT_EQ(run_program({"decay", (folder.path() / "none.csv").string()}).exit_code, 3);
+  const auto unknown = run_program({"decay", file, "--channel", "gyro"});
+  EXPECT_EQ(unknown.exit_code, 3);
+  EXPECT_THAT(unknown.err, HasSubstr("force"));
+  const auto quiet = folder.write("noise.csv", decay_csv(50, 0.017, 500, 800, 0.003, 800));
+  const auto refused = run_program({"decay", quiet, "--json", "-"});
+  EXPECT_EQ(refused.exit_code, 4);
+  EXPECT_EQ(nlohmann::json::parse(refused.out)["modes"].size(), 0u);
+  EXPECT_THAT(refused.err, HasSubstr("noise"));
+}
+
+TEST(DecayVerb, HelpShowsAnExample) {
+  const auto run = run_program({"decay", "--help"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.out, HasSubstr("rigfit decay tap.csv --channel"));
+}
+
+}  // namespace
+}  // namespace rigfit::apps
