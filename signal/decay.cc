@@ -339,9 +339,7 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   }
   bool moved_start = false;
   if (options.choose_window) {
-    DecayWindowOptions window_options;
-    if (banded) window_options.lowest = band.low, window_options.highest = band.high;
-    const auto windows = find_decays(y, window_options);
+    const auto windows = find_decays(y);
     result.decays_found = static_cast<Index>(windows.size());
     double most = -1;
     const DecayWindow* chosen = &windows.front();

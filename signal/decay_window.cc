@@ -76,7 +76,8 @@ class RunningAmplitude {
 // Onsets of further impacts: within a cycle the amplitude comes from under a third of what it then
 // is, and what it then is is a good part of the record's largest. (A beat needs a beat period
 // under five cycles to rise so fast.)
-std::vector<Index> impacts(const Eigen::VectorXd& y, double w, Index cycle, double noise_variance) {
+std::vector<Index> impacts(const Eigen::VectorXd& y, double w, Index cycle, double noise_variance,
+                           const Eigen::VectorXi& missing_before) {
   std::vector<Index> found;
   if (y.size() < 8 * cycle) return found;
   const RunningAmplitude running(y, w);
@@ -89,17 +90,20 @@ std::vector<Index> impacts(const Eigen::VectorXd& y, double w, Index cycle, doub
   }
   // Amplitude over a cycle of noise: variance 4 s^2 / cycle.
   // The spectrum beside the peak holds the skirts of many decays; the quietest tenth of the record
-  // may say less.
+  // may say less (of noise it reaches a third of the rms: 12 of it are four times the rms).
   std::nth_element(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 10),
                    levels.end());
   const double floor = std::min(8 * std::sqrt(4 * noise_variance / static_cast<double>(cycle)),
-                                4 * levels[levels.size() / 10]);
+                                12 * levels[levels.size() / 10]);
   double best_jump = 0;
   Index best = -1;
   for (Index j = 0; j + cycle <= y.size(); j += step) {
     const double before = j >= cycle ? std::abs(running.over(j - cycle, j)) : 0;
     const double after = std::abs(running.over(j, j + cycle));
-    const bool jump = j >= cycle && after > 3 * before && after > 0.3 * largest && after > floor;
+    const bool gap =
+        j >= cycle && missing_before(j + cycle) > missing_before(j - cycle);  // no impact, a gap
+    const bool jump =
+        j >= cycle && !gap && after > 3 * before && after > 0.3 * largest && after > floor;
     if (jump && after - before > best_jump) best_jump = after - before, best = j;
     if (best >= 0 && (j > best + 2 * cycle || j + cycle + step > y.size())) {
       found.push_back(best);
@@ -154,17 +158,18 @@ Index clipped_until(const Eigen::Ref<const Eigen::VectorXd>& y, double cycles_pe
   return last;
 }
 
-std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                     const DecayWindowOptions& options) {
+std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y) {
   const Index n = y.size();
   DecayWindow whole;
   whole.end = n;
   const Eigen::VectorXd x = without_trend(y);
   const double total = x.squaredNorm();
+  Eigen::VectorXi missing_before(n + 1);  // missing samples before each
+  missing_before(0) = 0;
+  for (Index j = 0; j < n; ++j) missing_before(j + 1) = missing_before(j) + !std::isfinite(y(j));
   if (n < 16 || !(total > 0)) return {whole};
 
   DecaySearchOptions search;
-  search.lowest = options.lowest, search.highest = options.highest;
   search.candidates = 4;
   auto candidates = search_decays(x, search);
   if (candidates.empty()) return {whole};
@@ -185,7 +190,7 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
                     quiet_before(x, w, chosen.start, cycle);
 
   std::vector<Index> starts;
-  starts = impacts(x, w, cycle, noise);
+  starts = impacts(x, w, cycle, noise, missing_before);
   std::vector<DecayWindow> windows;
   const auto add = [&](Index from, Index to, bool impact) {
     DecayWindow window;

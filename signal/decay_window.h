@@ -16,11 +16,6 @@
 
 namespace rigfit::signal {
 
-struct DecayWindowOptions {
-  double lowest = 0;  ///< cycles per sample: where the decay's frequency may lie
-  double highest = 0.5;
-};
-
 struct DecayWindow {
   Eigen::Index start = 0, end = 0;  ///< samples [start, end)
   bool after_impact = false;        ///< start was moved behind an impact or release
@@ -29,8 +24,7 @@ struct DecayWindow {
 
 /// All decays of a record, in time. Never empty for a record that has samples. `y`: NaN where
 /// missing.
-[[nodiscard]] std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                                   const DecayWindowOptions& options = {});
+[[nodiscard]] std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y);
 
 /// One past the last sample that sits on a rail: flat runs at the same extreme value, longer than a
 /// sinusoid of that frequency sampled that coarsely shows. 0: none.

@@ -77,18 +77,15 @@ std::vector<Sample> decays_of(const std::string& file, double length, const Axia
     return samples;
   }
   signal::DecayOptions options;
-  signal::DecayWindowOptions windows;
   if (!command.band.empty()) {
     if (!(command.band[0] >= 0 && command.band[0] < command.band[1] &&
           command.band[0] < 0.5 * rate)) {
       throw UsageError("--band must rise and begin below half the sample rate");
     }
     options.band_low_hz = command.band[0], options.band_high_hz = command.band[1];
-    windows.lowest = command.band[0] / rate,
-    windows.highest = std::min(0.5, command.band[1] / rate);
   }
   options.choose_window = false;
-  for (const auto& w : signal::find_decays(channel.samples, windows)) {
+  for (const auto& w : signal::find_decays(channel.samples)) {
     Sample s;
     s.file = file, s.length_m = length;
     s.decay =
