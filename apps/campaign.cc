@@ -154,6 +154,10 @@ class Reader {
 
   void read_bending(TomlTable& table, CampaignTest& test) {
     test.span_m = table.number("span", Bound::positive, "m");
+    if (table.has("recording")) {
+      read_bending_recordings(table, test);
+      return;
+    }
     TomlTable results = table.table("table");
     ResultColumns columns = open_table(results);
     columns.tension = column(results, columns, "tension");
@@ -162,6 +166,21 @@ class Reader {
     require_numbers(results, columns, "tension", *columns.tension);
     require_numbers(results, columns, "EI", *columns.EI);
     test.results = std::move(columns);
+  }
+
+  void read_bending_recordings(TomlTable& table, CampaignTest& test) {
+    if (table.has("table")) {
+      throw table.error("table", "is given beside recordings", "keep one of them");
+    }
+    test.span_std_m = table.number_or("span_std", Bound::not_negative, "m", 0);
+    if (table.has("channels")) {
+      TomlTable channels = table.table("channels");
+      test.tension_channel = channels.string_or("tension", test.tension_channel);
+      test.load_channel = channels.string_or("load", test.load_channel);
+      test.deflection_channel = channels.string_or("deflection", test.deflection_channel);
+      channels.finish();
+    }
+    test.recordings = read_recording_groups(table, folder_);
   }
 
   void read_modal(TomlTable& table, CampaignTest& test) {

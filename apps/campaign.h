@@ -5,7 +5,9 @@
 //   [strand]             youngs_modulus (Pa), wires, wire_diameter, diameter (m): bounds on EI
 //   [[scene]]            name, file; tables published / inferred / assumed: parameter = how known
 //   [[test]]             name, kind, title, and by kind:
-//     kind = "bending"   span (m) and a [test.table] with columns tension, EI
+//     kind = "bending"   span (m), and a [test.table] with columns tension, EI, or recordings:
+//                        span_std (m), channels = { tension, load, deflection } and
+//                        [[test.recording]] (see recording_group.h)
 //     kind = "modal"     scene, planes, tension_of, EI_of and a [test.table] with columns tension
 //                        (none: one state), measured, models = { label = column, ... }
 //
@@ -19,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/recording_group.h"
 #include "apps/result_table.h"
 #include "ident/strand.h"
 #include "model/scene.h"
@@ -53,12 +56,16 @@ struct CampaignTest {
   std::string name;
   std::string title;
   Kind kind = Kind::modal;
-  double span_m = 0;                           ///< bending
+  double span_m = 0;      ///< bending
+  double span_std_m = 0;  ///< its standard uncertainty
+  /// Bending: names of the channels.
+  std::string tension_channel = "tension", load_channel = "load", deflection_channel = "deflection";
   std::optional<std::size_t> scene;            ///< modal: index of the scene
   bool in_plane = true, out_of_plane = false;  ///< modal: what the test was made to see
   std::vector<std::string> tension_of;         ///< scene parameters that take a state's tension
   std::vector<std::string> EI_of;              ///< scene parameters that take EI at that tension
   std::optional<ResultColumns> results;
+  std::vector<RecordingGroup> recordings;
 };
 
 struct Campaign {

@@ -1,4 +1,5 @@
-// What a report's page carries in itself, embedded when the program is built.
+// Files that are part of the program, embedded when it is built: what a report's page carries in
+// itself and what `new` writes.
 #pragma once
 
 #include <string_view>
@@ -10,5 +11,9 @@ extern const std::string_view dygraph_css;
 extern const std::string_view report_css;
 extern const std::string_view plots_js;
 extern const std::string_view shapes_js;
+extern const std::string_view new_campaign_toml;  ///< what `new` writes
+extern const std::string_view new_cable_toml;
+extern const std::string_view new_bending_csv;
+extern const std::string_view new_frequencies_csv;
 
 }  // namespace rigfit::apps::assets

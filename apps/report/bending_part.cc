@@ -7,7 +7,9 @@
 #include <limits>
 #include <numeric>
 
+#include "apps/report/bending_records.h"
 #include "apps/report/html_text.h"
+#include "apps/report/recording_blocks.h"
 #include "ident/bending_equation.h"
 #include "ident/stiffness_law.h"
 
@@ -59,7 +61,7 @@ ReportTable points_table(const CampaignTest& test, const std::vector<Row>& rows)
   return table;
 }
 
-Plot law_plot(const CampaignTest& test, const std::vector<Row>& rows,
+Plot law_plot(const CampaignTest& test, const std::vector<PlotSeries>& points,
               const std::vector<ident::FittedLaw>& laws,
               const std::optional<ident::StiffnessBounds>& bounds) {
   Plot plot;
@@ -73,7 +75,13 @@ Plot law_plot(const CampaignTest& test, const std::vector<Row>& rows,
   plot.x_label = "tension, N";
   plot.y_label = "EI, N m²";
   plot.log_y = bounds.has_value();
-  const double low = rows.front().tension_N, high = rows.back().tension_N;
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  for (const auto& series : points) {
+    for (const double tension : series.x) {
+      low = std::min(low, tension);
+      high = std::max(high, tension);
+    }
+  }
   const double from = std::max(1.0, low - 0.1 * (high - low)), to = high + 0.1 * (high - low);
   // The law that lies closest to the points is drawn full, with its band.
   std::vector<ident::FittedLaw> closest;
@@ -118,15 +126,7 @@ Plot law_plot(const CampaignTest& test, const std::vector<Row>& rows,
       plot.series.push_back(std::move(series));
     }
   }
-  PlotSeries points;
-  points.name = "published EI";
-  points.origin = Origin::published;
-  points.style = PlotSeries::Style::points;
-  for (const auto& row : rows) {
-    points.x.push_back(row.tension_N);
-    points.y.push_back(row.published_EI);
-  }
-  plot.series.push_back(std::move(points));
+  plot.series.insert(plot.series.end(), points.begin(), points.end());
   return plot;
 }
 
@@ -177,25 +177,35 @@ double StiffnessCurve::at(double tension) const {
   return EI_Nm2[i - 1] + t * (EI_Nm2[i] - EI_Nm2[i - 1]);
 }
 
-BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
-  BendingPart result;
-  ReportPart& part = result.part;
-  part.id = test.name;
-  part.title = test.title;
-  part.json_key = "bending";
+namespace {
+
+/// What the laws are fitted to, how it is shown, and the blocks above the laws.
+struct Points {
+  std::vector<ident::StiffnessPoint> points;
+  std::vector<PlotSeries> series;
+  Origin origin = Origin::published;
+  std::string remark;  ///< for the summary
+};
+
+Points published_points(const CampaignTest& test, ReportPart& part) {
+  Points found;
   const auto rows = solve_rows(test);
+  PlotSeries series;
+  series.name = "published EI";
+  series.origin = Origin::published;
+  series.style = PlotSeries::Style::points;
   double worst = 0;
   Json tests = Json::array();
   for (const auto& row : rows) {
-    if (row.solved.status != ident::BendingStatus::solved) {
-      part.warnings.push_back({"bending-not-solved",
-                               fmt::format("{} N: {}", row.tension_N, row.solved.reason), test.name,
-                               true});
+    if (!std::isfinite(row.solved.EI_Nm2.value)) {
+      refuse(part, "bending-not-solved", row.solved.reason,
+             fmt::format("{}, {:g} N", test.name, row.tension_N));
       continue;
     }
     worst = std::max(worst, std::abs(row.solved.EI_Nm2.value / row.published_EI - 1));
-    result.curve.tension_N.push_back(row.tension_N);
-    result.curve.EI_Nm2.push_back(row.solved.EI_Nm2.value);
+    series.x.push_back(row.tension_N);
+    series.y.push_back(row.published_EI);
+    found.points.push_back({row.tension_N, row.solved.EI_Nm2.value, kNaN, kNaN, kNaN});
     tests.push_back({{"tension_N", row.tension_N},
                      {"EI_Nm2",
                       {{"value", row.solved.EI_Nm2.value},
@@ -207,57 +217,128 @@ BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
                      {"ratio", row.solved.ratio},
                      {"lambda", row.solved.lambda}});
   }
-
-  std::optional<ident::StiffnessBounds> bounds;
-  if (campaign.strand) bounds = ident::stiffness_bounds(*campaign.strand);
-  std::vector<ident::StiffnessPoint> points;
-  for (std::size_t i = 0; i < result.curve.tension_N.size(); ++i) {
-    points.push_back({result.curve.tension_N[i], result.curve.EI_Nm2[i], kNaN, kNaN, kNaN});
-  }
-  ident::StiffnessLaws laws;
-  if (points.size() >= 2) {
-    ident::StiffnessLawOptions options;
-    options.bounds = bounds;
-    laws = ident::fit_stiffness_laws(points, options);
-  }
-
   part.blocks.push_back(Paragraph{fmt::format(
       "A length of cable is clamped at both ends, pulled to a tension and pressed sideways at "
       "mid-span. From the slope of deflection over load follows its bending stiffness EI. Here the "
       "EI values themselves are published; no uncertainty was published with them, so none is "
-      "shown. "
-      "The span of {:g} m only sets the slope shown.",
+      "shown. The span of {:g} m only sets the slope shown.",
       test.span_m)});
   part.blocks.push_back(points_table(test, rows));
-  if (!laws.laws.empty()) {
-    part.blocks.push_back(law_plot(test, rows, laws.laws, bounds));
+  part.json["tests"] = std::move(tests);
+  part.json["round_trip_relative_error"] = worst;
+  found.remark = fmt::format("round trip within {:.0e}", std::max(worst, 1e-16));
+  found.series.push_back(std::move(series));
+  return found;
+}
+
+Points recorded_points(const CampaignTest& test, ReportPart& part) {
+  Points found;
+  const auto loaded = load_recordings(test.recordings);
+  for (const auto& entry : loaded) {
+    part.inputs.insert(part.inputs.end(), entry.inputs.begin(), entry.inputs.end());
+  }
+  part.blocks.push_back(Paragraph{
+      "A length of cable is clamped at both ends, pulled to a tension and pressed sideways at "
+      "mid-span. From the slope of deflection over load follows its bending stiffness EI."});
+  add_recordings(part, test, loaded);
+  const auto records = bending_records(test, loaded, part);
+  Json tests = Json::array();
+  for (const auto& one : records) {
+    tests.push_back(bending_record_json(one));
+    const auto& EI = one.result.stiffness;
+    if (one.result.refused || !std::isfinite(EI.EI_Nm2.value)) continue;
+    auto at = std::find_if(found.series.begin(), found.series.end(),
+                           [&](const PlotSeries& series) { return series.origin == one.origin; });
+    if (at == found.series.end()) {
+      PlotSeries series;
+      series.name = fmt::format("EI, {}", name_of(one.origin));
+      series.origin = one.origin;
+      series.style = PlotSeries::Style::points;
+      found.series.push_back(std::move(series));
+      at = found.series.end() - 1;
+    }
+    at->x.push_back(one.result.tension_N.value);
+    at->y.push_back(EI.EI_Nm2.value);
+    at->low.push_back(EI.low);
+    at->high.push_back(EI.high);
+    found.points.push_back(
+        {one.result.tension_N.value, EI.EI_Nm2.value, EI.EI_Nm2.std, EI.low, EI.high});
+    found.origin = one.origin;
+  }
+  part.json["tests"] = std::move(tests);
+  if (!records.empty()) {
+    part.blocks.push_back(load_deflection_plot(test, records));
+    part.blocks.push_back(bending_records_table(test, records));
+  }
+  found.remark = fmt::format("{} of {} recordings gave one", found.points.size(), loaded.size());
+  return found;
+}
+
+/// Means of what was taken at about one tension (within 5 %), so that EI(T) is a function.
+StiffnessCurve curve_of(std::vector<ident::StiffnessPoint> points) {
+  StiffnessCurve curve;
+  std::sort(points.begin(), points.end(),
+            [](const auto& a, const auto& b) { return a.tension_N < b.tension_N; });
+  for (std::size_t i = 0; i < points.size();) {
+    double tension = 0, EI = 0;
+    std::size_t k = i;
+    for (; k < points.size() && points[k].tension_N <= 1.05 * points[i].tension_N; ++k) {
+      tension += points[k].tension_N;
+      EI += points[k].EI_Nm2;
+    }
+    const auto n = static_cast<double>(k - i);
+    curve.tension_N.push_back(tension / n);
+    curve.EI_Nm2.push_back(EI / n);
+    i = k;
+  }
+  return curve;
+}
+
+}  // namespace
+
+BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
+  BendingPart result;
+  ReportPart& part = result.part;
+  part.id = test.name;
+  part.title = test.title;
+  part.json_key = "bending";
+  part.json["test"] = test.name;
+  part.json["span_m"] = test.span_m;
+  const Points found = test.results ? published_points(test, part) : recorded_points(test, part);
+  result.curve = curve_of(found.points);
+
+  std::optional<ident::StiffnessBounds> bounds;
+  if (campaign.strand) bounds = ident::stiffness_bounds(*campaign.strand);
+  ident::StiffnessLaws laws;
+  if (found.points.size() >= 2) {
+    ident::StiffnessLawOptions options;
+    options.bounds = bounds;
+    laws = ident::fit_stiffness_laws(found.points, options);
+    part.blocks.push_back(law_plot(test, found.series, laws.laws, bounds));
     part.blocks.push_back(Paragraph{laws.sentence, Paragraph::Kind::note});
     part.blocks.push_back(law_table(test, laws));
   }
   if (bounds) {
-    part.blocks.push_back(Paragraph{fmt::format(
-        "Bounds from the strand's geometry: EImin = {} N m² (all wires slip), EImax = {} "
-        "N m² (none does).",
-        shown(bounds->EI_min_Nm2, 4), shown(bounds->EI_max_Nm2, 6))});
+    part.blocks.push_back(
+        Paragraph{fmt::format("Bounds from the strand's geometry: EImin = {} N m² (all wires "
+                              "slip), EImax = {} N m² (none "
+                              "does).",
+                              shown(bounds->EI_min_Nm2, 4), shown(bounds->EI_max_Nm2, 6))});
   }
 
-  if (!result.curve.empty()) {
+  const auto& curve = result.curve;
+  if (!curve.empty()) {
     part.summary.push_back(
         {SummaryItem::Kind::result, "EI of the cable",
-         fmt::format("{} N m² at {:g} N to {} N m² at {:g} N (round trip within {:.0e})",
-                     shown(result.curve.EI_Nm2.front(), 4), result.curve.tension_N.front(),
-                     shown(result.curve.EI_Nm2.back(), 4), result.curve.tension_N.back(),
-                     std::max(worst, 1e-16)),
-         Origin::published, part.id});
+         fmt::format("{} N m² at {} N to {} N m² at {} N ({})", shown(curve.EI_Nm2.front(), 4),
+                     shown(curve.tension_N.front(), 3), shown(curve.EI_Nm2.back(), 4),
+                     shown(curve.tension_N.back(), 3), found.remark),
+         found.origin, part.id});
   }
   if (!laws.laws.empty() && !laws.decided) {
     part.summary.push_back(
         {SummaryItem::Kind::distrust, "Law for EI(T)", laws.sentence, {}, part.id});
   }
-
-  part.json["test"] = test.name;
-  part.json["span_m"] = test.span_m;
-  part.json["tests"] = std::move(tests);
   Json law_list = Json::array();
   for (const auto& law : laws.laws) law_list.push_back(law_json(law));
   part.json["laws"] = std::move(law_list);
@@ -265,7 +346,6 @@ BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
   if (bounds) {
     part.json["bounds"] = {{"EI_min_Nm2", bounds->EI_min_Nm2}, {"EI_max_Nm2", bounds->EI_max_Nm2}};
   }
-  part.json["round_trip_relative_error"] = worst;
   return result;
 }
 

@@ -106,8 +106,14 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
   frame.description = campaign.description;
   frame.version = RIGFIT_VERSION;
   frame.repeat = repeat_command(context);
-  for (const auto& input : campaign.inputs) {
-    context.input(input);
+  for (const auto& input : campaign.inputs) context.input(input);
+  for (const auto& part : parts) {
+    for (const auto& input : part.inputs) {
+      std::error_code error;
+      if (fs::is_regular_file(input, error)) context.input(input);
+    }
+  }
+  for (const auto& input : context.inputs()) {
     frame.inputs.emplace_back(input, sha256_of_file(input));
   }
   Json result;

@@ -63,8 +63,8 @@ ReportTable equilibrium_table(const CampaignTest& test, const std::vector<ModalS
     for (const auto& member : equilibrium.members) {
       table.rows.push_back(
           {first ? label_of(state) : "", first && state.EI_Nm2 ? shown(*state.EI_Nm2, 4) : "",
-           member.member, shown(1e3 * member.sag_m, 3), shown(member.tension_N, 5),
-           fmt::format("{}", member.segments),
+           member.member, member.sag_m < 1e-9 ? std::string("0") : shown(1e3 * member.sag_m, 3),
+           shown(member.tension_N, 5), fmt::format("{}", member.segments),
            first ? fmt::format("{:.0e}", equilibrium.residual) : "",
            first ? fmt::format("{:.0e}", state.analysis.relative_error_estimate) : ""});
       first = false;
@@ -420,6 +420,17 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
                                            name_of(equilibrium.status), equilibrium.reason),
                                test.name, true});
     }
+  }
+  for (const auto& state : states) {
+    // A tenth of what a good test resolves (about 1 %) is all that segments may cost.
+    if (!(state.analysis.relative_error_estimate > 1e-3)) continue;
+    const std::string message = fmt::format(
+        "{}: the number of segments costs an estimated {} % in frequency; give the "
+        "scene's members more",
+        label_of(state), shown(100 * state.analysis.relative_error_estimate, 2));
+    part.warnings.push_back({"segments", message, test.name, false});
+    part.summary.push_back(
+        {SummaryItem::Kind::distrust, test.title, message, Origin::modelled, part.id});
   }
   const std::string planes = test.in_plane && test.out_of_plane
                                  ? "in and out of the plane of gravity"

@@ -73,8 +73,9 @@ struct ReportPart {
   std::vector<Block> blocks;
   std::vector<SummaryItem> summary;
   std::vector<PartWarning> warnings;
-  Json json = Json::object();  ///< merged into the document under the part's key
-  std::string json_key;        ///< a list in the document that gets `json` appended; empty: none
+  std::vector<std::string> inputs;  ///< files read for it besides the campaign's own
+  Json json = Json::object();       ///< merged into the document under the part's key
+  std::string json_key;  ///< a list in the document that gets `json` appended; empty: none
 };
 
 }  // namespace rigfit::apps

@@ -11,6 +11,8 @@ void add_all_verbs(CLI::App& program, Verbs& verbs) {
   add_frf(program, verbs);
   add_modal(program, verbs);
   add_modes(program, verbs);
+  add_new(program, verbs);
+  add_report(program, verbs);
 }
 
 }  // namespace rigfit::apps

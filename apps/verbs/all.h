@@ -11,6 +11,7 @@ void add_decay(CLI::App& program, Verbs& verbs);
 void add_frf(CLI::App& program, Verbs& verbs);
 void add_modes(CLI::App& program, Verbs& verbs);
 void add_modal(CLI::App& program, Verbs& verbs);
+void add_new(CLI::App& program, Verbs& verbs);
 void add_report(CLI::App& program, Verbs& verbs);
 void add_inspect(CLI::App& program, Verbs& verbs);
 

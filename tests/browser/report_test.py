@@ -1,0 +1,189 @@
+"""The demo report in a real browser: drawn, zoomed, switched, moved, printed, without a word on the console.
+
+usage: report_test.py PROGRAM CAMPAIGN [SCREENSHOT_FOLDER]
+"""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from webdriver import Browser
+
+PROGRAM, CAMPAIGN = sys.argv[1:3]
+SCREENSHOTS = sys.argv[3] if len(sys.argv) > 3 else None
+
+# Pixels of an element's canvases that are neither transparent nor the background, and a hash of all of them.
+PAINTED = """
+  let painted = 0, hash = 0;
+  for (const canvas of arguments[0].querySelectorAll('canvas')) {
+    if (!canvas.width || !canvas.height) continue;
+    const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+    for (let i = 0; i < data.length; i += 4) {
+      if (data[i + 3] > 0) ++painted;
+      hash = (hash * 31 + data[i] + 3 * data[i + 1] + 7 * data[i + 2] + 11 * data[i + 3]) | 0;
+    }
+  }
+  return [painted, hash];
+"""
+
+
+class ReportInBrowser(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory(prefix="rigfit-report-")
+        run = subprocess.run([PROGRAM, "report", CAMPAIGN, "--out", cls.folder.name, "--quiet"],
+                             capture_output=True, text=True)
+        assert run.returncode == 0, run.stderr
+        cls.page = pathlib.Path(cls.folder.name) / "report.html"
+        cls.url = cls.page.as_uri()
+        cls.browser = Browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.close()
+        cls.folder.cleanup()
+
+    def setUp(self):
+        self.browser.media("prefers-color-scheme", "light")
+        self.browser.open(self.url)
+        self.browser.run("rigfit_draw_all();")
+
+    def tearDown(self):
+        # Reading pixels back is this test's own doing, not the page's.
+        said = [e for e in self.browser.console() if "willReadFrequently" not in e["message"]]
+        self.assertEqual([e for e in said if e["level"] in ("SEVERE", "WARNING")], [])
+
+    def plots(self):
+        ids = self.browser.run("return [...document.querySelectorAll('.plot')].map(p => p.dataset.plot);")
+        self.assertGreater(len(ids), 3)
+        return ids
+
+    def painted(self, plot):
+        return self.browser.run("const f = new Function('arguments', args_source); return f([document.querySelector("
+                                "`.plot[data-plot=\"${arguments[0]}\"]`)]);".replace("args_source", repr(PAINTED)), plot)
+
+    def test_needs_nothing_but_itself_and_opens_quickly(self):
+        self.assertLess(self.page.stat().st_size, 8e6)
+        loaded, resources = self.browser.run(
+            "return [performance.getEntriesByType('navigation')[0].loadEventEnd,"
+            " performance.getEntriesByType('resource').map(r => r.name).filter(n => !n.startsWith('data:'))];")
+        self.assertEqual(resources, [])
+        print("page of %.2f MB loaded in %.0f ms" % (self.page.stat().st_size / 1e6, loaded))
+        self.assertLess(loaded, 10000)  # a guard against hanging; machines under test are busy
+
+    def test_every_plot_is_drawn(self):
+        for plot in self.plots():
+            with self.subTest(plot):
+                painted, _ = self.painted(plot)
+                self.assertGreater(painted, 2000)
+
+    def test_zoom_by_dragging_and_back(self):
+        plot = self.plots()[0]
+        css = '.plot[data-plot="%s"]' % plot
+        whole = self.browser.run("const p = document.querySelector(arguments[0]); p.scrollIntoView({block: 'center'});"
+                                 "return p.dygraph.xAxisRange();", css)
+        self.browser.drag(css, -100, 120)
+        part = self.browser.run("return document.querySelector(arguments[0]).dygraph.xAxisRange();", css)
+        self.assertLess(part[1] - part[0], 0.5 * (whole[1] - whole[0]))
+        self.browser.run("[...document.querySelector(arguments[0]).parentNode.querySelectorAll('button')]"
+                         ".find(b => b.textContent === 'Whole range').click();", css)
+        back = self.browser.run("return document.querySelector(arguments[0]).dygraph.xAxisRange();", css)
+        for a, b in zip(whole, back):
+            self.assertAlmostEqual(a, b, delta=1e-6 * abs(whole[1] - whole[0]))
+
+    def test_legend_switches_series_and_axis_turns_logarithmic(self):
+        for plot in self.plots():
+            css = '.plot[data-plot="%s"]' % plot
+            _, before = self.painted(plot)
+            switched = self.browser.run(
+                "const p = document.querySelector(arguments[0]), box = p.parentNode.querySelector('input[type=checkbox]');"
+                "box.click(); return p.dygraph.visibility().filter(v => !v).length;", css)
+            self.assertGreater(switched, 0, plot)
+            _, after = self.painted(plot)
+            self.assertNotEqual(before, after, plot)
+        logarithmic = self.browser.run(
+            "const b = [...document.querySelectorAll('.plot-tools button')].find(b => /Logarithmic|Linear/.test(b.textContent));"
+            "const p = b.closest('figure').querySelector('.plot'), was = p.dygraph.getOptionForAxis('logscale', 'y');"
+            "b.click(); return [!!was, !!p.dygraph.getOptionForAxis('logscale', 'y')];")
+        self.assertNotEqual(*logarithmic)
+
+    def test_values_by_keyboard(self):
+        plot = self.plots()[0]
+        said = self.browser.run(
+            "const p = document.querySelector('.plot[data-plot=\"' + arguments[0] + '\"]'); p.focus();"
+            "p.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowRight', bubbles: true, cancelable: true}));"
+            "return [document.activeElement === p, p.parentNode.querySelector('.readout').textContent];", plot)
+        self.assertTrue(said[0])
+        self.assertRegex(said[1], r"\d")
+
+    def test_every_plot_has_its_table_and_words(self):
+        wrong = self.browser.run(
+            "return [...document.querySelectorAll('.plot')].filter(p => !p.getAttribute('aria-label') ||"
+            " !p.closest('figure').querySelector('details table tbody tr')).map(p => p.dataset.plot);")
+        self.assertEqual(wrong, [])
+        unnamed = self.browser.run("return [...document.querySelectorAll('th')].filter(t => !t.scope).length +"
+                                   " [...document.querySelectorAll('canvas[tabindex]')].filter(c => !c.ariaLabel &&"
+                                   " !c.getAttribute('aria-label')).length;")
+        self.assertEqual(unnamed, 0)
+        shown = self.browser.run("return document.body.innerText;")
+        self.assertNotRegex(shown, r"\b(nan|NaN|undefined|null|inf)\b")
+
+    def test_mode_shapes_move_turn_and_stop(self):
+        hosts = self.browser.run("return [...document.querySelectorAll('.shapes')].map(s => s.id);")
+        self.assertGreater(len(hosts), 0)
+        script = ("const s = document.getElementById(arguments[0]); const f = new Function('arguments', args_source);"
+                  "s.scrollIntoView(); await new Promise(r => setTimeout(r, 300)); const one = f([s]);"
+                  "await new Promise(r => setTimeout(r, 350)); const two = f([s]); s.querySelector('.play').click();"
+                  "await new Promise(r => setTimeout(r, 150)); const three = f([s]);"
+                  "await new Promise(r => setTimeout(r, 250)); const four = f([s]);"
+                  "s.querySelector('canvas').dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowLeft', cancelable: true}));"
+                  "return [one, two, three, four, f([s])];").replace("args_source", repr(PAINTED))
+        one, two, stopped, still, turned = self.browser.run(script, hosts[-1])
+        self.assertGreater(one[0], 500)
+        self.assertNotEqual(one[1], two[1], "the shape does not move")
+        self.assertEqual(stopped[1], still[1], "the shape does not stop")
+        self.assertNotEqual(still[1], turned[1], "the shape does not turn")
+
+    def test_dark_and_light(self):
+        light = self.browser.run("return getComputedStyle(document.body).backgroundColor;")
+        self.browser.media("prefers-color-scheme", "dark")
+        self.browser.open(self.url)
+        dark = self.browser.run("rigfit_draw_all(); return getComputedStyle(document.body).backgroundColor;")
+        brightness = lambda c: sum(int(v) for v in re.findall(r"\d+", c)[:3])
+        self.assertGreater(brightness(light), 600)
+        self.assertLess(brightness(dark), 200)
+        self.shot("dark.png")
+
+    def test_prints_as_a_sound_pdf_with_figures_as_text(self):
+        path = os.path.join(self.folder.name, "report.pdf")
+        self.browser.pdf(path)
+        info = subprocess.run(["pdfinfo", path], capture_output=True, text=True)
+        self.assertEqual(info.returncode, 0, info.stderr)
+        self.assertGreater(int(re.search(r"Pages:\s+(\d+)", info.stdout).group(1)), 2)
+        text = subprocess.run(["pdftotext", path, "-"], capture_output=True, text=True, check=True).stdout
+        text = " ".join(text.split())
+        title = self.browser.run("return document.querySelector('h1').textContent;")
+        for words in (title, "Summary", "Provenance", "tension, N", "frequency, Hz"):
+            self.assertTrue(words in text, "not in the PDF: " + words)
+
+    def test_pages_links_and_anchors_lead_somewhere(self):
+        broken = self.browser.run("return [...document.querySelectorAll('a[href^=\"#\"]')]"
+                                  ".filter(a => !document.getElementById(a.hash.slice(1))).map(a => a.hash);")
+        self.assertEqual(broken, [])
+        files = self.browser.run("return [...document.querySelectorAll('figcaption a')].map(a => a.getAttribute('href'));")
+        for file in files:
+            self.assertTrue((pathlib.Path(self.folder.name) / file).is_file(), file)
+        self.shot("light.png")
+
+    def shot(self, name):
+        if SCREENSHOTS:
+            os.makedirs(SCREENSHOTS, exist_ok=True)
+            self.browser.screenshot(os.path.join(SCREENSHOTS, name))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
