@@ -63,7 +63,7 @@ class Equations {
     factor_.solve_in_place(border_);
     small -= gradient_.transpose() * border_;
     small_.setThreshold(1e-9);
-    small_.compute(small);
+    if (k > 0) small_.compute(small);
   }
 
   /// False: the scenes beside this one have other unknowns (a plane of symmetry lost).
