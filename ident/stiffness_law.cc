@@ -363,7 +363,11 @@ void judge(StiffnessLaws& result, std::size_t points, const std::vector<std::str
     result.sentence = fmt::format("{} points are too few for any law.", points);
     return;
   }
-  if (ranked.empty()) {
+  if (ranked.size() < 2) {
+    // One that could be ranked among several that could not says nothing about the choice.
+    std::stable_sort(laws.begin(), laws.end(), [](const FittedLaw& x, const FittedLaw& y) {
+      return x.rms_relative_error < y.rms_relative_error;
+    });
     result.sentence = fmt::format(
         "{} points{} are too few to choose between the laws (AICc needs more); they are listed by "
         "their misfit, which always favours the law with the most parameters.",
@@ -372,14 +376,12 @@ void judge(StiffnessLaws& result, std::size_t points, const std::vector<std::str
     result.sentence =
         fmt::format("The points cannot choose between {}: their AICc lie within 2 of each other.",
                     list_of(close));
-  } else if (ranked.size() > 1) {
+  } else {
     result.decided = true;
     result.sentence = fmt::format("The points favour the {} law (AICc lower by {:.1f} than {}).",
                                   ranked[0], laws[1].aicc - laws[0].aicc, ranked[1]);
-  } else {
-    result.sentence = fmt::format("Only the {} law could be ranked.", ranked[0]);
   }
-  if (!ranked.empty() && !unranked.empty()) {
+  if (ranked.size() > 1 && !unranked.empty()) {
     result.sentence += fmt::format(" Too few points to rank {}.", list_of(unranked));
   }
   if (!left_out.empty()) {

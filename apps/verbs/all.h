@@ -14,5 +14,6 @@ void add_modal(CLI::App& program, Verbs& verbs);
 void add_new(CLI::App& program, Verbs& verbs);
 void add_report(CLI::App& program, Verbs& verbs);
 void add_inspect(CLI::App& program, Verbs& verbs);
+void add_update(CLI::App& program, Verbs& verbs);
 
 }  // namespace rigfit::apps

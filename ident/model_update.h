@@ -1,0 +1,179 @@
+// Fitting a scene's uncertain parameters to measured modes.
+//
+// Unknowns p (stiffnesses, masses, tensions, spans ... of one scene in one or several states, such
+// as several tensions) minimise
+//
+//   sum_pairs rho((ln f_model(p) - ln f_measured) / s) + the same of damping ratios where measured
+//   + sum_priors ((p - p0) / s_p)^2
+//
+// with Huber's rho, s the relative standard uncertainty of the measured value and of the model
+// together. Positive parameters are fitted in their logarithm. Derivatives are the model's own
+// sensitivities (equilibrium's change included), the minimiser is Ceres' Levenberg-Marquardt; modes
+// are paired anew (mode_pairing.h) until the pairs stay, from several starts. A modelled mode is
+// followed by its plane and its place among the modes of that plane, which crossings of planes do
+// not change. Sources: Friswell and Mottershead 1995; Mottershead, Link, Friswell 2011.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/mode_pairing.h"
+#include "ident/uncertainty.h"
+#include "model/modal_analysis.h"
+#include "signal/estimate.h"
+
+namespace rigfit::ident {
+
+struct FreeParameter {
+  std::string name;  ///< for people and results
+  /// Scene parameters (see model::parameter) that all take this value; empty: `name` itself.
+  std::vector<std::string> targets = {};
+  /// What each target is of the value, such as -1 for the other end of a symmetric rig; empty: 1.
+  std::vector<double> factors = {};
+  bool per_state = false;                                 ///< a value of its own in every state
+  std::optional<double> start = std::nullopt;             ///< else as the scene has it
+  std::optional<signal::Estimate> prior = std::nullopt;   ///< from a test before
+  double low = -std::numeric_limits<double>::infinity();  ///< bounds; positive ones stay so anyway
+  double high = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] double factor(std::size_t target) const {
+    return target < factors.size() ? factors[target] : 1;
+  }
+};
+
+struct MeasuredMode {
+  signal::Estimate frequency_hz;                         ///< std not finite: unknown
+  signal::Estimate damping_ratio;                        ///< value not finite: not measured
+  std::optional<model::ModePlane> plane = std::nullopt;  ///< of the test
+  Eigen::VectorXcd shape = {};  ///< at the scene's sensors, in their order; empty: not measured
+};
+
+/// The rig in one state: its scene as known before, and what was measured.
+struct UpdateState {
+  std::string name;
+  model::Scene scene;
+  std::vector<MeasuredMode> measured;
+};
+
+using ModeSolver = std::function<model::ModeSensitivities(
+    const model::Scene&, const std::vector<std::string>&, const model::ModesOptions&)>;
+
+struct UpdateOptions {
+  /// Relative standard uncertainty of frequencies that come without one; it then only weighs, the
+  /// scatter about the fit gives the variance.
+  double assumed_relative_std = 0.01;
+  double assumed_damping_relative_std = 0.2;
+  /// What the model cannot reach, relative in frequency, added to every measured uncertainty.
+  double model_relative_std = 0;
+  double huber_threshold = 2;  ///< standard deviations beyond which a pair pulls linearly
+  PairingOptions pairing = {};
+  double first_common_factor = 2.5;  ///< common_factor_range of the first pairing of each start
+  int starts = 4;                    ///< the first is the scene's own values
+  double start_spread = 3;           ///< factor by which the others are off, up or down, at most
+  std::uint64_t seed = 1;
+  int max_iterations = 60;
+  int max_pairings = 8;
+  int threads = 1;         ///< over the starts
+  ModeSolver solver = {};  ///< empty: model::analyse_mode_sensitivities
+};
+
+enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
+[[nodiscard]] const char* name_of(UpdateStatus status);
+
+struct UpdatedParameter {
+  std::string name;
+  int state = -1;  ///< -1: shared
+  double start = 0, value = 0;
+  double std = 0;  ///< NaN when not identifiable
+  bool identifiable = false;
+  double std_from_data = 0;  ///< without the priors; NaN when the data alone cannot
+  bool at_bound = false;
+};
+
+struct UpdatedPair {
+  int state = 0, measured = 0;
+  model::ModePlane plane = model::ModePlane::in;
+  int order = 0;  ///< among the modelled modes of that plane, from 0
+  double measured_hz = 0, model_hz = 0, relative_error = 0, mac = 0;
+  double measured_damping = 0, model_damping = 0;  ///< NaN when not measured
+  bool cross_plane = false;
+};
+
+struct UpdatedUnpaired {
+  int state = 0;
+  double frequency_hz = 0;
+  bool measured = true;  ///< else modelled
+  bool missing = false;
+  std::string reason;
+};
+
+struct UpdateResult {
+  UpdateStatus status = UpdateStatus::not_converged;
+  std::string message;  ///< for a person, when not converged or doubtful
+  std::vector<UpdatedParameter> parameters;
+  Identifiability identifiability;  ///< data and priors, in the fitted coordinates (relative)
+  Eigen::MatrixXd covariance;       ///< of the parameters' values; NaN where not identifiable
+  std::vector<std::string> open;    ///< what the data cannot separate, in words
+  std::vector<UpdatedPair> pairs;
+  std::vector<UpdatedUnpaired> unpaired;
+  std::vector<UpdatedPair> pairs_before;                         ///< at the start values
+  double rms_relative_error = 0, rms_relative_error_before = 0;  ///< NaN without pairs
+  double chi_squared = 0, degrees_of_freedom = 0;
+  double variance_factor = 1;
+  double coverage_factor = 1.96;        ///< for 95 %
+  int starts = 0, starts_agreeing = 0;  ///< that ended in this answer
+  int pairings = 0, model_evaluations = 0;
+  std::vector<model::Scene> scenes;  ///< updated, by state
+  Eigen::VectorXd coordinates;       ///< of the solution, for refits
+};
+
+/// Throws model::SceneError for a parameter that is not there, std::invalid_argument for no state,
+/// no parameter, or numbers that make no sense.
+[[nodiscard]] UpdateResult update_model(const std::vector<UpdateState>& states,
+                                        const std::vector<FreeParameter>& free,
+                                        const UpdateOptions& options = {});
+
+/// The modes of the states' scenes as they are, paired with what was measured.
+struct PairedModes {
+  std::vector<UpdatedPair> pairs;
+  std::vector<UpdatedUnpaired> unpaired;
+  double rms_relative_error = std::numeric_limits<double>::quiet_NaN();
+};
+[[nodiscard]] PairedModes compare_with_measured(const std::vector<UpdateState>& states,
+                                                const UpdateOptions& options = {});
+
+struct HeldOut {
+  int state = 0;
+  UpdateStatus status = UpdateStatus::not_converged;
+  double rms_fitted = 0;           ///< of the states that were fitted
+  double rms_predicted = 0;        ///< of the one held out
+  double rms_before = 0;           ///< of the one held out, at the start values
+  std::vector<UpdatedPair> pairs;  ///< of the one held out
+};
+
+/// Each state in turn is left out, the others fitted, and it is predicted by what is shared.
+[[nodiscard]] std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
+                                                 const std::vector<FreeParameter>& free,
+                                                 const UpdateOptions& options = {});
+
+struct UpdateMonteCarlo {
+  int samples = 0, failed = 0;
+  Eigen::MatrixXd values;                ///< parameters x successful samples
+  Eigen::VectorXd mean, std, low, high;  ///< central 95 % interval
+};
+
+/// Refits with measured frequencies and priors drawn anew from their uncertainties (the fit's own
+/// scatter where they have none), from the solution, with its pairs. `progress` is called after
+/// each sample, from any thread.
+[[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
+                                                  const std::vector<UpdateState>& states,
+                                                  const std::vector<FreeParameter>& free,
+                                                  const UpdateOptions& options, int samples,
+                                                  const std::function<void()>& progress = {});
+
+}  // namespace rigfit::ident

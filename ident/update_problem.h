@@ -1,0 +1,119 @@
+// The least-squares problem behind `update_model`: coordinates of the unknowns, the modes of every
+// state with their derivatives by them, pairs, residuals. For the fit and its checks, not for
+// users.
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "ident/model_update.h"
+
+namespace rigfit::ident {
+
+/// One unknown as it is fitted: q = ln(value) where the value is positive by nature, else
+/// value / scale.
+struct UpdateCoordinate {
+  int parameter = 0;  ///< index into the free parameters
+  int state = -1;     ///< -1: shared
+  bool logarithmic = true;
+  double scale = 1;
+  double start = 0, low = 0, high = 0;  ///< q
+  double prior = 0, prior_std = 0;      ///< q; prior_std 0: none
+
+  [[nodiscard]] double value(double q) const;
+  [[nodiscard]] double derivative(double q) const;  ///< d value / d q
+  [[nodiscard]] double coordinate(double value) const;
+};
+
+struct UpdateModelMode {
+  double frequency_hz = 0, damping_ratio = 0;
+  model::ModePlane plane = model::ModePlane::in;
+  int order = 0;  ///< among those of its plane
+  Eigen::VectorXcd shape;
+  Eigen::VectorXd dlog_frequency, dlog_damping;  ///< by coordinate
+};
+
+struct UpdateStateModes {
+  std::string failure;  ///< empty: there are modes
+  std::vector<UpdateModelMode> modes;
+  [[nodiscard]] const UpdateModelMode* find(model::ModePlane plane, int order) const;
+};
+
+/// A measured mode and the modelled one it is fitted to.
+struct UpdateMatch {
+  int state = 0, measured = 0;
+  model::ModePlane plane = model::ModePlane::in;
+  int order = 0;
+  double mac = 0;
+  bool cross_plane = false;  ///< listed, not fitted
+  bool operator==(const UpdateMatch& other) const {
+    return state == other.state && measured == other.measured && plane == other.plane &&
+           order == other.order && cross_plane == other.cross_plane;
+  }
+};
+
+struct UpdateMatches {
+  std::vector<UpdateMatch> matches;
+  std::vector<UpdatedUnpaired> unpaired;
+  int unpaired_measured = 0;
+};
+
+class UpdateProblem {
+ public:
+  /// `held_out`: a state that takes no part; -1: none.
+  UpdateProblem(const std::vector<UpdateState>& states, const std::vector<FreeParameter>& free,
+                const UpdateOptions& options, int held_out = -1);
+
+  [[nodiscard]] const std::vector<UpdateCoordinate>& coordinates() const { return coordinates_; }
+  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(coordinates_.size()); }
+  [[nodiscard]] Eigen::VectorXd start() const;
+  [[nodiscard]] std::vector<std::string> names() const;
+  [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
+  [[nodiscard]] bool takes_part(int state) const { return state != held_out_; }
+  [[nodiscard]] model::Scene scene_at(int state, const Eigen::VectorXd& q) const;
+  [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives) const;
+
+  /// Pairs every state that takes part (or `only` that one); `failure` says why there are none.
+  [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, double common_factor_range,
+                                    std::string& failure, int only = -1) const;
+
+  /// Residuals over their standard deviations: frequencies and dampings of the fitted pairs in
+  /// order, then priors. False when some state has no modes or a pair's mode is gone.
+  [[nodiscard]] bool residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
+                               Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
+  [[nodiscard]] Eigen::Index residual_count(const std::vector<UpdateMatch>& matches) const;
+  [[nodiscard]] Eigen::Index prior_count() const { return priors_; }
+  [[nodiscard]] std::vector<UpdatedPair> pairs(const Eigen::VectorXd& q,
+                                               const std::vector<UpdateMatch>& matches) const;
+
+  [[nodiscard]] double relative_std(int state, int measured) const;
+  [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
+  [[nodiscard]] int evaluations() const { return evaluations_; }
+
+  /// Replaces what was measured and the priors' centres (for Monte Carlo).
+  void set_measured(int state, int measured, double frequency_hz, double damping_ratio);
+  void set_prior(Eigen::Index coordinate, double q) {
+    coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
+  }
+
+ private:
+  [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
+
+  std::vector<UpdateState> states_;
+  std::vector<FreeParameter> free_;
+  UpdateOptions options_;
+  int held_out_;
+  std::vector<UpdateCoordinate> coordinates_;
+  std::vector<std::set<std::string>> present_;  // parameters of each state's scene
+  Eigen::Index priors_ = 0;
+  bool uncertainties_known_ = true, damping_ = false;
+  mutable std::atomic<int> evaluations_{0};
+};
+
+/// Root mean square of the relative errors of pairs that are no leakage; NaN without any.
+[[nodiscard]] double rms_of_pairs(const std::vector<UpdatedPair>& pairs);
+
+}  // namespace rigfit::ident
