@@ -13,6 +13,7 @@ void add_all_verbs(CLI::App& program, Verbs& verbs) {
   add_modes(program, verbs);
   add_new(program, verbs);
   add_report(program, verbs);
+  add_update(program, verbs);
 }
 
 }  // namespace rigfit::apps

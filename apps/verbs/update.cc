@@ -268,7 +268,8 @@ Json write_scenes(const Options& options, const States& states, const ident::Upd
   for (std::size_t s = 0; s < result.scenes.size(); ++s) {
     std::filesystem::path path =
         options.out.empty()
-            ? std::filesystem::path(states.scene_files[s]).stem().string() + ".updated.toml"
+            ? std::filesystem::path(std::filesystem::path(states.scene_files[s]).stem().string() +
+                                    ".updated.toml")
             : std::filesystem::path(options.out);
     if (result.scenes.size() > 1) {
       const std::string tension =
