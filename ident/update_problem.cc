@@ -7,7 +7,6 @@
 #include <map>
 #include <stdexcept>
 
-#include "ident/mode_differences.h"
 #include "model/scene_error.h"
 
 namespace rigfit::ident {
@@ -65,7 +64,10 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
   if (!options_.solver) {
     options_.solver = [](const model::Scene& scene, const std::vector<std::string>& names,
                          const model::ModesOptions& modes) {
-      return mode_differences(scene, names, modes);
+      if (!names.empty()) return model::analyse_mode_sensitivities(scene, names, modes);
+      model::ModeSensitivities plain;
+      plain.analysis = model::analyse_modes(scene, modes);
+      return plain;
     };
   }
   for (const auto& state : states_) {
@@ -204,6 +206,10 @@ UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool 
   modes.count = std::min<int>(100, 3 * static_cast<int>(measured.size()) + 8);
   modes.damped = damping_;
   modes.shapes = false;
+  modes.error_estimate = false;
+  for (auto& member : scene.members) {  // the same number all along, or frequencies would jump
+    if (member.segments == 0) member.segments = options_.auto_segments;
+  }
   ++evaluations_;
   const auto solved = options_.solver(scene, targets, modes);
   const auto& analysis = solved.analysis;
