@@ -219,9 +219,11 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
     const ParameterAccess& access = *wanted[std::size_t(p)];
     const double value = access.get(scene);
     const bool place = access.unit == "m";
+    // Forces move the rig most; what moves it little is stepped farther, against rounding.
+    const double relative = access.unit == "N" ? kStep : 30 * kStep;
     // A number that may not be negative is stepped to one side from zero.
     const double step =
-        place ? 0.1 * kStep * extent : (value != 0 ? kStep * std::abs(value) : 1e-6);
+        place ? 0.1 * kStep * extent : (value != 0 ? relative * std::abs(value) : 1e-6);
     const double low = !place && value == 0 ? 0 : value - step, high = value + step;
     std::array<Side, 2> sides;
     if (!equations.moved(access, value, low, high, sides)) {
