@@ -14,6 +14,7 @@ void add_all_verbs(CLI::App& program, Verbs& verbs) {
   add_new(program, verbs);
   add_report(program, verbs);
   add_update(program, verbs);
+  add_respond(program, verbs);
 }
 
 }  // namespace rigfit::apps

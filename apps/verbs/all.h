@@ -12,6 +12,7 @@ void add_frf(CLI::App& program, Verbs& verbs);
 void add_modes(CLI::App& program, Verbs& verbs);
 void add_modal(CLI::App& program, Verbs& verbs);
 void add_new(CLI::App& program, Verbs& verbs);
+void add_respond(CLI::App& program, Verbs& verbs);
 void add_report(CLI::App& program, Verbs& verbs);
 void add_inspect(CLI::App& program, Verbs& verbs);
 void add_update(CLI::App& program, Verbs& verbs);

@@ -1,0 +1,198 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string kScenes = std::string(RIGFIT_TESTDATA) + "/scenes/";
+
+std::vector<std::vector<double>> columns(const std::string& csv, std::string* header) {
+  std::istringstream lines(csv);
+  std::string line, field;
+  std::getline(lines, *header);
+  std::vector<std::vector<double>> result;
+  while (std::getline(lines, line)) {
+    std::istringstream fields(line);
+    for (std::size_t k = 0; std::getline(fields, field, ','); ++k) {
+      if (k == result.size()) result.emplace_back();
+      result[k].push_back(std::stod(field));
+    }
+  }
+  return result;
+}
+
+TEST(Respond, ReleaseIsNonlinearAndItsEnergyAccountCloses) {
+  const TemporaryFolder folder;
+  const std::string csv = (folder.path() / "y.csv").string();
+  const std::string energy = (folder.path() / "energy.csv").string();
+  const ProgramRun run =
+      run_program({"respond", kScenes + "cable-release.toml", "--duration", "0.5", "--rate", "2000",
+                   "--out", csv, "--energy", energy, "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json document = Json::parse(run.out);
+  EXPECT_EQ(document["command"], "respond");
+  EXPECT_TRUE(document["nonlinear"].get<bool>());
+  EXPECT_EQ(document["solver"], "explicit");
+  EXPECT_NEAR(document["frequency_at_rest_hz"].get<double>(), 7.36, 0.01);
+  EXPECT_NEAR(document["frequency_moving_hz"].get<double>(), 7.62, 0.03);
+  EXPECT_LT(document["energy_drift"].get<double>(), 1e-4);
+  EXPECT_GT(document["steps"].get<long>(), 1000);
+  EXPECT_EQ(document["inputs"].size(), 1u);
+  EXPECT_EQ(document["modelled"]["motion"], "plane");
+  EXPECT_GT(document["energy"]["dissipated_J"].get<double>(), 0);
+
+  std::string header;
+  const auto samples = columns(folder.read("y.csv"), &header);
+  EXPECT_EQ(header, "time_s,mid (m/s^2)");
+  ASSERT_EQ(samples.size(), 2u);
+  ASSERT_EQ(samples[0].size(), 1001u);
+  EXPECT_NEAR(samples[0][1000], 0.5, 1e-12);
+
+  // By kind and member, the sum of every row less what was dissipated is that of the first.
+  const auto account = columns(folder.read("energy.csv"), &header);
+  ASSERT_EQ(account.size(), 1u + 10u + 2u) << header;
+  double largest_kinetic = 0, worst = 0, first = 0;
+  for (std::size_t i = 0; i < account[0].size(); ++i) {
+    double sum = account[12][i] - account[11][i];
+    for (std::size_t k = 1; k <= 10; ++k) sum += account[k][i];
+    if (i == 0) first = sum;
+    worst = std::max(worst, std::abs(sum - first));
+    largest_kinetic = std::max(largest_kinetic, account[1][i]);
+  }
+  EXPECT_GT(largest_kinetic, 0.01);
+  EXPECT_LT(worst, 1e-4 * largest_kinetic);
+}
+
+TEST(Respond, SmallHitIsLinearAndAgreesWithTheExactEquations) {
+  const TemporaryFolder folder;
+  const auto respond = [&](const std::string& solver, const std::string& name) {
+    const ProgramRun run =
+        run_program({"respond", kScenes + "cable-hit.toml", "--duration", "0.3", "--rate", "1000",
+                     "--solver", solver, "--out", (folder.path() / name).string(), "--json", "-"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    std::string header;
+    const Json document = Json::parse(run.out);
+    EXPECT_FALSE(document["nonlinear"].get<bool>());
+    EXPECT_EQ(document["solver"], solver == "auto" ? "modal" : solver);
+    return columns(folder.read(name), &header)[1];
+  };
+  const auto linear = respond("auto", "linear.csv"), exact = respond("explicit", "exact.csv");
+  ASSERT_EQ(linear.size(), exact.size());
+  double difference = 0, size = 0;
+  for (std::size_t i = 0; i < linear.size(); ++i) {
+    difference += std::pow(linear[i] - exact[i], 2);
+    size += linear[i] * linear[i];
+  }
+  // Shift below 1e-4 of phases up to 2 pi 0.3 s 200 Hz: 4e-2.
+  EXPECT_GT(size, 0);
+  EXPECT_LT(std::sqrt(difference / size), 4e-2);
+}
+
+TEST(Respond, RecordedForceFromAFile) {
+  const TemporaryFolder folder;
+  std::string force = "Time (s),Force (N)\n";
+  for (int i = 0; i <= 100; ++i) {
+    force += std::to_string(i * 0.001) + "," + std::to_string(i % 50 == 10 ? 0.2 : 0.0) + "\n";
+  }
+  folder.write("force.csv", force);
+  const std::string hit = R"(
+[[node]]
+name = "a"
+position = [0, 0, 0]
+support = "pinned"
+[[node]]
+name = "b"
+position = [2.4, 0, 0]
+support = "pinned"
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["a", "b"]
+segments = 12
+mass_per_length = 0.16667
+EA = 221780.0
+EI = 0.6
+tension = 200.0
+[[load]]
+kind = "record"
+member = "cable"
+position = 0.25
+file = "force.csv"
+[[sensor]]
+name = "mid"
+member = "cable"
+position = 0.5
+quantity = "displacement"
+)";
+  const std::string scene = folder.write("scene.toml", hit);
+  const ProgramRun run = run_program({"respond", scene, "--duration", "0.2", "--rate", "500",
+                                      "--out", (folder.path() / "y.csv").string(), "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json document = Json::parse(run.out);
+  EXPECT_EQ(document["inputs"].size(), 2u);
+  EXPECT_GT(document["sensors"][0]["rms"].get<double>(), 0);
+
+  folder.write("force.csv", "Time (s),Acceleration (m/s^2),Voltage (V)\n0,1,2\n0.1,2,3\n");
+  const ProgramRun wrong = run_program({"respond", scene, "--duration", "0.2", "--rate", "500",
+                                        "--out", (folder.path() / "y.csv").string()});
+  EXPECT_EQ(wrong.exit_code, 3);
+  EXPECT_NE(wrong.err.find("force"), std::string::npos) << wrong.err;
+}
+
+TEST(Respond, RefusesWhatCannotBe) {
+  const TemporaryFolder folder;
+  const std::string csv = (folder.path() / "y.csv").string();
+  const std::string scene = kScenes + "cable-release.toml";
+  EXPECT_EQ(
+      run_program({"respond", scene, "--duration", "-1", "--rate", "10", "--out", csv}).exit_code,
+      2);
+  EXPECT_EQ(
+      run_program({"respond", scene, "--duration", "1", "--rate", "0.1", "--out", csv}).exit_code,
+      2);
+  EXPECT_EQ(run_program({"respond", scene, "--duration", "1", "--rate", "10", "--out", csv,
+                         "--solver", "magic"})
+                .exit_code,
+            2);
+  const ProgramRun missing = run_program({"respond", (folder.path() / "no.toml").string(),
+                                          "--duration", "1", "--rate", "10", "--out", csv});
+  EXPECT_EQ(missing.exit_code, 3);
+  // A mass that pulls the cable through any equilibrium is no state to start from: a free end.
+  const std::string loose = folder.write("loose.toml", R"(
+[[node]]
+name = "a"
+position = [0, 0, 0]
+support = "pinned"
+[[node]]
+name = "b"
+position = [1, 0, 0]
+[[member]]
+name = "rod"
+kind = "beam"
+nodes = ["a", "b"]
+segments = 4
+mass_per_length = 1.0
+EA = 1e6
+EI = 10.0
+[[sensor]]
+name = "s"
+node = "b"
+quantity = "velocity"
+)");
+  const ProgramRun mechanism =
+      run_program({"respond", loose, "--duration", "1", "--rate", "10", "--out", csv});
+  EXPECT_EQ(mechanism.exit_code, 5) << mechanism.err;
+  EXPECT_EQ(folder.read("y.csv"), "");
+  const ProgramRun help = run_program({"respond", "--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_NE(help.out.find("cable-release.toml"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rigfit::apps
