@@ -85,6 +85,9 @@ class StepForces {
   long active_from_ = std::numeric_limits<long>::max(), active_to_ = -1;
 };
 
+// Dampers act at least every four steps; the steps of a sample are a multiple of this.
+long damping_pieces(long substeps) { return (substeps + 3) / 4; }
+
 template <int D>
 class ExplicitRun {
  public:
@@ -96,7 +99,8 @@ class ExplicitRun {
         assembly_(*problem.chain, problem.motion),
         mass_(assembly_.matrix()),
         h_(step),
-        substeps_(substeps) {
+        substeps_(substeps),
+        piece_(substeps / damping_pieces(substeps)) {
     assembly_.mass(mass_);
     const int n = kernel_.size();
     q_ = kernel_.positions(problem.start);
@@ -137,11 +141,12 @@ class ExplicitRun {
     load(forces, 0);
     evaluate();
     const double span = h_ * static_cast<double>(substeps_);
+    const double piece = h_ * static_cast<double>(piece_);
     for (long row = 0; row < rows; ++row) {
       Eigen::VectorXd& before = v_before_;
       if (damped_) {
         before = v_;
-        if (row > 0) dissipated += damp(span / 2);
+        if (row > 0) dissipated += damp(piece / 2);
       }
       const bool account =
           options_.sampling.energy_samples > 0 && (row % stride == 0 || row == rows - 1);
@@ -170,20 +175,20 @@ class ExplicitRun {
       if (row + 1 == rows) break;
       if (damped_) {
         const Eigen::Index column_count = out.samples.cols();
-        const double lost = damp(span / 2);
+        const double lost = damp(piece / 2);
         if (row > 0) {
           for (Eigen::Index s = 0; s < column_count; ++s) {
             const auto k = static_cast<std::size_t>(s);
             if (problem_.quantities[k] != Sensor::Quantity::acceleration) continue;
             out.samples(row, s) +=
-                (sensor_rows_[k].dot(v_.data()) - sensor_rows_[k].dot(before.data())) / span;
+                (sensor_rows_[k].dot(v_.data()) - sensor_rows_[k].dot(before.data())) / piece;
           }
         } else {
           for (Eigen::Index s = 0; s < column_count; ++s) {
             const auto k = static_cast<std::size_t>(s);
             if (problem_.quantities[k] != Sensor::Quantity::acceleration) continue;
             out.samples(row, s) +=
-                (sensor_rows_[k].dot(v_.data()) - sensor_rows_[k].dot(before.data())) / (span / 2);
+                (sensor_rows_[k].dot(v_.data()) - sensor_rows_[k].dot(before.data())) / (piece / 2);
           }
         }
         dissipated += lost;
@@ -194,6 +199,7 @@ class ExplicitRun {
       const double* a = a_.data();
       const double half = h_ / 2;
       for (long i = 0; i < substeps_; ++i) {
+        if (damped_ && i > 0 && i % piece_ == 0) dissipated += damp(piece);
         const long step = row * substeps_ + i;
         const bool loaded = forces.active(step) || forces.active(step + 1);
         if (loaded) supplied += half * work(forces, step, half);
@@ -378,7 +384,7 @@ class ExplicitRun {
   double damping_time_ = -1;
   int damping_left_ = 0;
   double h_;
-  long substeps_;
+  long substeps_, piece_;
   long evaluations_ = 0;
   bool loaded_ = false, damped_ = false, velocity_wanted_ = false;
   Eigen::VectorXd q_, v_, a_, first_, ahead_, external_, rest_, vp_, rate_, other_, scratch_, u_,
@@ -429,6 +435,9 @@ MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& o
   long substeps = std::max(1L, static_cast<long>(std::ceil(sample / largest * (1 - 1e-12))));
   MotionOutput out;
   for (int attempt = 0; attempt < 5; ++attempt, substeps *= 2) {
+    const long pieces = damping_pieces(substeps);
+    substeps = pieces * ((substeps + pieces - 1) / pieces);
+    while (substeps % damping_pieces(substeps) != 0) ++substeps;
     ExplicitRun<D> run(problem, options, sample / static_cast<double>(substeps), substeps);
     run.want_velocity();
     out = run.run();

@@ -225,10 +225,10 @@ void MotionKernel<D>::tangents(const double* positions) {
     const int n = plan.segments;
     const double* axial = plan.axial.data();
     const double* length = plan.length.data();
-    double* inverse = inverse_length_.data() + plan.scratch;
-    double* tension = axial_force_.data() + plan.scratch;
-    double* tx = direction_[0].data() + plan.scratch + 1;
-    double* ty = direction_[1].data() + plan.scratch + 1;
+    double* __restrict inverse = inverse_length_.data() + plan.scratch;
+    double* __restrict tension = axial_force_.data() + plan.scratch;
+    double* __restrict tx = direction_[0].data() + plan.scratch + 1;
+    double* __restrict ty = direction_[1].data() + plan.scratch + 1;
     const double* x = positions + plan.offset;
     const double* y = x + slots_;
     if constexpr (D == 2) {
@@ -241,7 +241,7 @@ void MotionKernel<D>::tangents(const double* positions) {
         tension[i] = axial[i] * (L - length[i]);
       }
     } else {
-      double* tz = direction_[D - 1].data() + plan.scratch + 1;
+      double* __restrict tz = direction_[D - 1].data() + plan.scratch + 1;
       const double* z = y + slots_;
       for (int i = 0; i < n; ++i) {
         const double ex = x[i + 1] - x[i], ey = y[i + 1] - y[i], ez = z[i + 1] - z[i];
@@ -303,8 +303,8 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
     const double* tension = axial_force_.data() + plan.scratch;
     const double* tx = direction_[0].data() + plan.scratch;
     const double* ty = direction_[1].data() + plan.scratch;
-    double* fx = force_[0].data() + plan.scratch;
-    double* fy = force_[1].data() + plan.scratch;
+    double* __restrict fx = force_[0].data() + plan.scratch;
+    double* __restrict fy = force_[1].data() + plan.scratch;
     if constexpr (D == 2) {
       for (int i = 0; i < n; ++i) {
         const double gx = joint[i] * tx[i] + joint[i + 1] * tx[i + 2];
@@ -315,7 +315,7 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
       }
     } else {
       const double* tz = direction_[D - 1].data() + plan.scratch;
-      double* fz = force_[D - 1].data() + plan.scratch;
+      double* __restrict fz = force_[D - 1].data() + plan.scratch;
       for (int i = 0; i < n; ++i) {
         const double gx = joint[i] * tx[i] + joint[i + 1] * tx[i + 2];
         const double gy = joint[i] * ty[i] + joint[i + 1] * ty[i + 2];

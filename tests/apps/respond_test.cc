@@ -163,31 +163,31 @@ TEST(Respond, RefusesWhatCannotBe) {
   const ProgramRun missing = run_program({"respond", (folder.path() / "no.toml").string(),
                                           "--duration", "1", "--rate", "10", "--out", csv});
   EXPECT_EQ(missing.exit_code, 3);
-  // A mass that pulls the cable through any equilibrium is no state to start from: a free end.
-  const std::string loose = folder.write("loose.toml", R"(
+  // A column of m g L^3/EI = 15.7, twice what Greenhill allows, buckles under its own weight.
+  const std::string column = folder.write("column.toml", R"(
 [[node]]
 name = "a"
 position = [0, 0, 0]
-support = "pinned"
+support = "clamped"
 [[node]]
 name = "b"
-position = [1, 0, 0]
+position = [0, 2, 0]
 [[member]]
 name = "rod"
 kind = "beam"
 nodes = ["a", "b"]
-segments = 4
+segments = 10
 mass_per_length = 1.0
 EA = 1e6
-EI = 10.0
+EI = 5.0
 [[sensor]]
 name = "s"
 node = "b"
 quantity = "velocity"
 )");
-  const ProgramRun mechanism =
-      run_program({"respond", loose, "--duration", "1", "--rate", "10", "--out", csv});
-  EXPECT_EQ(mechanism.exit_code, 5) << mechanism.err;
+  const ProgramRun buckled =
+      run_program({"respond", column, "--duration", "1", "--rate", "10", "--out", csv});
+  EXPECT_EQ(buckled.exit_code, 5) << buckled.err;
   EXPECT_EQ(folder.read("y.csv"), "");
   const ProgramRun help = run_program({"respond", "--help"});
   EXPECT_EQ(help.exit_code, 0);
