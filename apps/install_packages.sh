@@ -8,7 +8,8 @@ set -eu
 build="ca-certificates cmake g++ ninja-build pkg-config
   libeigen3-dev libceres-dev libfftw3-dev libgsl-dev libsundials-dev libspectra-dev
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev libjs-dygraphs"
-test="libgtest-dev libgmock-dev libbenchmark-dev python3 chromium chromium-driver poppler-utils"
+test="libgtest-dev libgmock-dev libbenchmark-dev python3 chromium chromium-driver poppler-utils
+  calculix-ccx"
 check="clang clang-format clang-tidy clang-tools"
 
 case "${1:-}" in

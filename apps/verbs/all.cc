@@ -11,10 +11,12 @@ void add_all_verbs(CLI::App& program, Verbs& verbs) {
   add_frf(program, verbs);
   add_modal(program, verbs);
   add_modes(program, verbs);
+  add_respond(program, verbs);
+  add_update(program, verbs);
+  add_synthesize(program, verbs);
+  add_export(program, verbs);
   add_new(program, verbs);
   add_report(program, verbs);
-  add_update(program, verbs);
-  add_respond(program, verbs);
 }
 
 }  // namespace rigfit::apps
