@@ -194,12 +194,12 @@ class ExplicitRun {
         dissipated += lost;
       }
       const int n = kernel_.size();
-      double* q = q_.data();
-      double* v = v_.data();
-      const double* a = a_.data();
       const double half = h_ / 2;
       for (long i = 0; i < substeps_; ++i) {
         if (damped_ && i > 0 && i % piece_ == 0) dissipated += damp(piece);
+        double* q = q_.data();
+        double* v = v_.data();
+        const double* a = a_.data();
         const long step = row * substeps_ + i;
         const bool loaded = forces.active(step) || forces.active(step + 1);
         if (loaded) supplied += half * work(forces, step, half);

@@ -117,7 +117,10 @@ class DeckWriter {
     const double total_mass = member.mass_per_length * unstretched_of(member);
     const double height = std::sqrt(12 * member.EI[0] / member.EA);
     const double width = std::sqrt(12 * member.EI[1] / member.EA);
-    const double modulus = member.EA / (height * width);
+    // ccx measures Green's strain from the deck's straight length L, the scene per unstretched length
+    // L0: a force N = EA e over L0 is EA (L / L0)^3 times the difference of Green's strains over L.
+    const double ratio = span.norm() / unstretched_of(member);
+    const double modulus = member.EA * ratio * ratio * ratio / (height * width);
     const double density = total_mass / (height * width * span.norm());
     const Eigen::Vector3d axis = span.normalized();
     Eigen::Vector3d across = Eigen::Vector3d::UnitZ() - axis.z() * axis;
@@ -136,7 +139,8 @@ class DeckWriter {
   // at t = 2.
   std::string expansion(const Member& member, double length) const {
     if (member.kind != Member::Kind::cable) return "";
-    const double strain = (unstretched_of(member) - length) / length;
+    const double stretch = unstretched_of(member) / length;
+    const double strain = (stretch * stretch - 1) / 2;  // Green's
     return fmt::format("*EXPANSION\n{:.12g},{}\n{:.12g},{}\n", (strain - kTightStrain) / kDegree,
                        kDegree, strain / (2 * kDegree), 2 * kDegree);
   }
