@@ -103,7 +103,7 @@ TEST(Response, ThreeIntegratorsAgreeOnTheRelease) {
 }
 
 TEST(Response, DampedReleaseAgreesBetweenIntegratorsAndItsAccountCloses) {
-  for (bool joints : {false}) {
+  for (bool joints : {false, true}) {
     Scene scene = testing::released_cable(10);
     if (joints) {
       scene.members[0].damping = {.axial = 30, .bending = 0.05, .torsion = 0};
