@@ -77,6 +77,11 @@ double unpaired_cost(const UpdateOptions& options) {
   return 0.5 * std::pow(huber(far, options.huber_threshold, ignored), 2);
 }
 
+// A cost that is nothing but rounding: data without noise, fitted exactly.
+double negligible_cost(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches) {
+  return 1e-10 * static_cast<double>(problem.residual_count(matches));
+}
+
 // With fixed pairs.
 bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
               const UpdateOptions& options, Eigen::VectorXd& q, double& cost) {
@@ -108,8 +113,7 @@ bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matc
   if (!summary.IsSolutionUsable()) return false;
   cost = summary.final_cost;
   // Data without noise: the cost goes on falling by large factors when nothing is left of it.
-  const double nothing = 1e-10 * static_cast<double>(problem.residual_count(matches));
-  return summary.termination_type == ceres::CONVERGENCE || cost < nothing;
+  return summary.termination_type == ceres::CONVERGENCE || cost < negligible_cost(problem, matches);
 }
 
 Solved solve_from(const UpdateProblem& problem, Eigen::VectorXd q, const UpdateOptions& options) {
@@ -142,7 +146,9 @@ Solved solve_from(const UpdateProblem& problem, Eigen::VectorXd q, const UpdateO
       total += 0.5 * std::pow(data ? huber(r[i], options.huber_threshold, ignored) : r[i], 2);
     }
     const bool settled = next.matches == matches.matches;
-    if (total < best.cost) {
+    // Pairs that stay confirm an answer that an earlier pass had already reached to rounding.
+    const bool confirmed = settled && total <= best.cost + negligible_cost(problem, next.matches);
+    if (total < best.cost || confirmed) {
       best.q = q;
       best.matches = next;
       best.cost = total;

@@ -78,7 +78,7 @@ struct UpdateOptions {
   std::uint64_t seed = 1;
   int max_iterations = 60;
   int max_pairings = 8;
-  int threads = 1;          ///< over the starts
+  int threads = 1;  ///< over the starts
   /// Segments of members that leave them to the program: good to some 1e-5 in the first modes.
   int auto_segments = 30;
   ModeSolver solver = {};  ///< empty: model::analyse_mode_sensitivities

@@ -117,8 +117,9 @@ class DeckWriter {
     const double total_mass = member.mass_per_length * unstretched_of(member);
     const double height = std::sqrt(12 * member.EI[0] / member.EA);
     const double width = std::sqrt(12 * member.EI[1] / member.EA);
-    // ccx measures Green's strain from the deck's straight length L, the scene per unstretched length
-    // L0: a force N = EA e over L0 is EA (L / L0)^3 times the difference of Green's strains over L.
+    // ccx measures Green's strain from the deck's straight length L, the scene per unstretched
+    // length L0: a force N = EA e over L0 is EA (L / L0)^3 times the difference of Green's strains
+    // over L.
     const double ratio = span.norm() / unstretched_of(member);
     const double modulus = member.EA * ratio * ratio * ratio / (height * width);
     const double density = total_mass / (height * width * span.norm());

@@ -24,8 +24,8 @@ namespace rigfit::signal {
 [[nodiscard]] FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path);
 [[nodiscard]] FrfSet read_uff_frfs(const std::filesystem::path& path);
 
-/// As read_uff where there is a time history; else functions of any type as channels, for looking at:
-/// `sample_rate_hz` stays 0, complex ones are given by magnitude (both noted).
+/// As read_uff where there is a time history; else functions of any type as channels, for looking
+/// at: `sample_rate_hz` stays 0, complex ones are given by magnitude (both noted).
 [[nodiscard]] Recording read_uff_functions(std::string_view bytes,
                                            const std::filesystem::path& path);
 

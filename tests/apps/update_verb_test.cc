@@ -36,19 +36,16 @@ GJ = 3.0
 )";
 }
 
-// In-plane frequencies of a scene, as the program itself finds them.
-std::string frequencies(const TemporaryFolder& folder, const std::string& scene, bool std) {
-  const auto out = (folder.path() / "f.toml").string();
-  const auto guess = folder.write("guess.csv", "frequency_hz\n2\n15\n42\n85\n140\n");
-  // Fitted to a guess with nothing that can move: the pairs hold the scene's own frequencies.
-  const auto run =
-      run_program({"update", scene, "--measured", guess, "--plane", "in", "--free", "beam.EI_z",
-                   "--prior", "beam.EI_z=2.1,1e-9", "--starts", "1", "--out", out, "--json", "-"});
+// The first five in-plane frequencies of a scene, as a table of measured modes.
+std::string frequencies(const std::string& scene, bool std) {
+  const auto run = run_program({"modes", scene, "--count", "12", "--json", "-"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::string text = std ? "frequency_hz,std,plane\n" : "frequency_hz,plane\n";
-  for (const auto& pair : Json::parse(run.out)["pairs"]) {
-    if (!pair["model_hz"].is_number() || !pair["measured_hz"].is_number()) continue;
-    const double f = pair["model_hz"];
+  int count = 0;
+  const Json found = Json::parse(run.out);
+  for (const auto& mode : found["modes"]) {
+    if (mode["plane"] != "in" || ++count > 5) continue;
+    const double f = mode["frequency_hz"];
     text += std::to_string(f) + (std ? "," + std::to_string(1e-3 * f) : "") + ",in\n";
   }
   return text;
@@ -57,7 +54,7 @@ std::string frequencies(const TemporaryFolder& folder, const std::string& scene,
 TEST(UpdateVerb, FitsASceneAndWritesIt) {
   const TemporaryFolder folder;
   const auto truth = folder.write("truth.toml", beam(2.1, 0.02));
-  const auto modes = folder.write("modes.csv", frequencies(folder, truth, true));
+  const auto modes = folder.write("modes.csv", frequencies(truth, true));
   const auto start = folder.write("start.toml", beam(5.0, 0.05));
   const auto out = (folder.path() / "new.toml").string();
   const auto run = run_program({"update", start, "--measured", modes, "--free", "beam.EI_z",
@@ -71,7 +68,6 @@ TEST(UpdateVerb, FitsASceneAndWritesIt) {
   EXPECT_GT(json["parameters"][0]["std"].get<double>(), 0);
   EXPECT_LT(json["rms_relative_error"].get<double>(), 1e-5);
   EXPECT_GT(json["rms_relative_error_before"].get<double>(), 0.05);
-  EXPECT_NE(folder.read("new.toml").find("2.1"), std::string::npos);
 
   // What was written is a scene that fits at once.
   const Json again = Json::parse(
@@ -84,7 +80,7 @@ TEST(UpdateVerb, FitsASceneAndWritesIt) {
 TEST(UpdateVerb, AnUnidentifiableSetIsRefusedByName) {
   const TemporaryFolder folder;
   const auto scene = folder.write("scene.toml", beam(2.1, 0, 0));
-  const auto modes = folder.write("modes.csv", frequencies(folder, scene, true));
+  const auto modes = folder.write("modes.csv", frequencies(scene, true));
   const auto run = run_program({"update", scene, "--measured", modes, "--free", "beam.EI_z",
                                 "beam.mass_per_length", "--starts", "1", "--out",
                                 (folder.path() / "o.toml").string(), "--json", "-"});

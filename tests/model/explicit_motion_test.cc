@@ -53,8 +53,8 @@ TEST(ExplicitMotion, ConvergesWithFourthOrderAndVerletWithSecond) {
   Chain chain = Chain::from_scene(scene);
   chain.settled = true;
   const MotionProblem problem = let_go(chain, scene, Motion::in_plane);
-  // Halving the steps from 0.25 ms on divides the errors by 16.0 and 4.0; at 0.5 ms the highest modes
-  // are not yet resolved. The reference's own error is (1/8)^4 of the finer one's.
+  // Halving the steps from 0.25 ms on divides the errors by 16.0 and 4.0; at 0.5 ms the highest
+  // modes are not yet resolved. The reference's own error is (1/8)^4 of the finer one's.
   const Eigen::MatrixXd truth = response(problem, 0.5, 0.000015625, false);
   const auto error = [&](double step, bool verlet) {
     return (response(problem, 0.5, step, verlet) - truth).col(0).norm();

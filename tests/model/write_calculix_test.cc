@@ -45,7 +45,8 @@ Scene cable(double tension, double EI) {
   member.mass_per_length = 0.16667;
   member.EA = 221780;
   member.EI = {EI, EI};
-  // A square bar's torsion constant is 0.1406 b^4 (Roark), its EI E b^4 / 12; Poisson's ratio is 0.3.
+  // A square bar's torsion constant is 0.1406 b^4 (Roark), its EI E b^4 / 12; Poisson's ratio is
+  // 0.3.
   member.GJ = 0.1406 * 12 * EI / 2.6;
   member.tension = tension;
   member.assembled = Member::Assembled::straight;
@@ -74,9 +75,9 @@ void expect_agreement(const Scene& scene, std::size_t count, double tolerance, i
 
 TEST(WriteCalculix, CableAt200NAgrees) { expect_agreement(cable(200, 0.5972), 6, 1e-3, 40); }
 
-// Past the first crossover: the first symmetric in-plane mode lies above the antisymmetric one. Here the
-// two programs differ by 0.12 to 0.34 %, however fine both are; the cause is not known, so the test
-// holds what was found rather than what was derived.
+// Past the first crossover: the first symmetric in-plane mode lies above the antisymmetric one.
+// Here the two programs differ by 0.12 to 0.34 %, however fine both are; the cause is not known, so
+// the test holds what was found rather than what was derived.
 TEST(WriteCalculix, SaggingCableAt25NIsNear) { expect_agreement(cable(25, 0.2549), 6, 4e-3, 40); }
 
 TEST(WriteCalculix, CantileverWithTipMassAgrees) {
