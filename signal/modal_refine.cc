@@ -34,6 +34,7 @@ class ScaledGram {
   }
   bool usable() const { return usable_; }
   MatrixXd solve(const MatrixXd& right) const {
+    if (right.size() == 0) return right;  // no modes: nothing to solve
     return scale_.asDiagonal() * factor_.solve(scale_.asDiagonal() * right);
   }
   /// Columns of `basis` made orthonormal.
