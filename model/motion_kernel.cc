@@ -1,6 +1,5 @@
 #include "model/motion_kernel.h"
 
-#include <Eigen/Cholesky>
 #include <cassert>
 #include <cmath>
 
@@ -29,23 +28,45 @@ MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
   assert(kernel_supports(chain, D));
   slot_of_node_.assign(at(chain.nodes), -1);
   slot_of_segment_.assign(chain.segments.size(), -1);
-  std::vector<int> shared_of_node(at(chain.nodes), -1);
   turning_.resize(chain.rotating_node.size());
   if constexpr (D == 2) {
     for (std::size_t r = 0; r < turning_.size(); ++r) {
       turning_[r].held = chain.rotation_fixed(2, static_cast<Eigen::Index>(r));
     }
   }
+  std::vector<typename SlotMass<D>::Member> masses;
+  make_members(masses);
+  add_masses(masses);
+  for (const NodeSupport& support : chain.supports) {
+    for (SharedNode& node : shared_) {
+      if (node.node != support.node) continue;
+      node.spring += support.translational;
+      node.anchor = chain.drawn.col(support.node);
+    }
+    if (support.rotation >= 0) turning_[at(support.rotation)].spring += support.rotational(2);
+  }
+  std::vector<typename SlotMass<D>::Shared> shared;
+  for (SharedNode& node : shared_) {
+    shared.push_back({node.slots, {node.held[0], node.held[1], node.held[2]}});
+    for (int c = 0; c < D; ++c) node.free = node.free || !node.held[c];
+  }
+  mass_ = SlotMass<D>(std::move(masses), std::move(shared), slots_);
+}
 
+template <int D>
+void MotionKernel<D>::make_members(std::vector<typename SlotMass<D>::Member>& masses) {
+  const Chain& chain = *chain_;
+  std::vector<int> shared_of_node(at(chain.nodes), -1);
   int scratch = 0;
   for (const ChainMember& member : chain.members) {
     MemberPlan plan;
-    plan.offset = slots_;
-    plan.segments = member.segments;
+    typename SlotMass<D>::Member mass;
+    plan.offset = mass.offset = slots_;
+    plan.segments = mass.segments = member.segments;
     plan.scratch = scratch;
     scratch += plan.segments + 2;
-    plan.diagonal.assign(at(plan.segments + 1), 0);
-    plan.off.assign(at(plan.segments), 0);
+    mass.diagonal.assign(at(plan.segments + 1), 0);
+    mass.off.assign(at(plan.segments), 0);
     plan.joint.assign(at(plan.segments + 1), 0);
     plan.end_direction.setZero();
     for (int i = 0; i <= plan.segments; ++i) {
@@ -58,7 +79,7 @@ MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
         shared_.back().node = node;
         for (int c = 0; c < 3; ++c) shared_.back().held[c] = chain.fixed(c, node);
       }
-      plan.shared[i == 0 ? 0 : 1] = shared_of_node[at(node)];
+      plan.shared[i == 0 ? 0 : 1] = mass.shared[i == 0 ? 0 : 1] = shared_of_node[at(node)];
       shared_[at(shared_of_node[at(node)])].slots.push_back(slot);
     }
     for (int i = 0; i < plan.segments; ++i) {
@@ -67,10 +88,11 @@ MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
       plan.axial.push_back(segment.EA / segment.length);
       plan.length.push_back(segment.length);
       const double own = segment.mass * (0.5 - segment.coupling);
-      plan.diagonal[at(i)] += own;
-      plan.diagonal[at(i + 1)] += own;
-      plan.off[at(i)] += segment.mass * segment.coupling;
+      mass.diagonal[at(i)] += own;
+      mass.diagonal[at(i + 1)] += own;
+      mass.off[at(i)] += segment.mass * segment.coupling;
     }
+    mass.axial = plan.axial;
     for (int i = 1; i < plan.segments; ++i) {
       const InnerJoint& joint = chain.inner_joints[at(member.first_joint + i - 1)];
       plan.joint[at(i)] = in_plane_stiffness(chain, joint.springs, joint.segment[0]);
@@ -90,43 +112,52 @@ MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
     }
     slots_ += plan.segments + 1;
     members_.push_back(std::move(plan));
+    masses.push_back(std::move(mass));
   }
+  for (int c = 0; c < D; ++c) {
+    direction_[c].assign(at(scratch), 0);
+    force_[c].assign(at(scratch), 0);
+  }
+  inverse_length_.assign(at(scratch), 0);
+  axial_force_.assign(at(scratch), 0);
+}
 
-  // Point masses, in the mass and in gravity (each node's share of what lies beside it).
+// Point masses, in the mass and in gravity (each node's share of what lies beside it).
+template <int D>
+void MotionKernel<D>::add_masses(std::vector<typename SlotMass<D>::Member>& masses) {
+  const Chain& chain = *chain_;
   std::vector<double> weight(at(slots_), 0);
-  for (const MemberPlan& plan : members_) {
-    for (int i = 0; i <= plan.segments; ++i) {
-      double sum = plan.diagonal[at(i)];
-      if (i > 0) sum += plan.off[at(i - 1)];
-      if (i < plan.segments) sum += plan.off[at(i)];
-      weight[at(plan.offset + i)] = sum;
+  for (const auto& member : masses) {
+    for (int i = 0; i <= member.segments; ++i) {
+      double sum = member.diagonal[at(i)];
+      if (i > 0) sum += member.off[at(i - 1)];
+      if (i < member.segments) sum += member.off[at(i)];
+      weight[at(member.offset + i)] = sum;
     }
   }
   for (const PointMass& mass : chain.masses) {
     const double f = mass.fraction;
     if (f == 0 || mass.member < 0) {
-      const int node = mass.node[0];
-      const int slot = slot_of_node_[at(node)];
+      const int slot = slot_of_node_[at(mass.node[0])];
       if (slot < 0) continue;
       weight[at(slot)] += mass.mass;
-      for (MemberPlan& plan : members_) {
-        if (slot >= plan.offset && slot <= plan.offset + plan.segments) {
-          plan.diagonal[at(slot - plan.offset)] += mass.mass;
+      for (auto& member : masses) {
+        if (slot >= member.offset && slot <= member.offset + member.segments) {
+          member.diagonal[at(slot - member.offset)] += mass.mass;
         }
       }
       continue;
     }
-    for (const ChainMember& member : chain.members) {
-      MemberPlan& plan = members_[at(static_cast<int>(&member - chain.members.data()))];
-      for (int i = 0; i < plan.segments; ++i) {
-        if (member.nodes[at(i)] != mass.node[0] || member.nodes[at(i + 1)] != mass.node[1]) {
-          continue;
-        }
-        plan.diagonal[at(i)] += (1 - f) * (1 - f) * mass.mass;
-        plan.diagonal[at(i + 1)] += f * f * mass.mass;
-        plan.off[at(i)] += f * (1 - f) * mass.mass;
-        weight[at(plan.offset + i)] += (1 - f) * mass.mass;
-        weight[at(plan.offset + i + 1)] += f * mass.mass;
+    for (std::size_t m = 0; m < masses.size(); ++m) {
+      const ChainMember& place = chain.members[m];
+      auto& member = masses[m];
+      for (int i = 0; i < member.segments; ++i) {
+        if (place.nodes[at(i)] != mass.node[0] || place.nodes[at(i + 1)] != mass.node[1]) continue;
+        member.diagonal[at(i)] += (1 - f) * (1 - f) * mass.mass;
+        member.diagonal[at(i + 1)] += f * f * mass.mass;
+        member.off[at(i)] += f * (1 - f) * mass.mass;
+        weight[at(member.offset + i)] += (1 - f) * mass.mass;
+        weight[at(member.offset + i + 1)] += f * mass.mass;
       }
     }
   }
@@ -138,84 +169,8 @@ MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
       }
     }
     for (const auto& [end, slot] : {std::pair{0, 0}, std::pair{1, plan.segments}}) {
-      SharedNode& node = shared_[at(plan.shared[end])];
-      node.mass += plan.diagonal[at(slot)];
-      node.gravity += weight[at(plan.offset + slot)] * chain.gravity;
+      shared_[at(plan.shared[end])].gravity += weight[at(plan.offset + slot)] * chain.gravity;
     }
-  }
-  for (const NodeSupport& support : chain.supports) {
-    const int index = shared_of_node[at(support.node)];
-    if (index >= 0) {
-      shared_[at(index)].spring += support.translational;
-      shared_[at(index)].anchor = chain.drawn.col(support.node);
-    }
-    if (support.rotation >= 0) turning_[at(support.rotation)].spring += support.rotational(2);
-  }
-  for (int c = 0; c < D; ++c) {
-    direction_[c].assign(at(scratch), 0);
-    force_[c].assign(at(scratch), 0);
-  }
-  inverse_length_.assign(at(scratch), 0);
-  axial_force_.assign(at(scratch), 0);
-  factor_mass();
-}
-
-template <int D>
-void MotionKernel<D>::factor_mass() {
-  for (MemberPlan& plan : members_) {
-    const int n = plan.segments;
-    plan.eliminate.assign(at(n + 1), 0);
-    plan.inverse.assign(at(n + 1), 0);
-    for (int i = 1; i < n; ++i) {
-      double pivot = plan.diagonal[at(i)];
-      if (i > 1) {
-        plan.eliminate[at(i)] = plan.off[at(i - 1)] * plan.inverse[at(i - 1)];
-        pivot -= plan.eliminate[at(i)] * plan.off[at(i - 1)];
-      }
-      plan.inverse[at(i)] = 1 / pivot;
-    }
-    const auto solved = [&](int row, double value) {
-      std::vector<double> x(at(n + 1), 0);
-      if (n < 2) return x;
-      x[at(row)] = value;
-      for (int i = 2; i < n; ++i) x[at(i)] -= plan.eliminate[at(i)] * x[at(i - 1)];
-      for (int i = n - 1; i > 0; --i) {
-        x[at(i)] *= plan.inverse[at(i)];
-        if (i < n - 1) x[at(i)] -= plan.eliminate[at(i + 1)] * x[at(i + 1)];
-      }
-      return x;
-    };
-    plan.from_first = solved(1, plan.off.front());
-    plan.from_last = solved(n - 1, plan.off.back());
-  }
-  // Schur complement of the nodes at members' ends, per component.
-  for (int c = 0; c < D; ++c) {
-    auto& free = shared_free_[at(c)];
-    std::vector<int> row(shared_.size(), -1);
-    for (std::size_t k = 0; k < shared_.size(); ++k) {
-      if (shared_[k].held[c]) continue;
-      row[k] = static_cast<int>(free.size());
-      free.push_back(static_cast<int>(k));
-    }
-    const auto n = static_cast<Eigen::Index>(free.size());
-    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(n, n);
-    for (Eigen::Index i = 0; i < n; ++i) mass(i, i) = shared_[at(free[at(int(i))])].mass;
-    for (const MemberPlan& plan : members_) {
-      const int a = row[at(plan.shared[0])], b = row[at(plan.shared[1])], last = plan.segments - 1;
-      if (plan.segments == 1) {
-        if (a >= 0 && b >= 0) mass(a, b) += plan.off[0], mass(b, a) += plan.off[0];
-        continue;
-      }
-      if (a >= 0) mass(a, a) -= plan.off.front() * plan.from_first[1];
-      if (b >= 0) mass(b, b) -= plan.off.back() * plan.from_last[at(last)];
-      if (a >= 0 && b >= 0) {
-        const double coupling = plan.off.front() * plan.from_last[1];
-        mass(a, b) -= coupling;
-        mass(b, a) -= coupling;
-      }
-    }
-    shared_inverse_[at(c)] = mass.llt().solve(Eigen::MatrixXd::Identity(n, n));
-    reduced_.resize(std::max(reduced_.size(), static_cast<std::size_t>(2 * n)));
   }
 }
 
@@ -223,39 +178,21 @@ template <int D>
 void MotionKernel<D>::tangents(const double* positions) {
   for (const MemberPlan& plan : members_) {
     const int n = plan.segments;
-    const double* axial = plan.axial.data();
-    const double* length = plan.length.data();
-    double* __restrict inverse = inverse_length_.data() + plan.scratch;
-    double* __restrict tension = axial_force_.data() + plan.scratch;
-    double* __restrict tx = direction_[0].data() + plan.scratch + 1;
-    double* __restrict ty = direction_[1].data() + plan.scratch + 1;
+    double* inverse = inverse_length_.data() + plan.scratch;
+    double* tension = axial_force_.data() + plan.scratch;
     const double* x = positions + plan.offset;
-    const double* y = x + slots_;
-    if constexpr (D == 2) {
-      for (int i = 0; i < n; ++i) {
-        const double ex = x[i + 1] - x[i], ey = y[i + 1] - y[i];
-        const double L = std::sqrt(ex * ex + ey * ey), r = 1 / L;
-        tx[i] = ex * r;
-        ty[i] = ey * r;
-        inverse[i] = r;
-        tension[i] = axial[i] * (L - length[i]);
-      }
-    } else {
-      double* __restrict tz = direction_[D - 1].data() + plan.scratch + 1;
-      const double* z = y + slots_;
-      for (int i = 0; i < n; ++i) {
-        const double ex = x[i + 1] - x[i], ey = y[i + 1] - y[i], ez = z[i + 1] - z[i];
-        const double L = std::sqrt(ex * ex + ey * ey + ez * ez), r = 1 / L;
-        tx[i] = ex * r;
-        ty[i] = ey * r;
-        tz[i] = ez * r;
-        inverse[i] = r;
-        tension[i] = axial[i] * (L - length[i]);
-      }
-    }
+    double* t[D];
     for (int c = 0; c < D; ++c) {
-      direction_[c][at(plan.scratch)] = plan.end_direction(c, 0);
-      direction_[c][at(plan.scratch + n + 1)] = plan.end_direction(c, 1);
+      t[c] = direction_[c].data() + plan.scratch;
+      t[c][0] = plan.end_direction(c, 0);
+      t[c][n + 1] = plan.end_direction(c, 1);
+    }
+    if constexpr (D == 2) {
+      segment_tangents(n, x, x + slots_, plan.axial.data(), plan.length.data(), t[0], t[1], inverse,
+                       tension);
+    } else {
+      segment_tangents(n, x, x + slots_, x + 2 * slots_, plan.axial.data(), plan.length.data(),
+                       t[0], t[1], t[2], inverse, tension);
     }
   }
 }
@@ -296,81 +233,34 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
   tangents(positions);
   if (!turning_.empty()) turn_nodes();
 
+  // Forces on the inner nodes.
   for (const MemberPlan& plan : members_) {
     const int n = plan.segments;
     const double* joint = plan.joint.data();
     const double* inverse = inverse_length_.data() + plan.scratch;
     const double* tension = axial_force_.data() + plan.scratch;
-    const double* tx = direction_[0].data() + plan.scratch;
-    const double* ty = direction_[1].data() + plan.scratch;
-    double* __restrict fx = force_[0].data() + plan.scratch;
-    double* __restrict fy = force_[1].data() + plan.scratch;
-    if constexpr (D == 2) {
-      for (int i = 0; i < n; ++i) {
-        const double gx = joint[i] * tx[i] + joint[i + 1] * tx[i + 2];
-        const double gy = joint[i] * ty[i] + joint[i + 1] * ty[i + 2];
-        const double along = tension[i] + (gx * tx[i + 1] + gy * ty[i + 1]) * inverse[i];
-        fx[i] = along * tx[i + 1] - gx * inverse[i];
-        fy[i] = along * ty[i + 1] - gy * inverse[i];
-      }
-    } else {
-      const double* tz = direction_[D - 1].data() + plan.scratch;
-      double* __restrict fz = force_[D - 1].data() + plan.scratch;
-      for (int i = 0; i < n; ++i) {
-        const double gx = joint[i] * tx[i] + joint[i + 1] * tx[i + 2];
-        const double gy = joint[i] * ty[i] + joint[i + 1] * ty[i + 2];
-        const double gz = joint[i] * tz[i] + joint[i + 1] * tz[i + 2];
-        const double along =
-            tension[i] + (gx * tx[i + 1] + gy * ty[i + 1] + gz * tz[i + 1]) * inverse[i];
-        fx[i] = along * tx[i + 1] - gx * inverse[i];
-        fy[i] = along * ty[i + 1] - gy * inverse[i];
-        fz[i] = along * tz[i + 1] - gz * inverse[i];
-      }
-    }
-    // Forces on the inner nodes, then the mass of the inner nodes alone: all components in one
-    // pass, because each is a chain of dependent operations.
-    const double *f[D], *weight[D], *outer[D];
-    double* a[D];
+    const double* t[D];
+    double* f[D];
     for (int c = 0; c < D; ++c) {
+      t[c] = direction_[c].data() + plan.scratch;
       f[c] = force_[c].data() + plan.scratch;
-      weight[c] = gravity_.data() + c * slots_ + plan.offset;
-      outer[c] = external ? external + c * slots_ + plan.offset : nullptr;
-      a[c] = acceleration + c * slots_ + plan.offset;
-      for (int i = 1; i < n; ++i) a[c][i] = f[c][i] - f[c][i - 1] + weight[c][i];
-      if (external) {
-        for (int i = 1; i < n; ++i) a[c][i] += outer[c][i];
-      }
     }
-    const double* eliminate = plan.eliminate.data();
-    const double* inverse_pivot = plan.inverse.data();
-    for (int i = 2; i < n; ++i) {
-      for (int c = 0; c < D; ++c) a[c][i] -= eliminate[i] * a[c][i - 1];
+    if constexpr (D == 2) {
+      segment_forces(n, joint, inverse, tension, t[0], t[1], f[0], f[1]);
+    } else {
+      segment_forces(n, joint, inverse, tension, t[0], t[1], t[2], f[0], f[1], f[2]);
     }
-    if (n > 1) {
-      for (int c = 0; c < D; ++c) a[c][n - 1] *= inverse_pivot[n - 1];
-    }
-    for (int i = n - 2; i > 0; --i) {
-      for (int c = 0; c < D; ++c) {
-        a[c][i] = a[c][i] * inverse_pivot[i] - eliminate[i + 1] * a[c][i + 1];
-      }
+    for (int c = 0; c < D; ++c) {
+      const int first = c * slots_ + plan.offset;
+      node_forces(n, f[c], gravity_.data() + first, acceleration + first);
+      if (!external) continue;
+      for (int i = 1; i < n; ++i) acceleration[first + i] += external[first + i];
     }
   }
-
-  // The nodes at members' ends.
-  for (int c = 0; c < D; ++c) {
-    double* all = acceleration + c * slots_;
-    const auto& free = shared_free_[at(c)];
-    const int count = static_cast<int>(free.size());
-    if (count == 0) {
-      for (const MemberPlan& plan : members_) {
-        all[plan.offset] = 0;
-        all[plan.offset + plan.segments] = 0;
-      }
-      continue;
-    }
-    // Right-hand sides by shared node, kept in the first slot of each.
-    for (int k : free) {
-      const SharedNode& node = shared_[at(k)];
+  // And on the nodes at members' ends, in the first slot of each.
+  for (const SharedNode& node : shared_) {
+    if (!node.free) continue;
+    for (int c = 0; c < D; ++c) {
       double sum = node.gravity(c);
       for (int d = 0; d < D; ++d) {
         const double spring = node.spring(c, d);
@@ -381,63 +271,41 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
       if (external) {
         for (int slot : node.slots) sum += external[c * slots_ + slot];
       }
-      all[node.slots[0]] = sum;
-    }
-    for (const MemberPlan& plan : members_) {
-      const double* f = force_[c].data() + plan.scratch;
-      const int n = plan.segments;
-      const SharedNode& first = shared_[at(plan.shared[0])];
-      const SharedNode& last = shared_[at(plan.shared[1])];
-      if (!first.held[c]) {
-        all[first.slots[0]] += f[0] - (n > 1 ? plan.off.front() * all[plan.offset + 1] : 0);
-      }
-      if (!last.held[c]) {
-        all[last.slots[0]] -= f[n - 1] + (n > 1 ? plan.off.back() * all[plan.offset + n - 1] : 0);
-      }
-    }
-    double* rhs = reduced_.data();
-    double* solution = rhs + count;
-    for (int i = 0; i < count; ++i) {
-      rhs[i] = all[shared_[at(free[at(i)])].slots[0]];
-      solution[i] = 0;
-    }
-    const Eigen::MatrixXd& inverse = shared_inverse_[at(c)];
-    for (int j = 0; j < count; ++j) {
-      const double* column = inverse.data() + static_cast<std::ptrdiff_t>(j) * count;
-      for (int i = 0; i < count; ++i) solution[i] += column[i] * rhs[j];
-    }
-    for (std::size_t k = 0; k < shared_.size(); ++k) {
-      for (int slot : shared_[k].slots) all[slot] = 0;
-    }
-    for (int i = 0; i < count; ++i) {
-      for (int slot : shared_[at(free[at(i)])].slots) all[slot] = solution[i];
-    }
-    for (const MemberPlan& plan : members_) {
-      double* a = all + plan.offset;
-      const int n = plan.segments;
-      const double first = a[0], last = a[n];
-      if (first == 0 && last == 0) continue;
-      for (int i = 1; i < n; ++i) {
-        a[i] -= plan.from_first[at(i)] * first + plan.from_last[at(i)] * last;
-      }
+      acceleration[c * slots_ + node.slots[0]] = sum;
     }
   }
+  for (const MemberPlan& plan : members_) {
+    const SharedNode& first = shared_[at(plan.shared[0])];
+    const SharedNode& last = shared_[at(plan.shared[1])];
+    for (int c = 0; c < D; ++c) {
+      const double* f = force_[c].data() + plan.scratch;
+      if (first.free) acceleration[c * slots_ + first.slots[0]] += f[0];
+      if (last.free) acceleration[c * slots_ + last.slots[0]] -= f[plan.segments - 1];
+    }
+  }
+  mass_.solve(acceleration);
 }
 
 template <int D>
-double MotionKernel<D>::mass_product(const Eigen::VectorXd& x, const Eigen::VectorXd& y) const {
-  double sum = 0;
+double MotionKernel<D>::largest_slope(const Eigen::VectorXd& positions) const {
+  double largest = 0;
   for (const MemberPlan& plan : members_) {
+    Eigen::Matrix<double, D, 1> chord, edge;
     for (int c = 0; c < D; ++c) {
-      const double* a = x.data() + c * slots_ + plan.offset;
-      const double* b = y.data() + c * slots_ + plan.offset;
-      for (int i = 0; i <= plan.segments; ++i) sum += plan.diagonal[at(i)] * a[i] * b[i];
-      for (int i = 0; i < plan.segments; ++i) {
-        sum += plan.off[at(i)] * (a[i] * b[i + 1] + a[i + 1] * b[i]);
+      const int first = c * slots_ + plan.offset;
+      chord(c) = positions(first + plan.segments) - positions(first);
+    }
+    chord.normalize();
+    for (int i = 0; i < plan.segments; ++i) {
+      for (int c = 0; c < D; ++c) {
+        const int k = c * slots_ + plan.offset + i;
+        edge(c) = positions(k + 1) - positions(k);
       }
+      edge.normalize();
+      largest = std::max(largest, (edge - chord * chord.dot(edge)).norm());
     }
   }
-  return sum;
+  return largest;
 }
 
 template <int D>

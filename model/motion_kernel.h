@@ -7,17 +7,16 @@
 // vector and L its length
 //   dV/de_i = EA/l (L - l) t_i - (I - t_i t_i') g_i / L,   g_i = sum over its joints of K t_other
 // without any angle. A node's rotation has no inertia and follows: in the plane it is the argument
-// of sum K t conj(d) over the members (and the ground's spring) joined there. The mass is constant;
-// each member's is tridiagonal and is solved by elimination, the nodes that members share by a
-// small factorised matrix.
+// of sum K t conj(d) over the members (and the ground's spring) joined there. The mass is constant
+// (slot_mass.h).
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <vector>
 
 #include "model/assembly.h"
 #include "model/chain.h"
+#include "model/slot_mass.h"
 
 namespace rigfit::model {
 
@@ -51,7 +50,17 @@ class MotionKernel {
   void acceleration(const double* positions, const double* external, double* acceleration);
 
   /// x . (M y) for two arrays of slots (momentum, kinetic energy).
-  [[nodiscard]] double mass_product(const Eigen::VectorXd& x, const Eigen::VectorXd& y) const;
+  [[nodiscard]] double mass_product(const Eigen::VectorXd& x, const Eigen::VectorXd& y) const {
+    return mass_.product(x.data(), y.data());
+  }
+  /// From here on accelerations are those of a mass that slows axial waves (slot_mass.h) along the
+  /// members' chords in the given positions; zero gives all waves their own speed again.
+  void slow_axial(double kappa, const Eigen::VectorXd& positions) {
+    mass_.slow_axial(kappa, positions.data());
+  }
+  [[nodiscard]] const SlotMass<D>& mass() const { return mass_; }
+  /// Largest sine of the angle between a segment and its member's chord.
+  [[nodiscard]] double largest_slope(const Eigen::VectorXd& positions) const;
   /// Potential energy, J; its zero is that of Assembly.
   [[nodiscard]] double potential(const Eigen::VectorXd& positions);
 
@@ -82,15 +91,12 @@ class MotionKernel {
     std::vector<double> joint;   // segments + 1: N m / rad, the first and last are end joints
     Eigen::Matrix<double, 3, 2> end_direction;  // the node's side of the end joints, unturned
     int rotation[2] = {-1, -1};
-    std::vector<double> diagonal, off;          // mass: slots, between slots
-    std::vector<double> eliminate, inverse;     // factors of the inner slots
-    std::vector<double> from_first, from_last;  // M_ii^-1 times the coupling to the end nodes
   };
   struct SharedNode {
     int node = 0;
     std::vector<int> slots;
-    double mass = 0;  // diagonal, of all members and point masses
     bool held[3] = {false, false, false};
+    bool free = false;  // in some component
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
     Eigen::Matrix3d spring = Eigen::Matrix3d::Zero();  // to the ground
     Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
@@ -106,9 +112,10 @@ class MotionKernel {
     double cosine = 1, sine = 0;  // of its angle
   };
 
+  void make_members(std::vector<typename SlotMass<D>::Member>& masses);
+  void add_masses(std::vector<typename SlotMass<D>::Member>& masses);
   void tangents(const double* positions);
   void turn_nodes();
-  void factor_mass();
 
   const Chain* chain_;
   int slots_ = 0;
@@ -117,12 +124,10 @@ class MotionKernel {
   std::vector<Turning> turning_;
   std::vector<int> slot_of_node_;
   std::vector<int> slot_of_segment_;
-  std::vector<double> gravity_;                    // D x slots, inner slots only
-  std::array<Eigen::MatrixXd, D> shared_inverse_;  // of the reduced mass of shared nodes
-  std::array<std::vector<int>, D> shared_free_;    // rows of it
+  std::vector<double> gravity_;  // D x slots, inner slots only
+  SlotMass<D> mass_;
   // Scratch: directions with room for the node's side before and behind, 1/L, axial force.
   std::vector<double> direction_[D], inverse_length_, axial_force_, force_[D];
-  std::vector<double> reduced_;
 };
 
 extern template class MotionKernel<2>;
