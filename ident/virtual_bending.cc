@@ -53,6 +53,8 @@ signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random&
   add("tension", "N", signal::Quantity::force, 0, test.tension_cell);
   add("load", "N", signal::Quantity::force, 1, test.load_cell);
   add("deflection", "m", signal::Quantity::displacement, 2, test.lvdt);
+  recording.channels.back().source_unit = "mm";  // as its logger writes it
+  recording.channels.back().si_per_source = 1e-3;
   return recording;
 }
 

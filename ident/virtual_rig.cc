@@ -86,7 +86,8 @@ class Laboratory {
  public:
   Laboratory(const model::Scene& scene, const VirtualRigOptions& options, const Simulate& simulate,
              std::uint64_t seed)
-      : scene_(finer_scene(scene, options.finer)),
+      : scene_(finer_scene(scene_with_accelerometers(scene, options.accelerometer_mass_kg),
+                           options.finer)),
         options_(options),
         simulate_(simulate),
         seed_(seed),
@@ -141,14 +142,13 @@ class Laboratory {
   void run(VirtualRigRecord& record, const model::Load* hammer, Random& random) {
     const double rate = options_.sample_rate_hz * kOversampling;
     const double dt = 1 / options_.sample_rate_hz;
-    const auto rows = static_cast<Eigen::Index>(std::lround(options_.record_s * rate));
     const Eigen::MatrixXd response = simulate_(scene_, options_.record_s, rate);
     auto& recording = record.recording;
     recording.format = "synthetic";
     recording.sample_rate_hz = options_.sample_rate_hz;
     if (hammer) {
-      const Eigen::VectorXd force =
-          decimated(hammer_force(scene_.loads, hammer->direction, 1 / rate, rows), kOversampling);
+      const Eigen::VectorXd force = decimated(
+          hammer_force(scene_.loads, hammer->direction, 1 / rate, response.rows()), kOversampling);
       recording.channels.push_back(
           channel("force", "N", signal::Quantity::force, hammer->direction,
                   recorded(force, Eigen::VectorXd(), dt, options_.instruments.hammer, random)));
@@ -205,6 +205,24 @@ model::Scene finer_scene(const model::Scene& scene, int finer) {
   return fine;
 }
 
+model::Scene scene_with_accelerometers(model::Scene scene, double accelerometer_mass_kg) {
+  if (!(accelerometer_mass_kg > 0)) return scene;
+  for (const auto& sensor : scene.sensors) {
+    if (sensor.quantity != model::Sensor::Quantity::acceleration) continue;
+    for (auto& node : scene.nodes) {
+      if (node.name == sensor.place.node && node.mass == 0) node.mass = accelerometer_mass_kg;
+    }
+    for (auto& member : scene.members) {
+      if (!sensor.place.node.empty() || member.name != sensor.place.member) continue;
+      const bool there = std::any_of(
+          member.masses.begin(), member.masses.end(),
+          [&](const auto& mass) { return std::abs(mass.position - sensor.place.position) < 1e-6; });
+      if (!there) member.masses.push_back({sensor.place.position, accelerometer_mass_kg});
+    }
+  }
+  return scene;
+}
+
 Eigen::VectorXd decimated(const Eigen::Ref<const Eigen::VectorXd>& x, int factor) {
   // Kaiser's formulas: 80 dB of attenuation, transition from 0.8 to 1 of the new Nyquist frequency.
   constexpr double kBeta = 0.1102 * (80 - 8.7);
@@ -241,7 +259,8 @@ std::vector<VirtualRigRecord> virtual_rig_records(const model::Scene& scene,
     throw std::invalid_argument("the scene needs a load and a sensor to be tested");
   }
   if (options.hits < 1 || options.double_hits < 0 || options.double_hits > options.hits ||
-      options.finer < 1 || !(options.sample_rate_hz > 0) || !(options.record_s > 0) ||
+      options.finer < 1 || !(options.accelerometer_mass_kg >= 0) || !(options.sample_rate_hz > 0) ||
+      !(options.record_s > 0) ||
       !(options.pre_trigger_s >= 0 && options.pre_trigger_s < options.record_s)) {
     throw std::invalid_argument("virtual rig: option out of range");
   }

@@ -2,9 +2,10 @@
 //
 // Every load of the scene is a test: an impact is struck `hits` times, each hit a triggered record
 // of its own with the hammer's force; a release is recorded once. The rig that is simulated is
-// finer than the one that is fitted (`finer` times the segments), the person with the hammer hits a
-// little off in place, direction, strength and hardness, and some hits are double. The logger's
-// anti-aliasing filter (linear phase, -80 dB) acts on all channels alike.
+// finer than the one that is fitted (`finer` times the segments, the accelerometers' masses), the
+// person with the hammer hits a little off in place, direction, strength and hardness, and some
+// hits are double. The logger's anti-aliasing filter (linear phase, -80 dB) acts on all channels
+// alike.
 #pragma once
 
 #include <functional>
@@ -28,6 +29,9 @@ struct VirtualRigOptions {
   double duration_scatter = 0.05;  ///< relative
   double position_scatter_m = 0.003;
   double direction_scatter_rad = 0.03;
+  /// Of each accelerometer (4.8 g: data sheet of the paper's B&K 4507), on the rig wherever the
+  /// scene has no mass at its place yet.
+  double accelerometer_mass_kg = 4.8e-3;
   VirtualInstruments instruments;
 };
 
@@ -52,8 +56,12 @@ using Simulate =
     const model::Scene& scene, const VirtualRigOptions& options, const Simulate& simulate,
     std::uint64_t seed, const std::function<void()>& advance = {});
 
-/// The scene as it is simulated: `finer` times the segments.
+/// The scene with `finer` times the segments.
 [[nodiscard]] model::Scene finer_scene(const model::Scene& scene, int finer);
+
+/// The scene with its accelerometers' masses: what hangs in the laboratory.
+[[nodiscard]] model::Scene scene_with_accelerometers(model::Scene scene,
+                                                     double accelerometer_mass_kg);
 
 /// Every `factor`-th sample of a zero-phase low-pass of x (Kaiser window, stop band -80 dB from the
 /// new Nyquist frequency on, pass band up to 0.8 of it); the ends repeat their last value.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rigfit::model {
 
@@ -18,11 +19,16 @@ LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium
   Eigen::VectorXd force(n), axial(segments), trial_axial(segments);
   EnvelopeMatrix tangent = assembly.matrix();
   EnvelopeFactor factor;
-  double extent = 0;
+  double extent = 0, stiffest = 0;
   for (int axis = 0; axis < 3; ++axis) {
     extent = std::max(extent, equilibrium.position.row(axis).maxCoeff() -
                                   equilibrium.position.row(axis).minCoeff());
   }
+  for (const Segment& segment : assembly.chain().segments) {
+    stiffest = std::max(stiffest, segment.EA / segment.length);
+  }
+  // Places are rounded to an epsilon of the rig's extent; the stiffest spring turns that to force.
+  const double rounding = 4 * std::numeric_limits<double>::epsilon() * extent * stiffest;
   double done = 0, step = 1;
   ChainState trial = out.state;
   while (done < 1 && step > 1e-4) {
@@ -39,7 +45,8 @@ LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium
       out.residual = force.cwiseAbs().maxCoeff() / scale;
       ++out.iterations;
       if (!std::isfinite(out.residual)) break;
-      if (out.residual < 1e-11 && iteration > 0 && last_move < 1e-6 * extent) {
+      if (out.residual < std::max(1e-11, rounding / scale) && iteration > 0 &&
+          last_move < 1e-6 * extent) {
         good = true;
         break;
       }

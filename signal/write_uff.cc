@@ -71,6 +71,14 @@ void append_double(std::string& out, double value) {
   out.append(bytes.data(), bytes.size());
 }
 
+void append_float(std::string& out, double value) {
+  auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
+  if constexpr (std::endian::native == std::endian::big) bits = __builtin_bswap32(bits);
+  std::array<char, 4> bytes{};
+  std::memcpy(bytes.data(), &bits, 4);
+  out.append(bytes.data(), bytes.size());
+}
+
 /// Text behind `{:20.12e}`; what is no number as NaN.
 void append_e20(std::string& out, double value) {
   if (std::isfinite(value)) {
@@ -83,11 +91,14 @@ void append_e20(std::string& out, double value) {
 void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
   const Eigen::Index n = f.real.size();
   const int values = (f.complex ? 2 : 1) + (f.even ? 0 : 1);
+  const bool binary = encoding != UffEncoding::ascii;
+  const bool single = encoding == UffEncoding::binary_single;
+  const int bytes = single ? 4 : 8;
   out += kMark;
-  if (encoding == UffEncoding::binary) {
+  if (binary) {
     // Byte order 1 (little endian), floating-point format 2 (IEEE 754), 11 lines of text.
     out += fmt::format("    58b{:6d}{:6d}{:12d}{:12d}{:6d}{:6d}{:12d}{:12d}\n", 1, 2, 11,
-                       8 * values * n, 0, 0, 0, 0);
+                       bytes * values * n, 0, 0, 0, 0);
   } else {
     out += fmt::format("    58{:74s}\n", "");
   }
@@ -96,15 +107,17 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
       fmt::format("{:5d}{:10d}{:5d}{:10d} {:<10s}{:10d}{:4d} {:<10s}{:10d}{:4d}\n", f.function_type,
                   0, 0, 0, fixed(f.response.entity, 10), f.response.node, f.response.direction,
                   fixed(f.reference.entity, 10), f.reference.node, f.reference.direction);
-  out += fmt::format("{:10d}{:10d}{:10d}{}{}{}\n", f.complex ? 6 : 4, n, f.even ? 1 : 0,
+  out += fmt::format("{:10d}{:10d}{:10d}{}{}{}\n",
+                     (f.complex ? 6 : 4) - (single ? (f.complex ? 1 : 2) : 0), n, f.even ? 1 : 0,
                      e13(f.even ? f.abscissa_start : 0), e13(f.even ? f.abscissa_step : 0), e13(0));
   for (const auto& axis : {f.abscissa, f.ordinate, f.denominator, f.z}) out += axis_line(axis);
-  if (encoding == UffEncoding::binary) {
-    out.reserve(out.size() + static_cast<std::size_t>(8 * values * n) + 8);
+  if (binary) {
+    out.reserve(out.size() + static_cast<std::size_t>(bytes * values * n) + 8);
+    const auto append = single ? append_float : append_double;
     for (Eigen::Index k = 0; k < n; ++k) {
-      if (!f.even) append_double(out, f.x[k]);
-      append_double(out, f.real[k]);
-      if (f.complex) append_double(out, f.imag[k]);
+      if (!f.even) append(out, f.x[k]);
+      append(out, f.real[k]);
+      if (f.complex) append(out, f.imag[k]);
     }
   } else {
     // 4E20.12; uneven: 2(E13.5,E20.12) or, complex, E13.5,2E20.12.
@@ -170,7 +183,7 @@ Uff58Axis ordinate_of(const FrfSet& frfs) {
 
 }  // namespace
 
-std::string uff_text(const Recording& recording, UffEncoding encoding) {
+std::string uff_text(const Recording& recording, UffEncoding encoding, const std::string& remark) {
   std::string out;
   const double rate = recording.sample_rate_hz;
   for (const auto& channel : recording.channels) {
@@ -178,6 +191,7 @@ std::string uff_text(const Recording& recording, UffEncoding encoding) {
     f.function_type = uff58_function::kTimeResponse;
     f.even = recording.time_s.size() == 0 && rate > 0;
     f.id[0] = channel.name;
+    f.id[1] = remark;
     f.id[3] =
         fmt::format("rigfit rate={} start={}{}", rate, recording.start_time_s,
                     channel.nominal_range > 0 ? fmt::format(" range={}", channel.nominal_range)

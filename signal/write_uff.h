@@ -17,10 +17,13 @@
 
 namespace rigfit::signal {
 
-enum class UffEncoding { ascii, binary };
+/// binary_single: 58b with single-precision ordinates, as most loggers write it (7 digits, half the
+/// size).
+enum class UffEncoding { ascii, binary, binary_single };
 
-/// One dataset 58 (time response) a channel.
-[[nodiscard]] std::string uff_text(const Recording& recording, UffEncoding encoding);
+/// One dataset 58 (time response) a channel; `remark` stands in every second identification line.
+[[nodiscard]] std::string uff_text(const Recording& recording, UffEncoding encoding,
+                                   const std::string& remark = {});
 
 /// For each response and input a dataset 58 of function type 4 and, where they are known, one of
 /// type 6 (coherence) and one of type 0 (standard deviation of real and imaginary part).

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <random>
 
 #include "apps/json_document.h"
 #include "apps/output_file.h"
 #include "apps/progress.h"
+#include "apps/stiffness_table.h"
 #include "apps/verbs/all.h"
 #include "ident/virtual_axial.h"
 #include "ident/virtual_bending.h"
@@ -17,6 +20,7 @@
 #include "model/response.h"
 #include "model/scene_error.h"
 #include "signal/write_csv.h"
+#include "signal/write_uff.h"
 
 namespace rigfit::apps {
 namespace {
@@ -25,10 +29,15 @@ namespace fs = std::filesystem;
 struct SynthesizeOptions {
   std::string scene;
   std::string out;
+  std::vector<double> tensions;
+  double tension_std = 0;
+  std::string stiffness;
+  std::string format = "csv";
   ident::VirtualRigOptions rig;
   double bending_span = 0;
   double bending_peak_load = 10;
   std::vector<double> axial_lengths;
+  double axial_length_std = 0;
   double axial_mass = 2.2;
   double axial_damping_ratio = 0.017;
   int taps = 5;
@@ -36,21 +45,39 @@ struct SynthesizeOptions {
 
 using Header = std::vector<std::pair<std::string, std::string>>;
 
+// The rig as it was set up for one row of tests.
+struct State {
+  model::Scene scene;
+  std::string prefix;        // of file names: "T100N-", or nothing
+  std::uint64_t stream = 0;  // added to the seed
+  std::optional<double> meant_N;
+};
+
 class Writer {
  public:
   Writer(const SynthesizeOptions& options, const model::Scene& scene, VerbContext& context)
       : options_(options), scene_(scene), context_(context) {}
 
-  void write(const std::string& name, const std::string& test, const signal::Recording& recording) {
+  /// Returns the file's name: `name` with the extension of its format.
+  std::string write(std::string name, const std::string& test, const signal::Recording& recording,
+                    bool uff) {
+    name += uff ? ".uff" : ".csv";
     const fs::path path = fs::path(options_.out) / name;
     make_output_folder(path.parent_path());
+    files_.push_back(path.string());
+    if (uff) {
+      write_whole_file(path, uff_text(recording, signal::UffEncoding::binary_single,
+                                      fmt::format("synthetic (virtual laboratory), {}, seed {}",
+                                                  scene_.title, context_.seed)));
+      return name;
+    }
     const Header header{{"Data", "synthetic (virtual laboratory)"},
                         {"Test", test},
                         {"Scene", scene_.title},
                         {"Seed", std::to_string(context_.seed)},
                         {"Sampling Rate(Hz)", fmt::format("{:g}", recording.sample_rate_hz)}};
     write_whole_file(path, csv_text(recording, header));
-    files_.push_back(path.string());
+    return name;
   }
 
   void write_text(const std::string& name, const std::string& text) {
@@ -77,7 +104,8 @@ const model::Member& cable_of(const model::Scene& scene, const std::string& file
 }
 
 Json truth_of_rig(const model::Scene& scene, const ident::VirtualRigOptions& options) {
-  const model::Scene fine = ident::finer_scene(scene, options.finer);
+  const model::Scene fine = ident::finer_scene(
+      ident::scene_with_accelerometers(scene, options.accelerometer_mass_kg), options.finer);
   model::ModesOptions modes;
   modes.count = 12;
   modes.shapes = false;
@@ -98,16 +126,13 @@ Json truth_of_rig(const model::Scene& scene, const ident::VirtualRigOptions& opt
   }
   return {{"parameters", std::move(parameters)},
           {"segments_times", options.finer},
+          {"accelerometer_mass_kg", options.accelerometer_mass_kg},
           {"modes", std::move(list)}};
 }
 
-Json synthesize_rig(const SynthesizeOptions& options, const model::Scene& scene,
-                    VerbContext& context, Writer& writer) {
-  long total = 0;
-  for (const auto& load : scene.loads) {
-    total += load.kind == model::Load::Kind::impact ? options.rig.hits : 1;
-  }
-  Progress progress("Virtual rig", total, context.quiet);
+// Tests of one state; appends to `records`.
+Json synthesize_rig(const SynthesizeOptions& options, const State& state, VerbContext& context,
+                    Writer& writer, Progress& progress) {
   const ident::Simulate simulate = [&](const model::Scene& tested, double duration, double rate) {
     model::ResponseOptions response;
     response.sampling.duration_s = duration;
@@ -116,14 +141,14 @@ Json synthesize_rig(const SynthesizeOptions& options, const model::Scene& scene,
     if (!result.completed) throw NotConverged("virtual rig: " + result.reason);
     return std::move(result.samples);
   };
-  const auto records = ident::virtual_rig_records(scene, options.rig, simulate, context.seed,
-                                                  [&] { progress.advance(); });
+  const auto records = ident::virtual_rig_records(
+      state.scene, options.rig, simulate, context.seed + state.stream, [&] { progress.advance(); });
   Json list = Json::array();
   for (const auto& record : records) {
-    const std::string name = record.hit > 0
-                                 ? fmt::format("rig/{}-hit{}.csv", record.load, record.hit)
-                                 : fmt::format("rig/{}.csv", record.load);
-    writer.write(name, record.hit > 0 ? "hammer" : "release", record.recording);
+    const std::string name = writer.write(
+        record.hit > 0 ? fmt::format("rig/{}{}-hit{}", state.prefix, record.load, record.hit)
+                       : fmt::format("rig/{}{}", state.prefix, record.load),
+        record.hit > 0 ? "hammer" : "release", record.recording, options.format == "uff");
     Json entry{{"file", name}, {"load", record.load}};
     if (record.hit > 0) {
       entry["peak_N"] = record.peak_N;
@@ -138,8 +163,9 @@ Json synthesize_rig(const SynthesizeOptions& options, const model::Scene& scene,
   return list;
 }
 
-Json synthesize_bending(const SynthesizeOptions& options, const model::Member& cable,
-                        VerbContext& context, Writer& writer) {
+Json synthesize_bending(const SynthesizeOptions& options, const State& state, VerbContext& context,
+                        Writer& writer) {
+  const model::Member& cable = cable_of(state.scene, options.scene);
   ident::VirtualBendingTest test;
   test.EI_Nm2 = cable.EI[0];
   test.span_m = options.bending_span;
@@ -148,15 +174,17 @@ Json synthesize_bending(const SynthesizeOptions& options, const model::Member& c
   test.tension_cell = options.rig.instruments.tension_cell;
   test.load_cell = options.rig.instruments.load_cell;
   test.lvdt = options.rig.instruments.lvdt;
-  ident::Random random = ident::random_stream(context.seed, 2'000'000);
-  const std::string name = fmt::format("bending/T{:g}N.csv", test.tension_N);
-  writer.write(name, fmt::format("bending, span {:g} m", test.span_m),
-               ident::virtual_bending_record(test, random));
+  ident::Random random = ident::random_stream(context.seed + state.stream, 2'000'000);
+  const std::string name =
+      writer.write(fmt::format("bending/T{:g}N", state.meant_N.value_or(test.tension_N)),
+                   fmt::format("bending, span {:g} m", test.span_m),
+                   ident::virtual_bending_record(test, random), false);
   return {{"file", name},
           {"EI_Nm2", test.EI_Nm2},
           {"span_m", test.span_m},
           {"tension_N", test.tension_N},
-          {"friction_load_N", test.friction_load_N}};
+          {"friction_load_N", test.friction_load_N},
+          {"friction_travel_m", test.friction_travel_m}};
 }
 
 Json synthesize_axial(const SynthesizeOptions& options, const model::Member& cable,
@@ -166,7 +194,9 @@ Json synthesize_axial(const SynthesizeOptions& options, const model::Member& cab
     ident::VirtualAxialTest test;
     test.EA_N = cable.EA;
     test.mass_per_length_kg_m = cable.mass_per_length;
-    test.length_m = options.axial_lengths[i];
+    ident::Random cut = ident::random_stream(context.seed, 2'900'000 + i);
+    test.length_m = options.axial_lengths[i] +
+                    options.axial_length_std * std::normal_distribution<double>()(cut);
     test.hung_mass_kg = options.axial_mass;
     test.damping_ratio = options.axial_damping_ratio;
     test.load_cell = options.rig.instruments.tension_cell;
@@ -174,10 +204,11 @@ Json synthesize_axial(const SynthesizeOptions& options, const model::Member& cab
     for (int tap = 1; tap <= options.taps; ++tap) {
       ident::Random random =
           ident::random_stream(context.seed, 3'000'000 + 1000 * i + static_cast<unsigned>(tap));
-      const std::string name = fmt::format("axial/L{:g}m-{}.csv", test.length_m, tap);
-      writer.write(
-          name, fmt::format("axial, length {:g} m, mass {:g} kg", test.length_m, test.hung_mass_kg),
-          ident::virtual_axial_record(test, random));
+      const std::string name =
+          writer.write(fmt::format("axial/L{:g}m-{}", options.axial_lengths[i], tap),
+                       fmt::format("axial, length {:g} m, mass {:g} kg", options.axial_lengths[i],
+                                   test.hung_mass_kg),
+                       ident::virtual_axial_record(test, random), false);
       list.push_back({{"file", name},
                       {"length_m", test.length_m},
                       {"mass_kg", test.hung_mass_kg},
@@ -189,6 +220,33 @@ Json synthesize_axial(const SynthesizeOptions& options, const model::Member& cab
   return list;
 }
 
+std::vector<State> states_of(const SynthesizeOptions& options, const model::Scene& scene,
+                             VerbContext& context) {
+  if (options.tensions.empty()) return {{scene, "", 0, std::nullopt}};
+  (void)cable_of(scene, options.scene);
+  std::optional<ResultTable> stiffness;
+  if (!options.stiffness.empty()) {
+    context.input(options.stiffness);
+    stiffness = read_result_table(options.stiffness);
+  }
+  std::vector<State> states;
+  for (const double tension : options.tensions) {
+    State state{scene, fmt::format("T{:g}N-", tension), 10'000'019 * states.size(), tension};
+    ident::Random random = ident::random_stream(context.seed + state.stream, 4'000'000);
+    // A person sets one tension for all cables; each is a little off on its own.
+    for (const auto& member : scene.members) {
+      if (member.kind != model::Member::Kind::cable) continue;
+      const double error = options.tension_std * std::normal_distribution<double>()(random);
+      model::set_parameter(state.scene, member.name + ".tension", tension * (1 + error));
+      if (!stiffness) continue;
+      model::set_parameter(state.scene, member.name + ".EI",
+                           stiffness_at(*stiffness, tension, context));
+    }
+    states.push_back(std::move(state));
+  }
+  return states;
+}
+
 Json run(const SynthesizeOptions& options, VerbContext& context) {
   context.input(options.scene);
   const model::Scene scene = model::read_scene(options.scene);
@@ -198,24 +256,45 @@ Json run(const SynthesizeOptions& options, VerbContext& context) {
                      ": nothing to test: give the scene a load and a sensor, or ask for "
                      "--bending-span or --axial-length");
   }
+  const auto states = states_of(options, scene, context);
   make_output_folder(options.out);
   Writer writer(options, scene, context);
   Json truth;
   truth["data"] = "synthetic";
   truth["scene"] = scene.title;
+  std::string command = "rigfit";
+  for (std::size_t i = 1; i < context.command.size(); ++i) command += " " + context.command[i];
+  truth["command"] = command;
   truth["seed"] = context.seed;
   if (rig) {
-    truth["rig"] = truth_of_rig(scene, options.rig);
-    truth["rig"]["records"] = synthesize_rig(options, scene, context, writer);
+    long total = 0;
+    for (const auto& load : scene.loads) {
+      total += load.kind == model::Load::Kind::impact ? options.rig.hits : 1;
+    }
+    Progress progress("Virtual rig", total * static_cast<long>(states.size()), context.quiet);
+    Json tested = Json::array();
+    for (const auto& state : states) {
+      Json entry = truth_of_rig(state.scene, options.rig);
+      if (state.meant_N) entry["tension_meant_N"] = *state.meant_N;
+      entry["records"] = synthesize_rig(options, state, context, writer, progress);
+      tested.push_back(std::move(entry));
+    }
+    truth["rig"] = std::move(tested);
   }
   if (options.bending_span > 0) {
-    truth["bending"] = synthesize_bending(options, cable_of(scene, options.scene), context, writer);
+    truth["bending"] = Json::array();
+    for (const auto& state : states) {
+      truth["bending"].push_back(synthesize_bending(options, state, context, writer));
+    }
   }
   if (!options.axial_lengths.empty()) {
     truth["axial"] = synthesize_axial(options, cable_of(scene, options.scene), context, writer);
   }
   // The scene as it was tested, and what is true of it, beside the recordings.
-  writer.write_text("scene.toml", model::scene_text(scene));
+  if (options.tensions.empty()) {
+    writer.write_text("scene.toml", model::scene_text(ident::scene_with_accelerometers(
+                                        scene, options.rig.accelerometer_mass_kg)));
+  }
   writer.write_text("truth.json", truth.dump(2) + "\n");
   context.out << fmt::format("wrote {} files to {} (synthetic, seed {}; truth in truth.json)\n",
                              writer.files().size(), options.out, context.seed);
@@ -250,6 +329,25 @@ void add_synthesize(CLI::App& program, Verbs& verbs) {
   app->add_option("--finer", options->rig.finer, "Segments of the tested rig over the scene's")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
+  app->add_option("--tension", options->tensions,
+                  "Tensions that the cables are set to, N, one row of tests each (default: the "
+                  "scene's)")
+      ->check(CLI::PositiveNumber);
+  app->add_option("--tension-std", options->tension_std,
+                  "Relative error with which a person sets them")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  app->add_option("--stiffness", options->stiffness,
+                  "Table of tension_N, EI_Nm2: the cables' EI at each of them")
+      ->check(CLI::ExistingFile);
+  app->add_option("--format", options->format,
+                  "Of hammer and release recordings: csv, or uff (58, binary, single precision)")
+      ->check(CLI::IsMember({"csv", "uff"}))
+      ->capture_default_str();
+  app->add_option("--accelerometer-mass", options->rig.accelerometer_mass_kg,
+                  "Mass of an accelerometer, kg, where the scene has none at its place")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app->add_option("--bending-span", options->bending_span,
                   "Also the bending test of the scene's first cable, span in m")
       ->check(CLI::PositiveNumber);
@@ -259,6 +357,10 @@ void add_synthesize(CLI::App& program, Verbs& verbs) {
   app->add_option("--axial-length", options->axial_lengths,
                   "Also the hanging-mass test of that cable, lengths in m")
       ->check(CLI::PositiveNumber);
+  app->add_option("--axial-length-std", options->axial_length_std,
+                  "Error with which they were cut, m")
+      ->check(CLI::Range(0.0, 0.1))
+      ->capture_default_str();
   app->add_option("--axial-mass", options->axial_mass, "Mass hung there, kg")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

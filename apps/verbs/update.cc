@@ -12,7 +12,7 @@
 #include "apps/measured_modes.h"
 #include "apps/output_file.h"
 #include "apps/progress.h"
-#include "apps/result_table.h"
+#include "apps/stiffness_table.h"
 #include "apps/verbs/all.h"
 #include "ident/model_update.h"
 #include "model/read_scene.h"
@@ -98,27 +98,6 @@ std::vector<ident::FreeParameter> free_parameters(const Options& options,
   return free;
 }
 
-double interpolated(const ResultTable& table, double tension, VerbContext& context) {
-  const auto T = table.column("tension_N"), EI = table.column("EI_Nm2");
-  std::vector<std::pair<double, double>> points;
-  for (const auto& row : table.rows) {
-    if (std::isfinite(row[T]) && std::isfinite(row[EI])) points.emplace_back(row[T], row[EI]);
-  }
-  if (points.empty()) throw Refused(table.file + " holds no EI over tension");
-  std::sort(points.begin(), points.end());
-  if (tension < points.front().first || tension > points.back().first) {
-    context.warn("extrapolated",
-                 fmt::format("EI at {:.4g} N is taken from the nearest test", tension), table.file);
-  }
-  if (tension <= points.front().first) return points.front().second;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    if (tension > points[i].first) continue;
-    const double share = (tension - points[i - 1].first) / (points[i].first - points[i - 1].first);
-    return points[i - 1].second + share * (points[i].second - points[i - 1].second);
-  }
-  return points.back().second;
-}
-
 struct States {
   std::vector<ident::UpdateState> states;
   std::vector<std::string> scene_files;  // by state
@@ -172,7 +151,7 @@ States read_states(const Options& options, VerbContext& context) {
             model::set_parameter(state.scene, member.name + ".tension", *row.tension_N);
             if (!stiffness) continue;
             model::set_parameter(state.scene, member.name + ".EI",
-                                 interpolated(*stiffness, *row.tension_N, context));
+                                 stiffness_at(*stiffness, *row.tension_N, context));
           }
         }
         result.states.push_back(std::move(state));

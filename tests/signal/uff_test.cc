@@ -82,6 +82,22 @@ TEST(Uff, BinaryRecordingComesBackExactly) {
   }
 }
 
+TEST(Uff, SinglePrecisionHalvesTheSizeAndKeepsSevenDigits) {
+  const Recording out = made_recording(2048, 1001);
+  const std::string text = uff_text(out, UffEncoding::binary_single, "synthetic");
+  EXPECT_NE(text.find("synthetic"), std::string::npos);
+  EXPECT_LT(text.size(), 0.6 * uff_text(out, UffEncoding::binary).size());
+  const Recording in = read_uff(text, "x.uff");
+  ASSERT_EQ(in.channels.size(), out.channels.size());
+  EXPECT_EQ(in.sample_rate_hz, 2048);
+  for (std::size_t c = 0; c < in.channels.size(); ++c) {
+    const auto& samples = out.channels[c].samples;
+    // Half a unit of the 24th binary digit.
+    EXPECT_TRUE(MatricesNear(in.channels[c].samples, samples,
+                             samples.cwiseAbs().maxCoeff() * std::ldexp(1.0, -24)));
+  }
+}
+
 TEST(Uff, TextRecordingComesBackWithinItsDigits) {
   for (const Eigen::Index n : {1, 3, 4, 5, 1000}) {
     const Recording out = made_recording(48000, n);
