@@ -252,6 +252,21 @@ std::string name_at(const Chain& chain, const Numbering& numbering, int row, con
   return "the rig";
 }
 
+/// What to change about a slack cable.
+const char* tighten(const Member& cable) {
+  if (cable.unstretched_length) return "give it a shorter unstretched_length";
+  if (cable.stretch) return "give it a larger stretch";
+  return "give it a larger tension";
+}
+
+/// A member that can bend differently about its axes and turn about its own without resistance.
+const Member* free_to_twist(const Scene& scene) {
+  for (const Member& member : scene.members) {
+    if (member.EI[0] != member.EI[1] && !(member.GJ > 0)) return &member;
+  }
+  return nullptr;
+}
+
 /// Stability in every motion, and that every cable pulls. Sets status and reason.
 void judge(const Chain& chain, const Scene& scene, ChainEquilibrium& result) {
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
@@ -271,8 +286,8 @@ void judge(const Chain& chain, const Scene& scene, ChainEquilibrium& result) {
     if (!(mean > 0) || (limp && !(least > 0))) {
       result.status = EquilibriumStatus::slack;
       result.reason =
-          fmt::format("cable \"{}\" is slack: its axial force is {:.4g} N{}", given.name,
-                      limp ? least : mean, limp ? " at one end" : " on average");
+          fmt::format("cable \"{}\" is slack: its axial force is {:.4g} N{}; {}", given.name,
+                      limp ? least : mean, limp ? " at one end" : " on average", tighten(given));
       return;
     }
   }
@@ -290,10 +305,22 @@ void judge(const Chain& chain, const Scene& scene, ChainEquilibrium& result) {
     const char* where = motion == Motion::in_plane       ? " in its plane"
                         : motion == Motion::out_of_plane ? " out of its plane"
                                                          : "";
+    const Member* twisting =
+        regular && factor.negative_pivots() == 0 ? nullptr : free_to_twist(scene);
+    if (twisting) {
+      result.status = EquilibriumStatus::mechanism;
+      result.reason = fmt::format(
+          "\"{}\" can twist without any force: its bending stiffnesses differ and its GJ is zero, "
+          "a "
+          "mechanism; give it a GJ, or one EI",
+          twisting->name);
+      return;
+    }
     if (!regular) {
       result.status = EquilibriumStatus::mechanism;
       result.reason = fmt::format(
-          "{} can move{} without any force: a mechanism",
+          "\"{}\" can move{} without any force: a mechanism; give one of its nodes a support, or "
+          "join it rigidly to what holds it",
           name_at(chain, assembly.numbering(), factor.smallest_pivot_row(), scene), where);
       return;
     }
@@ -301,7 +328,7 @@ void judge(const Chain& chain, const Scene& scene, ChainEquilibrium& result) {
       result.status = EquilibriumStatus::buckled;
       result.reason = fmt::format(
           "the state is unstable{} ({} direction{} of negative stiffness): "
-          "a member has buckled under its load",
+          "a member has buckled under its load; raise its EI, lower its load or brace it",
           where, factor.negative_pivots(), factor.negative_pivots() > 1 ? "s" : "");
       return;
     }
@@ -329,7 +356,8 @@ bool hang_cables(Chain& chain, const Scene& scene, bool with_bending, ChainEquil
     const HangingChain start = hang(chain, static_cast<int>(m), from, to, extra);
     if (!start.found) {
       result.status = EquilibriumStatus::slack;
-      result.reason = fmt::format("cable \"{}\" is slack: {}", scene.members[m].name, start.reason);
+      result.reason = fmt::format("cable \"{}\" is slack: {}; {}", scene.members[m].name,
+                                  start.reason, tighten(scene.members[m]));
       return false;
     }
     for (std::size_t i = 1; i + 1 < start.positions.size(); ++i) {
@@ -442,7 +470,9 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
   result.residual = solver.residual;
   if (done < 1) {
     if (result.status == EquilibriumStatus::not_converged) {
-      result.reason = "no equilibrium was found near the drawn shape";
+      result.reason =
+          "no equilibrium was found near the drawn shape; check the nodes' positions, the tensions "
+          "and what carries them";
       // A beam that its loads push past its strength is the usual cause: say so when it is one.
       chain = whole;
       state = start;
@@ -452,7 +482,7 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
       judge(chain, scene, probe);
       if (probe.status != EquilibriumStatus::converged) {
         result.status = probe.status;
-        result.reason = probe.reason + "; no equilibrium was found near the drawn shape";
+        result.reason = "no equilibrium was found near the drawn shape: " + probe.reason;
       }
     }
     return result;
