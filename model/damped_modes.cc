@@ -28,7 +28,12 @@ double damping_ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }
 
 Eigen::VectorXd modal_ratios(const MotionModes& motion, const ChainState& state,
                              const Scene& scene) {
-  const Eigen::Index modes = motion.omega2.size();
+  return modal_ratios(*motion.assembly, motion.shapes, state, scene);
+}
+
+Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& shapes,
+                             const ChainState& state, const Scene& scene) {
+  const Eigen::Index modes = shapes.cols();
   Eigen::VectorXd ratios = Eigen::VectorXd::Zero(modes);
   double first = -1;
   bool any = false, same = true;
@@ -39,7 +44,7 @@ Eigen::VectorXd modal_ratios(const MotionModes& motion, const ChainState& state,
     same = same && ratio == first;
   }
   if (!any || modes == 0) return ratios;
-  const Eigen::MatrixXd energy = motion.assembly->stiffness_energy(state, motion.shapes);
+  const Eigen::MatrixXd energy = assembly.stiffness_energy(state, shapes);
   for (Eigen::Index i = 0; i < modes; ++i) {
     double sum = 0, weighted = 0;
     for (Eigen::Index m = 0; m < energy.rows(); ++m) {

@@ -31,6 +31,8 @@ struct DampedModes {
 /// Modal damping ratios from the members' `damping_ratio` alone.
 [[nodiscard]] Eigen::VectorXd modal_ratios(const MotionModes& motion, const ChainState& state,
                                            const Scene& scene);
+[[nodiscard]] Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& shapes,
+                                           const ChainState& state, const Scene& scene);
 [[nodiscard]] bool has_joint_dampers(const Scene& scene);
 
 /// |s| and zeta = -Re s / |s| of a pole.

@@ -23,7 +23,8 @@ struct SynthesizedFrfs {
   std::vector<Eigen::MatrixXcd> H;  ///< per line: sensors x loads
 };
 
-/// Uses of `options`: segments, rotary inertia, torsion. Lines must not be negative.
+/// Uses of `options`: segments, rotary inertia, torsion; "auto" members get the segments that the
+/// scene's accuracy asks of the modes among the lines. Lines must not be negative.
 [[nodiscard]] SynthesizedFrfs synthesize_frfs(const Scene& scene,
                                               const Eigen::VectorXd& frequency_hz,
                                               const ModesOptions& options = {});

@@ -126,6 +126,18 @@ std::vector<ParameterAccess> scene_parameters(const Scene& scene) {
   return all;
 }
 
+std::vector<ParameterAccess> parameters_named(const Scene& scene,
+                                              const std::vector<std::string>& names) {
+  const auto all = scene_parameters(scene);
+  std::vector<ParameterAccess> chosen;
+  for (const std::string& name : names) {
+    const auto* one = find(all, name);
+    if (!one) unknown(scene, name);
+    chosen.push_back(*one);
+  }
+  return chosen;
+}
+
 double parameter(const Scene& scene, const std::string& name) {
   const auto all = scene_parameters(scene);
   if (const auto* one = find(all, name)) return one->get(scene);

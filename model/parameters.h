@@ -19,5 +19,8 @@ struct ParameterAccess {
 
 /// Every parameter the scene has, members first, in the scene's order.
 [[nodiscard]] std::vector<ParameterAccess> scene_parameters(const Scene& scene);
+/// Those of the given names, in their order; throws SceneError for an unknown one.
+[[nodiscard]] std::vector<ParameterAccess> parameters_named(const Scene& scene,
+                                                            const std::vector<std::string>& names);
 
 }  // namespace rigfit::model

@@ -1,0 +1,84 @@
+#include "model/frf_equations.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "model/damped_modes.h"
+
+namespace rigfit::model {
+
+using Complex = std::complex<double>;
+
+Complex quantity_factor(Sensor::Quantity quantity, double omega) {
+  switch (quantity) {
+    case Sensor::Quantity::acceleration:
+      return -omega * omega;
+    case Sensor::Quantity::velocity:
+      return Complex(0, omega);
+    case Sensor::Quantity::displacement:
+    case Sensor::Quantity::force:
+      break;
+  }
+  return 1;
+}
+
+FrfEquations frf_equations(const MotionModes& motion, const ChainState& state, const Scene& scene) {
+  FrfEquations out;
+  out.motion = &motion;
+  const int n = motion.assembly->size();
+  out.damping = motion.assembly->matrix();
+  motion.assembly->damping(state, out.damping);
+  out.sensors.resize(n, static_cast<Eigen::Index>(scene.sensors.size()));
+  for (Eigen::Index s = 0; s < out.sensors.cols(); ++s) {
+    out.sensors.col(s) = sensor_row(*motion.assembly, state, scene, int(s));
+  }
+  out.loads.resize(n, static_cast<Eigen::Index>(scene.loads.size()));
+  for (Eigen::Index l = 0; l < out.loads.cols(); ++l) {
+    out.loads.col(l) = load_row(*motion.assembly, int(l));
+  }
+  if (motion.omega2.size() > 0) out.zeta = modal_ratios(motion, state, scene);
+  out.dampers.resize(n, out.zeta.size());
+  for (Eigen::Index r = 0; r < out.zeta.size(); ++r) {
+    out.dampers.col(r) = motion.mass * Eigen::VectorXd(motion.shapes.col(r));
+  }
+  return out;
+}
+
+FrfSolver::FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right)
+    : equations_(equations),
+      wanted_(right.cols()),
+      dynamic_(equations.motion->stiffness.envelope()),
+      gain_(equations.zeta.size()) {
+  right_.resize(right.rows(), wanted_ + equations.dampers.cols());
+  right_.leftCols(wanted_) = right.cast<Complex>();
+  right_.rightCols(equations.dampers.cols()) = equations.dampers.cast<Complex>();
+  solution_.resize(right.rows(), wanted_);
+}
+
+const Eigen::MatrixXcd& FrfSolver::solve(double omega) {
+  const MotionModes& motion = *equations_.motion;
+  for (Eigen::Index e = 0; e < dynamic_.values().size(); ++e) {
+    dynamic_.values()[e] =
+        Complex(motion.stiffness.values()[e] - omega * omega * motion.mass.values()[e],
+                omega * equations_.damping.values()[e]);
+  }
+  factor_.factor(dynamic_);
+  Eigen::MatrixXcd all = right_;
+  factor_.solve_in_place(all);
+  solution_ = all.leftCols(wanted_);
+  const Eigen::Index dampers = gain_.size();
+  if (dampers == 0 || !(omega > 0)) return solution_;
+  // (D + B G B')^-1 = D^-1 - D^-1 B (I + G B' D^-1 B)^-1 G B' D^-1.
+  const auto b = right_.rightCols(dampers);
+  const auto db = all.rightCols(dampers);
+  for (Eigen::Index r = 0; r < dampers; ++r) {
+    gain_[r] = Complex(0, 2 * equations_.zeta[r] * std::sqrt(motion.omega2[r]) * omega);
+  }
+  small_ = gain_.asDiagonal() * (b.transpose() * db);
+  small_.diagonal().array() += Complex(1);
+  const Eigen::MatrixXcd part = gain_.asDiagonal() * (b.transpose() * solution_);
+  solution_ -= db * small_.partialPivLu().solve(part);
+  return solution_;
+}
+
+}  // namespace rigfit::model

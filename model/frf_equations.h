@@ -1,0 +1,52 @@
+// The damped equations of one motion at a line of a frequency response function, with its loads,
+// sensors and modal dampers: shared by the functions and their sensitivities.
+//
+//   D = K + i omega C - omega^2 M + i omega sum_r g_r (M phi_r)(M phi_r)',  g_r = 2 zeta_r omega_r
+//
+// the sum (modal damping ratios) over the modes the motion carries, inverted by Woodbury's formula.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+
+#include "model/modes.h"
+
+namespace rigfit::model {
+
+struct FrfEquations {
+  const MotionModes* motion = nullptr;
+  EnvelopeMatrix damping;          ///< of the joints
+  Eigen::MatrixXd sensors, loads;  ///< unknowns x sensors, unknowns x loads
+  Eigen::MatrixXd dampers;         ///< M phi_r: unknowns x modes; empty without modal ratios
+  Eigen::VectorXd zeta;            ///< modal ratio of each damper
+};
+
+/// `motion` must outlive the result.
+[[nodiscard]] FrfEquations frf_equations(const MotionModes& motion, const ChainState& state,
+                                         const Scene& scene);
+
+/// D^-1 of given right sides, line by line.
+class FrfSolver {
+ public:
+  FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right);
+  /// unknowns x right sides; valid until the next call.
+  [[nodiscard]] const Eigen::MatrixXcd& solve(double omega);
+
+ private:
+  const FrfEquations& equations_;
+  Eigen::Index wanted_;
+  Eigen::MatrixXcd right_, solution_, small_;
+  ComplexEnvelopeMatrix dynamic_;
+  ComplexEnvelopeFactor factor_;
+  Eigen::VectorXcd gain_;
+};
+
+/// The rig at rest with what its FRFs at these lines need: its motions' matrices and, where a
+/// member has a modal damping ratio, all modes up to twice the highest line.
+[[nodiscard]] ChainModes frf_modes(const Scene& scene, const Eigen::VectorXd& frequency_hz,
+                                   const ModesOptions& options);
+
+/// From displacement (or force) to a sensor's quantity.
+[[nodiscard]] std::complex<double> quantity_factor(Sensor::Quantity quantity, double omega);
+
+}  // namespace rigfit::model
