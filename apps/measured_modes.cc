@@ -36,7 +36,8 @@ std::vector<std::string> cells_of(const std::string& line, char separator) {
 std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& path,
                                                   const std::string& column,
                                                   std::optional<model::ModePlane> plane,
-                                                  const std::vector<std::string>& sensors) {
+                                                  const std::vector<std::string>& sensors,
+                                                  const std::vector<std::string>& compare) {
   const auto fail = [&](long line, const std::string& key, const std::string& problem,
                         const std::string& remedy) -> void {
     throw model::SceneError({path.string(), line, 0, key}, problem, remedy);
@@ -104,6 +105,7 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
     } else if (!word.empty()) {
       fail(number, "plane", "\"" + word + "\" is no plane", "write in, out, or leave it blank");
     }
+    for (const auto& name : compare) row.compared.push_back(value(name, true));
     const double tension = value("tension_N", true);
     if (std::isfinite(tension)) row.tension_N = tension;
     Eigen::VectorXcd shape(static_cast<Eigen::Index>(sensors.size()));

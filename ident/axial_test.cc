@@ -11,6 +11,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "ident/random_effects.h"
+#include "ident/rod_stiffness.h"
 #include "ident/uncertainty.h"
 
 namespace rigfit::ident {
@@ -18,22 +20,9 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-struct Inputs {
-  double mass, mass_per_length, adapter;  // adapter 0: rigid
-};
-
-struct Stiffness {
-  double total, cable;
-  double inertia_factor;  // dkc / dk
-};
-
-// k from the undamped circular frequency squared, then the cable's own.
-Stiffness stiffness(const Inputs& in, double omega_squared, double length) {
-  Stiffness s;
-  s.total = (in.mass + in.mass_per_length * length / 3) * omega_squared;
-  s.cable = in.adapter > 0 ? 1 / (1 / s.total - 1 / in.adapter) : s.total;
-  s.inertia_factor = (s.cable / s.total) * (s.cable / s.total);
-  return s;
+RodOnMass rod_of(const AxialSetup& setup, double omega_squared, double length) {
+  return {omega_squared, setup.mass_kg.value, setup.mass_per_length_kg_m.value, length,
+          setup.adapter_stiffness_N_m.value};
 }
 
 double omega_squared(double damped_frequency_hz, double zeta) {
@@ -41,45 +30,8 @@ double omega_squared(double damped_frequency_hz, double zeta) {
   return wd * wd / (1 - zeta * zeta);
 }
 
-struct Pooled {
-  double mean = 0, variance = 0, tau2 = 0, Q = 0;
-  std::vector<double> weights;  // sum 1
-};
-
-double weighted(const std::vector<double>& x, const std::vector<double>& v, double tau2,
-                double& mean) {
-  double sw = 0, swx = 0, Q = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) sw += 1 / (v[i] + tau2), swx += x[i] / (v[i] + tau2);
-  mean = swx / sw;
-  for (std::size_t i = 0; i < x.size(); ++i) Q += (x[i] - mean) * (x[i] - mean) / (v[i] + tau2);
-  return Q;
-}
-
-// Random-effects mean after Paule and Mandel: tau^2 such that the weighted sum of squares equals
-// its expectation, n - 1; 0 when it is below that without any.
-Pooled pool(const std::vector<double>& x, const std::vector<double>& v) {
-  Pooled p;
-  const double expected = static_cast<double>(x.size()) - 1;
-  p.Q = weighted(x, v, 0, p.mean);
-  if (x.size() > 1 && p.Q > expected) {
-    double low = 0, high = 0;
-    for (double a : x) high = std::max(high, (a - p.mean) * (a - p.mean));
-    high *= 4 * static_cast<double>(x.size());
-    for (int k = 0; k < 200 && high - low > 1e-14 * high; ++k) {
-      const double middle = 0.5 * (low + high);
-      (weighted(x, v, middle, p.mean) > expected ? low : high) = middle;
-    }
-    p.tau2 = 0.5 * (low + high);
-    weighted(x, v, p.tau2, p.mean);
-  }
-  double sw = 0;
-  for (double a : v) sw += 1 / (a + p.tau2);
-  for (double a : v) p.weights.push_back(1 / (a + p.tau2) / sw);
-  p.variance = 1 / sw;
-  return p;
-}
-
-// Variance of one record: what its own fit says, or what the repeats at one length show if more.
+// Variance of one record: what the repeats at one length show, which needs no trust in the fits and
+// is Student's; of few repeats, what the fits say where that is more.
 struct Repeatability {
   double variance = 0;
   double degrees = 0;  // 0: from the fits
@@ -95,7 +47,12 @@ Repeatability repeatability(const std::vector<std::vector<double>>& groups,
     degrees += static_cast<double>(group.size()) - 1;
   }
   for (double v : stated) mean_stated += v / static_cast<double>(stated.size());
-  if (degrees > 0 && sum / degrees > mean_stated) return {sum / degrees, degrees};
+  constexpr double kEnough = 5;
+  const double seen = degrees > 0 ? sum / degrees : 0;
+  // Far below what the fits say are only repeats that are no repeats: copies, rounded values.
+  if (seen > mean_stated || (degrees >= kEnough && seen > 0.2 * mean_stated)) {
+    return {seen, degrees};
+  }
   return {mean_stated, 0};
 }
 
@@ -125,8 +82,8 @@ void check(std::span<const AxialDecay> decays, const AxialSetup& setup) {
     require(std::isfinite(d.damping_ratio.value) && std::abs(d.damping_ratio.value) < 1 &&
                 not_negative(d.damping_ratio.std),
             d.name + ": the damping ratio must lie below 1");
-    const double k = (setup.mass_kg.value + setup.mass_per_length_kg_m.value * d.length_m / 3) *
-                     omega_squared(d.damped_frequency_hz.value, d.damping_ratio.value);
+    const double k =
+        setup.mass_kg.value * omega_squared(d.damped_frequency_hz.value, d.damping_ratio.value);
     require(setup.adapter_stiffness_N_m.value == 0 || setup.adapter_stiffness_N_m.value > k,
             fmt::format("{}: the adapter ({:.4g} N/m) is softer than cable and adapter together "
                         "({:.4g} N/m): check mass and adapter",
@@ -135,34 +92,35 @@ void check(std::span<const AxialDecay> decays, const AxialSetup& setup) {
 }
 
 struct Pieces {  // what the result is worked out from, kept for the Monte Carlo
-  Inputs nominal;
   std::vector<double> lengths, omega2;  // mean undamped omega^2 of each length
+  std::vector<double> by_omega2;        // d ln kc / d ln omega^2
   std::vector<double> repeat_relative;  // relative std of EA_i from repeats
-  Pooled pooled;
+  RandomEffects pooled;
   double repeat_degrees = 0;
 };
 
 void budget_of(AxialTestResult& result, const AxialSetup& setup, const Pieces& pieces,
-               double repeat_variance_share_zeta) {
+               double coverage, double repeat_variance_share_zeta) {
   double mass = 0, per_length = 0, adapter = 0, length_variance = 0, repeat_variance = 0;
   double frequency_sensitivity = 0, mean_frequency = 0, length_sensitivity = 0;
   for (std::size_t i = 0; i < pieces.lengths.size(); ++i) {
     const double L = pieces.lengths[i], W = pieces.omega2[i], w = pieces.pooled.weights[i];
-    const auto s = stiffness(pieces.nominal, W, L);
-    mass += w * L * s.inertia_factor * W;
-    per_length += w * L * s.inertia_factor * W * L / 3;
-    if (pieces.nominal.adapter > 0) {
-      adapter -= w * L * s.cable * s.cable / (pieces.nominal.adapter * pieces.nominal.adapter);
+    const auto s = rod_stiffness(rod_of(setup, W, L));
+    const double EA = s.cable_N_m * L;
+    mass += w * EA * s.by_mass / setup.mass_kg.value;
+    const double m = setup.mass_per_length_kg_m.value;
+    // By the rod's limit for a massless cable, where the relative derivative vanishes.
+    per_length += m > 0 ? w * EA * s.by_mass_per_length / m : w * EA * W * L / (3 * s.cable_N_m);
+    if (setup.adapter_stiffness_N_m.value > 0) {
+      adapter += w * EA * s.by_adapter / setup.adapter_stiffness_N_m.value;
     }
-    const double by_length =
-        s.cable + L * s.inertia_factor * W * pieces.nominal.mass_per_length / 3;
+    const double by_length = EA * (1 + s.by_length) / L;
     length_sensitivity += w * by_length;
     length_variance += std::pow(w * by_length * setup.length_std_m, 2);
-    const double EA = s.cable * L;
     repeat_variance += std::pow(w * pieces.repeat_relative[i] * EA, 2);
     const double f = std::sqrt(W) / (2 * std::numbers::pi);
     mean_frequency += w * f;
-    frequency_sensitivity += w * L * s.inertia_factor * 2 * s.total / f;
+    frequency_sensitivity += w * EA * s.by_omega_squared * 2 / f;
   }
   const auto add = [&](const char* source, const char* unit, double value, double std,
                        double sensitivity, double variance, char type, double degrees) {
@@ -192,14 +150,19 @@ void budget_of(AxialTestResult& result, const AxialSetup& setup, const Pieces& p
       setup.adapter_stiffness_N_m.std, adapter,
       std::pow(adapter * setup.adapter_stiffness_N_m.std, 2), 'B', 0);
   double between = 0;
-  for (double w : pieces.pooled.weights) between += w * w * pieces.pooled.tau2;
-  add("between lengths", "N", kNan, std::sqrt(pieces.pooled.tau2), 1, between, 'A',
+  for (double w : pieces.pooled.weights) between += w * w * pieces.pooled.between_variance;
+  add("between lengths", "N", kNan, std::sqrt(pieces.pooled.between_variance), 1, between, 'A',
       static_cast<double>(pieces.lengths.size()) - 1);
+  // Lengths that disagree: their mean's whole variance rests on their scatter (random_effects.h).
+  const double scattering = pieces.pooled.degrees > 0 ? pieces.pooled.variance : 0;
   double total = 0, satterthwaite = 0;
+  if (scattering > 0) satterthwaite = scattering * scattering / pieces.pooled.degrees;
   for (const auto& row : result.budget) {
     const double v = row.contribution_N * row.contribution_N;
     total += v;
-    if (row.degrees_of_freedom > 0) satterthwaite += v * v / row.degrees_of_freedom;
+    if (scattering == 0 && row.degrees_of_freedom > 0) {
+      satterthwaite += v * v / row.degrees_of_freedom;
+    }
   }
   for (auto& row : result.budget) {
     row.share = total > 0 ? row.contribution_N * row.contribution_N / total : 0;
@@ -209,6 +172,16 @@ void budget_of(AxialTestResult& result, const AxialSetup& setup, const Pieces& p
   result.EA_N.std = std::sqrt(total);
   result.degrees_of_freedom =
       satterthwaite > 1e-9 * total * total ? total * total / satterthwaite : 0;
+  // One factor by Welch and Satterthwaite falls short when a part known to two degrees of freedom
+  // comes out small by chance; expanded uncertainties of what scatters and of the rest are added in
+  // squares instead (R. Willink, Metrologia 44 (2007) 340).
+  const double of_scatter = coverage_factor(coverage, pieces.pooled.degrees);
+  const double of_rest = coverage_factor(coverage, 0);
+  result.coverage_factor = coverage_factor(coverage, result.degrees_of_freedom);
+  if (scattering > 0) {
+    result.coverage_factor = std::sqrt(
+        (of_scatter * of_scatter * scattering + of_rest * of_rest * (total - scattering)) / total);
+  }
 }
 
 void monte_carlo(AxialTestResult& result, const AxialSetup& setup, const AxialOptions& options,
@@ -222,25 +195,21 @@ void monte_carlo(AxialTestResult& result, const AxialSetup& setup, const AxialOp
   };
   std::vector<double> values;
   values.reserve(static_cast<std::size_t>(options.draws));
-  const double between_degrees = static_cast<double>(pieces.lengths.size()) - 1;
   for (int d = 0; d < options.draws; ++d) {
-    Inputs in = pieces.nominal;
-    in.mass += setup.mass_kg.std * normal(generator);
-    in.mass_per_length += setup.mass_per_length_kg_m.std * normal(generator);
-    if (in.adapter > 0) in.adapter += setup.adapter_stiffness_N_m.std * normal(generator);
-    const double repeat = student(pieces.repeat_degrees);
-    const double between = pieces.pooled.tau2 > 0 ? student(between_degrees) : 0;
+    RodOnMass rod = rod_of(setup, 0, 0);
+    rod.mass_kg += setup.mass_kg.std * normal(generator);
+    rod.mass_per_length_kg_m += setup.mass_per_length_kg_m.std * normal(generator);
+    if (rod.adapter_N_m > 0) rod.adapter_N_m += setup.adapter_stiffness_N_m.std * normal(generator);
+    const double scatter = student(pieces.pooled.degrees);
+    const double repeat = pieces.pooled.degrees > 0 ? scatter : student(pieces.repeat_degrees);
+    const double between = scatter * std::sqrt(pieces.pooled.between_variance);
     double EA = 0;
     for (std::size_t i = 0; i < pieces.lengths.size(); ++i) {
-      const double L = pieces.lengths[i] + setup.length_std_m * normal(generator);
-      const double W =
-          pieces.omega2[i] *
-          (1 + repeat * pieces.repeat_relative[i] * normal(generator) *
-                   stiffness(pieces.nominal, pieces.omega2[i], pieces.lengths[i]).total /
-                   stiffness(pieces.nominal, pieces.omega2[i], pieces.lengths[i]).cable);
-      EA +=
-          pieces.pooled.weights[i] * (stiffness(in, W, L).cable * L +
-                                      between * std::sqrt(pieces.pooled.tau2) * normal(generator));
+      rod.length_m = pieces.lengths[i] + scatter * setup.length_std_m * normal(generator);
+      rod.omega_squared = pieces.omega2[i] * (1 + repeat * pieces.repeat_relative[i] /
+                                                      pieces.by_omega2[i] * normal(generator));
+      EA += pieces.pooled.weights[i] *
+            (rod_stiffness(rod).cable_N_m * rod.length_m + between * normal(generator));
     }
     if (std::isfinite(EA) && EA > 0) values.push_back(EA);
   }
@@ -362,21 +331,21 @@ AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup&
   check(decays, setup);
   AxialTestResult result;
   Pieces pieces;
-  pieces.nominal = {setup.mass_kg.value, setup.mass_per_length_kg_m.value,
-                    setup.adapter_stiffness_N_m.value};
   std::map<double, std::vector<std::size_t>> by_length;
   std::vector<double> stated_log, stated_zeta;  // variances of ln EA and of zeta, each record
+  std::vector<double> log_omega2;
   double zeta_share = 0;
   for (std::size_t i = 0; i < decays.size(); ++i) {
     const auto& d = decays[i];
     by_length[d.length_m].push_back(i);
     const double zeta = d.damping_ratio.value;
-    const auto s =
-        stiffness(pieces.nominal, omega_squared(d.damped_frequency_hz.value, zeta), d.length_m);
+    const double W = omega_squared(d.damped_frequency_hz.value, zeta);
+    const auto s = rod_stiffness(rod_of(setup, W, d.length_m));
+    log_omega2.push_back(std::log(W));
     AxialSample sample;
     sample.name = d.name, sample.length_m = d.length_m;
-    sample.stiffness_N_m = s.total, sample.cable_stiffness_N_m = s.cable;
-    const double amplify = s.cable / s.total;  // d ln kc / d ln k
+    sample.stiffness_N_m = s.series_N_m, sample.cable_stiffness_N_m = s.cable_N_m;
+    const double amplify = s.by_omega_squared;
     const double by_f = amplify * 2 * d.damped_frequency_hz.std / d.damped_frequency_hz.value;
     const double by_zeta = amplify * 2 * zeta / (1 - zeta * zeta) * d.damping_ratio.std;
     stated_log.push_back(by_f * by_f + by_zeta * by_zeta);
@@ -384,9 +353,10 @@ AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup&
     if (stated_log.back() > 0) {
       zeta_share += by_zeta * by_zeta / stated_log.back() / static_cast<double>(decays.size());
     }
-    sample.EA_N = {s.cable * d.length_m, s.cable * d.length_m * std::sqrt(stated_log.back())};
+    sample.EA_N = {s.cable_N_m * d.length_m,
+                   s.cable_N_m * d.length_m * std::sqrt(stated_log.back())};
     sample.damping_ratio = d.damping_ratio;
-    sample.damping_Ns_m = 2 * zeta * std::sqrt(s.total * setup.mass_kg.value);
+    sample.damping_Ns_m = 2 * zeta * std::sqrt(s.series_N_m * setup.mass_kg.value);
     result.samples.push_back(std::move(sample));
   }
   std::vector<std::vector<double>> log_groups, zeta_groups;
@@ -412,18 +382,18 @@ AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup&
     AxialLength l;
     l.length_m = length, l.records = static_cast<int>(members.size());
     l.EA_N.value = std::exp(mean_log);
-    const double kc = l.EA_N.value / length;
-    const double k = pieces.nominal.adapter > 0 ? 1 / (1 / kc + 1 / pieces.nominal.adapter) : kc;
-    const double W = k / (pieces.nominal.mass + pieces.nominal.mass_per_length * length / 3);
+    double mean_log_omega2 = 0;
+    for (std::size_t i : members) mean_log_omega2 += log_omega2[i] / count;
+    const double W = std::exp(mean_log_omega2);
+    const auto rod = rod_stiffness(rod_of(setup, W, length));
     const double relative = std::sqrt(repeat.variance / count);
-    const double by_length_std =
-        (kc + length * kc * kc / (k * k) * W * pieces.nominal.mass_per_length / 3) *
-        setup.length_std_m;
+    const double by_length_std = l.EA_N.value / length * (1 + rod.by_length) * setup.length_std_m;
     l.EA_N.std = std::hypot(relative * l.EA_N.value, by_length_std);
     l.damping_ratio = {mean_zeta, std::sqrt(repeat_zeta.variance / count)};
-    l.damping_Ns_m = 2 * mean_zeta * std::sqrt(k * setup.mass_kg.value);
+    l.damping_Ns_m = 2 * mean_zeta * std::sqrt(rod.series_N_m * setup.mass_kg.value);
     pieces.lengths.push_back(length);
     pieces.omega2.push_back(W);
+    pieces.by_omega2.push_back(rod.by_omega_squared);
     pieces.repeat_relative.push_back(relative);
     EA.push_back(l.EA_N.value);
     // Where neither records nor lengths have any uncertainty, equal weights.
@@ -433,36 +403,29 @@ AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup&
     result.lengths.push_back(l);
     result.reference_length_m += length / static_cast<double>(by_length.size());
   }
-  pieces.pooled = pool(EA, EA_variance);
-  const auto damping = pool(zeta, zeta_variance);
+  pieces.pooled = pool_groups(EA, EA_variance);
+  const auto damping = pool_groups(zeta, zeta_variance);
   const double between_degrees = static_cast<double>(EA.size()) - 1;
   result.EA_N.value = pieces.pooled.mean;
-  result.between_lengths_std_N = std::sqrt(pieces.pooled.tau2);
-  result.cochran_Q = pieces.pooled.Q;
-  if (EA.size() > 1) result.homogeneity_p = gsl_cdf_chisq_Q(pieces.pooled.Q, between_degrees);
+  result.between_lengths_std_N = std::sqrt(pieces.pooled.between_variance);
+  result.cochran_Q = pieces.pooled.cochran_Q;
+  if (EA.size() > 1)
+    result.homogeneity_p = gsl_cdf_chisq_Q(pieces.pooled.cochran_Q, between_degrees);
 
   result.damping_ratio = {damping.mean, std::sqrt(damping.variance)};
-  double zeta_between = 0;
-  for (double w : damping.weights) zeta_between += w * w * damping.tau2;
-  const double zeta_repeat = damping.variance - zeta_between;
-  double zeta_satterthwaite = 0;
-  if (damping.tau2 > 0) zeta_satterthwaite += zeta_between * zeta_between / between_degrees;
-  if (repeat_zeta.degrees > 0)
-    zeta_satterthwaite += zeta_repeat * zeta_repeat / repeat_zeta.degrees;
-  const double zeta_degrees =
-      zeta_satterthwaite > 0 ? damping.variance * damping.variance / zeta_satterthwaite : 0;
+  const double zeta_degrees = damping.degrees > 0 ? damping.degrees : repeat_zeta.degrees;
   const double zeta_factor = coverage_factor(options.coverage, zeta_degrees);
   result.damping_low = damping.mean - zeta_factor * result.damping_ratio.std;
   result.damping_high = damping.mean + zeta_factor * result.damping_ratio.std;
 
-  budget_of(result, setup, pieces, zeta_share);
-  result.coverage_factor = coverage_factor(options.coverage, result.degrees_of_freedom);
+  budget_of(result, setup, pieces, options.coverage, zeta_share);
   result.EA_low_N = result.EA_N.value - result.coverage_factor * result.EA_N.std;
   result.EA_high_N = result.EA_N.value + result.coverage_factor * result.EA_N.std;
 
   // Damper of the mean length: c = 2 zeta sqrt(k M).
   const double kc = result.EA_N.value / result.reference_length_m;
-  const double k = pieces.nominal.adapter > 0 ? 1 / (1 / kc + 1 / pieces.nominal.adapter) : kc;
+  const double adapter = setup.adapter_stiffness_N_m.value;
+  const double k = adapter > 0 ? 1 / (1 / kc + 1 / adapter) : kc;
   const double c = 2 * damping.mean * std::sqrt(k * setup.mass_kg.value);
   const double by_EA = 0.5 * c * (k / kc) * result.EA_N.std / result.EA_N.value;
   const double by_mass = 0.5 * c * setup.mass_kg.std / setup.mass_kg.value;

@@ -1,17 +1,15 @@
 // EA and axial damping of a cable from hanging-mass tests: a mass M on a length lc of cable,
 // struck, its damped frequency and damping ratio read from the tension's decay.
 //
-//   sqrt(k / (M + mc / 3)) sqrt(1 - zeta^2) = wd,   mc = m lc       stiffness from frequency
-//   1 / kc = 1 / k - 1 / km                                        adapter km in series
-//   EA = kc lc,   c = 2 zeta sqrt(k M)
-// Source: Jalali and Rideout 2021, axial test. m lc / 3 is the first term of the rod's kinetic
-// energy; it is exact to (m lc / M)^2 / 45.
+//   omega^2 = wd^2 / (1 - zeta^2)       undamped
+//   kc = EA / lc from omega, M, the cable's own mass and the adapter km in series (rod_stiffness.h;
+//   to first order kc = omega^2 (M + m lc / 3) for a rigid adapter),   c = 2 zeta sqrt(k M)
+// Source: Jalali and Rideout 2021, axial test; the cable's inertia without its approximation.
 //
-// Lengths are pooled with a random effect: EA_i = EA + u_i + e_i, var u = tau^2 by Paule and
-// Mandel, so that lengths which disagree beyond their own uncertainty widen the answer instead of
-// vanishing in it. Cochran's Q tests whether EA is the same. Uncertainty by the GUM (JCGM 100),
-// with a budget, and by Monte Carlo on the same model (JCGM 101). Sources: Paule and Mandel, J.
-// Res. NBS 87 (1982) 377; Cochran, Biometrics 10 (1954) 101.
+// Lengths are pooled with a random effect (random_effects.h): lengths which disagree beyond their
+// own uncertainty widen the answer instead of vanishing in it. Cochran's Q tests whether EA is the
+// same. Uncertainty by the GUM (JCGM 100), with a budget, and by Monte Carlo on the same model
+// (JCGM 101).
 #pragma once
 
 #include <cstdint>
@@ -53,7 +51,7 @@ struct AxialOptions {
 struct AxialSample {
   std::string name;
   double length_m = 0;
-  double stiffness_N_m = 0;        ///< k, adapter included
+  double stiffness_N_m = 0;        ///< k, static, adapter included
   double cable_stiffness_N_m = 0;  ///< kc
   signal::Estimate EA_N;           ///< its std: of the record alone
   signal::Estimate damping_ratio;

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
 #include <stdexcept>
 
-#include "ident/deming_line.h"
+#include "ident/bending_strokes.h"
+#include "ident/friction_transient.h"
 
 namespace rigfit::ident {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double median_of(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -21,57 +20,9 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-// Noise of one sample from second differences, which a smooth signal hardly has.
-double noise_of(const Eigen::VectorXd& x) {
-  if (x.size() < 20) return 0;
-  std::vector<double> seconds;
-  double squares = 0;
-  for (Eigen::Index i = 1; i + 1 < x.size(); ++i) {
-    seconds.push_back(std::abs(x[i - 1] - 2 * x[i] + x[i + 1]));
-    squares += seconds.back() * seconds.back();
-  }
-  const double robust = 1.4826 * median_of(seconds) / std::sqrt(6.0);
-  // A coarse converter repeats its value more often than not.
-  return robust > 0 ? robust : std::sqrt(squares / static_cast<double>(seconds.size()) / 6);
-}
-
-struct Range {
-  Eigen::Index first, last;  // inclusive
-  int direction;
-};
-
-// Runs of one direction: a turn counts when the signal has come back by `least`.
-std::vector<Range> strokes_of(const Eigen::VectorXd& d, double least) {
-  std::vector<Range> runs;
-  Eigen::Index start = 0, extreme = 0;
-  int direction = 0;
-  for (Eigen::Index i = 1; i < d.size(); ++i) {
-    if (direction == 0) {
-      if (std::abs(d[i] - d[start]) >= least) {
-        direction = d[i] > d[start] ? 1 : -1;
-        // The stroke begins at the last sample before it left.
-        for (Eigen::Index k = start; k <= i; ++k) {
-          if (direction * (d[k] - d[start]) <= 0) start = k;
-        }
-        extreme = i;
-      }
-      continue;
-    }
-    if (direction * (d[i] - d[extreme]) > 0) extreme = i;
-    if (direction * (d[extreme] - d[i]) >= least) {
-      runs.push_back({start, extreme, direction});
-      start = extreme;
-      extreme = i;
-      direction = -direction;
-    }
-  }
-  if (direction != 0) runs.push_back({start, extreme, direction});
-  return runs;
-}
-
 // Exact tables have lines without residuals; rounding keeps their variance from being zero.
-double variance_of(const BendingStroke& stroke) {
-  const double std = std::max(stroke.stiffness_N_m.std, 1e-10 * stroke.stiffness_N_m.value);
+double variance_of(const signal::Estimate& slope) {
+  const double std = std::max(slope.std, 1e-10 * slope.value);
   return std * std;
 }
 
@@ -95,9 +46,9 @@ class Analysis {
       refuse("no_loading", "load or deflection never changes: nothing was loaded");
       return finish();
     }
-    result_.load_noise_N = options_.load_noise_N > 0 ? options_.load_noise_N : noise_of(Q_);
+    result_.load_noise_N = options_.load_noise_N > 0 ? options_.load_noise_N : sample_noise(Q_);
     result_.deflection_noise_m =
-        options_.deflection_noise_m > 0 ? options_.deflection_noise_m : noise_of(d_);
+        options_.deflection_noise_m > 0 ? options_.deflection_noise_m : sample_noise(d_);
     mean_tension_ = P_.mean();
     if (!(mean_tension_ > 0)) {
       refuse("no_tension", fmt::format("the mean tension is {:.4g} N; check the sign and zero of "
@@ -159,9 +110,9 @@ class Analysis {
   // While the cable is deflected its tension can only rise; what it loses for good slipped.
   void find_clamp_slip() {
     const auto least = std::max(0.2 * range_d_, 6 * result_.deflection_noise_m);
-    const double noise = std::max(noise_of(P_), 0.0);
+    const double noise = std::max(sample_noise(P_), 0.0);
     double worst = 0;
-    for (const Range& run : strokes_of(d_, least)) {
+    for (const StrokeRange& run : find_strokes(d_, least)) {
       if (run.direction < 0) continue;
       double highest = -std::numeric_limits<double>::infinity();
       for (Eigen::Index i = run.first + 2; i + 2 <= run.last; ++i) {
@@ -207,105 +158,10 @@ class Analysis {
     return x;
   }
 
-  int load_drops(const Range& run) const {
-    const double least = std::max(0.01 * range_Q_, 8 * result_.load_noise_N);
-    double highest = run.direction * Q_[run.first];
-    bool falling = false;
-    int drops = 0;
-    double lowest = highest;
-    for (Eigen::Index i = run.first + 1; i <= run.last; ++i) {
-      const double q = run.direction * Q_[i];
-      if (!falling && q > highest) highest = q;
-      if (!falling && highest - q > least) {
-        ++drops;
-        falling = true;
-        lowest = q;
-      }
-      if (falling) {
-        lowest = std::min(lowest, q);
-        if (q - lowest > 0.5 * least) {
-          falling = false;
-          highest = q;
-        }
-      }
-    }
-    return drops;
-  }
-
-  DemingLine line_through(const Eigen::VectorXd& x, Eigen::Index first, Eigen::Index last,
-                          bool uncertainty) const {
-    const Eigen::Index n = last - first + 1;
-    return fit_deming_line(x.segment(first, n), Q_.segment(first, n), result_.deflection_noise_m,
-                           result_.load_noise_N, uncertainty);
-  }
-
-  // Straight part of a stroke: a line through its middle, followed outwards to where the local mean
-  // leaves it.
-  BendingStroke fit_stroke(const Range& run, const Eigen::VectorXd& x) const {
-    BendingStroke stroke;
-    stroke.loading = run.direction > 0;
-    stroke.first = run.first;
-    stroke.last = run.last;
-    stroke.load_drops = load_drops(run);
-    const Eigen::Index samples = run.last - run.first + 1;
-    const double start = d_[run.first], travel = d_[run.last] - start;
-    const auto share = [&](Eigen::Index i) { return (d_[i] - start) / travel; };
-    Eigen::Index earliest = run.first;
-    if (samples >= 20) {
-      while (share(earliest) < options_.turn_share) ++earliest;
-    }
-    // Toe lies at the bottom, stop and friction's turn at the top of the loading stroke.
-    const double from = stroke.loading ? 0.35 : 0.15, to = stroke.loading ? 0.85 : 0.65;
-    Eigen::Index first = earliest, last = run.last;
-    const Eigen::Index least = std::min<Eigen::Index>(4, last - first + 1);
-    while (first + least <= last && share(first) < from) ++first;
-    while (last - least >= first && share(last) > to) --last;
-    DemingLine line = line_through(x, first, last, false);
-
-    const Eigen::Index half = samples / 40;
-    const double averaged = std::sqrt(static_cast<double>(2 * half + 1));
-    Eigen::VectorXd sums(samples + 1);  // of residuals before each sample, clipped
-    for (int pass = 0; pass < 4 && line.usable; ++pass) {
-      const double noise =
-          std::hypot(result_.load_noise_N, line.slope * result_.deflection_noise_m);
-      const double limit = std::max(options_.straightness * range_Q_, 4 * noise / averaged);
-      const double clip = 3 * limit + 4 * noise;  // one wild sample moves no mean beyond the limit
-      sums[0] = 0;
-      for (Eigen::Index k = 0; k < samples; ++k) {
-        const double r = Q_[run.first + k] - line.offset - line.slope * x[run.first + k];
-        sums[k + 1] = sums[k] + std::clamp(r, -clip, clip);
-      }
-      const auto off = [&](Eigen::Index i) {
-        const Eigen::Index low = std::max<Eigen::Index>(0, i - run.first - half);
-        const Eigen::Index high = std::min(samples, i - run.first + half + 1);
-        return std::abs(sums[high] - sums[low]) / static_cast<double>(high - low) > limit;
-      };
-      Eigen::Index new_first = first, new_last = last;
-      while (new_first > earliest && !off(new_first - 1)) --new_first;
-      while (new_first + least < new_last && off(new_first)) ++new_first;
-      while (new_last < run.last && !off(new_last + 1)) ++new_last;
-      while (new_last - least > new_first && off(new_last)) --new_last;
-      if (new_first == first && new_last == last) break;
-      first = new_first;
-      last = new_last;
-      line = line_through(x, first, last, false);
-    }
-    line = line_through(x, first, last, true);
-    stroke.used_first = first;
-    stroke.used_last = last;
-    stroke.stiffness_N_m = {line.usable ? line.slope : kNaN, line.usable ? line.slope_std : kNaN};
-    stroke.offset_N = line.offset;
-    stroke.residual_rms_N = line.residual_rms;
-    stroke.curvature = line.curvature;
-    stroke.curvature_std = line.curvature_std;
-    freedom_ = line.degrees_of_freedom;
-    return stroke;
-  }
-
   void fit_strokes() {
     const double least = std::max(0.2 * range_d_, 6 * result_.deflection_noise_m);
-    std::vector<Range> runs;
-    for (const Range& run : strokes_of(d_, least)) {
+    std::vector<StrokeRange> runs;
+    for (const StrokeRange& run : find_strokes(d_, least)) {
       const bool whole = std::abs(d_[run.last] - d_[run.first]) >= 0.5 * range_d_;
       if (whole && run.last - run.first + 1 >= 4) runs.push_back(run);
     }
@@ -318,11 +174,14 @@ class Analysis {
       const Eigen::VectorXd x = tension_corrected(EI);
       result_.strokes.clear();
       std::vector<double> freedoms;
-      for (const Range& run : runs) {
-        BendingStroke stroke = fit_stroke(run, x);
+      for (const StrokeRange& run : runs) {
+        double freedom = 0;
+        BendingStroke stroke = fit_straight_part(
+            run, {d_, x, Q_, range_Q_, result_.load_noise_N, result_.deflection_noise_m}, options_,
+            freedom);
         if (!(stroke.stiffness_N_m.value > 0) || !std::isfinite(stroke.stiffness_N_m.std)) continue;
         result_.strokes.push_back(stroke);
-        freedoms.push_back(freedom_);
+        freedoms.push_back(freedom);
       }
       if (result_.strokes.empty()) {
         refuse("no_slope",
@@ -330,67 +189,166 @@ class Analysis {
                "deflection");
         return;
       }
-      pool(freedoms);
-      const double ratio = 4 * mean_tension_ * result_.compliance_m_N.value / options_.span_m.value;
-      EI = 0;  // softer than a string: g is that of a string
-      if (ratio < 1) {
-        const double lambda = lambda_from_bending_ratio(ratio).lambda;
-        EI = mean_tension_ * std::pow(options_.span_m.value / lambda, 2) / 4;
-      }
+      take(pool_strokes(freedoms));
+      EI = EI_of_slope();
       if (std::abs(EI - before) <= 1e-7 * EI) break;
       before = EI;
     }
-    result_.tension_N = {mean_tension_, options_.tension_calibration_std * mean_tension_};
+    for (int pass = 0; pass < 2; ++pass) {
+      if (!take_friction(tension_corrected(EI), straight_)) break;
+      EI = EI_of_slope();
+    }
+    result_.tension_N = {mean_tension_, std::hypot(options_.tension_calibration_std * mean_tension_,
+                                                   options_.tension_zero_std_N)};
     result_.stiffness = stiffness_from_compliance(
         {result_.compliance_m_N, result_.tension_N, options_.span_m, result_.degrees_of_freedom});
   }
 
-  void pool(const std::vector<double>& freedoms) {
-    const auto& strokes = result_.strokes;
-    const auto count = static_cast<double>(strokes.size());
+  // 0 for what is softer than a string: its changing tension is then that of a string.
+  double EI_of_slope() const {
+    const double ratio = 4 * mean_tension_ * result_.compliance_m_N.value / options_.span_m.value;
+    if (!(ratio > 0 && ratio < 1)) return 0;
+    const double lambda = lambda_from_bending_ratio(ratio).lambda;
+    return mean_tension_ * std::pow(options_.span_m.value / lambda, 2) / 4;
+  }
+
+  // Slope of all strokes together.
+  struct Pooled {
+    double K = 0, variance = 0;
+    double welch = 0;  // variance^2 over its degrees of freedom
+  };
+
+  static Pooled pool(const std::vector<signal::Estimate>& slopes,
+                     const std::vector<double>& freedoms) {
+    const auto count = static_cast<double>(slopes.size());
     double weight = 0, weight2 = 0, mean = 0;
-    for (const auto& s : strokes) {
-      const double w = 1 / variance_of(s);
-      weight += w, weight2 += w * w, mean += w * s.stiffness_N_m.value;
+    for (const auto& K : slopes) {
+      const double w = 1 / variance_of(K);
+      weight += w, weight2 += w * w, mean += w * K.value;
     }
     mean /= weight;
     double chi = 0;
-    for (const auto& s : strokes) {
-      chi += std::pow(s.stiffness_N_m.value - mean, 2) / variance_of(s);
-    }
+    for (const auto& K : slopes) chi += std::pow(K.value - mean, 2) / variance_of(K);
     // Variance between strokes beyond what their own lines promise.
     const double between =
         count > 1 ? std::max(0.0, (chi - (count - 1)) / (weight - weight2 / weight)) : 0;
-    double pooled_weight = 0, pooled = 0, within = 0, welch = 0;
-    for (std::size_t i = 0; i < strokes.size(); ++i) {
-      const double own = variance_of(strokes[i]);
+    Pooled pooled;
+    double pooled_weight = 0, within = 0;
+    for (std::size_t i = 0; i < slopes.size(); ++i) {
+      const double own = variance_of(slopes[i]);
       const double w = 1 / (own + between);
       pooled_weight += w;
-      pooled += w * strokes[i].stiffness_N_m.value;
+      pooled.K += w * slopes[i].value;
       within += w * w * own;
-      welch += std::pow(w * w * own, 2) / std::max(1.0, freedoms[i]);
+      pooled.welch += std::pow(w * w * own, 2) / std::max(1.0, freedoms[i]);
     }
-    pooled /= pooled_weight;
+    pooled.K /= pooled_weight;
     within /= pooled_weight * pooled_weight;
-    welch /= std::pow(pooled_weight, 4);
-    const double variance = 1 / pooled_weight, scatter = std::max(0.0, variance - within);
-    if (count > 1) welch += scatter * scatter / (count - 1);
+    pooled.welch /= std::pow(pooled_weight, 4);
+    pooled.variance = 1 / pooled_weight;
+    const double scatter = std::max(0.0, pooled.variance - within);
+    if (count > 1) pooled.welch += scatter * scatter / (count - 1);
+    return pooled;
+  }
 
-    result_.relative_std_strokes = std::sqrt(variance) / pooled;
-    const double relative2 = variance / (pooled * pooled) +
+  Pooled pool_strokes(const std::vector<double>& freedoms) {
+    std::vector<signal::Estimate> slopes;
+    for (const auto& stroke : result_.strokes) slopes.push_back(stroke.stiffness_N_m);
+    return straight_ = pool(slopes, freedoms);
+  }
+
+  void take(const Pooled& pooled) {
+    result_.relative_std_strokes = std::sqrt(pooled.variance) / pooled.K;
+    const double relative2 = pooled.variance / (pooled.K * pooled.K) +
                              std::pow(options_.load_calibration_std, 2) +
                              std::pow(options_.deflection_calibration_std, 2);
-    result_.compliance_m_N = {1 / pooled, std::sqrt(relative2) / pooled};
-    const double total = relative2 * pooled * pooled;
-    result_.degrees_of_freedom = welch > 0 ? total * total / welch : 0;
+    result_.compliance_m_N = {1 / pooled.K, std::sqrt(relative2) / pooled.K};
+    const double total = relative2 * pooled.K * pooled.K;
+    result_.degrees_of_freedom = pooled.welch > 0 ? total * total / pooled.welch : 0;
     if (!(result_.degrees_of_freedom < 1000)) result_.degrees_of_freedom = 0;
+  }
+
+  // The slope averaged over what friction may do after the turns (friction_transient.h). False when
+  // the strokes are too short to tell.
+  bool take_friction(const Eigen::VectorXd& x, const Pooled& straight) {
+    std::vector<FrictionStroke> strokes;
+    for (const auto& s : result_.strokes) {
+      if (s.last - s.first + 1 < 40) return false;
+      // What lies beyond the straight part at the far end is a stop or a toe, no friction.
+      const double travel = std::abs(d_[s.last] - d_[s.first]);
+      Eigen::Index first = s.first;
+      while (first < s.used_first && std::abs(d_[first] - d_[s.first]) < 0.01 * travel) ++first;
+      const Eigen::Index n = s.used_last - first + 1;
+      FrictionStroke stroke;
+      stroke.sign = s.loading ? 1 : -1;
+      stroke.travel_m = (d_.segment(first, n).array() - d_[s.first]).abs();
+      stroke.x_m = x.segment(first, n);
+      stroke.load_N = Q_.segment(first, n);
+      strokes.push_back(std::move(stroke));
+    }
+    struct Candidate {
+      Pooled pooled;
+      FrictionFit fit;
+    };
+    std::vector<Candidate> candidates;
+    double least = std::numeric_limits<double>::infinity();
+    for (const FrictionLaw law : kFrictionLaws) {
+      Candidate one;
+      one.fit = fit_friction(strokes, law, result_.deflection_noise_m);
+      if (!one.fit.usable) return false;
+      if (law == FrictionLaw::none) {
+        // Where nothing happens after the turns the line through the straight part is the best
+        // there is: it is robust to toes and stops.
+        one.pooled = straight;
+      } else {
+        one.pooled = pool(one.fit.stiffness_N_m,
+                          std::vector<double>(strokes.size(), static_cast<double>(100)));
+        double common = 0;
+        for (double by : one.fit.by_travel) common += by / static_cast<double>(strokes.size());
+        one.pooled.variance += common * common;
+      }
+      least = std::min(least, one.fit.aicc);
+      candidates.push_back(std::move(one));
+    }
+    double weight = 0, K = 0, travel = 0, load = 0, none = 0;
+    for (const auto& one : candidates) {
+      const double w = std::exp(-0.5 * (one.fit.aicc - least));
+      weight += w;
+      K += w * one.pooled.K;
+      if (one.fit.law == FrictionLaw::none) {
+        none = w;
+        continue;
+      }
+      travel += w * one.fit.travel_m;
+      for (double a : one.fit.load_N) load += w * 0.5 * a / static_cast<double>(strokes.size());
+    }
+    K /= weight;
+    Pooled averaged;
+    averaged.K = K;
+    double spread = 0, welch = 0;
+    for (const auto& one : candidates) {
+      const double w = std::exp(-0.5 * (one.fit.aicc - least)) / weight;
+      averaged.variance += w * (one.pooled.variance + std::pow(one.pooled.K - K, 2));
+      spread += w * std::pow(one.pooled.K - K, 2);
+      welch += w * one.pooled.welch / std::pow(one.pooled.variance, 2);
+    }
+    averaged.welch = welch * averaged.variance * averaged.variance;
+    if (!(K > 0) || !std::isfinite(averaged.variance)) return false;
+    const double share = 1 - none / weight;
+    result_.friction_probability = share;
+    result_.friction_travel_m = share > 0.5 ? travel / (weight - none) : 0;
+    result_.friction_load_N = share > 0.5 ? load / (weight - none) : 0;
+    result_.relative_std_friction = std::sqrt(spread) / K;
+    result_.relative_friction_correction = K / straight.K - 1;
+    take(averaged);
+    return true;
   }
 
   signal::Estimate mean_of(bool loading) const {
     double weight = 0, sum = 0;
     for (const auto& s : result_.strokes) {
       if (s.loading != loading) continue;
-      const double w = 1 / variance_of(s);
+      const double w = 1 / variance_of(s.stiffness_N_m);
       weight += w, sum += w * s.stiffness_N_m.value;
     }
     if (weight == 0) return {};
@@ -441,7 +399,15 @@ class Analysis {
     if (loadings > 0 && unloadings > 0) {
       result_.hysteresis_N = 0.5 * (loading_offset / loadings - unloading_offset / unloadings);
     }
-    if (toe > options_.turn_share + 0.05) {
+    if (result_.friction_probability > 0.5 &&
+        std::abs(result_.relative_friction_correction) > 1e-3) {
+      note(
+          "friction",
+          fmt::format("wire friction stiffens the first {:.2g} mm after every turn (by {:.2g} N in "
+                      "all); without it the slope is {:+.1f} % of a straight line's",
+                      1e3 * result_.friction_travel_m, 2 * result_.friction_load_N,
+                      100 * result_.relative_friction_correction));
+    } else if (toe > options_.turn_share + 0.05) {
       note("toe", fmt::format("the first {:.0f} % of the deflection are a toe (slack or friction "
                               "being taken up) and were left out",
                               100 * toe));
@@ -477,11 +443,11 @@ class Analysis {
         note("curved", message + "; EI is that of its mean slope");
       }
     }
-    if (result_.relative_std_strokes > 0.3) {
+    if (result_.compliance_m_N.std / result_.compliance_m_N.value > 0.3) {
       refuse("no_slope",
              fmt::format("the slope is uncertain by {:.0f} %: noise, or strokes that do "
                          "not agree",
-                         100 * result_.relative_std_strokes));
+                         100 * result_.compliance_m_N.std / result_.compliance_m_N.value));
     }
     const auto status = result_.stiffness.status;
     if (status == BendingStatus::upper_bound_only) {
@@ -495,8 +461,8 @@ class Analysis {
   BendingTestOptions options_;
   BendingTestResult result_;
   Eigen::VectorXd P_, Q_, d_;
+  Pooled straight_;  // by the straight parts alone
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;
-  mutable double freedom_ = 0;  // of the stroke fitted last
 };
 
 }  // namespace
@@ -504,43 +470,6 @@ class Analysis {
 BendingTestResult analyse_bending_test(const BendingRecord& record,
                                        const BendingTestOptions& options) {
   return Analysis(record, options).run();
-}
-
-std::vector<BendingRecord> split_by_tension(const BendingRecord& table) {
-  const Eigen::Index n = table.tension_N.size();
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return table.tension_N[a] < table.tension_N[b];  // NaN never compares; such rows stay together
-  });
-  std::vector<std::vector<Eigen::Index>> clusters;
-  for (Eigen::Index index : order) {
-    const double P = table.tension_N[index];
-    if (!std::isfinite(P)) continue;
-    bool apart = clusters.empty();
-    if (!apart) {
-      const double low = table.tension_N[clusters.back().front()];
-      const double high = table.tension_N[clusters.back().back()];
-      apart = P - high > 0.05 * std::abs(P) && P - high > high - low;
-    }
-    if (apart) clusters.emplace_back();
-    clusters.back().push_back(index);
-  }
-  std::vector<BendingRecord> records;
-  for (auto& cluster : clusters) {
-    std::sort(cluster.begin(), cluster.end());
-    BendingRecord record;
-    const auto size = static_cast<Eigen::Index>(cluster.size());
-    record.tension_N.resize(size), record.load_N.resize(size), record.deflection_m.resize(size);
-    for (Eigen::Index i = 0; i < size; ++i) {
-      const Eigen::Index row = cluster[static_cast<std::size_t>(i)];
-      record.tension_N[i] = table.tension_N[row];
-      record.load_N[i] = table.load_N[row];
-      record.deflection_m[i] = table.deflection_m[row];
-    }
-    records.push_back(std::move(record));
-  }
-  return records;
 }
 
 }  // namespace rigfit::ident

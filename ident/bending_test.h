@@ -10,7 +10,9 @@
 // channels' own noise), Huber weights; variance from the larger of the textbook formula and a block
 // jackknife, which sees that residuals of one stroke are not independent. Strokes are pooled with
 // the scatter between them (DerSimonian and Laird 1986), degrees of freedom after Welch and
-// Satterthwaite (GUM G.4). Then `stiffness_from_compliance`.
+// Satterthwaite (GUM G.4). Where strokes have 40 samples or more the slope is averaged over what
+// wire friction may do after the turns (friction_transient.h), with the spread between its laws in
+// the uncertainty. Then `stiffness_from_compliance`.
 #pragma once
 
 #include <Eigen/Core>
@@ -33,6 +35,7 @@ struct BendingTestOptions {
   double load_calibration_std = 0;
   double deflection_calibration_std = 0;
   double tension_calibration_std = 0;
+  double tension_zero_std_N = 0;  ///< of the tension cell's zero, N
   // Noise of one sample; 0: estimated from the record (second differences; residuals of a short
   // table).
   double load_noise_N = 0;
@@ -79,9 +82,16 @@ struct BendingTestResult {
   signal::Estimate loading_stiffness_N_m, unloading_stiffness_N_m;  ///< NaN: no such stroke
   double hysteresis_N = 0;  ///< half the distance between loading and unloading lines
   double load_noise_N = 0, deflection_noise_m = 0;  ///< as used
-  /// Relative standard uncertainty of K by source: strokes, load, deflection calibration.
+  /// Relative standard uncertainty of K from the strokes, friction included, calibrations left out.
   double relative_std_strokes = 0;
-  StiffnessFromBending stiffness;  ///< solved only when not refused
+  // Wire friction after the turns, averaged over its laws; zero where strokes are too short to
+  // tell.
+  double friction_probability = 0;          ///< Akaike weight of the laws with friction
+  double friction_travel_m = 0;             ///< over which it turns round; 0: none is seen
+  double friction_load_N = 0;               ///< half of what it adds after a turn
+  double relative_std_friction = 0;         ///< of K: what the laws differ by
+  double relative_friction_correction = 0;  ///< of K, against straight lines
+  StiffnessFromBending stiffness;           ///< solved only when not refused
 };
 
 /// Throws std::invalid_argument for channels of different lengths or a span that is not positive.

@@ -4,6 +4,8 @@
 // as several tensions) minimise
 //
 //   sum_pairs rho((ln f_model(p) - ln f_measured) / s) + the same of damping ratios where measured
+//   + the same of shapes where asked for (both of unit length, the model's sign)
+//   + sum_lines rho(Re, Im of ln(H_model(p) / H_measured) / s) of FRFs where measured
 //   + sum_priors ((p - p0) / s_p)^2
 //
 // with Huber's rho, s the relative standard uncertainty of the measured value and of the model
@@ -24,6 +26,7 @@
 
 #include "ident/mode_pairing.h"
 #include "ident/uncertainty.h"
+#include "model/frf_sensitivities.h"
 #include "model/modal_analysis.h"
 #include "signal/estimate.h"
 
@@ -53,21 +56,43 @@ struct MeasuredMode {
   Eigen::VectorXcd shape = {};  ///< at the scene's sensors, in their order; empty: not measured
 };
 
+/// One measured FRF, from a load of the scene to a sensor of it, in the sensor's quantity per N.
+struct MeasuredFrf {
+  std::size_t sensor = 0, load = 0;  ///< of the scene, in its order
+  Eigen::VectorXd frequency_hz;      ///< positive
+  Eigen::VectorXcd H;
+  Eigen::VectorXd std = {};  ///< of the real and of the imaginary part; empty: unknown
+};
+
 /// The rig in one state: its scene as known before, and what was measured.
 struct UpdateState {
   std::string name;
   model::Scene scene;
   std::vector<MeasuredMode> measured;
+  std::vector<MeasuredFrf> frfs = {};
+  /// The modes were found in these FRFs: they lead the fit near and are listed, but do not count a
+  /// second time.
+  bool modes_lead_only = false;
 };
 
 using ModeSolver = std::function<model::ModeSensitivities(
     const model::Scene&, const std::vector<std::string>&, const model::ModesOptions&)>;
+using FrfSolver = std::function<model::FrfSensitivities(
+    const model::Scene&, const Eigen::VectorXd& frequency_hz, const std::vector<std::string>&)>;
 
 struct UpdateOptions {
   /// Relative standard uncertainty of frequencies that come without one; it then only weighs, the
   /// scatter about the fit gives the variance.
   double assumed_relative_std = 0.01;
   double assumed_damping_relative_std = 0.2;
+  /// Relative standard uncertainty of FRFs that come without one; it then only weighs.
+  double assumed_frf_relative_std = 0.05;
+  /// What the model cannot reach, relative in FRFs, added to every line's uncertainty.
+  double frf_model_relative_std = 0;
+  /// Lines whose uncertainty is a larger part of the FRF say nothing in their logarithm.
+  double frf_max_relative_std = 0.5;
+  /// Standard uncertainty of a component of a unit shape; 0: shapes only pair, they are not fitted.
+  double shape_std = 0;
   /// What the model cannot reach, relative in frequency, added to every measured uncertainty.
   double model_relative_std = 0;
   double huber_threshold = 2;  ///< standard deviations beyond which a pair pulls linearly
@@ -81,7 +106,8 @@ struct UpdateOptions {
   int threads = 1;  ///< over the starts
   /// Segments of members that leave them to the program: good to some 1e-5 in the first modes.
   int auto_segments = 30;
-  ModeSolver solver = {};  ///< empty: model::analyse_mode_sensitivities
+  ModeSolver solver = {};     ///< empty: model::analyse_mode_sensitivities
+  FrfSolver frf_solver = {};  ///< empty: model::synthesize_frf_sensitivities
 };
 
 enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
@@ -125,6 +151,10 @@ struct UpdateResult {
   std::vector<UpdatedUnpaired> unpaired;
   std::vector<UpdatedPair> pairs_before;                         ///< at the start values
   double rms_relative_error = 0, rms_relative_error_before = 0;  ///< NaN without pairs
+  /// Rms of |ln(H_model / H_measured)| over the lines that are fitted; NaN without FRFs.
+  double rms_log_frf_error = std::numeric_limits<double>::quiet_NaN();
+  double rms_log_frf_error_before = std::numeric_limits<double>::quiet_NaN();
+  Eigen::Index frf_lines = 0;
   double chi_squared = 0, degrees_of_freedom = 0;
   double variance_factor = 1;
   double coverage_factor = 1.96;        ///< for 95 %
@@ -152,10 +182,11 @@ struct PairedModes {
 struct HeldOut {
   int state = 0;
   UpdateStatus status = UpdateStatus::not_converged;
-  double rms_fitted = 0;           ///< of the states that were fitted
-  double rms_predicted = 0;        ///< of the one held out
-  double rms_before = 0;           ///< of the one held out, at the start values
-  std::vector<UpdatedPair> pairs;  ///< of the one held out
+  double rms_fitted = 0;     ///< of the states that were fitted
+  double rms_predicted = 0;  ///< of the one held out
+  double rms_before = 0;     ///< of the one held out, at the start values
+  double frf_fitted = 0, frf_predicted = 0, frf_before = 0;  ///< the same of rms |ln FRF ratio|
+  std::vector<UpdatedPair> pairs;                            ///< of the one held out
 };
 
 /// Each state in turn is left out, the others fitted, and it is predicted by what is shared.

@@ -70,16 +70,39 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       return plain;
     };
   }
+  if (!options_.frf_solver) {
+    options_.frf_solver = [](const model::Scene& scene, const Eigen::VectorXd& lines,
+                             const std::vector<std::string>& names) {
+      if (!names.empty()) return model::synthesize_frf_sensitivities(scene, lines, names);
+      model::FrfSensitivities plain;
+      plain.frfs = model::synthesize_frfs(scene, lines);
+      return plain;
+    };
+  }
   for (const auto& state : states_) {
-    for (const auto& mode : state.measured) {
-      if (!known(mode.frequency_hz.value)) {
-        throw std::invalid_argument("update: every measured frequency must be positive");
+    for (const auto& frf : state.frfs) {
+      if (frf.sensor >= state.scene.sensors.size() || frf.load >= state.scene.loads.size() ||
+          frf.H.size() != frf.frequency_hz.size() ||
+          (frf.std.size() != 0 && frf.std.size() != frf.H.size()) ||
+          (frf.H.size() > 0 && !(frf.frequency_hz.minCoeff() > 0))) {
+        throw std::invalid_argument(
+            "update: an FRF without its sensor, load, lines above 0 Hz or standard deviations");
       }
+      if (frf.std.size() == 0) uncertainties_known_ = false;
+    }
+    if (state.modes_lead_only) continue;
+    for (const auto& mode : state.measured) {
       if (!known(mode.frequency_hz.std)) uncertainties_known_ = false;
       if (damping_fitted(mode)) damping_ = true;
     }
   }
   for (const auto& state : states_) {
+    for (const auto& mode : state.measured) {
+      if (!known(mode.frequency_hz.value)) {
+        throw std::invalid_argument("update: every measured frequency must be positive");
+      }
+      if (damping_fitted(mode)) damping_ = true;
+    }
     const auto names = model::parameter_names(state.scene);
     present_.emplace_back(names.begin(), names.end());
   }
@@ -178,38 +201,46 @@ model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const 
   return scene;
 }
 
+bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
+                                std::string& failure) const {
+  try {
+    scene = scene_at(state, q);
+  } catch (const model::SceneError& error) {  // a value that no scene may have
+    failure = error.what();
+    return false;
+  }
+  for (auto& member : scene.members) {  // the same number all along, or frequencies would jump
+    if (member.segments == 0) member.segments = options_.auto_segments;
+  }
+  return true;
+}
+
+UpdateProblem::Targets UpdateProblem::targets_of(int state) const {
+  Targets targets;
+  for (Eigen::Index j = 0; j < size(); ++j) {
+    const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+    if (coordinate.state >= 0 && coordinate.state != state) continue;
+    const auto& parameter = free_[static_cast<std::size_t>(coordinate.parameter)];
+    for (std::size_t t = 0; t < parameter.targets.size(); ++t) {
+      if (!present_[static_cast<std::size_t>(state)].contains(parameter.targets[t])) continue;
+      targets.names.push_back(parameter.targets[t]);
+      targets.owner.emplace_back(j, parameter.factor(t));
+    }
+  }
+  return targets;
+}
+
 UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool derivatives) const {
   UpdateStateModes result;
   const auto& measured = states_[static_cast<std::size_t>(state)].measured;
   model::Scene scene;
-  try {
-    scene = scene_at(state, q);
-  } catch (const model::SceneError& error) {  // a value that no scene may have
-    result.failure = error.what();
-    return result;
-  }
-  std::vector<std::string> targets;
-  std::vector<std::pair<Eigen::Index, double>> owner;
-  if (derivatives) {
-    for (Eigen::Index j = 0; j < size(); ++j) {
-      const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
-      if (coordinate.state >= 0 && coordinate.state != state) continue;
-      const auto& parameter = free_[static_cast<std::size_t>(coordinate.parameter)];
-      for (std::size_t t = 0; t < parameter.targets.size(); ++t) {
-        if (!present_[static_cast<std::size_t>(state)].contains(parameter.targets[t])) continue;
-        targets.push_back(parameter.targets[t]);
-        owner.push_back({j, parameter.factor(t)});
-      }
-    }
-  }
+  if (!fixed_scene(state, q, scene, result.failure)) return result;
+  const auto [targets, owner] = derivatives ? targets_of(state) : Targets{};
   model::ModesOptions modes;
   modes.count = std::min<int>(100, 3 * static_cast<int>(measured.size()) + 8);
   modes.damped = damping_;
   modes.shapes = false;
   modes.error_estimate = false;
-  for (auto& member : scene.members) {  // the same number all along, or frequencies would jump
-    if (member.segments == 0) member.segments = options_.auto_segments;
-  }
   ++evaluations_;
   const auto solved = options_.solver(scene, targets, modes);
   const auto& analysis = solved.analysis;
@@ -229,12 +260,18 @@ UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool 
     if (!known(mode.frequency_hz)) continue;  // a rigid motion: nothing that was measured
     if (derivatives) {
       mode.dlog_frequency = mode.dlog_damping = Eigen::VectorXd::Zero(size());
+      if (options_.shape_std > 0) {
+        mode.dshape = Eigen::MatrixXd::Zero(natural.sensor_shape.size(), size());
+      }
       const auto row = static_cast<Eigen::Index>(k);
       for (std::size_t t = 0; t < targets.size(); ++t) {
         const auto [j, factor] = owner[t];
         const double by = factor * coordinates_[static_cast<std::size_t>(j)].derivative(q[j]);
         const auto column = static_cast<Eigen::Index>(t);
         mode.dlog_frequency[j] += solved.frequency(row, column) * by / mode.frequency_hz;
+        if (mode.dshape.size() > 0 && t < solved.sensor_shape.size()) {
+          mode.dshape.col(j) += by * solved.sensor_shape[t].col(row);
+        }
         if (damping_ && solved.damping_ratio.rows() > row && known(mode.damping_ratio)) {
           mode.dlog_damping[j] += solved.damping_ratio(row, column) * by / mode.damping_ratio;
         }
@@ -297,26 +334,49 @@ double UpdateProblem::relative_std(int state, int measured) const {
   return std::hypot(own, options_.model_relative_std);
 }
 
-Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches) const {
+bool UpdateProblem::counts(int state, UpdateStage stage) const {
+  return stage == UpdateStage::lead || !states_[static_cast<std::size_t>(state)].modes_lead_only;
+}
+
+bool UpdateProblem::has_modes() const {
+  return std::any_of(states_.begin(), states_.end(),
+                     [](const auto& state) { return !state.measured.empty(); });
+}
+
+bool UpdateProblem::has_frfs() const {
+  return std::any_of(states_.begin(), states_.end(),
+                     [](const auto& state) { return !state.frfs.empty(); });
+}
+
+bool UpdateProblem::shape_fitted(const MeasuredMode& mode) const {
+  return options_.shape_std > 0 && mode.shape.size() > 1 && mode.shape.allFinite() &&
+         mode.shape.norm() > 0;
+}
+
+Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches,
+                                           UpdateStage stage) const {
   Eigen::Index count = priors_;
   for (const auto& match : matches) {
-    if (match.cross_plane) continue;
+    if (match.cross_plane || !counts(match.state, stage)) continue;
     const auto& mode = states_[static_cast<std::size_t>(match.state)]
                            .measured[static_cast<std::size_t>(match.measured)];
     count += damping_fitted(mode) ? 2 : 1;
+    if (shape_fitted(mode)) count += mode.shape.size();
   }
+  if (stage == UpdateStage::full) count += 2 * frf_lines();
   return count;
 }
 
 bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
-                              Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
-  r.setZero(residual_count(matches));
+                              UpdateStage stage, Eigen::VectorXd& r,
+                              Eigen::MatrixXd* jacobian) const {
+  r.setZero(residual_count(matches, stage));
   if (jacobian != nullptr) jacobian->setZero(r.size(), size());
   Eigen::Index row = 0;
   int current = -1;
   UpdateStateModes modelled;
   for (const auto& match : matches) {  // ordered by state
-    if (match.cross_plane) continue;
+    if (match.cross_plane || !counts(match.state, stage)) continue;
     if (match.state != current) {
       modelled = modes(match.state, q, jacobian != nullptr);
       if (!modelled.failure.empty()) return false;
@@ -330,14 +390,39 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
     r[row] = std::log(mode->frequency_hz / measured.frequency_hz.value) / std;
     if (jacobian != nullptr) jacobian->row(row) = mode->dlog_frequency / std;
     ++row;
-    if (!damping_fitted(measured)) continue;
-    if (!known(mode->damping_ratio)) return false;
-    const double damping_std = known(measured.damping_ratio.std)
-                                   ? measured.damping_ratio.std / measured.damping_ratio.value
-                                   : options_.assumed_damping_relative_std;
-    r[row] = std::log(mode->damping_ratio / measured.damping_ratio.value) / damping_std;
-    if (jacobian != nullptr) jacobian->row(row) = mode->dlog_damping / damping_std;
-    ++row;
+    if (damping_fitted(measured)) {
+      if (!known(mode->damping_ratio)) return false;
+      const double damping_std = known(measured.damping_ratio.std)
+                                     ? measured.damping_ratio.std / measured.damping_ratio.value
+                                     : options_.assumed_damping_relative_std;
+      r[row] = std::log(mode->damping_ratio / measured.damping_ratio.value) / damping_std;
+      if (jacobian != nullptr) jacobian->row(row) = mode->dlog_damping / damping_std;
+      ++row;
+    }
+    if (shape_fitted(measured)) {
+      // The measured shape turned to be as real as it can be; the model's has its sign.
+      const Eigen::VectorXcd turned =
+          measured.shape *
+          std::polar(1.0, -0.5 * std::arg((measured.shape.array() * measured.shape.array()).sum()));
+      const Eigen::VectorXd wanted = turned.real().normalized();
+      const Eigen::VectorXd shape = mode->shape.real();
+      const double length = shape.norm();
+      if (shape.size() != wanted.size() || !(length > 0)) return false;
+      const Eigen::VectorXd unit = shape / length;
+      const double sign = unit.dot(wanted) < 0 ? -1 : 1;
+      r.segment(row, wanted.size()) = (sign * unit - wanted) / options_.shape_std;
+      if (jacobian != nullptr && mode->dshape.size() > 0) {
+        jacobian->middleRows(row, wanted.size()) =
+            sign / (length * options_.shape_std) *
+            (mode->dshape - unit * (unit.transpose() * mode->dshape));
+      }
+      row += wanted.size();
+    }
+  }
+  if (stage == UpdateStage::full) {
+    for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+      if (takes_part(s) && !frf_residuals(s, q, row, r, jacobian)) return false;
+    }
   }
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];

@@ -34,6 +34,7 @@ struct UpdateModelMode {
   int order = 0;  ///< among those of its plane
   Eigen::VectorXcd shape;
   Eigen::VectorXd dlog_frequency, dlog_damping;  ///< by coordinate
+  Eigen::MatrixXd dshape;                        ///< sensors x coordinates; empty: not asked for
 };
 
 struct UpdateStateModes {
@@ -61,6 +62,9 @@ struct UpdateMatches {
   int unpaired_measured = 0;
 };
 
+/// What counts as data: first the modes alone, then everything (modes that only lead drop out).
+enum class UpdateStage { lead, full };
+
 class UpdateProblem {
  public:
   /// `held_out`: a state that takes no part; -1: none.
@@ -80,11 +84,19 @@ class UpdateProblem {
   [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, double common_factor_range,
                                     std::string& failure, int only = -1) const;
 
-  /// Residuals over their standard deviations: frequencies and dampings of the fitted pairs in
-  /// order, then priors. False when some state has no modes or a pair's mode is gone.
+  /// Residuals over their standard deviations: frequencies, dampings and shapes of the fitted pairs
+  /// in order, FRFs, then priors. False when some state has no modes or a pair's mode is gone.
   [[nodiscard]] bool residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
-                               Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
-  [[nodiscard]] Eigen::Index residual_count(const std::vector<UpdateMatch>& matches) const;
+                               UpdateStage stage, Eigen::VectorXd& residuals,
+                               Eigen::MatrixXd* jacobian) const;
+  [[nodiscard]] Eigen::Index residual_count(const std::vector<UpdateMatch>& matches,
+                                            UpdateStage stage) const;
+  [[nodiscard]] bool has_modes() const;
+  [[nodiscard]] bool has_frfs() const;
+  /// Rms of |ln(H_model / H_measured)| over the fitted lines of the states that take part (or
+  /// `only` that one); NaN without any or without a model.
+  [[nodiscard]] double rms_log_frf_error(const Eigen::VectorXd& q, int only = -1) const;
+  [[nodiscard]] Eigen::Index frf_lines() const;
   [[nodiscard]] Eigen::Index prior_count() const { return priors_; }
   [[nodiscard]] std::vector<UpdatedPair> pairs(const Eigen::VectorXd& q,
                                                const std::vector<UpdateMatch>& matches) const;
@@ -95,12 +107,34 @@ class UpdateProblem {
 
   /// Replaces what was measured and the priors' centres (for Monte Carlo).
   void set_measured(int state, int measured, double frequency_hz, double damping_ratio);
+  /// Draws every FRF anew about the model's at q, by its own relative uncertainty times `spread`.
+  /// False when there is no model there.
+  [[nodiscard]] bool redraw_frfs(const Eigen::VectorXd& q, double spread,
+                                 const std::function<double()>& normal);
   void set_prior(Eigen::Index coordinate, double q) {
     coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
   }
 
  private:
+  // Lines of one FRF that are fitted, with their relative uncertainty.
+  struct FrfLines {
+    std::vector<Eigen::Index> line;
+    std::vector<double> relative_std;
+  };
+  struct Targets {
+    std::vector<std::string> names;
+    std::vector<std::pair<Eigen::Index, double>> owner;  // coordinate, factor
+  };
+
   [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
+  [[nodiscard]] bool shape_fitted(const MeasuredMode& mode) const;
+  [[nodiscard]] bool counts(int state, UpdateStage stage) const;
+  [[nodiscard]] Targets targets_of(int state) const;
+  [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
+                                 std::string& failure) const;
+  [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
+  [[nodiscard]] bool frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+                                   Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
 
   std::vector<UpdateState> states_;
   std::vector<FreeParameter> free_;

@@ -3,8 +3,8 @@
 //
 // Finer than the straight-line slope that is fitted: the elastic deflection follows eq. (17) with
 // the tension of the moment, which grows with the deflection (P = P0 + k_frame * 2 d^2 / l), and
-// wire friction adds a hysteretic load (Dahl: dq/dd = (q_f / d_f) (1 - q/q_f sign(dd))), so that
-// loading starts steeper than it goes on and unloading lies below it.
+// wire friction adds a hysteretic load (Dahl 1968: dq/dd = (q_f / d_f) (1 - q/q_f sign(dd))^i), so
+// that loading starts steeper than it goes on and unloading lies below it.
 #pragma once
 
 #include "ident/sensor_model.h"
@@ -20,6 +20,7 @@ struct VirtualBendingTest {
   double frame_stiffness_N_m = 2e4;  ///< tension gained per metre that the cable shortens its ends
   double friction_load_N = 0.02;     ///< q_f, hysteresis half width
   double friction_travel_m = 5e-5;   ///< d_f, over which it builds up
+  double friction_exponent = 1;      ///< i of Dahl's law: 0 bilinear, 1 exponential, 2 long tail
   int cycles = 2;                    ///< loading and unloading
   double cycle_s = 60;
   double sample_rate_hz = 20;

@@ -22,8 +22,8 @@ struct VirtualInstruments {
                             .bits = 24};  ///< m/s^2
   SensorModel tension_cell{.noise_std = 0.05,
                            .offset_std = 0.1,
-                           .drift_per_s = 0.01,
-                           .random_walk_per_root_s = 0.01,
+                           .drift_per_s = 1e-4,
+                           .random_walk_per_root_s = 1e-3,
                            .full_scale = 500,
                            .bits = 16};  ///< N
   SensorModel load_cell{.noise_std = 0.005,

@@ -9,10 +9,9 @@
 #include <optional>
 
 #include "apps/json_document.h"
-#include "apps/measured_modes.h"
 #include "apps/output_file.h"
 #include "apps/progress.h"
-#include "apps/stiffness_table.h"
+#include "apps/update_data.h"
 #include "apps/verbs/all.h"
 #include "ident/model_update.h"
 #include "model/read_scene.h"
@@ -21,11 +20,13 @@ namespace rigfit::apps {
 namespace {
 
 struct Options {
-  std::vector<std::string> scenes, measured, free, priors, planes;
-  std::string column, stiffness, out;
+  UpdateData data;
+  std::vector<double> band;
+  std::vector<std::string> free, priors;
+  std::string out;
   bool hold_out = false;
   int monte_carlo = 0, starts = 4;
-  double start_spread = 3, assumed_std = 0.01, model_std = 0;
+  double start_spread = 3, assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
 };
 
 double number_of(const std::string& text, const std::string& option) {
@@ -98,75 +99,9 @@ std::vector<ident::FreeParameter> free_parameters(const Options& options,
   return free;
 }
 
-struct States {
-  std::vector<ident::UpdateState> states;
-  std::vector<std::string> scene_files;  // by state
-  std::vector<std::optional<double>> tension;
-};
-
-std::optional<model::ModePlane> plane_of(const Options& options, std::size_t file) {
-  if (options.planes.empty()) return std::nullopt;
-  const auto& word = options.planes[options.planes.size() == 1 ? 0 : file];
-  if (word == "in") return model::ModePlane::in;
-  if (word == "out") return model::ModePlane::out;
-  return std::nullopt;  // "any"
-}
-
-States read_states(const Options& options, VerbContext& context) {
-  if (options.scenes.size() > 1 && options.scenes.size() != options.measured.size()) {
-    throw UsageError("with several scenes, give one --measured for each, in their order");
-  }
-  if (options.planes.size() > 1 && options.planes.size() != options.measured.size()) {
-    throw UsageError("--plane: one for all, or one for each --measured");
-  }
-  std::optional<ResultTable> stiffness;
-  if (!options.stiffness.empty()) {
-    context.input(options.stiffness);
-    stiffness = read_result_table(options.stiffness);
-  }
-  States result;
-  for (std::size_t f = 0; f < options.measured.size(); ++f) {
-    const auto& scene_file = options.scenes[options.scenes.size() > 1 ? f : 0];
-    context.input(scene_file);
-    context.input(options.measured[f]);
-    const model::Scene scene = model::read_scene(scene_file);
-    std::vector<std::string> sensors;
-    for (const auto& sensor : scene.sensors) sensors.push_back(sensor.name);
-    const auto rows =
-        read_measured_modes(options.measured[f], options.column, plane_of(options, f), sensors);
-    for (const auto& row : rows) {
-      std::size_t s = 0;
-      while (s < result.states.size() &&
-             (result.scene_files[s] != scene_file || result.tension[s] != row.tension_N)) {
-        ++s;
-      }
-      if (s == result.states.size()) {
-        ident::UpdateState state;
-        state.scene = scene;
-        state.name = options.scenes.size() > 1 ? scene.title : "";
-        if (row.tension_N) {
-          state.name += fmt::format("{}{:g} N", state.name.empty() ? "" : ", ", *row.tension_N);
-          for (const auto& member : scene.members) {
-            if (member.kind != model::Member::Kind::cable) continue;
-            model::set_parameter(state.scene, member.name + ".tension", *row.tension_N);
-            if (!stiffness) continue;
-            model::set_parameter(state.scene, member.name + ".EI",
-                                 stiffness_at(*stiffness, *row.tension_N, context));
-          }
-        }
-        result.states.push_back(std::move(state));
-        result.scene_files.push_back(scene_file);
-        result.tension.push_back(row.tension_N);
-      }
-      result.states[s].measured.push_back(row.mode);
-    }
-  }
-  return result;
-}
-
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json pair_json(const ident::UpdatedPair& pair, const States& states) {
+Json pair_json(const ident::UpdatedPair& pair, const UpdateStates& states) {
   Json json{{"state", states.states[static_cast<std::size_t>(pair.state)].name},
             {"measured_hz", pair.measured_hz},
             {"model_hz", pair.model_hz},
@@ -182,7 +117,7 @@ Json pair_json(const ident::UpdatedPair& pair, const States& states) {
   return json;
 }
 
-Json pairs_json(const ident::UpdateResult& result, const States& states) {
+Json pairs_json(const ident::UpdateResult& result, const UpdateStates& states) {
   Json pairs = Json::array();
   for (const auto& pair : result.pairs) pairs.push_back(pair_json(pair, states));
   for (const auto& lone : result.unpaired) {
@@ -195,7 +130,7 @@ Json pairs_json(const ident::UpdateResult& result, const States& states) {
   return pairs;
 }
 
-void print(std::ostream& out, const ident::UpdateResult& result, const States& states) {
+void print(std::ostream& out, const ident::UpdateResult& result, const UpdateStates& states) {
   out << fmt::format("{:<34} {:>12} {:>12} {:>10}\n", "parameter", "start", "value", "std");
   for (const auto& p : result.parameters) {
     out << fmt::format("{:<34} {:>12.5g} {:>12.5g} {:>10}\n", p.name, p.start, p.value,
@@ -217,12 +152,88 @@ void print(std::ostream& out, const ident::UpdateResult& result, const States& s
   }
   out << fmt::format("rms of the paired errors: {:.2f} % before, {:.2f} % fitted\n",
                      100 * result.rms_relative_error_before, 100 * result.rms_relative_error);
+  if (result.frf_lines > 0) {
+    out << fmt::format(
+        "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
+        result.frf_lines, result.rms_log_frf_error_before, result.rms_log_frf_error);
+  }
 }
 
-Json hold_out_json(const States& states, const std::vector<ident::FreeParameter>& free,
-                   const ident::UpdateOptions& options, VerbContext& context) {
+// Paired errors of the model before, fitted and held out, and of other models in the same rows.
+Json comparison_json(const Options& options, const UpdateStates& states,
+                     const ident::UpdateResult& result, const std::vector<ident::HeldOut>& held,
+                     VerbContext& context) {
+  const auto error_of = [](const std::vector<ident::UpdatedPair>& pairs, int state, int measured) {
+    for (const auto& pair : pairs) {
+      if (pair.state == state && pair.measured == measured && !pair.cross_plane) {
+        return pair.relative_error;
+      }
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  };
+  std::vector<std::string> names{"before", "fitted"};
+  if (!held.empty()) names.emplace_back("held out");
+  for (const auto& column : options.data.compare) names.push_back(column);
+  struct Sum {
+    double squares = 0;
+    int count = 0;
+    void add(double error) {
+      if (std::isfinite(error)) squares += error * error, ++count;
+    }
+    double rms() const { return count > 0 ? std::sqrt(squares / count) : std::nan(""); }
+  };
+  std::vector<Sum> all(names.size());
+  const auto shown = [](double error) {
+    return std::isfinite(error) ? fmt::format("{:+.2f} %", 100 * error) : std::string("-");
+  };
+  auto& out = context.out;
+  out << fmt::format("\n{:<24} {:>12}", "relative errors", "measured, Hz");
+  for (const auto& name : names) out << fmt::format(" {:>14}", name);
+  out << '\n';
+  Json rows = Json::array();
+  for (std::size_t s = 0; s < states.states.size(); ++s) {
+    std::vector<Sum> sums(names.size());
+    for (std::size_t m = 0; m < states.states[s].measured.size(); ++m) {
+      const double measured = states.states[s].measured[m].frequency_hz.value;
+      const int state = static_cast<int>(s), index = static_cast<int>(m);
+      std::vector<double> errors{error_of(result.pairs_before, state, index),
+                                 error_of(result.pairs, state, index)};
+      if (!held.empty()) errors.push_back(error_of(held[s].pairs, state, index));
+      for (const double other : states.compared[s][m]) errors.push_back(other / measured - 1);
+      out << fmt::format("{:<24} {:>12.4f}", states.states[s].name, measured);
+      Json row{{"state", states.states[s].name}, {"measured_hz", measured}};
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        out << fmt::format(" {:>14}", shown(errors[i]));
+        row[names[i]] = number(errors[i]);
+        sums[i].add(errors[i]);
+        all[i].add(errors[i]);
+      }
+      out << '\n';
+      rows.push_back(std::move(row));
+    }
+    if (states.states.size() == 1) continue;
+    out << fmt::format("{:<24} {:>12}", states.states[s].name, "rms");
+    for (const auto& sum : sums) {
+      out << fmt::format(" {:>14}", sum.count > 0 ? fmt::format("{:.2f} %", 100 * sum.rms()) : "-");
+    }
+    out << '\n';
+  }
+  Json rms;
+  out << fmt::format("{:<24} {:>12}", "all", "rms");
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    out << fmt::format(" {:>14}",
+                       all[i].count > 0 ? fmt::format("{:.2f} %", 100 * all[i].rms()) : "-");
+    rms[names[i]] = {{"rms_relative_error", number(all[i].rms())}, {"modes", all[i].count}};
+  }
+  out << '\n';
+  return {{"rms", std::move(rms)}, {"rows", std::move(rows)}};
+}
+
+Json hold_out_json(const UpdateStates& states, const std::vector<ident::FreeParameter>& free,
+                   const ident::UpdateOptions& options, std::vector<ident::HeldOut>& held,
+                   VerbContext& context) {
   Json json = Json::array();
-  const auto held = ident::hold_out_each(states.states, free, options);
+  held = ident::hold_out_each(states.states, free, options);
   context.out << fmt::format("{:<24} {:>10} {:>12} {:>12}\n", "held out", "before", "others fitted",
                              "predicted");
   for (const auto& one : held) {
@@ -236,13 +247,16 @@ Json hold_out_json(const States& states, const std::vector<ident::FreeParameter>
                     {"rms_relative_error_before", number(one.rms_before)},
                     {"rms_relative_error_fitted", number(one.rms_fitted)},
                     {"rms_relative_error_predicted", number(one.rms_predicted)},
+                    {"rms_log_frf_error_before", number(one.frf_before)},
+                    {"rms_log_frf_error_fitted", number(one.frf_fitted)},
+                    {"rms_log_frf_error_predicted", number(one.frf_predicted)},
                     {"pairs", std::move(pairs)}});
   }
   return json;
 }
 
-Json write_scenes(const Options& options, const States& states, const ident::UpdateResult& result,
-                  VerbContext& context) {
+Json write_scenes(const Options& options, const UpdateStates& states,
+                  const ident::UpdateResult& result, VerbContext& context) {
   Json files = Json::array();
   for (std::size_t s = 0; s < result.scenes.size(); ++s) {
     std::filesystem::path path =
@@ -253,22 +267,35 @@ Json write_scenes(const Options& options, const States& states, const ident::Upd
     if (result.scenes.size() > 1) {
       const std::string tension =
           states.tension[s] ? fmt::format("-{:g}N", *states.tension[s]) : "";
-      const std::string number = options.scenes.size() > 1 ? fmt::format("-{}", s + 1) : "";
+      const std::string number = options.data.scenes.size() > 1 ? fmt::format("-{}", s + 1) : "";
       path.replace_filename(path.stem().string() + number + tension + path.extension().string());
     }
-    write_whole_file(path, model::scene_text(result.scenes[s]));
+    model::Scene scene = result.scenes[s];
+    for (std::size_t m = 0; m < scene.members.size(); ++m) {
+      scene.members[m].segments = states.segments[s][m];
+    }
+    write_whole_file(path, model::scene_text(scene));
     context.out << "updated scene: " << path.string() << '\n';
     files.push_back(path.string());
   }
   return files;
 }
 
-Json run_update(VerbContext& context, const Options& options) {
-  const States states = read_states(options, context);
+Json run_update(VerbContext& context, Options options) {
+  if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty()) {
+    throw UsageError("nothing to fit to: give --measured, --frf or --decay");
+  }
+  if (!options.band.empty()) {
+    if (!(options.band[0] < options.band[1])) throw UsageError("--band must rise");
+    options.data.band_hz = {options.band[0], options.band[1]};
+  }
+  const UpdateStates states = read_update_states(options.data, context);
   const auto free = free_parameters(options, states.states.front().scene);
   ident::UpdateOptions update;
   update.assumed_relative_std = options.assumed_std;
   update.model_relative_std = options.model_std;
+  update.frf_model_relative_std = options.frf_model_std;
+  update.shape_std = options.shape_std;
   update.starts = options.starts;
   update.start_spread = options.start_spread;
   update.seed = context.seed;
@@ -328,11 +355,20 @@ Json run_update(VerbContext& context, const Options& options) {
   json["starts"] = result.starts;
   json["starts_agreeing"] = result.starts_agreeing;
   json["model_evaluations"] = result.model_evaluations;
+  if (result.frf_lines > 0) {
+    json["frf_lines"] = result.frf_lines;
+    json["rms_log_frf_error"] = number(result.rms_log_frf_error);
+    json["rms_log_frf_error_before"] = number(result.rms_log_frf_error_before);
+  }
+  std::vector<ident::HeldOut> held;
   if (options.hold_out) {
     if (states.states.size() < 2) {
       throw UsageError("--hold-out needs several states: a tension_N column or several scenes");
     }
-    json["hold_out"] = hold_out_json(states, free, update, context);
+    json["hold_out"] = hold_out_json(states, free, update, held, context);
+  }
+  if (!options.data.compare.empty()) {
+    json["comparison"] = comparison_json(options, states, result, held, context);
   }
   if (options.monte_carlo > 0) {
     Progress progress("Monte Carlo", options.monte_carlo, context.quiet);
@@ -360,23 +396,39 @@ void add_update(CLI::App& program, Verbs& verbs) {
   const auto options = std::make_shared<Options>();
   CLI::App* verb =
       program.add_subcommand("update", "A scene's uncertain parameters fitted to measured modes");
-  verb->add_option("SCENE", options->scenes, "Scene files (several: one for each --measured)")
+  verb->add_option("SCENE", options->data.scenes,
+                   "Scene files (several: one for each file of data)")
       ->required()
       ->check(CLI::ExistingFile);
-  verb->add_option("--measured", options->measured,
+  verb->add_option("--measured", options->data.modes,
                    "Tables of measured modes: frequency_hz, and where known std, damping_ratio, "
                    "damping_std, plane, tension_N (a state each), shape:<sensor>")
-      ->required()
       ->check(CLI::ExistingFile);
+  verb->add_option("--frf", options->data.frfs,
+                   "FRFs (UFF 58), fitted line by line; names of inputs and responses are those of "
+                   "the scene's loads and sensors. Their modes lead the fit near")
+      ->check(CLI::ExistingFile);
+  verb->add_option("--decay", options->data.decays,
+                   "Recordings of free decays: their frequencies and damping ratios")
+      ->check(CLI::ExistingFile);
+  verb->add_option("--channel", options->data.decay_channel, "Channel of the decays");
+  verb->add_option("--tension", options->data.tensions,
+                   "Of each --frf and --decay, N: the cables' tension in that state")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--band", options->band, "Lines and modes of FRFs and decays that count, Hz")
+      ->expected(2)
+      ->check(CLI::NonNegativeNumber);
+  verb->add_option("--compare", options->data.compare,
+                   "Further columns of the tables: frequencies of other models, shown beside");
   verb->add_option("--free", options->free,
                    "Scene parameters to fit: NAME, NAME=TARGET,-TARGET (several that share a "
                    "value), NAME@each (one value a state). Default: every member's EI");
   verb->add_option("--prior", options->priors,
                    "NAME=VALUE,STD of a free parameter, from other tests");
-  verb->add_option("--column", options->column, "Name of the frequency column");
-  verb->add_option("--plane", options->planes, "Plane of each --measured: in, out or any")
+  verb->add_option("--column", options->data.column, "Name of the frequency column");
+  verb->add_option("--plane", options->data.planes, "Plane of each file: in, out or any")
       ->check(CLI::IsMember({"in", "out", "any"}));
-  verb->add_option("--stiffness", options->stiffness,
+  verb->add_option("--stiffness", options->data.stiffness,
                    "Table of tension_N, EI_Nm2: the cables' EI in each state")
       ->check(CLI::ExistingFile);
   verb->add_option("--assumed-std", options->assumed_std,
@@ -387,6 +439,19 @@ void add_update(CLI::App& program, Verbs& verbs) {
                    "Relative error in frequency that the model itself is allowed")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  verb->add_option("--frf-model-std", options->frf_model_std,
+                   "Relative error in FRFs that the model itself is allowed")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  verb->add_option(
+          "--shape-std", options->shape_std,
+          "Uncertainty of a component of a unit shape: shapes are fitted too (0: they only "
+          "help to pair)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  verb->add_option("--segments", options->data.segments,
+                   "Of every member while fitting (default: the scene's); fewer are faster")
+      ->check(CLI::Range(2, 10000));
   verb->add_option("--starts", options->starts, "Starts, the first at the scene's own values")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

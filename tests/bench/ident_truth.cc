@@ -1,5 +1,6 @@
-// Coverage and bias of EI from bending tests and of updated parameters over 200 virtual campaigns:
-// the long form of what the unit tests check in short. Prints a table.
+// Coverage and bias of EI from bending tests, of EA and damping from hanging-mass tests and of
+// updated parameters over 200 virtual campaigns: the long form of what the unit tests check in
+// short. Prints a table. bending_coverage and axial_coverage go through more kinds of tests.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,10 +8,13 @@
 #include <cmath>
 #include <random>
 
+#include "ident/axial_test.h"
 #include "ident/bending_test.h"
 #include "ident/model_update.h"
+#include "ident/virtual_axial.h"
 #include "ident/virtual_bending.h"
 #include "model/read_scene.h"
+#include "signal/decay.h"
 
 namespace {
 
@@ -40,6 +44,8 @@ void bending() {
       test.EI_Nm2 = 0.5;
       test.tension_N = tension;
       test.span_m = 0.5;
+      test.friction_load_N = 0.1;
+      test.friction_travel_m = 2e-4;
       test.load_cell.noise_std = 0.01;
       test.load_cell.offset_std = 0.05;
       test.lvdt.noise_std = 1e-6;
@@ -59,6 +65,43 @@ void bending() {
     }
     score.print(fmt::format("bending, EI at {:g} N", tension));
   }
+}
+
+// Three lengths, five taps each; mass, cable's mass and lengths drawn from their uncertainties.
+void axial() {
+  constexpr double kEA = 221780, kZeta = 0.017;
+  Score EA, zeta;
+  for (std::uint64_t seed = 0; seed < kCampaigns; ++seed) {
+    ident::Random random = ident::random_stream(seed, 91);
+    std::normal_distribution<double> normal;
+    ident::AxialSetup setup;
+    setup.mass_kg = {2.2, 0.005};
+    setup.mass_per_length_kg_m = {0.16667, 0.001};
+    setup.length_std_m = 0.002;
+    ident::VirtualAxialTest test;
+    test.EA_N = kEA, test.damping_ratio = kZeta;
+    test.hung_mass_kg = 2.2 + setup.mass_kg.std * normal(random);
+    test.mass_per_length_kg_m = 0.16667 + setup.mass_per_length_kg_m.std * normal(random);
+    test.after_s = 1, test.before_s = 0.2;
+    test.load_cell.noise_std = 1, test.load_cell.offset_std = 1;
+    std::vector<ident::AxialDecay> decays;
+    for (const double length : {0.7, 1.0, 1.3}) {
+      test.length_m = length + setup.length_std_m * normal(random);
+      for (int tap = 0; tap < 5; ++tap) {
+        const auto record = ident::virtual_axial_record(test, random);
+        const auto r = signal::estimate_decay(record.channels[0].samples, record.sample_rate_hz);
+        if (!r.refusal.empty()) continue;
+        decays.push_back({"tap", length, r.modes[0].damped_frequency_hz, r.modes[0].damping_ratio});
+      }
+    }
+    ident::AxialOptions options;
+    options.draws = 0;
+    const auto r = ident::axial_test(decays, setup, options);
+    EA.add(r.EA_N.value, kEA, r.EA_N.std, r.EA_low_N, r.EA_high_N);
+    zeta.add(r.damping_ratio.value, kZeta, r.damping_ratio.std, r.damping_low, r.damping_high);
+  }
+  EA.print("axial, EA");
+  zeta.print("axial, damping ratio");
 }
 
 model::Scene cable(double tension, double EI) {
@@ -137,6 +180,30 @@ void update() {
   for (std::size_t p = 0; p < 5; ++p) {
     scores[p].print(p == 0 ? "update, EI" : fmt::format("update, tension {:g} N", tensions[p - 1]));
   }
+  {
+    std::vector<ident::UpdateState> states;
+    for (std::size_t s = 0; s < 4; ++s) {
+      ident::UpdateState state{fmt::format("{:g} N", tensions[s]), cable(tensions[s], 0.6), {}};
+      for (const double f : truth[s]) {
+        ident::MeasuredMode mode;
+        mode.frequency_hz = {f, 2e-3 * f};
+        mode.plane = model::ModePlane::out;
+        state.measured.push_back(mode);
+      }
+      states.push_back(std::move(state));
+    }
+    ident::UpdateOptions options;
+    const auto begin = std::chrono::steady_clock::now();
+    const auto solution = ident::update_model(states, {{"cable.EI"}, tension}, options);
+    const auto middle = std::chrono::steady_clock::now();
+    const auto study =
+        ident::update_monte_carlo(solution, states, {{"cable.EI"}, tension}, options, 1000);
+    const auto end = std::chrono::steady_clock::now();
+    fmt::print(
+        "\nupdate from four starts {:.3f} s; Monte Carlo of {} refits {:.1f} s, one thread\n",
+        std::chrono::duration<double>(middle - begin).count(), study.samples,
+        std::chrono::duration<double>(end - middle).count());
+  }
   std::sort(times.begin(), times.end());
   fmt::print("\nupdate, 4 tensions x 6 modes, 5 free parameters, one start: median {:.3f} s\n",
              times[times.size() / 2]);
@@ -148,5 +215,6 @@ int main() {
   fmt::print("| quantity                     |  n   | coverage   | bias / std   |\n");
   fmt::print("|------------------------------|------|------------|--------------|\n");
   bending();
+  axial();
   update();
 }

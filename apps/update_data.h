@@ -1,0 +1,39 @@
+// What `update` fits to: tables of measured modes, FRFs, decays; by state of the rig.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/verb.h"
+#include "ident/model_update.h"
+
+namespace rigfit::apps {
+
+struct UpdateData {
+  std::vector<std::string> scenes;  ///< one for all, or one for each file below, in their order
+  std::vector<std::string> modes, frfs, decays;  ///< files
+  std::vector<double> tensions;                  ///< of each FRF and decay file; empty: the scene's
+  std::vector<std::string> planes;               ///< in, out, any: one for all or for each file
+  std::string column;                            ///< of the frequencies in tables
+  std::vector<std::string> compare;              ///< further columns: frequencies of other models
+  std::string decay_channel;
+  std::string stiffness;  ///< table of tension_N, EI_Nm2
+  int segments = 0;       ///< of every member while fitting; 0: the scene's
+  std::optional<std::pair<double, double>> band_hz;  ///< of FRFs and decays
+};
+
+struct UpdateStates {
+  std::vector<ident::UpdateState> states;
+  std::vector<std::string> scene_files;  ///< by state
+  std::vector<std::optional<double>> tension;
+  std::vector<std::vector<int>> segments;  ///< by state, of each member as its file says
+  /// By state, measured mode, column of `compare`: what another model says; NaN where it is blank.
+  std::vector<std::vector<std::vector<double>>> compared;
+};
+
+/// Throws UsageError, Refused, model::SceneError, signal::RecordingError.
+[[nodiscard]] UpdateStates read_update_states(const UpdateData& data, VerbContext& context);
+
+}  // namespace rigfit::apps

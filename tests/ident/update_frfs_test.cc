@@ -1,0 +1,246 @@
+// FRFs, shapes and dampers as data of the model update.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "ident/frf_differences.h"
+#include "ident/model_update.h"
+#include "model/read_scene.h"
+
+namespace rigfit::ident {
+namespace {
+
+model::Scene beam(double EI, double tip_mass, const std::string& damping) {
+  auto scene = model::parse_scene(R"(
+gravity = 9.80665
+[[node]]
+name = "foot"
+position = [0.0, 0.0, 0.0]
+support = "clamped"
+[[node]]
+name = "tip"
+position = [0.0, 0.75, 0.0]
+[[member]]
+name = "beam"
+kind = "beam"
+nodes = ["foot", "tip"]
+segments = 12
+mass_per_length = 0.3
+EA = 7.0e6
+EI = [2.0, 200.0]
+GJ = 3.0
+)" + damping + R"(
+[[load]]
+name = "hammer"
+kind = "impact"
+member = "beam"
+position = 0.8
+direction = [1.0, 0.0, 0.0]
+peak = 1.0
+duration = 0.002
+[[sensor]]
+name = "low"
+member = "beam"
+position = 0.5
+direction = [1.0, 0.0, 0.0]
+[[sensor]]
+name = "high"
+member = "beam"
+position = 0.9
+direction = [1.0, 0.0, 0.0]
+)",
+                                  "beam.toml");
+  model::set_parameter(scene, "beam.EI_z", EI);
+  model::set_parameter(scene, "tip.mass", tip_mass);
+  return scene;
+}
+
+const std::string kRatio = "damping_ratio = 0.01";
+
+// FRFs of a scene at lines up to 60 Hz, with relative noise.
+std::vector<MeasuredFrf> frfs_of(const model::Scene& truth, double std, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(60, 1, 60);
+  const auto exact = model::synthesize_frfs(truth, lines);
+  std::vector<MeasuredFrf> frfs;
+  for (std::size_t sensor = 0; sensor < truth.sensors.size(); ++sensor) {
+    MeasuredFrf frf;
+    frf.sensor = sensor;
+    frf.frequency_hz = lines;
+    frf.H.resize(lines.size()), frf.std.resize(lines.size());
+    for (Eigen::Index k = 0; k < lines.size(); ++k) {
+      const auto H = exact.H[static_cast<std::size_t>(k)](static_cast<Eigen::Index>(sensor), 0);
+      frf.std[k] = std * std::abs(H);
+      frf.H[k] = H + frf.std[k] * std::complex<double>(normal(random), normal(random));
+    }
+    frfs.push_back(std::move(frf));
+  }
+  return frfs;
+}
+
+std::vector<MeasuredMode> modes_of(const model::Scene& truth, int count, double damping_std) {
+  model::ModesOptions options;
+  options.count = 12;
+  std::vector<MeasuredMode> modes;
+  for (const auto& natural : model::analyse_modes(truth, options).modes) {
+    if (natural.plane != model::ModePlane::in || static_cast<int>(modes.size()) == count) continue;
+    MeasuredMode mode;
+    mode.frequency_hz = {natural.frequency_hz, 1e-3 * natural.frequency_hz};
+    mode.damping_ratio = {natural.damping_ratio, damping_std * natural.damping_ratio};
+    mode.plane = natural.plane;
+    mode.shape = natural.sensor_shape.cast<std::complex<double>>();
+    modes.push_back(mode);
+  }
+  return modes;
+}
+
+TEST(UpdateFrfs, FindsStiffnessMassAndDampingFromStartsOffByThree) {
+  const auto truth = beam(2.1, 0.02, kRatio);
+  for (const double factor : {1.0 / 3, 3.0}) {
+    auto start = beam(2.1 * factor, 0.02 / factor, kRatio);
+    model::set_parameter(start, "beam.damping_ratio", 0.01 * factor);
+    UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 1), true};
+    const auto result =
+        update_model({state}, {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}});
+    ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+    const double wanted[] = {2.1, 0.02, 0.01};
+    for (std::size_t p = 0; p < 3; ++p) {
+      EXPECT_TRUE(result.parameters[p].identifiable);
+      EXPECT_NEAR(result.parameters[p].value, wanted[p], 4 * result.parameters[p].std) << p;
+      EXPECT_LT(result.parameters[p].std, 0.05 * wanted[p]);
+    }
+    EXPECT_EQ(result.frf_lines, 120);
+    // Noise of 2 % in real and imaginary part of the logarithm: sqrt(2) of it.
+    EXPECT_NEAR(result.rms_log_frf_error, 0.02 * std::sqrt(2.0), 0.006);
+    EXPECT_GT(result.rms_log_frf_error_before, 10 * result.rms_log_frf_error);
+  }
+}
+
+TEST(UpdateFrfs, WithoutAnyModeTheFitStartsFromWhereItIs) {
+  const auto truth = beam(2.1, 0.02, kRatio);
+  UpdateState state{"beam", beam(2.0, 0.02, kRatio), {}, frfs_of(truth, 0.02, 2)};
+  UpdateOptions options;
+  options.starts = 1;
+  const auto result = update_model({state}, {{"beam.EI_z"}}, options);
+  ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+  EXPECT_NEAR(result.parameters[0].value, 2.1, 4 * result.parameters[0].std);
+  EXPECT_TRUE(std::isnan(result.rms_relative_error));
+}
+
+TEST(UpdateFrfs, IntervalsCover) {
+  const auto truth = beam(2.1, 0.02, kRatio);
+  int covered = 0, total = 0;
+  for (std::uint64_t seed = 0; seed < 25; ++seed) {
+    UpdateState state{"beam", beam(2.15, 0.021, kRatio), {}, frfs_of(truth, 0.05, 100 + seed)};
+    UpdateOptions options;
+    options.starts = 1;
+    const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
+    for (std::size_t p = 0; p < 2; ++p) {
+      covered += std::abs(result.parameters[p].value - (p == 0 ? 2.1 : 0.02)) <=
+                 result.coverage_factor * result.parameters[p].std;
+      ++total;
+    }
+  }
+  EXPECT_GE(covered, 0.86 * total);  // 95 %, three binomial deviations of 50
+}
+
+TEST(UpdateFrfs, AHeldOutStateIsPredicted) {
+  std::vector<UpdateState> states;
+  for (const double tip : {0.01, 0.03, 0.05}) {
+    UpdateState state{"tip " + std::to_string(tip), beam(3.0, tip, kRatio),
+                      modes_of(beam(2.1, tip, kRatio), 3, 0.1),
+                      frfs_of(beam(2.1, tip, kRatio), 0.02, 7), true};
+    states.push_back(state);
+  }
+  UpdateOptions options;
+  options.starts = 1;
+  for (const auto& held : hold_out_each(states, {{"beam.EI_z"}}, options)) {
+    EXPECT_LT(held.frf_predicted, 0.04);
+    EXPECT_GT(held.frf_before, 0.2);
+    EXPECT_LT(held.rms_predicted, 1e-3);
+  }
+}
+
+TEST(UpdateFrfs, MonteCarloAgreesWithTheCovariance) {
+  const auto truth = beam(2.1, 0.02, kRatio);
+  UpdateState state{"beam", beam(2.1, 0.02, kRatio), {}, frfs_of(truth, 0.05, 3)};
+  const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
+  UpdateOptions options;
+  options.starts = 1;
+  const auto result = update_model({state}, free, options);
+  const auto study = update_monte_carlo(result, {state}, free, options, 60);
+  ASSERT_EQ(study.samples, 60);
+  for (Eigen::Index p = 0; p < 2; ++p) {
+    // 60 samples know a standard deviation to 9 %, three of these.
+    const double std = result.parameters[static_cast<std::size_t>(p)].std;
+    EXPECT_NEAR(study.std[p], std, 0.3 * std);
+  }
+}
+
+TEST(UpdateFrfs, TheModelsRatesAreThoseOfDifferences) {
+  const auto scene = beam(2.1, 0.02, kRatio);
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(9, 3, 50);
+  const std::vector<std::string> names{"beam.EI_z", "tip.mass", "beam.damping_ratio"};
+  const auto rates = model::synthesize_frf_sensitivities(scene, lines, names);
+  const auto differences = frf_differences(scene, lines, names);
+  for (std::size_t p = 0; p < names.size(); ++p) {
+    for (std::size_t k = 0; k < 9; ++k) {
+      const double size = differences.rate[p][k].norm();
+      // Steps of 1e-4: second order in them over the distance to the next resonance, here 10 %.
+      EXPECT_LT((rates.rate[p][k] - differences.rate[p][k]).norm(), 1e-4 * size) << names[p];
+    }
+  }
+}
+
+// Joint dampers from the damping ratios of measured decays: what the source tuned by hand.
+TEST(DamperFit, JointDampersComeFromMeasuredDecays) {
+  const auto truth = beam(2.1, 0.02, "damping = { bending = 0.004, axial = 1.0 }");
+  UpdateState state{"beam", truth, modes_of(truth, 3, 0.02)};
+  for (auto& mode : state.measured) mode.damping_ratio.value *= 1.01;
+  model::set_parameter(state.scene, "beam.damping_bending", 0.012);
+  const auto result = update_model({state}, {{"beam.damping_bending"}});
+  ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+  // Damping ratios go with the damper: 1 % more of them is 1 % more of it.
+  EXPECT_NEAR(result.parameters[0].value, 0.00404, 1e-3 * 0.004);
+  EXPECT_NEAR(result.parameters[0].std / 0.004, 0.02 / std::sqrt(3.0), 0.002);
+  for (const auto& pair : result.pairs) {
+    EXPECT_NEAR(pair.model_damping, pair.measured_damping, 1e-3 * pair.measured_damping);
+  }
+}
+
+TEST(DamperFit, AndFromFrfsAndAnAxialDamperIsNotSeenInBending) {
+  const auto truth = beam(2.1, 0.02, "damping = { bending = 0.004, axial = 1.0 }");
+  auto start = truth;
+  model::set_parameter(start, "beam.damping_bending", 0.01);
+  UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 5), true};
+  const auto result = update_model({state}, {{"beam.damping_bending"}, {"beam.damping_axial"}});
+  EXPECT_TRUE(result.parameters[0].identifiable);
+  EXPECT_NEAR(result.parameters[0].value, 0.004, 4 * result.parameters[0].std);
+  EXPECT_FALSE(result.parameters[1].identifiable);
+  ASSERT_EQ(result.open.size(), 1U);
+  EXPECT_NE(result.open[0].find("beam.damping_axial"), std::string::npos);
+}
+
+// Shapes say where stiffness or mass sits, which few frequencies do not.
+TEST(UpdateShapes, ShapesAreDataWhenAskedFor) {
+  const auto truth = beam(2.1, 0.05, kRatio);
+  UpdateState state{"beam", beam(2.1, 0.01, kRatio), modes_of(truth, 3, 0.1)};
+  for (auto& mode : state.measured) {
+    mode.frequency_hz.std = 0.2 * mode.frequency_hz.value;  // hardly known
+    mode.shape *= std::polar(3.0, 0.7);                     // any scale and phase
+  }
+  UpdateOptions options;
+  options.starts = 1;
+  const auto without = update_model({state}, {{"tip.mass"}}, options);
+  options.shape_std = 0.005;
+  const auto with = update_model({state}, {{"tip.mass"}}, options);
+  ASSERT_EQ(with.status, UpdateStatus::converged) << with.message;
+  EXPECT_NEAR(with.parameters[0].value, 0.05, 0.002);
+  EXPECT_LT(with.parameters[0].std, 0.5 * without.parameters[0].std);
+  EXPECT_EQ(with.degrees_of_freedom, 3 + 3 * 2 - 1);
+}
+
+}  // namespace
+}  // namespace rigfit::ident
