@@ -13,11 +13,11 @@ namespace rigfit::apps {
 
 struct UpdateData {
   std::vector<std::string> scenes;  ///< one for all, or one for each file below, in their order
-  std::vector<std::string> modes, frfs, decays;  ///< files
-  std::vector<double> tensions;                  ///< of each FRF and decay file; empty: the scene's
-  std::vector<std::string> planes;               ///< in, out, any: one for all or for each file
-  std::string column;                            ///< of the frequencies in tables
-  std::vector<std::string> compare;              ///< further columns: frequencies of other models
+  std::vector<std::string> modes, frfs, decays, responses;  ///< files
+  std::vector<double> tensions;      ///< of each file that is no table; empty: the scene's
+  std::vector<std::string> planes;   ///< in, out, any: one for all or for each file
+  std::string column;                ///< of the frequencies in tables
+  std::vector<std::string> compare;  ///< further columns: frequencies of other models
   std::string decay_channel;
   std::string stiffness;  ///< table of tension_N, EI_Nm2
   int segments = 0;       ///< of every member while fitting; 0: the scene's

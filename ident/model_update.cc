@@ -124,6 +124,7 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   }
 
   if (problem.has_frfs()) result.rms_log_frf_error_before = problem.rms_log_frf_error(start);
+  if (problem.has_histories()) result.history_error_before = problem.history_error(start);
 
   const auto solved = solve_from_all_starts(problem, options);
   const UpdateSolution* best = nullptr;
@@ -166,6 +167,7 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     result.rms_log_frf_error = problem.rms_log_frf_error(best->q);
     result.frf_lines = problem.frf_lines();
   }
+  if (problem.has_histories()) result.history_error = problem.history_error(best->q);
   state_uncertainty(problem, options, result, best->matches.matches);
   for (int s = 0; s < static_cast<int>(problem.states().size()); ++s) {
     result.scenes.push_back(problem.scene_at(s, best->q));

@@ -5,6 +5,7 @@
 //
 //   sum_pairs rho((ln f_model(p) - ln f_measured) / s) + the same of damping ratios where measured
 //   + the same of shapes where asked for (both of unit length, the model's sign)
+//   + sum_samples rho((y_model(p) - y_measured) / s) of time histories where measured
 //   + sum_lines rho(Re, Im of ln(H_model(p) / H_measured) / s) of FRFs where measured
 //   + sum_priors ((p - p0) / s_p)^2
 //
@@ -26,6 +27,7 @@
 
 #include "ident/mode_pairing.h"
 #include "ident/uncertainty.h"
+#include "model/force_history.h"
 #include "model/frf_sensitivities.h"
 #include "model/modal_analysis.h"
 #include "signal/estimate.h"
@@ -64,14 +66,24 @@ struct MeasuredFrf {
   Eigen::VectorXd std = {};  ///< of the real and of the imaginary part; empty: unknown
 };
 
+/// What sensors recorded while the scene's own loads acted, from t = 0 of the loads on.
+struct MeasuredHistory {
+  std::vector<std::size_t> sensors;  ///< of the scene, one a column
+  double rate_hz = 0;
+  Eigen::MatrixXd samples;   ///< rows (0, 1/rate, ...) x sensors, SI; NaN: not recorded
+  Eigen::VectorXd std = {};  ///< of a sample, one a sensor; empty: unknown
+  std::vector<model::ForceHistory> records = {};  ///< by load of the scene; for kind `record`
+};
+
 /// The rig in one state: its scene as known before, and what was measured.
 struct UpdateState {
   std::string name;
   model::Scene scene;
   std::vector<MeasuredMode> measured;
   std::vector<MeasuredFrf> frfs = {};
-  /// The modes were found in these FRFs: they lead the fit near and are listed, but do not count a
-  /// second time.
+  std::vector<MeasuredHistory> histories = {};
+  /// The modes were found in these FRFs or histories: they lead the fit near and are listed, but do
+  /// not count a second time.
   bool modes_lead_only = false;
 };
 
@@ -91,6 +103,8 @@ struct UpdateOptions {
   double frf_model_relative_std = 0;
   /// Lines whose uncertainty is a larger part of the FRF say nothing in their logarithm.
   double frf_max_relative_std = 0.5;
+  /// Of time histories that come without one, of their own rms; it then only weighs.
+  double assumed_history_relative_std = 0.05;
   /// Standard uncertainty of a component of a unit shape; 0: shapes only pair, they are not fitted.
   double shape_std = 0;
   /// What the model cannot reach, relative in frequency, added to every measured uncertainty.
@@ -155,6 +169,9 @@ struct UpdateResult {
   double rms_log_frf_error = std::numeric_limits<double>::quiet_NaN();
   double rms_log_frf_error_before = std::numeric_limits<double>::quiet_NaN();
   Eigen::Index frf_lines = 0;
+  /// Rms of model less measured over that of the measured, all samples; NaN without histories.
+  double history_error = std::numeric_limits<double>::quiet_NaN();
+  double history_error_before = std::numeric_limits<double>::quiet_NaN();
   double chi_squared = 0, degrees_of_freedom = 0;
   double variance_factor = 1;
   double coverage_factor = 1.96;        ///< for 95 %

@@ -93,6 +93,9 @@ class UpdateProblem {
                                             UpdateStage stage) const;
   [[nodiscard]] bool has_modes() const;
   [[nodiscard]] bool has_frfs() const;
+  [[nodiscard]] bool has_histories() const;
+  /// Model less measured over measured, rms; NaN without histories or without a model.
+  [[nodiscard]] double history_error(const Eigen::VectorXd& q) const;
   /// Rms of |ln(H_model / H_measured)| over the fitted lines of the states that take part (or
   /// `only` that one); NaN without any or without a model.
   [[nodiscard]] double rms_log_frf_error(const Eigen::VectorXd& q, int only = -1) const;
@@ -132,6 +135,9 @@ class UpdateProblem {
   [[nodiscard]] Targets targets_of(int state) const;
   [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
                                  std::string& failure) const;
+  [[nodiscard]] Eigen::Index history_samples() const;
+  [[nodiscard]] bool history_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+                                       Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
   [[nodiscard]] bool frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
                                    Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;

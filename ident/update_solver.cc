@@ -165,7 +165,8 @@ UpdateSolution lead_by_modes(const UpdateProblem& problem, Eigen::VectorXd q,
 
 UpdateSolution solve_from(const UpdateProblem& problem, Eigen::VectorXd q,
                           const UpdateOptions& options) {
-  if (!problem.has_frfs()) return lead_by_modes(problem, std::move(q), options, UpdateStage::full);
+  if (!problem.has_frfs() && !problem.has_histories())
+    return lead_by_modes(problem, std::move(q), options, UpdateStage::full);
   UpdateSolution best;
   if (problem.has_modes()) {
     best = lead_by_modes(problem, q, options, UpdateStage::lead);
@@ -180,7 +181,7 @@ UpdateSolution solve_from(const UpdateProblem& problem, Eigen::VectorXd q,
   if (!failure.empty() ||
       !cost_at(problem, options, best.matches, UpdateStage::full, q, best.cost)) {
     best.q.resize(0);
-    best.failure = failure.empty() ? "no FRF of the model there" : failure;
+    best.failure = failure.empty() ? "no response of the model there" : failure;
     return best;
   }
   best.q = std::move(q);

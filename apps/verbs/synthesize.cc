@@ -233,10 +233,10 @@ std::vector<State> states_of(const SynthesizeOptions& options, const model::Scen
   for (const double tension : options.tensions) {
     State state{scene, fmt::format("T{:g}N-", tension), 10'000'019 * states.size(), tension};
     ident::Random random = ident::random_stream(context.seed + state.stream, 4'000'000);
-    // A person sets one tension for all cables; each is a little off on its own.
+    // Cables that meet pull alike: one error for all of them.
+    const double error = options.tension_std * std::normal_distribution<double>()(random);
     for (const auto& member : scene.members) {
       if (member.kind != model::Member::Kind::cable) continue;
-      const double error = options.tension_std * std::normal_distribution<double>()(random);
       model::set_parameter(state.scene, member.name + ".tension", tension * (1 + error));
       if (!stiffness) continue;
       model::set_parameter(state.scene, member.name + ".EI",

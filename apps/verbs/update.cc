@@ -282,8 +282,9 @@ Json write_scenes(const Options& options, const UpdateStates& states,
 }
 
 Json run_update(VerbContext& context, Options options) {
-  if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty()) {
-    throw UsageError("nothing to fit to: give --measured, --frf or --decay");
+  if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty() &&
+      options.data.responses.empty()) {
+    throw UsageError("nothing to fit to: give --measured, --frf, --decay or --response");
   }
   if (!options.band.empty()) {
     if (!(options.band[0] < options.band[1])) throw UsageError("--band must rise");
@@ -360,6 +361,10 @@ Json run_update(VerbContext& context, Options options) {
     json["rms_log_frf_error"] = number(result.rms_log_frf_error);
     json["rms_log_frf_error_before"] = number(result.rms_log_frf_error_before);
   }
+  if (std::isfinite(result.history_error)) {
+    json["history_error"] = result.history_error;
+    json["history_error_before"] = number(result.history_error_before);
+  }
   std::vector<ident::HeldOut> held;
   if (options.hold_out) {
     if (states.states.size() < 2) {
@@ -411,9 +416,14 @@ void add_update(CLI::App& program, Verbs& verbs) {
   verb->add_option("--decay", options->data.decays,
                    "Recordings of free decays: their frequencies and damping ratios")
       ->check(CLI::ExistingFile);
+  verb->add_option(
+          "--response", options->data.responses,
+          "Recordings of the response to the scene's own loads from t = 0 on, fitted sample "
+          "by sample; channels are called like the scene's sensors")
+      ->check(CLI::ExistingFile);
   verb->add_option("--channel", options->data.decay_channel, "Channel of the decays");
   verb->add_option("--tension", options->data.tensions,
-                   "Of each --frf and --decay, N: the cables' tension in that state")
+                   "Of each --frf, --decay and --response, N: the cables' tension in that state")
       ->check(CLI::PositiveNumber);
   verb->add_option("--band", options->band, "Lines and modes of FRFs and decays that count, Hz")
       ->expected(2)

@@ -39,6 +39,84 @@ TEST(SynthesizeVerb, WritesRecordingsThatTheOtherVerbsReadBack) {
   EXPECT_NEAR(mode["damping_ratio"]["value"], ratio, 0.05 * ratio);
 }
 
+TEST(SynthesizeVerb, SeveralTensionsInUffAndTheirTruth) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path() / "lab";
+  const auto made = run_program({"synthesize",
+                                 kScene,
+                                 "--out",
+                                 out,
+                                 "--tension",
+                                 "100",
+                                 "200",
+                                 "--tension-std",
+                                 "0.01",
+                                 "--hits",
+                                 "1",
+                                 "--double-hits",
+                                 "0",
+                                 "--record",
+                                 "1",
+                                 "--finer",
+                                 "1",
+                                 "--format",
+                                 "uff",
+                                 "--bending-span",
+                                 "0.5",
+                                 "--stiffness",
+                                 RIGFIT_TESTDATA "/jalali2021/table1_bending_stiffness.csv"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Json truth = Json::parse(folder.read("lab/truth.json"));
+  ASSERT_EQ(truth["rig"].size(), 2u);
+  ASSERT_EQ(truth["bending"].size(), 2u);
+  EXPECT_EQ(truth["rig"][1]["tension_meant_N"], 200);
+  const double tension = truth["rig"][1]["parameters"]["cable.tension"];
+  EXPECT_NE(tension, 200);
+  EXPECT_NEAR(tension, 200, 5 * 2);
+  EXPECT_NEAR(truth["bending"][0]["EI_Nm2"].get<double>(), 0.4948, 1e-12);
+  EXPECT_THAT(folder.read("lab/rig/T200N-hammer-hit1.uff"), HasSubstr("synthetic"));
+}
+
+// The set kept in testdata/: intervals of the verbs hold its truth.
+TEST(VirtualLaboratory, BendingAndAxialTestsGiveTheTruthBack) {
+  const std::string data = RIGFIT_TESTDATA "/virtual_laboratory/";
+  const TemporaryFolder folder;
+  std::vector<std::string> command{"bending"};
+  for (const char* T : {"25", "100", "200", "300"}) {
+    command.push_back(data + "bench/bending/T" + T + "N.csv");
+  }
+  for (const char* word : {"--span", "0.5", "--json", "-"}) command.emplace_back(word);
+  const auto bending = run_program(command);
+  ASSERT_EQ(bending.exit_code, 0) << bending.err;
+  const Json tests = Json::parse(bending.out)["tests"];
+  ASSERT_EQ(tests.size(), 4u);
+  const double truth[] = {0.29, 0.5, 0.67397, 0.80746};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Json& EI = tests[k]["EI_Nm2"];
+    // One of four 95 % intervals may miss; four standard uncertainties none.
+    EXPECT_NEAR(EI["value"].get<double>(), truth[k], 4 * EI["std"].get<double>()) << k;
+    EXPECT_LT(EI["std"].get<double>(), 0.01 * truth[k]) << k;
+  }
+
+  command = {"axial"};
+  for (const char* L : {"0.7", "1", "1.3"}) {
+    for (int tap = 1; tap <= 5; ++tap) {
+      command.push_back(data + "bench/axial/L" + L + "m-" + std::to_string(tap) + ".csv");
+    }
+  }
+  for (const char* word :
+       {"--mass", "2.2", "--mass-std", "0.002", "--length", "0.7", "1.0", "1.3", "--length-std",
+        "0.001", "--mass-per-length", "0.16667", "--json", "-"}) {
+    command.emplace_back(word);
+  }
+  const auto axial = run_program(command);
+  ASSERT_EQ(axial.exit_code, 0) << axial.err;
+  const Json result = Json::parse(axial.out);
+  EXPECT_NEAR(result["EA_N"]["value"].get<double>(), 205000,
+              4 * result["EA_N"]["std"].get<double>());
+  EXPECT_NEAR(result["damping_ratio"]["value"].get<double>(), 0.017, 2e-5);
+}
+
 TEST(SynthesizeVerb, SaysWhatIsMissing) {
   const TemporaryFolder folder;
   const std::string bare = folder.write("bare.toml", R"(
