@@ -250,6 +250,51 @@ TEST(UpdateModel, MonteCarloAgreesWithTheCovariance) {
   }
 }
 
+// One mode, none, the same one five times, one at an absurd place: an answer without uncertainty or
+// a status that says why there is none, and never a value that is not finite.
+TEST(UpdateModel, TooLittleDataGetNoUncertainty) {
+  auto random = seeded(8);
+  UpdateState state{"beam", beam(2.3, 0.3, 0.02), {}};
+  const auto data = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 3, 0, random);
+  const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
+  UpdateOptions options;
+  options.starts = 1;
+  const auto finite = [](const UpdateResult& result) {
+    for (const auto& parameter : result.parameters) {
+      if (!std::isfinite(parameter.value)) return false;
+    }
+    return true;
+  };
+  state.measured = {data[1]};
+  state.measured[0].frequency_hz.std = 0.01;
+  const auto one = update_model({state}, free, options);
+  EXPECT_EQ(one.status, UpdateStatus::too_little_data);
+  EXPECT_FALSE(one.parameters[0].identifiable && one.parameters[1].identifiable);
+  EXPECT_FALSE(one.open.empty());
+  EXPECT_TRUE(finite(one));
+
+  state.measured.clear();
+  const auto none = update_model({state}, free, options);
+  EXPECT_EQ(none.status, UpdateStatus::no_model);
+  EXPECT_FALSE(none.message.empty());
+  EXPECT_TRUE(finite(none));
+
+  state.measured.assign(5, data[1]);
+  const auto same = update_model({state}, free, options);
+  EXPECT_TRUE(finite(same));
+  EXPECT_EQ(same.pairs.size(), 1U);
+  EXPECT_EQ(same.unpaired.size() + same.pairs.size(), 5U);
+  EXPECT_FALSE(same.parameters[0].identifiable && same.parameters[1].identifiable);
+
+  MeasuredMode absurd;
+  absurd.frequency_hz = {1e9, 1e6};
+  state.measured = {absurd};
+  EXPECT_EQ(update_model({state}, free, options).status, UpdateStatus::no_model);
+  absurd.frequency_hz.value = 0;
+  state.measured = {absurd};
+  EXPECT_THROW((void)update_model({state}, free, options), std::invalid_argument);
+}
+
 TEST(UpdateModel, WrongNamesAndImpossibleRigsAreSaid) {
   auto random = seeded(8);
   UpdateState state{"beam", beam(2.1, 0.3, 0.02), {}};
