@@ -157,6 +157,10 @@ void print(std::ostream& out, const ident::UpdateResult& result, const UpdateSta
         "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
         result.frf_lines, result.rms_log_frf_error_before, result.rms_log_frf_error);
   }
+  if (std::isfinite(result.history_error)) {
+    out << fmt::format("rms of model less record over the record's: {:.2g} before, {:.2g} fitted\n",
+                       result.history_error_before, result.history_error);
+  }
 }
 
 // Paired errors of the model before, fitted and held out, and of other models in the same rows.

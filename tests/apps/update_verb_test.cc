@@ -128,6 +128,49 @@ TEST(UpdateVerb, OtherModelsErrorsStandBesideItsOwn) {
   EXPECT_EQ(rms["fitted"]["modes"], 5);
 }
 
+// Four tensions of Table 4, each predicted from the others; rows at the in-plane fundamental (100
+// and 200 N) come out as leakage, not as pairs.
+TEST(UpdateVerb, HoldOutByTensionPrintsBothErrors) {
+  const TemporaryFolder folder;
+  const std::string data = RIGFIT_TESTDATA "/jalali2021/";
+  const auto run = run_program({"update",
+                                data + "scenes/cable.toml",
+                                "--measured",
+                                data + "table4_cable_out_of_plane.csv",
+                                "--column",
+                                "test_Hz",
+                                "--compare",
+                                "fe_Hz",
+                                "--plane",
+                                "out",
+                                "--stiffness",
+                                data + "table1_bending_stiffness.csv",
+                                "--free",
+                                "cable.mass_per_length",
+                                "--segments",
+                                "12",
+                                "--starts",
+                                "1",
+                                "--hold-out",
+                                "--out",
+                                (folder.path() / "o.toml").string(),
+                                "--json",
+                                (folder.path() / "o.json").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("held out"), std::string::npos);
+  const Json json = Json::parse(folder.read("o.json"));
+  ASSERT_EQ(json["hold_out"].size(), 4u);
+  for (const auto& held : json["hold_out"]) {
+    EXPECT_GT(held["rms_relative_error_predicted"].get<double>(), 0);
+    EXPECT_GT(held["rms_relative_error_fitted"].get<double>(), 0);
+  }
+  int leakage = 0;
+  for (const auto& pair : json["pairs"]) leakage += pair.value("leakage", false) ? 1 : 0;
+  EXPECT_EQ(leakage, 2);
+  EXPECT_EQ(json["comparison"]["rows"].size(), 12u);
+  EXPECT_EQ(json["comparison"]["rms"]["fe_Hz"]["modes"], 12);
+}
+
 // Hits of the virtual laboratory to FRFs to the beam's stiffness, from a guess 17 % off. The model
 // has half of the tested rig's segments and clamps that converge slowly: 1 % of EI.
 TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
@@ -207,6 +250,7 @@ name = "mid"
 member = "cable"
 position = 0.5
 direction = [0.0, 1.0, 0.0]
+quantity = "displacement"
 )";
   };
   const auto truth = folder.write("truth.toml", cable(0.02));
@@ -222,6 +266,16 @@ direction = [0.0, 1.0, 0.0]
   const Json json = Json::parse(run.out);
   // The record is the model's own: what is left is its anti-aliasing (none) and seven digits.
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 0.02, 2e-4);
+
+  // And the record itself, sample by sample.
+  const auto again = run_program({"update", start, "--response", record, "--band", "5", "30",
+                                  "--plane", "in", "--free", "cable.damping_ratio", "--starts", "1",
+                                  "--out", (folder.path() / "o.toml").string(), "--json", "-"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const Json fitted = Json::parse(again.out);
+  EXPECT_NEAR(fitted["parameters"][0]["value"].get<double>(), 0.02, 2e-4);
+  EXPECT_LT(fitted["history_error"].get<double>(), 1e-4);
+  EXPECT_GT(fitted["history_error_before"].get<double>(), 0.1);
 }
 
 TEST(UpdateVerb, BadInputsEndWithTheirExitCode) {
