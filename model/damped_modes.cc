@@ -1,8 +1,9 @@
 #include "model/damped_modes.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "model/general_eigen.h"
 
 namespace rigfit::model {
 namespace {
@@ -89,8 +90,8 @@ DampedModes damped_modes(const MotionModes& motion, const ChainState& state, con
   first_order.topRightCorner(modes, modes).setIdentity();
   first_order.bottomLeftCorner(modes, modes).diagonal() = -motion.omega2;
   first_order.bottomRightCorner(modes, modes) = -modal;
-  const Eigen::EigenSolver<Eigen::MatrixXd> eigen(first_order);
-  const Eigen::MatrixXcd vectors = eigen.eigenvectors();
+  const GeneralEigenpairs eigen = general_eigenpairs(first_order, {});
+  const Eigen::MatrixXcd& vectors = eigen.vectors;
   std::vector<bool> taken(static_cast<std::size_t>(2 * modes), false);
   out.shapes.resize(motion.shapes.rows(), modes);
   for (Eigen::Index i = 0; i < modes; ++i) {
@@ -98,7 +99,7 @@ DampedModes damped_modes(const MotionModes& motion, const ChainState& state, con
     Eigen::Index best = -1;
     double most = -1;
     for (Eigen::Index r = 0; r < 2 * modes; ++r) {
-      const Complex s = eigen.eigenvalues()[r];
+      const Complex s = eigen.values[r];
       if (taken[static_cast<std::size_t>(r)] || s.imag() < 0) continue;
       const auto v = vectors.col(r).head(modes);
       double part = std::norm(v[i]) / v.squaredNorm();
@@ -112,7 +113,7 @@ DampedModes damped_modes(const MotionModes& motion, const ChainState& state, con
       continue;
     }
     taken[static_cast<std::size_t>(best)] = true;
-    out.poles[i] = eigen.eigenvalues()[best];
+    out.poles[i] = eigen.values[best];
     out.shapes.col(i) = motion.shapes.cast<Complex>() * vectors.col(best).head(modes);
   }
 

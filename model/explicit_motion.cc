@@ -2,113 +2,47 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "model/motion_damper.h"
 #include "model/motion_kernel.h"
+#include "model/segment_loops.h"
+#include "model/step_forces.h"
 
 namespace rigfit::model {
 namespace {
 
-// The forces of all loads, one value a step, such that impulse and its moment are exact: the
-// average over neighbouring steps with a hat, less h^2/12 of the second difference that the average
-// adds.
-class StepForces {
- public:
-  StepForces(const MotionProblem& problem, double step, long steps) {
-    for (std::size_t l = 0; l < problem.loads.size(); ++l) {
-      const LoadForce force(problem.loads[l], problem.records[l]);
-      Load_ load;
-      const double end = force.end_s();
-      const std::vector<double> corners = force.corners();
-      if (end > 0 && !corners.empty()) {
-        load.first = std::max(0L, static_cast<long>(std::floor(corners.front() / step)) - 2);
-        const long last = std::min(steps, static_cast<long>(std::ceil(end / step)) + 2);
-        std::vector<double> hat;
-        for (long n = load.first - 1; n <= last + 1; ++n) {
-          // Mirrored at t = 0, where the first kick lasts half a step only.
-          hat.push_back((n == 0 ? 2 : 1) *
-                        hat_average(force, corners, static_cast<double>(std::abs(n)) * step, step));
-        }
-        for (std::size_t i = 1; i + 1 < hat.size(); ++i) {
-          load.value.push_back(hat[i] - (hat[i + 1] - 2 * hat[i] + hat[i - 1]) / 12);
-        }
-        active_from_ = std::min(active_from_, load.first);
-        active_to_ = std::max(active_to_, last);
-      }
-      loads_.push_back(std::move(load));
-    }
-  }
-  [[nodiscard]] bool active(long n) const { return n >= active_from_ && n <= active_to_; }
-  [[nodiscard]] double at(std::size_t l, long n) const {
-    const Load_& load = loads_[l];
-    const long i = n - load.first;
-    return i >= 0 && i < static_cast<long>(load.value.size())
-               ? load.value[static_cast<std::size_t>(i)]
-               : 0;
-  }
-  [[nodiscard]] std::size_t count() const { return loads_.size(); }
+constexpr double kSlowing = 1.0 / 8;  // kappa / h^2
 
- private:
-  struct Load_ {
-    long first = 0;
-    std::vector<double> value;
-  };
-
-  // (1/h) int f(t + s) (1 - |s|/h) ds by Gauss-Legendre (5 points) between corners. Before t = 0
-  // there is no force.
-  static double hat_average(const LoadForce& force, const std::vector<double>& corners, double t,
-                            double h) {
-    std::vector<double> cuts{std::max(0.0, t - h), std::max(0.0, t), std::max(0.0, t + h)};
-    for (auto c = std::lower_bound(corners.begin(), corners.end(), t - h);
-         c != corners.end() && *c < t + h; ++c) {
-      if (*c > 0) cuts.push_back(*c);
-    }
-    std::sort(cuts.begin(), cuts.end());
-    static constexpr double kNode[5] = {-0.9061798459386640, -0.5384693101056831, 0,
-                                        0.5384693101056831, 0.9061798459386640};
-    static constexpr double kWeight[5] = {0.2369268850561891, 0.4786286704993665,
-                                          0.5688888888888889, 0.4786286704993665,
-                                          0.2369268850561891};
-    double sum = 0;
-    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-      const double middle = (cuts[i] + cuts[i + 1]) / 2, half = (cuts[i + 1] - cuts[i]) / 2;
-      if (!(half > 0)) continue;
-      for (int k = 0; k < 5; ++k) {
-        const double at = middle + half * kNode[k];
-        sum += kWeight[k] * half * force.at(at) * (1 - std::abs(at - t) / h);
-      }
-    }
-    return sum / h;
-  }
-
-  std::vector<Load_> loads_;
-  long active_from_ = std::numeric_limits<long>::max(), active_to_ = -1;
-};
-
-// Dampers act at least every four steps; the steps of a sample are a multiple of this.
-long damping_pieces(long substeps) { return (substeps + 3) / 4; }
+// Dampers act at least every four steps, or once in the interval asked for; the steps of a sample
+// are a multiple of the pieces between.
+long damping_pieces(long substeps, double interval_s, const ExplicitOptions& options) {
+  const double step = interval_s / static_cast<double>(substeps);
+  const long together = std::max(4L, static_cast<long>(options.damper_interval_s / step));
+  return (substeps + together - 1) / together;
+}
 
 template <int D>
 class ExplicitRun {
  public:
   ExplicitRun(const MotionProblem& problem, const ExplicitOptions& options, double step,
-              long substeps)
+              long substeps, double kappa)
       : problem_(problem),
         options_(options),
         kernel_(*problem.chain),
         assembly_(*problem.chain, problem.motion),
-        mass_(assembly_.matrix()),
+        damper_(problem, kernel_),
         h_(step),
         substeps_(substeps),
-        piece_(substeps / damping_pieces(substeps)) {
-    assembly_.mass(mass_);
+        piece_(substeps / damping_pieces(substeps, step * static_cast<double>(substeps), options)),
+        damped_(damper_.active()) {
     const int n = kernel_.size();
     q_ = kernel_.positions(problem.start);
     rest_ = kernel_.positions(problem.rest);
+    if (kappa > 0) kernel_.slow_axial(kappa, rest_);
     v_ = problem.start_velocity.size() > 0
              ? kernel_.slot_values(problem.start_velocity, assembly_.numbering())
              : Eigen::VectorXd::Zero(n);
-    a_ = first_ = ahead_ = Eigen::VectorXd::Zero(n);
+    a_ = first_ = ahead_ = vp_ = rate_ = other_ = scratch_ = v_before_ = Eigen::VectorXd::Zero(n);
     external_ = Eigen::VectorXd::Zero(n);
     const Chain& chain = *problem.chain;
     for (std::size_t l = 0; l < chain.loads.size(); ++l) {
@@ -117,102 +51,68 @@ class ExplicitRun {
     for (std::size_t s = 0; s < chain.sensors.size(); ++s) {
       sensor_rows_.push_back(kernel_.row(chain.sensors[s], chain.sensor_direction[s]));
     }
-    damped_ = problem.joint_damping || !problem.modal_damping.none();
-    if (problem.joint_damping) damping_ = dissipation_ = assembly_.matrix();
-    if (!problem.modal_damping.none()) {
-      momentum_.resize(problem.modal_damping.shapes.rows(), problem.modal_damping.shapes.cols());
-      Eigen::VectorXd column(mass_.size());
-      for (Eigen::Index r = 0; r < momentum_.cols(); ++r) {
-        mass_.multiply(problem.modal_damping.shapes.col(r), column);
-        momentum_.col(r) = column;
-      }
+    for (const auto quantity : problem_.quantities) {
+      velocity_wanted_ = velocity_wanted_ || quantity == Sensor::Quantity::velocity;
     }
   }
 
   MotionOutput run() {
     const long rows = options_.sampling.rows();
     const long stride = options_.sampling.energy_stride();
+    // Steps that slow waves are unstable where the chain turns too far: nothing of that may stay.
+    const double growth = kernel_.mass().kappa() > 0 ? 0.003 : 0.1;
     MotionOutput out;
     out.step_s = h_;
+    out.axial_slowing_s2 = kernel_.mass().kappa();
     out.samples.resize(rows, static_cast<Eigen::Index>(sensor_rows_.size()));
     const StepForces forces(problem_, h_, (rows - 1) * substeps_);
     preprocess();
-    double supplied = 0, dissipated = 0, start_energy = 0, moving = 0;
+    double start_energy = 0, moving = 0;
     load(forces, 0);
     evaluate();
     const double span = h_ * static_cast<double>(substeps_);
     const double piece = h_ * static_cast<double>(piece_);
     for (long row = 0; row < rows; ++row) {
-      Eigen::VectorXd& before = v_before_;
-      if (damped_) {
-        before = v_;
-        if (row > 0) dissipated += damp(piece / 2);
-      }
       const bool account =
           options_.sampling.energy_samples > 0 && (row % stride == 0 || row == rows - 1);
       const bool watch = account || row % 16 == 0;
+      // The dampers' two halves around a sample are one where nobody looks at the velocity between.
+      const bool between = watch || velocity_wanted_;
+      if (damped_) {
+        v_before_ = v_;
+        if (row > 0 && between) damp(piece / 2);
+      }
       if (watch) {
         processed_velocity();
-        const double kinetic = kernel_.mass_product(vp_, vp_) / 2;
+        const double kinetic = kernel_.mass().slowed_product(vp_.data(), vp_.data()) / 2;
         const double energy =
-            kernel_.potential(options_.verlet ? q_ : ahead_) + kinetic - supplied + dissipated;
+            kernel_.potential(options_.verlet ? q_ : ahead_) + kinetic - supplied_ + dissipated_;
         if (row == 0) {
           start_energy = energy;
           moving = std::abs(energy - kernel_.potential(rest_));
         }
-        moving = std::max({moving, kinetic, std::abs(supplied)});
-        // Reversible steps keep the energy to a small fraction; beyond a tenth they are unstable.
+        moving = std::max({moving, kinetic, std::abs(supplied_)});
+        // Reversible steps keep the energy to a small fraction; beyond this they are unstable.
         if (!std::isfinite(energy) ||
-            std::abs(energy - start_energy) > 0.1 * moving + 1e-9 * std::abs(start_energy)) {
+            std::abs(energy - start_energy) > growth * moving + 1e-9 * std::abs(start_energy)) {
           out.reason = "the energy grew without a load";
           return out;
         }
-        if (account) record(out, static_cast<double>(row) * span, supplied, dissipated);
+        if (account) record(out, static_cast<double>(row) * span);
       } else if (velocity_wanted_) {
         processed_velocity();
       }
       sample(out, row);
       if (row + 1 == rows) break;
       if (damped_) {
-        const Eigen::Index column_count = out.samples.cols();
-        const double lost = damp(piece / 2);
-        if (row > 0) {
-          for (Eigen::Index s = 0; s < column_count; ++s) {
-            const auto k = static_cast<std::size_t>(s);
-            if (problem_.quantities[k] != Sensor::Quantity::acceleration) continue;
-            out.samples(row, s) +=
-                (sensor_rows_[k].dot(v_.data()) - sensor_rows_[k].dot(before.data())) / piece;
-          }
-        } else {
-          for (Eigen::Index s = 0; s < column_count; ++s) {
-            const auto k = static_cast<std::size_t>(s);
-            if (problem_.quantities[k] != Sensor::Quantity::acceleration) continue;
-            out.samples(row, s) +=
-                (sensor_rows_[k].dot(v_.data()) - sensor_rows_[k].dot(before.data())) / (piece / 2);
-          }
-        }
-        dissipated += lost;
+        damp(between || row == 0 ? piece / 2 : piece);
+        add_damping(out, row, row > 0 ? piece : piece / 2);
       }
-      const int n = kernel_.size();
-      const double half = h_ / 2;
       for (long i = 0; i < substeps_; ++i) {
-        if (damped_ && i > 0 && i % piece_ == 0) dissipated += damp(piece);
-        double* q = q_.data();
-        double* v = v_.data();
-        const double* a = a_.data();
-        const long step = row * substeps_ + i;
-        const bool loaded = forces.active(step) || forces.active(step + 1);
-        if (loaded) supplied += half * work(forces, step, half);
-        for (int k = 0; k < n; ++k) {
-          v[k] += half * a[k];
-          q[k] += h_ * v[k];
-        }
-        if (loaded) load(forces, step + 1);
-        evaluate();
-        if (loaded) supplied += half * work(forces, step + 1, half);
-        for (int k = 0; k < n; ++k) v[k] += half * a[k];
-        ++out.steps;
+        if (damped_ && i > 0 && i % piece_ == 0) damp(piece);
+        step(forces, row * substeps_ + i);
       }
+      out.steps += substeps_;
     }
     out.evaluations = evaluations_;
     out.completed = out.samples.allFinite();
@@ -220,13 +120,19 @@ class ExplicitRun {
     return out;
   }
 
-  void want_velocity() {
-    for (const auto quantity : problem_.quantities) {
-      velocity_wanted_ = velocity_wanted_ || quantity == Sensor::Quantity::velocity;
-    }
+ private:
+  void step(const StepForces& forces, long number) {
+    const int n = kernel_.size();
+    const double half = h_ / 2;
+    const bool loaded = forces.active(number) || forces.active(number + 1);
+    if (loaded) supplied_ += half * work(forces, number, half);
+    kick_and_drift(n, half, h_, a_.data(), v_.data(), q_.data());
+    if (loaded) load(forces, number + 1);
+    evaluate();
+    if (loaded) supplied_ += half * work(forces, number + 1, half);
+    add_multiple(n, v_.data(), half, a_.data(), v_.data());
   }
 
- private:
   void evaluate() {
     const double* external = loaded_ ? external_.data() : nullptr;
     if (options_.verlet) {
@@ -235,13 +141,8 @@ class ExplicitRun {
       return;
     }
     kernel_.acceleration(q_.data(), external, first_.data());
-    const double ahead = h_ * h_ / 12;
-    const int n = kernel_.size();
-    const double* q = q_.data();
-    const double* f = first_.data();
-    double* p = ahead_.data();
-    for (int k = 0; k < n; ++k) p[k] = q[k] + ahead * f[k];
-    kernel_.acceleration(p, external, a_.data());
+    add_multiple(kernel_.size(), q_.data(), h_ * h_ / 12, first_.data(), ahead_.data());
+    kernel_.acceleration(ahead_.data(), external, a_.data());
     evaluations_ += 2;
   }
 
@@ -282,11 +183,10 @@ class ExplicitRun {
   }
   // d a(q)/dt along v, central difference over two steps.
   void acceleration_rate() {
-    scratch_ = q_ + h_ * v_;
-    rate_.resize(q_.size());
+    const int n = kernel_.size();
+    add_multiple(n, q_.data(), h_, v_.data(), scratch_.data());
     kernel_.acceleration(scratch_.data(), nullptr, rate_.data());
-    scratch_ = q_ - h_ * v_;
-    other_.resize(q_.size());
+    add_multiple(n, q_.data(), -h_, v_.data(), scratch_.data());
     kernel_.acceleration(scratch_.data(), nullptr, other_.data());
     rate_ = (rate_ - other_) / (2 * h_);
     evaluations_ += 2;
@@ -300,49 +200,38 @@ class ExplicitRun {
     vp_ = v_ - h_ * h_ / 12 * rate_;
   }
 
-  // Velocities after `time` of the dampers alone; the kinetic energy they took.
-  double damp(double time) {
-    const double before = kernel_.mass_product(v_, v_) / 2;
-    if (!problem_.modal_damping.none()) damp_modes(time);
-    if (problem_.joint_damping) damp_joints(time);
-    return before - kernel_.mass_product(v_, v_) / 2;
-  }
-  void damp_modes(double time) {
-    const ModalDamping& damping = problem_.modal_damping;
-    u_ = kernel_.unknowns(v_, assembly_.numbering());
-    modal_.noalias() = momentum_.transpose() * u_;
-    for (Eigen::Index r = 0; r < modal_.size(); ++r) {
-      modal_(r) *= std::expm1(-damping.rate(r) * time);
+  // The dampers alone for `time`; what they take from the kinetic energy of processed velocities,
+  // (v' - v) P (v' + v) / 2 with P = (1 + h^2/12 da/dq)' M (1 + h^2/12 da/dq), if it is asked for.
+  void damp(double time) {
+    const bool counted = options_.sampling.energy_samples > 0;
+    if (counted) change_ = v_;
+    damper_.apply(time, options_.verlet ? q_ : ahead_, v_);
+    if (!counted) return;
+    sum_ = v_ + change_;
+    change_ = v_ - change_;
+    if (!options_.verlet) {
+      processed(change_);
+      processed(sum_);
     }
-    u_.noalias() = damping.shapes * modal_;
-    v_ += kernel_.slot_values(u_, assembly_.numbering());
+    dissipated_ -= kernel_.mass().slowed_product(change_.data(), sum_.data()) / 2;
   }
-  void damp_joints(double time) {
-    constexpr double gamma = 1 - std::numbers::sqrt2 / 2;
-    if (time != damping_time_ || --damping_left_ <= 0) {
-      assembly_.damping(kernel_.state(options_.verlet ? q_ : ahead_), damping_);
-      dissipation_.values() = mass_.values() + gamma * time * damping_.values();
-      // Turning nodes without dampers have neither mass nor damping: they follow freely.
-      double largest = 0;
-      for (int i = 0; i < dissipation_.size(); ++i) {
-        largest = std::max(largest, dissipation_.at(i, i));
-      }
-      for (int i = 0; i < dissipation_.size(); ++i) {
-        if (dissipation_.at(i, i) == 0) dissipation_.add(i, i, largest * 1e-12);
-      }
-      damping_factor_.factor(dissipation_);
-      damping_time_ = time;
-      damping_left_ = 1;
+  // w - h^2/12 (da/dq) w, by a difference from a(q) of the last step; loads do not change with q.
+  void processed(Eigen::VectorXd& w) {
+    const double* external = loaded_ ? external_.data() : nullptr;
+    const int n = kernel_.size();
+    add_multiple(n, q_.data(), h_, w.data(), scratch_.data());
+    kernel_.acceleration(scratch_.data(), external, other_.data());
+    ++evaluations_;
+    add_multiple(n, other_.data(), -1, first_.data(), other_.data());
+    add_multiple(n, w.data(), -h_ / 12, other_.data(), w.data());
+  }
+  // The dampers' part of accelerations at a sample, of which they act half before and half after.
+  void add_damping(MotionOutput& out, long row, double time) const {
+    for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
+      if (problem_.quantities[s] != Sensor::Quantity::acceleration) continue;
+      out.samples(row, static_cast<Eigen::Index>(s)) +=
+          (sensor_rows_[s].dot(v_.data()) - sensor_rows_[s].dot(v_before_.data())) / time;
     }
-    u_ = kernel_.unknowns(v_, assembly_.numbering());
-    w_.resize(u_.size());
-    mass_.multiply(u_, w_);
-    damping_factor_.solve_in_place(w_);
-    // (w - v)/(gamma time) is the first stage's slope.
-    u_ += (1 - gamma) / gamma * (w_ - u_);
-    mass_.multiply(u_, w_);
-    damping_factor_.solve_in_place(w_);
-    v_ = kernel_.slot_values(w_, assembly_.numbering());
   }
 
   void sample(MotionOutput& out, long row) const {
@@ -366,43 +255,38 @@ class ExplicitRun {
     }
   }
 
-  void record(MotionOutput& out, double time, double supplied, double dissipated) {
+  void record(MotionOutput& out, double time) {
     const ChainState state = kernel_.state(options_.verlet ? q_ : ahead_);
     out.energy.time_s.push_back(time);
     out.energy.account.push_back(
         assembly_.energy(state, kernel_.unknowns(vp_, assembly_.numbering())));
-    out.energy.supplied.push_back(supplied);
-    out.energy.dissipated.push_back(dissipated);
+    out.energy.supplied.push_back(supplied_);
+    out.energy.dissipated.push_back(dissipated_);
   }
 
   const MotionProblem& problem_;
   const ExplicitOptions& options_;
   MotionKernel<D> kernel_;
   Assembly assembly_;
-  EnvelopeMatrix mass_, damping_, dissipation_;
-  EnvelopeFactor damping_factor_;
-  double damping_time_ = -1;
-  int damping_left_ = 0;
+  MotionDamper<D> damper_;
   double h_;
   long substeps_, piece_;
   long evaluations_ = 0;
+  double supplied_ = 0, dissipated_ = 0;
   bool loaded_ = false, damped_ = false, velocity_wanted_ = false;
-  Eigen::VectorXd q_, v_, a_, first_, ahead_, external_, rest_, vp_, rate_, other_, scratch_, u_,
-      w_, modal_, v_before_;
-  Eigen::MatrixXd momentum_;
+  Eigen::VectorXd q_, v_, a_, first_, ahead_, external_, rest_, vp_, rate_, other_, scratch_,
+      v_before_, change_, sum_;
   std::vector<typename MotionKernel<D>::Row> load_rows_, sensor_rows_;
 };
 
 template <int D>
-double power_method(const Chain& chain, const ChainState& state) {
-  MotionKernel<D> kernel(chain);
+double power_method(MotionKernel<D>& kernel, const ChainState& state) {
   const Eigen::VectorXd q = kernel.positions(state);
   Eigen::VectorXd x(q.size()), plus(q.size()), minus(q.size());
   // Neighbouring nodes against each other: near the highest axial mode of every member.
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     x(i) = (i % 2 == 0 ? 1 : -1) * (1 + 0.3 * std::sin(1.7 * static_cast<double>(i)));
   }
-  kernel.acceleration(q.data(), nullptr, plus.data());
   double lambda = 0;
   // Small against a segment, large against rounding of positions.
   const double size = 1e-6 * (q.maxCoeff() - q.minCoeff());
@@ -411,8 +295,9 @@ double power_method(const Chain& chain, const ChainState& state) {
     const Eigen::VectorXd up = q + factor * x, down = q - factor * x;
     kernel.acceleration(up.data(), nullptr, plus.data());
     kernel.acceleration(down.data(), nullptr, minus.data());
-    Eigen::VectorXd next = (minus - plus) / (2 * factor);
-    const double norm = kernel.mass_product(next, next), own = kernel.mass_product(next, x);
+    const Eigen::VectorXd next = (minus - plus) / (2 * factor);
+    const double norm = kernel.mass().slowed_product(next.data(), next.data());
+    const double own = kernel.mass().slowed_product(next.data(), x.data());
     if (!(norm > 0) || !(own > 0)) break;
     // |K x|_M^2 / (x K x): a Rayleigh quotient one half-step ahead. The first few x have parts in
     // directions that are held.
@@ -422,26 +307,54 @@ double power_method(const Chain& chain, const ChainState& state) {
   return std::sqrt(lambda);
 }
 
+// Steps of a sample: a multiple of the pieces between which dampers act.
+long whole_pieces(long substeps, const ExplicitOptions& options) {
+  const double interval = 1 / options.sampling.rate_hz;
+  while (substeps % damping_pieces(substeps, interval, options) != 0) ++substeps;
+  return substeps;
+}
+
 template <int D>
 MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& options) {
   const double sample = 1 / options.sampling.rate_hz;
-  double largest = options.step_s.value_or(0);
-  if (!options.step_s) {
-    const double highest = std::max(power_method<D>(*problem.chain, problem.start),
-                                    power_method<D>(*problem.chain, problem.rest));
-    const double limit = options.verlet ? options.stability / std::sqrt(3) : options.stability;
-    largest = highest > 0 ? limit / highest : sample;
+  const double limit = options.verlet ? options.stability / std::sqrt(3) : options.stability;
+  MotionKernel<D> kernel(*problem.chain);
+  const Eigen::VectorXd rest = kernel.positions(problem.rest);
+  const auto highest = [&](double kappa) {
+    kernel.slow_axial(kappa, rest);
+    return std::max(power_method<D>(kernel, problem.start), power_method<D>(kernel, problem.rest));
+  };
+  const auto steps_for = [&](double largest) {
+    return std::max(1L, static_cast<long>(std::ceil(sample / largest * (1 - 1e-12))));
+  };
+  long substeps = 1, own_steps = 1;
+  double slowing = 0;
+  if (options.step_s) {
+    substeps = steps_for(*options.step_s);
+  } else {
+    const double own = highest(0);
+    substeps = own_steps = own > 0 ? steps_for(limit / own) : 1;
+    // Fewer, with axial waves slowed, where that is enough for stability.
+    if (options.slowed_step_s > 0 && !options.verlet) {
+      for (long fewer = steps_for(options.slowed_step_s); fewer < substeps; ++fewer) {
+        const double h = sample / static_cast<double>(whole_pieces(fewer, options));
+        if (highest(kSlowing * h * h) * h > limit) continue;
+        substeps = fewer;
+        slowing = kSlowing;
+        break;
+      }
+    }
   }
-  long substeps = std::max(1L, static_cast<long>(std::ceil(sample / largest * (1 - 1e-12))));
   MotionOutput out;
   for (int attempt = 0; attempt < 5; ++attempt, substeps *= 2) {
-    const long pieces = damping_pieces(substeps);
-    substeps = pieces * ((substeps + pieces - 1) / pieces);
-    while (substeps % damping_pieces(substeps) != 0) ++substeps;
-    ExplicitRun<D> run(problem, options, sample / static_cast<double>(substeps), substeps);
-    run.want_velocity();
-    out = run.run();
+    substeps = whole_pieces(substeps, options);
+    const double h = sample / static_cast<double>(substeps);
+    out = ExplicitRun<D>(problem, options, h, substeps, slowing * h * h).run();
     if (out.completed) return out;
+    if (attempt == 1 && slowing > 0) {  // the chain turns too far for it
+      slowing = 0;
+      substeps = std::max(substeps, (own_steps + 1) / 2);
+    }
   }
   return out;
 }
@@ -449,7 +362,12 @@ MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& o
 }  // namespace
 
 double highest_frequency(const Chain& chain, Motion motion, const ChainState& state) {
-  return motion == Motion::in_plane ? power_method<2>(chain, state) : power_method<3>(chain, state);
+  if (motion == Motion::in_plane) {
+    MotionKernel<2> kernel(chain);
+    return power_method<2>(kernel, state);
+  }
+  MotionKernel<3> kernel(chain);
+  return power_method<3>(kernel, state);
 }
 
 MotionOutput explicit_motion(const MotionProblem& problem, const ExplicitOptions& options) {

@@ -10,9 +10,14 @@
 // to 1e-6. The point p is also the processed (fourth-order) position, and a(p) its acceleration:
 // the samples cost nothing more. Velocities are processed with the rate of a at q.
 //
+// Where only transverse motion matters that limit is far below the step its accuracy needs: axial
+// waves can be slowed (slot_mass.h) by kappa = h^2/8, which holds omega h below sqrt(8) whatever
+// their speed. A wave of frequency omega then runs slow by (omega h)^2/16, relative; all else keeps
+// the scheme's order.
+//
 // Forces enter as averages over a step that keep the impulse exact. Dampers act between steps
-// (Strang splitting): joint dampers by an L-stable SDIRK pair with the matrix C(q), modal ratios by
-// their exact decay.
+// (Strang splitting, motion_damper.h); what they take is counted in processed velocities, so that
+// the account closes for the fastest waves too.
 #pragma once
 
 #include <optional>
@@ -26,6 +31,12 @@ struct ExplicitOptions {
   std::optional<double> step_s;  ///< largest step; else `stability` over the highest frequency
   double stability = 3.2;  ///< omega h at the highest frequency of the start; less than 2 sqrt(3)
                            ///< to leave room for stiffening by motion
+  /// Slow axial waves as far as steps of this size need (s); zero: not at all. Where the chain
+  /// turns too far from its members' chords for that, steps are smaller.
+  double slowed_step_s = 0;
+  /// Time between two actions of the dampers (s), not less than four steps: what they do to a mode
+  /// errs by (omega time)^2 / 24, relative.
+  double damper_interval_s = 0;
   /// Without processing and with Verlet's kicks (a at q itself, second order): for comparison.
   bool verlet = false;
 };

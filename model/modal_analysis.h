@@ -83,7 +83,10 @@ struct ModesOptions {
 
 struct LeftOut {
   std::string what;           ///< such as "torsion"
-  double relative_error = 0;  ///< estimated, in frequency
+  double relative_error = 0;  ///< estimated
+  /// What the error is of: "frequency" (of the modes that take part), or "response" (root mean
+  /// square of the sensors' samples).
+  std::string of = "frequency";
 };
 
 struct ModalAnalysis {

@@ -35,113 +35,51 @@ Complex sine_integral(Complex s, double Omega, double a, double T) {
   return (plus - minus) / (2.0 * i);
 }
 
-class Propagator {
- public:
-  Propagator(const PoleModel& model, const std::vector<Load>& loads,
-             const std::vector<const ForceHistory*>& records)
-      : model_(model), loads_(loads), records_(records) {
-    assert(model.input.cols() == static_cast<Eigen::Index>(loads.size()));
-    assert(records.size() == loads.size());
-    for (std::size_t l = 0; l < loads.size(); ++l) {
-      forces_.emplace_back(loads[l], records[l]);
-      last_force_ = std::max(last_force_, forces_.back().end_s());
-    }
-  }
-
-  [[nodiscard]] double last_force_s() const { return last_force_; }
-  [[nodiscard]] double force(std::size_t load, double t) const { return forces_[load].at(t); }
-
-  // z(t0) to z(t1), exact for every load.
-  void advance(Eigen::VectorXcd& z, double t0, double t1) const {
-    const double h = t1 - t0;
-    if (!(h > 0)) return;
-    const Eigen::Index poles = model_.poles.size();
-    for (Eigen::Index r = 0; r < poles; ++r) z(r) *= std::exp(model_.poles(r) * h);
-    for (std::size_t l = 0; l < loads_.size(); ++l) {
-      const Load& load = loads_[l];
-      const auto column = static_cast<Eigen::Index>(l);
-      if (load.kind == Load::Kind::impact) {
-        const double from = std::max(t0, load.start);
-        const double to = std::min(t1, load.start + load.duration);
-        if (!(to > from)) continue;
-        const double Omega = pi / load.duration;
-        for (Eigen::Index r = 0; r < poles; ++r) {
-          const Complex s = model_.poles(r);
-          z(r) += model_.input(r, column) * load.peak * std::exp(s * (t1 - to)) *
-                  sine_integral(s, Omega, from - load.start, to - from);
-        }
-      } else if (load.kind == Load::Kind::record) {
-        add_record(z, *records_[l], column, t0, t1);
-      }
-    }
-  }
-
- private:
-  void add_record(Eigen::VectorXcd& z, const ForceHistory& record, Eigen::Index column, double t0,
-                  double t1) const {
-    const auto& t = record.time_s;
-    const auto& f = record.force_N;
-    if (t1 <= t.front() || t0 >= t.back()) return;
-    auto i = static_cast<std::size_t>(
-        std::max<std::ptrdiff_t>(1, std::upper_bound(t.begin(), t.end(), t0) - t.begin()));
-    for (; i < t.size() && t[i - 1] < t1; ++i) {
-      const double from = std::max(t0, t[i - 1]), to = std::min(t1, t[i]), h = to - from;
-      if (!(h > 0)) continue;
-      const double slope = (f[i] - f[i - 1]) / (t[i] - t[i - 1]);
-      const double f0 = f[i - 1] + slope * (from - t[i - 1]), rise = slope * h;
-      for (Eigen::Index r = 0; r < model_.poles.size(); ++r) {
-        const Complex s = model_.poles(r), x = s * h;
-        z(r) +=
-            model_.input(r, column) * std::exp(s * (t1 - to)) * h * (phi1(x) * f0 + phi2(x) * rise);
-      }
-    }
-  }
-
-  const PoleModel& model_;
-  const std::vector<Load>& loads_;
-  const std::vector<const ForceHistory*>& records_;
-  std::vector<LoadForce> forces_;
-  double last_force_ = 0;
-};
-
-Eigen::VectorXcd initial_state(const PoleModel& model) {
-  if (model.initial.size() > 0) return model.initial;
-  return Eigen::VectorXcd::Zero(model.poles.size());
-}
-
-// Samples of a system left to itself: y_n = Re sum_r w_r lambda_r^n, all sensors, `z` its state at
-// the first row. Split into real arrays so that the compiler uses full vectors.
+// Samples of a system left to itself: y_n = Re sum_r w_r z_r lambda_r^n, all sensors, `z` its state
+// at the first row.
 void free_samples(const PoleModel& model, const Eigen::MatrixXcd& weights, double step,
                   const Eigen::VectorXcd& z, Eigen::Ref<Eigen::MatrixXd> out) {
-  const Eigen::Index poles = model.poles.size(), sensors = weights.rows();
-  // The recurrence rounds once a sample; restarted from the closed form every block it stays
-  // within a block's rounding errors however long the response.
-  constexpr Eigen::Index kBlock = 4096;
-  Eigen::ArrayXd re(poles), im(poles), c(poles), s(poles);
-  Eigen::ArrayXXd wr = weights.real().transpose(), wi = weights.imag().transpose();
-  for (Eigen::Index r = 0; r < poles; ++r) {
-    const Complex lambda = std::exp(model.poles(r) * step);
-    c(r) = lambda.real();
-    s(r) = lambda.imag();
+  constexpr Eigen::Index kBlock = 64, kRestart = 64;
+  const Eigen::Index sensors = weights.rows(), rows = out.rows();
+  if (sensors == 0 || rows == 0) return;
+  // Poles that no sensor sees are left out: together less than 1e-13 of what there is.
+  std::vector<Eigen::Index> seen;
+  const Eigen::MatrixXd size = weights.cwiseAbs() * z.cwiseAbs().asDiagonal();
+  const Eigen::VectorXd all = size.rowwise().sum();
+  for (Eigen::Index r = 0; r < z.size(); ++r) {
+    const double share = 1e-13 / static_cast<double>(z.size());
+    if ((size.col(r).array() > share * all.array()).any()) seen.push_back(r);
   }
-  for (Eigen::Index first = 0; first < out.rows(); first += kBlock) {
-    for (Eigen::Index r = 0; r < poles; ++r) {
-      const Complex value = z(r) * std::exp(model.poles(r) * (step * static_cast<double>(first)));
-      re(r) = value.real();
-      im(r) = value.imag();
+  const auto poles = static_cast<Eigen::Index>(seen.size());
+  const Eigen::Index blocks = (rows + kBlock - 1) / kBlock;
+  Eigen::MatrixXd powers(kBlock * sensors, 2 * poles), states(2 * poles, blocks);
+  for (Eigen::Index p = 0; p < poles; ++p) {
+    const Eigen::Index r = seen[static_cast<std::size_t>(p)];
+    const Complex lambda = std::exp(model.poles(r) * step);
+    Complex power = 1;
+    for (Eigen::Index k = 0; k < kBlock; ++k, power *= lambda) {
+      for (Eigen::Index s = 0; s < sensors; ++s) {
+        const Complex value = weights(s, r) * power;
+        powers(s * kBlock + k, 2 * p) = value.real();
+        powers(s * kBlock + k, 2 * p + 1) = -value.imag();
+      }
     }
-    const Eigen::Index last = std::min(out.rows(), first + kBlock);
-    for (Eigen::Index n = first; n < last; ++n) {
-      for (Eigen::Index k = 0; k < sensors; ++k) {
-        out(n, k) = (wr.col(k) * re - wi.col(k) * im).sum();
-      }
-      double* a = re.data();
-      double* b = im.data();
-      for (Eigen::Index r = 0; r < poles; ++r) {
-        const double next = a[r] * c(r) - b[r] * s(r);
-        b[r] = a[r] * s(r) + b[r] * c(r);
-        a[r] = next;
-      }
+    // The recurrence rounds once a block; restarted from the closed form it stays within a few
+    // roundings however long the response.
+    const double span = step * static_cast<double>(kBlock);
+    const Complex jump = std::exp(model.poles(r) * span);
+    Complex state = z(r);
+    for (Eigen::Index j = 0; j < blocks; ++j, state *= jump) {
+      if (j % kRestart == 0) state = z(r) * std::exp(model.poles(r) * (span * double(j)));
+      states(2 * p, j) = state.real();
+      states(2 * p + 1, j) = state.imag();
+    }
+  }
+  const Eigen::MatrixXd samples = powers * states;
+  for (Eigen::Index j = 0; j < blocks; ++j) {
+    const Eigen::Index count = std::min(kBlock, rows - j * kBlock);
+    for (Eigen::Index s = 0; s < sensors; ++s) {
+      out.col(s).segment(j * kBlock, count) = samples.col(j).segment(s * kBlock, count);
     }
   }
 }
@@ -193,6 +131,66 @@ PoleModel pole_model(const Eigen::VectorXd& omega, const Eigen::VectorXd& dampin
   return model;
 }
 
+ModalPropagator::ModalPropagator(const PoleModel& model, const std::vector<Load>& loads,
+                                 const std::vector<const ForceHistory*>& records)
+    : model_(model), loads_(loads), records_(records) {
+  assert(model.input.cols() == static_cast<Eigen::Index>(loads.size()));
+  assert(records.size() == loads.size());
+  for (std::size_t l = 0; l < loads.size(); ++l) {
+    forces_.emplace_back(loads[l], records[l]);
+    last_force_ = std::max(last_force_, forces_.back().end_s());
+  }
+}
+
+Eigen::VectorXcd ModalPropagator::initial() const {
+  if (model_.initial.size() > 0) return model_.initial;
+  return Eigen::VectorXcd::Zero(model_.poles.size());
+}
+
+void ModalPropagator::advance(Eigen::VectorXcd& z, double t0, double t1) const {
+  const double h = t1 - t0;
+  if (!(h > 0)) return;
+  const Eigen::Index poles = model_.poles.size();
+  for (Eigen::Index r = 0; r < poles; ++r) z(r) *= std::exp(model_.poles(r) * h);
+  for (std::size_t l = 0; l < loads_.size(); ++l) {
+    const Load& load = loads_[l];
+    const auto column = static_cast<Eigen::Index>(l);
+    if (load.kind == Load::Kind::impact) {
+      const double from = std::max(t0, load.start);
+      const double to = std::min(t1, load.start + load.duration);
+      if (!(to > from)) continue;
+      const double Omega = pi / load.duration;
+      for (Eigen::Index r = 0; r < poles; ++r) {
+        const Complex s = model_.poles(r);
+        z(r) += model_.input(r, column) * load.peak * std::exp(s * (t1 - to)) *
+                sine_integral(s, Omega, from - load.start, to - from);
+      }
+    } else if (load.kind == Load::Kind::record) {
+      add_record(z, *records_[l], column, t0, t1);
+    }
+  }
+}
+
+void ModalPropagator::add_record(Eigen::VectorXcd& z, const ForceHistory& record,
+                                 Eigen::Index column, double t0, double t1) const {
+  const auto& t = record.time_s;
+  const auto& f = record.force_N;
+  if (t1 <= t.front() || t0 >= t.back()) return;
+  auto i = static_cast<std::size_t>(
+      std::max<std::ptrdiff_t>(1, std::upper_bound(t.begin(), t.end(), t0) - t.begin()));
+  for (; i < t.size() && t[i - 1] < t1; ++i) {
+    const double from = std::max(t0, t[i - 1]), to = std::min(t1, t[i]), h = to - from;
+    if (!(h > 0)) continue;
+    const double slope = (f[i] - f[i - 1]) / (t[i] - t[i - 1]);
+    const double f0 = f[i - 1] + slope * (from - t[i - 1]), rise = slope * h;
+    for (Eigen::Index r = 0; r < model_.poles.size(); ++r) {
+      const Complex s = model_.poles(r), x = s * h;
+      z(r) +=
+          model_.input(r, column) * std::exp(s * (t1 - to)) * h * (phi1(x) * f0 + phi2(x) * rise);
+    }
+  }
+}
+
 Eigen::MatrixXd modal_response(const PoleModel& model,
                                const std::vector<Sensor::Quantity>& quantities,
                                const std::vector<Load>& loads,
@@ -200,7 +198,7 @@ Eigen::MatrixXd modal_response(const PoleModel& model,
                                Eigen::Index rows) {
   const Eigen::Index sensors = model.output.rows(), poles = model.poles.size();
   assert(static_cast<Eigen::Index>(quantities.size()) == sensors && step_s > 0);
-  const Propagator propagator(model, loads, records);
+  const ModalPropagator propagator(model, loads, records);
 
   // Derivatives of Re(c z): Re(c s z) + Re(c b) f, and so on; the first feed-through vanishes for
   // displacements, the second is the unit force's acceleration.
@@ -221,7 +219,7 @@ Eigen::MatrixXd modal_response(const PoleModel& model,
   }
 
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows, sensors);
-  Eigen::VectorXcd z = initial_state(model);
+  Eigen::VectorXcd z = propagator.initial();
   Eigen::Index row = 0;
   // Sample by sample while any force acts, then freely.
   const double last_force = propagator.last_force_s();
@@ -229,7 +227,7 @@ Eigen::MatrixXd modal_response(const PoleModel& model,
     if (row > 0) propagator.advance(z, step_s * static_cast<double>(row - 1), t);
     for (Eigen::Index k = 0; k < sensors; ++k) out(row, k) = (weights.row(k) * z).real().value();
     for (std::size_t l = 0; l < loads.size(); ++l) {
-      const double f = propagator.force(l, t);
+      const double f = propagator.force(l).at(t);
       if (f != 0) out.row(row) += f * direct.col(static_cast<Eigen::Index>(l)).transpose();
     }
   }
@@ -244,8 +242,9 @@ Eigen::MatrixXd modal_response(const PoleModel& model,
 
 Eigen::VectorXcd modal_state(const PoleModel& model, const std::vector<Load>& loads,
                              const std::vector<const ForceHistory*>& records, double time_s) {
-  Eigen::VectorXcd z = initial_state(model);
-  Propagator(model, loads, records).advance(z, 0, time_s);
+  const ModalPropagator propagator(model, loads, records);
+  Eigen::VectorXcd z = propagator.initial();
+  propagator.advance(z, 0, time_s);
   return z;
 }
 

@@ -1,36 +1,22 @@
 #include "model/nonlinearity.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "model/eigenpairs.h"
+
 namespace rigfit::model {
 namespace {
 
-// Lowest eigenvalues of K x = lambda M x by subspace iteration from the columns of x; empty when K
-// is not positive definite on them.
-Eigen::VectorXd lowest_near(const EnvelopeMatrix& stiffness, const EnvelopeMatrix& mass,
-                            Eigen::MatrixXd x) {
+constexpr std::size_t kCompared = 6;  // modes whose shift is looked at
+
+// Lowest eigenvalues of K x = lambda M x; empty when K is not positive definite.
+Eigen::VectorXd lowest_eigenvalues(const EnvelopeMatrix& stiffness, const EnvelopeMatrix& mass,
+                                   int count) {
   EnvelopeFactor factor;
   if (!factor.factor(stiffness) || factor.negative_pivots() > 0) return {};
-  Eigen::MatrixXd kx(x.rows(), x.cols()), mx(x.rows(), x.cols());
-  Eigen::VectorXd values;
-  for (int iteration = 0; iteration < 8; ++iteration) {
-    for (Eigen::Index c = 0; c < x.cols(); ++c) mx.col(c) = mass * Eigen::VectorXd(x.col(c));
-    x = mx;
-    factor.solve_in_place(x);
-    for (Eigen::Index c = 0; c < x.cols(); ++c) {
-      kx.col(c) = stiffness * Eigen::VectorXd(x.col(c));
-      mx.col(c) = mass * Eigen::VectorXd(x.col(c));
-    }
-    const Eigen::MatrixXd k = x.transpose() * kx, m = x.transpose() * mx;
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(k, m);
-    if (solver.info() != Eigen::Success) return {};
-    x = x * solver.eigenvectors();
-    values = solver.eigenvalues();
-  }
-  return values;
+  return lowest_eigenpairs(stiffness, mass, count).values;
 }
 
 }  // namespace
@@ -48,8 +34,9 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
   }
 
   // Modal coordinates where the strain energy is greatest. A hung mass' own state is the start.
-  const auto coordinates = [&](double t) -> Eigen::VectorXd {
-    const Eigen::VectorXcd z = modal_state(answer.modal, scene.loads, records, t);
+  const ModalPropagator propagator(answer.modal, scene.loads, records);
+  Eigen::VectorXcd z = propagator.initial();
+  const auto coordinates = [&]() -> Eigen::VectorXd {
     if (answer.coupled) return (answer.modal.output * z).real();
     Eigen::VectorXd q = Eigen::VectorXd::Zero(count);
     for (Eigen::Index p = 0, r = 0; p < z.size(); ++p) {
@@ -62,7 +49,7 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
   const auto energies = [&](const Eigen::VectorXd& q) -> Eigen::VectorXd {
     return 0.5 * (answer.omega.cwiseProduct(q)).cwiseAbs2();
   };
-  Eigen::VectorXd q = coordinates(0);
+  Eigen::VectorXd q = coordinates();
   double greatest = energies(q).sum();
   if (last_force > 0) {
     const double lowest = answer.omega.minCoeff();
@@ -71,7 +58,8 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
     const int instants = 80;
     for (int i = 1; i <= instants; ++i) {
       const double t = end * i / instants;
-      const Eigen::VectorXd here = coordinates(t);
+      propagator.advance(z, end * (i - 1) / instants, t);
+      const Eigen::VectorXd here = coordinates();
       const double energy = energies(here).sum();
       if (energy > greatest) greatest = energy, q = here, out.time_s = t;
     }
@@ -99,17 +87,14 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
   assembly.mass(mass);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(assembly.size());
   std::vector<Eigen::Index> lowest;
-  Eigen::MatrixXd shapes(assembly.size(), 0);
   for (Eigen::Index i : rising) {
     const auto [m, k] = answer.mode[static_cast<std::size_t>(i)];
     const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
     const Eigen::VectorXd shape =
         renumbered(motion.shapes.col(k), motion.assembly->numbering(), to);
     if (q(i) != 0) u += q(i) * shape;
-    if (lowest.size() < 8 && !shape.isZero(0)) {
+    if (lowest.size() < kCompared && !shape.isZero(0)) {
       lowest.push_back(i);
-      shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
-      shapes.rightCols(1) = shape;
     }
   }
   Eigen::VectorXd load(assembly.size());
@@ -130,16 +115,15 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
         loaded_state(assembly, modes.equilibrium.state, side == 0 ? load : Eigen::VectorXd(-load));
     if (!loaded.converged) continue;
     assembly.force_and_tangent(loaded.state, force, stiffness);
-    values[side] = lowest_near(stiffness, mass, shapes);
+    values[side] = lowest_eigenvalues(stiffness, mass, static_cast<int>(lowest.size()));
   }
   if (values[0].size() == 0 || values[1].size() == 0) {
     out.frequency_shift = 1;
     return out;
   }
   double weighted = 0, weight = 0, most = -1;
-  // The last of the subspace have not converged: they are there for the others.
-  const Eigen::Index compared = std::max<Eigen::Index>(1, values[0].size() - 2);
-  for (Eigen::Index i = 0; i < compared; ++i) {
+  const auto compared = static_cast<Eigen::Index>(lowest.size());
+  for (Eigen::Index i = 0; i < std::min({compared, values[0].size(), values[1].size()}); ++i) {
     const Eigen::Index mode = lowest[static_cast<std::size_t>(i)];
     const double rest = answer.omega(mode) * answer.omega(mode);
     const double even = ((values[0](i) + values[1](i)) / (2 * rest) - 1) / 8;

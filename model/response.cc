@@ -4,22 +4,23 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "model/cvode_response.h"
 #include "model/explicit_motion.h"
 #include "model/implicit_motion.h"
+#include "model/linear_account.h"
 #include "model/linear_answer.h"
 #include "model/loaded_state.h"
-#include "model/modes.h"
 #include "model/motion_kernel.h"
+#include "model/needs.h"
 #include "model/nonlinearity.h"
+#include "model/response_estimates.h"
+#include "model/response_modes.h"
 #include "model/scene_error.h"
 
 namespace rigfit::model {
 namespace {
-
-constexpr int kAllModes = 400;  // unknowns of a motion up to which all modes are taken
-constexpr int kSomeModes = 200;
 
 std::vector<const ForceHistory*> records_of(const Scene& scene, const ResponseOptions& options) {
   std::vector<const ForceHistory*> records(scene.loads.size(), nullptr);
@@ -45,23 +46,12 @@ std::vector<const ForceHistory*> records_of(const Scene& scene, const ResponseOp
   return records;
 }
 
-int largest_motion(const Scene& scene, const ResponseOptions& options) {
-  int segments = 0;
-  for (const Member& member : scene.members) {
-    const int own = options.segments.value_or(member.segments);
-    segments += own > 0 ? own : 30;
-  }
-  return 3 * segments;
-}
-
-// Nothing pushes the scene out of its plane, and nobody looks out of it.
-bool plane_is_enough(const ChainModes& modes) {
-  const Chain& chain = *modes.chain;
+// Nothing pushes the scene out of its plane.
+bool plane_is_enough(const Chain& chain) {
   if (!chain.planar) return false;
-  const auto within = [](const Eigen::Vector3d& direction) {
-    return std::abs(direction.z()) <= 1e-12;
-  };
-  return std::all_of(chain.load_direction.begin(), chain.load_direction.end(), within);
+  return std::all_of(
+      chain.load_direction.begin(), chain.load_direction.end(),
+      [](const Eigen::Vector3d& direction) { return std::abs(direction.z()) <= 1e-12; });
 }
 
 ModalDamping modal_damping(const ChainModes& modes, const LinearAnswer& answer,
@@ -126,159 +116,273 @@ const char* name_of(ResponseSolver solver) {
   return "";
 }
 
+namespace {
+
+// One simulation, step by step: what is decided in one is needed by the next.
+class Simulation {
+ public:
+  Simulation(const Scene& scene, const ResponseOptions& options)
+      : scene_(scene), options_(options), records_(records_of(scene, options)) {}
+
+  ResponseResult run() {
+    const auto started = std::chrono::steady_clock::now();
+    const bool good = find_modes() && choose() && (linear() ? run_modal() : run_exact());
+    out_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    if (!good) return std::move(out_);
+    out_.completed = out_.samples.allFinite();
+    if (!out_.completed) out_.reason = "the motion is not finite";
+    if (linear()) {
+      out_.energy = linear_account(modes_, answer_, scene_, records_, options_.sampling);
+    }
+    out_.energy_drift = out_.energy.drift();
+    say_what_was_left_out();
+    return std::move(out_);
+  }
+
+ private:
+  bool find_modes() {
+    out_.rate_hz = options_.sampling.rate_hz;
+    for (const Sensor& sensor : scene_.sensors) out_.sensors.push_back(sensor.name);
+    for (const Member& member : scene_.members) out_.members.push_back(member.name);
+    wanted_.torsion = options_.torsion;
+    wanted_.modes = options_.modes;
+    const bool any_auto = std::any_of(scene_.members.begin(), scene_.members.end(),
+                                      [](const Member& m) { return m.segments <= 0; });
+    if (any_auto && !options_.segments) {
+      ResponseResolution choice =
+          choose_response_segments(scene_, wanted_, records_, options_.sampling.duration_s);
+      modes_ = std::move(choice.modes);
+      answer_ = std::move(choice.answer);
+      out_.resolution_error = choice.relative_error;
+      wanted_.segments = choice.segments;
+    } else {
+      if (options_.segments) wanted_.segments.assign(scene_.members.size(), *options_.segments);
+      modes_ = response_modes(scene_, wanted_);
+    }
+    out_.equilibrium = describe(*modes_.chain, modes_.equilibrium, scene_);
+    if (modes_.equilibrium.status != EquilibriumStatus::converged || modes_.motions.empty()) {
+      out_.reason = modes_.equilibrium.reason;
+      return false;
+    }
+    for (const ChainMember& member : modes_.chain->members) {
+      out_.segments.push_back(member.segments);
+    }
+    if (answer_.omega.size() == 0) answer_ = linear_answer(modes_, scene_);
+    weights_ = mode_weights(answer_, scene_, records_, options_.sampling.duration_s);
+    return true;
+  }
+
+  bool choose() {
+    const Chain& chain = *modes_.chain;
+    if (options_.plane.value_or(false) && !chain.planar) {
+      out_.impossible = true;
+      out_.reason = "the scene has no plane of symmetry to stay in";
+      return false;
+    }
+    plane_ = options_.plane.value_or(plane_is_enough(chain)) && chain.planar;
+    problem_.motion = plane_ ? Motion::in_plane : Motion::space;
+    out_.motion = plane_ ? "plane" : "space";
+    const MotionModes* own = nullptr;
+    for (const MotionModes& motion : modes_.motions) {
+      if (motion.motion == problem_.motion) own = &motion;
+    }
+    if (!own) made_ = std::make_unique<Assembly>(chain, problem_.motion);
+    assembly_ = own ? own->assembly.get() : made_.get();
+    out_.unknowns = assembly_->size();
+
+    shift_ = estimate_nonlinearity(modes_, answer_, scene_, records_, options_.sampling.duration_s,
+                                   *assembly_);
+    out_.frequency_shift = shift_.frequency_shift;
+    out_.frequency_at_rest_hz = shift_.frequency_at_rest_hz;
+    out_.frequency_moving_hz = shift_.frequency_moving_hz;
+    out_.nonlinear = shift_.frequency_shift > scene_.accuracy;
+    out_.solver = options_.solver;
+    if (out_.solver == ResponseSolver::automatic) {
+      out_.solver = out_.nonlinear ? ResponseSolver::large_motion : ResponseSolver::modal;
+    }
+    for (const Sensor& sensor : scene_.sensors) problem_.quantities.push_back(sensor.quantity);
+    return true;
+  }
+  [[nodiscard]] bool linear() const { return out_.solver == ResponseSolver::modal; }
+
+  bool run_modal() {
+    if (!options_.axial.value_or(true) || plane_) {
+      LinearAnswerOptions less{options_.axial.value_or(true), plane_};
+      const LinearAnswer all = std::move(answer_);
+      answer_ = linear_answer(modes_, scene_, less);
+      if (!less.axial) {
+        axial_ = axial_part(modes_, all, weights_);
+      }
+      out_of_plane_ = plane_ ? out_of_plane_part(modes_, all, weights_) : 0;
+      truncated_ = truncated_part(all, weights_, scene_);
+      full_ = std::move(all);
+    } else {
+      truncated_ = truncated_part(answer_, weights_, scene_);
+    }
+    out_.step_s = 1 / options_.sampling.rate_hz;
+    const auto rows = static_cast<Eigen::Index>(options_.sampling.rows());
+    out_.samples = modal_response(answer_.sensors, problem_.quantities, scene_.loads, records_,
+                                  out_.step_s, rows);
+    out_.steps = static_cast<long>(rows) - 1;
+    return true;
+  }
+
+  bool run_exact() {
+    const Chain& chain = *modes_.chain;
+    const ChainState& rest = modes_.equilibrium.state;
+    problem_.chain = &chain;
+    problem_.rest = problem_.start = rest;
+    problem_.loads = scene_.loads;
+    problem_.records = records_;
+    problem_.joint_damping = any_joint_damping(chain);
+    problem_.modal_damping = modal_damping(modes_, answer_, *assembly_);
+    Eigen::VectorXd weight = Eigen::VectorXd::Zero(assembly_->size());
+    for (std::size_t l = 0; l < scene_.loads.size(); ++l) {
+      const double force = hung_weight(scene_, scene_.loads[l]);
+      if (force != 0) weight += force * load_row(*assembly_, static_cast<int>(l));
+    }
+    LoadedState loaded = loaded_state(*assembly_, rest, weight);
+    if (!loaded.converged) {
+      out_.reason = "no equilibrium was found with the hung mass on";
+      return false;
+    }
+    problem_.start = std::move(loaded.state);
+    if (out_.solver == ResponseSolver::large_motion) {
+      out_.solver =
+          cheaper(problem_, shift_.upper_frequency_hz, scene_.accuracy, options_.sampling.rate_hz);
+    }
+    if (!kernel_supports(chain, plane_ ? 2 : 3) && out_.solver != ResponseSolver::implicit_motion) {
+      out_.impossible = true;
+      out_.reason = std::string("the solver ") + name_of(out_.solver) +
+                    " takes neither torsion nor, in space, nodes that turn; use implicit";
+      return false;
+    }
+    MotionOutput motion = integrate();
+    out_.samples = std::move(motion.samples);
+    out_.energy = std::move(motion.energy);
+    out_.steps = motion.steps;
+    out_.step_s = motion.step_s;
+    out_.reason = motion.reason;
+    slowing_s2_ = motion.axial_slowing_s2;
+    return motion.completed;
+  }
+
+  MotionOutput integrate() {
+    switch (out_.solver) {
+      case ResponseSolver::implicit_motion: {
+        ImplicitOptions run;
+        run.sampling = options_.sampling;
+        run.step_s = options_.step_s;
+        run.frequency_hz = shift_.upper_frequency_hz;
+        run.accuracy = scene_.accuracy;
+        return implicit_motion(problem_, run);
+      }
+      case ResponseSolver::cvode_adams:
+      case ResponseSolver::cvode_banded: {
+        CvodeOptions run;
+        run.sampling = options_.sampling;
+        run.method = out_.solver == ResponseSolver::cvode_adams ? CvodeMethod::adams_fixed_point
+                                                                : CvodeMethod::bdf_banded;
+        run.relative_tolerance = options_.relative_tolerance;
+        run.absolute_displacement_m = 1e-3 * options_.relative_tolerance;
+        run.absolute_velocity_m_s = options_.relative_tolerance;
+        return cvode_response(problem_, run);
+      }
+      default: {
+        ExplicitOptions run;
+        run.sampling = options_.sampling;
+        run.step_s = options_.step_s;
+        // (2 pi / 16)^2 / 24: within a per cent of the damping of the fastest mode that matters.
+        run.damper_interval_s = 1 / (16 * std::max(shift_.upper_frequency_hz, 1e-3));
+        const double interval = 1 / options_.sampling.rate_hz;
+        if (options_.axial) {
+          run.slowed_step_s = *options_.axial ? 0 : interval;
+        } else if (shift_.frequency_shift < 1) {
+          // A third of what is asked for: the number of segments and the estimates take theirs.
+          run.slowed_step_s = slowed_step(modes_, answer_, weights_, shift_.frequency_shift,
+                                          interval, scene_.accuracy / 3);
+        }
+        return explicit_motion(problem_, run);
+      }
+    }
+  }
+
+  void say_what_was_left_out() {
+    const auto leave_out = [&](std::string what, double error, const char* of = "frequency") {
+      out_.left_out.push_back({std::move(what), error, of});
+    };
+    const Chain& chain = *modes_.chain;
+    const LinearAnswer& answer = full_.omega.size() > 0 ? full_ : answer_;
+    if (linear()) {
+      leave_out("change of stiffness with motion", shift_.frequency_shift);
+      if (answer.truncated) leave_out("modes above those found", truncated_, "response");
+    } else {
+      out_.kept.push_back("geometrically exact stiffness");
+    }
+    if (linear() && !options_.axial.value_or(true)) {
+      leave_out("axial dynamics: stretch follows at once", axial_, "response");
+    } else if (slowing_s2_ > 0) {
+      const StepErrors errors = explicit_step_errors(
+          modes_, answer, weights_, shift_.frequency_shift, out_.step_s, slowing_s2_);
+      // kappa omega^2 / 2 = 1 %
+      const double at_hz = std::sqrt(0.02 / slowing_s2_) / (2 * std::numbers::pi);
+      std::ostringstream what;
+      what.precision(3);
+      what << "axial waves at their own speed (1 % slow at " << at_hz << " Hz)";
+      leave_out(what.str(), errors.slowed_axial);
+    } else {
+      out_.kept.push_back("axial dynamics");
+    }
+    if (out_.solver == ResponseSolver::explicit_motion) {
+      leave_out(
+          "what happens within a step",
+          explicit_step_errors(modes_, answer, weights_, shift_.frequency_shift, out_.step_s, 0)
+              .scheme);
+    } else if (out_.solver == ResponseSolver::implicit_motion) {
+      leave_out("what happens within a step", implicit_step_error(answer, weights_, out_.step_s));
+    }
+    if (chain.torsion) {
+      out_.kept.push_back("torsion");
+    } else if (std::any_of(scene_.members.begin(), scene_.members.end(),
+                           [](const Member& m) { return m.GJ > 0; })) {
+      // Where no torque enters it is zero to first order, and exactly so in the plane.
+      const bool forced = !plane_ && needs_of(scene_, options_.torsion).torsion_left_out;
+      leave_out("torsion", forced ? torsion_shift(scene_, wanted_, modes_, answer, weights_) : 0);
+    }
+    if (plane_) {
+      if (!linear()) out_of_plane_ = out_of_plane_part(modes_, answer, weights_);
+      leave_out("motion out of the plane of symmetry", out_of_plane_, "response");
+    } else {
+      out_.kept.push_back("motion out of the plane");
+    }
+    if (out_.resolution_error < 0 && options_.resolution_estimate) {
+      out_.resolution_error = resolution_error(scene_, wanted_, modes_, answer, weights_);
+    }
+    if (out_.resolution_error >= 0) {
+      leave_out("bending within segments", out_.resolution_error);
+    }
+  }
+
+  const Scene& scene_;
+  const ResponseOptions& options_;
+  const std::vector<const ForceHistory*> records_;
+  ResponseResult out_;
+  ResponseModesOptions wanted_;
+  ChainModes modes_;
+  LinearAnswer answer_, full_;
+  ModeWeights weights_;
+  Nonlinearity shift_;
+  MotionProblem problem_;
+  std::unique_ptr<Assembly> made_;
+  const Assembly* assembly_ = nullptr;
+  bool plane_ = false;
+  double axial_ = 0, out_of_plane_ = 0, truncated_ = 0, slowing_s2_ = 0;
+};
+
+}  // namespace
+
 ResponseResult simulate_response(const Scene& scene, const ResponseOptions& options) {
-  const auto started = std::chrono::steady_clock::now();
-  ResponseResult out;
-  const auto finish = [&] {
-    out.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-    return out;
-  };
-  const std::vector<const ForceHistory*> records = records_of(scene, options);
-  out.rate_hz = options.sampling.rate_hz;
-  for (const Sensor& sensor : scene.sensors) out.sensors.push_back(sensor.name);
-  for (const Member& member : scene.members) out.members.push_back(member.name);
-
-  ModesOptions wanted;
-  const int unknowns = largest_motion(scene, options);
-  wanted.count =
-      options.modes > 0 ? options.modes : (unknowns <= kAllModes ? 2 * unknowns : kSomeModes);
-  wanted.torsion = options.torsion;
-  wanted.segments = options.segments;
-  std::vector<int> segments;
-  if (options.segments) segments.assign(scene.members.size(), *options.segments);
-  const ChainModes modes = find_modes(scene, wanted, segments);
-  out.equilibrium = describe(*modes.chain, modes.equilibrium, scene);
-  if (modes.equilibrium.status != EquilibriumStatus::converged || modes.motions.empty()) {
-    out.reason = modes.equilibrium.reason;
-    return finish();
-  }
-  const Chain& chain = *modes.chain;
-  const ChainState& rest = modes.equilibrium.state;
-  const LinearAnswer answer = linear_answer(modes, scene);
-
-  MotionProblem problem;
-  const bool plane = options.plane.value_or(true) && chain.planar &&
-                     (options.plane.value_or(false) || plane_is_enough(modes));
-  problem.motion = plane ? Motion::in_plane : Motion::space;
-  out.motion = plane ? "plane" : "space";
-  const MotionModes* own = nullptr;
-  for (const MotionModes& motion : modes.motions) {
-    if (motion.motion == problem.motion) own = &motion;
-  }
-  std::unique_ptr<Assembly> made;
-  if (!own) made = std::make_unique<Assembly>(chain, problem.motion);
-  const Assembly& assembly = own ? *own->assembly : *made;
-  out.unknowns = assembly.size();
-
-  const Nonlinearity shift =
-      estimate_nonlinearity(modes, answer, scene, records, options.sampling.duration_s, assembly);
-  out.frequency_shift = shift.frequency_shift;
-  out.frequency_at_rest_hz = shift.frequency_at_rest_hz;
-  out.frequency_moving_hz = shift.frequency_moving_hz;
-  out.nonlinear = shift.frequency_shift > scene.accuracy;
-  out.solver = options.solver;
-  if (out.solver == ResponseSolver::automatic) {
-    out.solver = out.nonlinear ? ResponseSolver::large_motion : ResponseSolver::modal;
-  }
-
-  std::vector<Sensor::Quantity> quantities;
-  for (const Sensor& sensor : scene.sensors) quantities.push_back(sensor.quantity);
-  out.kept.push_back("axial dynamics");
-  if (chain.torsion) {
-    out.kept.push_back("torsion");
-  } else {
-    // Where no torque enters it is zero to first order; forced off it may not be.
-    const bool present = std::any_of(scene.members.begin(), scene.members.end(),
-                                     [](const Member& m) { return m.GJ > 0; });
-    if (present) out.left_out.push_back({"torsion", 0});
-  }
-  if (plane) {
-    out.left_out.push_back({"motion out of the plane of symmetry", 0});
-  } else {
-    out.kept.push_back("motion out of the plane");
-  }
-
-  if (out.solver == ResponseSolver::modal) {
-    out.left_out.push_back({"change of stiffness with motion", shift.frequency_shift});
-    const double step = 1 / options.sampling.rate_hz;
-    const auto rows = static_cast<Eigen::Index>(options.sampling.rows());
-    out.samples = modal_response(answer.sensors, quantities, scene.loads, records, step, rows);
-    out.steps = static_cast<long>(rows) - 1;
-    out.step_s = step;
-    out.completed = out.samples.allFinite();
-    if (!out.completed) out.reason = "the motion is not finite";
-    return finish();
-  }
-  out.kept.push_back("geometrically exact stiffness");
-
-  problem.chain = &chain;
-  problem.rest = problem.start = rest;
-  problem.loads = scene.loads;
-  problem.records = records;
-  problem.quantities = quantities;
-  problem.joint_damping = any_joint_damping(chain);
-  problem.modal_damping = modal_damping(modes, answer, assembly);
-  Eigen::VectorXd weight = Eigen::VectorXd::Zero(assembly.size());
-  for (std::size_t l = 0; l < scene.loads.size(); ++l) {
-    const double force = hung_weight(scene, scene.loads[l]);
-    if (force != 0) weight += force * load_row(assembly, static_cast<int>(l));
-  }
-  const LoadedState loaded = loaded_state(assembly, rest, weight);
-  if (!loaded.converged) {
-    out.reason = "no equilibrium was found with the hung mass on";
-    return finish();
-  }
-  problem.start = loaded.state;
-
-  if (out.solver == ResponseSolver::large_motion) {
-    out.solver =
-        cheaper(problem, shift.upper_frequency_hz, scene.accuracy, options.sampling.rate_hz);
-  }
-  const bool supported = kernel_supports(chain, plane ? 2 : 3);
-  if (!supported && out.solver != ResponseSolver::implicit_motion) {
-    out.reason = std::string("the solver ") + name_of(out.solver) +
-                 " takes neither torsion nor, in space, nodes that turn; use implicit";
-    return finish();
-  }
-  MotionOutput motion;
-  switch (out.solver) {
-    case ResponseSolver::implicit_motion: {
-      ImplicitOptions run;
-      run.sampling = options.sampling;
-      run.step_s = options.step_s;
-      run.frequency_hz = shift.upper_frequency_hz;
-      run.accuracy = scene.accuracy;
-      motion = implicit_motion(problem, run);
-      break;
-    }
-    case ResponseSolver::cvode_adams:
-    case ResponseSolver::cvode_banded: {
-      CvodeOptions run;
-      run.sampling = options.sampling;
-      run.method = out.solver == ResponseSolver::cvode_adams ? CvodeMethod::adams_fixed_point
-                                                             : CvodeMethod::bdf_banded;
-      run.relative_tolerance = options.relative_tolerance;
-      run.absolute_displacement_m = 1e-3 * options.relative_tolerance;
-      run.absolute_velocity_m_s = options.relative_tolerance;
-      motion = cvode_response(problem, run);
-      break;
-    }
-    default: {
-      ExplicitOptions run;
-      run.sampling = options.sampling;
-      run.step_s = options.step_s;
-      motion = explicit_motion(problem, run);
-      break;
-    }
-  }
-  out.samples = std::move(motion.samples);
-  out.energy = std::move(motion.energy);
-  out.energy_drift = out.energy.drift();
-  out.steps = motion.steps;
-  out.step_s = motion.step_s;
-  out.completed = motion.completed;
-  out.reason = motion.reason;
-  return finish();
+  return Simulation(scene, options).run();
 }
 
 }  // namespace rigfit::model

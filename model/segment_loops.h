@@ -30,6 +30,9 @@ void add_multiple(int n, const double* x, double factor, const double* y, double
 /// v += half a, q += h v.
 void kick_and_drift(int n, double half, double h, const double* a, double* v, double* q);
 
+/// y += A x, A of rows x columns stored column after column.
+void add_product(int rows, int columns, const double* A, const double* x, double* y);
+
 /// Factors of a symmetric tridiagonal matrix of the inner nodes 1..m from both ends to the middle,
 /// which halves the chain of dependent operations.
 struct TwistedFactors {

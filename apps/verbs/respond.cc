@@ -21,7 +21,7 @@ struct Options {
   std::string scene, out, energy;
   double duration_s = 0, rate_hz = 0;
   std::string solver = "auto";
-  std::string plane = "auto", torsion = "auto";
+  std::string plane = "auto", torsion = "auto", axial = "auto";
   int segments = 0;
   double step_s = 0;
   double tolerance = 1e-6;
@@ -190,6 +190,10 @@ Json run_respond(VerbContext& context, const Options& options) {
   }
   wanted.plane = forced(options.plane);
   wanted.torsion = forced(options.torsion);
+  wanted.axial = forced(options.axial);
+  wanted.resolution_estimate = true;
+  // At the start, at the end and in between for the drift; over time only where it is written.
+  wanted.sampling.energy_samples = options.energy.empty() ? 20 : 200;
   if (options.segments > 0) wanted.segments = options.segments;
   if (options.step_s > 0) wanted.step_s = options.step_s;
   wanted.relative_tolerance = options.tolerance;
@@ -208,6 +212,9 @@ Json run_respond(VerbContext& context, const Options& options) {
     throw NotConverged(fmt::format("{}: no static equilibrium ({}): {}", options.scene,
                                    name_of(response.equilibrium.status), response.reason));
   }
+  if (response.impossible) {
+    throw Refused(fmt::format("{}: {}", options.scene, response.reason));
+  }
   if (!response.completed) {
     throw NotConverged(
         fmt::format("{}: {}: {}", options.scene, name_of(response.solver), response.reason));
@@ -215,7 +222,12 @@ Json run_respond(VerbContext& context, const Options& options) {
 
   Json left_out = Json::array();
   for (const model::LeftOut& what : response.left_out) {
-    left_out.push_back({{"what", what.what}, {"relative_error", what.relative_error}});
+    left_out.push_back(
+        {{"what", what.what}, {"relative_error", what.relative_error}, {"of", what.of}});
+  }
+  Json segments = Json::array();
+  for (std::size_t m = 0; m < response.segments.size(); ++m) {
+    segments.push_back({{"member", response.members[m]}, {"segments", response.segments[m]}});
   }
   Json sensors = Json::array();
   for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
@@ -243,6 +255,8 @@ Json run_respond(VerbContext& context, const Options& options) {
               {"modelled",
                {{"motion", response.motion},
                 {"unknowns", response.unknowns},
+                {"segments", std::move(segments)},
+                {"resolution_error", response.resolution_error},
                 {"kept", response.kept},
                 {"left_out", std::move(left_out)}}}};
   context.out << fmt::format("{}: {} s at {} Hz by {}, {} unknowns in {}, {} steps, {:.3g} s\n",
@@ -258,18 +272,17 @@ Json run_respond(VerbContext& context, const Options& options) {
                                response.energy.supplied.back(), response.energy.dissipated.back(),
                                response.energy_drift);
   }
+  for (const model::LeftOut& what : response.left_out) {
+    context.out << fmt::format("left out: {}: about {:.2g} in {}\n", what.what, what.relative_error,
+                               what.of);
+  }
   write_whole_file(options.out, samples_csv(scene, response));
   result["out"] = options.out;
   context.out << "response: " << options.out << '\n';
   if (!options.energy.empty()) {
-    if (response.energy.time_s.empty()) {
-      context.warn("no-energy-account", "the modal solver keeps no energy account",
-                   "use --solver large-motion");
-    } else {
-      write_whole_file(options.energy, energy_csv(response));
-      result["energy_out"] = options.energy;
-      context.out << "energy account: " << options.energy << '\n';
-    }
+    write_whole_file(options.energy, energy_csv(response));
+    result["energy_out"] = options.energy;
+    context.out << "energy account: " << options.energy << '\n';
   }
   return result;
 }
@@ -292,8 +305,7 @@ void add_respond(CLI::App& program, Verbs& verbs) {
   verb->add_option("--out", options->out, "CSV: time_s, then one column a sensor")
       ->required()
       ->type_name("F.csv");
-  verb->add_option("--energy", options->energy,
-                   "CSV of the energy by member and kind over time (not with the modal solver)")
+  verb->add_option("--energy", options->energy, "CSV of the energy by member and kind over time")
       ->type_name("F.csv");
   std::vector<std::string> names;
   for (const auto& [name, solver] : kSolvers) names.push_back(name);
@@ -305,6 +317,10 @@ void add_respond(CLI::App& program, Verbs& verbs) {
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
   verb->add_option("--torsion", options->torsion, "Model torsion")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  verb->add_option("--axial", options->axial,
+                   "Axial waves at their own speed; off: followed at once (modal) or slowed")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
   verb->add_option("--segments", options->segments, "Segments of every member, over the scene's")

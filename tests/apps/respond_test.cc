@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -93,6 +94,53 @@ TEST(Respond, SmallHitIsLinearAndAgreesWithTheExactEquations) {
   // Shift below 1e-4 of phases up to 2 pi 0.3 s 200 Hz: 4e-2.
   EXPECT_GT(size, 0);
   EXPECT_LT(std::sqrt(difference / size), 4e-2);
+}
+
+TEST(Respond, SaysWhatItLeftOutAndWhatThatCosts) {
+  const TemporaryFolder folder;
+  const std::string csv = (folder.path() / "y.csv").string();
+  const auto respond = [&](const std::string& scene, std::vector<std::string> more) {
+    std::vector<std::string> words{"respond", scene,   "--duration", "0.2",    "--rate",
+                                   "2000",    "--out", csv,          "--json", "-"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramRun run = run_program(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return Json::parse(run.out);
+  };
+  const auto cost = [](const Json& document, const std::string& begin) {
+    for (const Json& what : document["modelled"]["left_out"]) {
+      if (what["what"].get<std::string>().rfind(begin, 0) == 0) {
+        return what["relative_error"].get<double>();
+      }
+    }
+    return -1.0;
+  };
+  // Forced to be linear, the release says that it is not.
+  const Json linear = respond(kScenes + "cable-release.toml", {"--solver", "modal"});
+  EXPECT_TRUE(linear["nonlinear"].get<bool>());
+  EXPECT_GT(cost(linear, "change of stiffness"), 0.01);
+  // The linear answer has its energy account too.
+  EXPECT_LT(linear["energy_drift"].get<double>(), 1e-6);
+  EXPECT_GT(linear["energy"]["dissipated_J"].get<double>(), 0);
+  // Axial waves by need, in full, and slowed to one step a sample.
+  const Json full = respond(kScenes + "cable-release.toml", {"--axial", "on"});
+  const Json slowed = respond(kScenes + "cable-release.toml", {"--axial", "off"});
+  EXPECT_EQ(cost(full, "axial"), -1);
+  EXPECT_GT(cost(slowed, "axial"), 0);
+  EXPECT_EQ(slowed["steps"], 400);
+  EXPECT_GT(full["steps"].get<long>(), 2000);
+  // Segments by the scene's accuracy.
+  std::string text = "accuracy = 1e-3\n";
+  std::ifstream file(kScenes + "cable-hit.toml");
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("accuracy", 0) == 0) continue;
+    text += (line == "segments = 30" ? "segments = \"auto\"" : line) + "\n";
+  }
+  const Json chosen = respond(folder.write("auto.toml", text), {});
+  EXPECT_GE(chosen["modelled"]["segments"][0]["segments"].get<int>(), 8);
+  EXPECT_LE(chosen["modelled"]["resolution_error"].get<double>(), 1e-3);
+  EXPECT_EQ(cost(chosen, "bending within segments"),
+            chosen["modelled"]["resolution_error"].get<double>());
 }
 
 TEST(Respond, RecordedForceFromAFile) {
@@ -189,6 +237,90 @@ quantity = "velocity"
       run_program({"respond", column, "--duration", "1", "--rate", "10", "--out", csv});
   EXPECT_EQ(buckled.exit_code, 5) << buckled.err;
   EXPECT_EQ(folder.read("y.csv"), "");
+  const auto respond_to = [&](const std::string& text, std::vector<std::string> more = {}) {
+    std::vector<std::string> words{
+        "respond", folder.write("scene.toml", text), "--duration", "0.1", "--rate", "100", "--out",
+        csv};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramRun run = run_program(words);
+    EXPECT_EQ(folder.read("y.csv"), "");
+    EXPECT_NE(run.err, "");
+    return run;
+  };
+  const std::string nodes = R"(
+[[node]]
+name = "a"
+position = [0, 0, 0]
+support = "pinned"
+[[node]]
+name = "b"
+position = [2, 0, 0.0]
+support = "pinned"
+)";
+  const std::string cable = R"(
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["a", "b"]
+segments = 8
+mass_per_length = 0.2
+EA = 2e5
+EI = 0.1
+)";
+  const std::string sensor = R"(
+[[sensor]]
+name = "s"
+member = "cable"
+position = 0.5
+quantity = "velocity"
+)";
+  // Slack: longer than its span and without weight to hang by.
+  const ProgramRun slack =
+      respond_to("gravity = 0.0\n" + nodes + cable + "unstretched_length = 2.5\n" + sensor);
+  EXPECT_EQ(slack.exit_code, 5) << slack.err;
+  EXPECT_NE(slack.err.find("slack"), std::string::npos) << slack.err;
+  // A sensor on a member that is not there, no sensor at all, a force file that is not there.
+  const ProgramRun nowhere =
+      respond_to(nodes + cable + "tension = 100\n[[sensor]]\nmember = \"rope\"\nposition = 0.5\n");
+  EXPECT_EQ(nowhere.exit_code, 3);
+  EXPECT_NE(nowhere.err.find("rope"), std::string::npos) << nowhere.err;
+  const ProgramRun blind = respond_to(nodes + cable + "tension = 100\n");
+  EXPECT_EQ(blind.exit_code, 3);
+  EXPECT_NE(blind.err.find("sensor"), std::string::npos) << blind.err;
+  const ProgramRun unread = respond_to(nodes + cable +
+                                       "tension = 100\n[[load]]\nkind = \"record\"\nmember = "
+                                       "\"cable\"\nposition = 0.5\nfile = \"none.csv\"\n" +
+                                       sensor);
+  EXPECT_EQ(unread.exit_code, 3);
+  EXPECT_NE(unread.err.find("none.csv"), std::string::npos) << unread.err;
+  // Forced into a plane that the scene does not have: three cables to a node in space.
+  const std::string tripod = R"(
+[[node]]
+name = "a"
+position = [0, 0, 0]
+support = "pinned"
+[[node]]
+name = "b"
+position = [2, 0.1, 0.2]
+support = "pinned"
+[[node]]
+name = "c"
+position = [0.9, 0.7, 1.5]
+support = "pinned"
+[[node]]
+name = "m"
+position = [1, 0.2, 0.4]
+)";
+  std::string legs;
+  for (const char* end : {"a", "b", "c"}) {
+    legs +=
+        std::string("[[member]]\nname = \"leg ") + end + "\"\nkind = \"cable\"\nnodes = [\"" + end +
+        "\", \"m\"]\nsegments = 4\nmass_per_length = 0.2\nEA = 2e5\nEI = 0.1\nstretch = 0.002\n";
+  }
+  const std::string at_middle = "[[sensor]]\nname = \"s\"\nnode = \"m\"\nquantity = \"velocity\"\n";
+  const ProgramRun forced = respond_to(tripod + legs + at_middle, {"--plane", "on"});
+  EXPECT_EQ(forced.exit_code, 4) << forced.err;
+  EXPECT_NE(forced.err.find("plane"), std::string::npos) << forced.err;
   const ProgramRun help = run_program({"respond", "--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_NE(help.out.find("cable-release.toml"), std::string::npos);

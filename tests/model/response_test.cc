@@ -22,6 +22,7 @@ ResponseResult respond(const Scene& scene, ResponseSolver solver, double duratio
   options.sampling = {.duration_s = duration, .rate_hz = rate, .energy_samples = 50};
   options.solver = solver;
   options.relative_tolerance = tolerance;
+  if (solver == ResponseSolver::explicit_motion) options.axial = true;  // the whole equations
   ResponseResult result = simulate_response(scene, options);
   EXPECT_TRUE(result.completed) << name_of(solver) << ": " << result.reason;
   return result;
