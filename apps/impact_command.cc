@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "apps/recording_description.h"
@@ -85,17 +86,20 @@ void warn_of_notes(VerbContext& context, const std::vector<signal::Note>& notes)
 /// Why no hit was accepted, by the faults that most of them have, and what can be had instead.
 void refuse_all(VerbContext& context, const ImpactRun& run) {
   std::map<HitFault, int> count;
-  for (const signal::Hit& hit : run.test.search.hits) {
-    for (const HitFault fault : hit.faults) ++count[fault];
+  const signal::Hit* first = nullptr;
+  for (const signal::ImpactTest& test : run.tests) {
+    for (const signal::Hit& hit : test.search.hits) {
+      if (first == nullptr) first = &hit;
+      for (const HitFault fault : hit.faults) ++count[fault];
+    }
   }
   std::string why;
   for (const auto& [fault, hits] : count) {
     why += fmt::format("{}{} ({})", why.empty() ? "" : ", ", name_of(fault), hits);
   }
-  const std::size_t total = run.test.search.hits.size();
-  std::string message =
-      fmt::format("no FRF: {} of {} hit{} rejected: {}; first: {}", total, total,
-                  total == 1 ? "" : "s", why, run.test.search.hits.front().reason);
+  const std::size_t total = run.hits();
+  std::string message = fmt::format("no FRF: {} of {} hit{} rejected: {}; first: {}", total, total,
+                                    total == 1 ? "" : "s", why, first->reason);
   if (count.contains(HitFault::unresolved_pulse)) {
     message +=
         "; --frequencies-only keeps frequencies and damping without amplitudes, and "
@@ -128,6 +132,10 @@ void add_impact_options(CLI::App& verb, ImpactCommand& c, bool with_files) {
   verb.add_option("--response", c.responses, "Response channels [every other]")->type_name("C");
   verb.add_option("--driving-point", c.driving_point, "The response at the point struck")
       ->type_name("C");
+  verb.add_option("--struck", c.struck,
+                  "Point struck in each file, one a file (roving hammer): a response's name where "
+                  "it was struck, else any name")
+      ->type_name("P");
   verb.add_option("--estimator", c.estimator, "h1: noise on responses, h2: on force, hv: both")
       ->check(CLI::IsMember({"h1", "h2", "hv"}))
       ->capture_default_str();
@@ -191,18 +199,39 @@ void add_impact_options(CLI::App& verb, ImpactCommand& c, bool with_files) {
       ->capture_default_str();
 }
 
+std::size_t ImpactRun::hits() const {
+  std::size_t count = 0;
+  for (const signal::ImpactTest& test : tests) count += test.search.hits.size();
+  return count;
+}
+
 ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
   signal::ImpactTestOptions options = options_of(command);
   options.threads = context.threads;
+  if (!command.struck.empty() && command.struck.size() != command.files.size()) {
+    throw UsageError(fmt::format("--struck names {} points for {} files: one a file",
+                                 command.struck.size(), command.files.size()));
+  }
+  if (!command.struck.empty() && !command.driving_point.empty()) {
+    throw UsageError("--driving-point is for one point; --struck names every file's point");
+  }
   ImpactRun run;
   signal::ReadOptions read;
   read.sample_rate_hz = command.sample_rate_hz;
-  for (const std::string& file : command.files) {
-    run.recordings.push_back(load_recording(file, context, read));
+  for (std::size_t f = 0; f < command.files.size(); ++f) {
+    const std::string point = command.struck.empty() ? "" : command.struck[f];
+    const auto known = std::find(run.points.begin(), run.points.end(), point);
+    const auto p = static_cast<std::size_t>(known - run.points.begin());
+    if (known == run.points.end()) {
+      run.points.push_back(point);
+      run.recordings.emplace_back();
+    }
+    run.recordings[p].push_back(load_recording(command.files[f], context, read));
   }
-  const signal::Recording& first = run.recordings.front();
+  const signal::Recording& first = run.recordings.front().front();
   const Eigen::Index force = first.channel_index(command.force);
   run.force = first.channels[static_cast<std::size_t>(force)].name;
+  run.force_unit = first.channels[static_cast<std::size_t>(force)].unit;
   const std::vector<std::string> responses = responses_of(command, first, force);
   if (!command.driving_point.empty()) {
     const Eigen::Index driving = first.channel_index(command.driving_point);
@@ -216,45 +245,72 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
                        "\" is not among the responses");
     }
   }
-  run.test = signal::analyse_impact_test(run.recordings, command.force, responses, options);
-  if (run.test.search.hits.empty()) {
+  if (command.struck.empty()) {
+    run.tests.push_back(
+        signal::analyse_impact_test(run.recordings.front(), command.force, responses, options));
+    const signal::ImpactTest& test = run.tests.front();
+    run.frfs = test.frfs;
+    if (test.driving_point) {
+      run.driving_points.push_back({*options.driving_response, 0, *test.driving_point});
+    }
+    warn_of_notes(context, test.notes);
+  } else {
+    std::vector<signal::StruckPoint> points;
+    for (std::size_t p = 0; p < run.points.size(); ++p) {
+      points.push_back({run.points[p], run.recordings[p]});
+    }
+    signal::RovingHammer roving =
+        signal::analyse_roving_hammer(points, command.force, responses, options);
+    run.tests = std::move(roving.tests);
+    run.frfs = std::move(roving.frfs);
+    run.driving_points = std::move(roving.driving_points);
+    run.reciprocity = std::move(roving.reciprocity);
+    warn_of_notes(context, roving.notes);
+  }
+  if (run.hits() == 0) {
     throw Refused(first.path.string() + ": no hit in \"" + run.force +
                   "\": nothing rises above the noise; is it the force, and is --pulse-sign right?");
   }
-  warn_of_notes(context, run.test.notes);
-  warn_of_notes(context, run.test.frfs.notes);
-  if (run.test.frfs.averages == 0) {
+  warn_of_notes(context, run.frfs.notes);
+  run.usable_hz = std::numeric_limits<double>::infinity();
+  std::size_t accepted = 0;
+  for (const signal::ImpactTest& test : run.tests) {
+    accepted += static_cast<std::size_t>(test.frfs.averages);
+    run.amplitudes = run.amplitudes && test.amplitudes;
+    if (test.frfs.averages > 0) run.usable_hz = std::min(run.usable_hz, test.usable_hz);
+  }
+  if (accepted == 0) {
+    run.usable_hz = 0;
     refuse_all(context, run);
-  } else {
-    const auto rejected =
-        run.test.search.hits.size() - static_cast<std::size_t>(run.test.frfs.averages);
-    if (rejected > 0) {
-      context.warn("hits_rejected", fmt::format("{} of {} hits rejected; see hits[].reason",
-                                                rejected, run.test.search.hits.size()));
-    }
+  } else if (accepted < run.hits()) {
+    context.warn("hits_rejected", fmt::format("{} of {} hits rejected; see hits[].reason",
+                                              run.hits() - accepted, run.hits()));
   }
   return run;
 }
 
 Json hits_json(const ImpactRun& run) {
   Json hits = Json::array();
-  for (const signal::Hit& hit : run.test.search.hits) {
-    Json faults = Json::array();
-    for (const HitFault fault : hit.faults) faults.push_back(name_of(fault));
-    Json one{{"file", run.recordings[hit.recording].path.string()},
-             {"time_s", hit.time_s},
-             {"peak", hit.peak},
-             {"accepted", hit.accepted},
-             {"reason", hit.reason},
-             {"faults", std::move(faults)},
-             {"pulse_samples", hit.pulse_last - hit.pulse_first + 1},
-             {"pulse_duration_s", hit.pulse_duration_s},
-             {"usable_hz", hit.usable_hz},
-             {"end_level", hit.end_level}};
-    if (hit.second_hit > 0) {
-      one["second_hit"] = {{"ratio", hit.second_hit}, {"delay_s", hit.second_hit_delay_s}};
+  for (std::size_t p = 0; p < run.tests.size(); ++p) {
+    for (const signal::Hit& hit : run.tests[p].search.hits) {
+      Json faults = Json::array();
+      for (const HitFault fault : hit.faults) faults.push_back(name_of(fault));
+      Json one{{"file", run.recordings[p][hit.recording].path.string()},
+               {"time_s", hit.time_s},
+               {"peak", hit.peak},
+               {"accepted", hit.accepted},
+               {"reason", hit.reason},
+               {"faults", std::move(faults)},
+               {"pulse_samples", hit.pulse_last - hit.pulse_first + 1},
+               {"pulse_duration_s", hit.pulse_duration_s},
+               {"usable_hz", hit.usable_hz},
+               {"end_level", hit.end_level}};
+      if (hit.second_hit > 0) {
+        one["second_hit"] = {{"ratio", hit.second_hit}, {"delay_s", hit.second_hit_delay_s}};
+      }
+      if (!run.points[p].empty()) one["struck"] = run.points[p];
+      hits.push_back(std::move(one));
     }
-    hits.push_back(std::move(one));
   }
   return hits;
 }

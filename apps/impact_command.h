@@ -8,6 +8,7 @@
 #include "apps/verb.h"
 #include "signal/impact_test.h"
 #include "signal/recording.h"
+#include "signal/roving_hammer.h"
 
 namespace rigfit::apps {
 
@@ -16,6 +17,7 @@ struct ImpactCommand {
   std::string force;
   std::vector<std::string> responses;  ///< empty: every other channel
   std::string driving_point;
+  std::vector<std::string> struck;  ///< point struck in each file; empty: one point in all
   std::string estimator = "h1";
   std::string force_window = "off";  ///< "off", "auto" or seconds
   double exponential_window = 0;     ///< 1/s
@@ -36,9 +38,19 @@ struct ImpactCommand {
 void add_impact_options(CLI::App& verb, ImpactCommand& command, bool with_files);
 
 struct ImpactRun {
-  std::vector<signal::Recording> recordings;
   std::string force;  ///< the channel's name
-  signal::ImpactTest test;
+  std::string force_unit;
+  /// The points struck and the files of each; one without a name unless the hammer roves.
+  std::vector<std::string> points;
+  std::vector<std::vector<signal::Recording>> recordings;
+  std::vector<signal::ImpactTest> tests;  ///< one a point
+  signal::FrfSet frfs;                    ///< of all points; no lines when no hit was accepted
+  bool amplitudes = true;  ///< false: pulses were not resolved; only frequencies mean something
+  double usable_hz = 0;    ///< least of the accepted hits'
+  std::vector<signal::DrivingPoint> driving_points;
+  std::vector<signal::ReciprocityCheck> reciprocity;
+
+  [[nodiscard]] std::size_t hits() const;
 };
 
 /// Loads the files, finds the hits, averages. Every note becomes a warning. Throws UsageError for
@@ -46,7 +58,7 @@ struct ImpactRun {
 /// FRFs are empty and `context.refuse` has said why and what can be had.
 [[nodiscard]] ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command);
 
-/// `hits[]`, as `frf` gives them.
+/// `hits[]`, as `frf` gives them; each with the point `struck` when the hammer roves.
 [[nodiscard]] Json hits_json(const ImpactRun& run);
 
 }  // namespace rigfit::apps

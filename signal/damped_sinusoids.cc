@@ -1,11 +1,13 @@
 #include "signal/damped_sinusoids.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+
+#include "signal/power_sums.h"
+#include "signal/scaled_gram.h"
 
 namespace rigfit::signal {
 namespace {
@@ -104,28 +106,32 @@ class Problem {
   }
 
   // Pole steps (per sample) for the Levenberg-Marquardt parameter; false when singular.
-  bool step(double lambda, Eigen::VectorXd& pole_step, double& step_norm_squared) {
+  bool step(double lambda, std::optional<Index> held, Eigen::VectorXd& pole_step,
+            double& step_norm_squared) {
     const Index nl = linear(), nn = 2 * static_cast<Index>(m_);
-    Eigen::VectorXd scale = gram_.diagonal().cwiseSqrt();
-    if (!(scale.minCoeff() > 0)) return false;
-    Eigen::MatrixXd scaled =
-        scale.cwiseInverse().asDiagonal() * gram_ * scale.cwiseInverse().asDiagonal();
-    Eigen::LDLT<Eigen::MatrixXd> ll(scaled.topLeftCorner(nl, nl));
-    if (ll.info() != Eigen::Success || !(ll.vectorD().minCoeff() > 1e-14)) return false;
-    const Eigen::MatrixXd coupling = ll.solve(scaled.topRightCorner(nl, nn));
+    if (!(gram_.diagonal().minCoeff() > 0)) return false;
+    const ScaledGram amplitudes_only(gram_.topLeftCorner(nl, nl));
+    if (!amplitudes_only.usable()) return false;
+    const Eigen::MatrixXd coupling = amplitudes_only.solve(gram_.topRightCorner(nl, nn));
     Eigen::MatrixXd schur =
-        scaled.bottomRightCorner(nn, nn) - scaled.bottomLeftCorner(nn, nl) * coupling;
-    const Eigen::VectorXd g =
-        gradient_.tail(nn).cwiseQuotient(scale.tail(nn)) -
-        coupling.transpose() * gradient_.head(nl).cwiseQuotient(scale.head(nl));
+        gram_.bottomRightCorner(nn, nn) - gram_.bottomLeftCorner(nn, nl) * coupling;
+    // What is left of the poles' columns must be more than rounding.
+    if (!(schur.diagonal().array() > 1e-14 * gram_.diagonal().tail(nn).array()).all()) return false;
+    Eigen::VectorXd g = gradient_.tail(nn) - coupling.transpose() * gradient_.head(nl);
+    if (held) {
+      const double own = schur(*held, *held);
+      schur.row(*held).setZero();
+      schur.col(*held).setZero();
+      schur(*held, *held) = own;
+      g(*held) = 0;
+    }
     const Eigen::MatrixXd plain = schur;
     schur.diagonal() *= 1 + lambda;
-    Eigen::LDLT<Eigen::MatrixXd> nn_factor(schur);
-    if (nn_factor.info() != Eigen::Success || !(nn_factor.vectorD().minCoeff() > 1e-14))
-      return false;
-    const Eigen::VectorXd delta = nn_factor.solve(g);
+    const ScaledGram factor(schur);
+    if (!factor.usable()) return false;
+    const Eigen::VectorXd delta = factor.solve_vector(g);
     step_norm_squared = delta.dot(plain * delta);
-    pole_step = delta.cwiseQuotient(scale.tail(nn)) / static_cast<double>(n_);
+    pole_step = delta / static_cast<double>(n_);
     return pole_step.allFinite();
   }
 
@@ -155,14 +161,9 @@ class Problem {
         fit.jacobian_gram(i, k) = gram_(from(i), from(k)) * factor(i) * factor(k);
       }
     }
-    const Eigen::VectorXd scale = fit.jacobian_gram.diagonal().cwiseSqrt();
-    if (scale.minCoeff() > 0) {
-      const auto inverse_scale = scale.cwiseInverse().asDiagonal();
-      Eigen::LDLT<Eigen::MatrixXd> factorised(inverse_scale * fit.jacobian_gram * inverse_scale);
-      if (factorised.info() == Eigen::Success && factorised.vectorD().minCoeff() > 1e-13) {
-        fit.unit_covariance =
-            inverse_scale * factorised.solve(Eigen::MatrixXd::Identity(size, size)) * inverse_scale;
-      }
+    if (fit.jacobian_gram.diagonal().minCoeff() > 0) {
+      const ScaledGram normal(fit.jacobian_gram);
+      if (normal.usable()) fit.unit_covariance = normal.inverse();
     }
     if (fit.unit_covariance.size() == 0) fit.end = DampedSinusoidsFit::End::rank_deficient;
   }
@@ -226,13 +227,10 @@ class Problem {
     for (int b = 0; b < background_; ++b) {
       right(2 * static_cast<Index>(m_) + b) = background_products_[static_cast<std::size_t>(b)];
     }
-    const Eigen::VectorXd scale = gram_.diagonal().head(nl).cwiseSqrt();
-    if (!(scale.minCoeff() > 0)) return false;
-    const auto inverse_scale = scale.cwiseInverse().asDiagonal();
-    Eigen::LDLT<Eigen::MatrixXd> factor(inverse_scale * gram_.topLeftCorner(nl, nl) *
-                                        inverse_scale);
-    if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-14)) return false;
-    const Eigen::VectorXd x = inverse_scale * factor.solve(inverse_scale * right);
+    if (!(gram_.diagonal().head(nl).minCoeff() > 0)) return false;
+    const ScaledGram factor(gram_.topLeftCorner(nl, nl));
+    if (!factor.usable()) return false;
+    const Eigen::VectorXd x = factor.solve_vector(right);
     if (!x.allFinite()) return false;
     for (std::size_t m = 0; m < m_; ++m) {
       amplitudes_now_[m] += Complex(x(2 * static_cast<Index>(m)), x(2 * static_cast<Index>(m) + 1));
@@ -345,46 +343,6 @@ class Problem {
 
 }  // namespace
 
-void power_sums(Complex q, Index n, std::span<Complex> sums) {
-  // S_k over [0, a + b) = S_k over [0, a) + q^a sum_i binomial(k, i) a^(k-i) S_i over [0, b).
-  static constexpr double binomial[5][5] = {
-      {1, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {1, 2, 1, 0, 0}, {1, 3, 3, 1, 0}, {1, 4, 6, 4, 1}};
-  const std::size_t order = sums.size();
-  std::array<Complex, 5> s{}, next{};
-  s[0] = 1;
-  const double per = 1.0 / static_cast<double>(n);
-  Complex power = q;  // q^length
-  Index length = 1;
-  int bit = 0;
-  while ((n >> (bit + 1)) > 0) ++bit;
-  for (--bit; bit >= 0; --bit) {
-    const double a = static_cast<double>(length) * per;
-    for (std::size_t k = 0; k < order; ++k) {
-      Complex tail = s[k];
-      double a_power = a;
-      for (std::size_t i = k; i-- > 0;) {
-        tail += binomial[k][i] * a_power * s[i];
-        a_power *= a;
-      }
-      next[k] = s[k] + power * tail;
-    }
-    s = next;
-    power *= power;
-    length *= 2;
-    if ((n >> bit) & 1) {
-      const double t = static_cast<double>(length) * per;
-      double t_power = 1;
-      for (std::size_t k = 0; k < order; ++k) {
-        s[k] += t_power * power;
-        t_power *= t;
-      }
-      power *= q;
-      ++length;
-    }
-  }
-  std::copy_n(s.begin(), order, sums.begin());
-}
-
 Eigen::VectorXd DampedSinusoidsFit::mode_signal(std::size_t m) const {
   Eigen::VectorXd signal(samples);
   for (Index start = 0; start < samples; start += kBlock) {
@@ -453,7 +411,7 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
   bool stale = false;  // problem holds a refused trial
   for (fit.iterations = 0; fit.iterations < options.max_iterations; ++fit.iterations) {
     double norm_squared = 0;
-    if (!problem.step(lambda, step, norm_squared)) {
+    if (!problem.step(lambda, options.held, step, norm_squared)) {
       fit.end = DampedSinusoidsFit::End::rank_deficient;
       break;
     }

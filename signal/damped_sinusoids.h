@@ -13,19 +13,19 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace rigfit::signal {
 
-/// sum_{j=0}^{n-1} (j/n)^k q^j for k = 0 .. sums.size()-1 (at most 5), by doubling: no cancellation
-/// as q -> 1, no n-fold loop. n > 0, |q| <= about 1.
-void power_sums(std::complex<double> q, Eigen::Index n, std::span<std::complex<double>> sums);
-
 struct DampedSinusoidsOptions {
   int background_terms = 2;   ///< 0: none, 1: offset, 2: offset and drift
   int max_iterations = 60;    ///< of Gauss-Newton steps, taken or refused
   double step_in_std = 1e-3;  ///< stop when a step is this small against the standard uncertainties
+  /// A part of a pole that keeps its starting value: 2 m the real, 2 m + 1 the imaginary part of
+  /// pole m. Degrees of freedom and covariance are those of the free fit.
+  std::optional<Eigen::Index> held;
 };
 
 struct DampedSinusoidsFit {

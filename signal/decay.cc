@@ -3,19 +3,19 @@
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <stdexcept>
 
 #include "signal/damped_sinusoids.h"
+#include "signal/decay_modes.h"
 #include "signal/decay_search.h"
 #include "signal/decay_window.h"
 #include "signal/log_decrement.h"
+#include "signal/profile_interval.h"
 #include "signal/residual_noise.h"
 
 namespace rigfit::signal {
@@ -26,231 +26,6 @@ using Eigen::Index;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 // After this many time constants of the slowest mode a record holds nothing but noise.
 constexpr double kTailTimeConstants = 10;
-constexpr double kHighestDamping = 0.9;
-constexpr Index kFewDegrees = 200;
-
-struct Samples {
-  Eigen::VectorXd values;  // 0 where missing
-  std::vector<Index> missing;
-};
-
-Samples take(const Eigen::Ref<const Eigen::VectorXd>& y, Index start, Index end) {
-  Samples s;
-  s.values = y.segment(start, end - start);
-  for (Index j = 0; j < s.values.size(); ++j) {
-    if (!std::isfinite(s.values(j))) s.values(j) = 0, s.missing.push_back(j);
-  }
-  return s;
-}
-
-double damping_of(Complex pole) { return -pole.real() / std::abs(pole); }
-
-double mode_energy(const DampedSinusoidsFit& fit, std::size_t m) {
-  std::array<Complex, 1> plain, square;
-  power_sums(std::exp(2.0 * fit.poles[m]), fit.samples, plain);
-  power_sums(std::exp(2.0 * fit.poles[m].real()), fit.samples, square);
-  const Complex c = fit.amplitudes[m];
-  return 0.5 * ((c * c * plain[0]).real() + std::norm(c) * square[0].real());
-}
-
-bool plausible(Complex pole, Index n) {
-  const double cycles = pole.imag() / kTwoPi * static_cast<double>(n);
-  return damping_of(pole) < kHighestDamping && cycles > 0.3 &&
-         pole.real() * static_cast<double>(n) < 2.9;
-}
-
-class ModeSearch {
- public:
-  ModeSearch(const Samples& samples, const DecayOptions& options)
-      : samples_(samples), options_(options), n_(samples.values.size()) {}
-
-  // The first mode, from several starts; nothing when no peak stands out of the noise.
-  std::optional<DampedSinusoidsFit> first(double lowest, double highest) {
-    const Eigen::VectorXd x = trendless();
-    DecaySearchOptions search;
-    search.lowest = lowest, search.highest = highest, search.candidates = 3;
-    search.energy_over_noise = threshold();
-    const auto found = search_decays(x, search);
-    std::vector<DecayCandidate> starts;
-    for (const auto& c : found) {
-      if (c.energy > 0.3 * found.front().energy) starts.push_back(c);
-    }
-    // In a few cycles the spectrum tells little, noise included: there the fit decides.
-    auto anywhere = found;
-    if (found.empty()) {
-      search.energy_over_noise = 0;
-      anywhere = search_decays(x, search);
-    }
-    if (!anywhere.empty() && samples_.missing.empty()) {
-      const auto few = few_cycle_starts(samples_.values, anywhere.front(), search);
-      starts.insert(starts.end(), few.begin(), few.end());
-    }
-    std::optional<DampedSinusoidsFit> best;
-    for (const auto& start : starts) {
-      auto fit =
-          fit_damped_sinusoids(samples_.values, std::span(&start.pole, 1), {}, samples_.missing);
-      if (!plausible(fit.poles[0], n_) || fit.unit_covariance.size() == 0) continue;
-      if (!oscillates(fit)) continue;
-      if (!passes_fisher(x.squaredNorm() - fit.residual_sum_squares, fit)) continue;
-      if (!best || fit.residual_sum_squares < best->residual_sum_squares) best = std::move(fit);
-    }
-    return best;
-  }
-
-  // One mode more, or nothing when none is worth it.
-  std::optional<DampedSinusoidsFit> next(const DampedSinusoidsFit& fit, double lowest,
-                                         double highest) {
-    DecaySearchOptions search;
-    search.lowest = lowest, search.highest = highest, search.candidates = 3;
-    search.energy_over_noise = threshold();
-    for (const auto& candidate : search_decays(fit.residual, search)) {
-      auto poles = fit.poles;
-      poles.push_back(candidate.pole);
-      const auto needed = static_cast<Index>(4 * poles.size() + 2);
-      if (n_ - static_cast<Index>(samples_.missing.size()) <= needed + 2) return {};
-      auto more = fit_damped_sinusoids(samples_.values, poles, {}, samples_.missing);
-      if (more.unit_covariance.size() == 0) continue;
-      if (worthwhile(fit, more, candidate.noise_variance)) return more;
-    }
-    return {};
-  }
-
- private:
-  double threshold() const { return detection_threshold(n_, options_.false_alarm); }
-
-  Eigen::VectorXd trendless() const {
-    Eigen::VectorXd x = samples_.values;
-    for (Index j : samples_.missing) x(j) = std::numeric_limits<double>::quiet_NaN();
-    return without_trend(x);
-  }
-
-  bool worthwhile(const DampedSinusoidsFit& fit, const DampedSinusoidsFit& more,
-                  double noise_variance) const {
-    const double gain = fit.residual_sum_squares - more.residual_sum_squares;
-    if (!(gain > threshold() * noise_variance)) return false;
-    // Few samples know little of the noise: Fisher's test as well.
-    if (more.degrees < kFewDegrees && !passes_fisher(gain, more)) return false;
-    const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
-    for (std::size_t m = 0; m < more.poles.size(); ++m) {
-      if (!plausible(more.poles[m], n_)) return false;
-      const auto k = static_cast<Index>(4 * m);
-      const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
-      const double w_std = std::sqrt(white * more.unit_covariance(k + 3, k + 3));
-      if (m + 1 < more.poles.size()) continue;  // held its ground before
-      if (w_std > 0.05 * more.poles[m].imag()) return false;
-      // Strongly damped ones explain transients as readily as modes: they must be well determined.
-      if (damping_of(more.poles[m]) > 0.15 && a_std > 0.2 * std::abs(more.poles[m].real()))
-        return false;
-    }
-    // A pole that left its candidate for the company of another: told apart only when the two beat
-    // at least half a beat while both last, and, under one and a half, when two modes explain twice
-    // as much of the residual as one mode whose amplitude and phase depart from an exponential.
-    for (std::size_t i = 0; i < more.poles.size(); ++i) {
-      for (std::size_t k = 0; k < i; ++k) {
-        const double a = std::max(-more.poles[i].real(), -more.poles[k].real());
-        const double both =
-            a > 0 ? std::min(static_cast<double>(n_), 3 / a) : static_cast<double>(n_);
-        const double beats = std::abs(more.poles[i].imag() - more.poles[k].imag()) / kTwoPi * both;
-        if (beats < 0.5) return false;
-        if (beats < 1.5) {
-          std::size_t nearest = 0;
-          for (std::size_t m = 1; m < fit.poles.size(); ++m) {
-            if (std::abs(fit.poles[m] - more.poles[i]) <
-                std::abs(fit.poles[nearest] - more.poles[i])) {
-              nearest = m;
-            }
-          }
-          if (more.residual_sum_squares > 0.5 * departing_residual(fit, nearest)) return false;
-        }
-      }
-    }
-    return true;
-  }
-
-  // Whether noise of the residual's variance would take out so much with one mode more, in the best
-  // of all cells of the bank, with probability `false_alarm` at most.
-  bool passes_fisher(double gain, const DampedSinusoidsFit& fit) const {
-    const double degrees = static_cast<double>(fit.degrees);
-    const double ratio = gain / 4 / std::max(fit.residual_sum_squares / degrees, 1e-300);
-    const double cells = std::exp(0.5 * threshold()) * options_.false_alarm;
-    return gsl_cdf_fdist_Q(ratio, 4, degrees) * cells < options_.false_alarm;
-  }
-
-  // An arc is no oscillation: where few cycles are seen, the fit must leave less than half of what
-  // a polynomial with as many coefficients leaves.
-  bool oscillates(const DampedSinusoidsFit& fit) const {
-    const Complex p = fit.poles[0];
-    const double lasts =
-        p.real() < 0 ? std::min(static_cast<double>(n_), 3 / -p.real()) : static_cast<double>(n_);
-    if (p.imag() / kTwoPi * lasts > 3) return true;
-    Eigen::MatrixXd legendre(n_, 6);
-    for (Index j = 0; j < n_; ++j) {
-      const double t = n_ > 1 ? 2 * static_cast<double>(j) / static_cast<double>(n_ - 1) - 1 : 0;
-      legendre(j, 0) = 1, legendre(j, 1) = t;
-      for (int k = 2; k < 6; ++k) {
-        legendre(j, k) = ((2 * k - 1) * t * legendre(j, k - 1) - (k - 1) * legendre(j, k - 2)) / k;
-      }
-    }
-    for (Index j : samples_.missing) legendre.row(j).setZero();
-    const Eigen::VectorXd x = legendre.colPivHouseholderQr().solve(samples_.values);
-    return fit.residual_sum_squares < 0.5 * (samples_.values - legendre * x).squaredNorm();
-  }
-
-  // Sum of squares left when mode m may also have t^2 and t^3 in its complex amplitude: as many
-  // parameters as one mode more.
-  double departing_residual(const DampedSinusoidsFit& fit, std::size_t m) const {
-    Eigen::MatrixXd columns(n_, 8);
-    for (Index j = 0; j < n_; ++j) {
-      const double t = static_cast<double>(j) / static_cast<double>(n_);
-      const Complex z = std::exp(fit.poles[m] * static_cast<double>(j));
-      double power = 1;
-      for (Index k = 0; k < 4; ++k) {
-        columns(j, 2 * k) = power * z.real(), columns(j, 2 * k + 1) = power * z.imag();
-        power *= t;
-      }
-    }
-    for (Index j : samples_.missing) columns.row(j).setZero();
-    const Eigen::VectorXd x = columns.colPivHouseholderQr().solve(fit.residual);
-    return (fit.residual - columns * x).squaredNorm();
-  }
-
-  const Samples& samples_;
-  const DecayOptions& options_;
-  Index n_;
-};
-
-struct Band {
-  double low, high;  // cycles per sample
-  bool all;
-  bool contains(Complex pole) const {
-    const double f = std::abs(pole) / kTwoPi;
-    return all || (f >= low && f <= high);
-  }
-};
-
-// All modes that the samples support; nothing when there is none.
-std::optional<DampedSinusoidsFit> find_modes(const Samples& samples, const DecayOptions& options,
-                                             const Band& band) {
-  ModeSearch search(samples, options);
-  auto fit = search.first(0, 0.5);
-  if (!fit) return fit;
-  const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
-  while (fit->poles.size() < limit * (band.all ? 1 : 2)) {
-    auto more = search.next(*fit, 0, 0.5);
-    if (!more) break;
-    fit = std::move(more);
-  }
-  const auto inside = [&] {
-    return static_cast<std::size_t>(std::count_if(fit->poles.begin(), fit->poles.end(),
-                                                  [&](Complex p) { return band.contains(p); }));
-  };
-  while (!band.all && inside() < limit && fit->poles.size() < 3 * limit) {
-    auto more = search.next(*fit, band.low, band.high);
-    if (!more) break;
-    fit = std::move(more);
-  }
-  return fit;
-}
 
 // How far the start should move: while the first half cycle leaves three times the rms of the rest.
 Index start_shift(const DampedSinusoidsFit& fit, std::size_t strongest) {
@@ -262,16 +37,6 @@ Index start_shift(const DampedSinusoidsFit& fit, std::size_t strongest) {
   const auto rest = fit.residual.tail(fit.samples - rest_from);
   const double level = rest.squaredNorm() / static_cast<double>(rest.size());
   return fit.residual.head(half).squaredNorm() > 9 * level * static_cast<double>(half) ? half : 0;
-}
-
-std::size_t strongest_of(const DampedSinusoidsFit& fit, const Band& band) {
-  std::size_t best = 0;
-  double most = -1;
-  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
-    const double energy = band.contains(fit.poles[m]) ? mode_energy(fit, m) : 0;
-    if (energy > most) most = energy, best = m;
-  }
-  return best;
 }
 
 void refuse(DecayResult& result, std::string code, std::string message) {
@@ -298,8 +63,8 @@ Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, double rate) {
   return jacobian;
 }
 
-void describe(DecayResult& result, const Samples& samples, const DampedSinusoidsFit& fit,
-              const Band& band, double rate, const DecayOptions& options);
+void describe(DecayResult& result, const DecaySamples& samples, const DampedSinusoidsFit& fit,
+              const DecayBand& band, double rate, const DecayOptions& options);
 void judge(DecayResult& result, double rate);
 
 }  // namespace
@@ -311,10 +76,10 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   }
   const double nyquist = 0.5 * sample_rate_hz;
   const bool banded = options.band_low_hz > 0 || options.band_high_hz > 0;
-  Band band{options.band_low_hz / sample_rate_hz,
-            (options.band_high_hz > 0 ? std::min(options.band_high_hz, nyquist) : nyquist) /
-                sample_rate_hz,
-            !banded};
+  DecayBand band{options.band_low_hz / sample_rate_hz,
+                 (options.band_high_hz > 0 ? std::min(options.band_high_hz, nyquist) : nyquist) /
+                     sample_rate_hz,
+                 !banded};
   if (band.low < 0 || !(band.low < band.high)) {
     throw std::invalid_argument(fmt::format(
         "decay: the band must lie below half the sample rate ({} Hz) and rise", nyquist));
@@ -363,7 +128,7 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
                        chosen->clipped_until));
     }
   }
-  Samples samples = take(y, result.start, result.end);
+  DecaySamples samples = decay_samples(y, result.start, result.end);
   const auto lost = static_cast<Index>(samples.missing.size());
   if (samples.values.size() - lost < 7) {
     refuse(result, "too_few_samples", "fewer than 7 samples are left after clipping and gaps");
@@ -378,7 +143,8 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   if (lost > 0)
     note(result, "missing_samples", fmt::format("{} missing samples were left out", lost));
 
-  auto fit = find_modes(samples, options, band);
+  const DecayModesOptions search{options.max_modes, options.false_alarm};
+  auto fit = find_decay_modes(samples, band, search);
   if (!fit) {
     refuse(
         result, "too_noisy",
@@ -393,19 +159,19 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   if (tail < 0.8 * static_cast<double>(fit->samples) &&
       tail > 4.0 * static_cast<double>(6 * fit->poles.size())) {
     result.end = result.start + static_cast<Index>(std::ceil(tail));
-    samples = take(y, result.start, result.end);
+    samples = decay_samples(y, result.start, result.end);
     auto again = fit_damped_sinusoids(samples.values, fit->poles, {}, samples.missing);
     if (again.unit_covariance.size() > 0) fit = std::move(again);
   }
   if (options.trim_start) {
-    const Complex pole = fit->poles[strongest_of(*fit, band)];
+    const Complex pole = fit->poles[strongest_mode(*fit, band)];
     const Index first = result.start;
     const double most = std::min(3 * kTwoPi / pole.imag(), 0.35 / std::max(-pole.real(), 1e-300));
     while (true) {
-      const Index shift = start_shift(*fit, strongest_of(*fit, band));
+      const Index shift = start_shift(*fit, strongest_mode(*fit, band));
       if (shift == 0 || static_cast<double>(result.start + shift - first) > most) break;
-      Samples shorter = take(y, result.start + shift, result.end);
-      auto again = find_modes(shorter, options, band);
+      DecaySamples shorter = decay_samples(y, result.start + shift, result.end);
+      auto again = find_decay_modes(shorter, band, search);
       if (!again) break;
       result.start += shift;
       samples = std::move(shorter);
@@ -424,8 +190,74 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
 
 namespace {
 
-void describe(DecayResult& result, const Samples& samples, const DampedSinusoidsFit& fit,
-              const Band& band, double rate, const DecayOptions& options) {
+/// Whether coloured noise passes for a mode: `alone`, what the other modes leave, is as well
+/// predicted by an autoregression of the residual's own order. (Likelihood ratio, four unknowns,
+/// over all cells of the search.)
+void doubt_of(DecayMode& mode, const Eigen::VectorXd& alone, const Eigen::VectorXd& residual,
+              Index order, double false_alarm) {
+  // A mode that explains most of what is there is no noise; its residual's colour is its own.
+  if (order == 0 || mode.r_squared > 0.8) return;
+  const double without = prediction_error(alone, order), with = prediction_error(residual, order);
+  if (!(with > 0)) return;
+  const auto n = static_cast<double>(alone.size());
+  const double gain = n * std::log(without / with);
+  // exp(threshold / 2) is the number of cells over the false alarm.
+  const double chance = std::exp(-0.5 * detection_threshold(alone.size(), false_alarm));
+  const double needed = gsl_cdf_chisq_Qinv(chance, 4);
+  if (gain > needed) return;
+  mode.doubtful = true;
+  mode.doubt = fmt::format(
+      "noise of the colour of the residual would show as much at {:.4g} Hz (evidence {:.2g} of "
+      "what "
+      "is asked for)",
+      mode.damped_frequency_hz.value, std::max(0.0, gain) / needed);
+}
+
+/// Intervals of the modes `kept`, and standard uncertainties and covariance that go with them.
+void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
+                         const DampedSinusoidsFit& fit, const Eigen::MatrixXd& covariance,
+                         const std::vector<std::size_t>& kept, std::vector<DecayMode>& modes) {
+  const double factor = result.coverage_factor_95;
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(result.covariance.rows());
+  bool bounded = true;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    DecayMode& mode = modes[kept[i]];
+    const double width = std::max(-fit.poles[kept[i]].real(), 1 / static_cast<double>(fit.samples));
+    Interval* const intervals[] = {&mode.damping_ratio_interval_95, &mode.frequency_interval_95_hz};
+    Estimate* const estimates[] = {&mode.damping_ratio, &mode.frequency_hz};
+    for (Index part = 0; part < 2; ++part) {
+      const auto k = static_cast<Index>(4 * kept[i]) + 2 + part;
+      const double std = std::sqrt(covariance(k, k));
+      ProfileInterval profile;
+      // Under 2 % of the line's width the curvature of the likelihood is under 2 % too.
+      if (std > 0.02 * width) {
+        profile = profile_interval(samples.values, samples.missing, fit,
+                                   static_cast<Index>(2 * kept[i]) + part, std, factor);
+      }
+      bounded = bounded && profile.bounded;
+      Estimate& estimate = *estimates[part];
+      // More damping is a smaller real part.
+      const double below = part == 0 ? profile.above : profile.below;
+      const double above = part == 0 ? profile.below : profile.above;
+      *intervals[part] = {estimate.value - factor * below * estimate.std,
+                          estimate.value + factor * above * estimate.std};
+      const double wider = 0.5 * (below + above);
+      estimate.std *= wider;
+      if (part == 1) mode.damped_frequency_hz.std *= wider;
+      scale[static_cast<Index>(2 * i) + 1 - part] = wider;
+    }
+  }
+  result.covariance = scale.asDiagonal() * result.covariance * scale.asDiagonal();
+  if (!bounded) {
+    note(
+        result, "not_bounded",
+        "the noise leaves frequency or damping without a bound on one side; the interval is cut at "
+        "four times that of a clear signal");
+  }
+}
+
+void describe(DecayResult& result, const DecaySamples& samples, const DampedSinusoidsFit& fit,
+              const DecayBand& band, double rate, const DecayOptions& options) {
   const auto noise = residual_noise(fit.residual, fit.degrees);
   const Eigen::MatrixXd covariance = fit_covariance(fit, noise);
   const Eigen::MatrixXd jacobian = mode_jacobian(fit, rate);
@@ -439,13 +271,14 @@ void describe(DecayResult& result, const Samples& samples, const DampedSinusoids
   result.residual = fit.residual;
 
   const double seconds = static_cast<double>(fit.samples) / rate;
+  const double threshold = detection_threshold(fit.samples, options.false_alarm);
   std::vector<DecayMode> all(fit.poles.size());
   for (std::size_t m = 0; m < fit.poles.size(); ++m) {
     DecayMode& mode = all[m];
     const auto k = static_cast<Index>(2 * m);
     const Complex p = fit.poles[m];
     mode.frequency_hz = {std::abs(p) * rate / kTwoPi, std::sqrt(of_modes(k, k))};
-    mode.damping_ratio = {damping_of(p), std::sqrt(of_modes(k + 1, k + 1))};
+    mode.damping_ratio = {damping_ratio_of(p), std::sqrt(of_modes(k + 1, k + 1))};
     mode.correlation = of_modes(k, k + 1) / std::sqrt(of_modes(k, k) * of_modes(k + 1, k + 1));
     const auto w = static_cast<Index>(4 * m + 3);
     mode.damped_frequency_hz = {p.imag() * rate / kTwoPi,
@@ -453,6 +286,8 @@ void describe(DecayResult& result, const Samples& samples, const DampedSinusoids
     mode.amplitude = std::abs(fit.amplitudes[m]);
     mode.phase_rad = std::arg(fit.amplitudes[m]);
     mode.energy = mode_energy(fit, m);
+    mode.detection =
+        mode.energy / std::max(threshold * noise.white_equivalent(p.imag() / kTwoPi), 1e-300);
     mode.cycles = mode.damped_frequency_hz.value * seconds;
   }
   std::vector<std::size_t> order(all.size());
@@ -505,6 +340,7 @@ void describe(DecayResult& result, const Samples& samples, const DampedSinusoids
           of_modes.block<2, 2>(2 * static_cast<Index>(kept[i]), 2 * static_cast<Index>(kept[k]));
     }
   }
+  widen_by_likelihood(result, samples, fit, covariance, kept, all);
   for (std::size_t m : kept) {
     DecayMode& mode = all[m];
     Eigen::VectorXd alone = fit.mode_signal(m) + fit.residual;
@@ -517,7 +353,14 @@ void describe(DecayResult& result, const Samples& samples, const DampedSinusoids
     const auto decrement = log_decrement(alone, rate, mode.damped_frequency_hz.value, ruler);
     mode.damping_ratio_log_decrement = decrement.damping_ratio;
     mode.log_decrement_refusal = decrement.refusal;
+    doubt_of(mode, alone, fit.residual, result.residual_order, options.false_alarm);
     result.modes.push_back(mode);
+  }
+  if (std::all_of(result.modes.begin(), result.modes.end(),
+                  [](const DecayMode& mode) { return mode.doubtful; })) {
+    refuse(result, "too_noisy", "no oscillation stands out of the noise: " + result.modes[0].doubt);
+    result.modes.clear();
+    return;
   }
   const std::size_t main = kept.front();
   const double f = fit.poles[main].imag() / kTwoPi;
@@ -572,6 +415,17 @@ void judge(DecayResult& result, double rate) {
     note(result, "damping_uncertain",
          fmt::format("damping ratio is known to {:.0f} % only: too noisy or too short",
                      100 * mode.damping_ratio.std / zeta));
+  }
+  for (const DecayMode& each : result.modes) {
+    if (each.doubtful) note(result, "doubtful_mode", each.doubt);
+  }
+  // Records in which noise hid such an oscillation were refused: of those left the noise made it
+  // larger.
+  if (mode.detection < 2.5) {
+    note(result, "near_noise",
+         fmt::format("too noisy to rely on: {:.2g} times the energy that noise alone may show; "
+                     "intervals hold the truth less often than 95 %",
+                     mode.detection));
   }
   if (mode.cycles < 3) {
     note(result, "few_cycles",

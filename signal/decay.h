@@ -35,15 +35,23 @@ struct DecayMode {
   Estimate frequency_hz;  ///< undamped natural
   Estimate damped_frequency_hz;
   Estimate damping_ratio;
+  /// From the likelihood (profile_interval.h): lopsided where noise makes the fit non-linear. The
+  /// standard uncertainties above are half their lengths over `coverage_factor_95`.
+  Interval frequency_interval_95_hz, damping_ratio_interval_95;
   double correlation = 0;  ///< between frequency_hz and damping_ratio
   double amplitude = 0;    ///< at the start of the window, the signal's unit
   double phase_rad = 0;    ///< of the cosine at the start of the window
   double energy = 0;       ///< of the mode over the window, sum of squares: sets the order
   double cycles = 0;       ///< damped cycles in the window
+  /// Energy over the most that noise of the residual's colour shows (but for `false_alarm`).
+  double detection = 0;
   /// Share of what the other modes and the background leave that this mode explains.
   double r_squared = 0;
   Estimate damping_ratio_log_decrement;  ///< NaN when it cannot be had
   std::string log_decrement_refusal;     ///< why; empty when there is one
+  /// Noise of the residual's colour would show as much: what it says in `doubt`.
+  bool doubtful = false;
+  std::string doubt;
 };
 
 struct DecayResult {

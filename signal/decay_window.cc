@@ -73,28 +73,77 @@ class RunningAmplitude {
   Eigen::VectorXcd sums_;
 };
 
+// Energy that exp(-a j) of frequency w takes out of the samples.
+double decay_energy(const Eigen::Ref<const Eigen::VectorXd>& y, double w, double a) {
+  const Complex q = std::exp(Complex(-a, -w));
+  const double q2 = std::exp(-2 * a);
+  Complex sum = 0;
+  double energy = 0;
+  for (Index s = y.size() - 1; s >= 0; --s) {
+    const double re = sum.real() * q.real() - sum.imag() * q.imag() + y(s);
+    sum = Complex(re, sum.real() * q.imag() + sum.imag() * q.real());
+    energy = 1 + q2 * energy;
+  }
+  return 2 * std::norm(sum) / energy;
+}
+
+struct BestDecay {
+  double energy = 0, rate = 0;
+};
+
+// The decay from the first sample on that takes out most. Rates 1.4 apart: the nearest takes out
+// all but 0.7 % of what the right one does.
+BestDecay best_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double w) {
+  BestDecay best;
+  const auto n = static_cast<double>(y.size());
+  for (double decays = 0.25; decays / n < 0.2 * w; decays *= 1.4) {
+    const double energy = decay_energy(y, w, decays / n);
+    if (energy > best.energy) best = {energy, decays / n};
+  }
+  return best;
+}
+
+// Whether two decays, the second from `at` on, explain the samples better than one by more than
+// noise as large as what they leave would. The one may have its best frequency: a second decay with
+// a phase of its own would make up for a wrong one.
+bool two_decays(const Eigen::Ref<const Eigen::VectorXd>& y, Index at, double w) {
+  const Index n = y.size();
+  const double both = best_decay(y.head(at), w).energy + best_decay(y.tail(n - at), w).energy;
+  BestDecay one = best_decay(y, w);
+  const double width = kTwoPi / static_cast<double>(n) + one.rate;
+  double low = w - width, high = w + width;
+  constexpr double kGolden = 0.6180339887498949;
+  double left_w = high - kGolden * width * 2, right_w = low + kGolden * width * 2;
+  double left = decay_energy(y, left_w, one.rate), right = decay_energy(y, right_w, one.rate);
+  for (int step = 0; step < 12; ++step) {  // to 1/160 of the width
+    if (left > right) {
+      high = right_w, right_w = left_w, right = left;
+      left_w = high - kGolden * (high - low), left = decay_energy(y, left_w, one.rate);
+    } else {
+      low = left_w, left_w = right_w, left = right;
+      right_w = low + kGolden * (high - low), right = decay_energy(y, right_w, one.rate);
+    }
+  }
+  one.energy = std::max(one.energy, best_decay(y, 0.5 * (low + high)).energy);
+  const double rest = std::max(0.0, y.squaredNorm() - both);
+  // Two complex amplitudes and two rates.
+  const auto degrees = static_cast<double>(std::max<Index>(1, n - 6));
+  return both - one.energy > detection_threshold(n, 1e-6) * rest / degrees;
+}
+
 // Onsets of further impacts: within a cycle the amplitude comes from under a third of what it then
-// is, and what it then is is a good part of the record's largest. (A beat needs a beat period
-// under five cycles to rise so fast.)
-std::vector<Index> impacts(const Eigen::VectorXd& y, double w, Index cycle, double noise_variance,
+// is, what it then is is a good part of the record's largest, and noise alone would not look so. (A
+// beat needs a beat period under five cycles to rise so fast.)
+std::vector<Index> impacts(const Eigen::VectorXd& y, double w, Index cycle,
                            const Eigen::VectorXi& missing_before) {
   std::vector<Index> found;
   if (y.size() < 8 * cycle) return found;
   const RunningAmplitude running(y, w);
   const Index step = std::max<Index>(1, cycle / 8);
   double largest = 0;
-  std::vector<double> levels;
   for (Index j = 0; j + cycle <= y.size(); j += step) {
-    levels.push_back(std::abs(running.over(j, j + cycle)));
-    largest = std::max(largest, levels.back());
+    largest = std::max(largest, std::abs(running.over(j, j + cycle)));
   }
-  // Amplitude over a cycle of noise: variance 4 s^2 / cycle.
-  // The spectrum beside the peak holds the skirts of many decays; the quietest tenth of the record
-  // may say less (of noise it reaches a third of the rms: 12 of it are four times the rms).
-  std::nth_element(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 10),
-                   levels.end());
-  const double floor = std::min(8 * std::sqrt(4 * noise_variance / static_cast<double>(cycle)),
-                                12 * levels[levels.size() / 10]);
   double best_jump = 0;
   Index best = -1;
   for (Index j = 0; j + cycle <= y.size(); j += step) {
@@ -102,15 +151,21 @@ std::vector<Index> impacts(const Eigen::VectorXd& y, double w, Index cycle, doub
     const double after = std::abs(running.over(j, j + cycle));
     const bool gap =
         j >= cycle && missing_before(j + cycle) > missing_before(j - cycle);  // no impact, a gap
-    const bool jump =
-        j >= cycle && !gap && after > 3 * before && after > 0.3 * largest && after > floor;
+    const bool jump = j >= cycle && !gap && after > 3 * before && after > 0.3 * largest;
     if (jump && after - before > best_jump) best_jump = after - before, best = j;
     if (best >= 0 && (j > best + 2 * cycle || j + cycle + step > y.size())) {
       found.push_back(best);
       best = -1, best_jump = 0;
     }
   }
-  return found;
+  // In a weak signal noise jumps as far: each impact has to be worth a decay of its own.
+  std::vector<Index> believed;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const Index from = believed.empty() ? 0 : believed.back();
+    const Index to = k + 1 < found.size() ? found[k + 1] : y.size();
+    if (two_decays(y.segment(from, to - from), found[k] - from, w)) believed.push_back(found[k]);
+  }
+  return believed;
 }
 
 // Whether what lies before an onset is small beside what follows: a beat that swells is not.
@@ -190,7 +245,7 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y)
                     quiet_before(x, w, chosen.start, cycle);
 
   std::vector<Index> starts;
-  starts = impacts(x, w, cycle, noise, missing_before);
+  starts = impacts(x, w, cycle, missing_before);
   std::vector<DecayWindow> windows;
   const auto add = [&](Index from, Index to, bool impact) {
     DecayWindow window;

@@ -1,6 +1,5 @@
 #include "signal/envelope.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <complex>

@@ -1,4 +1,5 @@
-// A value with its standard uncertainty, in the unit that the owning field's name states.
+// A value with its standard uncertainty, and an interval, in the unit that the owning field's name
+// states.
 #pragma once
 
 #include <limits>
@@ -8,6 +9,11 @@ namespace rigfit::signal {
 struct Estimate {
   double value = std::numeric_limits<double>::quiet_NaN();
   double std = std::numeric_limits<double>::quiet_NaN();  ///< standard uncertainty (GUM, k = 1)
+};
+
+struct Interval {
+  double low = std::numeric_limits<double>::quiet_NaN();
+  double high = std::numeric_limits<double>::quiet_NaN();
 };
 
 }  // namespace rigfit::signal

@@ -1,5 +1,7 @@
 #include "signal/frf_checks.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -99,6 +101,31 @@ DrivingPointCheck check_driving_point(const FrfSet& frfs, Index response, Index 
     if (!turned) ++check.missing_antiresonances;
   }
   return check;
+}
+
+std::optional<Note> note_of(const DrivingPointCheck& check) {
+  if (check.verdict == DrivingPointVerdict::inverted) {
+    return Note{"driving_point_inverted",
+                "force and response point in opposite directions at the driving point; "
+                "turn one of them round",
+                ""};
+  }
+  if (check.verdict == DrivingPointVerdict::inconsistent) {
+    return Note{
+        "driving_point_inconsistent",
+        fmt::format("{:.0f} % of the mobility's real part has the wrong sign for a driving point: "
+                    "the response is elsewhere or in another direction, or a channel is delayed",
+                    100 * check.wrong_sign_share),
+        ""};
+  }
+  if (check.missing_antiresonances > 0) {
+    return Note{"antiresonance_missing",
+                fmt::format("{} of {} resonances are not followed by the antiresonance that a "
+                            "driving point has",
+                            check.missing_antiresonances, check.resonances),
+                ""};
+  }
+  return {};
 }
 
 std::vector<ReciprocityCheck> check_reciprocity(const FrfSet& frfs,

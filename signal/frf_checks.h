@@ -40,6 +40,9 @@ struct DrivingPointCheck {
     const FrfSet& frfs, Eigen::Index response, Eigen::Index input,
     std::optional<std::pair<double, double>> band_hz = {});
 
+/// What a person should know of it, without `where`; nothing when all is well.
+[[nodiscard]] std::optional<Note> note_of(const DrivingPointCheck& check);
+
 struct ReciprocityCheck {
   std::string a, b;       ///< the two points
   double difference = 0;  ///< |H_ab - H_ba| over their mean, root mean squares over the lines

@@ -323,28 +323,7 @@ class Analysis {
     test_.driving_point = check;
     const std::string where =
         test_.frfs.responses[static_cast<std::size_t>(*options_.driving_response)].name;
-    if (check.verdict == DrivingPointVerdict::inverted) {
-      test_.notes.push_back(
-          {"driving_point_inverted",
-           "force and response point in opposite directions at the driving point; "
-           "turn one of them round",
-           where});
-    } else if (check.verdict == DrivingPointVerdict::inconsistent) {
-      test_.notes.push_back(
-          {"driving_point_inconsistent",
-           fmt::format(
-               "{:.0f} % of the mobility's real part has the wrong sign for a driving point: "
-               "the response is elsewhere or in another direction, or a channel is delayed",
-               100 * check.wrong_sign_share),
-           where});
-    } else if (check.missing_antiresonances > 0) {
-      test_.notes.push_back(
-          {"antiresonance_missing",
-           fmt::format("{} of {} resonances are not followed by the antiresonance that a driving "
-                       "point has",
-                       check.missing_antiresonances, check.resonances),
-           where});
-    }
+    if (const auto note = note_of(check)) test_.notes.push_back({note->code, note->message, where});
   }
 
   std::span<const Recording> recordings_;

@@ -1,7 +1,6 @@
 #include "signal/lscf.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,6 +8,7 @@
 #include <stdexcept>
 
 #include "signal/fft.h"
+#include "signal/polynomial_zeros.h"
 
 namespace rigfit::signal {
 namespace {
@@ -139,40 +139,6 @@ MatrixXd reduced_normal_matrix(MomentSums& sums_of, const Eigen::Ref<const Matri
   }
   M.triangularView<Eigen::StrictlyUpper>() = M.transpose();
   return M;
-}
-
-/// Zeros z of det(I + A_1 z + ... + A_n z^n): reciprocals of the block companion's eigenvalues.
-VectorXcd reciprocal_zeros(const Eigen::Ref<const MatrixXd>& A, Index inputs) {
-  const Index size = A.rows();
-  MatrixXd companion = MatrixXd::Zero(size, size);
-  for (Index block = 0; block < size / inputs; ++block) {
-    companion.block(0, block * inputs, inputs, inputs) =
-        -A.block(block * inputs, 0, inputs, inputs);
-  }
-  companion.bottomLeftCorner(size - inputs, size - inputs).setIdentity();
-  Eigen::RealSchur<MatrixXd> schur(size);
-  if (inputs == 1) {
-    schur.computeFromHessenberg(companion, MatrixXd(), false);
-  } else {
-    schur.compute(companion, false);
-  }
-  if (schur.info() != Eigen::Success) return {};
-  const MatrixXd& T = schur.matrixT();
-  VectorXcd y(size);
-  for (Index i = 0; i < size;) {
-    if (i + 1 < size && T(i + 1, i) != 0) {
-      const double half = 0.5 * (T(i, i) - T(i + 1, i + 1));
-      const double middle = 0.5 * (T(i, i) + T(i + 1, i + 1));
-      const Complex root = std::sqrt(Complex(half * half + T(i, i + 1) * T(i + 1, i)));
-      y[i] = middle + root;
-      y[i + 1] = middle - root;
-      i += 2;
-    } else {
-      y[i] = T(i, i);
-      ++i;
-    }
-  }
-  return y;
 }
 
 void mark_stable(std::vector<StabilisationPole>& poles, std::size_t below, std::size_t present,

@@ -1,7 +1,5 @@
 #include "signal/modal_refine.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -9,6 +7,7 @@
 
 #include "signal/modal_basis.h"
 #include "signal/residues.h"
+#include "signal/scaled_gram.h"
 
 namespace rigfit::signal {
 namespace {
@@ -19,36 +18,6 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-
-/// Cholesky factor of a Gram matrix with its columns scaled to length 1.
-class ScaledGram {
- public:
-  explicit ScaledGram(const MatrixXd& gram)
-      : scale_(gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()),
-        factor_(scale_.asDiagonal() * gram * scale_.asDiagonal()) {
-    const VectorXd pivots = factor_.matrixLLT().diagonal();
-    // A pivot is the sine of a column's angle to those before it; rounding in the Gram matrix hides
-    // angles below some 1e-7.
-    usable_ = gram.size() == 0 ||
-              (factor_.info() == Eigen::Success && pivots.allFinite() && pivots.minCoeff() > 1e-7);
-  }
-  bool usable() const { return usable_; }
-  MatrixXd solve(const MatrixXd& right) const {
-    if (right.size() == 0) return right;  // no modes: nothing to solve
-    return scale_.asDiagonal() * factor_.solve(scale_.asDiagonal() * right);
-  }
-  /// Columns of `basis` made orthonormal.
-  MatrixXd orthonormal(const MatrixXd& basis) const {
-    MatrixXd result = basis * scale_.asDiagonal();
-    factor_.matrixU().solveInPlace<Eigen::OnTheRight>(result);
-    return result;
-  }
-
- private:
-  VectorXd scale_;
-  Eigen::LLT<MatrixXd> factor_;
-  bool usable_ = false;
-};
 
 /// (a, b) of R = a + i b as the matrix [a -b; b a] that takes (Re, Im) of a pole's change to the
 /// coordinates of the derivative columns, of all modes for one FRF: T' A T, T' v with A, v in
@@ -108,10 +77,7 @@ Stage stage_at(const FrfLines& data, const VectorXd& weight, const MatrixXd& y,
   Stage stage;
   stage.poles = poles;
   stage.basis = stacked_basis(data.s, data.power, poles, weight);
-  MatrixXd gram = MatrixXd::Zero(stage.basis.cols(), stage.basis.cols());
-  gram.selfadjointView<Eigen::Lower>().rankUpdate(stage.basis.transpose());
-  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
-  const ScaledGram factor(gram);
+  const ScaledGram factor(gram_of(stage.basis));
   if (!factor.usable()) return stage;
   const MatrixXd moments = stage.basis.transpose() * y;
   stage.coefficients = factor.solve(moments);
@@ -120,8 +86,8 @@ Stage stage_at(const FrfLines& data, const VectorXd& weight, const MatrixXd& y,
                    .dot(inverse_variance);
   stage.derivatives = stacked_pole_derivatives(data.s, data.power, poles, weight);
   stage.cross.noalias() = stage.basis.transpose() * stage.derivatives;
-  stage.projected = stage.derivatives.transpose() * stage.derivatives -
-                    stage.cross.transpose() * factor.solve(stage.cross);
+  stage.projected =
+      gram_of(stage.derivatives) - stage.cross.transpose() * factor.solve(stage.cross);
   stage.usable = std::isfinite(stage.cost);
   return stage;
 }
@@ -145,7 +111,7 @@ MatrixXd pole_information(const Stage& stage, const VectorXd& inverse_variance) 
 /// Share of the freedom of each line that the fit uses, mean over FRFs.
 VectorXd leverage_of(const Stage& stage, const FrfNoise& noise, const VectorXd& inverse_variance) {
   const Index lines = stage.basis.rows() / 2, size = stage.projected.rows();
-  const ScaledGram factor(stage.basis.transpose() * stage.basis);
+  const ScaledGram factor(gram_of(stage.basis));
   const MatrixXd U = factor.orthonormal(stage.basis);
   const MatrixXd rho_U = correlated(noise, U);
   // 1 - diag((I - UU') rho (I - UU')).
@@ -157,7 +123,7 @@ VectorXd leverage_of(const Stage& stage, const FrfNoise& noise, const VectorXd& 
   if (!information.usable()) return leverage;
   if (size == 0) return leverage;
   const MatrixXd outside = stage.derivatives - stage.basis * factor.solve(stage.cross);
-  const MatrixXd covariance = information.solve(MatrixXd::Identity(size, size));
+  const MatrixXd covariance = information.inverse();
   MatrixXd turned_sum = MatrixXd::Zero(size, size);
   for (Index c = 0; c < stage.coefficients.cols(); ++c) {
     // T covariance T' is the transpose's turn: T' of the conjugate residue.
@@ -248,7 +214,7 @@ ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
       result.end = RefineEnd::rank_deficient;
       break;
     }
-    VectorXd step = factor.solve(gradient);
+    VectorXd step = factor.solve_vector(gradient);
     const double variance = std::max(stage.cost / freedom, 1e-300);
     // In standard deviations of the poles, whatever the scale of the noise given.
     const double length = std::sqrt(std::max(0.0, step.dot(information * step)) / variance);
@@ -307,7 +273,7 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   result.full_rank = false;
 
   const MatrixXd basis = stacked_basis(data.s, data.power, fit.poles, weight);
-  const ScaledGram factor(basis.transpose() * basis);
+  const ScaledGram factor(gram_of(basis));
   if (!factor.usable()) return result;
   Stage stage;
   stage.coefficients = pack_coefficients(fit.residues, fit.lower, fit.upper);
@@ -315,7 +281,7 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   stage.cross = basis.transpose() * stage.derivatives;
   const MatrixXd gain = factor.solve(stage.cross);
   const MatrixXd outside = stage.derivatives - basis * gain;
-  stage.projected = outside.transpose() * outside;
+  stage.projected = gram_of(outside);
   const ScaledGram information(pole_information(stage, inverse_variance));
   if (!information.usable()) return result;
   result.full_rank = true;
@@ -374,7 +340,7 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   result.poles = (0.5 * (result.poles + result.poles.transpose())).eval();
 
   // Residues at fixed poles: factor^-1 basis' error; then what the poles' scatter adds.
-  const MatrixXd filter = spread_rows(basis * factor.solve(MatrixXd::Identity(size + 4, size + 4)));
+  const MatrixXd filter = spread_rows(basis * factor.inverse());
   const MatrixXd filter_covariance = filter.transpose() * correlated(noise, filter);
   const VectorXd widened = filter_covariance.diagonal().cwiseQuotient(
       filter.colwise().squaredNorm().transpose().cwiseMax(1e-300));
@@ -404,12 +370,15 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   }
   for (Index r = 0; r < modes; ++r) {
     const Eigen::Matrix2d block = filter_covariance.block<2, 2>(2 * r, 2 * r);
+    Eigen::Matrix2d inverse;
+    inverse << block(1, 1), -block(0, 1), -block(1, 0), block(0, 0);
+    inverse /= block(0, 0) * block(1, 1) - block(0, 1) * block(1, 0);
     const VectorXd share = 0.5 * (filter_squared.col(2 * r) + filter_squared.col(2 * r + 1));
     for (Index i = 0; i < inputs; ++i) {
       double own = 0, length = 0;
       for (Index c = i; c < frfs; c += inputs) {
         const Eigen::Vector2d residue = stage.coefficients.col(c).segment<2>(2 * r);
-        own += inverse_variance[c] * residue.dot(block.inverse() * residue);
+        own += inverse_variance[c] * residue.dot(inverse * residue);
         length += inverse_variance[c] * residue.squaredNorm();
       }
       result.significance[r] += own * outside_common_noise(model, noise, inverse_variance, share,

@@ -1,9 +1,10 @@
 #include "signal/repair.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "signal/scaled_gram.h"
 
 namespace rigfit::signal {
 namespace {
@@ -69,7 +70,9 @@ void detrend(Eigen::VectorXd& x, int degree) {
     ++count;
   }
   if (count < terms) return;
-  const Eigen::VectorXd c = normal.ldlt().solve(right);
+  const ScaledGram factor(normal);
+  if (!factor.usable()) return;
+  const Eigen::VectorXd c = factor.solve_vector(right);
   for (Eigen::Index k = 0; k < n; ++k) x[k] -= basis(k).dot(c);
 }
 

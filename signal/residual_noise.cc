@@ -21,8 +21,52 @@ double ResidualNoise::white_equivalent(double frequency) const {
   return innovation_variance / std::norm(a);
 }
 
+namespace {
+
+/// Levinson and Durbin's recursion, one order a step.
+class Autoregression {
+ public:
+  Autoregression(const Eigen::Ref<const Eigen::VectorXd>& x, Index highest)
+      : covariance_(highest + 1), a_(Eigen::VectorXd::Zero(highest)), before_(a_) {
+    for (Index k = 0; k <= highest; ++k) {
+      covariance_(k) = x.head(x.size() - k).dot(x.tail(x.size() - k));
+    }
+    error_ = covariance_(0);
+  }
+  /// To the next order; false when rounding allows none.
+  bool step() {
+    const Index p = ++order_;
+    double reflection = covariance_(p);
+    for (Index k = 1; k < p; ++k) reflection -= before_(k - 1) * covariance_(p - k);
+    reflection /= error_;
+    if (!(std::abs(reflection) < 1)) return false;
+    a_ = before_;
+    a_(p - 1) = reflection;
+    for (Index k = 1; k < p; ++k) a_(k - 1) = before_(k - 1) - reflection * before_(p - k - 1);
+    error_ *= 1 - reflection * reflection;
+    before_ = a_;
+    return true;
+  }
+  [[nodiscard]] double error() const { return error_; }
+  [[nodiscard]] auto coefficients() const { return a_.head(order_); }
+
+ private:
+  Eigen::VectorXd covariance_, a_, before_;
+  double error_ = 0;
+  Index order_ = 0;
+};
+
+}  // namespace
+
+double prediction_error(const Eigen::Ref<const Eigen::VectorXd>& x, Index order) {
+  Autoregression model(x, std::min(order, x.size() - 1));
+  for (Index p = 1; p <= std::min(order, x.size() - 1); ++p) {
+    if (!(model.error() > 0) || !model.step()) break;
+  }
+  return model.error();
+}
+
 ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, Index degrees) {
-  const Index n = residual.size();
   ResidualNoise noise;
   const double sum = residual.squaredNorm();
   noise.variance = noise.innovation_variance =
@@ -30,29 +74,18 @@ ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, 
   // The fit itself takes a notch out of the spectrum; an order that could follow it is not allowed.
   const Index highest = std::min<Index>(24, degrees / 25);
   if (highest < 1 || !(sum > 0)) return noise;
-  Eigen::VectorXd covariance(highest + 1);
-  for (Index k = 0; k <= highest; ++k) {
-    covariance(k) = residual.head(n - k).dot(residual.tail(n - k));
-  }
-  Eigen::VectorXd a = Eigen::VectorXd::Zero(highest), previous = a, best;
-  double error = covariance(0);
+  Autoregression model(residual, highest);
   const double count = static_cast<double>(degrees), penalty = std::log(count);
-  double best_score = count * std::log(error), best_error = error;
-  for (Index p = 1; p <= highest; ++p) {
-    double reflection = covariance(p);
-    for (Index k = 1; k < p; ++k) reflection -= previous(k - 1) * covariance(p - k);
-    reflection /= error;
-    if (!(std::abs(reflection) < 1)) break;
-    a = previous;
-    a(p - 1) = reflection;
-    for (Index k = 1; k < p; ++k) a(k - 1) = previous(k - 1) - reflection * previous(p - k - 1);
-    error *= 1 - reflection * reflection;
-    const double score = count * std::log(error) + penalty * static_cast<double>(p);
-    if (score < best_score) best_score = score, best_error = error, best = a.head(p);
-    previous = a;
+  Eigen::VectorXd best;
+  double best_score = count * std::log(sum), best_error = sum;
+  for (Index p = 1; p <= highest && model.step(); ++p) {
+    const double score = count * std::log(model.error()) + penalty * static_cast<double>(p);
+    if (score < best_score) {
+      best_score = score, best_error = model.error(), best = model.coefficients();
+    }
   }
   noise.coefficients = best;
-  noise.innovation_variance *= best_error / covariance(0);
+  noise.innovation_variance *= best_error / sum;
   return noise;
 }
 

@@ -27,6 +27,10 @@ struct ResidualNoise {
 [[nodiscard]] ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual,
                                            Eigen::Index degrees);
 
+/// Sum of squares of what an autoregression of that order leaves of `x` (zeros where missing).
+[[nodiscard]] double prediction_error(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                      Eigen::Index order);
+
 /// Covariance of the fit's parameters (order of `jacobian_gram`) under that noise; empty when the
 /// fit is rank-deficient.
 [[nodiscard]] Eigen::MatrixXd fit_covariance(const DampedSinusoidsFit& fit,

@@ -1,9 +1,9 @@
 #include "signal/residues.h"
 
-#include <Eigen/QR>
 #include <complex>
 #include <stdexcept>
 
+#include "signal/least_squares.h"
 #include "signal/modal_basis.h"
 
 namespace rigfit::signal {
@@ -54,14 +54,12 @@ ResidueResult fit_residues(const Eigen::Ref<const Eigen::VectorXcd>& s, int powe
   const Eigen::VectorXd length = basis.colwise().stableNorm().transpose().cwiseMax(1e-300);
   basis *= length.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd y = stacked(H, weight);
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(basis);
-  Eigen::MatrixXd coefficients = qr.solve(y);
+  const LeastSquares solved = least_squares(basis, y);
 
   ResidueResult result;
-  result.squared_misfit = (y - basis * coefficients).colwise().squaredNorm().transpose();
-  const auto diagonal = qr.matrixR().diagonal().cwiseAbs();
-  result.condition = diagonal.maxCoeff() / std::max(diagonal.minCoeff(), 1e-300);
-  coefficients = length.cwiseInverse().asDiagonal() * coefficients;
+  result.squared_misfit = solved.left_sum_squares;
+  result.condition = solved.condition;
+  const Eigen::MatrixXd coefficients = length.cwiseInverse().asDiagonal() * solved.x;
   unpack_coefficients(coefficients, result.residues, result.lower, result.upper);
   return result;
 }

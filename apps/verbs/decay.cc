@@ -37,15 +37,13 @@ is given as damped_frequency_hz. With --band, modes outside are fitted but not r
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json json_of(const signal::DecayMode& mode, double factor, double window_s) {
+Json json_of(const signal::DecayMode& mode, double window_s) {
   Json out;
   out["frequency_hz"] = json_estimate(mode.frequency_hz.value, mode.frequency_hz.std);
   out["damping_ratio"] = json_estimate(mode.damping_ratio.value, mode.damping_ratio.std);
-  const auto interval = [&](const signal::Estimate& e) {
-    return Json::array({e.value - factor * e.std, e.value + factor * e.std});
-  };
-  out["frequency_interval_95_hz"] = interval(mode.frequency_hz);
-  out["damping_ratio_interval_95"] = interval(mode.damping_ratio);
+  const auto interval = [](const signal::Interval& i) { return Json::array({i.low, i.high}); };
+  out["frequency_interval_95_hz"] = interval(mode.frequency_interval_95_hz);
+  out["damping_ratio_interval_95"] = interval(mode.damping_ratio_interval_95);
   out["damped_frequency_hz"] =
       json_estimate(mode.damped_frequency_hz.value, mode.damped_frequency_hz.std);
   out["damping_ratio_log_decrement"] = number(mode.damping_ratio_log_decrement.value);
@@ -56,6 +54,9 @@ Json json_of(const signal::DecayMode& mode, double factor, double window_s) {
   }
   out["cycles"] = mode.cycles;
   out["r_squared"] = mode.r_squared;
+  out["detection"] = mode.detection;
+  out["doubtful"] = mode.doubtful;
+  if (mode.doubtful) out["doubt"] = mode.doubt;
   out["amplitude"] = mode.amplitude;
   out["phase_rad"] = mode.phase_rad;
   out["time_constants"] =
@@ -181,7 +182,7 @@ Json run(const DecayCommand& command, VerbContext& context) {
   }
   const double window_s = static_cast<double>(r.end - r.start) / rate;
   Json modes = Json::array(), tones = Json::array();
-  for (const auto& mode : r.modes) modes.push_back(json_of(mode, r.coverage_factor_95, window_s));
+  for (const auto& mode : r.modes) modes.push_back(json_of(mode, window_s));
   for (const auto& tone : r.steady_tones) {
     tones.push_back(
         {{"frequency_hz", tone.damped_frequency_hz.value}, {"amplitude", tone.amplitude}});

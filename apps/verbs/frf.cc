@@ -51,17 +51,22 @@ std::string quoted(const std::string& name) {
   return text + "\"";
 }
 
-/// One line a frequency: then, per response, real, imaginary, std of each, coherence.
+/// One line a frequency: then, per response and point struck, real, imaginary, std of each,
+/// coherence.
 std::string csv_of(const signal::FrfSet& frfs) {
   fmt::memory_buffer text;
   auto out = std::back_inserter(text);
   fmt::format_to(out, "frequency (Hz)");
   const std::string unit = frfs.unit.empty() ? "" : " (" + frfs.unit + ")";
   for (const auto& response : frfs.responses) {
-    for (const char* what : {" real", " imag", " std"}) {
-      fmt::format_to(out, ",{}", quoted(response.name + what + unit));
+    for (const auto& input : frfs.inputs) {
+      const std::string name =
+          frfs.inputs.size() > 1 ? response.name + " by " + input.name : response.name;
+      for (const char* what : {" real", " imag", " std"}) {
+        fmt::format_to(out, ",{}", quoted(name + what + unit));
+      }
+      fmt::format_to(out, ",{}", quoted(name + " coherence"));
     }
-    fmt::format_to(out, ",{}", quoted(response.name + " coherence"));
   }
   fmt::format_to(out, "\n");
   for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
@@ -77,9 +82,10 @@ std::string csv_of(const signal::FrfSet& frfs) {
   return fmt::to_string(text);
 }
 
-void print(std::ostream& out, const ImpactRun& run) {
-  const signal::ImpactTest& test = run.test;
-  const std::string unit = run.recordings.front().channel(run.force).unit;
+void print_hits(std::ostream& out, const ImpactRun& run, std::size_t point) {
+  const signal::ImpactTest& test = run.tests[point];
+  const std::string& unit = run.force_unit;
+  if (!run.points[point].empty()) out << "struck at " << run.points[point] << '\n';
   out << fmt::format("{:>4} {:>12} {:>14} {:>10}  {}\n", "hit", "time, s",
                      unit.empty() ? "peak" : "peak, " + unit, "pulse, ms", "");
   for (std::size_t i = 0; i < test.search.hits.size(); ++i) {
@@ -97,6 +103,19 @@ void print(std::ostream& out, const ImpactRun& run) {
       test.search.sample_rate_hz / static_cast<double>(test.search.block_samples), test.usable_hz);
 }
 
+void print(std::ostream& out, const ImpactRun& run) {
+  for (std::size_t p = 0; p < run.tests.size(); ++p) print_hits(out, run, p);
+  for (const signal::DrivingPoint& driving : run.driving_points) {
+    out << fmt::format("driving point {}: {}\n",
+                       run.frfs.responses[static_cast<std::size_t>(driving.response)].name,
+                       name_of(driving.check.verdict));
+  }
+  for (const signal::ReciprocityCheck& pair : run.reciprocity) {
+    out << fmt::format("{} and {}: FRFs both ways differ by {:.2g} % (noise {:.2g} %)\n", pair.a,
+                       pair.b, 100 * pair.difference, 100 * pair.from_noise);
+  }
+}
+
 Json driving_json(const signal::DrivingPointCheck& check) {
   return {{"verdict", name_of(check.verdict)},
           {"wrong_sign_share", check.wrong_sign_share},
@@ -106,35 +125,66 @@ Json driving_json(const signal::DrivingPointCheck& check) {
 
 Json run_frf(VerbContext& context, const Options& options) {
   const ImpactRun run = run_impact_test(context, options.impact);
-  const signal::ImpactTest& test = run.test;
-  const signal::FrfSet& frfs = test.frfs;
+  const signal::FrfSet& frfs = run.frfs;
+  const bool roving = !options.impact.struck.empty();
   print(context.out, run);
 
+  // Blocks are as long for all points; a point without hits has none.
+  const auto measured = std::find_if(run.tests.begin(), run.tests.end(),
+                                     [](const auto& test) { return !test.search.hits.empty(); });
+  const signal::HitSearch& search = measured->search;
   Json result{{"hits", hits_json(run)},
               {"averages", frfs.averages},
               {"frequency_resolution_hz",
-               test.search.sample_rate_hz / static_cast<double>(test.search.block_samples)},
-              {"sample_rate_hz", test.search.sample_rate_hz},
-              {"block_samples", test.search.block_samples},
+               search.sample_rate_hz / static_cast<double>(search.block_samples)},
+              {"sample_rate_hz", search.sample_rate_hz},
+              {"block_samples", search.block_samples},
               {"exponential_decay_rate_1_s", frfs.exponential_decay_rate_1_s},
               {"frf_form", name_of(frfs.form)},
               {"units", frfs.unit},
-              {"amplitudes", frfs.averages > 0 && test.amplitudes},
+              {"amplitudes", frfs.averages > 0 && run.amplitudes},
               {"estimator", options.impact.estimator},
               {"force", run.force}};
   if (frfs.averages == 0) return result;
-  result["usable_hz"] = test.usable_hz;
-  result["incoherent_part"] = frfs.averages > 2 ? Json(test.incoherence) : Json(nullptr);
+  result["usable_hz"] = run.usable_hz;
+  double incoherence = 0;
+  for (const signal::ImpactTest& test : run.tests) {
+    incoherence = std::max(incoherence, test.incoherence);
+  }
+  result["incoherent_part"] = frfs.averages > 2 ? Json(incoherence) : Json(nullptr);
   const double low = options.impact.band.empty() ? 0 : options.impact.band[0];
-  const double high = options.impact.band.empty() ? test.usable_hz : options.impact.band[1];
+  const double high = options.impact.band.empty() ? run.usable_hz : options.impact.band[1];
   Json responses = Json::array();
-  for (Index c = 0; c < frfs.H.cols(); ++c) {
-    responses.push_back({{"name", frfs.responses[static_cast<std::size_t>(c)].name},
-                         {"mean_coherence", mean_coherence(frfs, c, low, high)},
-                         {"median_relative_error", relative_error(frfs, c, low, high)}});
+  for (std::size_t r = 0; r < frfs.responses.size(); ++r) {
+    for (std::size_t i = 0; i < frfs.inputs.size(); ++i) {
+      const Index c = frfs.column(static_cast<Index>(r), static_cast<Index>(i));
+      Json one{{"name", frfs.responses[r].name},
+               {"mean_coherence", mean_coherence(frfs, c, low, high)},
+               {"median_relative_error", relative_error(frfs, c, low, high)}};
+      if (roving) one["struck"] = frfs.inputs[i].name;
+      responses.push_back(std::move(one));
+    }
   }
   result["responses"] = std::move(responses);
-  if (test.driving_point) result["driving_point"] = driving_json(*test.driving_point);
+  if (roving) {
+    Json points = Json::array(), pairs = Json::array(), struck = Json::array();
+    for (const auto& input : frfs.inputs) struck.push_back(input.name);
+    for (const signal::DrivingPoint& driving : run.driving_points) {
+      Json one = driving_json(driving.check);
+      one["point"] = frfs.inputs[static_cast<std::size_t>(driving.input)].name;
+      points.push_back(std::move(one));
+    }
+    for (const signal::ReciprocityCheck& pair : run.reciprocity) {
+      pairs.push_back({{"points", {pair.a, pair.b}},
+                       {"difference", pair.difference},
+                       {"from_noise", pair.from_noise}});
+    }
+    result["struck"] = std::move(struck);
+    result["driving_points"] = std::move(points);
+    result["reciprocity"] = std::move(pairs);
+  } else if (!run.driving_points.empty()) {
+    result["driving_point"] = driving_json(run.driving_points.front().check);
+  }
   if (!options.out.empty()) {
     const auto encoding =
         options.encoding == "ascii" ? signal::UffEncoding::ascii : signal::UffEncoding::binary;
@@ -166,6 +216,7 @@ void add_frf(CLI::App& program, Verbs& verbs) {
       ->type_name("F");
   verb->footer(
       "Example:\n  rigfit frf hits.csv --force hammer --response a1 a2 --out frf.uff --json -\n"
+      "  rigfit frf p1.csv p2.csv --struck a1 a2 --force hammer --response a1 a2 --out frf.uff\n"
       "Exit code 4: no hit can be used; the hits and their reasons are given all the same.");
   verbs.push_back({verb, [options](VerbContext& context) { return run_frf(context, *options); }});
 }

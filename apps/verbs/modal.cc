@@ -39,9 +39,9 @@ Measured frfs_of(VerbContext& context, Options& options) {
     options.impact.files = options.files;
     ImpactRun run = run_impact_test(context, options.impact);
     measured.hits = hits_json(run);
-    measured.usable_hz = run.test.usable_hz;
-    measured.amplitudes = run.test.amplitudes;
-    measured.frfs = std::move(run.test.frfs);
+    measured.usable_hz = run.usable_hz;
+    measured.amplitudes = run.amplitudes;
+    measured.frfs = std::move(run.frfs);
     return measured;
   }
   if (options.files.size() > 1) {

@@ -86,8 +86,11 @@ void row(const Case& c, int seeds) {
     const double df = best->frequency_hz.value - c.modes[0].frequency_hz;
     const double dz = best->damping_ratio.value - c.modes[0].damping_ratio;
     f1 += df, f2 += df * df, z1 += dz, z2 += dz * dz;
-    f_in += std::abs(df) <= result.coverage_factor_95 * best->frequency_hz.std;
-    z_in += std::abs(dz) <= result.coverage_factor_95 * best->damping_ratio.std;
+    const auto holds = [](const rigfit::signal::Interval& interval, double truth_value) {
+      return interval.low <= truth_value && truth_value <= interval.high;
+    };
+    f_in += holds(best->frequency_interval_95_hz, c.modes[0].frequency_hz);
+    z_in += holds(best->damping_ratio_interval_95, c.modes[0].damping_ratio);
     if (truth.unit_covariance.size() > 0) {
       const double s = poles[0].real(), w = poles[0].imag(), r = std::abs(poles[0]);
       Eigen::Vector2d jf(s / r, w / r), jz(-w * w / (r * r * r), s * w / (r * r * r));

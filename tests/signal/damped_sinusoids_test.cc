@@ -8,6 +8,8 @@
 
 #include "tests/expect_matrix.h"
 
+#include "signal/power_sums.h"
+
 namespace rigfit::signal {
 namespace {
 

@@ -1,0 +1,51 @@
+// Which damped sinusoids a stretch of samples holds: the strongest first, then one more as long as
+// the residual holds a peak that noise of its own colour would not show.
+//
+// A mode is taken when the energy that it explains exceeds what the best of all cells of the search
+// (decay_search.h) takes out of noise with the chance `false_alarm`, when its pole is determined by
+// the samples, and when it is not the company that another mode seeks for departing from an
+// exponential.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "signal/damped_sinusoids.h"
+
+namespace rigfit::signal {
+
+struct DecaySamples {
+  Eigen::VectorXd values;  ///< 0 where missing
+  std::vector<Eigen::Index> missing;
+};
+
+/// Samples [start, end) of `y`, NaN where missing.
+[[nodiscard]] DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                         Eigen::Index start, Eigen::Index end);
+
+struct DecayBand {
+  double low, high;  ///< undamped natural frequency, cycles per sample
+  bool all;          ///< no limits
+  [[nodiscard]] bool contains(std::complex<double> pole) const;
+};
+
+struct DecayModesOptions {
+  int max_modes = 6;          ///< in the band; as many outside it are fitted to keep them out
+  double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
+};
+
+/// All modes that the samples support; nothing when there is none.
+[[nodiscard]] std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
+                                                                 const DecayBand& band,
+                                                                 const DecayModesOptions& options);
+
+/// Energy of mode `m` over the samples, sum of squares.
+[[nodiscard]] double mode_energy(const DampedSinusoidsFit& fit, std::size_t m);
+/// The mode of most energy in the band.
+[[nodiscard]] std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band);
+/// -Re p / |p|.
+[[nodiscard]] double damping_ratio_of(std::complex<double> pole);
+
+}  // namespace rigfit::signal

@@ -1,0 +1,113 @@
+#include "signal/mode_doubts.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace rigfit::signal {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::VectorXcd;
+constexpr double two_pi = 2 * std::numbers::pi;
+
+void check_misfit(ModalResult& result, const ModalBand& band,
+                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  const Index pairs = misfit.rows() - 1;
+  Complex product = 0;
+  double power = 0, frfs = 0;
+  for (Index c = 0; c < misfit.cols(); ++c) {
+    if (!std::isfinite(result.noise.column[c])) continue;
+    const VectorXcd r = misfit.col(c).cwiseQuotient(result.noise.line.cwiseSqrt().cast<Complex>()) /
+                        std::sqrt(result.noise.column[c]);
+    product += r.head(pairs).dot(r.tail(pairs));
+    power += 0.5 * (r.head(pairs).squaredNorm() + r.tail(pairs).squaredNorm());
+    ++frfs;
+  }
+  if (!(power > 0)) return;
+  const double window = band.correlation_lines;
+  const double expected = window > 0 ? (1.0 / Complex(1, std::numbers::pi / window)).real() : 0;
+  result.misfit_line_correlation = product.real() / power - expected;
+  const double chance = 5 / std::sqrt(2 * frfs * static_cast<double>(pairs));
+  if (std::abs(result.misfit_line_correlation) > std::max(chance, 0.2)) {
+    result.model.notes.push_back(
+        {"systematic_misfit",
+         fmt::format(
+             "the misfit is not like noise: neighbouring lines correlate by {:.2f} more than "
+             "noise does. Something is left out (non-linearity, change between hits, modes "
+             "outside the band); error bars of the modes are too small then",
+             result.misfit_line_correlation),
+         ""});
+  }
+}
+
+void judge_modes(ModalResult& result, const ModalBand& band) {
+  ModalModel& model = result.model;
+  for (std::size_t r = 0; r < model.modes.size(); ++r) {
+    IdentifiedMode& mode = model.modes[r];
+    std::vector<std::string> doubts;
+    const double decay = -mode.pole_rad_s.real(), measured = decay + band.window;
+    if (mode.damping_dominated_by_window) {
+      doubts.push_back(fmt::format(
+          "the window gives {:.0f} % of the measured decay rate: damping refused, frequency kept",
+          100 * band.window / measured));
+    } else if (!(mode.damping_ratio.std < 0.25 * std::abs(mode.damping_ratio.value))) {
+      doubts.push_back(fmt::format(
+          "damping known to {:.0f} % only",
+          100 * mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300)));
+    }
+    // 5 % of variance: residues less than some 4 times what the test of presence asks for.
+    if (mode.significance < 4) {
+      doubts.push_back(
+          fmt::format("weak: {:.1f} times the least that is told from noise", mode.significance));
+    }
+    const double f = mode.frequency_hz.value, half = measured / two_pi;
+    if (f - half < result.low_hz || f + half > result.high_hz) {
+      doubts.push_back("its resonance is cut by the end of the band");
+    }
+    if (mode.presence < 0.6) {
+      doubts.push_back(
+          fmt::format("present in {:.0f} % of the model orders only", 100 * mode.presence));
+    }
+    if (mode.shape.size() >= 3) {
+      // Noise of the residues alone lowers the collinearity by about its share of the power.
+      const double share = mode.shape_std.squaredNorm() / mode.shape.squaredNorm();
+      if (mode.modal_phase_collinearity < 0.8 - 2 * share) {
+        doubts.push_back(
+            fmt::format("complex shape: phase collinearity {:.2f}", mode.modal_phase_collinearity));
+      }
+      for (const std::size_t other : {r - 1, r + 1}) {  // r - 1 wraps below 0 and is left out
+        if (other >= model.modes.size()) continue;
+        const double likeness = result.auto_mac(static_cast<Index>(r), static_cast<Index>(other));
+        const double apart = std::abs(mode.pole_rad_s - model.modes[other].pole_rad_s) /
+                             (measured + band.window - model.modes[other].pole_rad_s.real());
+        if (likeness > 0.9 && apart < 2) {
+          doubts.push_back(fmt::format(
+              "same shape as the mode at {:.4g} Hz (MAC {:.2f}), resonances overlap: "
+              "one mode that changed between hits, or a non-linear one, looks like this",
+              model.modes[other].frequency_hz.value, likeness));
+        }
+      }
+    }
+    mode.doubtful = !doubts.empty();
+    mode.doubt = fmt::format("{}", fmt::join(doubts, "; "));
+    // Records that end before the mode has decayed scale its residue by 1 - exp(-decay * length),
+    // whose phase the record does not tell; poles stay right.
+    const double left = std::exp(-measured / band.spacing_hz);
+    if (left > 0.01) {
+      model.notes.push_back({"decay_cut_off",
+                             fmt::format("{:.1f} % of the amplitude are left at the end of the "
+                                         "records: residues are uncertain by that, poles are not",
+                                         100 * left),
+                             fmt::format("{:.4g} Hz", f)});
+    }
+  }
+}
+
+}  // namespace rigfit::signal
