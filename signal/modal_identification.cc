@@ -109,6 +109,12 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const FoundModes& f
     fill_frequency_and_damping(mode.pole_rad_s, mode, local);
     jacobian.block<2, 2>(row, 2 * r) = local;
     fill_shape(fit, covariance, r, inputs, mode);
+    // A record that ends before the mode has decayed scales its residue by 1 - exp(raw * length),
+    // whose phase goes with that of the hit; as likely one way as another.
+    const double cut_off = std::exp(raw.real() / band.spacing_hz) / std::sqrt(2.0);
+    mode.shape_std = (mode.shape_std.array().square() +
+                      (cut_off * mode.shape.array().abs()).square().replicate(1, 2))
+                         .sqrt();
     mode.presence = found.presence[static_cast<std::size_t>(r)];
     mode.significance = std::sqrt(covariance.significance[r] / found.penalty);
     model.modes.push_back(std::move(mode));

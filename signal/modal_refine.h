@@ -5,11 +5,9 @@
 // linear unknowns are eliminated exactly, the poles move by Gauss-Newton in Kaufman's form). The
 // basis functions and the line weights w are common to all FRFs, hence a step costs one Gram matrix
 // and two products with the FRFs, whatever their number. Weights and the noise they come from:
-// modal_noise.h. Covariance: (J'WJ)^-1 J'W C W J (J'WJ)^-1 with C the modelled covariance of the
-// errors, incl. noise common to the FRFs of an input and the correlation of lines under an
-// exponential window. Sources: Golub, Pereyra, Separable nonlinear least squares, Inverse Problems
-// 19 (2003) R1; Kaufman, BIT 15 (1975) 49; Pintelon, Schoukens, System Identification, 2nd ed.,
-// ch. 9.
+// modal_noise.h; what the answer is worth: modal_covariance.h. Sources: Golub, Pereyra, Separable
+// nonlinear least squares, Inverse Problems 19 (2003) R1; Kaufman, BIT 15 (1975) 49; Pintelon,
+// Schoukens, System Identification, 2nd ed., ch. 9.
 #pragma once
 
 #include <Eigen/Core>
@@ -50,19 +48,5 @@ struct ModalRefineResult {
 [[nodiscard]] ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
                                              const Eigen::Ref<const Eigen::VectorXcd>& start,
                                              const ModalRefineOptions& options = {});
-
-struct ModalCovariance {
-  /// Of (Re p_1, Im p_1, Re p_2, ...).
-  Eigen::MatrixXd poles;
-  /// modes x FRFs, standard deviations of the real and imaginary parts of the residues.
-  Eigen::MatrixXd residue_std_re, residue_std_im;
-  /// Modes: sum over FRFs of residue' covariance^-1 residue at fixed poles, less what noise common
-  /// to the FRFs of an input can imitate; about 2 FRFs for a mode that is not there.
-  Eigen::VectorXd significance;
-  bool full_rank = true;  ///< false: poles cannot be told apart, the covariance is empty
-};
-
-[[nodiscard]] ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
-                                               const ModalRefineResult& fit);
 
 }  // namespace rigfit::signal

@@ -94,7 +94,7 @@ class ModeSearch {
         refine(refine_options);
         if (fit_.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
       }
-      covariance_ = modal_covariance(band().lines, noise_, fit_);
+      covariance_ = modal_covariance(band().lines, noise_, fit_, false);
       if (!covariance_.full_rank) {
         if (drop_one_of_the_nearest()) continue;
         return;
@@ -315,6 +315,9 @@ FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& c
   FoundModes found;
   found.fit = search.fit();
   found.covariance = search.covariance();
+  if (found.covariance.full_rank && found.fit.residues.cols() > 0) {
+    found.covariance = modal_covariance(band.lines, search.noise(), found.fit);
+  }
   for (const Candidate& candidate : search.candidates())
     found.presence.push_back(candidate.presence);
   found.noise = search.noise();

@@ -7,6 +7,7 @@
 
 #include "signal/lscf.h"
 #include "signal/modal_band.h"
+#include "signal/modal_covariance.h"
 #include "signal/modal_identification.h"
 #include "signal/modal_noise.h"
 #include "signal/modal_refine.h"

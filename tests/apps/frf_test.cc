@@ -139,6 +139,71 @@ TEST_F(FrfVerb, OneHitAFileAndItsPolarityAtTheDrivingPoint) {
   EXPECT_EQ(json["driving_point"]["verdict"], "inverted");
 }
 
+TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
+  options.noise = 0.002;
+  options.hits = 2;
+  std::vector<std::string> files;
+  for (const Eigen::Index struck : {0, 2}) {
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+      truth.driving_point = struck;
+      options.seed = seed + static_cast<std::uint64_t>(10 * struck);
+      files.push_back(file("p" + std::to_string(struck) + std::to_string(seed) + ".csv",
+                           testing::impact_recording(truth, options)));
+    }
+  }
+  std::vector<std::string> command{"frf"};
+  command.insert(command.end(), files.begin(), files.end());
+  for (const char* argument : {"--force", "force", "--response", "a1", "a3", "--band", "10", "1300",
+                               "--exponential-window", "3", "--json", "-"}) {
+    command.push_back(argument);
+  }
+  auto with = command;
+  with.insert(with.end(), {"--struck", "a1", "a1", "a3", "a3", "--out", path("roving.uff"), "--csv",
+                           path("roving.csv")});
+  const auto run = run_program(with);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json["hits"].size(), 8u);
+  EXPECT_EQ(json["hits"][7]["struck"], "a3");
+  EXPECT_EQ(json["hits"][7]["file"], files[3]);
+  EXPECT_EQ(json["averages"], 4);
+  EXPECT_EQ(json["struck"], nlohmann::json({"a1", "a3"}));
+  ASSERT_EQ(json["driving_points"].size(), 2u);
+  EXPECT_EQ(json["driving_points"][1]["point"], "a3");
+  EXPECT_EQ(json["driving_points"][1]["verdict"], "consistent");
+  ASSERT_EQ(json["reciprocity"].size(), 1u);
+  EXPECT_EQ(json["reciprocity"][0]["points"], nlohmann::json({"a1", "a3"}));
+  EXPECT_LT(json["reciprocity"][0]["difference"].get<double>(), 0.05);
+  EXPECT_GT(json["reciprocity"][0]["from_noise"].get<double>(), 0);
+  EXPECT_EQ(json["responses"].size(), 4u);
+  const signal::FrfSet frfs = signal::read_uff_frfs(path("roving.uff"));
+  ASSERT_EQ(frfs.inputs.size(), 2u);
+  EXPECT_EQ(frfs.inputs[1].name, "a3");
+  EXPECT_EQ(frfs.inputs[1].node, frfs.responses[1].node);
+  std::ifstream csv(path("roving.csv"));
+  std::string header;
+  std::getline(csv, header);
+  EXPECT_THAT(header, HasSubstr("a3 by a1 real"));
+
+  // `modal` takes the two columns as two references.
+  const auto modal =
+      run_program({"modal", path("roving.uff"), "--band", "100", "1300", "--json", "-"});
+  ASSERT_EQ(modal.exit_code, 0) << modal.err;
+  const auto modes = nlohmann::json::parse(modal.out)["modes"];
+  ASSERT_EQ(modes.size(), 8u);  // above 100 Hz
+  for (std::size_t r = 0; r < 8; ++r) {
+    const double f = truth.frequency_hz[static_cast<Eigen::Index>(r) + 2];
+    EXPECT_NEAR(modes[r]["frequency_hz"]["value"].get<double>(), f, 1e-3 * f);
+    EXPECT_EQ(modes[r]["participation"].size(), 2u);
+  }
+
+  auto wrong = command;
+  wrong.insert(wrong.end(), {"--struck", "a1", "a3"});
+  EXPECT_EQ(run_program(wrong).exit_code, 2);
+  with.insert(with.end(), {"--driving-point", "a1"});
+  EXPECT_EQ(run_program(with).exit_code, 2);
+}
+
 TEST_F(FrfVerb, BadInputHasItsExitCodeAndReason) {
   const std::string good = file("hits.csv", testing::impact_recording(truth, options));
   const auto code = [&](std::vector<std::string> arguments, const std::string& said) {

@@ -124,8 +124,8 @@ void print(const Study& study, const testing::TenModeTruth& truth, const Options
       1e3 * study.frf_s / options.seeds, 1e3 * study.modal_s / options.seeds);
   fmt::print(
       "| f, Hz | damping, % | worst f, ppm | rms f, ppm | worst damping, % of it | rms | f in "
-      "95 % | damping in 95 % | mean error / std, f | damping | least MAC |\n");
-  fmt::print("|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "95 % | damping in 95 % | residues in 95 % | mean error / std, f | damping | least MAC |\n");
+  fmt::print("|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   const double n = std::max(1, study.right);
   double covered = 0, shapes = 0, shape_total = 0;
   int doubtful = 0;
@@ -133,12 +133,12 @@ void print(const Study& study, const testing::TenModeTruth& truth, const Options
     const Tally& t = study.modes[r];
     const auto i = static_cast<Index>(r);
     fmt::print(
-        "| {:.4g} | {:.4g} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.1f} % | {:.1f} % | {:.2f} | "
-        "{:.2f} "
-        "| {:.6f} |\n",
+        "| {:.4g} | {:.4g} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.1f} % | {:.1f} % | {:.1f} % | "
+        "{:.2f} | {:.2f} | {:.6f} |\n",
         truth.frequency_hz[i], 100 * truth.damping_ratio[i], t.worst_frequency,
         std::sqrt(t.square_frequency / n), t.worst_damping, std::sqrt(t.square_damping / n),
-        100 * t.frequency_covered / n, 100 * t.damping_covered / n, t.bias_frequency / n,
+        100 * t.frequency_covered / n, 100 * t.damping_covered / n,
+        100.0 * t.shape_covered / std::max(1, t.shape_total), t.bias_frequency / n,
         t.bias_damping / n, t.least_mac);
     covered += t.frequency_covered + t.damping_covered;
     shapes += t.shape_covered;

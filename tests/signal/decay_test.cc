@@ -182,6 +182,63 @@ TEST(Decay, SeveralImpactsAreSeveralDecays) {
   EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.017, 5 * result.modes[0].damping_ratio.std);
 }
 
+TEST(Decay, NoiseDoesNotPassForAnImpact) {
+  // At 10 dB the amplitude over a cycle is hidden now and then and comes back threefold. 300
+  // records; a false impact has a chance of about 1e-6 each.
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    Records records(seed + 900);
+    const auto windows = find_decays(records.decay({{50, 0.017, 1}}, 500, 500, noise_of(10)));
+    ASSERT_EQ(windows.size(), 1u) << seed;
+    EXPECT_EQ(windows[0].start, 0) << seed;
+  }
+}
+
+TEST(Decay, ColouredNoiseAloneIsNoMode) {
+  // Autoregressive noise of factor 0.9 at 500 Hz falls off above 8 Hz and shows a few slow cycles.
+  int given = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    std::mt19937_64 generator(seed + 1);
+    std::normal_distribution<double> normal;
+    Eigen::VectorXd y(500);
+    double last = 2.3 * normal(generator);
+    for (double& v : y) v = last = 0.9 * last + normal(generator);
+    const auto result = estimate_decay(y, 500);
+    if (!result.refusal_code.empty()) continue;
+    ++given;
+    // What still comes out is said to be doubtful, or explains most of the record.
+    EXPECT_TRUE(says(result, "doubtful_mode") || result.modes[0].r_squared > 0.8) << seed;
+  }
+  EXPECT_LE(given, 2);
+}
+
+TEST(Decay, InNoiseTheIntervalsStillHoldAndNearItsLimitItSaysSo) {
+  // 5 dB: one linear standard uncertainty covers 92 %, the likelihood's interval 94 to 95 %.
+  int in_f = 0, in_z = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    Records records(seed + 50);
+    const auto result = estimate_decay(records.decay({{50, 0.017, 1}}, 500, 500, noise_of(5)), 500);
+    ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+    const auto& mode = result.modes[0];
+    in_f += mode.frequency_interval_95_hz.low < 50 && mode.frequency_interval_95_hz.high > 50;
+    in_z +=
+        mode.damping_ratio_interval_95.low < 0.017 && mode.damping_ratio_interval_95.high > 0.017;
+  }
+  // 95 % of 200 less three standard deviations (3.1 each).
+  EXPECT_GE(in_f, 181);
+  EXPECT_GE(in_z, 181);
+  // 0 dB: 1.4 times the limit, with a standard deviation of 0.4; the note ends at 2.5.
+  int given = 0, said = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    Records records(seed + 70);
+    const auto result = estimate_decay(records.decay({{50, 0.017, 1}}, 500, 500, noise_of(0)), 500);
+    if (!result.refusal.empty()) continue;
+    ++given;
+    said += says(result, "near_noise");
+  }
+  EXPECT_GT(given, 10);
+  EXPECT_GE(said, given - 2);
+}
+
 TEST(Decay, StartsAfterClipping) {
   Records records(8);
   auto y = records.decay({{50, 0.01, 1}}, 5000, 5000, 0.001);

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "signal/modal_basis.h"
+#include "signal/modal_covariance.h"
 #include "signal/residues.h"
 #include "tests/expect_matrix.h"
 #include "tests/signal/ten_mode_truth.h"
