@@ -68,12 +68,15 @@ void accumulate(const Complex* x_values, const Complex* y_values, Sums& sums) {
   }
 }
 
-/// Average over lines k - half .. k + half (fewer at the ends), by running sums.
-void smooth(Eigen::ArrayXd& values, Index half, Eigen::ArrayXd& cumulative) {
-  if (half <= 0) return;
-  const Index n = values.size();
+/// Sums before each line, from which an average over any stretch of lines follows.
+void accumulate_lines(const Eigen::ArrayXd& values, Eigen::ArrayXd& cumulative) {
   cumulative[0] = 0;
-  for (Index k = 0; k < n; ++k) cumulative[k + 1] = cumulative[k] + values[k];
+  for (Index k = 0; k < values.size(); ++k) cumulative[k + 1] = cumulative[k] + values[k];
+}
+
+/// Average over lines k - half .. k + half (fewer at the ends).
+void average_lines(const Eigen::ArrayXd& cumulative, Index half, Eigen::ArrayXd& values) {
+  const Index n = values.size();
   const auto average = [&](Index k) {
     const Index first = std::max<Index>(0, k - half), last = std::min(n, k + half + 1);
     return std::max(0.0,
@@ -84,8 +87,8 @@ void smooth(Eigen::ArrayXd& values, Index half, Eigen::ArrayXd& cumulative) {
   for (Index k = 0; k < inner_first; ++k) values[k] = average(k);
   const Index inner = inner_last - inner_first;
   values.segment(inner_first, inner) = ((cumulative.segment(inner_first + half + 1, inner) -
-                                         cumulative.segment(inner_first - half, inner)) /
-                                        static_cast<double>(2 * half + 1))
+                                         cumulative.segment(inner_first - half, inner)) *
+                                        (1 / static_cast<double>(2 * half + 1)))
                                            .max(0.0);
   for (Index k = inner_last; k < n; ++k) values[k] = average(k);
 }
@@ -254,10 +257,10 @@ class Averager {
                           std::ceil(static_cast<double>(independent) * windows_.bandwidth_lines)));
     };
     constexpr Index kNarrow = 2;
-    sums.narrow = sums.residual;
-    smooth(sums.residual, lines_of(options_.error_smoothing_lines), sums.cumulative);
+    accumulate_lines(sums.residual, sums.cumulative);
+    average_lines(sums.cumulative, lines_of(options_.error_smoothing_lines), sums.residual);
     if (options_.error_smoothing_lines <= kNarrow) return;
-    smooth(sums.narrow, lines_of(kNarrow), sums.cumulative);
+    average_lines(sums.cumulative, lines_of(kNarrow), sums.narrow);
     // 99.9 % of chi-square over its degrees of freedom (Wilson and Hilferty).
     const double dof = 2.0 * static_cast<double>(hits() - 1) * (2 * kNarrow + 1);
     const double limit = std::pow(1 - 2 / (9 * dof) + 3.09 * std::sqrt(2 / (9 * dof)), 3);

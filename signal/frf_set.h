@@ -38,6 +38,9 @@ struct FrfSet {
   std::string unit;  ///< such as "(m/s^2)/N"
   double exponential_decay_rate_1_s =
       0;  ///< of a window shared by force and response; adds to every pole
+  /// From the beginning of the blocks to the hits' peaks, mean; 0: not known. Tells, under a
+  /// window, where in time the noise is.
+  double pre_trigger_s = 0;
   int averages = 0;
   double sample_rate_hz = 0;
   std::vector<Note> notes;

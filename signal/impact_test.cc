@@ -173,6 +173,11 @@ class Analysis {
     frfs.frequency_hz = estimate.frequency_hz;
     frfs.sample_rate_hz = test_.search.sample_rate_hz;
     frfs.exponential_decay_rate_1_s = estimate.H.rows() > 0 ? decay_rate() : 0;
+    double pre_trigger = 0;
+    for (const Hit& hit : test_.search.hits) {
+      if (hit.accepted) pre_trigger += static_cast<double>(hit.peak_sample - hit.block_first);
+    }
+    frfs.pre_trigger_s = pre_trigger / std::max(1, frfs.averages) / test_.search.sample_rate_hz;
     frfs.H = estimate.H;
     frfs.H_std = estimate.H_std;
     frfs.coherence = estimate.coherence;

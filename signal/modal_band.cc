@@ -65,6 +65,7 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
   std::nth_element(steps.begin(), steps.begin() + (count - 1) / 2, steps.end());
   band.spacing_hz = steps[(count - 1) / 2];
   band.correlation_lines = band.window / band.spacing_hz;
+  band.lead = frfs.pre_trigger_s * band.spacing_hz;
   band.lines.s = laplace_lines(band.frequency_hz, band.window);
   band.lines.power = power_of_s(frfs.form);
   band.lines.inputs = inputs;

@@ -14,9 +14,9 @@ struct ModalBand {
   Eigen::VectorXd frequency_hz;
   Eigen::MatrixXd H_std;  ///< empty: not known or not usable
   FrfLines lines;
-  double spacing_hz = 0;  ///< median step between lines
-  double window = 0;      ///< decay rate of the exponential window, 1/s
-  double correlation_lines = 0;
+  double spacing_hz = 0;                   ///< median step between lines
+  double window = 0;                       ///< decay rate of the exponential window, 1/s
+  double correlation_lines = 0, lead = 0;  ///< FrfNoise's
 };
 
 /// Lines from `low_hz` (never 0 Hz) to `high_hz` (0: the last) with finite values. What is left out

@@ -158,9 +158,9 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     }
   }
   const bool has_error_bars = band.H_std.size() > 0;
-  const FrfNoise first = has_error_bars
-                             ? noise_from_std(H, band.H_std, inputs, band.correlation_lines)
-                             : noise_unknown(H, inputs, band.correlation_lines);
+  FrfNoise first = has_error_bars ? noise_from_std(H, band.H_std, inputs, band.correlation_lines)
+                                  : noise_unknown(H, inputs, band.correlation_lines);
+  first.lead = band.lead;
   if (!first.column.cwiseInverse().any()) {
     model.notes.push_back({"no_modes", "all FRFs are zero", ""});
     result.noise = first;
@@ -202,7 +202,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     }
     result.misfit_over_error_bars = std::sqrt(sum / static_cast<double>(count));
   }
-  check_misfit(result, band, H - found.model);
+  check_misfit(result, H - found.model);
   judge_modes(result, band);
   return result;
 }

@@ -191,6 +191,13 @@ VectorXd line_weight(const FrfNoise& noise, const Eigen::Ref<const MatrixXcd>& H
   return (variance * noise.line.array()).rsqrt().matrix();
 }
 
+Complex line_correlation(const FrfNoise& noise, Index d) {
+  if (d == 0 || !(noise.correlation_lines > 0)) return d == 0 ? 1 : 0;
+  const double lines = static_cast<double>(d);
+  return std::polar(1.0, 2 * std::numbers::pi * noise.lead * lines) /
+         Complex(1, std::numbers::pi * lines / noise.correlation_lines);
+}
+
 MatrixXd correlated(const FrfNoise& noise, const Eigen::Ref<const MatrixXd>& stacked_columns) {
   if (!(noise.correlation_lines > 0)) return stacked_columns;
   const Index lines = stacked_columns.rows() / 2;
@@ -210,8 +217,7 @@ MatrixXd correlated(const FrfNoise& noise, const Eigen::Ref<const MatrixXd>& sta
     auto time = fft.time();
     time.setZero();
     for (Index d = 0; d < lines; ++d) {
-      const Complex value =
-          1.0 / Complex(1, std::numbers::pi * static_cast<double>(d) / noise.correlation_lines);
+      const Complex value = line_correlation(noise, d);
       time[d] = part == 0 ? value.real() : value.imag();
       if (d > 0) time[length - d] = part == 0 ? value.real() : -value.imag();
     }
@@ -246,8 +252,7 @@ VectorXd correlated_squares(const FrfNoise& noise,
     auto spectrum = fft.spectrum();
     spectrum.setZero();
     for (Index d = 0; d < lines; ++d) {
-      spectrum[d] =
-          1.0 / Complex(1, std::numbers::pi * static_cast<double>(d) / noise.correlation_lines);
+      spectrum[d] = line_correlation(noise, d);
     }
     fft.inverse();  // 1 / length times the sum over all d
     weight = fft.time();

@@ -9,11 +9,14 @@
 //
 // Lines of records weighted by an exponential window exp(-sigma t) of length T have correlated
 // errors
-//   rho(d) = 1 / (1 + i pi d / (sigma T)),   d: difference of line numbers, T = 1 / line spacing,
-// (the transform of exp(-2 sigma t), truncated at T); without a window they are independent.
+//   rho(d) = exp(i 2 pi d t0 / T) / (1 + i pi d / (sigma T)),   d: difference of line numbers, T =
+//   1 / line spacing, t0: from the beginning of the record to the hit,
+// (the transform of exp(-2 sigma t) from -t0 on, truncated at T; FRFs count time from the hit);
+// without a window they are independent.
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 
 namespace rigfit::signal {
 
@@ -22,6 +25,7 @@ struct FrfNoise {
   Eigen::VectorXd column;        ///< a: FRFs, units of H squared; infinite for an FRF that is zero
   Eigen::VectorXd common;        ///< b: inputs, relative to |H|^2
   double correlation_lines = 0;  ///< sigma T; 0: lines are independent
+  double lead = 0;               ///< t0 / T
 
   [[nodiscard]] Eigen::Index inputs() const { return common.size(); }
 };
@@ -47,6 +51,9 @@ struct FrfNoise {
 /// pole, has the weight of generalised least squares.
 [[nodiscard]] Eigen::VectorXd line_weight(const FrfNoise& noise,
                                           const Eigen::Ref<const Eigen::MatrixXcd>& H);
+
+/// rho(d), d >= 0.
+[[nodiscard]] std::complex<double> line_correlation(const FrfNoise& noise, Eigen::Index d);
 
 /// rho applied to columns of stacked real and imaginary parts (modal_basis.h), 2 lines x n.
 [[nodiscard]] Eigen::MatrixXd correlated(const FrfNoise& noise,

@@ -17,8 +17,7 @@ using Eigen::Index;
 using Eigen::VectorXcd;
 constexpr double two_pi = 2 * std::numbers::pi;
 
-void check_misfit(ModalResult& result, const ModalBand& band,
-                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   const Index pairs = misfit.rows() - 1;
   Complex product = 0;
   double power = 0, frfs = 0;
@@ -31,8 +30,7 @@ void check_misfit(ModalResult& result, const ModalBand& band,
     ++frfs;
   }
   if (!(power > 0)) return;
-  const double window = band.correlation_lines;
-  const double expected = window > 0 ? (1.0 / Complex(1, std::numbers::pi / window)).real() : 0;
+  const double expected = line_correlation(result.noise, 1).real();
   result.misfit_line_correlation = product.real() / power - expected;
   const double chance = 5 / std::sqrt(2 * frfs * static_cast<double>(pairs));
   if (std::abs(result.misfit_line_correlation) > std::max(chance, 0.2)) {

@@ -12,8 +12,7 @@ namespace rigfit::signal {
 /// Correlation of the weighted misfit at neighbouring lines, less what the noise model expects;
 /// noted when it is beyond chance and large enough to matter for the error bars. `misfit`: lines x
 /// FRFs.
-void check_misfit(ModalResult& result, const ModalBand& band,
-                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
 /// Fills `doubtful` and `doubt` of every mode; what the record's length costs the residues is
 /// noted.

@@ -113,6 +113,7 @@ class ModeSearch {
     const MatrixXcd m = model();
     noise_ = noise_from_residuals(m, band().lines.H - m, fit_.leverage, band().lines.inputs,
                                   band().correlation_lines);
+    noise_.lead = band().lead;
   }
   /// The model without modes that leave more of the FRFs around them than they explain: such a pole
   /// stands between two modes.

@@ -272,6 +272,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   set.averages = static_cast<int>(std::clamp(remark_number(remark, "averages", 0), 0.0, 1e9));
   set.sample_rate_hz = std::max(0.0, remark_number(remark, "rate", 0));
   set.exponential_decay_rate_1_s = std::max(0.0, remark_number(remark, "decay", 0));
+  set.pre_trigger_s = std::max(0.0, remark_number(remark, "pre", 0));
   for (const auto& text : file.remarks) set.notes.push_back({"uff_remark", text, ""});
   return set;
 }

@@ -244,8 +244,9 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
       f.reference = {frfs.inputs[i].name, frfs.inputs[i].node, frfs.inputs[i].direction};
       f.id[0] = frfs.responses[r].name;
       f.id[1] = frfs.inputs[i].name;
-      const std::string about = fmt::format("averages={} rate={} decay={}", frfs.averages,
-                                            frfs.sample_rate_hz, frfs.exponential_decay_rate_1_s);
+      const std::string about =
+          fmt::format("averages={} rate={} decay={} pre={:.6g}", frfs.averages, frfs.sample_rate_hz,
+                      frfs.exponential_decay_rate_1_s, frfs.pre_trigger_s);
       f.id[4] = fmt::format("rigfit x0={} dx={}", start, step);
       f.abscissa = frequency_axis_record();
 

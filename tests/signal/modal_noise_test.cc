@@ -115,6 +115,11 @@ TEST(ModalNoise, LinesUnderAWindowAreCorrelatedAsSaid) {
     EXPECT_LT(std::abs(measured - expected), 0.025) << d;
     EXPECT_LT(std::abs(expected - 1.0 / Complex(1, std::numbers::pi * static_cast<double>(d) / 3)),
               1e-12);
+    // Counted from an instant t0 later, line k of the noise turns by exp(i 2 pi k t0 / T).
+    FrfNoise later = noise;
+    later.lead = 0.05;
+    const Complex turn = std::polar(1.0, 2 * std::numbers::pi * 0.05 * static_cast<double>(d));
+    EXPECT_LT(std::abs(line_correlation(later, d) - turn * line_correlation(noise, d)), 1e-14);
   }
 }
 
@@ -133,6 +138,7 @@ TEST(ModalNoise, SquaresAreThoseOfTheCorrelatedColumns) {
   const Eigen::MatrixXd columns = Eigen::MatrixXd::Random(2 * 150, 3);
   for (const double lines : {0.0, 0.3, 4.0, 60.0}) {
     noise.correlation_lines = lines;
+    noise.lead = lines / 1000;
     const Eigen::VectorXd squares = correlated_squares(noise, columns);
     for (Eigen::Index c = 0; c < 3; ++c) {
       const double expected = columns.col(c).dot(correlated(noise, columns).col(c));
