@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rigfit::model {
 namespace {
@@ -32,6 +33,13 @@ class ImplicitRun {
     v_ = problem.start_velocity.size() == n ? problem.start_velocity : Eigen::VectorXd::Zero(n);
     delta_ = force_ = residual_ = scratch_ = external_ = average_ = Eigen::VectorXd::Zero(n);
     const Chain& chain = *problem.chain;
+    // What rounding of positions leaves of axial forces that balance each other.
+    double stiffest = 0;
+    for (const Segment& segment : chain.segments) {
+      stiffest = std::max(stiffest, segment.EA / segment.length);
+    }
+    rounding_ = 16 * std::numeric_limits<double>::epsilon() * stiffest *
+                problem.rest.position.cwiseAbs().maxCoeff();
     for (std::size_t l = 0; l < chain.loads.size(); ++l) {
       rows_.push_back(assembly_.row_of(chain.loads[l], chain.load_direction[l]));
       forces_.emplace_back(problem.loads[l], problem.records[l]);
@@ -135,7 +143,7 @@ class ImplicitRun {
       const double size = residual_.cwiseAbs().maxCoeff();
       if (!std::isfinite(size)) return false;
       largest_force_ = scale;
-      if (size <= options_.tolerance * scale) {
+      if (size <= std::max(options_.tolerance * scale, rounding_)) {
         finish(h, loaded);
         return true;
       }
@@ -263,7 +271,7 @@ class ImplicitRun {
   std::vector<LoadForce> forces_;
   std::vector<double> rest_;
   std::vector<int> massless_;
-  double supplied_ = 0, dissipated_ = 0, largest_force_ = 0;
+  double supplied_ = 0, dissipated_ = 0, largest_force_ = 0, rounding_ = 0;
   long evaluations_ = 0;
 };
 

@@ -22,8 +22,8 @@ struct ImplicitOptions {
   std::optional<double> step_s;  ///< largest step; else from `frequency_hz` and `accuracy`
   double frequency_hz = 0;       ///< highest frequency that is to be right within `accuracy`
   double accuracy = 1e-4;        ///< relative, of that frequency
-  double tolerance = 1e-9;       ///< residual of a step, of the largest force
-  int points = 3;                ///< of Gauss's rule, 2 or 3
+  double tolerance = 1e-9;  ///< residual of a step, of the largest force; or what rounding leaves
+  int points = 3;           ///< of Gauss's rule, 2 or 3
 };
 
 /// Steps that do not converge are halved, down to 1/64; then `completed` is false.

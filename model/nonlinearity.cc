@@ -11,12 +11,24 @@ namespace {
 
 constexpr std::size_t kCompared = 6;  // modes whose shift is looked at
 
-// Lowest eigenvalues of K x = lambda M x; empty when K is not positive definite.
-Eigen::VectorXd lowest_eigenvalues(const EnvelopeMatrix& stiffness, const EnvelopeMatrix& mass,
-                                   int count) {
+// The eigenvalues of K x = lambda M x whose vectors are nearest to the given mass-normalised
+// shapes; empty when K is not positive definite. Among the lowest: as many again and more, because
+// a motion in space has modes between that no load drives.
+Eigen::VectorXd nearest_eigenvalues(const EnvelopeMatrix& stiffness, const EnvelopeMatrix& mass,
+                                    const Eigen::MatrixXd& shapes) {
   EnvelopeFactor factor;
   if (!factor.factor(stiffness) || factor.negative_pivots() > 0) return {};
-  return lowest_eigenpairs(stiffness, mass, count).values;
+  const Eigenpairs pairs =
+      lowest_eigenpairs(stiffness, mass, 2 * static_cast<int>(shapes.cols()) + 4);
+  if (pairs.values.size() == 0) return {};
+  Eigen::VectorXd values(shapes.cols()), momentum(shapes.rows());
+  for (Eigen::Index i = 0; i < shapes.cols(); ++i) {
+    mass.multiply(shapes.col(i), momentum);
+    Eigen::Index nearest = 0;
+    (pairs.vectors.transpose() * momentum).cwiseAbs().maxCoeff(&nearest);
+    values(i) = pairs.values(nearest);
+  }
+  return values;
 }
 
 }  // namespace
@@ -87,6 +99,7 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
   assembly.mass(mass);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(assembly.size());
   std::vector<Eigen::Index> lowest;
+  Eigen::MatrixXd shapes(assembly.size(), 0);
   for (Eigen::Index i : rising) {
     const auto [m, k] = answer.mode[static_cast<std::size_t>(i)];
     const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
@@ -95,6 +108,8 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
     if (q(i) != 0) u += q(i) * shape;
     if (lowest.size() < kCompared && !shape.isZero(0)) {
       lowest.push_back(i);
+      shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
+      shapes.rightCols(1) = shape;
     }
   }
   Eigen::VectorXd load(assembly.size());
@@ -115,7 +130,7 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
         loaded_state(assembly, modes.equilibrium.state, side == 0 ? load : Eigen::VectorXd(-load));
     if (!loaded.converged) continue;
     assembly.force_and_tangent(loaded.state, force, stiffness);
-    values[side] = lowest_eigenvalues(stiffness, mass, static_cast<int>(lowest.size()));
+    values[side] = nearest_eigenvalues(stiffness, mass, shapes);
   }
   if (values[0].size() == 0 || values[1].size() == 0) {
     out.frequency_shift = 1;

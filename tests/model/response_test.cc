@@ -77,6 +77,34 @@ TEST(Response, SmallReleaseIsLinearAndAgreesWithTheExactEquations) {
   EXPECT_LT(relative_difference(linear.samples, exact.samples, 0), 2e-3);
 }
 
+TEST(Response, SmallHitOutOfThePlaneIsLinear) {
+  // The modes that it drives are compared with themselves, not with those in the plane between.
+  Scene scene = testing::beam_and_cables(8);
+  for (Member& member : scene.members) member.GJ = 0.5;
+  scene.loads[0].peak = 0.02;
+  const ResponseResult in = respond(scene, ResponseSolver::automatic, 0.1, 1000);
+  scene.loads[0].direction = {0, 0, 1};
+  scene.sensors[0].direction = {0, 0, 1};
+  const ResponseResult out = respond(scene, ResponseSolver::automatic, 0.1, 1000);
+  EXPECT_EQ(in.motion, "plane");
+  EXPECT_EQ(out.motion, "space");
+  for (const ResponseResult& result : {in, out}) {
+    EXPECT_LT(result.frequency_shift, 1e-5);
+    EXPECT_EQ(result.solver, ResponseSolver::modal);
+  }
+  // Torsion and a node that turns: the implicit scheme, which takes them, agrees. Its steps of 20
+  // us slow waves of 1 kHz by (omega h)^2/12 = 1.3e-3.
+  ResponseOptions options;
+  options.sampling = {.duration_s = 0.1, .rate_hz = 1000, .energy_samples = 10};
+  options.solver = ResponseSolver::implicit_motion;
+  options.step_s = 2e-5;
+  const ResponseResult exact = simulate_response(scene, options);
+  ASSERT_TRUE(exact.completed) << exact.reason;
+  EXPECT_EQ(exact.motion, "space");
+  EXPECT_LT(relative_difference(out.samples, exact.samples, 0), 2e-2);
+  EXPECT_LT(exact.energy_drift, 1e-6);
+}
+
 TEST(Response, ThreeIntegratorsAgreeOnTheRelease) {
   Scene scene = testing::released_cable(10);
   scene.sensors.push_back(testing::sensor("cable", 0.3, Sensor::Quantity::velocity));
@@ -115,8 +143,10 @@ TEST(Response, DampedReleaseAgreesBetweenIntegratorsAndItsAccountCloses) {
     const ResponseResult adams = respond(scene, ResponseSolver::cvode_adams, 0.3, 500, 1e-8);
     EXPECT_GT(own.energy.dissipated.back(), 0.01);
     EXPECT_NEAR(own.energy.dissipated.back() / adams.energy.dissipated.back(), 1, 1e-2);
-    // What the fastest axial modes lose is counted before processing, off by (omega h)^2 / 12.
-    EXPECT_LT(own.energy_drift, 3e-4);
+    // What dampers take is counted in processed velocities, so the account closes as without them
+    // (1e-8) but for the difference that stands for da/dq there: a thousandth (h times the rate of
+    // turning) of (omega h)^2/6 < 1.7 of what the fastest waves lose, a few thousandths of all.
+    EXPECT_LT(own.energy_drift, 1e-5);
     // Strang splitting over a sample's time: zeta (omega H)^2/24 of the fastest waves.
     EXPECT_LT(relative_difference(own.samples, adams.samples, 0), 2e-3);
   }
