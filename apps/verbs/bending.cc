@@ -29,6 +29,7 @@ struct Options {
   double span = 0, span_std = 0;
   std::string tension, load, deflection;
   double load_calibration = 0, deflection_calibration = 0, tension_calibration = 0;
+  double tension_zero_std = 0;
   std::vector<double> strand;  // E, elements, element diameter, strand diameter
   double relative_std = 0;
   std::optional<double> EA, mass_per_length;
@@ -155,6 +156,7 @@ void take_record(const std::string& file, const std::vector<signal::Channel>& co
   test_options.load_calibration_std = options.load_calibration;
   test_options.deflection_calibration_std = options.deflection_calibration;
   test_options.tension_calibration_std = options.tension_calibration;
+  test_options.tension_zero_std_N = options.tension_zero_std;
   for (const auto& record : records.empty() ? std::vector{all} : records) {
     Test test{.file = file, .line = 0, .point = {}, .analysis = {}};
     test.analysis = ident::analyse_bending_test(record, test_options);
@@ -199,6 +201,11 @@ Json test_json(const Test& test) {
                              {"tension", number(result.stiffness.log_sensitivity_tension)},
                              {"span", number(result.stiffness.log_sensitivity_span)}};
   json["hysteresis_N"] = result.hysteresis_N;
+  json["friction"] = {{"probability", result.friction_probability},
+                      {"travel_m", result.friction_travel_m},
+                      {"load_N", result.friction_load_N},
+                      {"relative_std_of_slope", result.relative_std_friction},
+                      {"relative_correction_of_slope", result.relative_friction_correction}};
   json["strokes"] = Json::array();
   for (const auto& stroke : result.strokes) {
     json["strokes"].push_back(
@@ -273,21 +280,17 @@ void print_tests(std::ostream& out, const std::vector<Test>& tests) {
   }
 }
 
-// Relative uncertainty of EI that all tests share: span and calibrations, root of squares.
-double common_std(const std::vector<Test>& tests, const Options& options) {
-  double worst = 0;
-  for (const auto& test : tests) {
-    if (!test.analysis || test.analysis->refused) continue;
-    const auto& s = test.analysis->stiffness;
-    const double span = options.span > 0 ? options.span_std / options.span : 0;
-    worst = std::max(
-        worst, std::sqrt(std::pow(s.log_sensitivity_span * span, 2) +
-                         std::pow(s.log_sensitivity_compliance, 2) *
-                             (std::pow(options.load_calibration, 2) +
-                              std::pow(options.deflection_calibration, 2)) +
-                         std::pow(s.log_sensitivity_tension * options.tension_calibration, 2)));
-  }
-  return worst;
+// Relative uncertainty of a test's EI that it shares with the others: span and calibrations, root
+// of squares.
+double shared_std(const Test& test, const Options& options) {
+  if (!test.analysis || test.analysis->refused) return 0;
+  const auto& s = test.analysis->stiffness;
+  const double span = options.span > 0 ? options.span_std / options.span : 0;
+  return std::sqrt(
+      std::pow(s.log_sensitivity_span * span, 2) +
+      std::pow(s.log_sensitivity_compliance, 2) *
+          (std::pow(options.load_calibration, 2) + std::pow(options.deflection_calibration, 2)) +
+      std::pow(s.log_sensitivity_tension * options.tension_calibration, 2));
 }
 
 Json run_bending(VerbContext& context, const Options& options) {
@@ -306,15 +309,17 @@ Json run_bending(VerbContext& context, const Options& options) {
   Json result;
   result["tests"] = Json::array();
   std::vector<ident::StiffnessPoint> points;
-  const double common = common_std(tests, options);
+  double common = 0;
+  for (const auto& test : tests) common = std::max(common, shared_std(test, options));
   for (const auto& test : tests) {
     result["tests"].push_back(test_json(test));
     const bool refused = test.analysis && test.analysis->refused;
     if (refused || !(test.point.EI_Nm2 > 0)) continue;
     ident::StiffnessPoint point = test.point;
-    if (test.analysis && common > 0 && std::isfinite(point.std)) {
+    const double own_share = shared_std(test, options);
+    if (own_share > 0 && std::isfinite(point.std)) {
       // The law's weights are what the tests do not share.
-      const double shared = std::min(0.999 * point.std, common * point.EI_Nm2);
+      const double shared = std::min(0.999 * point.std, own_share * point.EI_Nm2);
       const double factor = std::sqrt(1 - std::pow(shared / point.std, 2));
       point.low = point.EI_Nm2 - factor * (point.EI_Nm2 - point.low);
       point.high = point.EI_Nm2 + factor * (point.high - point.EI_Nm2);
@@ -399,6 +404,9 @@ void add_bending(CLI::App& program, Verbs& verbs) {
   verb->add_option("--deflection-calibration", options->deflection_calibration,
                    "The same of the deflection sensor")
       ->check(CLI::Range(0.0, 1.0));
+  verb->add_option("--tension-zero-std", options->tension_zero_std,
+                   "Standard uncertainty of the tension cell's zero, N (offset and drift)")
+      ->check(CLI::NonNegativeNumber);
   verb->add_option("--tension-calibration", options->tension_calibration,
                    "The same of the tension cell")
       ->check(CLI::Range(0.0, 1.0));

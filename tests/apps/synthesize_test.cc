@@ -81,11 +81,16 @@ TEST(SynthesizeVerb, SeveralTensionsInUffAndTheirTruth) {
 TEST(VirtualLaboratory, BendingAndAxialTestsGiveTheTruthBack) {
   const std::string data = RIGFIT_TESTDATA "/virtual_laboratory/";
   const TemporaryFolder folder;
-  std::vector<std::string> command{"bending"};
-  for (const char* T : {"25", "100", "200", "300"}) {
-    command.push_back(data + "bench/bending/T" + T + "N.csv");
-  }
-  for (const char* word : {"--span", "0.5", "--json", "-"}) command.emplace_back(word);
+  const auto bending_command = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"bending"};
+    for (const char* T : {"25", "100", "200", "300"}) {
+      words.push_back(data + "bench/bending/T" + T + "N.csv");
+    }
+    for (const char* word : {"--span", "0.5", "--json", "-"}) words.emplace_back(word);
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  auto command = bending_command({});
   const auto bending = run_program(command);
   ASSERT_EQ(bending.exit_code, 0) << bending.err;
   const Json tests = Json::parse(bending.out)["tests"];
@@ -97,6 +102,16 @@ TEST(VirtualLaboratory, BendingAndAxialTestsGiveTheTruthBack) {
     EXPECT_NEAR(EI["value"].get<double>(), truth[k], 4 * EI["std"].get<double>()) << k;
     EXPECT_LT(EI["std"].get<double>(), 0.01 * truth[k]) << k;
   }
+
+  // The span's uncertainty is common to the four points: it widens their intervals and the band,
+  // but gives the laws no other weights, so no other ranking.
+  command = bending_command({"--span-std", "0.0005"});
+  const Json wider = Json::parse(run_program(command).out);
+  const Json plain = Json::parse(bending.out);
+  EXPECT_GT(wider["tests"][0]["EI_Nm2"]["std"], plain["tests"][0]["EI_Nm2"]["std"]);
+  EXPECT_EQ(wider["laws"][0]["law"], plain["laws"][0]["law"]);
+  const double before = plain["laws"][0]["aicc"], after = wider["laws"][0]["aicc"];
+  EXPECT_NEAR(after, before, 0.2 * std::abs(before));
 
   command = {"axial"};
   for (const char* L : {"0.7", "1", "1.3"}) {
