@@ -16,6 +16,7 @@ Eigen::MatrixXd response_of(const model::Scene& scene, const MeasuredHistory& hi
   options.sampling.rate_hz = history.rate_hz;
   options.sampling.duration_s = static_cast<double>(history.samples.rows() - 1) / history.rate_hz;
   options.sampling.energy_samples = 0;
+  options.axial = true;  // by need it may change from one set of parameters to the next
   options.records = history.records;
   options.records.resize(scene.loads.size());
   const auto result = model::simulate_response(scene, options);
