@@ -238,6 +238,10 @@ class StateReader {
     if (!decay.refusal.empty()) throw Refused(path + ": " + decay.refusal);
     const std::size_t at = state_at(scene_of(file), scene, tension);
     for (const auto& found : decay.modes) {
+      if (found.doubtful) {
+        context_.warn("doubtful", found.doubt, path);
+        continue;
+      }
       ident::MeasuredMode mode;
       mode.frequency_hz = found.frequency_hz;
       mode.damping_ratio = found.damping_ratio;
@@ -283,6 +287,7 @@ class StateReader {
           signal::estimate_decay(channels[c]->samples, recording.sample_rate_hz, options);
       if (!decay.refusal.empty() || !state.measured.empty()) continue;
       for (const auto& found : decay.modes) {
+        if (found.doubtful) continue;
         ident::MeasuredMode mode;
         mode.frequency_hz = found.frequency_hz;
         mode.damping_ratio = found.damping_ratio;
