@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "apps/campaign_tests.h"
 #include "model/modal_analysis.h"
 #include "model/read_scene.h"
 #include "model/toml_table.h"
@@ -25,8 +26,6 @@ const char* name_of(ValueOrigin::Kind kind) {
   }
   return "";
 }
-
-namespace {
 
 std::string name_in(TomlTable& table, std::set<std::string>& taken) {
   std::string name = table.string("name");
@@ -61,6 +60,8 @@ void check_parameter(const model::Scene& scene, const std::string& parameter,
   }
 }
 
+namespace {
+
 void read_origins(TomlTable& table, CampaignScene& scene) {
   std::set<std::string> said;
   for (const auto kind :
@@ -94,7 +95,12 @@ class Reader {
     if (root_.has("strand")) read_strand();
     std::set<std::string> scene_names, test_names;
     for (TomlTable& table : root_.tables_or_empty("scene")) read_campaign_scene(table, scene_names);
-    for (TomlTable& table : root_.tables_or_empty("test")) read_test(table, test_names);
+    CampaignTestReader tests(campaign_, folder_);
+    for (TomlTable& table : root_.tables_or_empty("test")) {
+      const std::string name = name_in(table, test_names);
+      campaign_.tests.push_back(tests.read(table, name));
+    }
+    for (TomlTable& table : root_.tables_or_empty("fit")) read_fit(table, test_names);
     if (campaign_.tests.empty()) {
       throw root_.error("test", "is missing", "a campaign needs at least one [[test]]");
     }
@@ -136,168 +142,85 @@ class Reader {
     campaign_.scenes.push_back(std::move(scene));
   }
 
-  void read_test(TomlTable& table, std::set<std::string>& taken) {
-    CampaignTest test;
-    test.name = name_in(table, taken);
-    test.title = table.string_or("title", test.name);
-    static_cast<void>(table.string("kind"));
-    if (table.choice_or("kind", {"bending", "modal"}, "") == "bending") {
-      test.kind = CampaignTest::Kind::bending;
-      read_bending(table, test);
-    } else {
-      test.kind = CampaignTest::Kind::modal;
-      read_modal(table, test);
+  void read_fit(TomlTable& table, std::set<std::string>& taken) {
+    CampaignFit fit;
+    fit.name = name_in(table, taken);
+    fit.title = table.string_or("title", fit.name);
+    fit.text = table.text();
+    fit.hold_out = table.boolean_or("hold_out", false);
+    fit.model_std = table.number_or("model_std", Bound::not_negative, "relative", 0);
+    fit.starts = table.integer_or("starts", 1, 1000, fit.starts);
+    fit.reference_name = table.string_or("reference_name", fit.reference_name);
+    std::vector<std::string> known;
+    for (const auto& test : campaign_.tests) {
+      if (test.kind == CampaignTest::Kind::modal) known.push_back(test.name);
+    }
+    for (const auto& name : table.string_or_strings("tests")) {
+      const auto at = std::find_if(campaign_.tests.begin(), campaign_.tests.end(),
+                                   [&](const CampaignTest& test) { return test.name == name; });
+      if (at == campaign_.tests.end() || at->kind != CampaignTest::Kind::modal) {
+        const auto nearest = model::nearest_word(name, known);
+        throw table.error("tests", "there is no modal test \"" + name + "\"",
+                          nearest ? "did you mean \"" + *nearest + "\"?"
+                                  : "name tests of kind \"modal\" by their name");
+      }
+      fit.tests.push_back(static_cast<std::size_t>(at - campaign_.tests.begin()));
+    }
+    if (fit.tests.empty()) throw table.error("tests", "is empty", "name at least one modal test");
+    for (TomlTable& entry : table.tables_or_empty("parameter")) {
+      fit.parameters.push_back(read_parameter(entry, fit));
+    }
+    if (fit.parameters.empty()) {
+      throw table.error("parameter", "is missing", "a fit needs at least one [[fit.parameter]]");
     }
     table.finish();
-    campaign_.tests.push_back(std::move(test));
+    campaign_.fits.push_back(std::move(fit));
   }
 
-  void read_bending(TomlTable& table, CampaignTest& test) {
-    test.span_m = table.number("span", Bound::positive, "m");
-    if (table.has("recording")) {
-      read_bending_recordings(table, test);
-      return;
+  FitParameter read_parameter(TomlTable& table, const CampaignFit& fit) const {
+    FitParameter parameter;
+    ident::FreeParameter& free = parameter.free;
+    free.name = table.string("name");
+    if (table.has("of")) free.targets = table.string_or_strings("of");
+    const std::string key = free.targets.empty() ? "name" : "of";
+    if (free.targets.empty()) free.targets = {free.name};
+    if (table.has("factors")) {
+      free.factors = table.numbers("factors", free.targets.size(), free.targets.size(), Bound::any,
+                                   "1, one for each parameter");
     }
-    TomlTable results = table.table("table");
-    ResultColumns columns = open_table(results);
-    columns.tension = column(results, columns, "tension");
-    columns.EI = column(results, columns, "EI");
-    results.finish();
-    require_numbers(results, columns, "tension", *columns.tension);
-    require_numbers(results, columns, "EI", *columns.EI);
-    test.results = std::move(columns);
-  }
-
-  void read_bending_recordings(TomlTable& table, CampaignTest& test) {
-    if (table.has("table")) {
-      throw table.error("table", "is given beside recordings", "keep one of them");
+    free.per_state = table.boolean_or("per_state", false);
+    free.start = table.optional_number("start", Bound::any, "the parameter's unit");
+    const auto prior = table.optional_number("prior", Bound::any, "the parameter's unit");
+    const auto prior_std = table.optional_number("prior_std", Bound::positive, "its unit");
+    if (prior.has_value() != prior_std.has_value()) {
+      throw table.error(prior ? "prior" : "prior_std", "stands alone",
+                        "give prior and prior_std together");
     }
-    test.span_std_m = table.number_or("span_std", Bound::not_negative, "m", 0);
-    if (table.has("channels")) {
-      TomlTable channels = table.table("channels");
-      test.tension_channel = channels.string_or("tension", test.tension_channel);
-      test.load_channel = channels.string_or("load", test.load_channel);
-      test.deflection_channel = channels.string_or("deflection", test.deflection_channel);
-      channels.finish();
+    if (prior) free.prior = signal::Estimate{*prior, *prior_std};
+    free.low = table.number_or("low", Bound::any, "the parameter's unit", free.low);
+    free.high = table.number_or("high", Bound::any, "the parameter's unit", free.high);
+    if (!(free.low < free.high)) {
+      throw table.error("high", "is not above low", "give a lower and a higher bound");
     }
-    test.recordings = read_recording_groups(table, folder_);
-  }
-
-  void read_modal(TomlTable& table, CampaignTest& test) {
-    const std::string scene = table.string("scene");
-    std::vector<std::string> names;
-    for (const auto& known : campaign_.scenes) names.push_back(known.name);
-    const auto at = std::find(names.begin(), names.end(), scene);
-    if (at == names.end()) {
-      const auto nearest = model::nearest_word(scene, names);
-      throw table.error("scene", "there is no scene \"" + scene + "\"",
-                        nearest ? "did you mean \"" + *nearest + "\"?"
-                                : "add it under [[scene]] with name and file");
-    }
-    test.scene = static_cast<std::size_t>(at - names.begin());
-    if (table.has("planes")) {
-      const auto planes = table.string_or_strings("planes");
-      test.in_plane = test.out_of_plane = false;
-      for (const auto& plane : planes) {
-        if (plane != "in" && plane != "out") {
-          throw table.error("planes", "does not know \"" + plane + "\"",
-                            "name \"in\" (the plane of gravity), \"out\" or both");
+    parameter.reference = table.optional_number("reference", Bound::any, "the parameter's unit");
+    // Every target is in one of the scenes; one that differs from state to state is in all.
+    for (const auto& target : free.targets) {
+      std::size_t found = 0;
+      for (const std::size_t test : fit.tests) {
+        const auto names =
+            model::parameter_names(campaign_.scenes[*campaign_.tests[test].scene].scene);
+        found += std::find(names.begin(), names.end(), target) != names.end();
+      }
+      if (found == 0 || (free.per_state && found < fit.tests.size())) {
+        for (const std::size_t test : fit.tests) {
+          check_parameter(campaign_.scenes[*campaign_.tests[test].scene].scene, target, table, key);
         }
-        (plane == "in" ? test.in_plane : test.out_of_plane) = true;
-      }
-      if (planes.empty()) throw table.error("planes", "is empty", "name \"in\", \"out\" or both");
-    }
-    test.tension_of = parameters(table, "tension_of", *test.scene);
-    test.EI_of = parameters(table, "EI_of", *test.scene);
-    TomlTable results = table.table("table");
-    ResultColumns columns = open_table(results);
-    if (results.has("tension")) columns.tension = column(results, columns, "tension");
-    columns.measured = column(results, columns, "measured");
-    if (results.has("models")) {
-      TomlTable models = results.table("models");
-      for (const auto& label : models.keys()) {
-        columns.models.emplace_back(label, column(models, columns, label));
-      }
-      models.finish();
-    }
-    results.finish();
-    if (columns.tension) {
-      require_numbers(results, columns, "tension", *columns.tension);
-      if (test.tension_of.empty()) {
-        throw table.error("tension_of", "is missing although the table goes by tension",
-                          "name the scene's parameters that take it, such as \"cable.tension\"");
-      }
-    } else if (!test.tension_of.empty()) {
-      throw table.error("tension_of", "is given although the table has no tension column",
-                        "add tension = \"...\" to the table, or leave tension_of out");
-    }
-    if (!test.EI_of.empty() && !columns.tension) {
-      throw table.error("EI_of", "is given although the table has no tension column",
-                        "EI follows the tension; leave EI_of out");
-    }
-    check_frequencies(results, columns);
-    test.results = std::move(columns);
-  }
-
-  std::vector<std::string> parameters(TomlTable& table, const std::string& key,
-                                      std::size_t scene) const {
-    if (!table.has(key)) return {};
-    auto names = table.string_or_strings(key);
-    for (const auto& name : names) {
-      check_parameter(campaign_.scenes[scene].scene, name, table, key);
-    }
-    return names;
-  }
-
-  ResultColumns open_table(TomlTable& table) {
-    ResultColumns columns;
-    const fs::path file = folder_ / table.string("file");
-    std::error_code error;
-    if (!fs::is_regular_file(file, error)) {
-      throw table.error("file", "there is no file " + file.string(),
-                        "name a CSV table; the path starts at the campaign's folder");
-    }
-    columns.table = read_result_table(file);
-    add_input(columns.table.file);
-    return columns;
-  }
-
-  static std::size_t column(TomlTable& table, const ResultColumns& columns,
-                            const std::string& key) {
-    const std::string name = table.string(key);
-    try {
-      return columns.table.column(name);
-    } catch (const model::SceneError& error) {
-      throw table.error(key, columns.table.file + " " + error.problem(), error.remedy());
-    }
-  }
-
-  static void require_numbers(const TomlTable& table, const ResultColumns& columns,
-                              const std::string& key, std::size_t index) {
-    for (std::size_t row = 0; row < columns.table.rows.size(); ++row) {
-      if (!(columns.table.rows[row][index] > 0)) {
-        throw table.error(key,
-                          fmt::format("{}, line {}: the value is blank, zero or negative",
-                                      columns.table.file, columns.table.lines[row]),
-                          "give every row a positive number in this column");
+        throw table.error(key, "\"" + target + "\" stands for two values of the scene",
+                          "name one of them, such as EI_z or EI_y");
       }
     }
-  }
-
-  static void check_frequencies(const TomlTable& table, const ResultColumns& columns) {
-    std::vector<std::size_t> indices{*columns.measured};
-    for (const auto& [label, index] : columns.models) indices.push_back(index);
-    for (const std::size_t index : indices) {
-      for (std::size_t row = 0; row < columns.table.rows.size(); ++row) {
-        if (columns.table.rows[row][index] <= 0) {
-          throw table.error(
-              "file",
-              fmt::format("{}, line {}: the frequency {} Hz is not positive", columns.table.file,
-                          columns.table.lines[row], columns.table.rows[row][index]),
-              "give frequencies in Hz, and nothing where none was found");
-        }
-      }
-    }
+    table.finish();
+    return parameter;
   }
 
   void add_input(const std::string& file) {

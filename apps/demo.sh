@@ -1,5 +1,6 @@
 #!/bin/sh
-# Builds rigfit and runs its main job on testdata/: published tables to a report of model against test.
+# Builds rigfit and runs its main job on testdata/, twice: the published tables of a rig, and recordings of a virtual
+# laboratory of that rig, each to a report of model against test.
 # On a fresh Debian 12 machine it first installs what is missing.   sh apps/demo.sh [OUTPUT_FOLDER]
 set -eu
 cd "$(dirname "$0")/.."
@@ -19,12 +20,24 @@ sh apps/install_packages.sh build
 echo "Building rigfit (a few minutes the first time) ..."
 cmake --build build/release --target rigfit
 
-echo "Running the report on testdata/jalali2021/campaign.toml ..."
-status=0
-build/release/apps/rigfit report testdata/jalali2021/campaign.toml --out "$out" || status=$?
-# 4: something was refused and the report says so; everything else there is there.
-if [ "$status" -ne 0 ] && [ "$status" -ne 4 ]; then
-  echo "error: rigfit report ended with exit code $status" >&2
-  exit "$status"
-fi
-echo "The report: $(cd "$out" && pwd)/report.html"
+report() {
+  status=0
+  build/release/apps/rigfit report "testdata/$1/campaign.toml" --out "$out/$1" --threads "$(nproc)" || status=$?
+  # 4: something was refused and the report says so; everything else there is there.
+  if [ "$status" -ne 0 ] && [ "$status" -ne 4 ]; then
+    echo "error: rigfit report ended with exit code $status" >&2
+    exit "$status"
+  fi
+}
+
+echo
+echo "=== Published tables of the rig (testdata/jalali2021) ==="
+report jalali2021
+echo
+echo "=== Recordings of the virtual laboratory (testdata/virtual_laboratory, synthetic) ==="
+report virtual_laboratory
+echo
+echo "The reports, for any browser:"
+for name in jalali2021 virtual_laboratory; do
+  echo "  $(cd "$out/$name" && pwd)/report.html"
+done

@@ -53,6 +53,7 @@ std::vector<RecordingGroup> read_recording_groups(model::TomlTable& test, const 
     }
     group.tension_N = table.optional_number("tension", model::Bound::positive, "N");
     group.length_m = table.optional_number("length", model::Bound::positive, "m");
+    group.load = table.string_or("load", "");
     group.synthetic = table.boolean_or("synthetic", false);
     group.description = read_description(table);
     table.finish();

@@ -4,6 +4,7 @@
 //   files = ["recordings/bending_*.csv"]   # files, or patterns with * and ?
 //   tension = 200.0                        # N, where the test goes by tension
 //   length = 1.0                           # m, where it goes by length
+//   load = "hammer"                        # of the scene, where one test strikes several places
 //   synthetic = false                      # true: made by a virtual laboratory
 //   sample_rate_hz, [[test.recording.channel]]: as in a TOML file beside a recording
 //
@@ -27,6 +28,7 @@ struct RecordingGroup {
   std::vector<std::string> files;    ///< sorted, each once
   std::vector<std::string> missing;  ///< names and patterns that match no file
   std::optional<double> tension_N, length_m;
+  std::string load;  ///< name of the scene's load; empty: the test's
   bool synthetic = false;
   RecordingDescription description;
 

@@ -4,17 +4,25 @@
 
 #include <atomic>
 #include <exception>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <mutex>
 #include <thread>
 
 #include "apps/json_document.h"
 #include "apps/output_file.h"
 #include "apps/progress.h"
+#include "apps/report/axial_part.h"
 #include "apps/report/bending_part.h"
+#include "apps/report/cost_part.h"
+#include "apps/report/decay_part.h"
+#include "apps/report/fit_part.h"
 #include "apps/report/modal_part.h"
+#include "apps/report/recorded_modal.h"
 #include "apps/report/report_page.h"
 #include "apps/report/scenes_part.h"
+#include "apps/report/stage_cache.h"
 #include "apps/report/svg_plot.h"
 #include "apps/sha256.h"
 
@@ -59,46 +67,193 @@ std::string repeat_command(const VerbContext& context) {
   return text;
 }
 
-void write_figures(const fs::path& folder, const std::vector<ReportPart>& parts) {
-  make_output_folder(folder / "data");
-  make_output_folder(folder / "figures");
+/// Writes a file of the report unless it is there with that content.
+void put(const fs::path& path, const std::string& content) {
+  std::ifstream before(path, std::ios::binary);
+  if (before && std::string(std::istreambuf_iterator<char>(before), {}) == content) return;
+  write_whole_file(path, content);
+}
+
+template <class Use>
+void each_plot(const std::vector<ReportPart>& parts, Use use) {
   for (const auto& part : parts) {
     for (const auto& block : part.blocks) {
-      const auto* plot = std::get_if<Plot>(&block);
-      if (!plot) continue;
-      write_whole_file(folder / "data" / (plot->id + ".csv"), plot_csv(*plot));
-      write_whole_file(folder / "figures" / (plot->id + ".svg"), svg_plot(*plot));
+      if (const auto* plot = std::get_if<Plot>(&block)) use(*plot);
+      if (const auto* group = std::get_if<PlotGroup>(&block)) {
+        for (const auto& tab : group->tabs) {
+          for (const auto& one : tab.plots) use(one);
+        }
+      }
     }
   }
 }
+
+void write_files(const fs::path& folder, const std::vector<ReportPart>& parts, int threads,
+                 Progress& progress) {
+  for (const char* name : {"data", "figures"}) make_output_folder(folder / name);
+  std::vector<std::function<void()>> tasks;
+  each_plot(parts, [&](const Plot& plot) {
+    tasks.emplace_back([&folder, &plot] {
+      put(folder / "data" / (plot.id + ".csv"), plot_csv(plot));
+      put(folder / "figures" / (plot.id + ".svg"), svg_plot(plot));
+    });
+  });
+  for (const auto& part : parts) {
+    for (const auto& file : part.files) {
+      make_output_folder((folder / file.path).parent_path());
+      tasks.emplace_back([&folder, &file] { put(folder / file.path, file.content); });
+    }
+  }
+  run_all(tasks, threads, progress);
+}
+
+/// All that the analysis of a test's own recordings and tables depends on.
+std::string content_of(const Campaign& campaign, const CampaignTest& test) {
+  std::string text = test.text + "\n";
+  const auto add = [&](const fs::path& file) {
+    std::error_code error;
+    text += file.string() + " " +
+            (fs::is_regular_file(file, error) ? sha256_of_file(file) : std::string("none")) + "\n";
+  };
+  for (const auto& group : test.recordings) {
+    for (const auto& file : group.files) {
+      add(file);
+      add(fs::path(file).replace_extension(".toml"));
+    }
+    for (const auto& file : group.missing) add(file);
+  }
+  if (test.results) add(test.results->table.file);
+  if (test.scene) add(campaign.scenes[*test.scene].file);
+  return text;
+}
+
+std::string bytes_of(KnownValues known) {
+  ArchiveWriter writer;
+  writer(known.EI.tension_N, known.EI.EI_Nm2, known.EA_N);
+  return writer.take();
+}
+
+/// The parts of a campaign's report, in the order of the page.
+class Stages {
+ public:
+  Stages(const Campaign& campaign, StageCache& cache, VerbContext& context)
+      : campaign_(campaign), cache_(cache), context_(context), recorded_(campaign.tests.size()) {
+    seed_ = std::to_string(context.seed) + "\n";
+  }
+
+  std::vector<ReportPart> run() {
+    const std::size_t tests = campaign_.tests.size();
+    std::vector<ReportPart> first(tests), second(tests), fits(campaign_.fits.size());
+    std::vector<BendingPart> bending(tests);
+    std::vector<AxialPart> axial(tests);
+    std::vector<std::function<void()>> tasks;
+    content_.resize(tests);
+    for (std::size_t i = 0; i < tests; ++i) {
+      const auto& test = campaign_.tests[i];
+      tasks.emplace_back([&, i] {
+        content_[i] = content_of(campaign_, test);
+        switch (test.kind) {
+          case CampaignTest::Kind::bending:
+            bending[i] = cache_.stage<BendingPart>(
+                "bending\n" + strand_text() + content_[i],
+                [&] { return bending_part(campaign_, test); });
+            break;
+          case CampaignTest::Kind::axial:
+            axial[i] = cache_.stage<AxialPart>("axial\n" + seed_ + content_[i], [&] {
+              return axial_part(test, context_.seed);
+            });
+            break;
+          case CampaignTest::Kind::modal:
+            if (test.recordings.empty()) break;
+            recorded_[i] = cache_.stage<RecordedModal>(
+                "recorded\n" + content_[i], [&] { return recorded_modal(campaign_, test); });
+            break;
+          case CampaignTest::Kind::decay:
+            break;
+        }
+      });
+    }
+    Progress progress("report",
+                      static_cast<long>(2 * tests + campaign_.fits.size()), context_.quiet);
+    run_all(tasks, context_.threads, progress);
+    // EI(T) and EA go on to the tests whose scenes take them.
+    for (std::size_t i = 0; i < tests; ++i) {
+      if (known_.EI.empty()) known_.EI = bending[i].curve;
+      if (!known_.EA_N) known_.EA_N = axial[i].EA_N;
+    }
+    tasks.clear();
+    std::vector<std::vector<RecordedModalState>> states(tests);
+    for (std::size_t i = 0; i < tests; ++i) states[i] = recorded_[i].states;
+    const std::string known = bytes_of(known_);
+    for (std::size_t f = 0; f < campaign_.fits.size(); ++f) {
+      tasks.emplace_back([&, f] {
+        const auto& fit = campaign_.fits[f];
+        std::string key = "fit\n" + seed_ + fit.text + known;
+        for (const std::size_t test : fit.tests) key += content_[test];
+        fits[f] = cache_.stage<ReportPart>(
+            key, [&] { return fit_part(campaign_, fit, known_, states, context_.threads, context_.seed); });
+      });
+    }
+    for (std::size_t i = 0; i < tests; ++i) {
+      const auto& test = campaign_.tests[i];
+      if (test.kind == CampaignTest::Kind::modal) {
+        tasks.emplace_back([&, i] {
+          second[i] = cache_.stage<ReportPart>("modal\n" + content_[i] + known, [&] {
+            return modal_part(campaign_, test, known_, states[i]);
+          });
+        });
+      } else if (test.kind == CampaignTest::Kind::decay) {
+        tasks.emplace_back([&, i] {
+          second[i] = cache_.stage<ReportPart>("decay\n" + content_[i] + known, [&] {
+            return decay_part(campaign_, test, known_);
+          });
+        });
+      }
+    }
+    run_all(tasks, context_.threads, progress);
+
+    // On the page: what was measured, what the model says of it, what was fitted.
+    std::vector<ReportPart> parts;
+    const auto add = [&](ReportPart& part) {
+      if (!part.id.empty()) parts.push_back(std::move(part));
+    };
+    for (auto& part : bending) add(part.part);
+    for (auto& part : axial) add(part.part);
+    for (std::size_t i = 0; i < tests; ++i) {
+      add(recorded_[i].part);
+      add(second[i]);
+    }
+    for (auto& part : fits) add(part);
+    auto costs = cost_part(campaign_, parts);
+    parts.push_back(scenes_part(campaign_));
+    parts.push_back(std::move(costs));
+    return parts;
+  }
+
+ private:
+  [[nodiscard]] std::string strand_text() const {
+    if (!campaign_.strand) return "none\n";
+    const auto& strand = *campaign_.strand;
+    return fmt::format("{} {} {} {}\n", strand.youngs_modulus_Pa, strand.elements,
+                       strand.element_diameter_m, strand.strand_diameter_m);
+  }
+
+  const Campaign& campaign_;
+  StageCache& cache_;
+  VerbContext& context_;
+  std::string seed_;
+  std::vector<std::string> content_;
+  std::vector<RecordedModal> recorded_;
+  KnownValues known_;
+};
 
 }  // namespace
 
 Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbContext& context) {
   make_output_folder(folder);
-  // Bending tests first: the others take EI(T) from them.
-  std::vector<ReportPart> parts;
-  StiffnessCurve EI;
-  for (const auto& test : campaign.tests) {
-    if (test.kind != CampaignTest::Kind::bending) continue;
-    BendingPart bending = bending_part(campaign, test);
-    if (EI.empty()) EI = bending.curve;
-    parts.push_back(std::move(bending.part));
-  }
-  std::vector<std::function<void()>> tasks;
-  std::vector<ReportPart> later(campaign.tests.size() + 1);
-  for (std::size_t i = 0; i < campaign.tests.size(); ++i) {
-    if (campaign.tests[i].kind != CampaignTest::Kind::modal) continue;
-    tasks.emplace_back([&, i] { later[i] = modal_part(campaign, campaign.tests[i], EI); });
-  }
-  tasks.emplace_back([&] { later.back() = scenes_part(campaign); });
-  {
-    Progress progress("report", static_cast<long>(tasks.size()), context.quiet);
-    run_all(tasks, context.threads, progress);
-  }
-  for (auto& part : later) {
-    if (!part.id.empty()) parts.push_back(std::move(part));
-  }
+  StageCache cache(folder / ".cache");
+  const std::vector<ReportPart> parts = Stages(campaign, cache, context).run();
+  cache.prune();
 
   PageFrame frame;
   frame.title = campaign.title;
@@ -138,27 +293,25 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
     }
   }
   result["summary"] = std::move(summary);
-  Json figures = Json::array();
   for (const auto& part : parts) {
-    if (!part.json_key.empty()) {
-      if (part.json.is_array()) {
-        result[part.json_key] = part.json;
-      } else {
-        result[part.json_key].push_back(part.json);
-      }
-    }
-    for (const auto& block : part.blocks) {
-      if (const auto* plot = std::get_if<Plot>(&block)) {
-        figures.push_back({{"id", plot->id},
-                           {"title", plot->title},
-                           {"data", "data/" + plot->id + ".csv"},
-                           {"figure", "figures/" + plot->id + ".svg"}});
-      }
+    if (part.json_key.empty()) continue;
+    if (part.json.is_array()) {
+      result[part.json_key] = part.json;
+    } else {
+      result[part.json_key].push_back(part.json);
     }
   }
+  Json figures = Json::array();
+  each_plot(parts, [&](const Plot& plot) {
+    figures.push_back({{"id", plot.id},
+                       {"title", plot.title},
+                       {"data", "data/" + plot.id + ".csv"},
+                       {"figure", "figures/" + plot.id + ".svg"}});
+  });
   result["figures"] = std::move(figures);
 
-  write_figures(folder, parts);
+  Progress progress("figures", 1, true);
+  write_files(folder, parts, context.threads, progress);
   write_whole_file(folder / "report.json", json_document(context, "report", result).dump(2) + "\n");
   write_whole_file(folder / "report.html", report_page(frame, parts));
 
@@ -168,6 +321,10 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
         context.out << fmt::format("{}: {}\n", item.label, item.text);
       }
     }
+  }
+  if (cache.reused() > 0) {
+    context.out << fmt::format("{} of {} computations were unchanged and reused\n", cache.reused(),
+                               cache.reused() + cache.computed());
   }
   context.out << fmt::format("report: {}\n", (folder / "report.html").string());
   return result;

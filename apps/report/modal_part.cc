@@ -15,8 +15,16 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-std::string label_of(const ModalState& state) {
-  return state.tension_N ? fmt::format("{:g} N", *state.tension_N) : std::string("as built");
+std::string label_of(const ModalState& state) { return state_label(state.tension_N); }
+
+const std::vector<std::pair<std::string, std::size_t>>& published_models(const CampaignTest& test) {
+  static const std::vector<std::pair<std::string, std::size_t>> none;
+  return test.results ? test.results->models : none;
+}
+
+bool any_recorded(const std::vector<ModalState>& states) {
+  return std::any_of(states.begin(), states.end(),
+                     [](const ModalState& state) { return state.recorded != nullptr; });
 }
 
 std::string plane_words(model::ModePlane plane) {
@@ -81,11 +89,12 @@ ReportTable pairs_table(const CampaignTest& test, const std::vector<ModalState>&
       "(not "
       "by row number), and beside the published models' values of that row.";
   table.columns = {{"state", {}, false},
-                   {"test, Hz", Origin::published},
+                   {"test, Hz", any_recorded(states) ? std::nullopt
+                                                     : std::optional(Origin::published)},
                    {"rigfit, Hz", Origin::modelled},
                    {"error", Origin::modelled},
                    {"mode", {}, false}};
-  for (const auto& [label, column] : test.results->models) {
+  for (const auto& [label, column] : published_models(test)) {
     table.columns.push_back({label + ", Hz", Origin::published_model});
     table.columns.push_back({"error", Origin::published_model});
   }
@@ -93,8 +102,15 @@ ReportTable pairs_table(const CampaignTest& test, const std::vector<ModalState>&
   for (const auto& state : states) {
     bool first = true;
     for (const auto& row : state.rows) {
+      if (row.origin == Origin::published && state.recorded && !std::isfinite(row.measured_hz) &&
+          row.models_hz.empty()) {
+        continue;
+      }
       std::vector<Cell> cells{first ? label_of(state) : "",
-                              Cell(shown(row.measured_hz, 4), Origin::published)};
+                              Cell(std::isfinite(row.std_hz)
+                                       ? shown_estimate(row.measured_hz, row.std_hz)
+                                       : shown(row.measured_hz, 4),
+                                   row.origin)};
       first = false;
       std::string remark;
       if (row.mode) {
@@ -111,7 +127,15 @@ ReportTable pairs_table(const CampaignTest& test, const std::vector<ModalState>&
         cells.insert(cells.end(), {Cell("–"), Cell("–"), Cell("none")});
         if (std::isfinite(row.measured_hz)) remark = "no mode of the model is near";
       }
-      for (const double value : row.models_hz) {
+      if (state.recorded && row.origin == Origin::published && remark.empty()) {
+        remark = "published";
+      }
+      for (std::size_t k = 0; k < published_models(test).size(); ++k) {
+        const double value = k < row.models_hz.size() ? row.models_hz[k] : kNaN;
+        if (state.recorded && row.origin != Origin::published) {
+          cells.insert(cells.end(), {Cell(""), Cell("")});
+          continue;
+        }
         cells.emplace_back(shown(value, 4), Origin::published_model);
         cells.emplace_back(shown_percent(value / row.measured_hz - 1));
         if (!std::isfinite(value) && remark.empty()) remark = "missed by a published model";
@@ -128,7 +152,7 @@ ReportTable error_table(const CampaignTest& test, const std::vector<ModalState>&
   table.id = test.name + "-errors";
   table.caption = "Root-mean-square relative error in frequency against the test (rows compared).";
   table.columns = {{"state", {}, false}, {"rigfit", Origin::modelled}};
-  for (const auto& [label, column] : test.results->models) {
+  for (const auto& [label, column] : published_models(test)) {
     table.columns.push_back({label, Origin::published_model});
   }
   const auto cell = [](const RmsError& error, Origin origin) {
@@ -138,7 +162,7 @@ ReportTable error_table(const CampaignTest& test, const std::vector<ModalState>&
   };
   const auto add = [&](const std::string& label, const std::vector<ModalState>& some) {
     std::vector<Cell> cells{label, cell(rms_of_model(some), Origin::modelled)};
-    for (std::size_t k = 0; k < test.results->models.size(); ++k) {
+    for (std::size_t k = 0; k < published_models(test).size(); ++k) {
       cells.push_back(cell(rms_of_published(some, k), Origin::published_model));
     }
     table.rows.push_back(std::move(cells));
@@ -162,11 +186,13 @@ template <class X>
 void add_points(Plot& plot, const CampaignTest& test, const std::vector<ModalState>& states, X at) {
   int variant = 0;
   std::size_t k = 0;
-  for (const auto& [label, column] : test.results->models) {
+  for (const auto& [label, column] : published_models(test)) {
     auto series = points_of(label + " (published model)", Origin::published_model, variant++);
     for (const auto& state : states) {
       for (std::size_t i = 0; i < state.rows.size(); ++i) {
-        if (!std::isfinite(state.rows[i].models_hz[k])) continue;
+        if (state.rows[i].models_hz.size() <= k || !std::isfinite(state.rows[i].models_hz[k])) {
+          continue;
+        }
         series.x.push_back(at(state, i));
         series.y.push_back(state.rows[i].models_hz[k]);
       }
@@ -174,19 +200,28 @@ void add_points(Plot& plot, const CampaignTest& test, const std::vector<ModalSta
     plot.series.push_back(std::move(series));
     ++k;
   }
-  auto series = points_of("test (published)", Origin::published, 0);
-  for (const auto& state : states) {
-    for (std::size_t i = 0; i < state.rows.size(); ++i) {
-      if (!std::isfinite(state.rows[i].measured_hz)) continue;
-      series.x.push_back(at(state, i));
-      series.y.push_back(state.rows[i].measured_hz);
+  for (const Origin origin : {Origin::published, Origin::measured, Origin::synthetic}) {
+    auto series = points_of(fmt::format("test ({})", origin == Origin::published
+                                                         ? "published"
+                                                         : name_of(origin)),
+                            origin, 0);
+    for (const auto& state : states) {
+      for (std::size_t i = 0; i < state.rows.size(); ++i) {
+        const auto& row = state.rows[i];
+        if (row.origin != origin || !std::isfinite(row.measured_hz)) continue;
+        series.x.push_back(at(state, i));
+        series.y.push_back(row.measured_hz);
+        if (origin == Origin::published) continue;
+        series.low.push_back(row.measured_hz - 1.96 * row.std_hz);
+        series.high.push_back(row.measured_hz + 1.96 * row.std_hz);
+      }
     }
+    if (!series.x.empty()) plot.series.push_back(std::move(series));
   }
-  plot.series.push_back(std::move(series));
 }
 
 /// Lines of the model between the tensions, one a mode of a plane, and the test's points.
-Plot tension_plot(const Campaign& campaign, const CampaignTest& test, const StiffnessCurve& EI,
+Plot tension_plot(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
                   const std::vector<ModalState>& states) {
   Plot plot;
   plot.id = test.name + "-frequency";
@@ -212,7 +247,7 @@ Plot tension_plot(const Campaign& campaign, const CampaignTest& test, const Stif
     options.band_hz = {{0.0, 1.1 * highest}};
     options.shapes = false;
     options.damped = false;
-    const auto analysis = model::analyse_modes(scene_at(campaign, test, EI, tension), options);
+    const auto analysis = model::analyse_modes(scene_at(campaign, test, known, tension), options);
     std::map<model::ModePlane, int> number;
     for (const auto& mode : analysis.modes) {
       if (mode.plane != model::ModePlane::in && mode.plane != model::ModePlane::out) continue;
@@ -239,8 +274,8 @@ Plot row_plot(const CampaignTest& test, const std::vector<ModalState>& states) {
   Plot plot;
   plot.id = test.name + "-frequency";
   plot.title = "Natural frequencies";
-  plot.caption = "Measured, published and modelled frequencies by row of the published table.";
-  plot.x_label = "row";
+  plot.caption = "Measured, published and modelled frequencies, one after the other.";
+  plot.x_label = "number";
   plot.y_label = "frequency, Hz";
   plot.log_y = true;
   auto series = points_of("rigfit", Origin::modelled, 0);
@@ -335,7 +370,10 @@ Json state_json(const CampaignTest& test, const ModalState& state) {
   Json pairs = Json::array();
   for (const auto& row : state.rows) {
     Json pair;
+    pair["origin"] = word_of(row.origin);
     pair["measured_hz"] = row.measured_hz;
+    pair["measured_std_hz"] = row.std_hz;
+    pair["measured_damping_ratio"] = row.damping;
     if (row.mode) {
       const auto& mode = analysis.modes[*row.mode];
       pair["model_hz"] = mode.frequency_hz;
@@ -343,13 +381,14 @@ Json state_json(const CampaignTest& test, const ModalState& state) {
       pair["plane"] = name_of(mode.plane);
       pair["family"] = name_of(mode.family);
       pair["other_plane"] = row.other_plane;
+      pair["mac"] = row.mac;
     } else {
       pair["model_hz"] = nullptr;
       pair["relative_error"] = nullptr;
     }
     Json published = Json::object();
-    for (std::size_t k = 0; k < row.models_hz.size(); ++k) {
-      published[test.results->models[k].first] = row.models_hz[k];
+    for (std::size_t k = 0; k < std::min(row.models_hz.size(), published_models(test).size()); ++k) {
+      published[published_models(test)[k].first] = row.models_hz[k];
     }
     pair["published_hz"] = std::move(published);
     pairs.push_back(std::move(pair));
@@ -364,10 +403,10 @@ void add_summary(ReportPart& part, const CampaignTest& test,
   std::string text = ours.rows > 0 ? fmt::format("rigfit {} % over {} paired rows",
                                                  shown(100 * ours.value, 3), ours.rows)
                                    : std::string("no row could be paired");
-  for (std::size_t k = 0; k < test.results->models.size(); ++k) {
+  for (std::size_t k = 0; k < published_models(test).size(); ++k) {
     const RmsError theirs = rms_of_published(states, k);
     if (theirs.rows == 0) continue;
-    text += fmt::format("; published {} {} % over {}", test.results->models[k].first,
+    text += fmt::format("; published {} {} % over {}", published_models(test)[k].first,
                         shown(100 * theirs.value, 3), theirs.rows);
   }
   part.summary.push_back(
@@ -388,14 +427,14 @@ void add_summary(ReportPart& part, const CampaignTest& test,
                             "rows that lie at a mode of the other plane, probably leaked into the "
                             "test: " +
                                 leaked,
-                            Origin::published, part.id});
+                            {}, part.id});
     part.warnings.push_back(
         {"cross-plane", "measured rows at modes of the other plane: " + leaked, test.name, false});
   }
   if (!lonely.empty()) {
     part.summary.push_back({SummaryItem::Kind::distrust, test.title,
-                            "rows without a mode of the model near them: " + lonely,
-                            Origin::published, part.id});
+                            "measured modes without a mode of the model near them: " + lonely,
+                            {}, part.id});
     part.warnings.push_back(
         {"unpaired", "measured rows without a modelled mode: " + lonely, test.name, false});
   }
@@ -403,13 +442,13 @@ void add_summary(ReportPart& part, const CampaignTest& test,
 
 }  // namespace
 
-ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
-                      const StiffnessCurve& EI) {
+ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
+                      const std::vector<RecordedModalState>& recorded) {
   ReportPart part;
   part.id = test.name;
   part.title = test.title;
   part.json_key = "modal";
-  const auto states = modal_states(campaign, test, EI);
+  const auto states = modal_states(campaign, test, known, recorded);
   bool any = false;
   for (const auto& state : states) {
     const auto& equilibrium = state.analysis.equilibrium;
@@ -444,7 +483,7 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
   part.blocks.push_back(error_table(test, states));
   if (any) {
     part.blocks.push_back(states.front().tension_N && states.size() > 1
-                              ? tension_plot(campaign, test, EI, states)
+                              ? tension_plot(campaign, test, known, states)
                               : row_plot(test, states));
   }
   part.blocks.push_back(pairs_table(test, states));
@@ -461,9 +500,9 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
   part.json["rms_relative_error"] = ours.value;
   part.json["paired_rows"] = ours.rows;
   Json published = Json::object();
-  for (std::size_t k = 0; k < test.results->models.size(); ++k) {
+  for (std::size_t k = 0; k < published_models(test).size(); ++k) {
     const RmsError theirs = rms_of_published(states, k);
-    published[test.results->models[k].first] = {{"rms_relative_error", theirs.value},
+    published[published_models(test)[k].first] = {{"rms_relative_error", theirs.value},
                                                 {"rows", theirs.rows}};
   }
   part.json["published_models"] = std::move(published);

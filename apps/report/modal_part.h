@@ -3,13 +3,14 @@
 #pragma once
 
 #include "apps/campaign.h"
-#include "apps/report/bending_part.h"
+#include "apps/report/modal_states.h"
 #include "apps/report/report_part.h"
 
 namespace rigfit::apps {
 
-/// `EI` gives the bending stiffness at each tension for the scene's parameters in `test.EI_of`.
+/// `known` gives EI at each tension and EA for the scene's parameters that take them.
 [[nodiscard]] ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
-                                    const StiffnessCurve& EI);
+                                    const KnownValues& known,
+                                    const std::vector<RecordedModalState>& recorded);
 
 }  // namespace rigfit::apps

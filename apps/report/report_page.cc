@@ -12,11 +12,12 @@
 namespace rigfit::apps {
 namespace {
 
-constexpr std::size_t kLongestTable = 400;  // rows of a plot's table on the page; the CSV has all
+constexpr std::size_t kLongestTable = 200;  // rows of a plot's table written into the page; of more
+                                            // points the page makes one when it is opened
+constexpr std::size_t kDensePlot = 500;     // points of a series that need not have all digits
 
-/// JSON inside a script element: no text in it may end that element.
-std::string embedded(const Json& json) {
-  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+/// Text inside a script element: nothing in it may end that element.
+std::string guarded(std::string text) {
   for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) {
     text.replace(at, 2, "<\\/");
   }
@@ -26,43 +27,72 @@ std::string embedded(const Json& json) {
   return text;
 }
 
+std::string embedded(const Json& json) {
+  return guarded(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
 /// A number with the digits a plot can show; null when not finite.
-Json plotted(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  if (value == 0) return 0;
-  const double unit = std::pow(10, 6 - std::ceil(std::log10(std::abs(value))));
-  if (!std::isfinite(unit) || unit == 0) return value;
-  return std::round(value * unit) / unit;
-}
-
-Json plotted(const std::vector<double>& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(plotted(value));
-  return list;
-}
-
-Json plot_data(const Plot& plot) {
-  Json series_list = Json::array();
-  for (const auto& series : plot.series) {
-    Json s;
-    s["name"] = series.name;
-    s["group"] = series.group;
-    s["origin"] = word_of(series.origin);
-    s["variant"] = series.variant;
-    s["line"] = series.style != PlotSeries::Style::points;
-    s["dashed"] = series.style == PlotSeries::Style::dashed;
-    s["points"] = series.style == PlotSeries::Style::points ||
-                  series.style == PlotSeries::Style::line_and_points;
-    s["x"] = plotted(series.x);
-    s["y"] = plotted(series.y);
-    if (!series.low.empty()) {
-      s["low"] = plotted(series.low);
-      s["high"] = plotted(series.high);
-    }
-    series_list.push_back(std::move(s));
+void add_number(std::string& text, double value, int digits) {
+  if (std::isfinite(value)) {
+    fmt::format_to(std::back_inserter(text), "{:.{}g}", value, digits);
+  } else {
+    text += "null";
   }
-  return {{"title", plot.title}, {"x_label", plot.x_label}, {"y_label", plot.y_label},
-          {"log_x", plot.log_x}, {"log_y", plot.log_y},     {"series", std::move(series_list)}};
+}
+
+std::string numbers(const std::vector<double>& values, int digits) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i > 0) text += ',';
+    add_number(text, values[i], digits);
+  }
+  return text + "]";
+}
+
+/// Evenly spaced abscissae as first value, step and number.
+std::string abscissae(const std::vector<double>& x) {
+  const std::size_t n = x.size();
+  if (n > 20) {
+    const double step = (x.back() - x.front()) / static_cast<double>(n - 1);
+    bool even = std::isfinite(step) && step != 0;
+    for (std::size_t i = 0; even && i < n; ++i) {
+      even = std::abs(x.front() + static_cast<double>(i) * step - x[i]) <= 1e-6 * std::abs(step);
+    }
+    if (even) return fmt::format("{{\"from\":{},\"step\":{},\"n\":{}}}", x.front(), step, n);
+  }
+  return numbers(x, 7);
+}
+
+std::string quoted(const std::string& text) {
+  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// The plot as JSON. Written by hand: a long record as a tree of numbers takes many times the time.
+std::string plot_data(const Plot& plot) {
+  std::string text = fmt::format(
+      "{{\"title\":{},\"x_label\":{},\"y_label\":{},\"log_x\":{},\"log_y\":{},\"series\":[",
+      quoted(plot.title), quoted(plot.x_label), quoted(plot.y_label), plot.log_x, plot.log_y);
+  for (std::size_t k = 0; k < plot.series.size(); ++k) {
+    const auto& series = plot.series[k];
+    const bool points = series.style == PlotSeries::Style::points;
+    text += fmt::format(
+        "{}{{\"name\":{},\"group\":{},\"origin\":\"{}\",\"variant\":{},\"line\":{},"
+        "\"dashed\":{},\"points\":{},\"x\":",
+        k > 0 ? "," : "", quoted(series.name), quoted(series.group), word_of(series.origin),
+        series.variant, !points, series.style == PlotSeries::Style::dashed,
+        points || series.style == PlotSeries::Style::line_and_points);
+    std::size_t same = 0;
+    while (same < k && plot.series[same].x != series.x) ++same;
+    text += same < k ? fmt::format("{}", same) : abscissae(series.x);
+    const int digits = series.x.size() > kDensePlot ? 4 : 6;
+    text += ",\"y\":" + numbers(series.y, digits);
+    if (!series.low.empty()) {
+      text += ",\"low\":" + numbers(series.low, digits - 1);
+      text += ",\"high\":" + numbers(series.high, digits - 1);
+    }
+    text += "}";
+  }
+  return text + "]}";
 }
 
 class Writer {
@@ -78,7 +108,7 @@ class Writer {
         "network.</p>"
         "</footer>\n",
         escaped(frame.version));
-    html_ += "<script type=\"application/json\" id=\"plots\">" + embedded(plots_) + "</script>\n";
+    html_ += "<script type=\"application/json\" id=\"plots\">{" + guarded(plots_) + "}</script>\n";
     for (const auto script : {assets::dygraph_js, assets::plots_js, assets::shapes_js}) {
       html_ += "<script>";
       // A source map is a separate file that no reader of a report has.
@@ -189,6 +219,9 @@ class Writer {
   }
 
   void add(const ReportTable& table) {
+    if (!table.fold.empty()) {
+      html_ += fmt::format("<details class=\"fold\"><summary>{}</summary>\n", escaped(table.fold));
+    }
     html_ += fmt::format("<div class=\"table\"><table id=\"{}\"><caption>{}</caption>\n<thead><tr>",
                          escaped(table.id), escaped(table.caption));
     for (const auto& column : table.columns) {
@@ -208,54 +241,90 @@ class Writer {
         if (i < table.columns.size() && table.columns[i].numeric) css += "n";
         if (row[i].origin) css += fmt::format(" o-{}", word_of(*row[i].origin));
         if (row[i].doubtful) css += " doubt";
-        html_ += fmt::format("<td{}>{}</td>", css.empty() ? "" : " class=\"" + css + "\"",
-                             escaped(row[i].text));
+        if (row[i].shade) css += *row[i].shade > 0.6 ? " shade dark" : " shade";
+        html_ += fmt::format(
+            "<td{}{}>{}</td>", css.empty() ? "" : " class=\"" + css + "\"",
+            row[i].shade ? fmt::format(" style=\"--shade:{:.0f}%\"", 100 * *row[i].shade) : "",
+            escaped(row[i].text));
       }
       html_ += "</tr>\n";
     }
     html_ += "</tbody></table></div>\n";
+    if (!table.fold.empty()) html_ += "</details>\n";
+  }
+
+  void add(const PlotGroup& group) {
+    html_ += fmt::format("<div class=\"group\" id=\"{0}\"><h3>{1}</h3>\n", escaped(group.id),
+                         escaped(group.title));
+    const bool several = group.tabs.size() > 1;
+    if (several) {
+      html_ += fmt::format("<div class=\"tabs\" role=\"tablist\" aria-label=\"{}: state shown\">",
+                           escaped(group.title));
+      for (std::size_t i = 0; i < group.tabs.size(); ++i) {
+        html_ += fmt::format(
+            "<button type=\"button\" role=\"tab\" id=\"{0}-t{1}\" aria-controls=\"{0}-p{1}\" "
+            "aria-selected=\"{2}\" tabindex=\"{3}\">{4}</button>",
+            escaped(group.id), i, i == 0, i == 0 ? 0 : -1, escaped(group.tabs[i].label));
+      }
+      html_ += "</div>\n";
+    }
+    for (std::size_t i = 0; i < group.tabs.size(); ++i) {
+      if (several) {
+        html_ += fmt::format(
+            "<div role=\"tabpanel\" id=\"{0}-p{1}\" aria-labelledby=\"{0}-t{1}\" class=\"panel{2}\">"
+            "<p class=\"panel-title\"><b>{3}</b></p>\n",
+            escaped(group.id), i, i == 0 ? "" : " other", escaped(group.tabs[i].label));
+      }
+      heading_ = 4;
+      for (const auto& plot : group.tabs[i].plots) add(plot);
+      heading_ = 3;
+      if (several) html_ += "</div>\n";
+    }
+    html_ += "</div>\n";
   }
 
   void add(const Plot& plot) {
-    plots_[plot.id] = plot_data(plot);
+    plots_ += (plots_.empty() ? "" : ",\n") + quoted(plot.id) + ":" + plot_data(plot);
     SvgOptions options;
     options.standalone = false;
     html_ += fmt::format(
-        "<figure id=\"{0}\"><h3>{1}</h3>\n<div class=\"plot-tools\" role=\"group\" "
+        "<figure id=\"{0}\"><h{4}>{1}</h{4}>\n<div class=\"plot-tools\" role=\"group\" "
         "aria-label=\"Series shown and view\"></div>\n<div class=\"plot\" "
         "data-plot=\"{0}\"></div>\n"
         "<div class=\"readout\" aria-live=\"polite\"></div>\n<div class=\"static\">{2}</div>\n"
         "<figcaption>{3} <a href=\"figures/{0}.svg\">SVG</a>, <a href=\"data/{0}.csv\">CSV</a>"
         "</figcaption>\n",
-        escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption));
-    html_ +=
-        "<details><summary>Values as a table</summary><div class=\"table\"><table><thead><tr><th "
-        "scope=\"col\">series</th><th scope=\"col\">origin</th>";
-    html_ +=
-        fmt::format("<th scope=\"col\" class=\"n\">{}</th><th scope=\"col\" class=\"n\">{}</th>",
-                    escaped(plot.x_label), escaped(plot.y_label));
-    html_ += "<th scope=\"col\" class=\"n\">95 % interval</th></tr></thead><tbody>\n";
-    std::size_t rows = 0, all = 0;
+        escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption), heading_);
+    values_table(plot);
+    html_ += "</figure>\n";
+  }
+
+  void values_table(const Plot& plot) {
+    std::size_t all = 0;
     for (const auto& series : plot.series) all += series.x.size();
-    const std::size_t every = 1 + all / kLongestTable;
-    for (const auto& series : plot.series) {
-      for (std::size_t i = 0; i < series.x.size(); i += every, ++rows) {
-        const bool interval = i < series.low.size() && std::isfinite(series.low[i]);
-        html_ += fmt::format(
-            "<tr><td>{}</td><td class=\"o-{}\">{}</td><td class=\"n\">{}</td><td "
-            "class=\"n\">{}</td><td "
-            "class=\"n\">{}</td></tr>\n",
-            escaped(series.name), word_of(series.origin), name_of(series.origin),
-            shown(series.x[i], 5), shown(series.y[i], 5),
-            interval ? shown(series.low[i], 4) + " to " + shown(series.high[i], 4) : "");
+    html_ += fmt::format(
+        "<details class=\"values\"{}><summary>Values as a table</summary><div "
+        "class=\"table\"><table><thead><tr><th scope=\"col\">series</th><th "
+        "scope=\"col\">origin</th><th scope=\"col\" class=\"n\">{}</th><th scope=\"col\" "
+        "class=\"n\">{}</th><th scope=\"col\" class=\"n\">95 % interval</th></tr></thead><tbody>",
+        all > kLongestTable ? fmt::format(" data-of=\"{}\"", escaped(plot.id)) : "",
+        escaped(plot.x_label), escaped(plot.y_label));
+    if (all <= kLongestTable) {
+      html_ += "\n";
+      for (const auto& series : plot.series) {
+        for (std::size_t i = 0; i < series.x.size(); ++i) {
+          if (!std::isfinite(series.y[i])) continue;
+          const bool interval = i < series.low.size() && std::isfinite(series.low[i]);
+          html_ += fmt::format(
+              "<tr><td>{}</td><td class=\"o-{}\">{}</td><td class=\"n\">{}</td><td "
+              "class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+              escaped(series.name), word_of(series.origin), name_of(series.origin),
+              shown(series.x[i], 5), shown(series.y[i], 5),
+              interval ? shown(series.low[i], 4) + " to " + shown(series.high[i], 4) : "");
+        }
       }
     }
-    html_ += "</tbody></table></div>";
-    if (every > 1) {
-      html_ += fmt::format("<p class=\"small\">Every {}th of {} values; the CSV has all.</p>",
-                           every, all);
-    }
-    html_ += "</details></figure>\n";
+    html_ += "</tbody></table></div></details>\n";
   }
 
   void add(const ShapeViewer& viewer) {
@@ -299,7 +368,8 @@ class Writer {
   }
 
   std::string html_;
-  Json plots_ = Json::object();
+  int heading_ = 3;    ///< level of a figure's title
+  std::string plots_;  ///< JSON members, by the plot's id
 };
 
 }  // namespace

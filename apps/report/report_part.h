@@ -30,6 +30,7 @@ struct Cell {
   std::string text;
   std::optional<Origin> origin;  ///< colours the cell
   bool doubtful = false;
+  std::optional<double> shade;  ///< 0..1: how dark the cell stands out (a matrix)
 };
 
 struct Column {
@@ -42,6 +43,17 @@ struct ReportTable {
   std::string id, caption;
   std::vector<Column> columns;
   std::vector<std::vector<Cell>> rows;
+  std::string fold;  ///< words on the fold that a long table stands behind; empty: open
+};
+
+/// Figures of one kind for several states: one state is looked at at a time.
+struct PlotTab {
+  std::string label;
+  std::vector<Plot> plots;
+};
+struct PlotGroup {
+  std::string id, title;
+  std::vector<PlotTab> tabs;
 };
 
 /// Mode shapes in space, drawn and moved by the page.
@@ -51,7 +63,7 @@ struct ShapeViewer {
                 ///< [[x,y,z]..], shape: [[x,y,z]..]}]}]}]
 };
 
-using Block = std::variant<Paragraph, ReportTable, Plot, ShapeViewer>;
+using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, ShapeViewer>;
 
 /// A line of the summary: a value found or something to know before trusting the rest.
 struct SummaryItem {
@@ -68,11 +80,27 @@ struct PartWarning {
   bool refused = false;  ///< ends the run with exit code 4
 };
 
+/// A file of the report for other programs; `path` is relative to the report's folder.
+struct OutputFile {
+  std::string path, content;
+};
+
+/// What one computation of the model took and how far off it says it is.
+struct ModelCost {
+  std::string what;    ///< "cable-in-plane, 200 N: modes"
+  std::string method;  ///< "60 segments, banded eigenvalues"
+  std::string choices; ///< what was kept and left out, and what that costs
+  double wall_s = 0;
+  double relative_error = 0;  ///< estimated; NaN: not known
+};
+
 struct ReportPart {
   std::string id, title;
   std::vector<Block> blocks;
   std::vector<SummaryItem> summary;
   std::vector<PartWarning> warnings;
+  std::vector<OutputFile> files;
+  std::vector<ModelCost> costs;
   std::vector<std::string> inputs;  ///< files read for it besides the campaign's own
   Json json = Json::object();       ///< merged into the document under the part's key
   std::string json_key;  ///< a list in the document that gets `json` appended; empty: none

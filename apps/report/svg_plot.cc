@@ -29,6 +29,29 @@ const char* colour_of(Origin origin) {
   return "#000";
 }
 
+/// Series of one origin differ in shade: as it is, darker, lighter.
+std::string colour_of(const PlotSeries& series) {
+  const std::string base = colour_of(series.origin);
+  const int variant = series.variant % 3;
+  if (variant == 0 || series.origin == Origin::published_model) return base;
+  const int towards = variant == 1 ? 0x22 : 0xff;
+  std::string mixed = "#";
+  for (std::size_t i = 1; i < 7; i += 2) {
+    const int part = std::stoi(base.substr(i, 2), nullptr, 16);
+    mixed += fmt::format("{:02x}", (6 * part + 4 * towards + 5) / 10);
+  }
+  return mixed;
+}
+
+/// The class that gives a series its colour inside a page.
+std::string class_of(const PlotSeries& series) {
+  std::string name = fmt::format("o-{}", word_of(series.origin));
+  if (series.variant % 3 != 0 && series.origin != Origin::published_model) {
+    name += fmt::format(" v{}", series.variant % 3);
+  }
+  return name;
+}
+
 struct Axis {
   double low = 0, high = 1, from = 0, to = 1;
   bool logarithmic = false;
@@ -80,39 +103,48 @@ Axis axis_of(const Plot& plot, bool x_axis) {
   return axis;
 }
 
+constexpr std::size_t kDense = 700;  // more points than a figure has pixels across
+
 /// Points of a line that a reader of the figure can tell apart: at most two per pixel column
 /// (their extremes), so that long records stay small.
 std::vector<std::size_t> visible(const PlotSeries& series, const Axis& x, const Axis& y) {
   std::vector<std::size_t> kept;
   const std::size_t n = series.x.size();
-  if (n <= 3000) {
+  if (n <= kDense) {
     for (std::size_t i = 0; i < n; ++i) kept.push_back(i);
     return kept;
   }
-  long column = std::numeric_limits<long>::min();
+  constexpr long kNone = std::numeric_limits<long>::min();
+  long column = kNone;
   std::size_t lowest = 0, highest = 0;
   const auto flush = [&] {
+    if (column == kNone) return;
     kept.push_back(std::min(lowest, highest));
     if (lowest != highest) kept.push_back(std::max(lowest, highest));
+    column = kNone;
   };
   for (std::size_t i = 0; i < n; ++i) {
-    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) continue;
+    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) {
+      flush();
+      kept.push_back(i);  // a gap
+      continue;
+    }
     const long here = std::lround(x.at(series.x[i]));
     if (here != column) {
-      if (column != std::numeric_limits<long>::min()) flush();
+      flush();
       column = here;
       lowest = highest = i;
     }
     if (series.y[i] < series.y[lowest]) lowest = i;
     if (series.y[i] > series.y[highest]) highest = i;
   }
-  if (column != std::numeric_limits<long>::min()) flush();
+  flush();
   return kept;
 }
 
 std::string dash(const PlotSeries& series) {
   if (series.style == PlotSeries::Style::dashed) return " stroke-dasharray=\"6 4\"";
-  switch (series.variant % 4) {
+  switch (series.variant / 3 % 4) {
     case 1:
       return " stroke-dasharray=\"9 3\"";
     case 2:
@@ -125,34 +157,34 @@ std::string dash(const PlotSeries& series) {
 }
 
 std::string marker(const PlotSeries& series, double x, double y) {
-  const char* colour = colour_of(series.origin);
-  const char* word = word_of(series.origin);
+  const std::string colour = colour_of(series);
+  const std::string word = class_of(series);
   switch (series.origin) {
     case Origin::measured:
     case Origin::published:
       return fmt::format(
-          "<circle class=\"o-{}{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\" "
+          "<circle class=\"{}{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\" "
           "stroke=\"{}\" stroke-width=\"1.5\"/>",
           word, series.variant % 2 ? " hollow" : "", x, y, series.variant % 2 ? "#fff" : colour,
           colour);
     case Origin::published_model:
       if (series.variant % 2 == 0) {
         return fmt::format(
-            "<rect class=\"o-{} hollow\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"7\" height=\"7\" "
+            "<rect class=\"{} hollow\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"7\" height=\"7\" "
             "fill=\"#fff\" stroke=\"{}\" stroke-width=\"1.5\"/>",
             word, x - 3.5, y - 3.5, colour);
       }
       return fmt::format(
-          "<path class=\"o-{} hollow\" d=\"M{:.1f} {:.1f}l4.5 4.5l-4.5 4.5l-4.5 -4.5z\" "
+          "<path class=\"{} hollow\" d=\"M{:.1f} {:.1f}l4.5 4.5l-4.5 4.5l-4.5 -4.5z\" "
           "fill=\"#fff\" stroke=\"{}\" stroke-width=\"1.5\"/>",
           word, x, y - 4.5, colour);
     case Origin::synthetic:
       return fmt::format(
-          "<path class=\"o-{}\" d=\"M{:.1f} {:.1f}l4.5 8h-9z\" fill=\"{}\" stroke=\"{}\"/>", word,
+          "<path class=\"{}\" d=\"M{:.1f} {:.1f}l4.5 8h-9z\" fill=\"{}\" stroke=\"{}\"/>", word,
           x, y - 5, colour, colour);
     case Origin::modelled:
       return fmt::format(
-          "<path class=\"o-{}\" d=\"M{:.1f} {:.1f}h9m-4.5 -4.5v9\" fill=\"none\" stroke=\"{}\" "
+          "<path class=\"{}\" d=\"M{:.1f} {:.1f}h9m-4.5 -4.5v9\" fill=\"none\" stroke=\"{}\" "
           "stroke-width=\"2\"/>",
           word, x - 4.5, y, colour);
   }
@@ -164,54 +196,90 @@ bool has_points(const PlotSeries& s) {
 }
 bool has_line(const PlotSeries& s) { return s.style != PlotSeries::Style::points; }
 
+/// Upper and lower end of a band, one pair a pixel column where it is dense.
 void draw_band(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y) {
-  std::string forth, back;
+  struct Slice {
+    double px = 0, top = 0, bottom = 0;
+  };
+  std::vector<Slice> slices;
+  const bool dense = series.x.size() > kDense;
   for (std::size_t i = 0; i < series.x.size() && i < series.low.size(); ++i) {
     if (!x.shows(series.x[i]) || !y.shows(series.low[i]) || !y.shows(series.high[i])) continue;
-    forth += fmt::format("{}{:.1f} {:.1f}", forth.empty() ? "M" : "L", x.at(series.x[i]),
-                         y.at(series.high[i]));
-    back = fmt::format("L{:.1f} {:.1f}", x.at(series.x[i]), y.at(series.low[i])) + back;
+    Slice here{x.at(series.x[i]), y.at(series.high[i]), y.at(series.low[i])};
+    if (dense) here.px = std::round(here.px);
+    if (dense && !slices.empty() && slices.back().px == here.px) {
+      slices.back().top = std::min(slices.back().top, here.top);
+      slices.back().bottom = std::max(slices.back().bottom, here.bottom);
+    } else {
+      slices.push_back(here);
+    }
   }
-  if (forth.empty()) return;
+  if (slices.empty()) return;
+  std::string path;
+  for (const auto& slice : slices) {
+    path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", slice.px, slice.top);
+  }
+  for (auto slice = slices.rbegin(); slice != slices.rend(); ++slice) {
+    path += fmt::format("L{:.1f} {:.1f}", slice->px, slice->bottom);
+  }
   svg += fmt::format(
-      "<path class=\"o-{} band\" d=\"{}{}z\" fill=\"{}\" fill-opacity=\"0.15\" stroke=\"none\"/>\n",
-      word_of(series.origin), forth, back, colour_of(series.origin));
+      "<path class=\"{} band\" d=\"{}z\" fill=\"{}\" fill-opacity=\"0.18\" stroke=\"none\"/>\n",
+      class_of(series), path, colour_of(series));
 }
 
-void draw_series(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y) {
-  const auto kept = visible(series, x, y);
-  const auto shows = [&](std::size_t i) { return x.shows(series.x[i]) && y.shows(series.y[i]); };
-  if (has_line(series)) {
-    if (!series.low.empty()) draw_band(svg, series, x, y);
-    std::string path;
-    bool pen_down = false;
-    for (const std::size_t i : kept) {
-      if (!shows(i)) {
-        pen_down = false;
-        continue;
-      }
-      path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", x.at(series.x[i]),
-                          y.at(series.y[i]));
-      pen_down = true;
+void draw_line(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y,
+               int digits) {
+  std::string path;
+  bool pen_down = false;
+  for (const std::size_t i : visible(series, x, y)) {
+    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) {
+      pen_down = false;
+      continue;
     }
-    svg += fmt::format(
-        "<path class=\"o-{} line\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" "
-        "stroke-linejoin=\"round\"{}/>\n",
-        word_of(series.origin), path, colour_of(series.origin), dash(series));
+    path += fmt::format("{}{:.{}f} {:.{}f}", pen_down ? "L" : "M", x.at(series.x[i]), digits,
+                        y.at(series.y[i]), digits);
+    pen_down = true;
   }
-  if (!has_points(series)) return;
-  for (const std::size_t i : kept) {
-    if (!shows(i)) continue;
-    const double px = x.at(series.x[i]);
+  const double width = series.x.size() > kDense ? 1.2 : 1.8;
+  svg += fmt::format(
+      "<path class=\"{} line\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
+      "stroke-linejoin=\"round\"{}/>\n",
+      class_of(series), path, colour_of(series), width, dash(series));
+}
+
+void draw_points(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y) {
+  constexpr std::size_t kMany = 150;  // as dots of one path from here on
+  std::string dots;
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) continue;
+    const double px = x.at(series.x[i]), py = y.at(series.y[i]);
     if (i < series.low.size() && y.shows(series.low[i]) && y.shows(series.high[i])) {
       const double top = y.at(series.high[i]), bottom = y.at(series.low[i]);
       svg += fmt::format(
-          "<path class=\"o-{0} line\" d=\"M{1:.1f} {2:.1f}V{3:.1f}M{4:.1f} {2:.1f}h8M{4:.1f} "
+          "<path class=\"{0} line\" d=\"M{1:.1f} {2:.1f}V{3:.1f}M{4:.1f} {2:.1f}h8M{4:.1f} "
           "{3:.1f}h8\" fill=\"none\" stroke=\"{5}\" stroke-width=\"1.3\"/>\n",
-          word_of(series.origin), px, top, bottom, px - 4, colour_of(series.origin));
+          class_of(series), px, top, bottom, px - 4, colour_of(series));
     }
-    svg += marker(series, px, y.at(series.y[i])) + "\n";
+    if (series.x.size() > kMany) {
+      dots += fmt::format("M{:.1f} {:.1f}h0", px, py);
+    } else {
+      svg += marker(series, px, py) + "\n";
+    }
   }
+  if (dots.empty()) return;
+  svg += fmt::format(
+      "<path class=\"{} line\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
+      "stroke-linecap=\"round\"/>\n",
+      class_of(series), dots, colour_of(series), series.variant % 2 ? 2.5 : 4.5);
+}
+
+void draw_series(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y,
+                 int digits) {
+  if (has_line(series)) {
+    if (!series.low.empty()) draw_band(svg, series, x, y);
+    draw_line(svg, series, x, y, digits);
+  }
+  if (has_points(series)) draw_points(svg, series, x, y);
 }
 
 }  // namespace
@@ -316,11 +384,14 @@ std::string svg_plot(const Plot& plot, const SvgOptions& options) {
       "fill=\"#222\">{}</text>\n",
       0.5 * (y.from + y.to), escaped(plot.y_label));
   svg += fmt::format("<g clip-path=\"url(#{})\">\n", escaped(clip));
-  for (const auto& series : plot.series) {
-    if (has_line(series)) draw_series(svg, series, x, y);
-  }
-  for (const auto& series : plot.series) {
-    if (!has_line(series)) draw_series(svg, series, x, y);
+  // Inside a page whole pixels do for what is dense; a figure for a paper has tenths.
+  const auto digits = [&](const PlotSeries& series) {
+    return options.standalone || series.x.size() <= kDense ? 1 : 0;
+  };
+  for (const bool lines : {true, false}) {
+    for (const auto& series : plot.series) {
+      if (has_line(series) == lines) draw_series(svg, series, x, y, digits(series));
+    }
   }
   svg += "</g>\n";
   double row_y = y.from + 56;
@@ -329,9 +400,9 @@ std::string svg_plot(const Plot& plot, const SvgOptions& options) {
     for (const auto& entry : row) {
       if (has_line(*entry.series)) {
         svg += fmt::format(
-            "<path class=\"o-{} line\" d=\"M{:.1f} {:.1f}h24\" fill=\"none\" stroke=\"{}\" "
+            "<path class=\"{} line\" d=\"M{:.1f} {:.1f}h24\" fill=\"none\" stroke=\"{}\" "
             "stroke-width=\"2\"{}/>\n",
-            word_of(entry.series->origin), row_x, row_y - 4, colour_of(entry.series->origin),
+            class_of(*entry.series), row_x, row_y - 4, colour_of(*entry.series),
             dash(*entry.series));
       }
       if (has_points(*entry.series)) svg += marker(*entry.series, row_x + 12, row_y - 4) + "\n";

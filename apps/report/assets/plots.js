@@ -4,6 +4,25 @@
   "use strict";
   var STYLE = getComputedStyle(document.documentElement);
   function colour(word) { return STYLE.getPropertyValue("--" + word).trim() || "#888"; }
+  // Series of one origin differ in shade: as it is, towards the ink, towards the paper.
+  function shade(word, variant) {
+    var base = colour(word), other = variant % 3 === 1 ? colour("ink") : colour("paper");
+    if (variant % 3 === 0 || word === "published-model" || !/^#[0-9a-f]{6}$/i.test(base) || !/^#[0-9a-f]{6}$/i.test(other)) return base;
+    var mixed = "#";
+    for (var i = 1; i < 7; i += 2) {
+      var part = Math.round(0.6 * parseInt(base.substr(i, 2), 16) + 0.4 * parseInt(other.substr(i, 2), 16));
+      mixed += (part < 16 ? "0" : "") + part.toString(16);
+    }
+    return mixed;
+  }
+  // Abscissae as written in the page: a list, evenly spaced, or those of an earlier series.
+  function unpack(plot) {
+    plot.series.forEach(function (s) {
+      if (typeof s.x === "number") s.x = plot.series[s.x].x;
+      else if (!Array.isArray(s.x)) { var x = s.x; s.x = Array.from({ length: x.n }, function (_, i) { return x.from + i * x.step; }); }
+    });
+    return plot;
+  }
   function shown(v) { return v === null || v === undefined || isNaN(v) ? "" : String(Number(v.toPrecision(5))); }
 
   // Series with their own x values become columns over all of them; null where a series has no value.
@@ -49,17 +68,18 @@
       var name = s.name;
       while (labels.indexOf(name) >= 0) name += " ";
       labels.push(name);
-      var line_colour = colour(s.origin);
+      var line_colour = shade(s.origin, s.variant), dense = s.x.length > 150;
       var kind = s.origin + (s.variant % 2);
       options[name] = {
         color: line_colour,
         connectSeparatedPoints: true,
-        strokeWidth: s.line ? 1.8 : 0,
-        strokePattern: s.dashed ? [7, 4] : [null, [9, 3], [2, 3], [9, 3, 2, 3]][s.variant % 4],
-        drawPoints: !!s.points, pointSize: s.points ? 4.5 : 1, highlightCircleSize: 6,
+        strokeWidth: s.line ? (s.x.length > 700 ? 1.3 : 1.8) : 0,
+        strokePattern: s.dashed ? [7, 4] : [null, [9, 3], [2, 3], [9, 3, 2, 3]][Math.floor(s.variant / 3) % 4],
+        drawPoints: !!s.points, pointSize: s.points ? (dense ? (s.variant % 2 ? 1.5 : 2.5) : 4.5) : 1, highlightCircleSize: 6,
         drawPointCallback: function (g, series, ctx, x, y, c, size, idx) {
           ctx.save();
           ctx.strokeStyle = line_colour; ctx.lineWidth = 1.6;
+          if (dense) { ctx.fillStyle = line_colour; ctx.beginPath(); ctx.arc(x, y, size, 0, 2 * Math.PI); ctx.fill(); ctx.restore(); return; }
           if (s.low) {
             var i = data.rows[idx]["i" + k], low = s.low[i], high = s.high[i];
             if (low !== null && high !== null) {
@@ -146,16 +166,65 @@
 
   document.documentElement.classList.remove("no-script");
   var plots = JSON.parse(document.getElementById("plots").textContent), drawn = [];
-  document.querySelectorAll(".plot").forEach(function (host) { drawn.push([host, plots[host.dataset.plot]]); });
+  document.querySelectorAll(".plot").forEach(function (host) { drawn.push([host, unpack(plots[host.dataset.plot])]); });
   // Plots are drawn when they come near the screen, so that a long report opens at once.
   var waiting = new Map(drawn);
-  function now(host) { var p = waiting.get(host); if (p) { waiting.delete(host); draw(host, p); } }
+  function now(host) {
+    var p = waiting.get(host);
+    if (!p || !host.clientWidth) return;  // behind a tab: when it is shown
+    waiting.delete(host); draw(host, p);
+  }
   if (window.IntersectionObserver) {
     var observer = new IntersectionObserver(function (seen) {
-      seen.forEach(function (s) { if (s.isIntersecting) { observer.unobserve(s.target); now(s.target); } });
+      seen.forEach(function (s) { if (s.isIntersecting) { now(s.target); if (!waiting.has(s.target)) observer.unobserve(s.target); } });
     }, { rootMargin: "600px" });
     drawn.forEach(function (d) { observer.observe(d[0]); });
   } else drawn.forEach(function (d) { now(d[0]); });
   window.rigfit_draw_all = function () { drawn.forEach(function (d) { now(d[0]); }); };
+
+  // One state of several at a time; arrow keys go from tab to tab.
+  document.querySelectorAll(".tabs").forEach(function (list) {
+    var tabs = Array.from(list.children);
+    function show(k) {
+      tabs.forEach(function (tab, i) {
+        tab.setAttribute("aria-selected", String(i === k)); tab.tabIndex = i === k ? 0 : -1;
+        document.getElementById(tab.getAttribute("aria-controls")).classList.toggle("other", i !== k);
+      });
+      if (!window.IntersectionObserver) window.rigfit_draw_all();
+    }
+    tabs.forEach(function (tab, i) {
+      tab.addEventListener("click", function () { show(i); });
+      tab.addEventListener("keydown", function (e) {
+        var step = { ArrowRight: 1, ArrowLeft: -1 }[e.key];
+        if (!step) return;
+        var k = (i + step + tabs.length) % tabs.length;
+        show(k); tabs[k].focus(); e.preventDefault();
+      });
+    });
+  });
+
+  // The values of a long plot become a table when it is opened.
+  var NAMES = { measured: "measured", published: "published test", "published-model": "published model", synthetic: "synthetic", modelled: "rigfit model" };
+  document.querySelectorAll("details.values[data-of]").forEach(function (box) {
+    box.addEventListener("toggle", function () {
+      var body = box.querySelector("tbody"), plot = plots[box.dataset.of], all = 0;
+      if (!box.open || body.children.length) return;
+      plot.series.forEach(function (s) { all += s.x.length; });
+      var every = 1 + Math.floor(all / 1000);
+      plot.series.forEach(function (s) {
+        for (var i = 0; i < s.x.length; i += every) {
+          if (s.y[i] === null) continue;
+          var row = body.insertRow(), interval = s.low && s.low[i] !== null ? shown(s.low[i]) + " to " + shown(s.high[i]) : "";
+          [s.name, NAMES[s.origin], shown(s.x[i]), shown(s.y[i]), interval].forEach(function (text, c) {
+            var cell = row.insertCell(); cell.textContent = text; cell.className = c === 1 ? "o-" + s.origin : c > 1 ? "n" : "";
+          });
+        }
+      });
+      if (every > 1) {
+        var note = document.createElement("p"); note.className = "small";
+        note.textContent = "One of " + every + " of all " + all + " values; the CSV has all."; box.append(note);
+      }
+    });
+  });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", function () { location.reload(); });
 })();

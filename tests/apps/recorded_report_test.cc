@@ -1,0 +1,289 @@
+// The report of a campaign with recordings, through the program: the virtual laboratory's whole
+// campaign against its truth, and a campaign with recordings that are broken in every way.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "signal/read_recording.h"
+#include "signal/read_uff.h"
+#include "signal/write_csv.h"
+#include "tests/apps/json_schema.h"
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+const std::string kLaboratory = std::string(RIGFIT_TESTDATA) + "/virtual_laboratory";
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+const Json& entry(const Json& document, const std::string& key, const std::string& name_key,
+                  const std::string& name) {
+  for (const auto& one : document.at(key)) {
+    if (one.at(name_key) == name) return one;
+  }
+  throw std::out_of_range(key + " " + name);
+}
+
+/// The campaign's report, made once for all tests below.
+class VirtualLaboratory : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    run_ = new ProgramRun(report());
+    document_ = new Json(Json::parse(folder_->read("report.json"), nullptr, false));
+  }
+  static void TearDownTestSuite() {
+    delete document_;
+    delete run_;
+    delete folder_;
+  }
+  static ProgramRun report() {
+    return run_program({"report", kLaboratory + "/campaign.toml", "--out",
+                        folder_->path().string(), "--threads", "2"});
+  }
+  static TemporaryFolder* folder_;
+  static ProgramRun* run_;
+  static Json* document_;
+};
+TemporaryFolder* VirtualLaboratory::folder_ = nullptr;
+ProgramRun* VirtualLaboratory::run_ = nullptr;
+Json* VirtualLaboratory::document_ = nullptr;
+
+/// Whether a value lies within `k` standard uncertainties of the truth.
+void expect_within(const Json& estimate, double truth, double k, const std::string& what) {
+  const double value = estimate.at("value"), std = estimate.at("std");
+  EXPECT_GT(std, 0) << what;
+  EXPECT_LT(std::abs(value - truth), k * std) << what << " " << value << " +- " << std;
+}
+
+TEST_F(VirtualLaboratory, GoesTheWholeWay) {
+  ASSERT_EQ(run_->exit_code, 0) << run_->err;
+  ASSERT_TRUE(document_->is_object());
+  for (const char* key : {"bending", "axial", "recorded_modal", "modal", "fits", "scenes"}) {
+    EXPECT_FALSE((*document_)[key].empty()) << key;
+  }
+  EXPECT_GT((*document_)["inputs"].size(), 80u);
+}
+
+TEST_F(VirtualLaboratory, IsAsItsSchemaSays) {
+  const Json schema =
+      Json::parse(content(std::string(RIGFIT_TESTDATA) + "/../apps/report/report.schema.json"));
+  EXPECT_THAT(schema_errors(*document_, schema), ::testing::IsEmpty());
+}
+
+// Truth: testdata/virtual_laboratory/truth. Intervals are honest when the truth lies within three
+// standard uncertainties (once in 370 for each value it would not, by chance; the data are fixed).
+TEST_F(VirtualLaboratory, FindsWhatIsTrueOfTheRig) {
+  const auto& axial = entry(*document_, "axial", "test", "axial");
+  expect_within(axial["EA_N"], 205000, 3, "EA");
+  for (const auto& parameter : entry(*document_, "fits", "fit", "fit-beam")["parameters"]) {
+    ASSERT_TRUE(parameter["reference"].is_number());
+    expect_within(parameter, parameter["reference"], 3, parameter["name"]);
+  }
+}
+
+// A hit that bounced is rejected in every state: six hits, one of them double.
+TEST_F(VirtualLaboratory, RejectsTheDoubleHits) {
+  for (const auto& test : (*document_)["recorded_modal"]) {
+    for (const auto& state : test["states"]) {
+      int rejected = 0;
+      for (const auto& hit : state["struck"][0]["hits"]) {
+        if (hit["accepted"].get<bool>()) continue;
+        EXPECT_FALSE(hit["reason"].get<std::string>().empty());
+        ++rejected;
+      }
+      EXPECT_GE(rejected, 1) << test["test"] << " " << state["tension_N"];
+    }
+  }
+}
+
+TEST_F(VirtualLaboratory, FittingHelpsAlsoWhereItDidNotLook) {
+  const auto& cable = entry(*document_, "fits", "fit", "fit-rig");
+  const double before = cable["rms_relative_error_before"], after = cable["rms_relative_error"],
+               held = cable["rms_relative_error_held_out"];
+  EXPECT_LT(after, 0.5 * before);
+  EXPECT_LT(held, before);
+}
+
+TEST_F(VirtualLaboratory, FilesForOtherProgramsReadBack) {
+  int frfs = 0, modes = 0;
+  for (const auto& test : (*document_)["recorded_modal"]) {
+    for (const auto& state : test["states"]) {
+      const std::string frf = state["uff"][0], shapes = state["uff"][1];
+      const auto set = signal::read_uff_frfs(folder_->path() / frf);
+      EXPECT_EQ(set.responses.size(), state["responses"].size());
+      EXPECT_EQ(set.averages, state["averages"].get<int>());
+      EXPECT_GT(set.H_std.size(), 0);
+      ++frfs;
+      const std::string text = folder_->read(shapes);
+      EXPECT_THAT(text, HasSubstr("\n    55"));
+      EXPECT_THAT(text, HasSubstr("\n    15"));
+      ++modes;
+    }
+  }
+  EXPECT_GE(frfs, 9);
+  EXPECT_EQ(frfs, modes);
+}
+
+// What is kept between runs gives the same document and page as computing it.
+TEST_F(VirtualLaboratory, RunAgainReusesAndSaysTheSame) {
+  const std::string before = folder_->read("report.json");
+  const auto again = report();
+  EXPECT_EQ(again.exit_code, run_->exit_code);
+  EXPECT_THAT(again.out, HasSubstr("reused"));
+  EXPECT_EQ(folder_->read("report.json"), before);
+}
+
+// ----------------------------------------------------------------------------------------------
+
+constexpr const char* kBroken = R"(title = "Broken recordings"
+[[scene]]
+name = "beam"
+file = "beam.toml"
+[[test]]
+name = "beam"
+kind = "modal"
+scene = "beam"
+force = "force"
+responses = ["beam 0.65 m"]
+band = [1.0, 160.0]
+force_window = 0.012
+exponential_window = 0.05
+[[test.recording]]
+files = ["good-*.uff", "cut.uff", "absent-*.csv", "garbage.csv", "clipped.csv", "swapped.csv", "slow.csv", "gaps.csv"]
+synthetic = true
+[[test]]
+name = "axial"
+kind = "axial"
+mass = 2.2
+mass_std = 0.002
+mass_per_length = 0.16667
+length_std = 0.001
+channel = "tension"
+[[test.recording]]
+files = ["axial-*.csv", "silent.csv"]
+length = 1.0
+synthetic = true
+[[test]]
+name = "lost"
+kind = "modal"
+scene = "beam"
+force = "force"
+[[test.recording]]
+files = ["nothing-*.csv"]
+)";
+
+class BrokenRecordings : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_.write("campaign.toml", kBroken);
+    copy("scenes/beam.toml", "beam.toml");
+    for (int hit = 1; hit <= 4; ++hit) {
+      copy("beam/rig/hammer-hit" + std::to_string(hit) + ".uff",
+           "good-" + std::to_string(hit) + ".uff");
+    }
+    const std::string fifth = kLaboratory + "/beam/rig/hammer-hit5.uff";
+    const std::string bytes = content(fifth);
+    folder_.write("cut.uff", bytes.substr(0, bytes.size() / 2));
+    folder_.write("garbage.csv", std::string("\x01\x02\x00 not a recording", 20));
+    const auto recording = signal::read_recording(fifth);
+    const auto changed = [&](const char* name, auto change) {
+      signal::Recording copy = recording;
+      change(copy);
+      folder_.write(name, signal::csv_text(
+                              copy, {{"Sampling Rate(Hz)", std::to_string(copy.sample_rate_hz)}}));
+    };
+    changed("clipped.csv", [](signal::Recording& r) {
+      auto& y = r.channels[1].samples;
+      const double rail = 0.3 * y.cwiseAbs().maxCoeff();
+      y = y.cwiseMin(rail).cwiseMax(-rail);
+    });
+    changed("swapped.csv",
+            [](signal::Recording& r) { std::swap(r.channels[0].name, r.channels[1].name); });
+    changed("slow.csv", [](signal::Recording& r) { r.sample_rate_hz /= 2; });
+    changed("gaps.csv", [](signal::Recording& r) {
+      r.channels[1].samples.segment(200, 40).setConstant(std::nan(""));
+    });
+    copy("bench/axial/L1m-1.csv", "axial-1.csv");
+    copy("bench/axial/L1m-2.csv", "axial-2.csv");
+    auto silent = signal::read_recording(kLaboratory + "/bench/axial/L1m-3.csv");
+    silent.channels[0].samples.setConstant(21.5);
+    folder_.write("silent.csv", signal::csv_text(silent, {{"Sampling Rate(Hz)", "500"}}));
+  }
+
+  void copy(const std::string& from, const std::string& to) {
+    fs::copy_file(kLaboratory + "/" + from, folder_.path() / to);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(BrokenRecordings, AreNamedInTheirPlaceAndTheRestGoesOn) {
+  const TemporaryFolder out;
+  const auto run = run_program({"report", (folder_.path() / "campaign.toml").string(), "--out",
+                                out.path().string(), "--threads", "2"});
+  EXPECT_EQ(run.exit_code, 4) << run.err;
+  const Json document = Json::parse(out.read("report.json"));
+  // The good hits give the beam's modes all the same.
+  const auto& beam = entry(document, "recorded_modal", "test", "beam");
+  ASSERT_EQ(beam["states"].size(), 1u);
+  EXPECT_GE(beam["states"][0]["modes"].size(), 2u);
+  EXPECT_GE(beam["states"][0]["averages"].get<int>(), 2);
+  EXPECT_TRUE(entry(document, "axial", "test", "axial")["EA_N"]["value"].is_number());
+  // Every bad one is refused, or its hit rejected, with a reason that names it.
+  std::string said;
+  for (const auto& warning : document["warnings"]) {
+    said += warning["where"].get<std::string>() + ": " + warning["message"].get<std::string>() + "\n";
+  }
+  for (const char* name : {"cut.uff", "absent-*.csv", "garbage.csv", "swapped.csv", "slow.csv",
+                           "silent.csv", "nothing-*.csv"}) {
+    EXPECT_THAT(said, HasSubstr(name));
+    EXPECT_THAT(run.err, HasSubstr(name));
+  }
+  std::set<std::string> rejected;
+  for (const auto& hit : beam["states"][0]["struck"][0]["hits"]) {
+    if (!hit["accepted"].get<bool>()) {
+      rejected.insert(fs::path(hit["file"].get<std::string>()).filename().string());
+    }
+  }
+  EXPECT_TRUE(rejected.contains("clipped.csv"));
+  EXPECT_TRUE(rejected.contains("gaps.csv"));
+  // The page says so too, and stands.
+  const std::string page = out.read("report.html");
+  EXPECT_TRUE(page.ends_with("</html>\n"));
+  EXPECT_THAT(page, HasSubstr("garbage.csv"));
+  EXPECT_THAT(page, HasSubstr("Refused"));
+}
+
+// A change in one recording redoes what it reaches; the numbers are those of a full run.
+TEST_F(BrokenRecordings, ChangeOfOneRecordingRedoesOnlyWhatItReaches) {
+  const TemporaryFolder out, fresh;
+  const std::string campaign = (folder_.path() / "campaign.toml").string();
+  const auto report = [&](const TemporaryFolder& where) {
+    return run_program({"report", campaign, "--out", where.path().string()});
+  };
+  ASSERT_EQ(report(out).exit_code, 4);
+  const std::string before = out.read("report.json");
+  fs::copy_file(kLaboratory + "/bench/axial/L1m-4.csv", folder_.path() / "axial-2.csv",
+                fs::copy_options::overwrite_existing);
+  const auto again = report(out);
+  EXPECT_THAT(again.out, HasSubstr("reused"));
+  EXPECT_NE(out.read("report.json"), before);
+  ASSERT_EQ(report(fresh).exit_code, 4);
+  EXPECT_EQ(out.read("report.json"), fresh.read("report.json"));
+}
+
+}  // namespace
+}  // namespace rigfit::apps
