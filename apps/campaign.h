@@ -17,9 +17,9 @@
 //                        models = { label = column, ... }; and recordings of hammer hits: force
 //                        (channel), responses (default: every other), sensors = { channel = sensor
 //                        of the scene } where names differ, load (of the scene, that was struck),
-//                        direction ([x, y, z], struck and measured along it), band, estimator ("h1", "h2", "hv"), force_window (s after the
-//                        pulse begins), exponential_window (level at the end of the block),
-//                        max_order
+//                        direction ([x, y, z], struck and measured along it), band, estimator
+//                        ("h1", "h2", "hv"), force_window (s after the pulse begins),
+//                        exponential_window (level at the end of the block), max_order
 //     [test.reference]   EA, damping_ratio of an axial test as known otherwise, and what they are:
 //                        name = "published" (default), "truth", ...
 //     [[test.recording]] see recording_group.h
@@ -74,13 +74,13 @@ struct ResultColumns {
 /// How hammer hits were recorded and are to be analysed.
 struct HammerTest {
   std::string force;
-  std::vector<std::string> responses;           ///< channels; empty: every other one
-  std::map<std::string, std::string> sensors;   ///< channel -> sensor of the scene
-  std::string load;                             ///< of the scene; empty: its only impact
+  std::vector<std::string> responses;          ///< channels; empty: every other one
+  std::map<std::string, std::string> sensors;  ///< channel -> sensor of the scene
+  std::string load;                            ///< of the scene; empty: its only impact
   std::string estimator = "h1";
   double force_window_s = 0;         ///< 0: none
   double exponential_end_level = 0;  ///< 0: none
-  int max_order = 0;  ///< of the stabilisation diagram; 0: the method's own
+  int max_order = 0;                 ///< of the stabilisation diagram; 0: the method's own
 };
 
 struct CampaignTest {
@@ -93,7 +93,7 @@ struct CampaignTest {
   /// Bending: names of the channels.
   std::string tension_channel = "tension", load_channel = "load", deflection_channel = "deflection";
   ident::AxialSetup axial;
-  std::vector<std::string> channels;                  ///< axial: one or none; decay
+  std::vector<std::string> channels;  ///< axial: one or none; decay
   std::optional<std::pair<double, double>> band_hz;
   std::optional<std::size_t> scene;            ///< modal, decay: index of the scene
   bool in_plane = true, out_of_plane = false;  ///< modal: what the test was made to see
@@ -101,13 +101,13 @@ struct CampaignTest {
   std::vector<std::string> EI_of;              ///< scene parameters that take EI at that tension
   /// Modal: struck and measured along this, whatever the scene says; unit vector.
   std::optional<Eigen::Vector3d> direction;
-  std::vector<std::string> EA_of;              ///< scene parameters that take the axial test's EA
-  HammerTest hammer;                           ///< modal with recordings; decay: load, sensors
+  std::vector<std::string> EA_of;  ///< scene parameters that take the axial test's EA
+  HammerTest hammer;               ///< modal with recordings; decay: load, sensors
   std::optional<ResultColumns> results;
   std::vector<RecordingGroup> recordings;
   std::map<std::string, double> reference;  ///< values as known otherwise, by quantity
   std::string reference_name = "published";
-  std::string text;                         ///< its table in the campaign, for telling changes
+  std::string text;  ///< its table in the campaign, for telling changes
 
   /// One plane only: what every mode it shows lies in, leakage apart.
   [[nodiscard]] std::optional<model::ModePlane> plane() const;

@@ -59,11 +59,11 @@ void check_frequencies(const TomlTable& table, const ResultColumns& columns) {
   for (const std::size_t index : indices) {
     for (std::size_t row = 0; row < columns.table.rows.size(); ++row) {
       if (columns.table.rows[row][index] <= 0) {
-        throw table.error("file",
-                          fmt::format("{}, line {}: the frequency {} Hz is not positive",
-                                      columns.table.file, columns.table.lines[row],
-                                      columns.table.rows[row][index]),
-                          "give frequencies in Hz, and nothing where none was found");
+        throw table.error(
+            "file",
+            fmt::format("{}, line {}: the frequency {} Hz is not positive", columns.table.file,
+                        columns.table.lines[row], columns.table.rows[row][index]),
+            "give frequencies in Hz, and nothing where none was found");
       }
     }
   }
@@ -86,9 +86,9 @@ void require_one_of(const std::string& name, const std::vector<std::string>& nam
   std::string known;
   for (const auto& other : names) known += (known.empty() ? "\"" : ", \"") + other + "\"";
   throw table.error(key, "the scene has no " + what + " \"" + name + "\"",
-                    nearest           ? "did you mean \"" + *nearest + "\"?"
+                    nearest         ? "did you mean \"" + *nearest + "\"?"
                     : names.empty() ? "add one to the scene"
-                                      : "there are: " + known);
+                                    : "there are: " + known);
 }
 
 std::vector<std::string> load_names(const model::Scene& scene) {
@@ -206,9 +206,10 @@ void CampaignTestReader::read_decay(TomlTable& table, CampaignTest& test) {
     } else if (scene.loads.size() == 1) {
       test.hammer.load = scene.loads.front().name;
     } else {
-      throw table.error("load", "is missing although the scene has " +
-                                    std::to_string(scene.loads.size()) + " loads",
-                        "name the load that sets it free, or leave scene out");
+      throw table.error(
+          "load",
+          "is missing although the scene has " + std::to_string(scene.loads.size()) + " loads",
+          "name the load that sets it free, or leave scene out");
     }
   }
   read_recordings(table, test);

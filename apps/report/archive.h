@@ -96,10 +96,7 @@ class ArchiveWriter {
     raw(&value, sizeof value);
   }
   template <class T>
-    requires(std::is_class_v<T>)
-  void put(T& value) {
-    archive(*this, value);
-  }
+  requires(std::is_class_v<T>) void put(T& value) { archive(*this, value); }
 
   std::string bytes_;
 };
@@ -197,10 +194,7 @@ class ArchiveReader {
     std::memcpy(static_cast<void*>(&value), raw(sizeof value).data(), sizeof value);
   }
   template <class T>
-    requires(std::is_class_v<T>)
-  void get(T& value) {
-    archive(*this, value);
-  }
+  requires(std::is_class_v<T>) void get(T& value) { archive(*this, value); }
 
   std::string_view bytes_;
 };

@@ -92,8 +92,7 @@ class Analysis {
       decay.unit = channel->unit;
       decay.origin = group.origin();
       decay.rate_hz = recording.sample_rate_hz;
-      decay.start_s =
-          recording.start_time_s + static_cast<double>(window.start) / decay.rate_hz;
+      decay.start_s = recording.start_time_s + static_cast<double>(window.start) / decay.rate_hz;
       decay.samples = channel->samples.segment(window.start, window.end - window.start);
       decay.result = signal::estimate_decay(decay.samples, decay.rate_hz, options);
       if (!decay.result.refusal_code.empty() || decay.result.modes.empty()) {
@@ -110,9 +109,9 @@ class Analysis {
     std::vector<ident::AxialDecay> decays;
     for (const auto& sample : samples_) {
       const auto& mode = sample.decay.result.modes.front();
-      decays.push_back({fmt::format("{} at {:.4g} s", short_name(sample.decay.file),
-                                    sample.decay.start_s),
-                        sample.length_m, mode.damped_frequency_hz, mode.damping_ratio});
+      decays.push_back(
+          {fmt::format("{} at {:.4g} s", short_name(sample.decay.file), sample.decay.start_s),
+           sample.length_m, mode.damped_frequency_hz, mode.damping_ratio});
     }
     if (decays.empty()) {
       refuse(part(), "no_decay", "none of the recordings holds a decay that can be used",
@@ -137,10 +136,10 @@ class Analysis {
     part().blocks.push_back(length_table(r));
     part().blocks.push_back(budget_table(r));
     if (r.draws > 0) {
-      part().blocks.push_back(Paragraph{fmt::format(
-          "Checked by a Monte Carlo of {} draws: {} N, 95 % between {} and {} N.", r.draws,
-          shown_estimate(r.monte_carlo_EA_N.value, r.monte_carlo_EA_N.std),
-          shown(r.monte_carlo_low_N, 5), shown(r.monte_carlo_high_N, 5))});
+      part().blocks.push_back(Paragraph{
+          fmt::format("Checked by a Monte Carlo of {} draws: {} N, 95 % between {} and {} N.",
+                      r.draws, shown_estimate(r.monte_carlo_EA_N.value, r.monte_carlo_EA_N.std),
+                      shown(r.monte_carlo_low_N, 5), shown(r.monte_carlo_high_N, 5))});
     }
     if (!r.plausibility.empty()) {
       part().blocks.push_back(Paragraph{r.plausibility, Paragraph::Kind::note});
@@ -154,9 +153,9 @@ class Analysis {
     std::vector<AnalysedDecay> decays;
     double last = -1;
     for (const auto& sample : samples_) {
-      decays.push_back(sample.decay);
       if (sample.length_m == last) continue;  // the first of each length
       last = sample.length_m;
+      decays.push_back(sample.decay);
       group.tabs.push_back(
           {fmt::format("{:g} m", last),
            {decay_plot(fmt::format("{}-decay-{:g}m", test_.name, last), sample.decay)}});
@@ -171,7 +170,8 @@ class Analysis {
     plot.id = test_.name + "-EA";
     plot.title = "EA by length";
     plot.caption =
-        "EA does not depend on the length of cable that was tested. A trend would be a stiffness in "
+        "EA does not depend on the length of cable that was tested. A trend would be a stiffness "
+        "in "
         "series that nobody counted. The band is the result with its 95 % interval.";
     plot.x_label = "length, m";
     plot.y_label = "EA, kN";
@@ -218,9 +218,12 @@ class Analysis {
   ReportTable length_table(const ident::AxialTestResult& r) const {
     ReportTable table;
     table.id = test_.name + "-lengths";
-    table.caption = "EA, damping ratio and equivalent damper by length, with standard uncertainties.";
-    table.columns = {{"length, m", {}, true},       {"records", {}, true},
-                     {"EA, N", origin_},            {"damping ratio, %", origin_},
+    table.caption =
+        "EA, damping ratio and equivalent damper by length, with standard uncertainties.";
+    table.columns = {{"length, m", {}, true},
+                     {"records", {}, true},
+                     {"EA, N", origin_},
+                     {"damping ratio, %", origin_},
                      {"damper, N s/m", origin_}};
     for (const auto& length : r.lengths) {
       table.rows.push_back(
@@ -244,9 +247,12 @@ class Analysis {
     table.caption =
         "Where the uncertainty of EA comes from (type A: from scatter, B: from what is known of "
         "instruments).";
-    table.columns = {{"source", {}, false},        {"type", {}, false},
-                     {"value", {}, true},          {"standard uncertainty", {}, true},
-                     {"contribution to EA, N", {}, true}, {"share, %", {}, true}};
+    table.columns = {{"source", {}, false},
+                     {"type", {}, false},
+                     {"value", {}, true},
+                     {"standard uncertainty", {}, true},
+                     {"contribution to EA, N", {}, true},
+                     {"share, %", {}, true}};
     for (const auto& row : r.budget) {
       Cell share(fmt::format("{:.1f}", 100 * row.share));
       share.shade = std::clamp(row.share, 0.0, 1.0);
@@ -298,15 +304,16 @@ class Analysis {
     json["p_same_EA"] = r.homogeneity_p;
     json["plausibility"] = r.plausibility;
 
-    std::string text = fmt::format("{} N (95 %: {} to {})",
-                                   shown_estimate(r.EA_N.value, r.EA_N.std), shown(r.EA_low_N, 5),
-                                   shown(r.EA_high_N, 5));
+    std::string text =
+        fmt::format("{} N (95 %: {} to {})", shown_estimate(r.EA_N.value, r.EA_N.std),
+                    shown(r.EA_low_N, 5), shown(r.EA_high_N, 5));
     const auto& reference = test_.reference;
     if (const auto at = reference.find("EA"); at != reference.end()) {
       text += fmt::format("; {} {} ({})", test_.reference_name, shown(at->second, 5),
                           shown_percent(r.EA_N.value / at->second - 1));
     }
-    part().summary.push_back({SummaryItem::Kind::result, "EA of the cable", text, origin_, part().id});
+    part().summary.push_back(
+        {SummaryItem::Kind::result, "EA of the cable", text, origin_, part().id});
     text = shown_estimate(100 * r.damping_ratio.value, 100 * r.damping_ratio.std) + " %";
     if (const auto at = reference.find("damping_ratio"); at != reference.end()) {
       text += fmt::format("; {} {} %", test_.reference_name, shown(100 * at->second, 3));
@@ -316,9 +323,10 @@ class Analysis {
     if (r.homogeneity_p < 0.05 && r.lengths.size() > 1) {
       part().summary.push_back(
           {SummaryItem::Kind::distrust, "EA by length",
-           fmt::format("the lengths disagree (chance {:.1g}): something besides the cable gives way, "
-                       "or a length is wrong",
-                       r.homogeneity_p),
+           fmt::format(
+               "the lengths disagree (chance {:.1g}): something besides the cable gives way, "
+               "or a length is wrong",
+               r.homogeneity_p),
            origin_, part().id});
     }
     if (r.catalogue_EA_N > 0 && (r.share_of_catalogue < 0.5 || r.share_of_catalogue > 1.5)) {

@@ -154,14 +154,12 @@ class Stages {
         content_[i] = content_of(campaign_, test);
         switch (test.kind) {
           case CampaignTest::Kind::bending:
-            bending[i] = cache_.stage<BendingPart>(
-                "bending\n" + strand_text() + content_[i],
-                [&] { return bending_part(campaign_, test); });
+            bending[i] = cache_.stage<BendingPart>("bending\n" + strand_text() + content_[i],
+                                                   [&] { return bending_part(campaign_, test); });
             break;
           case CampaignTest::Kind::axial:
-            axial[i] = cache_.stage<AxialPart>("axial\n" + seed_ + content_[i], [&] {
-              return axial_part(test, context_.seed);
-            });
+            axial[i] = cache_.stage<AxialPart>("axial\n" + seed_ + content_[i],
+                                               [&] { return axial_part(test, context_.seed); });
             break;
           case CampaignTest::Kind::modal:
             if (test.recordings.empty()) break;
@@ -173,8 +171,8 @@ class Stages {
         }
       });
     }
-    Progress progress("report",
-                      static_cast<long>(2 * tests + campaign_.fits.size()), context_.quiet);
+    Progress progress("report", static_cast<long>(2 * tests + campaign_.fits.size()),
+                      context_.quiet);
     run_all(tasks, context_.threads, progress);
     // EI(T) and EA go on to the tests whose scenes take them.
     for (std::size_t i = 0; i < tests; ++i) {
@@ -190,8 +188,9 @@ class Stages {
         const auto& fit = campaign_.fits[f];
         std::string key = "fit\n" + seed_ + fit.text + known;
         for (const std::size_t test : fit.tests) key += content_[test];
-        fits[f] = cache_.stage<ReportPart>(
-            key, [&] { return fit_part(campaign_, fit, known_, states, context_.threads, context_.seed); });
+        fits[f] = cache_.stage<ReportPart>(key, [&] {
+          return fit_part(campaign_, fit, known_, states, context_.threads, context_.seed);
+        });
       });
     }
     for (std::size_t i = 0; i < tests; ++i) {
@@ -204,9 +203,8 @@ class Stages {
         });
       } else if (test.kind == CampaignTest::Kind::decay) {
         tasks.emplace_back([&, i] {
-          second[i] = cache_.stage<ReportPart>("decay\n" + content_[i] + known, [&] {
-            return decay_part(campaign_, test, known_);
-          });
+          second[i] = cache_.stage<ReportPart>("decay\n" + content_[i] + known,
+                                               [&] { return decay_part(campaign_, test, known_); });
         });
       }
     }

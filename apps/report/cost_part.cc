@@ -13,9 +13,9 @@ namespace rigfit::apps {
 namespace {
 
 std::string time_words(double seconds) {
-  return seconds < 1e-3   ? fmt::format("{:.0f} µs", 1e6 * seconds)
-         : seconds < 1    ? fmt::format("{:.3g} ms", 1e3 * seconds)
-                          : fmt::format("{:.3g} s", seconds);
+  return seconds < 1e-3 ? fmt::format("{:.0f} µs", 1e6 * seconds)
+         : seconds < 1  ? fmt::format("{:.3g} ms", 1e3 * seconds)
+                        : fmt::format("{:.3g} s", seconds);
 }
 
 /// Median time of three and the estimated error of the first modes at several numbers of segments.
@@ -54,15 +54,17 @@ ReportPart cost_part(const Campaign& campaign, const std::vector<ReportPart>& pa
   ReportPart part;
   part.id = "solvers";
   part.title = "What the model did, and what it cost";
-  part.blocks.push_back(Paragraph{
-      "Every computation chooses what to model and how, by the error that it estimates, and says what "
-      "it left out. Times are of this run on this machine."});
+  part.blocks.push_back(
+      Paragraph{"Every computation chooses what to model and how, by the error that it estimates, "
+                "and says what "
+                "it left out. Times are of this run on this machine."});
   Plot plot;
   plot.id = "solvers-segments";
   plot.title = "Speed against error: number of segments";
   plot.caption =
       "Equilibrium and the first six modes of each scene with 10, 20, 40 and 80 segments a member "
-      "(from the left). Error: the largest relative error of these frequencies, estimated from three "
+      "(from the left). Error: the largest relative error of these frequencies, estimated from "
+      "three "
       "numbers of segments.";
   plot.x_label = "time, ms";
   plot.y_label = "relative error in frequency";
@@ -79,8 +81,11 @@ ReportPart cost_part(const Campaign& campaign, const std::vector<ReportPart>& pa
   table.caption =
       "Computations of this report. Estimated error: of frequencies for modes; of a linear answer, "
       "what the size of the motion would change; of a large motion, the drift of its energy.";
-  table.columns = {{"computation", {}, false}, {"how", {}, false}, {"choice", {}, false},
-                   {"time", {}, true},         {"estimated error", {}, true}};
+  table.columns = {{"computation", {}, false},
+                   {"how", {}, false},
+                   {"choice", {}, false},
+                   {"time", {}, true},
+                   {"estimated error", {}, true}};
   std::size_t rows = 0;
   for (const auto& one : parts) {
     for (const auto& cost : one.costs) {

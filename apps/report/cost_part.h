@@ -11,7 +11,6 @@ namespace rigfit::apps {
 /// Costs of all parts, and for each scene how time and error go with the number of segments. Times
 /// are of this machine and differ from run to run: they are on the page and in data/, not in the
 /// document.
-[[nodiscard]] ReportPart cost_part(const Campaign& campaign,
-                                   const std::vector<ReportPart>& parts);
+[[nodiscard]] ReportPart cost_part(const Campaign& campaign, const std::vector<ReportPart>& parts);
 
 }  // namespace rigfit::apps

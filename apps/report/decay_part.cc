@@ -49,7 +49,8 @@ PlotSeries spectrum_of(const Eigen::Ref<const Eigen::VectorXd>& samples, double 
   Eigen::VectorXd windowed(n);
   const double mean = samples.mean();
   for (Index i = 0; i < n; ++i) {  // Hann
-    const double w = 0.5 - 0.5 * std::cos(2 * M_PI * static_cast<double>(i) / static_cast<double>(n));
+    const double w =
+        0.5 - 0.5 * std::cos(2 * M_PI * static_cast<double>(i) / static_cast<double>(n));
     windowed[i] = w * (samples[i] - mean);
   }
   const Index length = signal::good_fft_length(n);
@@ -98,11 +99,10 @@ class Analysis {
     }
     auto damping = damping_plot(test_.name + "-damping", decays_);
     if (!damping.series.empty()) part_.blocks.push_back(std::move(damping));
-    part_.summary.push_back({SummaryItem::Kind::result, test_.title,
-                             fmt::format("{} decays in {} recordings{}", decays_.size(),
-                                         loaded.size(), best_),
-                             decays_.empty() ? std::optional<Origin>() : decays_.front().origin,
-                             part_.id});
+    part_.summary.push_back(
+        {SummaryItem::Kind::result, test_.title,
+         fmt::format("{} decays in {} recordings{}", decays_.size(), loaded.size(), best_),
+         decays_.empty() ? std::optional<Origin>() : decays_.front().origin, part_.id});
     return std::move(part_);
   }
 
@@ -156,8 +156,7 @@ class Analysis {
              decay.result.refusal.empty() ? "holds no decay" : decay.result.refusal, where);
       return;
     }
-    const std::string id =
-        fmt::format("{}-{}", test_.name, decays_.size() + 1);
+    const std::string id = fmt::format("{}-{}", test_.name, decays_.size() + 1);
     tab.plots.push_back(decay_plot(id, decay));
     Json json{{"file", entry.file},
               {"channel", channel.name},
@@ -195,7 +194,8 @@ class Analysis {
   }
 
   /// The model's answer over the record; what the estimator finds in it.
-  std::optional<signal::DecayResult> overlay(const AnalysedDecay& decay, const RecordingGroup& group,
+  std::optional<signal::DecayResult> overlay(const AnalysedDecay& decay,
+                                             const RecordingGroup& group,
                                              const std::string& channel, const std::string& id,
                                              PlotTab& tab, Json& json) {
     model::Scene scene = scene_at(campaign_, test_, known_, group.tension_N);
@@ -231,7 +231,8 @@ class Analysis {
     plot.id = id + "-model";
     plot.title = "Answer in time, test and model";
     plot.caption = fmt::format(
-        "The record and the model's answer to the same release or tap, {}; the model is moved along "
+        "The record and the model's answer to the same release or tap, {}; the model is moved "
+        "along "
         "the time axis to where both are most alike, nothing else. Nothing was fitted to it.",
         answer.nonlinear ? "computed with its large motion" : "linear");
     plot.x_label = "time, s";
@@ -292,12 +293,9 @@ class Analysis {
   void list_modes(const AnalysedDecay& decay, const RecordingGroup& group,
                   const std::optional<signal::DecayResult>& model) {
     if (table_.columns.empty()) {
-      table_.columns = {{"record", {}, false},
-                        {"channel", {}, false},
-                        {"taken at", {}, false},
-                        {"frequency, Hz", decay.origin},
-                        {"damping, %", decay.origin},
-                        {"R²", decay.origin},
+      table_.columns = {{"record", {}, false},        {"channel", {}, false},
+                        {"taken at", {}, false},      {"frequency, Hz", decay.origin},
+                        {"damping, %", decay.origin}, {"R²", decay.origin},
                         {"cycles", decay.origin}};
       if (test_.scene) {
         table_.columns.insert(table_.columns.end(), {{"model, Hz", Origin::modelled},
@@ -308,12 +306,14 @@ class Analysis {
     bool first = true;
     for (const auto& mode : decay.result.modes) {
       std::vector<Cell> row{
-          first ? short_name(decay.file) : "", first ? decay.channel : "",
+          first ? short_name(decay.file) : "",
+          first ? decay.channel : "",
           first && group.tension_N ? fmt::format("{:g} N", *group.tension_N) : "",
           Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), decay.origin),
           Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
                decay.origin),
-          shown(mode.r_squared, 4), shown(mode.cycles, 3)};
+          shown(mode.r_squared, 4),
+          shown(mode.cycles, 3)};
       if (test_.scene) {
         const signal::DecayMode* nearest = nullptr;
         if (model) {
@@ -325,10 +325,9 @@ class Analysis {
           }
         }
         row.emplace_back(nearest ? shown(nearest->frequency_hz.value, 5) : "–");
-        row.emplace_back(nearest ? shown_percent(nearest->frequency_hz.value /
-                                                     mode.frequency_hz.value -
-                                                 1)
-                                 : "–");
+        row.emplace_back(
+            nearest ? shown_percent(nearest->frequency_hz.value / mode.frequency_hz.value - 1)
+                    : "–");
         row.emplace_back(nearest ? shown(100 * nearest->damping_ratio.value, 3) : "–");
         if (nearest && first && best_.empty()) {
           best_ = fmt::format("; strongest {} Hz, model {} Hz", shown(mode.frequency_hz.value, 5),

@@ -17,10 +17,10 @@ std::string unit_words(const std::string& unit) {
 Plot decay_plot(const std::string& id, const AnalysedDecay& decay) {
   Plot plot;
   plot.id = id;
-  plot.title =
-      "Decay and fit: " + std::filesystem::path(decay.file).filename().string();
+  plot.title = "Decay and fit: " + std::filesystem::path(decay.file).filename().string();
   plot.caption =
-      "The record, the damped oscillations fitted to it, and what they leave. A residual that looks "
+      "The record, the damped oscillations fitted to it, and what they leave. A residual that "
+      "looks "
       "like noise means that the fit has all there is.";
   plot.x_label = "time, s";
   plot.y_label = fmt::format("{}, {}", decay.channel, unit_words(decay.unit));

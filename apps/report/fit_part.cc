@@ -34,8 +34,7 @@ std::string percent(double ratio) {
 class Fit {
  public:
   Fit(const Campaign& campaign, const CampaignFit& fit, const KnownValues& known,
-      const std::vector<std::vector<RecordedModalState>>& recorded, int threads,
-      std::uint64_t seed)
+      const std::vector<std::vector<RecordedModalState>>& recorded, int threads, std::uint64_t seed)
       : campaign_(campaign), fit_(fit) {
     part_.id = fit.name;
     part_.title = fit.title;
@@ -49,7 +48,7 @@ class Fit {
       for (auto& modal : modal_states(campaign, campaign.tests[test], known, recorded[test])) {
         // What the number of segments costs, as the model itself estimates it, is part of what the
         // model cannot reach.
-        segments_error_ = std::max(segments_error_, modal.analysis.relative_error_estimate);
+        segments_error_ = std::max(segments_error_, modal.segments_error);
         add_state(test, std::move(modal));
       }
     }
@@ -67,11 +66,11 @@ class Fit {
     result_ = ident::update_model(updates_, free_, options_);
     const double wall =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    part_.costs.push_back({fit_.title + ": fit",
-                           fmt::format("{} model evaluations, {} starts", result_.model_evaluations,
-                                       result_.starts),
-                           fmt::format("pairs settled after {} rounds", result_.pairings), wall,
-                           std::numeric_limits<double>::quiet_NaN()});
+    part_.costs.push_back(
+        {fit_.title + ": fit",
+         fmt::format("{} model evaluations, {} starts", result_.model_evaluations, result_.starts),
+         fmt::format("pairs settled after {} rounds", result_.pairings), wall,
+         std::numeric_limits<double>::quiet_NaN()});
     part_.json["status"] = ident::name_of(result_.status);
     if (result_.status != ident::UpdateStatus::converged) {
       refuse(part_, "not_converged",
@@ -145,10 +144,10 @@ class Fit {
     return fmt::format(
         "Fitted: {}. To: {} modes in {} states of: {}. Each measured mode is paired with the one "
         "of the model that it is, and the parameters move until the differences, weighed by their "
-        "uncertainties, are least; the model itself is allowed {} % in frequency. A model fitted to everything explains nothing: where states are "
+        "uncertainties, are least; the model itself is allowed {} % in frequency. A model fitted "
+        "to everything explains nothing: where states are "
         "held out, they are predicted from the others.",
-        parameters, measured_, states_.size(), tests,
-        shown(100 * options_.model_relative_std, 2));
+        parameters, measured_, states_.size(), tests, shown(100 * options_.model_relative_std, 2));
   }
 
   void parameters() {
@@ -157,19 +156,21 @@ class Fit {
     table.caption =
         "What was found, with 95 % intervals (SI units). Data alone: the standard uncertainty "
         "without what was known before.";
-    table.columns = {{"parameter", {}, false},       {"state", {}, false},
-                     {"start", Origin::modelled},    {"found", Origin::modelled},
-                     {"95 % interval", Origin::modelled}, {"data alone ±", Origin::modelled},
-                     {fit_.reference_name, {}, true},    {"remark", {}, false}};
+    table.columns = {{"parameter", {}, false},
+                     {"state", {}, false},
+                     {"start", Origin::modelled},
+                     {"found", Origin::modelled},
+                     {"95 % interval", Origin::modelled},
+                     {"data alone ±", Origin::modelled},
+                     {fit_.reference_name, {}, true},
+                     {"remark", {}, false}};
     Json list = Json::array();
     for (const auto& parameter : result_.parameters) {
-      const auto spec = std::find_if(fit_.parameters.begin(), fit_.parameters.end(),
-                                     [&](const FitParameter& p) {
-                                       return parameter.name == p.free.name ||
-                                              parameter.name.starts_with(p.free.name + " [");
-                                     });
-      const std::string name =
-          spec == fit_.parameters.end() ? parameter.name : spec->free.name;
+      const auto spec =
+          std::find_if(fit_.parameters.begin(), fit_.parameters.end(), [&](const FitParameter& p) {
+            return parameter.name == p.free.name || parameter.name.starts_with(p.free.name + " [");
+          });
+      const std::string name = spec == fit_.parameters.end() ? parameter.name : spec->free.name;
       const std::optional<double> reference =
           spec == fit_.parameters.end() ? std::nullopt : spec->reference;
       const bool known = parameter.identifiable && std::isfinite(parameter.std);
@@ -186,8 +187,7 @@ class Fit {
       table.rows.push_back(
           {name, parameter.state < 0 ? "all" : name_of_state(parameter.state),
            shown(parameter.start, 4),
-           Cell(known ? shown_estimate(parameter.value, parameter.std)
-                      : shown(parameter.value, 4),
+           Cell(known ? shown_estimate(parameter.value, parameter.std) : shown(parameter.value, 4),
                 Origin::modelled),
            known ? shown(parameter.value - half, 4) + " to " + shown(parameter.value + half, 4)
                  : std::string("–"),
@@ -203,21 +203,21 @@ class Fit {
                       {"reference", reference ? Json(*reference) : Json(nullptr)}});
       if (!known) continue;
       if (parameter.state >= 0) continue;
-      part_.summary.push_back({SummaryItem::Kind::result, fit_.title + ": " + name,
-                               shown_estimate(parameter.value, parameter.std) +
-                                   fmt::format(" (95 %: {} to {})", shown(parameter.value - half, 4),
-                                               shown(parameter.value + half, 4)) +
-                                   (reference ? fmt::format("; {} {}", fit_.reference_name,
-                                                            shown(*reference, 4))
-                                              : ""),
-                               Origin::modelled, part_.id});
+      part_.summary.push_back(
+          {SummaryItem::Kind::result, fit_.title + ": " + name,
+           shown_estimate(parameter.value, parameter.std) +
+               fmt::format(" (95 %: {} to {})", shown(parameter.value - half, 4),
+                           shown(parameter.value + half, 4)) +
+               (reference ? fmt::format("; {} {}", fit_.reference_name, shown(*reference, 4)) : ""),
+           Origin::modelled, part_.id});
     }
     part_.json["parameters"] = std::move(list);
     part_.blocks.push_back(std::move(table));
     if (result_.starts > 1) {
       part_.blocks.push_back(Paragraph{
-          fmt::format("{} of {} starts, spread widely about the first values, ended in this answer.",
-                      result_.starts_agreeing, result_.starts),
+          fmt::format(
+              "{} of {} starts, spread widely about the first values, ended in this answer.",
+              result_.starts_agreeing, result_.starts),
           result_.starts_agreeing == result_.starts ? Paragraph::Kind::plain
                                                     : Paragraph::Kind::note});
     }
@@ -238,8 +238,8 @@ class Fit {
     ReportTable table;
     table.id = fit_.name + "-errors";
     table.caption = "Root-mean-square relative error in frequency.";
-    table.columns = {{"state", {}, false}, {"before", Origin::modelled},
-                     {"fitted", Origin::modelled}};
+    table.columns = {
+        {"state", {}, false}, {"before", Origin::modelled}, {"fitted", Origin::modelled}};
     if (!held_.empty()) table.columns.push_back({"held out, predicted", Origin::modelled});
     Json list = Json::array();
     double held_sum = 0;
@@ -328,10 +328,14 @@ class Fit {
     ReportTable table;
     table.id = fit_.name + "-pairs";
     table.caption = "Every measured mode and the model's, before and after.";
-    table.columns = {{"state", {}, false},          {"test, Hz", {}, true},
-                     {"mode", {}, false},           {"before", Origin::modelled},
-                     {"fitted, Hz", Origin::modelled}, {"error", Origin::modelled},
-                     {"MAC", Origin::modelled},     {"remark", {}, false}};
+    table.columns = {{"state", {}, false},
+                     {"test, Hz", {}, true},
+                     {"mode", {}, false},
+                     {"before", Origin::modelled},
+                     {"fitted, Hz", Origin::modelled},
+                     {"error", Origin::modelled},
+                     {"MAC", Origin::modelled},
+                     {"remark", {}, false}};
     Json list = Json::array();
     for (std::size_t s = 0; s < updates_.size(); ++s) {
       const int state = static_cast<int>(s);
@@ -353,9 +357,9 @@ class Fit {
                   {"mac", is ? number(after->mac) : Json(nullptr)},
                   {"leakage", is && after->cross_plane}};
         list.push_back(std::move(json));
-        Cell remark(is ? (after->cross_plane ? "of the other plane: leaked into the test, not fitted"
-                                             : "")
-                       : "no mode of the model is near");
+        Cell remark(
+            is ? (after->cross_plane ? "of the other plane: leaked into the test, not fitted" : "")
+               : "no mode of the model is near");
         remark.doubtful = !remark.text.empty();
         table.rows.push_back(
             {first ? updates_[s].name : "",
@@ -365,8 +369,7 @@ class Fit {
                   origin_of(s)),
              is ? fmt::format("{} {}", model::name_of(after->plane), after->order + 1) : "",
              was ? shown_percent(before->relative_error) : "–",
-             is ? shown(after->model_hz, 5) : "–",
-             is ? shown_percent(after->relative_error) : "–",
+             is ? shown(after->model_hz, 5) : "–", is ? shown_percent(after->relative_error) : "–",
              is && std::isfinite(after->mac) ? shown(after->mac, 3) : "", remark});
         first = false;
       }
@@ -428,9 +431,9 @@ class Fit {
       if (table.rows.empty() || columns.empty()) continue;
       part_.json["mac"].push_back({{"state", updates_[s].name}, {"matrix", std::move(matrix)}});
       part_.blocks.push_back(std::move(table));
-      part_.files.push_back({fmt::format("uff/{}-model-{}.uff", fit_.name,
-                                         file_word(updates_[s].name)),
-                             model_mode_file(analysis)});
+      part_.files.push_back(
+          {fmt::format("uff/{}-model-{}.uff", fit_.name, file_word(updates_[s].name)),
+           model_mode_file(analysis)});
     }
   }
 
@@ -457,11 +460,12 @@ class Fit {
   }
 
   void summary() {
-    std::string text = fmt::format("{} before, {} fitted", percent(result_.rms_relative_error_before),
-                                   percent(result_.rms_relative_error));
+    std::string text =
+        fmt::format("{} before, {} fitted", percent(result_.rms_relative_error_before),
+                    percent(result_.rms_relative_error));
     if (std::isfinite(held_rms_)) text += fmt::format(", {} held out", percent(held_rms_));
-    part_.summary.push_back({SummaryItem::Kind::result, fit_.title + ", rms error", text,
-                             Origin::modelled, part_.id});
+    part_.summary.push_back(
+        {SummaryItem::Kind::result, fit_.title + ", rms error", text, Origin::modelled, part_.id});
     // An error held out that is much larger than the fitted one: too much freedom.
     if (std::isfinite(held_rms_) && held_rms_ > 3 * result_.rms_relative_error &&
         held_rms_ > 0.005) {

@@ -69,12 +69,12 @@ ReportTable equilibrium_table(const CampaignTest& test, const std::vector<ModalS
     }
     bool first = true;
     for (const auto& member : equilibrium.members) {
-      table.rows.push_back(
-          {first ? label_of(state) : "", first && state.EI_Nm2 ? shown(*state.EI_Nm2, 4) : "",
-           member.member, member.sag_m < 1e-9 ? std::string("0") : shown(1e3 * member.sag_m, 3),
-           shown(member.tension_N, 5), fmt::format("{}", member.segments),
-           first ? fmt::format("{:.0e}", equilibrium.residual) : "",
-           first ? fmt::format("{:.0e}", state.analysis.relative_error_estimate) : ""});
+      table.rows.push_back({first ? label_of(state) : "",
+                            first && state.EI_Nm2 ? shown(*state.EI_Nm2, 4) : "", member.member,
+                            member.sag_m < 1e-9 ? std::string("0") : shown(1e3 * member.sag_m, 3),
+                            shown(member.tension_N, 5), fmt::format("{}", member.segments),
+                            first ? fmt::format("{:.0e}", equilibrium.residual) : "",
+                            first ? fmt::format("{:.0e}", state.segments_error) : ""});
       first = false;
     }
   }
@@ -88,12 +88,12 @@ ReportTable pairs_table(const CampaignTest& test, const std::vector<ModalState>&
       "Each measured frequency beside the mode of the model that stands for it, found by pairing "
       "(not "
       "by row number), and beside the published models' values of that row.";
-  table.columns = {{"state", {}, false},
-                   {"test, Hz", any_recorded(states) ? std::nullopt
-                                                     : std::optional(Origin::published)},
-                   {"rigfit, Hz", Origin::modelled},
-                   {"error", Origin::modelled},
-                   {"mode", {}, false}};
+  table.columns = {
+      {"state", {}, false},
+      {"test, Hz", any_recorded(states) ? std::nullopt : std::optional(Origin::published)},
+      {"rigfit, Hz", Origin::modelled},
+      {"error", Origin::modelled},
+      {"mode", {}, false}};
   for (const auto& [label, column] : published_models(test)) {
     table.columns.push_back({label + ", Hz", Origin::published_model});
     table.columns.push_back({"error", Origin::published_model});
@@ -106,11 +106,11 @@ ReportTable pairs_table(const CampaignTest& test, const std::vector<ModalState>&
           row.models_hz.empty()) {
         continue;
       }
-      std::vector<Cell> cells{first ? label_of(state) : "",
-                              Cell(std::isfinite(row.std_hz)
-                                       ? shown_estimate(row.measured_hz, row.std_hz)
-                                       : shown(row.measured_hz, 4),
-                                   row.origin)};
+      std::vector<Cell> cells{
+          first ? label_of(state) : "",
+          Cell(std::isfinite(row.std_hz) ? shown_estimate(row.measured_hz, row.std_hz)
+                                         : shown(row.measured_hz, 4),
+               row.origin)};
       first = false;
       std::string remark;
       if (row.mode) {
@@ -201,10 +201,9 @@ void add_points(Plot& plot, const CampaignTest& test, const std::vector<ModalSta
     ++k;
   }
   for (const Origin origin : {Origin::published, Origin::measured, Origin::synthetic}) {
-    auto series = points_of(fmt::format("test ({})", origin == Origin::published
-                                                         ? "published"
-                                                         : name_of(origin)),
-                            origin, 0);
+    auto series = points_of(
+        fmt::format("test ({})", origin == Origin::published ? "published" : name_of(origin)),
+        origin, 0);
     for (const auto& state : states) {
       for (std::size_t i = 0; i < state.rows.size(); ++i) {
         const auto& row = state.rows[i];
@@ -387,7 +386,8 @@ Json state_json(const CampaignTest& test, const ModalState& state) {
       pair["relative_error"] = nullptr;
     }
     Json published = Json::object();
-    for (std::size_t k = 0; k < std::min(row.models_hz.size(), published_models(test).size()); ++k) {
+    for (std::size_t k = 0; k < std::min(row.models_hz.size(), published_models(test).size());
+         ++k) {
       published[published_models(test)[k].first] = row.models_hz[k];
     }
     pair["published_hz"] = std::move(published);
@@ -423,18 +423,22 @@ void add_summary(ReportPart& part, const CampaignTest& test,
     }
   }
   if (!leaked.empty()) {
-    part.summary.push_back({SummaryItem::Kind::distrust, test.title,
+    part.summary.push_back({SummaryItem::Kind::distrust,
+                            test.title,
                             "rows that lie at a mode of the other plane, probably leaked into the "
                             "test: " +
                                 leaked,
-                            {}, part.id});
+                            {},
+                            part.id});
     part.warnings.push_back(
         {"cross-plane", "measured rows at modes of the other plane: " + leaked, test.name, false});
   }
   if (!lonely.empty()) {
-    part.summary.push_back({SummaryItem::Kind::distrust, test.title,
+    part.summary.push_back({SummaryItem::Kind::distrust,
+                            test.title,
                             "measured modes without a mode of the model near them: " + lonely,
-                            {}, part.id});
+                            {},
+                            part.id});
     part.warnings.push_back(
         {"unpaired", "measured rows without a modelled mode: " + lonely, test.name, false});
   }
@@ -460,16 +464,29 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const 
                                test.name, true});
     }
   }
-  for (const auto& state : states) {
-    // A tenth of what a good test resolves (about 1 %) is all that segments may cost.
-    if (!(state.analysis.relative_error_estimate > 1e-3)) continue;
+  // A tenth of what a good test resolves (about 1 %) is all that segments may cost.
+  double worst = 0;
+  for (const auto& state : states) worst = std::max(worst, state.segments_error);
+  if (worst > 1e-3) {
     const std::string message = fmt::format(
-        "{}: the number of segments costs an estimated {} % in frequency; give the "
-        "scene's members more",
-        label_of(state), shown(100 * state.analysis.relative_error_estimate, 2));
+        "the number of segments costs an estimated {} % in frequency; give the "
+        "scene's members more, or segments = \"auto\"",
+        shown(100 * worst, 2));
     part.warnings.push_back({"segments", message, test.name, false});
     part.summary.push_back(
         {SummaryItem::Kind::distrust, test.title, message, Origin::modelled, part.id});
+  }
+  for (const auto& state : states) {
+    std::string left;
+    for (const auto& one : state.analysis.left_out) {
+      left += fmt::format("{}left out: {} ({:.0e})", left.empty() ? "" : "; ", one.what,
+                          one.relative_error);
+    }
+    part.costs.push_back({fmt::format("{}, {}: equilibrium and {} modes", test.title,
+                                      label_of(state), state.analysis.modes.size()),
+                          fmt::format("{} unknowns", state.analysis.unknowns),
+                          left.empty() ? "nothing left out" : left, state.wall_s,
+                          state.segments_error});
   }
   const std::string planes = test.in_plane && test.out_of_plane
                                  ? "in and out of the plane of gravity"
@@ -503,7 +520,7 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const 
   for (std::size_t k = 0; k < published_models(test).size(); ++k) {
     const RmsError theirs = rms_of_published(states, k);
     published[published_models(test)[k].first] = {{"rms_relative_error", theirs.value},
-                                                {"rows", theirs.rows}};
+                                                  {"rows", theirs.rows}};
   }
   part.json["published_models"] = std::move(published);
   return part;

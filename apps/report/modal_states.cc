@@ -54,6 +54,18 @@ void add_published(std::vector<ModalState>& states, const ResultColumns& results
   }
 }
 
+double typical_segments_error(const model::ModalAnalysis& analysis) {
+  std::vector<double> errors;
+  for (const auto& mode : analysis.modes) {
+    const double error = std::abs(mode.extrapolated_hz / mode.frequency_hz - 1);
+    if (std::isfinite(error)) errors.push_back(error);
+  }
+  if (errors.empty()) return 0;
+  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  return *middle;
+}
+
 bool own(const ModalState& state, const MeasuredRow& row) {
   return !state.recorded || row.origin == state.recorded->origin;
 }
@@ -75,8 +87,8 @@ void pair_rows(const CampaignTest& test, const model::ModalAnalysis& analysis,
   std::vector<ident::PairingMode> modelled;
   for (const auto& mode : analysis.modes) {
     if (!(mode.frequency_hz > 0)) continue;
-    modelled.push_back({mode.frequency_hz, mode.plane,
-                        mode.sensor_shape.cast<std::complex<double>>(), 1});
+    modelled.push_back(
+        {mode.frequency_hz, mode.plane, mode.sensor_shape.cast<std::complex<double>>(), 1});
   }
   const auto first = analysis.modes.size() - modelled.size();  // rigid motions come first
   for (const Origin origin : origins) {
@@ -116,8 +128,7 @@ Instrumented instrumented(model::Scene scene, const CampaignTest& test,
   std::vector<model::Sensor> sensors;
   for (std::size_t r = 0; r < recorded.channels.size(); ++r) {
     const auto other = test.hammer.sensors.find(recorded.channels[r]);
-    const auto& name =
-        other == test.hammer.sensors.end() ? recorded.channels[r] : other->second;
+    const auto& name = other == test.hammer.sensors.end() ? recorded.channels[r] : other->second;
     for (const auto& sensor : scene.sensors) {
       if (sensor.name != name) continue;
       sensors.push_back(sensor);
@@ -189,8 +200,8 @@ std::vector<ModalState> modal_states(const Campaign& campaign, const CampaignTes
     options.band_hz = {{0.0, 1.35 * highest}};
     const auto begin = std::chrono::steady_clock::now();
     state.analysis = model::analyse_modes(state.rig.scene, options);
-    state.wall_s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    state.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    state.segments_error = typical_segments_error(state.analysis);
     pair_rows(test, state.analysis, state.rows);
   }
   return states;

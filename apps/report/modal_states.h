@@ -28,8 +28,8 @@ struct Instrumented {
 };
 
 struct MeasuredRow {
-  double measured_hz = 0;         ///< NaN: dash
-  double std_hz = 0;              ///< NaN: not known
+  double measured_hz = 0;               ///< NaN: dash
+  double std_hz = 0;                    ///< NaN: not known
   double damping = 0, damping_std = 0;  ///< NaN: not measured
   Origin origin = Origin::published;
   Eigen::VectorXcd shape;           ///< at the instrumented scene's sensors; empty: not measured
@@ -46,6 +46,9 @@ struct ModalState {
   const RecordedModalState* recorded = nullptr;
   model::ModalAnalysis analysis;
   double wall_s = 0;  ///< of the analysis
+  /// What the number of segments costs in frequency: median over the modes (where two modes cross,
+  /// the number of segments may swap them, and the largest error says nothing).
+  double segments_error = 0;
   std::vector<MeasuredRow> rows;
 };
 

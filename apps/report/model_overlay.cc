@@ -59,8 +59,8 @@ Plot frf_overlay_plot(const std::string& id, const RecordedModalState& recorded,
         series.style = style_of(v, versions.size());
         for (Index k = 0; k < lines.size(); ++k) {
           series.x.push_back(lines[k]);
-          series.y.push_back(std::abs(model.H[static_cast<std::size_t>(k)](
-              static_cast<Index>(s), static_cast<Index>(l))));
+          series.y.push_back(std::abs(
+              model.H[static_cast<std::size_t>(k)](static_cast<Index>(s), static_cast<Index>(l))));
         }
         plot.series.push_back(std::move(series));
       }
@@ -100,7 +100,8 @@ std::vector<Plot> hit_overlay_plots(const std::string& id, const RecordedModalSt
   plot.id = id;
   plot.title = "Answer to one hit, test and model";
   plot.caption =
-      "One accepted hit as recorded, and the model's answer to the recorded force. Nothing here was "
+      "One accepted hit as recorded, and the model's answer to the recorded force. Nothing here "
+      "was "
       "fitted to this trace.";
   plot.x_label = "time, s";
   plot.y_label = axis_of(recorded.frfs.form);

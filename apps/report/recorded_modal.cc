@@ -44,9 +44,10 @@ std::string unusable(const signal::Recording& recording, const HammerTest& hamme
     return "gives no sample rate; add sample_rate_hz to its [[test.recording]]";
   }
   if (usual_rate_hz > 0 && std::abs(recording.sample_rate_hz / usual_rate_hz - 1) > 1e-6) {
-    return fmt::format("is sampled at {:g} Hz, the others at {:g} Hz; analyse it as a test of its "
-                       "own",
-                       recording.sample_rate_hz, usual_rate_hz);
+    return fmt::format(
+        "is sampled at {:g} Hz, the others at {:g} Hz; analyse it as a test of its "
+        "own",
+        recording.sample_rate_hz, usual_rate_hz);
   }
   std::vector<std::string> needed = hammer.responses;
   needed.push_back(hammer.force);
@@ -86,8 +87,8 @@ double usual_rate(const std::vector<LoadedRecording>& loaded) {
 }
 
 /// Usable recordings by state and place struck; the rest is refused on the part.
-std::vector<State> sorted_recordings(const CampaignTest& test,
-                                     std::vector<LoadedRecording>& loaded, ReportPart& part) {
+std::vector<State> sorted_recordings(const CampaignTest& test, std::vector<LoadedRecording>& loaded,
+                                     ReportPart& part) {
   std::vector<State> states;
   const double rate = usual_rate(loaded);
   for (auto& entry : loaded) {
@@ -97,9 +98,8 @@ std::vector<State> sorted_recordings(const CampaignTest& test,
       continue;
     }
     const auto& group = test.recordings[entry.group];
-    auto state = std::find_if(states.begin(), states.end(), [&](const State& one) {
-      return one.tension_N == group.tension_N;
-    });
+    auto state = std::find_if(states.begin(), states.end(),
+                              [&](const State& one) { return one.tension_N == group.tension_N; });
     if (state == states.end()) state = states.insert(states.end(), State{group.tension_N, {}});
     auto struck = std::find_if(state->struck.begin(), state->struck.end(),
                                [&](const Struck& one) { return one.load == group.load; });
@@ -148,7 +148,8 @@ signal::ImpactTestOptions impact_options(const CampaignTest& test) {
 signal::FrfSet merged(const std::vector<Struck>& struck) {
   signal::FrfSet set = struck.front().test->frfs;
   set.inputs.clear();
-  for (const auto& one : struck) set.inputs.push_back({one.load.empty() ? "hammer" : one.load, 0, 0});
+  for (const auto& one : struck)
+    set.inputs.push_back({one.load.empty() ? "hammer" : one.load, 0, 0});
   const auto inputs = static_cast<Index>(struck.size());
   const auto responses = static_cast<Index>(set.responses.size());
   if (inputs == 1) return set;
@@ -184,11 +185,10 @@ RecordedHit recorded_hit(const Struck& struck, const std::string& force) {
     const auto& recording = struck.recordings[hit.recording];
     const Index n = std::min(search.block_samples, hit.available);
     const auto& responses = struck.test->responses;
-    kept.force =
-        recording.channel(force).samples.segment(hit.block_first, n).array() - hit.offset;
+    kept.force = recording.channel(force).samples.segment(hit.block_first, n).array() - hit.offset;
     kept.pulse_first = std::max<Index>(0, hit.pulse_first - hit.block_first - 2);
-    kept.pulse_last = std::min(n - 1, hit.pulse_last - hit.block_first +
-                                          3 * (hit.pulse_last - hit.pulse_first + 1));
+    kept.pulse_last = std::min(
+        n - 1, hit.pulse_last - hit.block_first + 3 * (hit.pulse_last - hit.pulse_first + 1));
     kept.responses.resize(n, static_cast<Index>(responses.size()));
     for (std::size_t r = 0; r < responses.size(); ++r) {
       kept.responses.col(static_cast<Index>(r)) =
@@ -231,8 +231,8 @@ class Analysis {
     add_recordings(part(), test_, loaded);
     hits_.id = test_.name + "-hits";
     hits_.caption = "Every hit, kept or rejected.";
-    hits_.columns = {{"state", {}, false},      {"recording", {}, false}, {"time, s", {}, true},
-                     {"peak, N", {}, true},     {"pulse, ms", {}, true},  {"usable to, Hz", {}, true},
+    hits_.columns = {{"state", {}, false},  {"recording", {}, false}, {"time, s", {}, true},
+                     {"peak, N", {}, true}, {"pulse, ms", {}, true},  {"usable to, Hz", {}, true},
                      {"verdict", {}, false}};
     modes_.id = test_.name + "-identified";
     modes_.caption =
@@ -260,10 +260,11 @@ class Analysis {
         auto options = impact_options(test_);
         if (round == 1) {
           if (struck.test && struck.test->search.block_samples == block) continue;
-          options.hits.block_s = static_cast<double>(block) / struck.recordings.front().sample_rate_hz;
+          options.hits.block_s =
+              static_cast<double>(block) / struck.recordings.front().sample_rate_hz;
         }
-        struck.test = signal::analyse_impact_test(struck.recordings, test_.hammer.force, responses,
-                                                  options);
+        struck.test =
+            signal::analyse_impact_test(struck.recordings, test_.hammer.force, responses, options);
         const Index own = struck.test->search.block_samples;
         if (struck.test->frfs.averages > 0) block = block == 0 ? own : std::min(block, own);
       }
@@ -307,8 +308,8 @@ class Analysis {
     }
     for (const auto* notes : {&test.notes, &test.frfs.notes}) {
       for (const auto& note : *notes) {
-        part().warnings.push_back(
-            {note.code, note.message, label + (note.where.empty() ? "" : ", " + note.where), false});
+        part().warnings.push_back({note.code, note.message,
+                                   label + (note.where.empty() ? "" : ", " + note.where), false});
       }
     }
     json_hits_[label].push_back({{"load", struck.load}, {"hits", std::move(list)}});
@@ -392,8 +393,7 @@ class Analysis {
     std::optional<signal::FrfSet> rebuilt;
     if (!found.modes.modes.empty()) {
       rebuilt = signal::synthesised(
-          found.modes,
-          found.frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
+          found.modes, found.frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
           found.frfs.form, found.frfs.exponential_decay_rate_1_s);
     }
     PlotTab tab{label, {}};
@@ -414,7 +414,7 @@ class Analysis {
   void list_modes(const RecordedModalState& found, const signal::ModalResult& modal,
                   const std::string& label) {
     if (modes_.columns.empty()) {
-      modes_.columns = {{"state", {}, false},       {"frequency, Hz", found.origin},
+      modes_.columns = {{"state", {}, false},         {"frequency, Hz", found.origin},
                         {"damping, %", found.origin}, {"MPC", found.origin},
                         {"misfit, %", found.origin},  {"in the diagram, %", found.origin},
                         {"remarks", {}, false}};
@@ -428,10 +428,10 @@ class Analysis {
       modes_.rows.push_back(
           {first ? label : "",
            Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), found.origin),
-           no_damping ? Cell("refused")
-                      : Cell(shown_estimate(100 * mode.damping_ratio.value,
-                                            100 * mode.damping_ratio.std),
-                             found.origin),
+           no_damping
+               ? Cell("refused")
+               : Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
+                      found.origin),
            shown(mode.modal_phase_collinearity, 3), shown(100 * mode.reconstruction_error, 2),
            fmt::format("{:.0f}", 100 * mode.presence), remark});
       first = false;
@@ -445,8 +445,7 @@ class Analysis {
         shape.push_back({{"re", mode.shape[r].real()}, {"im", mode.shape[r].imag()}});
       }
       list.push_back(
-          {{"frequency_hz",
-            {{"value", mode.frequency_hz.value}, {"std", mode.frequency_hz.std}}},
+          {{"frequency_hz", {{"value", mode.frequency_hz.value}, {"std", mode.frequency_hz.std}}},
            {"damping_ratio",
             {{"value", no_damping ? Json(nullptr) : Json(mode.damping_ratio.value)},
              {"std", no_damping ? Json(nullptr) : Json(mode.damping_ratio.std)}}},
@@ -499,12 +498,12 @@ class Analysis {
     part().json["hits_rejected"] = rejected_;
     const auto origin =
         result_.states.empty() ? std::optional<Origin>() : result_.states.front().origin;
-    part().summary.push_back({SummaryItem::Kind::result, test_.title + ", recorded",
-                              fmt::format("{} modes in {} states from {} recordings; {} of {} hits "
-                                          "rejected",
-                                          modes_found_, result_.states.size(), files, rejected_,
-                                          all_hits_),
-                              origin, part().id});
+    part().summary.push_back(
+        {SummaryItem::Kind::result, test_.title + ", recorded",
+         fmt::format("{} modes in {} states from {} recordings; {} of {} hits "
+                     "rejected",
+                     modes_found_, result_.states.size(), files, rejected_, all_hits_),
+         origin, part().id});
   }
 
   const CampaignTest& test_;

@@ -18,9 +18,9 @@ namespace rigfit::apps {
 struct RecordedHit {
   std::string load;
   double rate_hz = 0;
-  Eigen::VectorXd force;       ///< N, offset removed
+  Eigen::VectorXd force;                          ///< N, offset removed
   Eigen::Index pulse_first = 0, pulse_last = -1;  ///< the blow and what rings after it; noise else
-  Eigen::MatrixXd responses;   ///< samples x responses, values at rest removed
+  Eigen::MatrixXd responses;                      ///< samples x responses, values at rest removed
 };
 
 struct RecordedModalState {
@@ -29,11 +29,11 @@ struct RecordedModalState {
   std::vector<std::string> channels;  ///< responses, in the order of the FRFs
   /// Of positive values, as the recordings say; zero where they do not.
   std::vector<Eigen::Vector3d> directions, force_directions;
-  signal::FrfSet frfs;                ///< inputs named by the scene's loads
+  signal::FrfSet frfs;  ///< inputs named by the scene's loads
   signal::ModalModel modes;
-  double low_hz = 0, high_hz = 0;     ///< band used
-  bool amplitudes = true;             ///< false: only frequencies and damping mean something
-  std::vector<RecordedHit> hits;      ///< one a load
+  double low_hz = 0, high_hz = 0;  ///< band used
+  bool amplitudes = true;          ///< false: only frequencies and damping mean something
+  std::vector<RecordedHit> hits;   ///< one a load
 };
 
 template <class A>
@@ -42,7 +42,8 @@ void archive(A& a, RecordedHit& v) {
 }
 template <class A>
 void archive(A& a, RecordedModalState& v) {
-  a(v.tension_N, v.origin, v.channels, v.directions, v.force_directions, v.frfs, v.modes, v.low_hz, v.high_hz, v.amplitudes, v.hits);
+  a(v.tension_N, v.origin, v.channels, v.directions, v.force_directions, v.frfs, v.modes, v.low_hz,
+    v.high_hz, v.amplitudes, v.hits);
 }
 
 struct RecordedModal {

@@ -39,13 +39,15 @@ class Listing {
   Listing(ReportPart& part, const CampaignTest& test) : part_(part), test_(test) {
     table_.id = test.name + "-quality";
     table_.caption =
-        "Recordings of this test, channel by channel, and what to know about each. Noise floor: the "
+        "Recordings of this test, channel by channel, and what to know about each. Noise floor: "
+        "the "
         "even noise under the signal, root mean square.";
-    table_.columns = {{"file", {}, false},   {"origin", {}, false},      {"taken at", {}, false},
-                      {"rate, Hz", {}, true}, {"length, s", {}, true},    {"channel (unit)", {}, false},
-                      {"lowest", {}, true},   {"highest", {}, true},      {"rms", {}, true},
-                      {"noise floor", {}, true}, {"clipped", {}, true},   {"missing", {}, true},
-                      {"remarks", {}, false}};
+    table_.columns = {
+        {"file", {}, false},       {"origin", {}, false},   {"taken at", {}, false},
+        {"rate, Hz", {}, true},    {"length, s", {}, true}, {"channel (unit)", {}, false},
+        {"lowest", {}, true},      {"highest", {}, true},   {"rms", {}, true},
+        {"noise floor", {}, true}, {"clipped", {}, true},   {"missing", {}, true},
+        {"remarks", {}, false}};
   }
 
   void add(const LoadedRecording& entry) {
@@ -118,15 +120,15 @@ class Listing {
     Cell remark(remarks);
     remark.doubtful = bad;
     const auto& recording = *entry.recording;
-    table_.rows.push_back(
-        {first ? short_name(entry.file) : "", first ? origin : Cell(), first ? at : "",
-         first ? shown(recording.sample_rate_hz, 5) : "",
-         first ? shown(recording.duration_s(), 3) : "",
-         fmt::format("{} ({})", channel.name,
-                     channel.unit.empty() ? "no unit" : unit_words(channel.unit)),
-         shown(quality.min, 3), shown(quality.max, 3), shown(quality.rms, 3),
-         shown(quality.noise_floor, 2), fmt::format("{}", quality.clipped_samples),
-         fmt::format("{}", quality.missing_samples), std::move(remark)});
+    table_.rows.push_back({first ? short_name(entry.file) : "", first ? origin : Cell(),
+                           first ? at : "", first ? shown(recording.sample_rate_hz, 5) : "",
+                           first ? shown(recording.duration_s(), 3) : "",
+                           fmt::format("{} ({})", channel.name,
+                                       channel.unit.empty() ? "no unit" : unit_words(channel.unit)),
+                           shown(quality.min, 3), shown(quality.max, 3), shown(quality.rms, 3),
+                           shown(quality.noise_floor, 2),
+                           fmt::format("{}", quality.clipped_samples),
+                           fmt::format("{}", quality.missing_samples), std::move(remark)});
     json["channels"].push_back({{"name", channel.name},
                                 {"unit", channel.unit},
                                 {"min", quality.min},

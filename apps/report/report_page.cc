@@ -271,7 +271,8 @@ class Writer {
     for (std::size_t i = 0; i < group.tabs.size(); ++i) {
       if (several) {
         html_ += fmt::format(
-            "<div role=\"tabpanel\" id=\"{0}-p{1}\" aria-labelledby=\"{0}-t{1}\" class=\"panel{2}\">"
+            "<div role=\"tabpanel\" id=\"{0}-p{1}\" aria-labelledby=\"{0}-t{1}\" "
+            "class=\"panel{2}\">"
             "<p class=\"panel-title\"><b>{3}</b></p>\n",
             escaped(group.id), i, i == 0 ? "" : " other", escaped(group.tabs[i].label));
       }
@@ -294,7 +295,8 @@ class Writer {
         "<div class=\"readout\" aria-live=\"polite\"></div>\n<div class=\"static\">{2}</div>\n"
         "<figcaption>{3} <a href=\"figures/{0}.svg\">SVG</a>, <a href=\"data/{0}.csv\">CSV</a>"
         "</figcaption>\n",
-        escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption), heading_);
+        escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption),
+        heading_);
     values_table(plot);
     html_ += "</figure>\n";
   }

@@ -87,9 +87,9 @@ struct OutputFile {
 
 /// What one computation of the model took and how far off it says it is.
 struct ModelCost {
-  std::string what;    ///< "cable-in-plane, 200 N: modes"
-  std::string method;  ///< "60 segments, banded eigenvalues"
-  std::string choices; ///< what was kept and left out, and what that costs
+  std::string what;     ///< "cable-in-plane, 200 N: modes"
+  std::string method;   ///< "60 segments, banded eigenvalues"
+  std::string choices;  ///< what was kept and left out, and what that costs
   double wall_s = 0;
   double relative_error = 0;  ///< estimated; NaN: not known
 };

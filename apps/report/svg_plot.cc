@@ -180,8 +180,8 @@ std::string marker(const PlotSeries& series, double x, double y) {
           word, x, y - 4.5, colour);
     case Origin::synthetic:
       return fmt::format(
-          "<path class=\"{}\" d=\"M{:.1f} {:.1f}l4.5 8h-9z\" fill=\"{}\" stroke=\"{}\"/>", word,
-          x, y - 5, colour, colour);
+          "<path class=\"{}\" d=\"M{:.1f} {:.1f}l4.5 8h-9z\" fill=\"{}\" stroke=\"{}\"/>", word, x,
+          y - 5, colour, colour);
     case Origin::modelled:
       return fmt::format(
           "<path class=\"{}\" d=\"M{:.1f} {:.1f}h9m-4.5 -4.5v9\" fill=\"none\" stroke=\"{}\" "
@@ -276,7 +276,7 @@ void draw_points(std::string& svg, const PlotSeries& series, const Axis& x, cons
 void draw_series(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y,
                  int digits) {
   if (has_line(series)) {
-    if (!series.low.empty()) draw_band(svg, series, x, y);
+    if (!series.low.empty() && !has_points(series)) draw_band(svg, series, x, y);
     draw_line(svg, series, x, y, digits);
   }
   if (has_points(series)) draw_points(svg, series, x, y);

@@ -27,7 +27,7 @@
 
   // Series with their own x values become columns over all of them; null where a series has no value.
   function table(plot) {
-    var banded = plot.series.some(function (s) { return s.low && s.line; });
+    var banded = plot.series.some(function (s) { return s.low && s.line && !s.points; });
     var row_of = new Map(), rows = [];
     plot.series.forEach(function (s, k) {
       var used = new Set();
@@ -44,7 +44,7 @@
         used.add(row);
         var y = s.y[i];
         if (y === null) y = NaN;
-        row[k + 1] = banded ? (s.low && s.line ? [s.low[i], y, s.high[i]] : [y, y, y]) : y;
+        row[k + 1] = banded ? (s.low && s.line && !s.points ? [s.low[i], y, s.high[i]] : [y, y, y]) : y;
         row["i" + k] = i;
       });
     });
@@ -96,14 +96,16 @@
     });
     var xs = data.rows.map(function (r) { return r[0]; });
     var low = Math.min.apply(null, xs), high = Math.max.apply(null, xs), margin = 0.04 * (high - low || 1);
+    // dygraphs pads a logarithmic abscissa below zero: its range is said.
+    var whole = plot.log_x ? [low / Math.pow(high / low, 0.03), high * Math.pow(high / low, 0.03)] : [low - margin, high + margin];
     var readout = host.parentNode.querySelector(".readout");
     var g = new Dygraph(host, data.rows, {
       labels: labels, series: options, customBars: data.banded, fillAlpha: 0.15,
       xlabel: plot.x_label, ylabel: plot.y_label, xLabelHeight: 18, yLabelWidth: 18,
       axes: { x: { logscale: plot.log_x, gridLineColor: colour("rule"), axisLineColor: colour("soft") },
               y: { logscale: plot.log_y, gridLineColor: colour("rule"), axisLineColor: colour("soft"), axisLabelWidth: 58 } },
-      dateWindow: plot.log_x ? null : [low - margin, high + margin],
-      legend: "never", includeZero: false, highlightSeriesOpts: null, xRangePad: 6, yRangePad: 12, labelsKMB: false,
+      dateWindow: whole,
+      legend: "never", includeZero: false, highlightSeriesOpts: null, xRangePad: plot.log_x ? 0 : 6, yRangePad: 12, labelsKMB: false,
       highlightCallback: function (event, x, points) {
         readout.textContent = plot.x_label + " " + shown(x) + ": " + points.filter(function (p) {
           return p.yval !== null && !isNaN(p.yval); }).map(function (p) { return p.name.trim() + " " + shown(p.yval); }).join("; ");
@@ -111,11 +113,11 @@
       unhighlightCallback: function () { readout.textContent = ""; }
     });
     host.dygraph = g;
-    tools(host, plot, g, low - margin, high + margin);
+    tools(host, plot, g, whole);
     keys(host, plot, g, data, readout);
   }
 
-  function tools(host, plot, g, low, high) {
+  function tools(host, plot, g, whole) {
     var box = host.parentNode.querySelector(".plot-tools"), groups = new Map();
     plot.series.forEach(function (s, k) {
       var name = s.group || s.name;
@@ -133,7 +135,7 @@
       var b = document.createElement("button"); b.type = "button"; b.textContent = text;
       b.addEventListener("click", act); box.append(b); return b;
     }
-    button("Whole range", function () { g.updateOptions({ dateWindow: plot.log_x ? null : [low, high], valueRange: null }); });
+    button("Whole range", function () { g.updateOptions({ dateWindow: whole, valueRange: null }); });
     var log = plot.log_y, positive = plot.series.every(function (s) { return s.y.every(function (y) { return y === null || y > 0; }); });
     if (positive) {
       var b = button(log ? "Linear y" : "Logarithmic y", function () {
