@@ -4,9 +4,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/needs.h"
 #include "model/scene_error.h"
+#include "model/segment_lumping.h"
 
 namespace rigfit::model {
 namespace {
@@ -33,16 +35,22 @@ class Sections {
   double polar(int i) const {
     return member_.polar_inertia * l_ * power(diameter((i + 0.5) / n_), 4);
   }
-  /// Of a joint at s (0..1) that takes the bending of `share` segments.
-  JointSprings springs(double s, double share, bool framed) const {
-    const double f = power(diameter(s), 4) / (share * l_), c = 1 / (share * l_);
+  /// Of a joint at s (0..1) of a flexibility in l / EI there; torsion over `share` segments.
+  JointSprings springs(double s, double flexibility, double share, bool framed) const {
+    const double f = power(diameter(s), 4) / l_;
     JointSprings springs;
-    springs.about_1 = member_.EI[0] * f;
-    springs.about_2 = member_.EI[1] * f;
-    springs.torsion = framed ? member_.GJ * f : 0;
-    springs.bending_damping = member_.damping.bending * c;
-    springs.torsion_damping = framed ? member_.damping.torsion * c : 0;
+    springs.about_1 = member_.EI[0] * f / flexibility;
+    springs.about_2 = member_.EI[1] * f / flexibility;
+    springs.torsion = framed ? member_.GJ * f / share : 0;
+    springs.bending_damping = member_.damping.bending / (flexibility * l_);
+    springs.torsion_damping = framed ? member_.damping.torsion / (share * l_) : 0;
     return springs;
+  }
+  /// T l^2 / EI of the softer bending at s.
+  double layers(double tension, double s) const {
+    const double EI = std::min(member_.EI[0], member_.EI[1]) * power(diameter(s), 4);
+    if (!(tension > 0)) return 0;
+    return EI > 0 ? tension * l_ * l_ / EI : std::numeric_limits<double>::infinity();
   }
 
  private:
@@ -50,6 +58,35 @@ class Sections {
   int n_;
   double l_;
 };
+
+/// Of every joint of a member, ends included, in l / EI (segment_lumping.h).
+std::vector<double> joint_flexibilities(const Sections& sections, int n, double tension,
+                                        bool accurate, const std::array<bool, 2>& bent) {
+  std::vector<double> out(static_cast<std::size_t>(n) + 1, 1.0);
+  out.front() = out.back() = ClampFlexibility{}.end;
+  if (!accurate) return out;
+  std::array<ClampFlexibility, 2> clamp;
+  for (std::size_t e = 0; e < 2; ++e) {
+    clamp[e] = clamp_flexibility(sections.layers(tension, double(e)));
+    out[e == 0 ? 0 : std::size_t(n)] = clamp[e].end;
+  }
+  for (std::size_t e = 0; e < 2; ++e) {
+    if (!bent[e]) continue;
+    out[std::size_t(e == 0 ? 1 : n - 1)] += clamp[e].next;
+    out[std::size_t(e == 0 ? 2 : n - 2)] += clamp[e].second;
+  }
+  return out;
+}
+
+/// What pulls a member, for its joints' flexibility.
+double tension_about(const Chain& chain, const ChainMember& out, const Member& member,
+                     const Eigen::Vector3d& chord) {
+  const double length = chord.norm();
+  const Eigen::Vector3d t = chord / length;
+  const double across = (chain.gravity - t * t.dot(chain.gravity)).norm();
+  return nominal_tension(member, length, out.tension_direction.dot(t),
+                         member.mass_per_length * across);
+}
 
 ChainPoint point_on(const ChainMember& member, double s) {
   ChainPoint point;
@@ -191,6 +228,15 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     const bool framed = needs.torsion[m];
     const Eigen::Matrix3d axes = chain.axes * material_axes(chain.axes.transpose() * chord);
     const Sections sections(member, n, out.unstretched_length);
+    const bool accurate = options.rotary_inertia == RotaryInertia::accurate;
+    const double tension = accurate ? tension_about(chain, out, member, chord) : 0;
+    std::array<bool, 2> bent{false, false};  // ends that bear a moment
+    for (std::size_t e = 0; e < 2; ++e) {
+      bent[e] = member.joint[e] == Member::Joint::rigid &&
+                needs.attitude[static_cast<std::size_t>(ends[m][e])] != NodeAttitude::released;
+    }
+    const std::vector<double> flexibility =
+        joint_flexibilities(sections, n, tension, accurate, bent);
     out.nodes.push_back(ends[m][0]);
     for (int i = 1; i < n; ++i) {
       chain.drawn.col(next_node) = from + chord * (double(i) / n);
@@ -208,14 +254,13 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       segment.EA = sections.EA(i);
       segment.mass = sections.segment_mass(i);
       segment.polar = framed ? sections.polar(i) : 0;
-      segment.coupling =
-          out.cable && options.rotary_inertia == RotaryInertia::accurate ? 1.0 / 12 : 1.0 / 6;
+      segment.coupling = accurate && out.cable ? 1.0 / 12 : 1.0 / 6;
       segment.axial_damping = member.damping.axial / segment.length;
       chain.segments.push_back(segment);
       if (i > 0) {
         const int here = out.first_segment + i;
         chain.inner_joints.push_back(
-            {{here - 1, here}, sections.springs(double(i) / n, 1, framed)});
+            {{here - 1, here}, sections.springs(double(i) / n, flexibility[k], 1, framed)});
       }
     }
     chain.drawn_director.conservativeResize(3, chain.frames);
@@ -229,7 +274,10 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       EndJoint joint;
       joint.end = end;
       joint.segment = end == 0 ? out.first_segment : out.first_segment + n - 1;
-      joint.springs = sections.springs(end == 0 ? 0.25 / n : 1 - 0.25 / n, 0.5, framed);
+      // The paper's joint is in the middle of its half segment.
+      const double place = accurate ? 0 : 0.25 / n;
+      joint.springs = sections.springs(end == 0 ? place : 1 - place,
+                                       flexibility[end == 0 ? 0 : std::size_t(n)], 0.5, framed);
       joint.directors = axes;
       joint.made_at_rest = out.cable && member.assembled == Member::Assembled::hanging;
       if (needs.attitude[node] == NodeAttitude::released) {

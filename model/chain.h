@@ -12,11 +12,9 @@
 // that is K (1 - cos phi) for a bend by phi: K phi^2 / 2 to second order, smooth at every angle,
 // objective, no angles in it. Torsion by tau adds K3 (1 + cos phi)(1 - cos tau) / 2.
 //
-// Mass is lumped so that it is constant: m l (1/3, 1/6) between a segment's nodes for a rigid rod
-// of rotary inertia m l^2 / 12, (5/12, 1/12) with m l^2 / 6. Where tension stiffens, the second
-// cancels the springs' error to first order: (2 - 2 cos kl) / (k l)^2 = 1 - (k l)^2 / 12 = its
-// mass; where bending does, the first, since that error is twice as large. RotaryInertia::accurate
-// takes each for its kind of member.
+// Mass is lumped so that it is constant: m l (1/2 - c, c) between a segment's nodes, c = 1/6 for a
+// rigid rod of rotary inertia m l^2 / 12. RotaryInertia::accurate takes the c and the joints'
+// flexibility for which frequencies err by l^4 (segment_lumping.h); rigid_rod is the paper's.
 #pragma once
 
 #include <Eigen/Core>

@@ -37,9 +37,10 @@ struct Equilibrium {
   std::vector<MemberEquilibrium> members;
 };
 
-/// The rod's rotary inertia about a transverse axis: m l^2/12 is a rigid rod's (the paper's).
-/// Accurate makes the first-order error of the lumping vanish: m l^2/6 for a cable, whose tension
-/// stiffens it, m l^2/12 for a beam, whose bending does (chain.h).
+/// How segments are lumped. rigid_rod is the paper's: rotary inertia m l^2/12 about a transverse
+/// axis, joints of EI / l, half a segment at a clamp; frequencies err by l^2. Accurate takes the
+/// inertia and the joints for which they err by l^4, tension and clamps included
+/// (segment_lumping.h).
 enum class RotaryInertia { accurate, rigid_rod };
 
 enum class ModePlane { in, out, mixed, axial, torsion };
@@ -76,7 +77,7 @@ struct ModesOptions {
   RotaryInertia rotary_inertia = RotaryInertia::accurate;
   bool damped = true;           ///< damping ratios too
   bool shapes = true;           ///< false: frequencies, planes and sensors only
-  bool error_estimate = true;   ///< two more numbers of segments, about the same time again
+  bool error_estimate = true;   ///< two finer chains too: 3.5 times the time again
   std::optional<int> segments;  ///< overrides every member's number
   std::optional<bool> torsion;  ///< force modelling it or not; else by need
 };

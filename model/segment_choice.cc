@@ -66,13 +66,11 @@ ResolutionError resolution_error(const Scene& scene, const ModesOptions& options
     }
     if (counts[k] > 0) counts[k] += offset[k];
   }
-  const int fewest = *std::min_element(segments.begin(), segments.end());
-  const bool coarser = fewest >= 12;
   std::vector<std::vector<Eigen::VectorXd>> others;
   Eigen::Matrix3d powers;
   powers.row(0).setOnes();
   for (int level = 1; level <= 2; ++level) {
-    const double factor = coarser ? 1.0 / (level + 1) : 1 + 0.5 * level;
+    const double factor = 1 + 0.5 * level;
     std::vector<int> changed;
     for (const int n : segments) {
       changed.push_back(std::max(3, static_cast<int>(std::lround(n * factor))));
@@ -141,10 +139,11 @@ SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
     }
     return segments;
   };
-  // Smallest n whose estimate meets the accuracy: bracketed, guessed by second order.
-  int low = kFewest - 1, high = kMost + 1, n = 16;
+  // Smallest n whose estimate meets the accuracy: bracketed, guessed by the order seen so far.
+  int low = kFewest - 1, high = kMost + 1, n = 16, last_n = 0;
+  double order = 3, last_error = 0;
   SegmentChoice best;
-  for (int round = 0; round < 12; ++round) {
+  for (int round = 0; round < 16; ++round) {
     SegmentChoice trial;
     trial.segments = share_out(n);
     trial.modes = find_modes(scene, options, trial.segments);
@@ -156,15 +155,18 @@ SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
       if (!trial.error.known) trial.error.relative = 1;
       (trial.error.relative <= scene.accuracy ? high : low) = n;
     }
-    const double ratio = trial.error.relative / scene.accuracy;
-    if (ratio <= 1 || best.segments.empty() || round == 0 ||
-        (best.error.relative > scene.accuracy && trial.error.relative < best.error.relative)) {
+    const double error = trial.error.relative;
+    if (error <= scene.accuracy || best.segments.empty() ||
+        (best.error.relative > scene.accuracy && error < best.error.relative)) {
       best = std::move(trial);
     }
-    if (high - low <= std::max(1, high / 20)) break;
-    const double guess = n * std::clamp(std::sqrt(ratio), 0.2, 5.0) * 1.02;
+    if (high - low <= std::max(1, high / 20) || low == kMost) break;
+    if (last_n > 0 && n != last_n && error > 0 && last_error > 0) {
+      order = std::clamp(std::log(last_error / error) / std::log(double(n) / last_n), 1.5, 6.0);
+    }
+    last_n = n, last_error = error;
+    const double guess = n * std::clamp(std::pow(error / scene.accuracy, 1 / order), 0.2, 5.0);
     n = std::clamp(static_cast<int>(std::ceil(guess)), low + 1, std::min(high - 1, kMost));
-    if (low == kMost) break;
   }
   return best;
 }

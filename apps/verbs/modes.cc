@@ -175,7 +175,7 @@ void add_modes(CLI::App& program, Verbs& verbs) {
       ->type_name("N")
       ->check(CLI::Range(2, 100000));
   verb->add_option("--rotary-inertia", options->rotary_inertia,
-                   "Of a segment: accurate, or a rigid rod's as in the paper")
+                   "Of a segment, and its joints: accurate, or a rigid rod's as in the paper")
       ->check(CLI::IsMember({"accurate", "rigid_rod"}))
       ->capture_default_str();
   verb->add_option("--torsion", options->torsion, "Model torsion: where needed, always or never")
