@@ -9,6 +9,8 @@
 namespace rigfit::model {
 namespace {
 
+constexpr int kLarge = 1500;  // unknowns, from which on long Lanczos spaces cost more than factors
+
 EnvelopeMatrix shifted(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double mu) {
   EnvelopeMatrix out = k;
   out.values() -= mu * m.values();
@@ -81,12 +83,20 @@ class Lanczos {
     projected_.bottomRows(columns - old).setZero();
   }
 
-  /// Removes the space so far from work_ (twice is enough), coefficients added to `coefficients`.
+  /// Removes the space so far from work_, coefficients added to `coefficients`: what the three-term
+  /// recurrence says first, then everything, and again where that took much away.
   void orthogonalise(Eigen::VectorXd* coefficients) {
+    for (int j = std::max(0, size_ - 2); j < size_; ++j) {
+      const double along = mv_.col(j).dot(work_);
+      work_.noalias() -= along * v_.col(j);
+      if (coefficients) (*coefficients)[j] += along;
+    }
     for (int pass = 0; pass < 2; ++pass) {
+      const double before = work_.squaredNorm();
       small_.noalias() = mv_.leftCols(size_).transpose() * work_;
       work_.noalias() -= v_.leftCols(size_) * small_;
       if (coefficients) *coefficients += small_;
+      if (work_.squaredNorm() > 0.5 * before) break;
     }
   }
 
@@ -175,6 +185,130 @@ Eigenpairs collect(const Lanczos& lanczos, std::vector<int> chosen) {
   return out;
 }
 
+/// All eigenvalues in an interval, by slices with few of them in each: as many Lanczos vectors as
+/// a slice needs, and a shift amid them that tells even crowded ones apart.
+class Slices {
+ public:
+  Slices(const EnvelopeMatrix& k, const EnvelopeMatrix& m) : k_(k), m_(m), shifted_(k) {}
+
+  int below(double mu) {
+    shifted_.values() = k_.values() - mu * m_.values();
+    factor_.factor(shifted_);
+    return factor_.negative_pivots();
+  }
+
+  /// A bound above the `count` lowest, not many more of them, from one with at least as many.
+  double bound_above(int count, double high) {
+    double low = 0;
+    int number = below(high);
+    const int enough = count + std::max(2, count / 8);
+    for (int i = 0; i < kBisections && number > enough; ++i) {
+      const double middle = 0.5 * (low + high);
+      const int here = below(middle);
+      if (here >= count) {
+        high = middle, number = here;
+      } else {
+        low = middle;
+      }
+    }
+    return high;
+  }
+
+  /// The eigenpairs between two bounds with `n_low` and `n_high` eigenvalues below them.
+  void find(double low, int n_low, double high, int n_high) {
+    if (n_high <= n_low) return;
+    if (n_high - n_low > kMostInSlice) {
+      double a = low, b = high;
+      for (int i = 0; i < kBisections; ++i) {
+        const double middle = 0.5 * (a + b);
+        const int here = below(middle);
+        const int part = here - n_low;
+        if (part >= (n_high - n_low) / 4 && part <= 3 * (n_high - n_low) / 4) {
+          find(low, n_low, middle, here);
+          find(middle, here, high, n_high);
+          return;
+        }
+        (part < (n_high - n_low) / 2 ? a : b) = middle;
+      }
+    }
+    // The bounds close in on the eigenvalues, so that the shift lies among them.
+    double a = low, b = high;
+    for (int i = 0; i < kBisections; ++i) {
+      const double middle = 0.5 * (a + b);
+      const int here = below(middle);
+      if (here == n_low) {
+        a = middle;
+      } else if (here == n_high) {
+        b = middle;
+      } else {
+        break;
+      }
+    }
+    solve(a, b, n_high - n_low);
+  }
+
+  Eigenpairs take(int count) {
+    std::sort(found_.begin(), found_.end(),
+              [](const auto& x, const auto& y) { return x.first < y.first; });
+    if (static_cast<int>(found_.size()) > count) found_.resize(std::size_t(count));
+    Eigenpairs out;
+    out.values.resize(static_cast<Eigen::Index>(found_.size()));
+    out.vectors.resize(k_.size(), out.values.size());
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      out.values[Eigen::Index(i)] = found_[i].first;
+      out.vectors.col(Eigen::Index(i)) = found_[i].second;
+    }
+    out.complete = complete_;
+    out.steps = steps_;
+    return out;
+  }
+
+ private:
+  static constexpr int kMostInSlice = 32, kBisections = 60;
+
+  void solve(double low, double high, int wanted) {
+    Lanczos lanczos(k_, m_, 0.5 * (low + high));
+    const int n = k_.size();
+    int next_check = std::min(n, 2 * wanted + 10), stalled = 0;
+    std::vector<int> inside;
+    while (lanczos.done() < n) {
+      const bool grew = lanczos.extend();
+      if (grew && lanczos.done() < next_check && lanczos.done() < n) continue;
+      lanczos.ritz();
+      inside.clear();
+      bool pending = false;
+      for (int i = 0; i < lanczos.done(); ++i) {
+        if (!(lanczos.lambda(i) >= low && lanczos.lambda(i) < high)) continue;
+        if (lanczos.converged(i)) {
+          inside.push_back(i);
+        } else {
+          pending = true;
+        }
+      }
+      if (static_cast<int>(inside.size()) >= wanted || !grew || lanczos.exhausted()) break;
+      if (!pending && ++stalled > 2) {  // equal ones, which this start cannot see
+        lanczos.renew();
+        stalled = 0;
+      }
+      next_check = lanczos.done() + std::max(4, wanted / 4);
+    }
+    steps_ += lanczos.done();
+    complete_ = complete_ && static_cast<int>(inside.size()) == wanted;
+    const Eigenpairs pairs = collect(lanczos, inside);
+    for (Eigen::Index i = 0; i < pairs.values.size(); ++i) {
+      found_.emplace_back(pairs.values[i], pairs.vectors.col(i));
+    }
+  }
+
+  const EnvelopeMatrix& k_;
+  const EnvelopeMatrix& m_;
+  EnvelopeMatrix shifted_;
+  EnvelopeFactor factor_;
+  std::vector<std::pair<double, Eigen::VectorXd>> found_;
+  bool complete_ = true;
+  int steps_ = 0;
+};
+
 }  // namespace
 
 int count_below(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double mu) {
@@ -200,6 +334,15 @@ Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, i
     while (good < lanczos.done() && good < count && lanczos.converged(good)) ++good;
     // One more than wanted, at least roughly, to place the count between two.
     const bool beyond = lanczos.done() > count;
+    if (good < count && !all && n > kLarge && lanczos.done() >= 2 * count + 6 && count > 1 &&
+        lanczos.nu(count - 1) > 0) {
+      // Crowded: one space for all would grow with the crowd. Ritz values lie above the
+      // eigenvalues, so that there are at least as many below.
+      Slices slices(k, m);
+      const double high = slices.bound_above(count, lanczos.lambda(count - 1) * (1 + 1e-9));
+      slices.find(0, 0, high, slices.below(high));
+      return slices.take(count);
+    }
     if ((good == count && beyond) || all) {
       const int found = all ? lanczos.done() : count;
       std::vector<int> chosen;

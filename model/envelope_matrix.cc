@@ -134,12 +134,14 @@ void EnvelopeFactorOf<Scalar>::solve_in_place(Scalar* x) const {
   const Envelope& envelope = *factors_.envelope();
   const Scalar* values = factors_.values().data();
   const int n = envelope.size;
-  for (int i = 0; i < n; ++i) {
+  int start = 0;  // zeros above the first entry stay
+  while (start < n && x[start] == Scalar(0)) ++start;
+  for (int i = start + 1; i < n; ++i) {
     const auto row = static_cast<std::size_t>(i);
     const int begin = envelope.first[row];
     x[i] -= dot(values + envelope.offset[row] + begin, x + begin, i - begin);
   }
-  for (int i = 0; i < n; ++i) x[i] *= inverse_pivot_[i];
+  for (int i = start; i < n; ++i) x[i] *= inverse_pivot_[i];
   for (int i = n - 1; i > 0; --i) {
     const auto row = static_cast<std::size_t>(i);
     const Scalar* l = values + envelope.offset[row];

@@ -53,6 +53,7 @@ class Solver {
     border_.resize(n, k);
     gradient_.resize(n, k);
     small_.resize(k, k);
+    support_.resize(targets_.size());
     mismatch_.resize(k);
     column_.resize(n);
     row_.resize(n);
@@ -74,7 +75,7 @@ class Solver {
         assembly_.tension_gradient(state, targets_[std::size_t(i)], row_, small_(i, i), &value);
         mismatch_[i] =
             *chain_.members[std::size_t(targets_[std::size_t(i)])].target_tension - value;
-        gradient_.col(i) = row_;
+        set_gradient(i);
         unbalanced_ = std::max(unbalanced_, std::abs(mismatch_[i]));
       }
       residual = scale_ > 0 ? unbalanced_ / scale_ : unbalanced_;
@@ -95,9 +96,13 @@ class Solver {
         }
         factor_.solve_in_place(border_);
         const Eigen::VectorXd own = small_.diagonal();
-        small_.noalias() = -gradient_.transpose() * border_;
+        for (Eigen::Index i = 0; i < k; ++i) {
+          const auto [first, size] = support_[std::size_t(i)];
+          const auto gradient = gradient_.col(i).segment(first, size).transpose();
+          small_.row(i).noalias() = -gradient * border_.middleRows(first, size);
+          mismatch_[i] -= gradient * column_.segment(first, size);
+        }
         small_.diagonal() += own;
-        mismatch_.noalias() -= gradient_.transpose() * column_;
         // Cables in line over a node that nothing else holds share one condition: least change.
         Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
         decomposition.setThreshold(1e-9);
@@ -127,6 +132,15 @@ class Solver {
     for (Eigen::Index i = 0; i < rotation.size(); ++i) {
       if (rotation(i) >= 0) tangent_.add(rotation(i), rotation(i), 1e-10 * largest);
     }
+  }
+
+  /// A tension's gradient, from `row_`: few unknowns next to each other.
+  void set_gradient(Eigen::Index i) {
+    Eigen::Index first = 0, last = row_.size() - 1;
+    while (first < last && row_[first] == 0) ++first;
+    while (last > first && row_[last] == 0) --last;
+    support_[std::size_t(i)] = {first, last - first + 1};
+    gradient_.col(i).segment(first, last - first + 1) = row_.segment(first, last - first + 1);
   }
 
   void add_hold(const ChainState& state, double hold) {
@@ -229,6 +243,7 @@ class Solver {
   std::vector<int> targets_;
   Eigen::VectorXd force_, column_, row_, axial_, mismatch_, lengths_;
   Eigen::MatrixXd border_, gradient_, small_;
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> support_;  // of each gradient: first, size
   double extent_ = 0, unbalanced_ = 0, scale_ = 0, rounding_ = 0;
 };
 
