@@ -117,11 +117,12 @@ class DeckWriter {
     const double total_mass = member.mass_per_length * unstretched_of(member);
     const double height = std::sqrt(12 * member.EI[0] / member.EA);
     const double width = std::sqrt(12 * member.EI[1] / member.EA);
-    // ccx measures Green's strain from the deck's straight length L, the scene per unstretched
-    // length L0: a force N = EA e over L0 is EA (L / L0)^3 times the difference of Green's strains
-    // over L.
-    const double ratio = span.norm() / unstretched_of(member);
-    const double modulus = member.EA * ratio * ratio * ratio / (height * width);
+    // ccx measures Green's strain from the deck's straight length L and Kirchhoff's stress, the
+    // scene force and strain e per unstretched length L0: E A (L0 / L)^3 (1 + e)(1 + e / 2) e for
+    // EA e. The modulus makes the force at rest the scene's.
+    const double ratio = span.norm() / unstretched_of(member), e = strain_of(member);
+    const double modulus =
+        member.EA * ratio * ratio * ratio / ((1 + e) * (1 + e / 2)) / (height * width);
     const double density = total_mass / (height * width * span.norm());
     const Eigen::Vector3d axis = span.normalized();
     Eigen::Vector3d across = Eigen::Vector3d::UnitZ() - axis.z() * axis;
@@ -144,6 +145,13 @@ class DeckWriter {
     const double strain = (stretch * stretch - 1) / 2;  // Green's
     return fmt::format("*EXPANSION\n{:.12g},{}\n{:.12g},{}\n", (strain - kTightStrain) / kDegree,
                        kDegree, strain / (2 * kDegree), 2 * kDegree);
+  }
+
+  double strain_of(const Member& member) const {
+    for (const auto& result : equilibrium_.members) {
+      if (result.member == member.name) return result.tension_N / member.EA;
+    }
+    return 0;
   }
 
   double unstretched_of(const Member& member) const {
@@ -209,6 +217,12 @@ class DeckWriter {
   void hold_twist(const std::string& node, int number) {
     for (const auto& member : scene_.members) {
       if (member.nodes[0] != node && member.nodes[1] != node) continue;
+      if (member.kind == Member::Kind::cable) {
+        notes_.push_back(node +
+                         ": free to twist, which gives the deck a spinning mode that the scene has "
+                         "not (ccx would hold a sagging end's other rotations too)");
+        return;
+      }
       const Eigen::Vector3d axis =
           (position(member.nodes[1]) - position(member.nodes[0])).normalized();
       Eigen::Index main = 0;

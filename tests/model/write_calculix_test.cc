@@ -54,11 +54,11 @@ Scene cable(double tension, double EI) {
   return scene;
 }
 
-// The first `count` frequencies of both; at a pinned end a sagging cable assembled straight or
-// hanging is the same. ccx's 40 quadratic elements converge to 3e-4 for the sixth mode (halving
-// them moves it by that), its square bar adds a shear and rotary effect of (h/L)^2 = 7e-6 times the
-// mode number squared.
-void expect_agreement(const Scene& scene, std::size_t count, double tolerance, int elements) {
+// The first `count` frequencies of both, ours for vanishing segments; `spinning`: one of ccx's, of
+// a cable whose ends its deck leaves free to twist, is not the scene's. At a pinned end a sagging
+// cable assembled straight or hanging is the same.
+void expect_agreement(const Scene& scene, std::size_t count, double tolerance, int elements,
+                      bool spinning) {
   ModesOptions options;
   options.count = static_cast<int>(count);
   const auto analysis = analyse_modes(scene, options);
@@ -67,18 +67,28 @@ void expect_agreement(const Scene& scene, std::size_t count, double tolerance, i
   deck.elements_per_member = elements;
   const auto reference = solved_by_ccx(calculix_deck(scene, analysis.equilibrium, deck));
   ASSERT_GE(reference.size(), count);
+  std::size_t next = 0;
+  int skipped = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    EXPECT_NEAR(analysis.modes[i].frequency_hz, reference[i], tolerance * reference[i])
-        << "mode " << i + 1;
+    const double ours = analysis.modes[i].extrapolated_hz;
+    const auto error = [&](std::size_t k) { return std::abs(ours / reference[k] - 1); };
+    if (error(next) > tolerance && next + 1 < reference.size()) ++next, ++skipped;
+    EXPECT_LT(error(next), tolerance) << "mode " << i + 1;
+    ++next;
   }
+  EXPECT_LE(skipped, spinning ? 1 : 0);
 }
 
-TEST(WriteCalculix, CableAt200NAgrees) { expect_agreement(cable(200, 0.5972), 6, 1e-3, 40); }
+// ccx's 40 quadratic elements: with 20 the sixth mode is 4e-4 higher, the first 5e-5, so that 1e-4
+// and less of it is left. Its axial stiffness is 1.5 e too large where its tension is right (e:
+// strain at rest, 9e-4 at 200 N), of which the first symmetric mode feels a tenth. The square bar
+// adds a shear and rotary effect of (h/L)^2 = 2e-6 times the mode number squared.
+TEST(WriteCalculix, CableAt200NAgrees) { expect_agreement(cable(200, 0.5972), 6, 5e-4, 40, true); }
 
 // Past the first crossover: the first symmetric in-plane mode lies above the antisymmetric one.
-// Here the two programs differ by 0.12 to 0.34 %, however fine both are; the cause is not known, so
-// the test holds what was found rather than what was derived.
-TEST(WriteCalculix, SaggingCableAt25NIsNear) { expect_agreement(cable(25, 0.2549), 6, 4e-3, 40); }
+TEST(WriteCalculix, SaggingCableAt25NAgrees) {
+  expect_agreement(cable(25, 0.2549), 6, 5e-4, 40, true);
+}
 
 TEST(WriteCalculix, CantileverWithTipMassAgrees) {
   Scene scene;
@@ -100,7 +110,7 @@ TEST(WriteCalculix, CantileverWithTipMassAgrees) {
   scene.members = {beam};
   // The stiff direction's modes and torsion of ccx's section lie among the higher ones: the first
   // two in the soft plane are compared.
-  expect_agreement(scene, 2, 1e-3, 40);
+  expect_agreement(scene, 2, 1e-3, 40, false);
 }
 
 TEST(WriteCalculix, SaysWhatItCannotWrite) {
