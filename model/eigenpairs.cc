@@ -233,7 +233,7 @@ class Slices {
     }
     // The bounds close in on the eigenvalues, so that the shift lies among them.
     double a = low, b = high;
-    for (int i = 0; i < kBisections; ++i) {
+    while (b - a > 1e-2 * b) {
       const double middle = 0.5 * (a + b);
       const int here = below(middle);
       if (here == n_low) {
@@ -244,7 +244,7 @@ class Slices {
         break;
       }
     }
-    solve(a, b, n_high - n_low);
+    solve(low, high, 0.5 * (a + b), n_high - n_low);
   }
 
   Eigenpairs take(int count) {
@@ -266,9 +266,10 @@ class Slices {
  private:
   static constexpr int kMostInSlice = 32, kBisections = 60;
 
-  void solve(double low, double high, int wanted) {
-    Lanczos lanczos(k_, m_, 0.5 * (low + high));
-    const int n = k_.size();
+  void solve(double low, double high, double shift, int wanted) {
+    Lanczos lanczos(k_, m_, shift);
+    // Far more than such a slice needs: what is lacking then is said, not sought for ever.
+    const int n = std::min(k_.size(), 10 * wanted + 200);
     int next_check = std::min(n, 2 * wanted + 10), stalled = 0;
     std::vector<int> inside;
     while (lanczos.done() < n) {
@@ -325,6 +326,7 @@ Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, i
   const int n = k.size();
   int next_check = std::min(n, 2 * count + 6);
   int verified_at = -1;
+  bool may_slice = true;
   for (int guard = 0; guard < 20 * n + 100; ++guard) {
     const bool grew = lanczos.extend();
     if (grew && lanczos.done() < next_check && lanczos.done() < n) continue;
@@ -334,14 +336,16 @@ Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, i
     while (good < lanczos.done() && good < count && lanczos.converged(good)) ++good;
     // One more than wanted, at least roughly, to place the count between two.
     const bool beyond = lanczos.done() > count;
-    if (good < count && !all && n > kLarge && lanczos.done() >= 2 * count + 6 && count > 1 &&
-        lanczos.nu(count - 1) > 0) {
+    if (may_slice && good < count && !all && n > kLarge &&
+        lanczos.done() >= std::max(60, 2 * count + 6) && lanczos.nu(count - 1) > 0) {
       // Crowded: one space for all would grow with the crowd. Ritz values lie above the
       // eigenvalues, so that there are at least as many below.
       Slices slices(k, m);
       const double high = slices.bound_above(count, lanczos.lambda(count - 1) * (1 + 1e-9));
       slices.find(0, 0, high, slices.below(high));
-      return slices.take(count);
+      Eigenpairs out = slices.take(count);
+      if (out.complete && out.values.size() == count) return out;
+      may_slice = false;
     }
     if ((good == count && beyond) || all) {
       const int found = all ? lanczos.done() : count;
