@@ -368,6 +368,9 @@ void judge(StiffnessLaws& result, std::size_t points, const std::vector<std::str
     std::stable_sort(laws.begin(), laws.end(), [](const FittedLaw& x, const FittedLaw& y) {
       return x.rms_relative_error < y.rms_relative_error;
     });
+    if (laws.size() > 1) {
+      for (auto& law : laws) law.akaike_weight = kNaN;
+    }
     result.sentence = fmt::format(
         "{} points{} are too few to choose between the laws (AICc needs more); they are listed by "
         "their misfit, which always favours the law with the most parameters.",

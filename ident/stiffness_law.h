@@ -68,7 +68,8 @@ struct FittedLaw {
   double rms_relative_error = 0;  ///< of the points about the law
   /// NaN when there are too few points for it (n <= k + 1).
   double aicc = std::numeric_limits<double>::quiet_NaN();
-  double akaike_weight = std::numeric_limits<double>::quiet_NaN();  ///< among the laws fitted
+  /// Among the laws that AICc ranks; NaN when it ranks fewer than two of several.
+  double akaike_weight = std::numeric_limits<double>::quiet_NaN();
 
   double scatter_relative_std = 0;  ///< of a new test about the law, relative
   double common_relative_std = 0;

@@ -133,7 +133,9 @@ Plot law_plot(const CampaignTest& test, const std::vector<PlotSeries>& points,
 ReportTable law_table(const CampaignTest& test, const ident::StiffnessLaws& laws) {
   ReportTable table;
   table.id = test.name + "-laws";
-  table.caption = "Laws for EI(T), best first by AICc (lower is better).";
+  table.caption =
+      "Laws for EI(T), best first: by AICc (lower is better) where it ranks them, else by "
+      "deviation.";
   table.columns = {{"law", {}, false},
                    {"formula (EI in N m², T in N)", {}, false},
                    {"rms deviation", Origin::modelled},
