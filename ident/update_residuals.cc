@@ -1,5 +1,5 @@
-// Residuals of the update: frequencies, damping ratios and shapes of pairs, then what update_frfs.cc
-// and update_histories.cc add, then priors.
+// Residuals of the update: frequencies, damping ratios and shapes of pairs, then what
+// update_frfs.cc and update_histories.cc add, then priors.
 #include <algorithm>
 #include <cmath>
 #include <complex>

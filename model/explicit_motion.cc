@@ -350,7 +350,9 @@ MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& o
     substeps = whole_pieces(substeps, options);
     const double h = sample / static_cast<double>(substeps);
     out = ExplicitRun<D>(problem, options, h, substeps, slowing * h * h).run();
-    if (out.completed) return out;
+    const bool closes =
+        !options.drift || options.step_s || attempt == 4 || out.energy.drift() <= *options.drift;
+    if (out.completed && closes) return out;
     if (attempt == 1 && slowing > 0) {  // the chain turns too far for it
       slowing = 0;
       substeps = std::max(substeps, (own_steps + 1) / 2);

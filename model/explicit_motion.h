@@ -37,6 +37,9 @@ struct ExplicitOptions {
   /// Time between two actions of the dampers (s), not less than four steps: what they do to a mode
   /// errs by (omega time)^2 / 24, relative.
   double damper_interval_s = 0;
+  /// Largest drift of the energy account (EnergyHistory::drift): a step of the scheme's own choice
+  /// is halved, up to four times, until the account closes that well. Unset: not looked at.
+  std::optional<double> drift;
   /// Without processing and with Verlet's kicks (a at q itself, second order): for comparison.
   bool verlet = false;
 };

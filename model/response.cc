@@ -295,6 +295,8 @@ class Simulation {
         // (2 pi / 16)^2 / 24: within a per cent of the damping of the fastest mode that matters.
         run.damper_interval_s = 1 / (16 * std::max(shift_.upper_frequency_hz, 1e-3));
         const double interval = 1 / options_.sampling.rate_hz;
+        // Waves slowed because they were told to may cost energy; nothing else may.
+        if (options_.axial.value_or(true)) run.drift = scene_.accuracy;
         if (options_.axial) {
           run.slowed_step_s = *options_.axial ? 0 : interval;
         } else if (shift_.frequency_shift < 1) {

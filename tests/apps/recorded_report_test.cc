@@ -38,7 +38,7 @@ const Json& entry(const Json& document, const std::string& key, const std::strin
 }
 
 /// The campaign's report, made once for all tests below.
-class VirtualLaboratory : public ::testing::Test {
+class LaboratoryReport : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
@@ -58,9 +58,9 @@ class VirtualLaboratory : public ::testing::Test {
   static ProgramRun* run_;
   static Json* document_;
 };
-TemporaryFolder* VirtualLaboratory::folder_ = nullptr;
-ProgramRun* VirtualLaboratory::run_ = nullptr;
-Json* VirtualLaboratory::document_ = nullptr;
+TemporaryFolder* LaboratoryReport::folder_ = nullptr;
+ProgramRun* LaboratoryReport::run_ = nullptr;
+Json* LaboratoryReport::document_ = nullptr;
 
 /// Whether a value lies within `k` standard uncertainties of the truth.
 void expect_within(const Json& estimate, double truth, double k, const std::string& what) {
@@ -69,7 +69,7 @@ void expect_within(const Json& estimate, double truth, double k, const std::stri
   EXPECT_LT(std::abs(value - truth), k * std) << what << " " << value << " +- " << std;
 }
 
-TEST_F(VirtualLaboratory, GoesTheWholeWay) {
+TEST_F(LaboratoryReport, GoesTheWholeWay) {
   ASSERT_EQ(run_->exit_code, 0) << run_->err;
   ASSERT_TRUE(document_->is_object());
   for (const char* key : {"bending", "axial", "recorded_modal", "modal", "fits", "scenes"}) {
@@ -78,7 +78,7 @@ TEST_F(VirtualLaboratory, GoesTheWholeWay) {
   EXPECT_GT((*document_)["inputs"].size(), 80u);
 }
 
-TEST_F(VirtualLaboratory, IsAsItsSchemaSays) {
+TEST_F(LaboratoryReport, IsAsItsSchemaSays) {
   const Json schema =
       Json::parse(content(std::string(RIGFIT_TESTDATA) + "/../apps/report/report.schema.json"));
   EXPECT_THAT(schema_errors(*document_, schema), ::testing::IsEmpty());
@@ -86,7 +86,7 @@ TEST_F(VirtualLaboratory, IsAsItsSchemaSays) {
 
 // Truth: testdata/virtual_laboratory/truth. Intervals are honest when the truth lies within three
 // standard uncertainties (once in 370 for each value it would not, by chance; the data are fixed).
-TEST_F(VirtualLaboratory, FindsWhatIsTrueOfTheRig) {
+TEST_F(LaboratoryReport, FindsWhatIsTrueOfTheRig) {
   const auto& axial = entry(*document_, "axial", "test", "axial");
   expect_within(axial["EA_N"], 205000, 3, "EA");
   for (const auto& parameter : entry(*document_, "fits", "fit", "fit-beam")["parameters"]) {
@@ -96,7 +96,7 @@ TEST_F(VirtualLaboratory, FindsWhatIsTrueOfTheRig) {
 }
 
 // A hit that bounced is rejected in every state: six hits, one of them double.
-TEST_F(VirtualLaboratory, RejectsTheDoubleHits) {
+TEST_F(LaboratoryReport, RejectsTheDoubleHits) {
   for (const auto& test : (*document_)["recorded_modal"]) {
     for (const auto& state : test["states"]) {
       int rejected = 0;
@@ -110,7 +110,7 @@ TEST_F(VirtualLaboratory, RejectsTheDoubleHits) {
   }
 }
 
-TEST_F(VirtualLaboratory, FittingHelpsAndHoldsOutWhatItDidNotSee) {
+TEST_F(LaboratoryReport, FittingHelpsAndHoldsOutWhatItDidNotSee) {
   const auto& beam = entry(*document_, "fits", "fit", "fit-beam");
   EXPECT_LT(beam["rms_relative_error"].get<double>(),
             0.1 * beam["rms_relative_error_before"].get<double>());
@@ -122,7 +122,7 @@ TEST_F(VirtualLaboratory, FittingHelpsAndHoldsOutWhatItDidNotSee) {
             1.2 * cable["rms_relative_error_before"].get<double>());
 }
 
-TEST_F(VirtualLaboratory, FilesForOtherProgramsReadBack) {
+TEST_F(LaboratoryReport, FilesForOtherProgramsReadBack) {
   int frfs = 0, modes = 0;
   for (const auto& test : (*document_)["recorded_modal"]) {
     for (const auto& state : test["states"]) {
@@ -143,7 +143,7 @@ TEST_F(VirtualLaboratory, FilesForOtherProgramsReadBack) {
 }
 
 // What is kept between runs gives the same document and page as computing it.
-TEST_F(VirtualLaboratory, RunAgainReusesAndSaysTheSame) {
+TEST_F(LaboratoryReport, RunAgainReusesAndSaysTheSame) {
   const std::string before = folder_->read("report.json");
   const auto again = report();
   EXPECT_EQ(again.exit_code, run_->exit_code);
