@@ -45,6 +45,7 @@ MatrixXd ScaledGram::orthonormal(const Eigen::Ref<const MatrixXd>& columns) cons
 
 MatrixXd gram_of(const Eigen::Ref<const MatrixXd>& columns) {
   MatrixXd gram = MatrixXd::Zero(columns.cols(), columns.cols());
+  if (columns.size() == 0) return gram;
   gram.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
   return gram;
