@@ -33,12 +33,21 @@ class Browser:
             binary = shutil.which("chromium")
             if binary:
                 options["binary"] = binary
-            answer = self._call("POST", "/session", {"capabilities": {"alwaysMatch": {
-                "browserName": "chrome", "goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}}})
-            self.session = "/session/" + answer["sessionId"]
+            self.session = "/session/" + self._new_session(options)["sessionId"]
         except Exception:
             self.close()
             raise
+
+    def _new_session(self, options):
+        """A browser may take longer to start on a busy machine than its driver waits: three tries."""
+        wanted = {"capabilities": {"alwaysMatch": {
+            "browserName": "chrome", "goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}}}
+        for last in (False, False, True):
+            try:
+                return self._call("POST", "/session", wanted)
+            except RuntimeError as error:
+                if last or "session not created" not in str(error):
+                    raise
 
     @staticmethod
     def _free_port():
