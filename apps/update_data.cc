@@ -131,11 +131,6 @@ class StateReader {
     const model::Scene scene = scene_for(file);
     context_.input(path);
     signal::FrfSet set = signal::read_uff_frfs(path);
-    if (set.exponential_decay_rate_1_s > 0) {
-      throw Refused(path +
-                    ": averaged under an exponential window, which no scene has; average "
-                    "again without one (rigfit frf, no --exponential-window)");
-    }
     if (scene.loads.empty() || scene.sensors.empty()) {
       throw UsageError(scene_of(file) + " has no load or no sensor for the FRFs of " + path);
     }
@@ -155,10 +150,11 @@ class StateReader {
       options.low_hz = data_.band_hz->first, options.high_hz = data_.band_hz->second;
     const auto modal = signal::identify_modes(set, options);
     for (const auto& found : modal.model.modes) {
-      if (found.doubtful) continue;
+      // A mode that is there leads, however little is known of its damping.
+      if (found.doubtful && !(found.significance >= 4 && found.presence >= 0.6)) continue;
       ident::MeasuredMode mode;
       mode.frequency_hz = found.frequency_hz;
-      mode.damping_ratio = found.damping_ratio;
+      if (found.doubtful) mode.damping_ratio.value = std::numeric_limits<double>::quiet_NaN();
       mode.plane = plane_of(file);
       if (set.responses.size() == scene.sensors.size() && set.responses.size() > 1) {
         mode.shape.resize(static_cast<Eigen::Index>(sensors.size()));
@@ -189,6 +185,11 @@ class StateReader {
         frf.frequency_hz = same.frequency_hz(lines);
         frf.H = sensors[r].second * loads[i].second * same.H(lines, column);
         if (same.H_std.size() > 0) frf.std = same.H_std(lines, column);
+        frf.decay_rate_1_s = set.exponential_decay_rate_1_s;
+        if (set.frequency_hz.size() > 1) {
+          frf.lines_per_independent = ident::lines_per_independent(
+              frf.decay_rate_1_s, set.frequency_hz[1] - set.frequency_hz[0]);
+        }
         state.frfs.push_back(std::move(frf));
       }
     }

@@ -6,9 +6,13 @@ namespace rigfit::ident {
 
 model::FrfSensitivities frf_differences(const model::Scene& scene,
                                         const Eigen::VectorXd& frequency_hz,
-                                        const std::vector<std::string>& parameters) {
+                                        const std::vector<std::string>& parameters,
+                                        double decay_rate_1_s) {
+  const auto synthesised = [&](const model::Scene& at) {
+    return model::synthesize_frfs(at, frequency_hz, {}, decay_rate_1_s);
+  };
   model::FrfSensitivities result;
-  result.frfs = model::synthesize_frfs(scene, frequency_hz);
+  result.frfs = synthesised(scene);
   if (result.frfs.H.empty()) return result;
   for (const auto& name : parameters) {
     const double value = model::parameter(scene, name);
@@ -16,8 +20,8 @@ model::FrfSensitivities frf_differences(const model::Scene& scene,
     model::Scene up = scene, down = scene;
     model::set_parameter(up, name, value + step);
     if (value != 0) model::set_parameter(down, name, value - step);
-    const auto above = model::synthesize_frfs(up, frequency_hz);
-    const auto below = value != 0 ? model::synthesize_frfs(down, frequency_hz) : result.frfs;
+    const auto above = synthesised(up);
+    const auto below = value != 0 ? synthesised(down) : result.frfs;
     const double width = value != 0 ? 2 * step : step;
     std::vector<Eigen::MatrixXcd> rate;
     for (std::size_t k = 0; k < result.frfs.H.size(); ++k) {

@@ -38,7 +38,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   if (!weighted(problem, matches, options, q, r, J)) return;
   const Eigen::Index data = r.size() - problem.prior_count();
   result.chi_squared = r.squaredNorm();
-  result.degrees_of_freedom = static_cast<double>(r.size() - n);
+  result.degrees_of_freedom = static_cast<double>(r.size() - n) - problem.shared_residuals();
   const double reduced =
       result.degrees_of_freedom > 0 ? result.chi_squared / result.degrees_of_freedom : kNaN;
   // Stated uncertainties are trusted unless the scatter contradicts them; assumed ones are not.

@@ -64,7 +64,18 @@ struct MeasuredFrf {
   Eigen::VectorXd frequency_hz;      ///< positive
   Eigen::VectorXcd H;
   Eigen::VectorXd std = {};  ///< of the real and of the imaginary part; empty: unknown
+  /// Of an exponential window shared by force and response: the model is taken at
+  /// s = i omega + this (model/frf_synthesis.h), so that its own damping is what is fitted.
+  double decay_rate_1_s = 0;
+  /// Neighbouring lines share their noise under a window: so many of them count as one
+  /// (`lines_per_independent` below).
+  double lines_per_independent = 1;
 };
+
+/// Noise bandwidth of the window exp(-a t) over a block of duration T, in lines of 1/T:
+/// (a T / 2) coth(a T / 2). Source: F. J. Harris, Proc. IEEE 66 (1978)
+/// 51-83, equivalent noise bandwidth.
+[[nodiscard]] double lines_per_independent(double decay_rate_1_s, double line_spacing_hz);
 
 /// What sensors recorded while the scene's own loads acted, from t = 0 of the loads on.
 struct MeasuredHistory {
@@ -89,8 +100,9 @@ struct UpdateState {
 
 using ModeSolver = std::function<model::ModeSensitivities(
     const model::Scene&, const std::vector<std::string>&, const model::ModesOptions&)>;
-using FrfSolver = std::function<model::FrfSensitivities(
-    const model::Scene&, const Eigen::VectorXd& frequency_hz, const std::vector<std::string>&)>;
+using FrfSolver =
+    std::function<model::FrfSensitivities(const model::Scene&, const Eigen::VectorXd& frequency_hz,
+                                          const std::vector<std::string>&, double decay_rate_1_s)>;
 
 struct UpdateOptions {
   /// Relative standard uncertainty of frequencies that come without one; it then only weighs, the

@@ -5,6 +5,18 @@
 #include "ident/update_problem.h"
 
 namespace rigfit::ident {
+namespace {
+
+bool solved_together(const MeasuredFrf& a, const MeasuredFrf& b) {
+  return a.decay_rate_1_s == b.decay_rate_1_s && a.frequency_hz == b.frequency_hz;
+}
+
+}  // namespace
+
+double lines_per_independent(double decay_rate_1_s, double line_spacing_hz) {
+  const double half = 0.5 * decay_rate_1_s / line_spacing_hz;
+  return half > 1e-6 && std::isfinite(half) ? half / std::tanh(half) : 1;
+}
 
 UpdateProblem::FrfLines UpdateProblem::lines_of(const MeasuredFrf& frf) const {
   FrfLines lines;
@@ -20,7 +32,7 @@ UpdateProblem::FrfLines UpdateProblem::lines_of(const MeasuredFrf& frf) const {
     const double relative = std::hypot(own, options_.frf_model_relative_std);
     if (!(relative > 0)) continue;  // exact lines have no weight beside others
     lines.line.push_back(k);
-    lines.relative_std.push_back(relative);
+    lines.relative_std.push_back(relative * std::sqrt(frf.lines_per_independent));
   }
   return lines;
 }
@@ -36,6 +48,18 @@ Eigen::Index UpdateProblem::frf_lines() const {
   return count;
 }
 
+double UpdateProblem::shared_residuals() const {
+  double shared = 0;
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    if (!takes_part(s)) continue;
+    for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
+      shared +=
+          2 * static_cast<double>(lines_of(frf).line.size()) * (1 - 1 / frf.lines_per_independent);
+    }
+  }
+  return shared;
+}
+
 bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
                                   Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
   const auto& frfs = states_[static_cast<std::size_t>(state)].frfs;
@@ -47,15 +71,15 @@ bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::In
   for (std::size_t f = 0; f < frfs.size(); ++f) {
     // FRFs of one test share their lines: solved once for all of them.
     bool before = false;
-    for (std::size_t g = 0; g < f; ++g)
-      before = before || frfs[g].frequency_hz == frfs[f].frequency_hz;
+    for (std::size_t g = 0; g < f; ++g) before = before || solved_together(frfs[g], frfs[f]);
     if (before) continue;
     ++evaluations_;
-    const auto solved = options_.frf_solver(scene, frfs[f].frequency_hz, targets);
+    const auto solved =
+        options_.frf_solver(scene, frfs[f].frequency_hz, targets, frfs[f].decay_rate_1_s);
     if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
     for (std::size_t g = f; g < frfs.size(); ++g) {
       const MeasuredFrf& frf = frfs[g];
-      if (g != f && frf.frequency_hz != frfs[f].frequency_hz) continue;
+      if (g != f && !solved_together(frf, frfs[f])) continue;
       const FrfLines lines = lines_of(frf);
       const auto sensor = static_cast<Eigen::Index>(frf.sensor);
       const auto load = static_cast<Eigen::Index>(frf.load);
@@ -102,7 +126,7 @@ double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) cons
     std::vector<bool> done(frfs.size(), false);
     for (std::size_t f = 0; f < frfs.size(); ++f) {
       for (std::size_t g = f; g < frfs.size(); ++g) {
-        if (done[g] || frfs[g].frequency_hz != frfs[f].frequency_hz) continue;
+        if (done[g] || !solved_together(frfs[g], frfs[f])) continue;
         done[g] = true;
         for (const double relative : lines_of(frfs[g]).relative_std) {
           squares += r.segment(row, 2).squaredNorm() * relative * relative;
@@ -125,7 +149,7 @@ bool UpdateProblem::redraw_frfs(const Eigen::VectorXd& q, double spread,
     std::string failure;
     if (!fixed_scene(s, q, scene, failure)) return false;
     for (auto& frf : frfs) {
-      const auto solved = options_.frf_solver(scene, frf.frequency_hz, {});
+      const auto solved = options_.frf_solver(scene, frf.frequency_hz, {}, frf.decay_rate_1_s);
       if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
       const FrfLines lines = lines_of(frf);
       for (std::size_t i = 0; i < lines.line.size(); ++i) {

@@ -72,10 +72,12 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
   }
   if (!options_.frf_solver) {
     options_.frf_solver = [](const model::Scene& scene, const Eigen::VectorXd& lines,
-                             const std::vector<std::string>& names) {
-      if (!names.empty()) return model::synthesize_frf_sensitivities(scene, lines, names);
+                             const std::vector<std::string>& names, double decay_rate) {
+      if (!names.empty()) {
+        return model::synthesize_frf_sensitivities(scene, lines, names, {}, decay_rate);
+      }
       model::FrfSensitivities plain;
-      plain.frfs = model::synthesize_frfs(scene, lines);
+      plain.frfs = model::synthesize_frfs(scene, lines, {}, decay_rate);
       return plain;
     };
   }
@@ -84,9 +86,11 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       if (frf.sensor >= state.scene.sensors.size() || frf.load >= state.scene.loads.size() ||
           frf.H.size() != frf.frequency_hz.size() ||
           (frf.std.size() != 0 && frf.std.size() != frf.H.size()) ||
-          (frf.H.size() > 0 && !(frf.frequency_hz.minCoeff() > 0))) {
+          (frf.H.size() > 0 && !(frf.frequency_hz.minCoeff() > 0)) || !(frf.decay_rate_1_s >= 0) ||
+          !(frf.lines_per_independent >= 1)) {
         throw std::invalid_argument(
-            "update: an FRF without its sensor, load, lines above 0 Hz or standard deviations");
+            "update: an FRF without its sensor, load, lines above 0 Hz, standard deviations or "
+            "window");
       }
       if (frf.std.size() == 0) uncertainties_known_ = false;
     }

@@ -100,6 +100,8 @@ class UpdateProblem {
   /// `only` that one); NaN without any or without a model.
   [[nodiscard]] double rms_log_frf_error(const Eigen::VectorXd& q, int only = -1) const;
   [[nodiscard]] Eigen::Index frf_lines() const;
+  /// Residuals of FRF lines that share their noise with others, and say nothing of their own.
+  [[nodiscard]] double shared_residuals() const;
   [[nodiscard]] Eigen::Index prior_count() const { return priors_; }
   [[nodiscard]] std::vector<UpdatedPair> pairs(const Eigen::VectorXd& q,
                                                const std::vector<UpdateMatch>& matches) const;

@@ -9,12 +9,16 @@ namespace rigfit::model {
 
 using Complex = std::complex<double>;
 
-Complex quantity_factor(Sensor::Quantity quantity, double omega) {
+Complex laplace_variable(double frequency_hz, double decay_rate_1_s) {
+  return {decay_rate_1_s, 2 * M_PI * frequency_hz};
+}
+
+Complex quantity_factor(Sensor::Quantity quantity, Complex s) {
   switch (quantity) {
     case Sensor::Quantity::acceleration:
-      return -omega * omega;
+      return s * s;
     case Sensor::Quantity::velocity:
-      return Complex(0, omega);
+      return s;
     case Sensor::Quantity::displacement:
     case Sensor::Quantity::force:
       break;
@@ -55,24 +59,24 @@ FrfSolver::FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right
   solution_.resize(right.rows(), wanted_);
 }
 
-const Eigen::MatrixXcd& FrfSolver::solve(double omega) {
+const Eigen::MatrixXcd& FrfSolver::solve(Complex s) {
   const MotionModes& motion = *equations_.motion;
+  const Complex s2 = s * s;
   for (Eigen::Index e = 0; e < dynamic_.values().size(); ++e) {
-    dynamic_.values()[e] =
-        Complex(motion.stiffness.values()[e] - omega * omega * motion.mass.values()[e],
-                omega * equations_.damping.values()[e]);
+    dynamic_.values()[e] = motion.stiffness.values()[e] + s2 * motion.mass.values()[e] +
+                           s * equations_.damping.values()[e];
   }
   factor_.factor(dynamic_);
   Eigen::MatrixXcd all = right_;
   factor_.solve_in_place(all);
   solution_ = all.leftCols(wanted_);
   const Eigen::Index dampers = gain_.size();
-  if (dampers == 0 || !(omega > 0)) return solution_;
+  if (dampers == 0 || s == Complex(0)) return solution_;
   // (D + B G B')^-1 = D^-1 - D^-1 B (I + G B' D^-1 B)^-1 G B' D^-1.
   const auto b = right_.rightCols(dampers);
   const auto db = all.rightCols(dampers);
   for (Eigen::Index r = 0; r < dampers; ++r) {
-    gain_[r] = Complex(0, 2 * equations_.zeta[r] * std::sqrt(motion.omega2[r]) * omega);
+    gain_[r] = 2 * equations_.zeta[r] * std::sqrt(motion.omega2[r]) * s;
   }
   small_ = gain_.asDiagonal() * (b.transpose() * db);
   small_.diagonal().array() += Complex(1);

@@ -1,9 +1,11 @@
 // The damped equations of one motion at a line of a frequency response function, with its loads,
 // sensors and modal dampers: shared by the functions and their sensitivities.
 //
-//   D = K + i omega C - omega^2 M + i omega sum_r g_r (M phi_r)(M phi_r)',  g_r = 2 zeta_r omega_r
+//   D = K + s C + s^2 M + s sum_r g_r (M phi_r)(M phi_r)',  g_r = 2 zeta_r omega_r,
 //
-// the sum (modal damping ratios) over the modes the motion carries, inverted by Woodbury's formula.
+// s = i omega + a, a the decay rate of an exponential window shared by force and response (0:
+// none); the sum (modal damping ratios) over the modes the motion carries, inverted by Woodbury's
+// formula.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,7 +32,7 @@ class FrfSolver {
  public:
   FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right);
   /// unknowns x right sides; valid until the next call.
-  [[nodiscard]] const Eigen::MatrixXcd& solve(double omega);
+  [[nodiscard]] const Eigen::MatrixXcd& solve(std::complex<double> s);
 
  private:
   const FrfEquations& equations_;
@@ -47,6 +49,10 @@ class FrfSolver {
                                    const ModesOptions& options);
 
 /// From displacement (or force) to a sensor's quantity.
-[[nodiscard]] std::complex<double> quantity_factor(Sensor::Quantity quantity, double omega);
+[[nodiscard]] std::complex<double> quantity_factor(Sensor::Quantity quantity,
+                                                   std::complex<double> s);
+
+/// i omega + a of a line, 1/s.
+[[nodiscard]] std::complex<double> laplace_variable(double frequency_hz, double decay_rate_1_s);
 
 }  // namespace rigfit::model

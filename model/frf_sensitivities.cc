@@ -146,7 +146,7 @@ void add_form(const EnvelopeMatrix& a, Complex factor, const Eigen::MatrixXcd& v
 std::vector<Eigen::MatrixXcd> rate_anew(Scene scene, const Chain& chain,
                                         const Eigen::VectorXd& frequency_hz,
                                         const ParameterAccess& access, const ParameterStep& step,
-                                        const ModesOptions& options) {
+                                        const ModesOptions& options, double decay_rate_1_s) {
   for (const ChainMember& member : chain.members) {
     scene.members[std::size_t(member.scene_member)].segments = member.segments;
   }
@@ -154,7 +154,7 @@ std::vector<Eigen::MatrixXcd> rate_anew(Scene scene, const Chain& chain,
   const auto at = [&](double value) {
     Scene moved = scene;
     access.set(moved, value);
-    return synthesize_frfs(moved, frequency_hz, options).H;
+    return synthesize_frfs(moved, frequency_hz, options, decay_rate_1_s).H;
   };
   auto high = at(step.value + reach * (step.high - step.value));
   const auto low = at(step.value + reach * (step.low - step.value));
@@ -170,7 +170,7 @@ std::vector<Eigen::MatrixXcd> rate_anew(Scene scene, const Chain& chain,
 FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
                                               const Eigen::VectorXd& frequency_hz,
                                               const std::vector<std::string>& parameters,
-                                              const ModesOptions& options) {
+                                              const ModesOptions& options, double decay_rate_1_s) {
   const std::vector<ParameterAccess> wanted = parameters_named(scene, parameters);
   FrfSensitivities out;
   out.frfs.frequency_hz = frequency_hz;
@@ -200,8 +200,8 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
     neighbours[p].step = parameter_step(wanted[p], scene, extent);
     neighbours[p].comparable = mover.move(wanted[p], neighbours[p].step, neighbours[p].rigs);
     if (!neighbours[p].comparable) {
-      out.rate[p] =
-          rate_anew(scene, *modes.chain, frequency_hz, wanted[p], neighbours[p].step, options);
+      out.rate[p] = rate_anew(scene, *modes.chain, frequency_hz, wanted[p], neighbours[p].step,
+                              options, decay_rate_1_s);
     }
   }
 
@@ -241,12 +241,12 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
     const Eigen::VectorXd gain =
         2 * equations.zeta.cwiseProduct(motion.omega2.head(equations.zeta.size()).cwiseSqrt());
     for (std::size_t line = 0; line < lines; ++line) {
-      const double omega = 2 * M_PI * frequency_hz[Eigen::Index(line)];
-      const Eigen::MatrixXcd& solution = solver.solve(omega);
+      const Complex laplace = laplace_variable(frequency_hz[Eigen::Index(line)], decay_rate_1_s);
+      const Eigen::MatrixXcd& solution = solver.solve(laplace);
       const Eigen::MatrixXcd u = solution.leftCols(loads), v = solution.rightCols(sensors);
       Eigen::VectorXcd factor(sensors);
       for (Eigen::Index s = 0; s < sensors; ++s) {
-        factor[s] = quantity_factor(scene.sensors[std::size_t(s)].quantity, omega);
+        factor[s] = quantity_factor(scene.sensors[std::size_t(s)].quantity, laplace);
       }
       out.frfs.H[line] += factor.asDiagonal() * (equations.sensors.transpose() * u);
       for (std::size_t p = 0; p < wanted.size(); ++p) {
@@ -254,14 +254,14 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
         const EquationRates& r = rates[p];
         Eigen::MatrixXcd h = r.sensors.transpose() * u + v.transpose() * r.loads;
         add_form(r.stiffness, -1.0, v, u, h);
-        add_form(r.mass, omega * omega, v, u, h);
-        add_form(r.damping, Complex(0, -omega), v, u, h);
-        if (modal && omega > 0) {
+        add_form(r.mass, -laplace * laplace, v, u, h);
+        add_form(r.damping, -laplace, v, u, h);
+        if (modal && laplace != Complex(0)) {
           const Eigen::MatrixXcd mu = equations.dampers.transpose() * u;
           const Eigen::MatrixXcd mv = equations.dampers.transpose() * v;
           const Eigen::MatrixXcd nu = gain.asDiagonal() * (r.normal.transpose() * u);
           const Eigen::MatrixXcd nv = gain.asDiagonal() * (r.normal.transpose() * v);
-          h -= Complex(0, omega) * (mv.transpose() * (r.pair * mu + nu) + nv.transpose() * mu);
+          h -= laplace * (mv.transpose() * (r.pair * mu + nu) + nv.transpose() * mu);
         }
         out.rate[p][line] += factor.asDiagonal() * h;
       }

@@ -1,7 +1,8 @@
 // How a scene's frequency response functions change with its parameters, the change of the
 // equilibrium included: what a fit to measured FRFs needs.
 //
-// With D = K + i omega C - omega^2 M, u = D^-1 l and v = D^-1 r (D is symmetric),
+// With D = K + s C + s^2 M, s = i omega + a (frf_synthesis.h), u = D^-1 l and v = D^-1 r (D is
+// symmetric),
 //   dH/dp = r_p' u + v' l_p - v' D_p u,
 // so that one factor of D a line serves all parameters. K_p, M_p, C_p and the rows' rates carry the
 // moved equilibrium (moved_rig.h). Modal damping ratios are part of D (frf_synthesis.h); the rates
@@ -28,6 +29,7 @@ struct FrfSensitivities {
 /// symmetry is left to differences of FRFs synthesised anew.
 [[nodiscard]] FrfSensitivities synthesize_frf_sensitivities(
     const Scene& scene, const Eigen::VectorXd& frequency_hz,
-    const std::vector<std::string>& parameters, const ModesOptions& options = {});
+    const std::vector<std::string>& parameters, const ModesOptions& options = {},
+    double decay_rate_1_s = 0);
 
 }  // namespace rigfit::model

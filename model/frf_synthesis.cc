@@ -33,7 +33,7 @@ ChainModes frf_modes(const Scene& scene, const Eigen::VectorXd& frequency_hz,
 }
 
 SynthesizedFrfs synthesize_frfs(const Scene& scene, const Eigen::VectorXd& frequency_hz,
-                                const ModesOptions& options) {
+                                const ModesOptions& options, double decay_rate_1_s) {
   SynthesizedFrfs out;
   out.frequency_hz = frequency_hz;
   const ChainModes modes = frf_modes(scene, frequency_hz, options);
@@ -48,11 +48,11 @@ SynthesizedFrfs synthesize_frfs(const Scene& scene, const Eigen::VectorXd& frequ
     const Eigen::MatrixXcd rows = equations.sensors.transpose().cast<std::complex<double>>();
     FrfSolver solver(equations, equations.loads);
     for (Eigen::Index line = 0; line < frequency_hz.size(); ++line) {
-      const double omega = 2 * M_PI * frequency_hz[line];
-      const Eigen::MatrixXcd h = rows * solver.solve(omega);
+      const std::complex<double> laplace = laplace_variable(frequency_hz[line], decay_rate_1_s);
+      const Eigen::MatrixXcd h = rows * solver.solve(laplace);
       for (Eigen::Index s = 0; s < sensors; ++s) {
         out.H[std::size_t(line)].row(s) +=
-            quantity_factor(scene.sensors[std::size_t(s)].quantity, omega) * h.row(s);
+            quantity_factor(scene.sensors[std::size_t(s)].quantity, laplace) * h.row(s);
       }
     }
   }

@@ -7,6 +7,12 @@
 // C = sum_r 2 zeta_r omega_r (M phi_r)(M phi_r)' over the modes up to twice the highest line
 // (Clough and Penzien, Dynamics of Structures, ch. 12; the inverse by Woodbury's formula), which
 // is the damping that the modal response has; modes beyond take none.
+//
+// FRFs averaged under an exponential window exp(-a t) shared by force and response are the same
+// function on the line s = i omega + a (signal/window.h): transforms of windowed signals are those
+// of the signals at s. That holds without approximation for motions that start from rest within the
+// block and have died out under the window at its end; what rings on adds exp((p - s) T) of each
+// mode's residue, p its pole and T the block.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,9 +30,11 @@ struct SynthesizedFrfs {
 };
 
 /// Uses of `options`: segments, rotary inertia, torsion; "auto" members get the segments that the
-/// scene's accuracy asks of the modes among the lines. Lines must not be negative.
+/// scene's accuracy asks of the modes among the lines. Lines and the window's decay rate must not
+/// be negative.
 [[nodiscard]] SynthesizedFrfs synthesize_frfs(const Scene& scene,
                                               const Eigen::VectorXd& frequency_hz,
-                                              const ModesOptions& options = {});
+                                              const ModesOptions& options = {},
+                                              double decay_rate_1_s = 0);
 
 }  // namespace rigfit::model

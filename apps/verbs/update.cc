@@ -130,6 +130,10 @@ Json pairs_json(const ident::UpdateResult& result, const UpdateStates& states) {
   return pairs;
 }
 
+std::string percent(double ratio) {
+  return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
+}
+
 void print(std::ostream& out, const ident::UpdateResult& result, const UpdateStates& states) {
   out << fmt::format("{:<34} {:>12} {:>12} {:>10}\n", "parameter", "start", "value", "std");
   for (const auto& p : result.parameters) {
@@ -150,8 +154,11 @@ void print(std::ostream& out, const ident::UpdateResult& result, const UpdateSta
     out << fmt::format("{:<24} {:>12} {:>12} {:>9}  {}\n", name, lone.measured ? hz : "-",
                        lone.measured ? "-" : hz, "unpaired", lone.reason);
   }
-  out << fmt::format("rms of the paired errors: {:.2f} % before, {:.2f} % fitted\n",
-                     100 * result.rms_relative_error_before, 100 * result.rms_relative_error);
+  if (!result.pairs.empty()) {
+    out << fmt::format("rms of the paired errors: {} before, {} fitted\n",
+                       percent(result.rms_relative_error_before),
+                       percent(result.rms_relative_error));
+  }
   if (result.frf_lines > 0) {
     out << fmt::format(
         "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
@@ -242,8 +249,8 @@ Json hold_out_json(const UpdateStates& states, const std::vector<ident::FreePara
                              "predicted");
   for (const auto& one : held) {
     const auto& name = states.states[static_cast<std::size_t>(one.state)].name;
-    context.out << fmt::format("{:<24} {:>8.2f} % {:>10.2f} % {:>10.2f} %\n", name,
-                               100 * one.rms_before, 100 * one.rms_fitted, 100 * one.rms_predicted);
+    context.out << fmt::format("{:<24} {:>10} {:>12} {:>12}\n", name, percent(one.rms_before),
+                               percent(one.rms_fitted), percent(one.rms_predicted));
     Json pairs = Json::array();
     for (const auto& pair : one.pairs) pairs.push_back(pair_json(pair, states));
     json.push_back({{"state", name},
@@ -413,9 +420,11 @@ void add_update(CLI::App& program, Verbs& verbs) {
                    "Tables of measured modes: frequency_hz, and where known std, damping_ratio, "
                    "damping_std, plane, tension_N (a state each), shape:<sensor>")
       ->check(CLI::ExistingFile);
-  verb->add_option("--frf", options->data.frfs,
-                   "FRFs (UFF 58), fitted line by line; names of inputs and responses are those of "
-                   "the scene's loads and sensors. Their modes lead the fit near")
+  verb->add_option(
+          "--frf", options->data.frfs,
+          "FRFs (UFF 58), fitted line by line; names of inputs and responses are those of "
+          "the scene's loads and sensors. Their modes lead the fit near. An exponential window in "
+          "them is part of the model then, not of its damping")
       ->check(CLI::ExistingFile);
   verb->add_option("--decay", options->data.decays,
                    "Recordings of free decays: their frequencies and damping ratios")

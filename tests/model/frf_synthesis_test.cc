@@ -51,6 +51,31 @@ TEST(FrfSynthesis, IsTheSumOfAllModes) {
   }
 }
 
+// On the line s = i omega + a of an exponential window the modes' sum is exact; a velocity is s x.
+TEST(FrfSynthesis, UnderAWindowItIsTheSumAtTheWindowsLine) {
+  Scene scene = instrumented(testing::paper_cable(200, 0.5972, 12));
+  scene.sensors[1].quantity = Sensor::Quantity::velocity;
+  scene.members[0].damping_ratio = 0.02;
+  ModesOptions options;
+  options.count = 33;  // all that there are
+  const ModalAnalysis analysis = analyse_modes(scene, options);
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(20, 0, 40);
+  constexpr double kRate = 3;
+  const SynthesizedFrfs frfs = synthesize_frfs(scene, lines, {}, kRate);
+  for (Eigen::Index k = 0; k < lines.size(); ++k) {
+    const std::complex<double> s(kRate, 2 * M_PI * lines[k]);
+    std::complex<double> sum = 0;
+    for (const auto& mode : analysis.modes) {
+      const double wr = 2 * M_PI * mode.frequency_hz;
+      const double zeta = mode.frequency_hz <= 80 ? mode.damping_ratio : 0;
+      sum += mode.sensor_shape[0] * mode.load_shape[1] / (s * s + 2 * zeta * wr * s + wr * wr);
+    }
+    EXPECT_LT(std::abs(frfs.H[std::size_t(k)](0, 1) - sum), 1e-6 * std::abs(sum)) << lines[k];
+    const auto velocity = frfs.H[std::size_t(k)](1, 0);
+    EXPECT_LT(std::abs(velocity - s * frfs.H[std::size_t(k)](0, 1)), 1e-8 * std::abs(velocity));
+  }
+}
+
 TEST(FrfSynthesis, StaticLineIsTheTautStringsCompliance) {
   // Limp, weightless string under T: x (L - x) / (L T) at the load.
   Scene scene = instrumented(testing::paper_cable(200, 0, 12));
