@@ -82,7 +82,7 @@ void read_origins(TomlTable& table, CampaignScene& scene) {
 
 class Reader {
  public:
-  explicit Reader(const fs::path& path) : root_(TomlTable::read_file(path)) {
+  Reader(TomlTable root, const fs::path& path) : root_(std::move(root)) {
     campaign_.file = path.string();
     campaign_.inputs.push_back(campaign_.file);
     folder_ = path.parent_path();
@@ -237,6 +237,12 @@ class Reader {
 
 }  // namespace
 
-Campaign read_campaign(const fs::path& path) { return Reader(path).read(); }
+Campaign read_campaign(const fs::path& path) {
+  return Reader(TomlTable::read_file(path), path).read();
+}
+
+Campaign parse_campaign(std::string_view text, const fs::path& path) {
+  return Reader(TomlTable::parse(text, path.string()), path).read();
+}
 
 }  // namespace rigfit::apps

@@ -36,6 +36,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -142,5 +143,7 @@ struct Campaign {
 
 /// Throws model::SceneError.
 [[nodiscard]] Campaign read_campaign(const std::filesystem::path& path);
+/// The same from text; `path` is named in messages, and what the text names lies beside it.
+[[nodiscard]] Campaign parse_campaign(std::string_view text, const std::filesystem::path& path);
 
 }  // namespace rigfit::apps

@@ -3,41 +3,20 @@
 // count. The libFuzzer targets in tests/fuzz search deeper.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "signal/read_csv.h"
 #include "signal/read_lvm.h"
 #include "signal/read_uff.h"
+#include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"
 
 namespace rigfit::signal {
 namespace {
 namespace fs = std::filesystem;
-
-struct Seed {
-  std::string name, bytes;
-};
-
-std::vector<Seed> seeds_of(const std::string& reader) {
-  std::vector<Seed> seeds;
-  for (const char* kind : {"seeds", "regressions"}) {
-    const fs::path folder = fs::path(RIGFIT_FUZZ) / kind / reader;
-    if (!fs::is_directory(folder)) continue;
-    for (const auto& entry : fs::directory_iterator(folder)) {
-      std::ifstream file(entry.path(), std::ios::binary);
-      seeds.push_back({entry.path().filename().string(),
-                       std::string(std::istreambuf_iterator<char>(file), {})});
-    }
-  }
-  std::sort(seeds.begin(), seeds.end(),
-            [](const auto& a, const auto& b) { return a.name < b.name; });
-  return seeds;
-}
 
 void read_with_all(const std::string& bytes) {
   read_or_refuse([&] { require_sound(read_csv(bytes, "x")); });
@@ -48,40 +27,17 @@ void read_with_all(const std::string& bytes) {
   read_or_refuse([&] { (void)read_uff_frfs(bytes, "x"); });
 }
 
-/// One to four edits: bytes changed, cut, doubled, or replaced by what readers look for.
-std::string mutated(std::string bytes, std::mt19937_64& random) {
-  static const std::vector<std::string> kWords = {"-1\n",       "    -1\n",
-                                                  "nan",        "1e999",
-                                                  "-1e-999",    "\"",
-                                                  "\r",         "\n",
-                                                  ",",          ";",
-                                                  "\t",         "58b",
-                                                  "9999999999", "***End_of_Header***",
-                                                  "\xFF",       "0",
-                                                  "-",          std::string(1, '\0')};
-  const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
-  for (auto edits = 1 + below(4); edits > 0 && !bytes.empty(); --edits) {
-    const std::size_t at = below(bytes.size());
-    const std::size_t length = std::min(1 + below(40), bytes.size() - at);
-    switch (below(5)) {
-      case 0:
-        bytes[at] = static_cast<char>(random());
-        break;
-      case 1:
-        bytes.erase(at, length);
-        break;
-      case 2:
-        bytes.insert(below(bytes.size()), bytes.substr(at, length));
-        break;
-      case 3:
-        bytes.insert(at, kWords[below(kWords.size())]);
-        break;
-      default:
-        bytes.resize(at);
-        break;
-    }
-  }
-  return bytes;
+const std::vector<std::string>& words() {
+  static const std::vector<std::string> list = {"-1\n",       "    -1\n",
+                                                "nan",        "1e999",
+                                                "-1e-999",    "\"",
+                                                "\r",         "\n",
+                                                ",",          ";",
+                                                "\t",         "58b",
+                                                "9999999999", "***End_of_Header***",
+                                                "\xFF",       "0",
+                                                "-",          std::string(1, '\0')};
+  return list;
 }
 
 class Malformed : public ::testing::TestWithParam<const char*> {};
@@ -93,7 +49,7 @@ TEST_P(Malformed, SeedsAndMutationsGiveARecordingOrAReason) {
   for (const auto& seed : seeds) {
     EXPECT_NO_THROW(read_with_all(seed.bytes)) << seed.name;
     for (int k = 0; k < 300; ++k) {
-      const std::string bytes = mutated(seed.bytes, random);
+      const std::string bytes = mutated(seed.bytes, words(), random);
       EXPECT_NO_THROW(read_with_all(bytes)) << seed.name << ", mutation " << k << ":\n" << bytes;
     }
   }
