@@ -294,6 +294,10 @@ class Simulation {
         run.step_s = options_.step_s;
         // (2 pi / 16)^2 / 24: within a per cent of the damping of the fastest mode that matters.
         run.damper_interval_s = 1 / (16 * std::max(shift_.upper_frequency_hz, 1e-3));
+        // A step that is asked for is meant for the dampers too: they converge with it.
+        if (options_.step_s) {
+          run.damper_interval_s = std::min(run.damper_interval_s, 4 * *options_.step_s);
+        }
         const double interval = 1 / options_.sampling.rate_hz;
         // Waves slowed because they were told to may cost energy; nothing else may.
         if (options_.axial.value_or(true)) run.drift = scene_.accuracy;

@@ -13,6 +13,7 @@ extern const std::string_view plots_js;
 extern const std::string_view shapes_js;
 extern const std::string_view new_campaign_toml;  ///< what `new` writes
 extern const std::string_view new_cable_toml;
+extern const std::string_view rig_toml;  ///< the paper's rig, for `bench`
 extern const std::string_view new_bending_csv;
 extern const std::string_view new_frequencies_csv;
 

@@ -15,6 +15,7 @@ void add_all_verbs(CLI::App& program, Verbs& verbs) {
   add_update(program, verbs);
   add_synthesize(program, verbs);
   add_export(program, verbs);
+  add_bench(program, verbs);
   add_new(program, verbs);
   add_report(program, verbs);
 }

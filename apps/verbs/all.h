@@ -6,6 +6,7 @@
 namespace rigfit::apps {
 
 void add_axial(CLI::App& program, Verbs& verbs);
+void add_bench(CLI::App& program, Verbs& verbs);
 void add_bending(CLI::App& program, Verbs& verbs);
 void add_decay(CLI::App& program, Verbs& verbs);
 void add_export(CLI::App& program, Verbs& verbs);

@@ -1,0 +1,317 @@
+#include "apps/bench/response_studies.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/bench/model_studies.h"
+#include "model/response.h"
+
+namespace rigfit::apps {
+namespace {
+
+using model::ResponseOptions;
+using model::ResponseResult;
+using model::ResponseSolver;
+
+constexpr double kLinearShift = 1e-12;
+
+/// Largest over the sensors of rms difference over rms motion; 1 when there is no answer.
+double difference(const ResponseResult& found, const Eigen::MatrixXd& truth) {
+  if (!found.completed || found.samples.rows() != truth.rows()) return 1;
+  double worst = 0;
+  for (Eigen::Index s = 0; s < truth.cols(); ++s) {
+    const double motion = (truth.col(s).array() - truth.col(s).mean()).matrix().norm();
+    if (!(motion > 0)) continue;
+    worst = std::max(worst, (found.samples.col(s) - truth.col(s)).norm() / motion);
+  }
+  return std::min(worst, 1.0);
+}
+
+void scale_loads(model::Scene& scene, std::vector<model::ForceHistory>& records, double factor) {
+  for (auto& load : scene.loads) {
+    load.peak *= factor;
+    load.mass *= factor;
+  }
+  for (auto& record : records) {
+    for (double& force : record.force_N) force *= factor;
+  }
+}
+
+class Studies {
+ public:
+  Studies(model::Scene scene, const ResponseStudyOptions& options, const BenchBudget& budget,
+          bool linear)
+      : scene_(std::move(scene)), budget_(budget), linear_(linear) {
+    base_.sampling.duration_s = options.duration_s;
+    base_.sampling.rate_hz = options.rate_hz;
+    base_.sampling.energy_samples = 0;
+    base_.records = options.records;
+    for (auto& sensor : scene_.sensors) {
+      if (sensor.quantity != model::Sensor::Quantity::force) {
+        sensor.quantity = model::Sensor::Quantity::displacement;
+      }
+    }
+    name_ = linear ? "linear-response" : "nonlinear-response";
+  }
+
+  std::vector<BenchStudy> run() {
+    if (scene_.loads.empty() || scene_.sensors.empty()) {
+      return {skipped("the scene has no load or no sensor")};
+    }
+    own_ = model::simulate_response(scene_, base_);
+    if (!own_.completed) return {skipped("the response fails: " + own_.reason)};
+    if (linear_) {
+      const double factor = std::sqrt(kLinearShift / std::max(own_.frequency_shift, 1e-300));
+      if (factor < 1) scale_loads(scene_, base_.records, factor);
+      own_ = model::simulate_response(scene_, base_);
+      if (!own_.completed) return {skipped("the response fails: " + own_.reason)};
+    }
+    return {steps_study(), segments_study()};
+  }
+
+ private:
+  BenchStudy skipped(std::string why) const {
+    BenchStudy study;
+    study.task = name_;
+    study.scene = scene_.title;
+    study.skipped = std::move(why);
+    return study;
+  }
+
+  BenchStudy started(const char* varied) const {
+    BenchStudy study;
+    study.task = name_;
+    study.study = varied;
+    study.scene = scene_.title;
+    study.error_of = fmt::format("{:g} s of the sensors' motion at {:g} Hz, rms",
+                                 base_.sampling.duration_s, base_.sampling.rate_hz);
+    return study;
+  }
+
+  ResponseResult simulate(const ResponseOptions& options) const {
+    return model::simulate_response(scene_, options);
+  }
+
+  void add(BenchStudy& study, const Eigen::MatrixXd& truth, std::string method,
+           const ResponseOptions& options, BenchRow row = {}) {
+    row.method = std::move(method);
+    const ResponseResult found = simulate(options);
+    if (found.impossible) return;
+    row.segments = mean_segments(found.segments);
+    row.relative_error = difference(found, truth);
+    if (!found.completed) row.note = found.reason;
+    row.wall_s = median_time(budget_, [&] { (void)simulate(options); });
+    study.rows.push_back(std::move(row));
+  }
+
+  [[nodiscard]] bool damped() const {
+    return std::any_of(scene_.members.begin(), scene_.members.end(), [](const model::Member& m) {
+      return m.damping_ratio.value_or(0) > 0 ||
+             m.damping.axial + m.damping.bending + m.damping.torsion > 0;
+    });
+  }
+
+  /// The linear answer computed at `times` the rate, at the samples asked for.
+  [[nodiscard]] Eigen::MatrixXd recurrence(int times) const {
+    ResponseOptions options = base_;
+    options.solver = ResponseSolver::modal;
+    options.modes = 1000;
+    options.sampling.rate_hz *= times;
+    const Eigen::MatrixXd all = simulate(options).samples;
+    return all(Eigen::seq(0, all.rows() - 1, times), Eigen::all);
+  }
+
+  BenchStudy steps_study() {
+    BenchStudy study = started("steps");
+    // The same segments for all, whatever the scene left open.
+    for (std::size_t m = 0; m < scene_.members.size(); ++m) {
+      scene_.members[m].segments = own_.segments[m];
+    }
+    ResponseOptions fine = base_;
+    fine.solver = ResponseSolver::explicit_motion;
+    fine.axial = true;
+    ResponseResult natural = simulate(fine);
+    // Fourth order, but dampers are split off with second.
+    int order = damped() ? 2 : 4;
+    if (natural.impossible) {
+      order = 2;
+      fine.axial.reset();
+      fine.solver = ResponseSolver::implicit_motion;
+      natural = simulate(fine);
+    }
+    if (!natural.completed) {
+      study.skipped = "the reference fails: " + natural.reason;
+      return study;
+    }
+    Eigen::MatrixXd truth;
+    if (linear_) {
+      // Exact for the linear equations at any interval: the same samples from finer ones.
+      study.reference = "modal recurrence, all modes, at four times the rate";
+      truth = recurrence(4);
+      study.reference_error = (recurrence(2) - truth).norm() / truth.norm();
+    } else {
+      // As fine as a part of the budget allows.
+      const double allowance = budget_.quick ? 0.3 : 5;
+      int parts = 12;
+      while (parts > 3 && (1 + 2.0 / 3) * parts * natural.wall_s > allowance) parts /= 2;
+      fine.step_s = 1.5 * natural.step_s / parts;
+      const ResponseResult coarser = simulate(fine);
+      fine.step_s = natural.step_s / parts;
+      const ResponseResult finest = simulate(fine);
+      const double ratio = coarser.step_s / finest.step_s;
+      if (!finest.completed || !coarser.completed || !(ratio > 1)) {
+        study.skipped = "the reference fails: " + finest.reason + coarser.reason;
+        return study;
+      }
+      truth = finest.samples;
+      study.reference =
+          fmt::format("{} scheme, steps of {:.2g} ms", name_of(fine.solver), 1e3 * finest.step_s);
+      study.reference_error = difference(coarser, truth) / (std::pow(ratio, order) - 1);
+    }
+    study.default_does =
+        linear_ ? "the default is exact whatever the rate of sampling and keeps every mode"
+                : "the default chose solver and step by the scene's accuracy, and estimates what "
+                  "that costs";
+    const auto with_step = [&](ResponseSolver solver, double step_s) {
+      ResponseOptions options = base_;
+      options.solver = solver;
+      if (solver == ResponseSolver::explicit_motion) options.axial = true;
+      options.step_s = step_s;
+      BenchRow row;
+      row.step_s = step_s;
+      return std::pair(options, row);
+    };
+    {
+      BenchRow row;
+      row.is_default = true;
+      row.step_s = own_.step_s;
+      add(study, truth, std::string("default: ") + name_of(own_.solver), base_, row);
+    }
+    ResponseOptions options = base_;
+    options.solver = ResponseSolver::modal;
+    add(study, truth, linear_ ? "modal recurrence, all modes" : "modal recurrence (linear)",
+        options);
+    if (linear_) {
+      for (const int modes : {4, 8, 16}) {
+        options.modes = modes;
+        BenchRow row;
+        row.order = modes;
+        add(study, truth, "modal recurrence, modes", options, row);
+      }
+      options.modes = 0;
+      options.axial = false;
+      add(study, truth, "modal recurrence, stretch at once", options);
+      options.axial.reset();
+      options.plane = false;
+      add(study, truth, "modal recurrence, in space", options);
+    }
+    const double limit = natural.step_s;
+    for (const double part : {1.0, 1.5, 2.0, 3.0}) {
+      auto [with, row] = with_step(fine.solver, limit / part);
+      add(study, truth, std::string(name_of(fine.solver)), with, row);
+    }
+    if (fine.solver == ResponseSolver::explicit_motion) {
+      ResponseOptions slowed = base_;
+      slowed.solver = ResponseSolver::explicit_motion;
+      slowed.axial = false;
+      BenchRow row;
+      row.step_s = 1 / base_.sampling.rate_hz;
+      add(study, truth, "explicit, axial waves slowed", slowed, row);
+      auto [space, space_row] = with_step(fine.solver, limit);
+      space.plane = false;
+      add(study, truth, "explicit, in space", space, space_row);
+      for (const double part : {1.0, 2.0}) {
+        auto [with, implicit_row] =
+            with_step(ResponseSolver::implicit_motion, 1 / (part * base_.sampling.rate_hz));
+        add(study, truth, "implicit", with, implicit_row);
+      }
+    }
+    const auto cvode = [&](ResponseSolver solver, const char* method,
+                           std::initializer_list<double> tolerances) {
+      for (const double tolerance : tolerances) {
+        ResponseOptions with = base_;
+        with.solver = solver;
+        // Displacements are below a micrometre in the linear study.
+        with.relative_tolerance = linear_ ? 1e-3 * tolerance : tolerance;
+        BenchRow row;
+        row.tolerance = with.relative_tolerance;
+        add(study, truth, method, with, row);
+      }
+    };
+    const char* const adams = "CVODE-Adams, fixed point (paper)";
+    const char* const bdf = "CVODE-BDF, banded Newton";
+    if (budget_.quick) {
+      cvode(ResponseSolver::cvode_adams, adams, {1e-5});
+    } else {
+      cvode(ResponseSolver::cvode_adams, adams, {1e-4, 1e-6, 1e-8});
+      cvode(ResponseSolver::cvode_banded, bdf, {1e-3, 1e-4, 1e-5});
+    }
+    mark_front(study);
+    return study;
+  }
+
+  BenchStudy segments_study() {
+    BenchStudy study = started("segments");
+    // Finer than what is compared, "auto" too.
+    model::Scene given = scene_;
+    scene_ = with_segments(scene_, 0);
+    const int automatic = mean_segments(simulate(base_).segments);
+    std::swap(scene_, given);
+    const int fine = budget_.quick ? 120 : std::clamp(2 * automatic, 240, 600);
+    ResponseOptions options = base_;
+    options.solver = own_.solver;
+    options.segments = 2 * fine / 3;
+    const ResponseResult coarser = simulate(options);
+    options.segments = fine;
+    const ResponseResult finest = simulate(options);
+    if (!finest.completed || !coarser.completed) {
+      study.skipped = "the reference fails: " + finest.reason + coarser.reason;
+      return study;
+    }
+    study.reference = fmt::format("{} segments a member, {}", fine, name_of(own_.solver));
+    study.reference_error = difference(coarser, finest.samples);
+    study.default_does =
+        "the default is not told the number of segments: it finds one that brings the frequencies' "
+        "error, weighted by energy, below the scene's accuracy";
+    options = base_;
+    options.solver = own_.solver;
+    for (const int n : {8, 15, 30, 60, 120}) {
+      if (n >= fine) continue;
+      options.segments = n;
+      add(study, finest.samples, name_of(own_.solver), options);
+    }
+    std::swap(scene_, given);
+    BenchRow row;
+    row.is_default = true;
+    row.tolerance = scene_.accuracy;
+    add(study, finest.samples, "segments = \"auto\"", base_, row);
+    std::swap(scene_, given);
+    mark_front(study);
+    return study;
+  }
+
+  model::Scene scene_;
+  BenchBudget budget_;
+  bool linear_;
+  std::string name_;
+  ResponseOptions base_;
+  ResponseResult own_;
+};
+
+}  // namespace
+
+std::vector<BenchStudy> nonlinear_response_studies(const model::Scene& scene,
+                                                   const ResponseStudyOptions& options,
+                                                   const BenchBudget& budget) {
+  return Studies(scene, options, budget, false).run();
+}
+
+std::vector<BenchStudy> linear_response_studies(const model::Scene& scene,
+                                                const ResponseStudyOptions& options,
+                                                const BenchBudget& budget) {
+  return Studies(scene, options, budget, true).run();
+}
+
+}  // namespace rigfit::apps
