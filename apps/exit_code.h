@@ -36,6 +36,12 @@ class NotConverged : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Ends a verb one of whose inputs is no longer what it was when the run began.
+class InputChanged : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// The exit code that an exception stands for.
 [[nodiscard]] ExitCode exit_code_of(const std::exception& error);
 

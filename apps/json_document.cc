@@ -1,9 +1,6 @@
 #include "apps/json_document.h"
 
 #include <cmath>
-#include <iostream>
-
-#include "apps/sha256.h"
 
 namespace rigfit::apps {
 namespace {
@@ -18,33 +15,14 @@ void replace_non_finite(Json& value) {
 
 }  // namespace
 
-void VerbContext::warn(std::string code, std::string message, std::string where) {
-  if (!quiet) {
-    std::cerr << "warning: " << (where.empty() ? "" : where + ": ") << message << '\n';
-  }
-  warnings_.push_back({std::move(code), std::move(message), std::move(where)});
-}
-
-void VerbContext::refuse(std::string code, std::string message, std::string where) {
-  std::cerr << "refused: " << (where.empty() ? "" : where + ": ") << message << '\n';
-  warnings_.push_back({std::move(code), std::move(message), std::move(where)});
-  exit_code = ExitCode::refused;
-}
-
-void VerbContext::input(const std::string& path) {
-  for (const auto& known : inputs_) {
-    if (known == path) return;
-  }
-  inputs_.push_back(path);
-}
-
 Json json_document(const VerbContext& context, const std::string& verb, Json result) {
   Json document;
   document["rigfit"] = RIGFIT_VERSION;
   document["command"] = verb;
   Json inputs = Json::array();
-  for (const auto& path : context.inputs()) {
-    inputs.push_back({{"path", path}, {"sha256", sha256_of_file(path)}});
+  context.check_inputs();
+  for (const auto& input : context.inputs()) {
+    inputs.push_back({{"path", input.path}, {"sha256", input.sha256}});
   }
   document["inputs"] = std::move(inputs);
   Json warnings = Json::array();

@@ -1,8 +1,10 @@
 // rigfit: one program, one verb a task. Parses the command line, runs the verb, writes its
 // document.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <exception>
 #include <fstream>
 #include <iostream>
@@ -10,7 +12,6 @@
 
 #include "apps/exit_code.h"
 #include "apps/json_document.h"
-#include "apps/output_file.h"
 #include "apps/verb.h"
 
 namespace rigfit::apps {
@@ -81,11 +82,22 @@ int run(int argc, char** argv) {
   if (common.json == "-") {
     std::cout << document.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   } else if (!common.json.empty()) {
-    write_whole_file(common.json,
-                     document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    context.write(common.json, document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   }
-  std::cout.flush();
+  if (!std::cout.flush()) {
+    throw std::runtime_error("cannot write to standard output (a full disk, a closed pipe?)");
+  }
   return static_cast<int>(context.exit_code);
+}
+
+/// Recordings are read through the memory map of their file: one that is cut short meanwhile, or
+/// whose disk fails, ends here instead of in a crash.
+extern "C" void input_vanished(int) {
+  constexpr char kMessage[] =
+      "error: an input was cut short while it was being read; run again when nothing writes to "
+      "it\n";
+  static_cast<void>(!::write(STDERR_FILENO, kMessage, sizeof kMessage - 1));
+  ::_exit(static_cast<int>(ExitCode::bad_input));
 }
 
 }  // namespace
@@ -93,6 +105,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using rigfit::apps::ExitCode;
+  std::signal(SIGBUS, rigfit::apps::input_vanished);
   try {
     return rigfit::apps::run(argc, argv);
   } catch (const std::bad_alloc&) {

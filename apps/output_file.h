@@ -13,4 +13,7 @@ void write_whole_file(const std::filesystem::path& path, std::string_view conten
 /// Creates the folder (and parents); throws UsageError when the path is a file or cannot be made.
 void make_output_folder(const std::filesystem::path& folder);
 
+/// Removes what a run that was killed left half written in a folder (not below it).
+void sweep_parts(const std::filesystem::path& folder);
+
 }  // namespace rigfit::apps

@@ -162,7 +162,9 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
   RecordingDescription description;
   std::error_code ignored;
   const bool described = beside != path && fs::is_regular_file(beside, ignored);
+  context.input(path.string());
   if (described) {
+    context.input(beside.string());
     auto table = model::TomlTable::parse(text_of(beside), beside.string());
     description = read_description(table);
     table.finish();
@@ -173,8 +175,6 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
         given.sample_rate_hz > 0 ? given.sample_rate_hz : description.sample_rate_hz;
   }
   signal::Recording recording = signal::read_recording(path, used);
-  context.input(path.string());
-  if (described) context.input(beside.string());
   apply_description(description, recording);
   apply_description(given, recording);
   for (const auto& note : recording.notes) {

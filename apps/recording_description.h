@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/verb.h"
+#include "apps/verb_context.h"
 #include "model/toml_table.h"
 #include "signal/read_options.h"
 #include "signal/recording.h"

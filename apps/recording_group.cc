@@ -2,9 +2,9 @@
 
 #include <glob.h>
 
-#include <algorithm>
 #include <ostream>
 #include <streambuf>
+#include <unordered_set>
 
 #include "signal/recording_error.h"
 
@@ -36,6 +36,7 @@ std::vector<RecordingGroup> read_recording_groups(model::TomlTable& test, const 
   std::vector<RecordingGroup> groups;
   for (model::TomlTable& table : test.tables_or_empty("recording")) {
     RecordingGroup group;
+    std::unordered_set<std::string> taken;
     const auto names = table.string_or_strings("files");
     if (names.empty()) {
       throw table.error("files", "is empty", "name recordings, or a pattern such as \"run_*.csv\"");
@@ -46,9 +47,7 @@ std::vector<RecordingGroup> read_recording_groups(model::TomlTable& test, const 
       for (const auto& file : found) {
         // The TOML file beside a recording describes it and is none itself.
         if (fs::path(file).extension() == ".toml") continue;
-        if (std::find(group.files.begin(), group.files.end(), file) == group.files.end()) {
-          group.files.push_back(file);
-        }
+        if (taken.insert(file).second) group.files.push_back(file);
       }
     }
     group.tension_N = table.optional_number("tension", model::Bound::positive, "N");
@@ -78,9 +77,10 @@ std::vector<LoadedRecording> load_recordings(const std::vector<RecordingGroup>& 
       LoadedRecording entry{file, k, std::nullopt, "", {}};
       VerbContext context(sink);  // its warnings are the recording's notes, which come along
       context.quiet = true;
+      context.hashes_inputs = false;
       try {
         entry.recording = load_recording(file, context, {}, groups[k].description);
-        entry.inputs = context.inputs();
+        for (const auto& input : context.inputs()) entry.inputs.push_back(input.path);
       } catch (const signal::RecordingError& error) {
         entry.error = error.what();
         entry.inputs = {file};

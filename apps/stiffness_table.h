@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "apps/result_table.h"
-#include "apps/verb.h"
+#include "apps/verb_context.h"
 
 namespace rigfit::apps {
 

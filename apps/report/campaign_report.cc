@@ -9,6 +9,7 @@
 #include <iterator>
 #include <mutex>
 #include <thread>
+#include <unordered_map>
 
 #include "apps/json_document.h"
 #include "apps/output_file.h"
@@ -24,7 +25,6 @@
 #include "apps/report/scenes_part.h"
 #include "apps/report/stage_cache.h"
 #include "apps/report/svg_plot.h"
-#include "apps/sha256.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
@@ -107,13 +107,31 @@ void write_files(const fs::path& folder, const std::vector<ReportPart>& parts, i
   run_all(tasks, threads, progress);
 }
 
-/// All that the analysis of a test's own recordings and tables depends on.
-std::string content_of(const Campaign& campaign, const CampaignTest& test) {
-  std::string text = test.text + "\n";
+/// Names and hashes all that a campaign reads, before it is read.
+void take_inputs(const Campaign& campaign, VerbContext& context) {
   const auto add = [&](const fs::path& file) {
     std::error_code error;
-    text += file.string() + " " +
-            (fs::is_regular_file(file, error) ? sha256_of_file(file) : std::string("none")) + "\n";
+    if (fs::is_regular_file(file, error)) context.input(file.string());
+  };
+  for (const auto& input : campaign.inputs) add(input);
+  for (const auto& test : campaign.tests) {
+    for (const auto& group : test.recordings) {
+      for (const auto& file : group.files) {
+        add(file);
+        add(fs::path(file).replace_extension(".toml"));
+      }
+    }
+  }
+}
+
+using Hashes = std::unordered_map<std::string, std::string>;
+
+/// All that the analysis of a test's own recordings and tables depends on.
+std::string content_of(const Campaign& campaign, const CampaignTest& test, const Hashes& hashes) {
+  std::string text = test.text + "\n";
+  const auto add = [&](const fs::path& file) {
+    const auto hash = hashes.find(file.string());
+    text += file.string() + " " + (hash == hashes.end() ? "none" : hash->second) + "\n";
   };
   for (const auto& group : test.recordings) {
     for (const auto& file : group.files) {
@@ -139,6 +157,7 @@ class Stages {
   Stages(const Campaign& campaign, StageCache& cache, VerbContext& context)
       : campaign_(campaign), cache_(cache), context_(context), recorded_(campaign.tests.size()) {
     seed_ = std::to_string(context.seed) + "\n";
+    for (const auto& input : context.inputs()) hashes_[input.path] = input.sha256;
   }
 
   std::vector<ReportPart> run() {
@@ -151,7 +170,7 @@ class Stages {
     for (std::size_t i = 0; i < tests; ++i) {
       const auto& test = campaign_.tests[i];
       tasks.emplace_back([&, i] {
-        content_[i] = content_of(campaign_, test);
+        content_[i] = content_of(campaign_, test, hashes_);
         switch (test.kind) {
           case CampaignTest::Kind::bending:
             bending[i] = cache_.stage<BendingPart>("bending\n" + strand_text() + content_[i],
@@ -240,6 +259,7 @@ class Stages {
   StageCache& cache_;
   VerbContext& context_;
   std::string seed_;
+  Hashes hashes_;
   std::vector<std::string> content_;
   std::vector<RecordedModal> recorded_;
   KnownValues known_;
@@ -248,7 +268,9 @@ class Stages {
 }  // namespace
 
 Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbContext& context) {
+  take_inputs(campaign, context);
   make_output_folder(folder);
+  for (const char* place : {"", "data", "figures", "uff", ".cache"}) sweep_parts(folder / place);
   StageCache cache(folder / ".cache");
   const std::vector<ReportPart> parts = Stages(campaign, cache, context).run();
   cache.prune();
@@ -259,7 +281,6 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
   frame.description = campaign.description;
   frame.version = RIGFIT_VERSION;
   frame.repeat = repeat_command(context);
-  for (const auto& input : campaign.inputs) context.input(input);
   for (const auto& part : parts) {
     for (const auto& input : part.inputs) {
       std::error_code error;
@@ -267,7 +288,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
     }
   }
   for (const auto& input : context.inputs()) {
-    frame.inputs.emplace_back(input, sha256_of_file(input));
+    frame.inputs.emplace_back(input.path, input.sha256);
   }
   Json result;
   result["title"] = campaign.title;
@@ -308,6 +329,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
   });
   result["figures"] = std::move(figures);
 
+  context.check_inputs();
   Progress progress("figures", 1, true);
   write_files(folder, parts, context.threads, progress);
   write_whole_file(folder / "report.json", json_document(context, "report", result).dump(2) + "\n");

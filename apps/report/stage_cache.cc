@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <iterator>
@@ -45,7 +46,7 @@ void StageCache::write(const std::string& name, const std::string& bytes) {
   if (program_ == "\n") return;  // builds cannot be told apart: keep nothing
   std::error_code error;
   fs::create_directories(folder_, error);
-  const fs::path part = folder_ / (name + ".part");
+  const fs::path part = folder_ / fmt::format("{}.{}.part", name, ::getpid());
   std::ofstream file(part, std::ios::binary);
   file << sha256(bytes) << bytes;
   file.close();

@@ -73,12 +73,12 @@ const signal::Channel* find(const std::vector<signal::Channel>& columns, const s
 }
 
 std::vector<signal::Channel> load_columns(const std::string& file, VerbContext& context) {
+  context.input(file);
   const auto beside = std::filesystem::path(file).replace_extension(".toml");
   if (!std::filesystem::exists(beside)) {
     const signal::MappedFile mapped(file);
     if (signal::format_of(mapped.bytes()) == signal::RecordingFormat::csv) {
       auto table = signal::read_table(mapped.bytes(), file);
-      context.input(file);
       for (const auto& note : table.notes) context.warn(note.code, note.message, note.where);
       return std::move(table.columns);
     }

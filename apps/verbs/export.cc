@@ -36,7 +36,7 @@ Json run(const ExportOptions& options, VerbContext& context) {
   const std::filesystem::path path =
       std::filesystem::path(options.calculix) /
       (std::filesystem::path(options.scene).stem().string() + ".inp");
-  write_whole_file(path, deck.text);
+  context.write(path, deck.text);
   context.out << fmt::format("wrote {}\nrun it there with: ccx {}\n", path.string(),
                              path.stem().string());
   Json result;

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "apps/impact_command.h"
-#include "apps/output_file.h"
 #include "apps/verbs/all.h"
 #include "signal/write_uff.h"
 
@@ -188,12 +187,12 @@ Json run_frf(VerbContext& context, const Options& options) {
   if (!options.out.empty()) {
     const auto encoding =
         options.encoding == "ascii" ? signal::UffEncoding::ascii : signal::UffEncoding::binary;
-    write_whole_file(options.out, signal::uff_text(frfs, encoding));
+    context.write(options.out, signal::uff_text(frfs, encoding));
     result["out"] = options.out;
     context.out << "FRFs, coherence and error bars: " << options.out << '\n';
   }
   if (!options.csv.empty()) {
-    write_whole_file(options.csv, csv_of(frfs));
+    context.write(options.csv, csv_of(frfs));
     result["csv"] = options.csv;
     context.out << "the same as a table: " << options.csv << '\n';
   }

@@ -30,6 +30,7 @@ A TOML file beside a recording (hits.csv -> hits.toml) names, scales and orients
 
 /// What the file holds: a recording, or functions that are not over time.
 signal::Recording load(const std::string& path, VerbContext& context, double rate) {
+  context.input(path);
   {
     const signal::MappedFile file(path);
     if (signal::format_of(file.bytes()) == signal::RecordingFormat::uff) {
@@ -37,7 +38,6 @@ signal::Recording load(const std::string& path, VerbContext& context, double rat
       bool over_time = true;
       for (const auto& note : functions.notes) over_time &= note.code != "not_a_time_history";
       if (!over_time) {
-        context.input(path);
         for (const auto& note : functions.notes) {
           context.warn(note.code, note.message,
                        note.where.empty() ? path : path + ": " + note.where);

@@ -7,7 +7,6 @@
 
 #include "apps/impact_command.h"
 #include "apps/json_document.h"
-#include "apps/output_file.h"
 #include "apps/verbs/all.h"
 #include "signal/modal_identification.h"
 #include "signal/modal_synthesis.h"
@@ -215,14 +214,14 @@ Json run_modal(VerbContext& context, Options options) {
   result["stabilisation"] = stabilisation_json(found.stabilisation);
 
   if (!options.out.empty()) {
-    write_whole_file(options.out, signal::uff_text(model));
+    context.write(options.out, signal::uff_text(model));
     result["out"] = options.out;
     context.out << "modes (UFF 55): " << options.out << '\n';
   }
   if (!options.synthesis.empty()) {
     const signal::FrfSet again = synthesised(model, measured.frfs.frequency_hz, model.fitted_form,
                                              model.exponential_decay_rate_1_s);
-    write_whole_file(options.synthesis, signal::uff_text(again, signal::UffEncoding::binary));
+    context.write(options.synthesis, signal::uff_text(again, signal::UffEncoding::binary));
     result["synthesis"] = options.synthesis;
     context.out << "FRFs rebuilt from the modes (UFF 58): " << options.synthesis << '\n';
   }

@@ -20,6 +20,7 @@ void add_report(CLI::App& program, Verbs& verbs) {
       ->type_name("DIR");
   app->footer("Example:\n  rigfit report testdata/jalali2021/campaign.toml --out report");
   verbs.push_back({app, [options](VerbContext& context) {
+                     context.input(options->campaign);
                      const Campaign campaign = read_campaign(options->campaign);
                      return campaign_report(campaign, options->out, context);
                    }});

@@ -5,7 +5,6 @@
 #include <iterator>
 #include <memory>
 
-#include "apps/output_file.h"
 #include "apps/verbs/all.h"
 #include "model/read_scene.h"
 #include "model/response.h"
@@ -276,11 +275,11 @@ Json run_respond(VerbContext& context, const Options& options) {
     context.out << fmt::format("left out: {}: about {:.2g} in {}\n", what.what, what.relative_error,
                                what.of);
   }
-  write_whole_file(options.out, samples_csv(scene, response));
+  context.write(options.out, samples_csv(scene, response));
   result["out"] = options.out;
   context.out << "response: " << options.out << '\n';
   if (!options.energy.empty()) {
-    write_whole_file(options.energy, energy_csv(response));
+    context.write(options.energy, energy_csv(response));
     result["energy_out"] = options.energy;
     context.out << "energy account: " << options.energy << '\n';
   }

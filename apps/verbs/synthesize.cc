@@ -66,9 +66,9 @@ class Writer {
     make_output_folder(path.parent_path());
     files_.push_back(path.string());
     if (uff) {
-      write_whole_file(path, uff_text(recording, signal::UffEncoding::binary_single,
-                                      fmt::format("synthetic (virtual laboratory), {}, seed {}",
-                                                  scene_.title, context_.seed)));
+      context_.write(path, uff_text(recording, signal::UffEncoding::binary_single,
+                                    fmt::format("synthetic (virtual laboratory), {}, seed {}",
+                                                scene_.title, context_.seed)));
       return name;
     }
     const Header header{{"Data", "synthetic (virtual laboratory)"},
@@ -76,13 +76,13 @@ class Writer {
                         {"Scene", scene_.title},
                         {"Seed", std::to_string(context_.seed)},
                         {"Sampling Rate(Hz)", fmt::format("{:g}", recording.sample_rate_hz)}};
-    write_whole_file(path, csv_text(recording, header));
+    context_.write(path, csv_text(recording, header));
     return name;
   }
 
   void write_text(const std::string& name, const std::string& text) {
     const fs::path path = fs::path(options_.out) / name;
-    write_whole_file(path, text);
+    context_.write(path, text);
     files_.push_back(path.string());
   }
 

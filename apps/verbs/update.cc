@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "apps/json_document.h"
-#include "apps/output_file.h"
 #include "apps/progress.h"
 #include "apps/update_data.h"
 #include "apps/verbs/all.h"
@@ -285,7 +284,7 @@ Json write_scenes(const Options& options, const UpdateStates& states,
     for (std::size_t m = 0; m < scene.members.size(); ++m) {
       scene.members[m].segments = states.segments[s][m];
     }
-    write_whole_file(path, model::scene_text(scene));
+    context.write(path, model::scene_text(scene));
     context.out << "updated scene: " << path.string() << '\n';
     files.push_back(path.string());
   }

@@ -1,0 +1,291 @@
+// What may go wrong around a run: a full disk, a folder that cannot be written to, a kill in the
+// middle, an input that changes, very many files. Inputs stay as they are, outputs are whole or not
+// there, and a message says what happened.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "apps/exit_code.h"
+#include "apps/sha256.h"
+#include "apps/verb_context.h"
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Every file below a folder and its hash; what a run keeps for the next one apart.
+std::map<std::string, std::string> files_below(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = fs::relative(entry.path(), folder).string();
+    if (entry.is_regular_file() && !name.starts_with(".cache")) {
+      files[name] = sha256_of_file(entry.path());
+    }
+  }
+  return files;
+}
+
+/// A campaign of the published tables, small enough to be run several times.
+class Faults : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const fs::path source = fs::path(RIGFIT_TESTDATA) / "jalali2021";
+    fs::create_directories(folder_.path() / "in" / "scenes");
+    for (const char* name : {"scenes/cable.toml", "table1_bending_stiffness.csv",
+                             "table3_cable_in_plane.csv", "table4_cable_out_of_plane.csv"}) {
+      fs::copy_file(source / name, folder_.path() / "in" / name);
+    }
+    campaign_ = folder_.write("in/campaign.toml", R"(title = "cable"
+[[scene]]
+name = "cable"
+file = "scenes/cable.toml"
+[[test]]
+name = "bending"
+kind = "bending"
+span = 1.0
+[test.table]
+file = "table1_bending_stiffness.csv"
+tension = "tension_N"
+EI = "EI_Nm2"
+[[test]]
+name = "in-plane"
+kind = "modal"
+scene = "cable"
+planes = ["in"]
+tension_of = ["cable.tension"]
+EI_of = ["cable.EI"]
+[test.table]
+file = "table3_cable_in_plane.csv"
+tension = "tension_N"
+measured = "test_Hz"
+)");
+    inputs_ = files_below(folder_.path() / "in");
+  }
+  void TearDown() override { EXPECT_EQ(files_below(folder_.path() / "in"), inputs_); }
+
+  [[nodiscard]] std::string at(const std::string& name) const {
+    return (folder_.path() / name).string();
+  }
+  [[nodiscard]] std::vector<std::string> report_to(const std::string& out) const {
+    return {"report", campaign_, "--out", at(out), "--quiet"};
+  }
+
+  /// What two clean runs agree on, by name: all but measured times and the page, which holds them
+  /// and its own command line.
+  [[nodiscard]] std::map<std::string, std::string> clean_report() const {
+    EXPECT_EQ(run_program(report_to("clean")).exit_code, 0);
+    EXPECT_EQ(run_program(report_to("clean-2")).exit_code, 0);
+    const auto second = files_below(at("clean-2"));
+    auto files = files_below(at("clean"));
+    std::erase_if(files, [&](const auto& file) { return second.at(file.first) != file.second; });
+    EXPECT_TRUE(files.contains("report.json"));
+    EXPECT_TRUE(files.contains("data/in-plane-frequency.csv"));
+    return files;
+  }
+  /// The files of a folder that `expected` has.
+  [[nodiscard]] static std::map<std::string, std::string> only(
+      std::map<std::string, std::string> files,
+      const std::map<std::string, std::string>& expected) {
+    std::erase_if(files, [&](const auto& file) { return !expected.contains(file.first); });
+    return files;
+  }
+
+  TemporaryFolder folder_;
+  std::string campaign_;
+  std::map<std::string, std::string> inputs_;
+};
+
+/// Runs the program in a child whose files may not grow beyond so many bytes, as on a full disk.
+ProgramRun with_file_limit(rlim_t bytes, const std::vector<std::string>& arguments) {
+  struct rlimit before {};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  // Instead of a signal the write fails, with EFBIG where a full disk gives ENOSPC. Both stay so in
+  // the child.
+  const auto handler = ::signal(SIGXFSZ, SIG_IGN);
+  struct rlimit limit = before;
+  limit.rlim_cur = bytes;
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  ProgramRun run = run_program(arguments);
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  ::signal(SIGXFSZ, handler);
+  return run;
+}
+
+TEST_F(Faults, AFullDiskLeavesNoHalfWrittenFile) {
+  const auto run = with_file_limit(20000, report_to("out"));
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("cannot write"));
+  EXPECT_THAT(run.err, HasSubstr(at("out")));
+  EXPECT_FALSE(fs::exists(at("out/report.html")));
+  for (const auto& [name, hash] : files_below(at("out"))) {
+    EXPECT_THAT(name, Not(HasSubstr(".part")));
+  }
+  // Once there is room again the run ends as if nothing had been.
+  EXPECT_EQ(run_program(report_to("out")).exit_code, 0);
+  const auto clean = clean_report();
+  EXPECT_EQ(only(files_below(at("out")), clean), clean);
+}
+
+TEST_F(Faults, AFullDiskKeepsTheFileThatWasThere) {
+  folder_.write("r.csv", "before");
+  const auto run =
+      with_file_limit(20000, {"respond", RIGFIT_TESTDATA "/scenes/cable-hit.toml", "--duration",
+                              "10", "--rate", "2000", "--out", at("r.csv")});
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("r.csv"));
+  EXPECT_EQ(folder_.read("r.csv"), "before");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 2);  // in, r.csv
+}
+
+TEST_F(Faults, FullStandardOutputIsAFault) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  const std::string command = "'" RIGFIT_PROGRAM "' modes '" RIGFIT_TESTDATA
+                              "/jalali2021/scenes/cable.toml' --json - >/dev/full 2>'" +
+                              at("err") + "'";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_THAT(folder_.read("err"), HasSubstr("standard output"));
+}
+
+TEST_F(Faults, FoldersThatCannotBeWrittenToAreRefusedBeforeTheWork) {
+  folder_.write("a-file", "x");
+  // Two hold for root too: a file in the folder's place, and a file system that makes none.
+  for (const std::string& out : {at("a-file"), at("a-file/below"), std::string("/proc/rigfit")}) {
+    const auto run = run_program({"report", campaign_, "--out", out, "--quiet"});
+    EXPECT_EQ(run.exit_code, 2) << out << "\n" << run.err;
+    EXPECT_THAT(run.err, HasSubstr(out));
+    EXPECT_THAT(run.err, HasSubstr("--out"));
+  }
+  if (::geteuid() != 0) {
+    fs::create_directory(at("locked"));
+    fs::permissions(at("locked"), fs::perms::owner_read | fs::perms::owner_exec);
+    EXPECT_EQ(run_program(report_to("locked/out")).exit_code, 2);
+    fs::permissions(at("locked"), fs::perms::owner_all);
+  }
+  EXPECT_EQ(folder_.read("a-file"), "x");
+  const auto run = run_program({"modes", RIGFIT_TESTDATA "/jalali2021/scenes/cable.toml", "--json",
+                                at("none/there/m.json")});
+  EXPECT_NE(run.exit_code, 0);
+  EXPECT_THAT(run.err, HasSubstr("none/there/m.json"));
+}
+
+/// Starts a report and ends it by a signal after so long; true: it was still running.
+bool killed(const std::vector<std::string>& arguments, int signal_number, int after_ms) {
+  std::vector<std::string> words{RIGFIT_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (auto& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execv(pointers[0], pointers.data());
+    ::_exit(127);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(after_ms));
+  ::kill(child, signal_number);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFSIGNALED(status);
+}
+
+// Killed ever later until a run gets through: wherever it was, what is there is whole, and the next
+// run gives what a clean one gives.
+TEST_F(Faults, KilledInTheMiddleTheNextRunGivesTheSame) {
+  const auto clean = clean_report();
+  int kills = 0;
+  for (int after_ms = 5; after_ms < 20000; after_ms = after_ms * 3 / 2 + 10) {
+    if (!killed(report_to("out"), kills % 2 == 0 ? SIGKILL : SIGTERM, after_ms)) break;
+    ++kills;
+    if (!fs::exists(at("out"))) continue;
+    for (const auto& [name, hash] : only(files_below(at("out")), clean)) {
+      EXPECT_EQ(hash, clean.at(name)) << name;
+    }
+  }
+  EXPECT_GE(kills, 1);
+  // What a run that was killed was about to write is swept up by the next one.
+  folder_.write("out/data/x.csv.999999999.part", "half");
+  EXPECT_EQ(run_program(report_to("out")).exit_code, 0);
+  const auto again = files_below(at("out"));
+  EXPECT_EQ(only(again, clean), clean);
+  for (const auto& [name, hash] : again) EXPECT_THAT(name, Not(HasSubstr(".part")));
+}
+
+TEST_F(Faults, AnInputThatChangesMeanwhileIsRefused) {
+  const std::string input = folder_.write("input.csv", "t,x\n0,1\n");
+  std::ostream nowhere(nullptr);
+  VerbContext context(nowhere);
+  context.input(input);
+  EXPECT_NO_THROW(context.check_inputs());
+  // The same content written again is no change.
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  folder_.write("input.csv", "t,x\n0,1\n");
+  EXPECT_NO_THROW(context.check_inputs());
+  folder_.write("input.csv", "t,x\n0,2\n");
+  EXPECT_THROW(context.check_inputs(), InputChanged);
+  EXPECT_THROW(context.write(at("result"), "x"), InputChanged);
+  EXPECT_FALSE(fs::exists(at("result")));
+  fs::remove(input);
+  EXPECT_THROW(context.check_inputs(), InputChanged);
+  EXPECT_EQ(exit_code_of(InputChanged("")), ExitCode::bad_input);
+}
+
+TEST_F(Faults, ARunNeverWritesOnItsInput) {
+  const std::string scene = folder_.write("s.toml", folder_.read("in/scenes/cable.toml"));
+  const std::string before = folder_.read("s.toml");
+  const auto run = run_program({"modes", scene, "--json", scene});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("is an input of this run"));
+  EXPECT_EQ(folder_.read("s.toml"), before);
+}
+
+// A logger still writes: rows come once a millisecond, reading and judging takes many of them.
+TEST_F(Faults, ARecordingThatGrowsDuringTheRunEndsIt) {
+  std::string rows = "time (s),force (N)\n";
+  for (int k = 0; k < 400000; ++k)
+    rows += std::to_string(k) + "e-4," + std::to_string(k % 7) + "\n";
+  const std::string file = folder_.write("long.csv", rows);
+  std::atomic<bool> done{false};
+  std::jthread logger([&] {
+    std::ofstream stream(file, std::ios::app);
+    for (int k = 400000; !done; ++k) {
+      stream << k << "e-4,1\n" << std::flush;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  const auto run = run_program({"inspect", file, "--json", at("out.json"), "--quiet"});
+  done = true;
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("long.csv"));
+  EXPECT_FALSE(fs::exists(at("out.json")));
+}
+
+TEST_F(Faults, ARecordingCutShortWhileItIsReadIsNoCrash) {
+  std::string rows = "time (s),force (N)\n";
+  for (int k = 0; k < 2000000; ++k) rows += std::to_string(k) + "e-4,1\n";
+  const std::string file = folder_.write("long.csv", rows);
+  std::jthread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    fs::resize_file(file, 100);
+  });
+  const auto run = run_program({"inspect", file, "--json", at("out.json"), "--quiet"});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_FALSE(run.err.empty());
+  EXPECT_FALSE(fs::exists(at("out.json")));
+}
+
+}  // namespace
+}  // namespace rigfit::apps
