@@ -36,9 +36,10 @@ Json json_document(const VerbContext& context, const std::string& verb, Json res
   return document;
 }
 
+Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
 Json json_estimate(double value, double std) {
-  return {{"value", std::isfinite(value) ? Json(value) : Json(nullptr)},
-          {"std", std::isfinite(std) ? Json(std) : Json(nullptr)}};
+  return {{"value", json_number(value)}, {"std", json_number(std)}};
 }
 
 }  // namespace rigfit::apps

@@ -9,6 +9,9 @@ namespace rigfit::apps {
 /// null.
 [[nodiscard]] Json json_document(const VerbContext& context, const std::string& verb, Json result);
 
+/// null when not finite.
+[[nodiscard]] Json json_number(double value);
+
 /// `{value, std}`, each null when not finite.
 [[nodiscard]] Json json_estimate(double value, double std);
 

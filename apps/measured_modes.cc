@@ -8,28 +8,14 @@
 #include <fstream>
 #include <limits>
 
+#include "apps/table_cells.h"
 #include "model/scene_error.h"
+#include "signal/numbers.h"
 
 namespace rigfit::apps {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r\"");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
-}
-
-std::vector<std::string> cells_of(const std::string& line, char separator) {
-  std::vector<std::string> cells;
-  for (std::size_t begin = 0;;) {
-    const auto end = line.find(separator, begin);
-    cells.push_back(trimmed(line.substr(begin, end - begin)));
-    if (end == std::string::npos) return cells;
-    begin = end + 1;
-  }
-}
+using signal::kNaN;
 
 }  // namespace
 

@@ -185,4 +185,13 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
   return recording;
 }
 
+const signal::Channel& chosen_channel(const signal::Recording& recording, const std::string& name) {
+  if (!name.empty()) return recording.channel(name);
+  if (recording.channels.size() == 1) return recording.channels.front();
+  std::string names;
+  for (const auto& c : recording.channels) names += (names.empty() ? "" : ", ") + c.name;
+  throw UsageError(recording.path.string() +
+                   ": name the channel with --channel; there are: " + names);
+}
+
 }  // namespace rigfit::apps

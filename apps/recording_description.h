@@ -60,4 +60,9 @@ void apply_description(const RecordingDescription& description, signal::Recordin
                                                const signal::ReadOptions& options = {},
                                                const RecordingDescription& given = {});
 
+/// The channel `name`; without a name that of a recording with one channel only. Throws UsageError
+/// when the choice is open.
+[[nodiscard]] const signal::Channel& chosen_channel(const signal::Recording& recording,
+                                                    const std::string& name);
+
 }  // namespace rigfit::apps

@@ -7,31 +7,11 @@
 #include <fstream>
 #include <limits>
 
+#include "apps/table_cells.h"
 #include "model/scene_error.h"
 #include "model/toml_table.h"
 
 namespace rigfit::apps {
-namespace {
-
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r\"");
-  if (first == std::string_view::npos) return "";
-  const auto last = text.find_last_not_of(" \t\r\"");
-  return std::string(text.substr(first, last - first + 1));
-}
-
-std::vector<std::string> cells_of(std::string_view line, char separator) {
-  std::vector<std::string> cells;
-  for (std::size_t begin = 0;;) {
-    const auto end = line.find(separator, begin);
-    cells.push_back(trimmed(line.substr(begin, end - begin)));
-    if (end == std::string_view::npos) return cells;
-    begin = end + 1;
-  }
-}
-
-}  // namespace
-
 std::size_t ResultTable::column(const std::string& name) const {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (columns[i] == name) return i;

@@ -38,7 +38,7 @@ double tension_factor(double lambda) {
   return 12 * bending_ratio(lambda) / lambda / lambda;
 }
 
-bool positive(double value) { return std::isfinite(value) && value > 0; }
+bool positive_finite(double value) { return std::isfinite(value) && value > 0; }
 
 struct Equation {
   double log_odds;  // ln(F / (1 - F)) asked for
@@ -182,7 +182,8 @@ LambdaSolution lambda_from_bending_ratio(double ratio) {
 }
 
 double midspan_compliance(double EI_Nm2, double tension_N, double span_m) {
-  if (!positive(EI_Nm2) || !positive(span_m) || !std::isfinite(tension_N) || tension_N < 0) {
+  if (!positive_finite(EI_Nm2) || !positive_finite(span_m) || !std::isfinite(tension_N) ||
+      tension_N < 0) {
     throw std::invalid_argument(
         "mid-span compliance: EI and span must be positive, the tension not negative");
   }
@@ -194,7 +195,7 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
   StiffnessFromBending result;
   const double slope = measured.compliance_m_N.value, tension = measured.tension_N.value,
                span = measured.span_m.value;
-  if (!positive(slope) || !positive(span) || !std::isfinite(tension) || tension < 0) {
+  if (!positive_finite(slope) || !positive_finite(span) || !std::isfinite(tension) || tension < 0) {
     result.status = BendingStatus::not_positive;
     result.reason = fmt::format(
         "the slope d/Q ({:.4g} m/N) and the span ({:.4g} m) must be positive and the tension "

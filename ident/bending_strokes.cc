@@ -5,16 +5,10 @@
 #include <limits>
 
 #include "ident/deming_line.h"
+#include "signal/robust.h"
 
 namespace rigfit::ident {
 namespace {
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 int load_drops(const StrokeRange& run, const StrokeData& data) {
   const double least = std::max(0.01 * data.load_range, 8 * data.load_noise);
@@ -58,7 +52,7 @@ double sample_noise(const Eigen::VectorXd& x) {
     seconds.push_back(std::abs(x[i - 1] - 2 * x[i] + x[i + 1]));
     squares += seconds.back() * seconds.back();
   }
-  const double robust = 1.4826 * median_of(seconds) / std::sqrt(6.0);
+  const double robust = 1.4826 * signal::median(seconds) / std::sqrt(6.0);
   // A coarse converter repeats its value more often than not.
   return robust > 0 ? robust : std::sqrt(squares / static_cast<double>(seconds.size()) / 6);
 }

@@ -9,16 +9,10 @@
 
 #include "ident/bending_strokes.h"
 #include "ident/friction_transient.h"
+#include "signal/robust.h"
 
 namespace rigfit::ident {
 namespace {
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Exact tables have lines without residuals; rounding keeps their variance from being zero.
 double variance_of(const signal::Estimate& slope) {
@@ -64,7 +58,7 @@ class Analysis {
     for (Eigen::Index i = 0; i < n; ++i) {
       if (d_[i] <= lowest + 6 * result_.deflection_noise_m) unloaded.push_back(d_[i]);
     }
-    zero_ = median_of(unloaded);
+    zero_ = signal::median(unloaded);
 
     find_clamp_slip();
     fit_strokes();
@@ -116,7 +110,7 @@ class Analysis {
       if (run.direction < 0) continue;
       double highest = -std::numeric_limits<double>::infinity();
       for (Eigen::Index i = run.first + 2; i + 2 <= run.last; ++i) {
-        const double local = median_of({P_[i - 2], P_[i - 1], P_[i], P_[i + 1], P_[i + 2]});
+        const double local = signal::median({P_[i - 2], P_[i - 1], P_[i], P_[i + 1], P_[i + 2]});
         highest = std::max(highest, local);
         worst = std::max(worst, highest - local);
       }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "signal/robust.h"
+
 namespace rigfit::ident {
 namespace {
 
@@ -31,12 +33,6 @@ double deming_slope(const Moments& m, double ratio) {
   // Of the two forms of the same root the one that does not cancel.
   return difference >= 0 ? (difference + root) / (2 * m.xy)
                          : 2 * ratio * m.xy / (root - difference);
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Relative change of slope over the range: weighted least squares of a parabola in the scaled x.
@@ -79,7 +75,7 @@ DemingLine fit_deming_line(const Eigen::Ref<const Eigen::VectorXd>& x_in,
     if (std::abs(line.slope - before) <= 1e-12 * std::abs(line.slope)) break;
     const Eigen::ArrayXd residual = (y - line.offset - line.slope * x).abs();
     const double scale =
-        1.4826 * median_of(std::vector<double>(residual.data(), residual.data() + n));
+        1.4826 * signal::median(std::vector<double>(residual.data(), residual.data() + n));
     if (!(scale > 1e-14 * range_y)) break;
     w = (1.345 * scale / residual.max(1.345 * scale));
     m = moments(x, y, w);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "signal/robust.h"
+
 namespace rigfit::ident {
 namespace {
 
@@ -103,16 +105,11 @@ bool usable(const std::vector<Line>& lines) {
   return std::all_of(lines.begin(), lines.end(), [](const Line& line) { return line.usable; });
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void reweigh(std::vector<Binned>& strokes, const std::vector<Line>& lines) {
   for (std::size_t i = 0; i < strokes.size(); ++i) {
     const Eigen::ArrayXd r = lines[i].residual.abs();
-    const double scale = 1.4826 * median_of(std::vector<double>(r.data(), r.data() + r.size()));
+    const double scale =
+        1.4826 * signal::median(std::vector<double>(r.data(), r.data() + r.size()));
     if (!(scale > 0)) continue;
     strokes[i].w = (kHuber * scale / r.max(kHuber * scale));
   }

@@ -7,10 +7,12 @@
 #include <set>
 #include <stdexcept>
 
+#include "signal/numbers.h"
+
 namespace rigfit::ident {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using signal::kNaN;
 
 void require_frequencies(const std::vector<PairingMode>& modes) {
   for (const auto& mode : modes) {

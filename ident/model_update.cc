@@ -8,11 +8,12 @@
 
 #include "ident/update_problem.h"
 #include "ident/update_solver.h"
+#include "signal/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using signal::kNaN;
 
 // Weighted Jacobian at the solution, Huber's weights included; the priors' rows last.
 bool weighted(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,

@@ -9,11 +9,12 @@
 #include <stdexcept>
 
 #include "ident/uncertainty.h"
+#include "signal/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using signal::kNaN;
 constexpr int kMaxParameters = 3;
 using Gradient = Eigen::Matrix<double, kMaxParameters, 1>;
 

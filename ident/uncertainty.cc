@@ -10,10 +10,12 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "signal/numbers.h"
+
 namespace rigfit::ident {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using signal::kNaN;
 
 std::string describe(const OpenDirection& open, const std::vector<std::string>& names) {
   const auto name = [&](int j) { return names[static_cast<std::size_t>(j)]; };

@@ -8,11 +8,12 @@
 
 #include "ident/model_update.h"
 #include "ident/update_solver.h"
+#include "signal/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using signal::kNaN;
 
 }  // namespace
 

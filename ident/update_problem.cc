@@ -8,13 +8,12 @@
 #include <stdexcept>
 
 #include "model/scene_error.h"
+#include "signal/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-bool known(double value) { return std::isfinite(value) && value > 0; }
+using signal::kNaN;
 
 // Coordinates of nodes may have any sign; everything else in a scene is positive or zero.
 bool is_coordinate(const std::string& name) {

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <atomic>
+#include <cmath>
 #include <set>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@
 #include "ident/model_update.h"
 
 namespace rigfit::ident {
+
+/// A frequency, damping ratio or standard uncertainty that was given.
+[[nodiscard]] inline bool known(double value) { return std::isfinite(value) && value > 0; }
 
 /// One unknown as it is fitted: q = ln(value) where the value is positive by nature, else
 /// value / scale.

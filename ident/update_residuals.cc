@@ -7,11 +7,7 @@
 #include "ident/update_problem.h"
 
 namespace rigfit::ident {
-namespace {
-
-bool known(double value) { return std::isfinite(value) && value > 0; }
-
-}  // namespace
+namespace {}  // namespace
 
 bool UpdateProblem::counts(int state, UpdateStage stage) const {
   return stage == UpdateStage::lead || !states_[static_cast<std::size_t>(state)].modes_lead_only;

@@ -8,17 +8,17 @@
 namespace rigfit::ident {
 namespace {
 
-void require(bool good, const char* what) {
+void demand(bool good, const char* what) {
   if (!good) throw std::invalid_argument(what);
 }
 
 void check(const VirtualAxialTest& test) {
   for (double value : {test.EA_N, test.mass_per_length_kg_m, test.length_m, test.hung_mass_kg,
                        test.sample_rate_hz, test.after_s, test.gravity_m_s2}) {
-    require(std::isfinite(value) && value > 0, "axial test: values must be positive and finite");
+    demand(std::isfinite(value) && value > 0, "axial test: values must be positive and finite");
   }
-  require(test.adapter_stiffness_N_m >= 0 && test.before_s >= 0, "axial test: negative value");
-  require(test.damping_ratio >= 0 && test.damping_ratio < 1, "axial test: damping ratio in [0, 1)");
+  demand(test.adapter_stiffness_N_m >= 0 && test.before_s >= 0, "axial test: negative value");
+  demand(test.damping_ratio >= 0 && test.damping_ratio < 1, "axial test: damping ratio in [0, 1)");
 }
 
 // w^2 M - k(w) for the undamped system, k the dynamic stiffness that the mass sees: the rod's end

@@ -1,14 +1,9 @@
 #include "model/linear_energy.h"
 
+#include "model/index.h"
 #include "model/joint_energy.h"
 
 namespace rigfit::model {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 LinearEnergy::LinearEnergy(const Assembly& assembly, const ChainState& rest) : assembly_(assembly) {
   const Chain& chain = assembly.chain();
   for (std::size_t k = 0; k < chain.segments.size(); ++k) {

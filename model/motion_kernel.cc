@@ -3,10 +3,10 @@
 #include <cassert>
 #include <cmath>
 
+#include "model/index.h"
+
 namespace rigfit::model {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Bending stiffness about the chain's z axis.
 double in_plane_stiffness(const Chain& chain, const JointSprings& springs, int segment) {

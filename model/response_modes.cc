@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kAllModes = 400;  // unknowns of a motion up to which all modes are taken
 constexpr int kSomeModes = 200;
-constexpr int kDefaultSegments = 30, kFewestSegments = 8, kMostSegments = 400;
+constexpr int kUsualSegments = 30, kFewestAutoSegments = 8, kMostAutoSegments = 400;
 
 ModesOptions options_for(const ResponseModesOptions& options) {
   ModesOptions out;
@@ -150,7 +150,7 @@ ResponseResolution choose_response_segments(const Scene& scene, const ResponseMo
     }
     return segments;
   };
-  int low = kFewestSegments - 1, high = kMostSegments + 1, n = kDefaultSegments;
+  int low = kFewestAutoSegments - 1, high = kMostAutoSegments + 1, n = kUsualSegments;
   for (int round = 0; round < 8; ++round) {
     ResponseModesOptions trial = options;
     trial.segments = chosen(n);
@@ -173,9 +173,10 @@ ResponseResolution choose_response_segments(const Scene& scene, const ResponseMo
         (best.relative_error > scene.accuracy && now.relative_error < best.relative_error)) {
       best = std::move(now);
     }
-    if (high - low <= std::max(1, high / 12) || low >= kMostSegments) break;
+    if (high - low <= std::max(1, high / 12) || low >= kMostAutoSegments) break;
     const double guess = 1.03 * n * std::clamp(std::sqrt(ratio), 0.3, 4.0);
-    n = std::clamp(static_cast<int>(std::ceil(guess)), low + 1, std::min(high - 1, kMostSegments));
+    n = std::clamp(static_cast<int>(std::ceil(guess)), low + 1,
+                   std::min(high - 1, kMostAutoSegments));
   }
   return best;
 }

@@ -4,13 +4,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "model/index.h"
+
 namespace rigfit::model {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 template <int D>
 SlotMass<D>::SlotMass(std::vector<Member> members, std::vector<Shared> shared, int slots)
     : members_(std::move(members)), shared_(std::move(shared)), slots_(slots) {

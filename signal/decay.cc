@@ -15,6 +15,7 @@
 #include "signal/decay_search.h"
 #include "signal/decay_window.h"
 #include "signal/log_decrement.h"
+#include "signal/numbers.h"
 #include "signal/profile_interval.h"
 #include "signal/residual_noise.h"
 
@@ -23,7 +24,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
-constexpr double kTwoPi = 2 * std::numbers::pi;
 // After this many time constants of the slowest mode a record holds nothing but noise.
 constexpr double kTailTimeConstants = 10;
 

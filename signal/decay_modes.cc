@@ -10,6 +10,7 @@
 
 #include "signal/decay_search.h"
 #include "signal/least_squares.h"
+#include "signal/numbers.h"
 #include "signal/power_sums.h"
 
 namespace rigfit::signal {
@@ -17,7 +18,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
-constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kHighestDamping = 0.9;
 constexpr Index kFewDegrees = 200;
 
@@ -27,9 +27,9 @@ bool plausible(Complex pole, Index n) {
          pole.real() * static_cast<double>(n) < 2.9;
 }
 
-class ModeSearch {
+class DecayModeSearch {
  public:
-  ModeSearch(const DecaySamples& samples, const DecayModesOptions& options)
+  DecayModeSearch(const DecaySamples& samples, const DecayModesOptions& options)
       : samples_(samples), options_(options), n_(samples.values.size()) {}
 
   // The first mode, from several starts; nothing when no peak stands out of the noise.
@@ -215,7 +215,7 @@ double mode_energy(const DampedSinusoidsFit& fit, std::size_t m) {
 std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
                                                    const DecayBand& band,
                                                    const DecayModesOptions& options) {
-  ModeSearch search(samples, options);
+  DecayModeSearch search(samples, options);
   auto fit = search.first(0, 0.5);
   if (!fit) return fit;
   const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));

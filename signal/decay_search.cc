@@ -6,13 +6,13 @@
 
 #include "signal/damped_sinusoids.h"
 #include "signal/fft.h"
+#include "signal/numbers.h"
 
 namespace rigfit::signal {
 namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
-constexpr double kTwoPi = 2 * std::numbers::pi;
 // Beyond this many time constants the window holds nothing of the sinusoid.
 constexpr double kWindowTimeConstants = 8;
 // Above this length the spectrum is not interpolated by zeros: half a line costs at most 60 % of

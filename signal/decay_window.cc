@@ -7,13 +7,13 @@
 #include <numbers>
 
 #include "signal/decay_search.h"
+#include "signal/numbers.h"
 
 namespace rigfit::signal {
 namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
-constexpr double kTwoPi = 2 * std::numbers::pi;
 
 struct Onset {
   Index start = 0;

@@ -6,13 +6,13 @@
 #include <numbers>
 
 #include "signal/fft.h"
+#include "signal/numbers.h"
 
 namespace rigfit::signal {
 namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
-constexpr double kTwoPi = 2 * std::numbers::pi;
 
 // Analytic signal of `residual` in the band (cycles per sample), raised-cosine edges.
 Eigen::VectorXcd band_analytic(const Eigen::VectorXd& residual, double centre, double half_width) {
@@ -41,12 +41,12 @@ Eigen::VectorXcd band_analytic(const Eigen::VectorXd& residual, double centre, d
   return analytic;
 }
 
-struct Line {
+struct WeightedLine {
   double level = 0, slope = 0, slope_variance = 0, chi2 = 0;
 };
 
-Line weighted_line(const std::vector<double>& x, const std::vector<double>& y,
-                   const std::vector<double>& std) {
+WeightedLine weighted_line(const std::vector<double>& x, const std::vector<double>& y,
+                           const std::vector<double>& std) {
   double s = 0, sx = 0, sy = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double w = 1 / (std[i] * std[i]);
@@ -57,7 +57,7 @@ Line weighted_line(const std::vector<double>& x, const std::vector<double>& y,
     const double w = 1 / (std[i] * std[i]);
     sxx += w * (x[i] - sx / s) * (x[i] - sx / s), sxy += w * (x[i] - sx / s) * (y[i] - sy / s);
   }
-  Line line;
+  WeightedLine line;
   if (!(sxx > 0)) return line;
   line.slope = sxy / sxx;
   line.level = sy / s - line.slope * sx / s;
@@ -174,7 +174,7 @@ EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m, doubl
   }
   const std::size_t k = result.points.size();
   if (k < 2) return result;
-  const Line drift = weighted_line(times, frequencies, frequency_stds);
+  const WeightedLine drift = weighted_line(times, frequencies, frequency_stds);
   const double span = times.back() - times.front();
   // Misfit of the line beyond the noise counts as uncertainty.
   const double excess = k > 2 ? std::max(1.0, drift.chi2 / static_cast<double>(k - 2)) : 1.0;
@@ -184,7 +184,7 @@ EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m, doubl
   for (const auto& p : result.points) {
     zetas.push_back(p.damping_ratio.value), zeta_stds.push_back(p.damping_ratio.std);
   }
-  const Line trend = weighted_line(logs, zetas, zeta_stds);
+  const WeightedLine trend = weighted_line(logs, zetas, zeta_stds);
   const double trend_excess = std::max(1.0, trend.chi2 / static_cast<double>(k - 2));
   result.damping_per_log_amplitude = {trend.slope, std::sqrt(trend.slope_variance * trend_excess)};
   // Exponential: one constant. Friction and drag: one coefficient more, which must not be negative.
@@ -197,8 +197,8 @@ EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m, doubl
   for (std::size_t i = 0; i < k; ++i) {
     constant_chi2 += (rates[i] - mean) * (rates[i] - mean) / (rate_stds[i] * rate_stds[i]);
   }
-  const Line friction = weighted_line(inverse, rates, rate_stds);
-  const Line drag = weighted_line(amplitudes, rates, rate_stds);
+  const WeightedLine friction = weighted_line(inverse, rates, rate_stds);
+  const WeightedLine drag = weighted_line(amplitudes, rates, rate_stds);
   const double friction_gain = friction.slope > 0 ? constant_chi2 - friction.chi2 : 0;
   const double drag_gain = drag.slope > 0 ? constant_chi2 - drag.chi2 : 0;
   // A coefficient must pay five standard uncertainties to be believed.

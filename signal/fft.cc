@@ -10,11 +10,11 @@
 #include <utility>
 
 namespace rigfit::signal {
-namespace {
 using Eigen::Index;
 
-struct Buffers {
-  explicit Buffers(Index length)
+/// Aligned as FFTW likes it.
+struct FftBuffers {
+  explicit FftBuffers(Index length)
       : time(fftw_alloc_real(static_cast<std::size_t>(length))),
         spectrum(fftw_alloc_complex(static_cast<std::size_t>(length / 2 + 1))) {
     if (time == nullptr || spectrum == nullptr) {
@@ -22,9 +22,9 @@ struct Buffers {
       throw std::bad_alloc();
     }
   }
-  ~Buffers() { release(); }
-  Buffers(const Buffers&) = delete;
-  Buffers& operator=(const Buffers&) = delete;
+  ~FftBuffers() { release(); }
+  FftBuffers(const FftBuffers&) = delete;
+  FftBuffers& operator=(const FftBuffers&) = delete;
   void release() {
     fftw_free(time);
     fftw_free(spectrum);
@@ -34,15 +34,17 @@ struct Buffers {
   fftw_complex* spectrum;
 };
 
-struct Plans {
+struct FftPlans {
   fftw_plan forward = nullptr;
   fftw_plan inverse = nullptr;
 };
 
+namespace {
+
 /// One pair of plans for each length in use, kept until the program ends.
 struct PlanCache {
   std::mutex mutex;
-  std::map<Index, Plans> plans;
+  std::map<Index, FftPlans> plans;
 
   PlanCache() = default;
   PlanCache(const PlanCache&) = delete;
@@ -57,10 +59,10 @@ struct PlanCache {
 };
 
 /// FFTW's planner is not thread-safe; executing a plan on other arrays of the same alignment is.
-Plans plans_of(Index length, Buffers& buffers) {
+FftPlans plans_of(Index length, FftBuffers& buffers) {
   static PlanCache cache;
   const std::lock_guard lock(cache.mutex);
-  Plans& plans = cache.plans[length];
+  FftPlans& plans = cache.plans[length];
   if (plans.forward == nullptr) {
     const int n = static_cast<int>(length);
     plans.forward = fftw_plan_dft_r2c_1d(n, buffers.time, buffers.spectrum,
@@ -82,8 +84,8 @@ bool has_small_factors(Index n) {
 struct RealFft::State {
   explicit State(Index n) : length(n), buffers(n), plans(plans_of(n, buffers)) {}
   Index length;
-  Buffers buffers;
-  Plans plans;
+  FftBuffers buffers;
+  FftPlans plans;
 };
 
 RealFft::RealFft(Index length) {

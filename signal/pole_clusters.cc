@@ -5,6 +5,8 @@
 #include <numbers>
 #include <tuple>
 
+#include "signal/robust.h"
+
 namespace rigfit::signal {
 namespace {
 
@@ -12,13 +14,6 @@ using Complex = std::complex<double>;
 
 double distance(Complex p, Complex q, double spacing_rad_s) {
   return std::abs(p - q) / (std::abs(p.real()) + std::abs(q.real()) + 0.5 * spacing_rad_s);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
 struct Track {

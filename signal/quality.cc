@@ -7,12 +7,11 @@
 #include <limits>
 #include <vector>
 
+#include "signal/numbers.h"
 #include "signal/quality_spectrum.h"
 
 namespace rigfit::signal {
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 struct Run {
   Eigen::Index first = 0, length = 0;
@@ -195,7 +194,7 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel,
         q.missing_samples, first_missing);
   }
   if (count == 0) {
-    q.min = q.max = q.mean = q.rms = kNone;
+    q.min = q.max = q.mean = q.rms = kNaN;
     return q;
   }
   q.min = low, q.max = high;

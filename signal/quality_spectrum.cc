@@ -8,18 +8,11 @@
 #include <vector>
 
 #include "signal/fft.h"
+#include "signal/numbers.h"
+#include "signal/robust.h"
 
 namespace rigfit::signal {
 namespace {
-
-constexpr double kTwoPi = 2 * std::numbers::pi;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Eigen::VectorXd hann(Eigen::Index n) {
   return (0.5 - 0.5 * (Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)) * kTwoPi /
@@ -61,15 +54,16 @@ double line_rms(const Eigen::Ref<const Eigen::VectorXd>& samples, double frequen
   return std::numbers::sqrt2 * std::abs(sum) / weight;
 }
 
-struct Line {
+struct SpectralLine {
   bool found = false;
   double rms = 0;
 };
 
 /// A narrow, steady line near `frequency`.
-Line find_line(const Eigen::Ref<const Eigen::VectorXd>& samples, const Eigen::VectorXd& density,
-               double frequency, double rate, const QualityOptions& options) {
-  Line line;
+SpectralLine find_line(const Eigen::Ref<const Eigen::VectorXd>& samples,
+                       const Eigen::VectorXd& density, double frequency, double rate,
+                       const QualityOptions& options) {
+  SpectralLine line;
   const double spacing = rate / static_cast<double>(samples.size());
   // European and American grids keep within 0.2 Hz.
   const double search = 0.004 * frequency + spacing;
@@ -136,7 +130,7 @@ SpectralQuality spectral_quality(const Eigen::Ref<const Eigen::VectorXd>& sample
     int found = 0;
     bool fundamental = false;
     for (int harmonic = 1; harmonic <= 6; ++harmonic) {
-      const Line line = find_line(middle, fine, mains * harmonic, sample_rate_hz, options);
+      const SpectralLine line = find_line(middle, fine, mains * harmonic, sample_rate_hz, options);
       if (!line.found) continue;
       ++found;
       fundamental = fundamental || harmonic == 1;

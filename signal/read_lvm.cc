@@ -41,9 +41,9 @@ struct Segment {
   std::size_t comment_column = 0;  ///< 0: none
 };
 
-class Reader {
+class LvmReader {
  public:
-  Reader(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {
+  LvmReader(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {
     if (bytes_.substr(0, 3) == "\xEF\xBB\xBF") at_ = 3;
   }
 
@@ -246,7 +246,7 @@ SegmentTimes times_of(const Segment& segment, std::size_t reference) {
 Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
   const std::string file = path.string();
-  std::vector<Segment> segments = Reader(bytes, file).read();
+  std::vector<Segment> segments = LvmReader(bytes, file).read();
   Recording recording;
   recording.path = path;
   recording.format = "lvm";

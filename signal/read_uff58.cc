@@ -30,9 +30,9 @@ std::string text_field(std::string_view line, std::size_t from, std::size_t widt
   return text == "NONE" || text == "None" || text == "none" ? "" : text;
 }
 
-class Reader {
+class Uff58Reader {
  public:
-  Reader(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+  Uff58Reader(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
 
   Uff58File read() {
     Uff58File out;
@@ -432,7 +432,7 @@ const char* uff58_function_name(int type) {
 }
 
 Uff58File read_uff58(std::string_view bytes, const std::string& file) {
-  return Reader(bytes, file).read();
+  return Uff58Reader(bytes, file).read();
 }
 
 }  // namespace rigfit::signal

@@ -4,16 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include "signal/robust.h"
+
 namespace rigfit::signal {
-namespace {
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 double round_rate(double rate_hz, double tolerance) {
   if (!(rate_hz > 0) || !std::isfinite(rate_hz)) return rate_hz;

@@ -21,9 +21,9 @@ struct Sample {
   double length_m = 0;
 };
 
-class Analysis {
+class AxialAnalysis {
  public:
-  Analysis(const CampaignTest& test, std::uint64_t seed) : test_(test), seed_(seed) {
+  AxialAnalysis(const CampaignTest& test, std::uint64_t seed) : test_(test), seed_(seed) {
     part().id = test.name;
     part().title = test.title;
     part().json_key = "axial";
@@ -345,7 +345,7 @@ class Analysis {
 }  // namespace
 
 AxialPart axial_part(const CampaignTest& test, std::uint64_t seed) {
-  return Analysis(test, seed).run();
+  return AxialAnalysis(test, seed).run();
 }
 
 }  // namespace rigfit::apps

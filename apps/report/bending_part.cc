@@ -12,11 +12,12 @@
 #include "apps/report/recording_blocks.h"
 #include "ident/bending_equation.h"
 #include "ident/stiffness_law.h"
+#include "signal/numbers.h"
 
 namespace rigfit::apps {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using signal::kNaN;
 
 struct Row {
   double tension_N = 0, published_EI = 0, compliance_m_N = 0;

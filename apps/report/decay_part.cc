@@ -63,9 +63,9 @@ PlotSeries spectrum_of(const Eigen::Ref<const Eigen::VectorXd>& samples, double 
   return series;
 }
 
-class Analysis {
+class DecayAnalysis {
  public:
-  Analysis(const Campaign& campaign, const CampaignTest& test, const KnownValues& known)
+  DecayAnalysis(const Campaign& campaign, const CampaignTest& test, const KnownValues& known)
       : campaign_(campaign), test_(test), known_(known) {
     part_.id = test.name;
     part_.title = test.title;
@@ -353,7 +353,7 @@ class Analysis {
 
 ReportPart decay_part(const Campaign& campaign, const CampaignTest& test,
                       const KnownValues& known) {
-  return Analysis(campaign, test, known).run();
+  return DecayAnalysis(campaign, test, known).run();
 }
 
 }  // namespace rigfit::apps

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 
+#include "apps/json_document.h"
 #include "apps/report/html_text.h"
 #include "apps/report/modal_files.h"
 #include "apps/report/model_overlay.h"
@@ -24,8 +25,6 @@ struct FitState {
   ModalState modal;
   std::vector<std::size_t> row_of;  ///< by measured mode of the update
 };
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string percent(double ratio) {
   return std::isfinite(ratio) ? shown(100 * ratio, 3) + " %" : std::string("–");
@@ -196,9 +195,9 @@ class Fit {
       list.push_back({{"name", parameter.name},
                       {"start", parameter.start},
                       {"value", parameter.value},
-                      {"std", number(parameter.std)},
+                      {"std", json_number(parameter.std)},
                       {"identifiable", parameter.identifiable},
-                      {"std_from_data", number(parameter.std_from_data)},
+                      {"std_from_data", json_number(parameter.std_from_data)},
                       {"at_bound", parameter.at_bound},
                       {"reference", reference ? Json(*reference) : Json(nullptr)}});
       if (!known) continue;
@@ -249,14 +248,14 @@ class Fit {
       const double before = rms(result_.pairs_before, state), after = rms(result_.pairs, state);
       std::vector<Cell> cells{updates_[s].name, percent(before), percent(after)};
       Json json{{"state", updates_[s].name},
-                {"rms_relative_error_before", number(before)},
-                {"rms_relative_error", number(after)}};
+                {"rms_relative_error_before", json_number(before)},
+                {"rms_relative_error", json_number(after)}};
       for (const auto& held : held_) {
         if (held.state != state) continue;
         cells.emplace_back(held.status == ident::UpdateStatus::converged
                                ? percent(held.rms_predicted)
                                : std::string(ident::name_of(held.status)));
-        json["rms_relative_error_held_out"] = number(held.rms_predicted);
+        json["rms_relative_error_held_out"] = json_number(held.rms_predicted);
         for (const auto& pair : held.pairs) {
           if (pair.cross_plane) continue;
           held_sum += pair.relative_error * pair.relative_error;
@@ -273,9 +272,9 @@ class Fit {
     if (!held_.empty()) all.emplace_back(percent(held_rms_));
     table.rows.push_back(std::move(all));
     part_.json["states"] = std::move(list);
-    part_.json["rms_relative_error_before"] = number(result_.rms_relative_error_before);
-    part_.json["rms_relative_error"] = number(result_.rms_relative_error);
-    part_.json["rms_relative_error_held_out"] = number(held_rms_);
+    part_.json["rms_relative_error_before"] = json_number(result_.rms_relative_error_before);
+    part_.json["rms_relative_error"] = json_number(result_.rms_relative_error);
+    part_.json["rms_relative_error_held_out"] = json_number(held_rms_);
     part_.blocks.push_back(std::move(table));
   }
 
@@ -354,7 +353,7 @@ class Fit {
                   {"model_hz", is ? Json(after->model_hz) : Json(nullptr)},
                   {"relative_error", is ? Json(after->relative_error) : Json(nullptr)},
                   {"relative_error_before", was ? Json(before->relative_error) : Json(nullptr)},
-                  {"mac", is ? number(after->mac) : Json(nullptr)},
+                  {"mac", is ? json_number(after->mac) : Json(nullptr)},
                   {"leakage", is && after->cross_plane}};
         list.push_back(std::move(json));
         Cell remark(

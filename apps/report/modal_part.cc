@@ -9,11 +9,12 @@
 
 #include "apps/report/html_text.h"
 #include "apps/report/modal_states.h"
+#include "signal/numbers.h"
 
 namespace rigfit::apps {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using signal::kNaN;
 
 std::string label_of(const ModalState& state) { return state_label(state.tension_N); }
 

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "signal/numbers.h"
+
 namespace rigfit::apps {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using signal::kNaN;
 
 RmsError rms(double sum, int rows) { return {rows > 0 ? std::sqrt(sum / rows) : kNaN, rows}; }
 

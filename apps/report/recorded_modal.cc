@@ -28,7 +28,7 @@ struct Struck {
   std::optional<signal::ImpactTest> test;
 };
 
-struct State {
+struct StateRun {
   std::optional<double> tension_N;
   std::vector<Struck> struck;
 };
@@ -87,9 +87,9 @@ double usual_rate(const std::vector<LoadedRecording>& loaded) {
 }
 
 /// Usable recordings by state and place struck; the rest is refused on the part.
-std::vector<State> sorted_recordings(const CampaignTest& test, std::vector<LoadedRecording>& loaded,
-                                     ReportPart& part) {
-  std::vector<State> states;
+std::vector<StateRun> sorted_recordings(const CampaignTest& test,
+                                        std::vector<LoadedRecording>& loaded, ReportPart& part) {
+  std::vector<StateRun> states;
   const double rate = usual_rate(loaded);
   for (auto& entry : loaded) {
     if (!entry.recording) continue;
@@ -98,9 +98,10 @@ std::vector<State> sorted_recordings(const CampaignTest& test, std::vector<Loade
       continue;
     }
     const auto& group = test.recordings[entry.group];
-    auto state = std::find_if(states.begin(), states.end(),
-                              [&](const State& one) { return one.tension_N == group.tension_N; });
-    if (state == states.end()) state = states.insert(states.end(), State{group.tension_N, {}});
+    auto state = std::find_if(states.begin(), states.end(), [&](const StateRun& one) {
+      return one.tension_N == group.tension_N;
+    });
+    if (state == states.end()) state = states.insert(states.end(), StateRun{group.tension_N, {}});
     auto struck = std::find_if(state->struck.begin(), state->struck.end(),
                                [&](const Struck& one) { return one.load == group.load; });
     if (struck == state->struck.end()) {
@@ -110,7 +111,7 @@ std::vector<State> sorted_recordings(const CampaignTest& test, std::vector<Loade
     struck->recordings.push_back(std::move(*entry.recording));
   }
   std::stable_sort(states.begin(), states.end(),
-                   [](const State& a, const State& b) { return a.tension_N < b.tension_N; });
+                   [](const StateRun& a, const StateRun& b) { return a.tension_N < b.tension_N; });
   return states;
 }
 
@@ -202,9 +203,9 @@ RecordedHit recorded_hit(const Struck& struck, const std::string& force) {
   return kept;
 }
 
-class Analysis {
+class RecordedModalAnalysis {
  public:
-  Analysis(const Campaign& campaign, const CampaignTest& test) : test_(test) {
+  RecordedModalAnalysis(const Campaign& campaign, const CampaignTest& test) : test_(test) {
     part().id = test.name + "-recordings";
     part().title = test.title + ": recordings";
     part().json_key = "recorded_modal";
@@ -247,7 +248,7 @@ class Analysis {
  private:
   ReportPart& part() { return result_.part; }
 
-  void analyse(State& state) {
+  void analyse(StateRun& state) {
     const std::string label = state_label(state.tension_N);
     const auto responses = response_names(test_, state.struck);
     if (responses.empty()) {
@@ -315,7 +316,7 @@ class Analysis {
     json_hits_[label].push_back({{"load", struck.load}, {"hits", std::move(list)}});
   }
 
-  void identify(State& state, const std::string& label) {
+  void identify(StateRun& state, const std::string& label) {
     RecordedModalState found;
     found.tension_N = state.tension_N;
     found.origin = state.struck.front().origin;
@@ -523,7 +524,7 @@ std::string state_label(std::optional<double> tension_N) {
 }
 
 RecordedModal recorded_modal(const Campaign& campaign, const CampaignTest& test) {
-  return Analysis(campaign, test).run();
+  return RecordedModalAnalysis(campaign, test).run();
 }
 
 }  // namespace rigfit::apps

@@ -63,7 +63,7 @@ std::string abscissae(const std::vector<double>& x) {
   return numbers(x, 7);
 }
 
-std::string quoted(const std::string& text) {
+std::string json_text(const std::string& text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -71,14 +71,15 @@ std::string quoted(const std::string& text) {
 std::string plot_data(const Plot& plot) {
   std::string text = fmt::format(
       "{{\"title\":{},\"x_label\":{},\"y_label\":{},\"log_x\":{},\"log_y\":{},\"series\":[",
-      quoted(plot.title), quoted(plot.x_label), quoted(plot.y_label), plot.log_x, plot.log_y);
+      json_text(plot.title), json_text(plot.x_label), json_text(plot.y_label), plot.log_x,
+      plot.log_y);
   for (std::size_t k = 0; k < plot.series.size(); ++k) {
     const auto& series = plot.series[k];
     const bool points = series.style == PlotSeries::Style::points;
     text += fmt::format(
         "{}{{\"name\":{},\"group\":{},\"origin\":\"{}\",\"variant\":{},\"line\":{},"
         "\"dashed\":{},\"points\":{},\"x\":",
-        k > 0 ? "," : "", quoted(series.name), quoted(series.group), word_of(series.origin),
+        k > 0 ? "," : "", json_text(series.name), json_text(series.group), word_of(series.origin),
         series.variant, !points, series.style == PlotSeries::Style::dashed,
         points || series.style == PlotSeries::Style::line_and_points);
     std::size_t same = 0;
@@ -95,7 +96,7 @@ std::string plot_data(const Plot& plot) {
   return text + "]}";
 }
 
-class Writer {
+class PageWriter {
  public:
   std::string page(const PageFrame& frame, const std::vector<ReportPart>& parts) {
     head(frame);
@@ -285,7 +286,7 @@ class Writer {
   }
 
   void add(const Plot& plot) {
-    plots_ += (plots_.empty() ? "" : ",\n") + quoted(plot.id) + ":" + plot_data(plot);
+    plots_ += (plots_.empty() ? "" : ",\n") + json_text(plot.id) + ":" + plot_data(plot);
     SvgOptions options;
     options.standalone = false;
     html_ += fmt::format(
@@ -377,7 +378,7 @@ class Writer {
 }  // namespace
 
 std::string report_page(const PageFrame& frame, const std::vector<ReportPart>& parts) {
-  return Writer().page(frame, parts);
+  return PageWriter().page(frame, parts);
 }
 
 }  // namespace rigfit::apps

@@ -28,14 +28,14 @@ struct AxialCommand {
   int draws = ident::AxialOptions{}.draws;
 };
 
-constexpr const char* kExample = R"(Example:
+constexpr const char* kAxialExample = R"(Example:
   rigfit axial a.csv b.csv c.csv --channel tension --mass 2.2 --mass-std 0.001 \
       --length 0.7 1.0 1.3 --length-std 0.001 --mass-per-length 0.16667
 One length: for all files. As many lengths as files: one for each, in order. Otherwise the files are
 taken in equal groups, one a length: six files with --length 0.7 1.0 are three of 0.7 m, then three
 of 1.0 m. A file may hold several impulses; each is a sample.)";
 
-struct Sample {  // one decay of one file
+struct RecordedSample {  // one decay of one file
   std::string file;
   double length_m = 0, start_s = 0;
   signal::DecayResult decay;
@@ -54,24 +54,15 @@ std::vector<double> length_of_each_file(const AxialCommand& c) {
   return each;
 }
 
-const signal::Channel& chosen_channel(const signal::Recording& recording, const std::string& name) {
-  if (!name.empty()) return recording.channel(name);
-  if (recording.channels.size() == 1) return recording.channels.front();
-  std::string names;
-  for (const auto& c : recording.channels) names += (names.empty() ? "" : ", ") + c.name;
-  throw UsageError(recording.path.string() +
-                   ": name the channel with --channel; there are: " + names);
-}
-
-std::vector<Sample> decays_of(const std::string& file, double length, const AxialCommand& command,
-                              VerbContext& context) {
+std::vector<RecordedSample> decays_of(const std::string& file, double length,
+                                      const AxialCommand& command, VerbContext& context) {
   signal::ReadOptions reading;
   reading.sample_rate_hz = command.sample_rate_hz;
   const auto recording = load_recording(file, context, reading);
   const auto& channel = chosen_channel(recording, command.channel);
   const double rate = recording.sample_rate_hz;
   if (!(rate > 0)) throw UsageError(file + " gives no sample rate: say it with --sample-rate");
-  std::vector<Sample> samples;
+  std::vector<RecordedSample> samples;
   if (recording.time_s.size() > 0) {
     context.refuse("not_uniform", "samples are not evenly spaced in time", file);
     return samples;
@@ -86,7 +77,7 @@ std::vector<Sample> decays_of(const std::string& file, double length, const Axia
   }
   options.choose_window = false;
   for (const auto& w : signal::find_decays(channel.samples)) {
-    Sample s;
+    RecordedSample s;
     s.file = file, s.length_m = length;
     s.decay =
         signal::estimate_decay(channel.samples.segment(w.start, w.end - w.start), rate, options);
@@ -106,9 +97,7 @@ std::vector<Sample> decays_of(const std::string& file, double length, const Axia
   return samples;
 }
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json json_of(const ident::AxialTestResult& r, const std::vector<Sample>& all) {
+Json json_of(const ident::AxialTestResult& r, const std::vector<RecordedSample>& all) {
   Json out;
   out["EA_N"] = json_estimate(r.EA_N.value, r.EA_N.std);
   out["EA_N"]["low"] = r.EA_low_N, out["EA_N"]["high"] = r.EA_high_N;
@@ -153,7 +142,7 @@ Json json_of(const ident::AxialTestResult& r, const std::vector<Sample>& all) {
   for (const auto& b : r.budget) {
     budget.push_back({{"source", b.source},
                       {"type", std::string(1, b.type)},
-                      {"value", number(b.value)},
+                      {"value", json_number(b.value)},
                       {"std", b.std},
                       {"unit", b.unit},
                       {"sensitivity_N_per_unit", b.sensitivity},
@@ -172,7 +161,7 @@ Json json_of(const ident::AxialTestResult& r, const std::vector<Sample>& all) {
                         {"high", r.monte_carlo_high_N}};
   out["series_compliance_m_N"] =
       json_estimate(r.series_compliance_m_N.value, r.series_compliance_m_N.std);
-  out["EA_without_series_N"] = number(r.EA_without_series_N);
+  out["EA_without_series_N"] = json_number(r.EA_without_series_N);
   out["plausibility"] = {
       {"catalogue_EA_N", r.catalogue_EA_N > 0 ? Json(r.catalogue_EA_N) : Json(nullptr)},
       {"share", r.catalogue_EA_N > 0 ? Json(r.share_of_catalogue) : Json(nullptr)},
@@ -227,7 +216,7 @@ Json run(const AxialCommand& command, VerbContext& context) {
         command.adapter_bar[0] * command.adapter_bar[1] / command.adapter_bar[2];
   }
   setup.catalogue_EA_N = command.catalogue;
-  std::vector<Sample> all;
+  std::vector<RecordedSample> all;
   for (std::size_t i = 0; i < command.files.size(); ++i) {
     for (auto& s : decays_of(command.files[i], lengths[i], command, context))
       all.push_back(std::move(s));
@@ -272,7 +261,7 @@ Json run(const AxialCommand& command, VerbContext& context) {
 void add_axial(CLI::App& program, Verbs& verbs) {
   auto c = std::make_shared<AxialCommand>();
   CLI::App* app = program.add_subcommand("axial", "EA and axial damping from hanging-mass records");
-  app->footer(kExample);
+  app->footer(kAxialExample);
   app->add_option("files", c->files, "Recordings of the tension (or motion) after an impulse")
       ->required()
       ->type_name("FILE");

@@ -15,6 +15,7 @@
 #include "ident/stiffness_law.h"
 #include "ident/strand.h"
 #include "signal/mapped_file.h"
+#include "signal/numbers.h"
 #include "signal/read_csv.h"
 #include "signal/read_recording.h"
 #include "signal/recording_error.h"
@@ -22,9 +23,9 @@
 namespace rigfit::apps {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using signal::kNaN;
 
-struct Options {
+struct BendingCommand {
   std::vector<std::string> files;
   double span = 0, span_std = 0;
   std::string tension, load, deflection;
@@ -88,7 +89,7 @@ std::vector<signal::Channel> load_columns(const std::string& file, VerbContext& 
 
 // A published table: EI already worked out, with or without its interval.
 bool take_results(const std::string& file, const std::vector<signal::Channel>& columns,
-                  const Options& options, std::vector<Test>& tests) {
+                  const BendingCommand& options, std::vector<Test>& tests) {
   const auto* EI = find(columns, "", {"ei"});
   if (EI == nullptr) return false;
   const auto* tension = find(columns, options.tension, {"tension"});
@@ -120,7 +121,7 @@ bool take_results(const std::string& file, const std::vector<signal::Channel>& c
 }
 
 void take_record(const std::string& file, const std::vector<signal::Channel>& columns,
-                 const Options& options, VerbContext& context, std::vector<Test>& tests) {
+                 const BendingCommand& options, VerbContext& context, std::vector<Test>& tests) {
   const auto* tension = find(columns, options.tension, {"tension", "preload"});
   const auto* load = find(columns, options.load, {"load", "force", "q"});
   const auto* deflection =
@@ -282,7 +283,7 @@ void print_tests(std::ostream& out, const std::vector<Test>& tests) {
 
 // Relative uncertainty of a test's EI that it shares with the others: span and calibrations, root
 // of squares.
-double shared_std(const Test& test, const Options& options) {
+double shared_std(const Test& test, const BendingCommand& options) {
   if (!test.analysis || test.analysis->refused) return 0;
   const auto& s = test.analysis->stiffness;
   const double span = options.span > 0 ? options.span_std / options.span : 0;
@@ -293,7 +294,7 @@ double shared_std(const Test& test, const Options& options) {
       std::pow(s.log_sensitivity_tension * options.tension_calibration, 2));
 }
 
-Json run_bending(VerbContext& context, const Options& options) {
+Json run_bending(VerbContext& context, const BendingCommand& options) {
   std::vector<Test> tests;
   for (const auto& file : options.files) {
     const auto columns = load_columns(file, context);
@@ -383,7 +384,7 @@ Json run_bending(VerbContext& context, const Options& options) {
 }  // namespace
 
 void add_bending(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BendingCommand>();
   CLI::App* verb = program.add_subcommand(
       "bending", "EI at each tension from load-deflection records or tables; laws for EI(tension)");
   verb->add_option("FILE", options->files,

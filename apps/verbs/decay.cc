@@ -28,14 +28,12 @@ struct DecayCommand {
   int max_modes = signal::DecayOptions{}.max_modes;
 };
 
-constexpr const char* kExample = R"(Example:
+constexpr const char* kDecayExample = R"(Example:
   rigfit decay tap.csv --channel tension
   rigfit decay swing.csv --channel gyro --start 1.5 --end 20 --band 0.4 1 --json -
 Times are those of the file. Without --start the decay is looked for: after an impact, after
 clipped samples, up to the next impact. Frequencies are undamped natural ones, f sqrt(1 - zeta^2)
 is given as damped_frequency_hz. With --band, modes outside are fitted but not reported.)";
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json json_of(const signal::DecayMode& mode, double window_s) {
   Json out;
@@ -46,11 +44,11 @@ Json json_of(const signal::DecayMode& mode, double window_s) {
   out["damping_ratio_interval_95"] = interval(mode.damping_ratio_interval_95);
   out["damped_frequency_hz"] =
       json_estimate(mode.damped_frequency_hz.value, mode.damped_frequency_hz.std);
-  out["damping_ratio_log_decrement"] = number(mode.damping_ratio_log_decrement.value);
+  out["damping_ratio_log_decrement"] = json_number(mode.damping_ratio_log_decrement.value);
   if (!mode.log_decrement_refusal.empty()) {
     out["log_decrement_refusal"] = mode.log_decrement_refusal;
   } else {
-    out["damping_ratio_log_decrement_std"] = number(mode.damping_ratio_log_decrement.std);
+    out["damping_ratio_log_decrement_std"] = json_number(mode.damping_ratio_log_decrement.std);
   }
   out["cycles"] = mode.cycles;
   out["r_squared"] = mode.r_squared;
@@ -79,14 +77,6 @@ Json json_of(const signal::EnvelopeResult& envelope, double start_s) {
   }
   out["points"] = std::move(points);
   return out;
-}
-
-const signal::Channel& chosen_channel(const signal::Recording& recording, const std::string& name) {
-  if (!name.empty()) return recording.channel(name);
-  if (recording.channels.size() == 1) return recording.channels.front();
-  std::string names;
-  for (const auto& c : recording.channels) names += (names.empty() ? "" : ", ") + c.name;
-  throw UsageError("name the channel with --channel; there are: " + names);
 }
 
 Index sample_at(const signal::Recording& recording, double time_s, bool up) {
@@ -188,8 +178,8 @@ Json run(const DecayCommand& command, VerbContext& context) {
         {{"frequency_hz", tone.damped_frequency_hz.value}, {"amplitude", tone.amplitude}});
   }
   result["modes"] = std::move(modes);
-  result["frequency_drift_hz"] = number(r.envelope.frequency_drift_hz.value);
-  result["frequency_drift_std_hz"] = number(r.envelope.frequency_drift_hz.std);
+  result["frequency_drift_hz"] = json_number(r.envelope.frequency_drift_hz.value);
+  result["frequency_drift_std_hz"] = json_number(r.envelope.frequency_drift_hz.std);
   result["amplitude_dependence"] = json_of(r.envelope, start_s);
   result["steady_tones"] = std::move(tones);
   result["noise_std"] = r.noise_std;
@@ -205,7 +195,7 @@ Json run(const DecayCommand& command, VerbContext& context) {
 void add_decay(CLI::App& program, Verbs& verbs) {
   auto command = std::make_shared<DecayCommand>();
   CLI::App* app = program.add_subcommand("decay", "Frequency and damping of a free decay");
-  app->footer(kExample);
+  app->footer(kDecayExample);
   app->add_option("file", command->file, "Recording")->required()->type_name("FILE");
   app->add_option("--channel", command->channel,
                   "Name or #number; may be left out where there is one")

@@ -14,7 +14,7 @@ namespace rigfit::apps {
 namespace {
 using Eigen::Index;
 
-struct Options {
+struct FrfCommand {
   ImpactCommand impact;
   std::string out, csv;
   std::string encoding = "binary";
@@ -44,7 +44,7 @@ double mean_coherence(const signal::FrfSet& frfs, Index column, double low, doub
   return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::string quoted(const std::string& name) {
+std::string csv_quoted(const std::string& name) {
   std::string text = "\"";
   for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
   return text + "\"";
@@ -62,9 +62,9 @@ std::string csv_of(const signal::FrfSet& frfs) {
       const std::string name =
           frfs.inputs.size() > 1 ? response.name + " by " + input.name : response.name;
       for (const char* what : {" real", " imag", " std"}) {
-        fmt::format_to(out, ",{}", quoted(name + what + unit));
+        fmt::format_to(out, ",{}", csv_quoted(name + what + unit));
       }
-      fmt::format_to(out, ",{}", quoted(name + " coherence"));
+      fmt::format_to(out, ",{}", csv_quoted(name + " coherence"));
     }
   }
   fmt::format_to(out, "\n");
@@ -122,7 +122,7 @@ Json driving_json(const signal::DrivingPointCheck& check) {
           {"missing_antiresonances", check.missing_antiresonances}};
 }
 
-Json run_frf(VerbContext& context, const Options& options) {
+Json run_frf(VerbContext& context, const FrfCommand& options) {
   const ImpactRun run = run_impact_test(context, options.impact);
   const signal::FrfSet& frfs = run.frfs;
   const bool roving = !options.impact.struck.empty();
@@ -202,7 +202,7 @@ Json run_frf(VerbContext& context, const Options& options) {
 }  // namespace
 
 void add_frf(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<FrfCommand>();
   CLI::App* verb = program.add_subcommand(
       "frf", "Hammer hits found and judged, averaged FRFs with coherence and error bars");
   add_impact_options(*verb, options->impact, true);

@@ -21,7 +21,7 @@ struct InspectOptions {
   double sample_rate_hz = 0;
 };
 
-constexpr const char* kExample = R"(Example:
+constexpr const char* kInspectExample = R"(Example:
   rigfit inspect hits.csv
   rigfit inspect --json report.json hits.csv decay.uff run.lvm
 A file without times needs its rate:
@@ -160,7 +160,7 @@ void add_inspect(CLI::App& program, Verbs& verbs) {
                   "Sample rate in Hz of files that give none")
       ->check(CLI::PositiveNumber)
       ->type_name("HZ");
-  app->footer(kExample);
+  app->footer(kInspectExample);
   verbs.push_back({app, [options](VerbContext& context) { return inspect(*options, context); }});
 }
 

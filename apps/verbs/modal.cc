@@ -17,7 +17,7 @@ namespace rigfit::apps {
 namespace {
 using Eigen::Index;
 
-struct Options {
+struct ModalCommand {
   std::vector<std::string> files;
   ImpactCommand impact;
   int order = signal::LscfOptions().max_order;
@@ -32,7 +32,7 @@ struct Measured {
   Json hits;               ///< null when the FRFs came from a file
 };
 
-Measured frfs_of(VerbContext& context, Options& options) {
+Measured frfs_of(VerbContext& context, ModalCommand& options) {
   Measured measured;
   if (!options.impact.force.empty()) {
     options.impact.files = options.files;
@@ -142,7 +142,7 @@ void print(std::ostream& out, const signal::ModalResult& result) {
   out << '\n';
 }
 
-signal::ModalResult identify(const Measured& measured, const Options& options) {
+signal::ModalResult identify(const Measured& measured, const ModalCommand& options) {
   signal::ModalOptions modal;
   if (!options.impact.band.empty()) {
     modal.low_hz = options.impact.band[0];
@@ -159,7 +159,7 @@ signal::ModalResult identify(const Measured& measured, const Options& options) {
   }
 }
 
-Json run_modal(VerbContext& context, Options options) {
+Json run_modal(VerbContext& context, ModalCommand options) {
   const auto& band = options.impact.band;
   if (!band.empty() && !(band[0] >= 0 && band[1] > band[0])) {
     throw UsageError("--band needs two frequencies, the lower one first");
@@ -231,7 +231,7 @@ Json run_modal(VerbContext& context, Options options) {
 }  // namespace
 
 void add_modal(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ModalCommand>();
   CLI::App* verb = program.add_subcommand(
       "modal", "Natural frequencies, damping and shapes with error bars from FRFs or hits");
   verb->add_option("FILE", options->files,

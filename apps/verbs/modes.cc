@@ -11,7 +11,7 @@
 namespace rigfit::apps {
 namespace {
 
-struct Options {
+struct ModesCommand {
   std::string scene;
   int count = 6;
   std::vector<double> band;
@@ -101,7 +101,7 @@ void print(std::ostream& out, const model::ModalAnalysis& analysis, const model:
                                        : "not proved that none was missed");
 }
 
-Json run_modes(VerbContext& context, const Options& options) {
+Json run_modes(VerbContext& context, const ModesCommand& options) {
   if (!options.band.empty() && !(options.band[0] >= 0 && options.band[1] > options.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz, such as --band 0 50");
   }
@@ -158,7 +158,7 @@ Json run_modes(VerbContext& context, const Options& options) {
 }  // namespace
 
 void add_modes(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ModesCommand>();
   CLI::App* verb =
       program.add_subcommand("modes", "Static equilibrium of a scene, then its natural modes");
   verb->add_option("scene", options->scene, "Scene file (TOML)")->required()->type_name("SCENE");

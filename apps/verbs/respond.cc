@@ -16,7 +16,7 @@ namespace {
 
 using model::ResponseSolver;
 
-struct Options {
+struct RespondCommand {
   std::string scene, out, energy;
   double duration_s = 0, rate_hz = 0;
   std::string solver = "auto";
@@ -90,7 +90,7 @@ model::ForceHistory read_force(const model::Scene& scene, std::size_t index) {
   return history;
 }
 
-std::string quoted(const std::string& name) {
+std::string csv_cell(const std::string& name) {
   if (name.find_first_of(",\"\n") == std::string::npos) return name;
   std::string text = "\"";
   for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -103,7 +103,7 @@ std::string samples_csv(const model::Scene& scene, const model::ResponseResult& 
   fmt::format_to(out, "time_s");
   for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
     fmt::format_to(out, ",{}",
-                   quoted(response.sensors[s] + " (" + unit_of(scene.sensors[s].quantity) + ")"));
+                   csv_cell(response.sensors[s] + " (" + unit_of(scene.sensors[s].quantity) + ")"));
   }
   fmt::format_to(out, "\n");
   for (Eigen::Index row = 0; row < response.samples.rows(); ++row) {
@@ -124,7 +124,7 @@ std::string energy_csv(const model::ResponseResult& response) {
   names.push_back("nodes");
   for (const std::string& name : names) {
     for (const char* kind : {"kinetic", "axial", "bending", "torsion", "gravity"}) {
-      fmt::format_to(out, ",{}", quoted(name + " " + kind + " (J)"));
+      fmt::format_to(out, ",{}", csv_cell(name + " " + kind + " (J)"));
     }
   }
   fmt::format_to(out, ",supplied (J),dissipated (J)\n");
@@ -171,7 +171,7 @@ Json account_json(const model::ResponseResult& response) {
           {"dissipated_J", energy.dissipated.back()}};
 }
 
-Json run_respond(VerbContext& context, const Options& options) {
+Json run_respond(VerbContext& context, const RespondCommand& options) {
   const double rows = options.duration_s * options.rate_hz;
   if (!(rows >= 1)) throw UsageError("--duration times --rate must give at least one sample");
   if (rows > 5e7) throw UsageError("more than 50 million samples: lower --rate or --duration");
@@ -289,7 +289,7 @@ Json run_respond(VerbContext& context, const Options& options) {
 }  // namespace
 
 void add_respond(CLI::App& program, Verbs& verbs) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RespondCommand>();
   CLI::App* verb = program.add_subcommand(
       "respond", "Time response of a scene at its sensors: linear or geometrically exact by need");
   verb->add_option("scene", options->scene, "Scene file (TOML)")->required()->type_name("SCENE");

@@ -18,7 +18,7 @@
 namespace rigfit::apps {
 namespace {
 
-struct Options {
+struct UpdateCommand {
   UpdateData data;
   std::vector<double> band;
   std::vector<std::string> free, priors;
@@ -70,7 +70,7 @@ ident::FreeParameter free_parameter(std::string text) {
   return parameter;
 }
 
-std::vector<ident::FreeParameter> free_parameters(const Options& options,
+std::vector<ident::FreeParameter> free_parameters(const UpdateCommand& options,
                                                   const model::Scene& scene) {
   std::vector<ident::FreeParameter> free;
   for (const auto& text : options.free) free.push_back(free_parameter(text));
@@ -98,8 +98,6 @@ std::vector<ident::FreeParameter> free_parameters(const Options& options,
   return free;
 }
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json pair_json(const ident::UpdatedPair& pair, const UpdateStates& states) {
   Json json{{"state", states.states[static_cast<std::size_t>(pair.state)].name},
             {"measured_hz", pair.measured_hz},
@@ -110,7 +108,7 @@ Json pair_json(const ident::UpdatedPair& pair, const UpdateStates& states) {
   if (std::isfinite(pair.mac)) json["mac"] = pair.mac;
   if (std::isfinite(pair.measured_damping)) {
     json["measured_damping_ratio"] = pair.measured_damping;
-    json["model_damping_ratio"] = number(pair.model_damping);
+    json["model_damping_ratio"] = json_number(pair.model_damping);
   }
   if (pair.cross_plane) json["leakage"] = true;
   return json;
@@ -170,7 +168,7 @@ void print(std::ostream& out, const ident::UpdateResult& result, const UpdateSta
 }
 
 // Paired errors of the model before, fitted and held out, and of other models in the same rows.
-Json comparison_json(const Options& options, const UpdateStates& states,
+Json comparison_json(const UpdateCommand& options, const UpdateStates& states,
                      const ident::UpdateResult& result, const std::vector<ident::HeldOut>& held,
                      VerbContext& context) {
   const auto error_of = [](const std::vector<ident::UpdatedPair>& pairs, int state, int measured) {
@@ -214,7 +212,7 @@ Json comparison_json(const Options& options, const UpdateStates& states,
       Json row{{"state", states.states[s].name}, {"measured_hz", measured}};
       for (std::size_t i = 0; i < names.size(); ++i) {
         out << fmt::format(" {:>14}", shown(errors[i]));
-        row[names[i]] = number(errors[i]);
+        row[names[i]] = json_number(errors[i]);
         sums[i].add(errors[i]);
         all[i].add(errors[i]);
       }
@@ -233,7 +231,7 @@ Json comparison_json(const Options& options, const UpdateStates& states,
   for (std::size_t i = 0; i < names.size(); ++i) {
     out << fmt::format(" {:>14}",
                        all[i].count > 0 ? fmt::format("{:.2f} %", 100 * all[i].rms()) : "-");
-    rms[names[i]] = {{"rms_relative_error", number(all[i].rms())}, {"modes", all[i].count}};
+    rms[names[i]] = {{"rms_relative_error", json_number(all[i].rms())}, {"modes", all[i].count}};
   }
   out << '\n';
   return {{"rms", std::move(rms)}, {"rows", std::move(rows)}};
@@ -254,18 +252,18 @@ Json hold_out_json(const UpdateStates& states, const std::vector<ident::FreePara
     for (const auto& pair : one.pairs) pairs.push_back(pair_json(pair, states));
     json.push_back({{"state", name},
                     {"status", ident::name_of(one.status)},
-                    {"rms_relative_error_before", number(one.rms_before)},
-                    {"rms_relative_error_fitted", number(one.rms_fitted)},
-                    {"rms_relative_error_predicted", number(one.rms_predicted)},
-                    {"rms_log_frf_error_before", number(one.frf_before)},
-                    {"rms_log_frf_error_fitted", number(one.frf_fitted)},
-                    {"rms_log_frf_error_predicted", number(one.frf_predicted)},
+                    {"rms_relative_error_before", json_number(one.rms_before)},
+                    {"rms_relative_error_fitted", json_number(one.rms_fitted)},
+                    {"rms_relative_error_predicted", json_number(one.rms_predicted)},
+                    {"rms_log_frf_error_before", json_number(one.frf_before)},
+                    {"rms_log_frf_error_fitted", json_number(one.frf_fitted)},
+                    {"rms_log_frf_error_predicted", json_number(one.frf_predicted)},
                     {"pairs", std::move(pairs)}});
   }
   return json;
 }
 
-Json write_scenes(const Options& options, const UpdateStates& states,
+Json write_scenes(const UpdateCommand& options, const UpdateStates& states,
                   const ident::UpdateResult& result, VerbContext& context) {
   Json files = Json::array();
   for (std::size_t s = 0; s < result.scenes.size(); ++s) {
@@ -291,7 +289,7 @@ Json write_scenes(const Options& options, const UpdateStates& states,
   return files;
 }
 
-Json run_update(VerbContext& context, Options options) {
+Json run_update(VerbContext& context, UpdateCommand options) {
   if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty() &&
       options.data.responses.empty()) {
     throw UsageError("nothing to fit to: give --measured, --frf, --decay or --response");
@@ -339,9 +337,9 @@ Json run_update(VerbContext& context, Options options) {
     json["parameters"].push_back({{"name", p.name},
                                   {"start", p.start},
                                   {"value", p.value},
-                                  {"std", number(p.std)},
+                                  {"std", json_number(p.std)},
                                   {"identifiable", p.identifiable},
-                                  {"std_from_data", number(p.std_from_data)},
+                                  {"std_from_data", json_number(p.std_from_data)},
                                   {"at_bound", p.at_bound}});
   }
   Json correlation = Json::array();
@@ -349,17 +347,17 @@ Json run_update(VerbContext& context, Options options) {
   for (Eigen::Index i = 0; i < known.correlation.rows(); ++i) {
     Json row = Json::array();
     for (Eigen::Index j = 0; j < known.correlation.cols(); ++j) {
-      row.push_back(number(known.correlation(i, j)));
+      row.push_back(json_number(known.correlation(i, j)));
     }
     correlation.push_back(std::move(row));
   }
   json["correlation"] = std::move(correlation);
   json["rank"] = known.rank;
-  json["condition"] = number(known.condition);
+  json["condition"] = json_number(known.condition);
   json["not_identifiable"] = result.open;
   json["pairs"] = pairs_json(result, states);
-  json["rms_relative_error"] = number(result.rms_relative_error);
-  json["rms_relative_error_before"] = number(result.rms_relative_error_before);
+  json["rms_relative_error"] = json_number(result.rms_relative_error);
+  json["rms_relative_error_before"] = json_number(result.rms_relative_error_before);
   json["chi_squared"] = result.chi_squared;
   json["degrees_of_freedom"] = result.degrees_of_freedom;
   json["coverage_factor"] = result.coverage_factor;
@@ -368,12 +366,12 @@ Json run_update(VerbContext& context, Options options) {
   json["model_evaluations"] = result.model_evaluations;
   if (result.frf_lines > 0) {
     json["frf_lines"] = result.frf_lines;
-    json["rms_log_frf_error"] = number(result.rms_log_frf_error);
-    json["rms_log_frf_error_before"] = number(result.rms_log_frf_error_before);
+    json["rms_log_frf_error"] = json_number(result.rms_log_frf_error);
+    json["rms_log_frf_error_before"] = json_number(result.rms_log_frf_error_before);
   }
   if (std::isfinite(result.history_error)) {
     json["history_error"] = result.history_error;
-    json["history_error_before"] = number(result.history_error_before);
+    json["history_error_before"] = json_number(result.history_error_before);
   }
   std::vector<ident::HeldOut> held;
   if (options.hold_out) {
@@ -408,7 +406,7 @@ Json run_update(VerbContext& context, Options options) {
 }  // namespace
 
 void add_update(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<UpdateCommand>();
   CLI::App* verb =
       program.add_subcommand("update", "A scene's uncertain parameters fitted to measured modes");
   verb->add_option("SCENE", options->data.scenes,

@@ -8,7 +8,7 @@
 #include "signal/write_csv.h"
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::axial_test {
 namespace {
 using ::testing::HasSubstr;
 
@@ -76,4 +76,4 @@ TEST(AxialVerb, ExitCodesSayWhoseFaultItIs) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::axial_test

@@ -6,7 +6,7 @@
 #include "model/scene_error.h"
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::campaign_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -221,4 +221,4 @@ TEST_F(CampaignFiles, MistakesEndTheProgramWithThree) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::campaign_test

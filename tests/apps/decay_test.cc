@@ -8,7 +8,7 @@
 
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::decay_test {
 namespace {
 using ::testing::HasSubstr;
 
@@ -85,4 +85,4 @@ TEST(DecayVerb, HelpShowsAnExample) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::decay_test

@@ -3,7 +3,7 @@
 
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::export_test {
 namespace {
 using ::testing::HasSubstr;
 
@@ -18,4 +18,4 @@ TEST(ExportVerb, WritesADeckAndRefusesWhatItCannotSay) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::export_test

@@ -10,7 +10,7 @@
 #include "tests/apps/run_program.h"
 #include "tests/signal/ten_mode_truth.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::frf_test {
 namespace {
 using ::testing::HasSubstr;
 using Hits = std::vector<testing::HammerHit>;
@@ -229,4 +229,4 @@ TEST_F(FrfVerb, BadInputHasItsExitCodeAndReason) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::frf_test

@@ -7,7 +7,7 @@
 
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::inspect_test {
 namespace {
 
 class Inspect : public ::testing::Test {
@@ -117,4 +117,4 @@ TEST_F(Inspect, EmptyChannelGivesNullNotNan) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::inspect_test

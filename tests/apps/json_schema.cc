@@ -5,13 +5,11 @@
 namespace rigfit::apps {
 namespace {
 
-using Json = nlohmann::json;
-
 class Checker {
  public:
-  explicit Checker(const Json& root) : root_(root) {}
+  explicit Checker(const nlohmann::json& root) : root_(root) {}
 
-  void check(const Json& value, const Json& schema, const std::string& at) {
+  void check(const nlohmann::json& value, const nlohmann::json& schema, const std::string& at) {
     if (schema.is_boolean()) {
       if (!schema.get<bool>()) fail(at, "is not in the schema");
       return;
@@ -26,7 +24,7 @@ class Checker {
     if (errors.size() < 20) errors.push_back((at.empty() ? "/" : at) + ": " + what);
   }
 
-  static bool is_type(const Json& value, const std::string& type) {
+  static bool is_type(const nlohmann::json& value, const std::string& type) {
     if (type == "object") return value.is_object();
     if (type == "array") return value.is_array();
     if (type == "string") return value.is_string();
@@ -36,14 +34,14 @@ class Checker {
     return type == "number" && value.is_number();
   }
 
-  void keyword(const Json& value, const std::string& key, const Json& rule, const Json& schema,
-               const std::string& at) {
+  void keyword(const nlohmann::json& value, const std::string& key, const nlohmann::json& rule,
+               const nlohmann::json& schema, const std::string& at) {
     if (key == "$schema" || key == "$id" || key == "$defs" || key == "title" ||
         key == "description") {
       return;
     }
     if (key == "$ref") {
-      check(value, root_.at(Json::json_pointer(rule.get<std::string>().substr(1))), at);
+      check(value, root_.at(nlohmann::json::json_pointer(rule.get<std::string>().substr(1))), at);
     } else if (key == "type") {
       bool fits = rule.is_string() && is_type(value, rule);
       if (rule.is_array()) {
@@ -92,12 +90,13 @@ class Checker {
     }
   }
 
-  const Json& root_;
+  const nlohmann::json& root_;
 };
 
 }  // namespace
 
-std::vector<std::string> schema_errors(const Json& document, const Json& schema) {
+std::vector<std::string> schema_errors(const nlohmann::json& document,
+                                       const nlohmann::json& schema) {
   Checker checker(schema);
   checker.check(document, schema, "");
   return checker.errors;

@@ -13,7 +13,7 @@
 #include "tests/apps/run_program.h"
 #include "tests/signal/ten_mode_truth.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::modal_test {
 namespace {
 using ::testing::HasSubstr;
 using Complex = std::complex<double>;
@@ -135,4 +135,4 @@ TEST_F(ModalVerb, WrongUseAndBadFilesAreSaid) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::modal_test

@@ -6,7 +6,7 @@
 
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::modes_test {
 namespace {
 using ::testing::HasSubstr;
 
@@ -135,4 +135,4 @@ TEST(ModesVerb, ExampleOfTheHelpWorks) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::modes_test

@@ -9,7 +9,7 @@
 
 #include "apps/exit_code.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::output_file_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -29,4 +29,4 @@ TEST(OutputFile, ReplacesWholeAndLeavesNothingElse) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::output_file_test

@@ -16,7 +16,7 @@
 #include "tests/apps/json_schema.h"
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::recorded_report_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -330,4 +330,4 @@ synthetic = true
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::recorded_report_test

@@ -7,7 +7,7 @@
 
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::respond_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -327,4 +327,4 @@ position = [1, 0.2, 0.4]
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::respond_test

@@ -8,7 +8,7 @@
 #include "model/scene_error.h"
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::result_table_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -49,4 +49,4 @@ TEST(ResultTable, RefusesWhatIsNoTable) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::result_table_test

@@ -8,7 +8,7 @@
 
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::scene_mistakes_test {
 namespace {
 using ::testing::HasSubstr;
 
@@ -358,4 +358,4 @@ EI = 2.1
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::scene_mistakes_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rigfit::apps {
+namespace rigfit::apps::sha256_test {
 namespace {
 
 // FIPS 180-4 examples (NIST, SHA-256): empty, "abc", 448 bits, a million letters a.
@@ -16,4 +16,4 @@ TEST(Sha256, MatchesTheStandardsExamples) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::sha256_test

@@ -6,7 +6,7 @@
 
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::synthesize_test {
 namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
@@ -162,4 +162,4 @@ GJ = 1.0
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::synthesize_test

@@ -6,7 +6,7 @@
 
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::update_verb_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -335,4 +335,4 @@ TEST(UpdateVerb, BadInputsEndWithTheirExitCode) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::update_verb_test

@@ -9,7 +9,7 @@
 #include "ident/virtual_axial.h"
 #include "signal/decay.h"
 
-namespace rigfit::ident {
+namespace rigfit::ident::axial_test_test {
 namespace {
 
 struct Rig {
@@ -217,4 +217,4 @@ TEST(AxialTest, IntervalsCoverOverVirtualCampaigns) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::axial_test_test

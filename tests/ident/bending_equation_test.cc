@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace rigfit::ident {
+namespace rigfit::ident::bending_equation_test {
 namespace {
 
 // The same function in 64-bit mantissa from sinh and cosh: (x cosh x - sinh x) / (x cosh x) with
@@ -242,4 +242,4 @@ TEST(StiffnessFromCompliance, IntervalsCover) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::bending_equation_test

@@ -9,7 +9,7 @@
 
 #include "ident/virtual_bending.h"
 
-namespace rigfit::ident {
+namespace rigfit::ident::bending_test_test {
 namespace {
 
 // A load-deflection table straight from the equation, loading then unloading.
@@ -217,4 +217,4 @@ TEST(BendingTest, IntervalsCoverTheTruthOfTheVirtualLaboratory) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::bending_test_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace rigfit::ident {
+namespace rigfit::ident::deming_line_test {
 namespace {
 
 TEST(DemingLine, ExactPointsGiveTheExactLine) {
@@ -74,4 +74,4 @@ TEST(DemingLine, TooLittleIsNotUsable) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::deming_line_test

@@ -8,7 +8,7 @@
 #include "ident/bending_test.h"
 #include "ident/virtual_bending.h"
 
-namespace rigfit::ident {
+namespace rigfit::ident::friction_transient_test {
 namespace {
 
 // Loading and unloading over 1 mm with slope K and a transient of a law after each turn.
@@ -146,4 +146,4 @@ TEST(BendingTest, FrictionIsInTheEstimateAndInItsInterval) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::friction_transient_test

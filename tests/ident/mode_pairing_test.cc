@@ -9,7 +9,7 @@
 #include <random>
 #include <stdexcept>
 
-namespace rigfit::ident {
+namespace rigfit::ident::mode_pairing_test {
 namespace {
 
 using model::ModePlane;
@@ -189,4 +189,4 @@ TEST(ShapeCorrelation, IsBlindToScaleAndPhase) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::mode_pairing_test

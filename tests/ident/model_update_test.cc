@@ -11,7 +11,7 @@
 #include "model/read_scene.h"
 #include "model/scene_error.h"
 
-namespace rigfit::ident {
+namespace rigfit::ident::model_update_test {
 namespace {
 
 using model::ModePlane;
@@ -342,4 +342,4 @@ TEST(CompareWithMeasured, PairsTheScenesAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::model_update_test

@@ -8,7 +8,7 @@
 
 #include "ident/uncertainty.h"
 
-namespace rigfit::ident {
+namespace rigfit::ident::random_effects_test {
 namespace {
 
 TEST(RandomEffects, GroupsThatAgreeAreTheWeightedMean) {
@@ -48,4 +48,4 @@ TEST(RandomEffects, IntervalsOfThreeGroupsCover) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::random_effects_test

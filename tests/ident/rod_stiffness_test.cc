@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace rigfit::ident {
+namespace rigfit::ident::rod_stiffness_test {
 namespace {
 
 // omega^2 of mass, adapter and rod by bisection of the frequency equation: the model forwards.
@@ -72,4 +72,4 @@ TEST(RodStiffness, AnAdapterSofterThanTheWholeHasNoAnswer) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::rod_stiffness_test

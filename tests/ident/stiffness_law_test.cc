@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-namespace rigfit::ident {
+namespace rigfit::ident::stiffness_law_test {
 namespace {
 
 std::vector<StiffnessPoint> points_of(const std::function<double(double)>& law, double relative_std,
@@ -173,4 +173,4 @@ TEST(StiffnessLaws, RefuseWhatIsNotPositive) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::stiffness_law_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace rigfit::ident {
+namespace rigfit::ident::strand_test {
 namespace {
 
 // Jalali and Rideout 2021, eq. (21): EImax = 15.5632 N m2 for the 6.35 mm strand. With E = 195 GPa
@@ -38,4 +38,4 @@ TEST(EquivalentCylinder, RefusesWhatIsNotPositive) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::strand_test

@@ -8,7 +8,7 @@
 
 #include "tests/expect_matrix.h"
 
-namespace rigfit::ident {
+namespace rigfit::ident::uncertainty_test {
 namespace {
 
 using rigfit::testing::MatricesNear;
@@ -90,4 +90,4 @@ TEST(CoverageFactor, IsNormalOrStudents) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::uncertainty_test

@@ -10,7 +10,7 @@
 #include "model/response.h"
 #include "signal/frf.h"
 
-namespace rigfit::ident {
+namespace rigfit::ident::update_frfs_test {
 namespace {
 
 model::Scene beam(double EI, double tip_mass, const std::string& damping) {
@@ -380,4 +380,4 @@ TEST(UpdateShapes, ShapesAreDataWhenAskedFor) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::update_frfs_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace rigfit::ident {
+namespace rigfit::ident::virtual_axial_test {
 namespace {
 
 VirtualAxialTest light_test() {
@@ -76,4 +76,4 @@ TEST(VirtualAxial, SameSeedSameRecordAndBadValuesRefused) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::virtual_axial_test

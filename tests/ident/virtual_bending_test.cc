@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace rigfit::ident {
+namespace rigfit::ident::virtual_bending_test {
 namespace {
 
 VirtualBendingTest quiet_test() {
@@ -65,4 +65,4 @@ TEST(SensorModel, QuantisesClipsAndAddsTheTransverseSignal) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::virtual_bending_test

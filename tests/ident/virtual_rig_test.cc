@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace rigfit::ident {
+namespace rigfit::ident::virtual_rig_test {
 namespace {
 
 // A stiff spring of one degree of freedom in place of a rig: sensor i reads (i + 1) times the
@@ -117,4 +117,4 @@ TEST(Decimated, KeepsWhatIsBelowAndRemovesWhatIsAboveTheNewNyquist) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident
+}  // namespace rigfit::ident::virtual_rig_test

@@ -8,7 +8,7 @@
 #include "tests/expect_matrix.h"
 #include "tests/model/test_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::assembly_test {
 namespace {
 
 using rigfit::testing::MatricesNear;
@@ -215,4 +215,4 @@ TEST(Chain, PlaneOfSymmetryIsFoundForAnInclinedCableAskew) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::assembly_test

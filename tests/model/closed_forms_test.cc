@@ -9,7 +9,7 @@
 
 #include "model/bracketed_root.h"
 
-namespace rigfit::model {
+namespace rigfit::model::closed_forms_test {
 namespace {
 
 using std::numbers::pi;
@@ -242,4 +242,4 @@ TEST(ClosedForms, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::closed_forms_test

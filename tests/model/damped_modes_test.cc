@@ -8,7 +8,7 @@
 
 #include "tests/model/test_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::damped_modes_test {
 namespace {
 
 /// Poles of the whole quadratic problem, dense; the unknowns without inertia are condensed first.
@@ -115,4 +115,4 @@ TEST(DampedModes, ModalRatiosAreWeightedByStrainEnergy) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::damped_modes_test

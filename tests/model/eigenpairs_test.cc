@@ -7,7 +7,7 @@
 #include "model/modes.h"
 #include "tests/bench/pole_line.h"
 
-namespace rigfit::model {
+namespace rigfit::model::eigenpairs_test {
 namespace {
 
 // Fifty like spans: their first frequencies crowd within 3 %, more of them than are asked for, and
@@ -42,4 +42,4 @@ TEST(Eigenpairs, CrowdedOnesOfALongLineAreAllFound) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::eigenpairs_test

@@ -5,7 +5,7 @@
 
 #include "tests/expect_matrix.h"
 
-namespace rigfit::model {
+namespace rigfit::model::envelope_matrix_test {
 namespace {
 
 using rigfit::testing::MatricesNear;
@@ -73,4 +73,4 @@ TEST(EnvelopeFactor, NamesTheRowOfASingularPivot) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::envelope_matrix_test

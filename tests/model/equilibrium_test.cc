@@ -8,7 +8,7 @@
 #include "model/closed_forms.h"
 #include "tests/model/test_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::equilibrium_test {
 namespace {
 using testing::cable_beam_rig;
 using testing::paper_cable;
@@ -155,4 +155,4 @@ TEST(Equilibrium, RigRestsWithBothTensions) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::equilibrium_test

@@ -11,7 +11,7 @@
 #include "tests/expect_matrix.h"
 #include "tests/model/motion_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::explicit_motion_test {
 namespace {
 
 using testing::node;
@@ -350,4 +350,4 @@ TEST(ExplicitMotion, HighestFrequencyOfAnAxialChain) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::explicit_motion_test

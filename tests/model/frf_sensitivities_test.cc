@@ -8,7 +8,7 @@
 #include "model/scene_error.h"
 #include "tests/model/test_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::frf_sensitivities_test {
 namespace {
 
 /// Largest |rate - differences| over the largest |rate| of all lines, sensors and loads.
@@ -141,4 +141,4 @@ TEST(FrfSensitivities, NamesAnUnknownParameter) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::frf_sensitivities_test

@@ -7,7 +7,7 @@
 
 #include "tests/model/test_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::frf_synthesis_test {
 namespace {
 
 Scene instrumented(Scene scene) {
@@ -104,4 +104,4 @@ TEST(FrfSynthesis, JointDampersHoldTheResonanceFinite) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::frf_synthesis_test

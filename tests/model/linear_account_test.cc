@@ -8,7 +8,7 @@
 #include "model/response.h"
 #include "tests/model/motion_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::linear_account_test {
 namespace {
 
 ChainModes modes_of(const Scene& scene, int count = 4) {
@@ -156,4 +156,4 @@ TEST(LinearAccount, AgreesWithTheExactOneOfASmallMotion) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::linear_account_test

@@ -9,7 +9,7 @@
 
 #include "tests/expect_matrix.h"
 
-namespace rigfit::model {
+namespace rigfit::model::modal_response_test {
 namespace {
 
 using Quantity = Sensor::Quantity;
@@ -169,4 +169,4 @@ TEST(ForceHistory, LoadsOverTime) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::modal_response_test

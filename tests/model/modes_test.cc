@@ -10,7 +10,7 @@
 #include "tests/expect_matrix.h"
 #include "tests/model/test_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::modes_test {
 namespace {
 using testing::cable_beam_rig;
 using testing::paper_cable;
@@ -279,4 +279,4 @@ TEST(ModalAnalysis, AutomaticSegmentsMeetTheAccuracyHonestly) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::modes_test

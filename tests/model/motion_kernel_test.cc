@@ -7,7 +7,7 @@
 #include "tests/expect_matrix.h"
 #include "tests/model/motion_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::motion_kernel_test {
 namespace {
 
 // Any state will do: the drawn one, shaken by a few percent of a segment.
@@ -117,4 +117,4 @@ TEST(MotionKernel, ExternalForcesAndPoints) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::motion_kernel_test

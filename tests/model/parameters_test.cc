@@ -7,7 +7,7 @@
 #include "model/scene_error.h"
 #include "tests/model/test_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::parameters_test {
 namespace {
 
 TEST(Parameters, EveryNameReadsBackWhatWasSet) {
@@ -38,4 +38,4 @@ TEST(Parameters, UnknownNameListsTheKnownOnes) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::parameters_test

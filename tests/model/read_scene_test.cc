@@ -8,7 +8,7 @@
 
 #include "model/scene_error.h"
 
-namespace rigfit::model {
+namespace rigfit::model::read_scene_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -341,4 +341,4 @@ TEST(ReadScene, FileErrors) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::read_scene_test

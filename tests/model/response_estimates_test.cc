@@ -8,7 +8,7 @@
 #include "model/response.h"
 #include "tests/model/motion_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::response_estimates_test {
 namespace {
 
 using Quantity = Sensor::Quantity;
@@ -213,4 +213,4 @@ TEST(ResponseEstimates, SegmentsChosenReachTheAccuracy) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::response_estimates_test

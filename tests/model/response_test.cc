@@ -13,7 +13,7 @@
 #include "tests/expect_matrix.h"
 #include "tests/model/motion_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::response_test {
 namespace {
 
 ResponseResult respond(const Scene& scene, ResponseSolver solver, double duration, double rate,
@@ -226,4 +226,4 @@ TEST(Response, RecordWithoutItsHistoryIsRefused) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::response_test

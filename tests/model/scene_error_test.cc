@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rigfit::model {
+namespace rigfit::model::scene_error_test {
 namespace {
 
 TEST(SceneError, SaysFileLineKeyAndRemedy) {
@@ -14,4 +14,4 @@ TEST(SceneError, SaysFileLineKeyAndRemedy) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::scene_error_test

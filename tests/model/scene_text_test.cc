@@ -5,7 +5,7 @@
 
 #include "model/read_scene.h"
 
-namespace rigfit::model {
+namespace rigfit::model::scene_text_test {
 namespace {
 
 // Numbers are written in their shortest exact form, so every value must come back to the last bit.
@@ -140,4 +140,4 @@ TEST(SceneText, ReadsBackToTheSameScene) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::scene_text_test

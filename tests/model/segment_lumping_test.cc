@@ -10,7 +10,7 @@
 #include "model/modal_analysis.h"
 #include "tests/model/test_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::segment_lumping_test {
 namespace {
 
 TEST(SegmentLumping, ClampIsGregorysRuleWithoutTension) {
@@ -103,4 +103,4 @@ TEST(SegmentLumping, ClampedEndsCostLittle) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::segment_lumping_test

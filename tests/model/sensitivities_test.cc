@@ -6,7 +6,7 @@
 #include "model/modal_analysis.h"
 #include "tests/model/test_scenes.h"
 
-namespace rigfit::model {
+namespace rigfit::model::sensitivities_test {
 namespace {
 
 /// `relative_step` of the differences: where the rig hardly feels a number, its equilibria and
@@ -118,4 +118,4 @@ TEST(ModeSensitivities, OfNodesOutOfThePlane) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::sensitivities_test

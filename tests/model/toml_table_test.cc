@@ -5,7 +5,7 @@
 
 #include <functional>
 
-namespace rigfit::model {
+namespace rigfit::model::toml_table_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -114,4 +114,4 @@ TEST(TomlTable, NearestWordNeedsToBeNear) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::toml_table_test

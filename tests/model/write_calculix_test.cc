@@ -13,7 +13,7 @@
 
 #include "model/scene_error.h"
 
-namespace rigfit::model {
+namespace rigfit::model::write_calculix_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -122,4 +122,4 @@ TEST(WriteCalculix, SaysWhatItCannotWrite) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::write_calculix_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace rigfit::signal {
+namespace rigfit::signal::clipping_test {
 namespace {
 using Eigen::Index;
 
@@ -47,4 +47,4 @@ TEST(Clipping, RangeRestAndNothing) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::clipping_test

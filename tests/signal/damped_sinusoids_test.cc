@@ -10,7 +10,7 @@
 
 #include "signal/power_sums.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::damped_sinusoids_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -148,4 +148,4 @@ TEST(DampedSinusoids, LongDecaysNeitherUnderflowNorDriftInPhase) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::damped_sinusoids_test

@@ -11,7 +11,7 @@
 #include "signal/damped_sinusoids.h"
 #include "signal/decay_window.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::decay_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -327,4 +327,4 @@ TEST(Decay, GapsAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::decay_test

@@ -8,7 +8,7 @@
 
 #include "signal/decay.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::envelope_test {
 namespace {
 
 using Eigen::Index;
@@ -83,4 +83,4 @@ TEST(Envelope, FrequencyThatDependsOnAmplitudeIsADriftNotASecondMode) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::envelope_test

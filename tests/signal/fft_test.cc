@@ -8,7 +8,7 @@
 
 #include "tests/expect_matrix.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::fft_test {
 namespace {
 using Eigen::Index;
 
@@ -97,4 +97,4 @@ TEST(Fft, RefusesLengthsThatAreNone) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::fft_test

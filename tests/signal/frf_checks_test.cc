@@ -6,7 +6,7 @@
 
 #include "tests/signal/ten_mode_truth.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::frf_checks_test {
 namespace {
 using Eigen::Index;
 
@@ -92,4 +92,4 @@ TEST(Reciprocity, HoldsWithinItsErrorBars) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::frf_checks_test

@@ -6,7 +6,7 @@
 #include "tests/expect_matrix.h"
 #include "tests/signal/ten_mode_truth.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::frf_set_test {
 namespace {
 
 FrfSet accelerances(double decay_rate) {
@@ -58,4 +58,4 @@ TEST(FrfSet, UnknownFormsAreNotConverted) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::frf_set_test

@@ -7,7 +7,7 @@
 
 #include "tests/expect_matrix.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::frf_test {
 namespace {
 using Eigen::Index;
 
@@ -186,4 +186,4 @@ TEST(Frf, RefusesNoHitsAndNoRate) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::frf_test

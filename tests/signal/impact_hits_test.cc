@@ -9,7 +9,7 @@
 #include "signal/recording_error.h"
 #include "tests/signal/ten_mode_truth.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::impact_hits_test {
 namespace {
 using Eigen::Index;
 using ::testing::ElementsAre;
@@ -240,4 +240,4 @@ TEST(ImpactHits, MissingSamplesAndRecordsWithoutHits) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::impact_hits_test

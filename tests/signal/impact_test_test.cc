@@ -9,7 +9,7 @@
 #include "signal/recording_error.h"
 #include "tests/signal/ten_mode_truth.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::impact_test_test {
 namespace {
 using Eigen::Index;
 using ::testing::Contains;
@@ -215,4 +215,4 @@ TEST(ImpactTest, ForceWindowTakesTheBiasOfForceNoiseAway) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::impact_test_test

@@ -5,7 +5,7 @@
 #include "signal/scaled_gram.h"
 #include "tests/expect_matrix.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::least_squares_test {
 namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -77,4 +77,4 @@ TEST(ScaledGram, SolvesAndTellsWhenColumnsDepend) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::least_squares_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace rigfit::signal {
+namespace rigfit::signal::log_decrement_test {
 namespace {
 
 Eigen::VectorXd decay(double f, double zeta, double rate, double duration, double offset = 0) {
@@ -65,4 +65,4 @@ TEST(LogDecrement, RefusesWhatItCannotSee) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::log_decrement_test

@@ -8,7 +8,7 @@
 
 #include "tests/expect_matrix.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::lscf_test {
 namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
@@ -177,4 +177,4 @@ TEST(Lscf, SizesMustFit) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::lscf_test

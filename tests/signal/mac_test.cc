@@ -6,7 +6,7 @@
 
 #include "tests/expect_matrix.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::mac_test {
 namespace {
 using Complex = std::complex<double>;
 
@@ -47,4 +47,4 @@ TEST(Mac, PhaseCollinearityOfRealAndTravellingShapes) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::mac_test

@@ -14,7 +14,7 @@
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::malformed_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -89,4 +89,4 @@ TEST(FuzzSeeds, AreReadable) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::malformed_test

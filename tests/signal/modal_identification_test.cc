@@ -10,7 +10,7 @@
 #include "tests/expect_matrix.h"
 #include "tests/signal/ten_mode_truth.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::modal_identification_test {
 namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
@@ -208,4 +208,4 @@ TEST(ModalIdentification, WrongSizesAndEmptyBandsThrow) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::modal_identification_test

@@ -9,7 +9,7 @@
 #include "signal/modal_basis.h"
 #include "tests/expect_matrix.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::modal_noise_test {
 namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
@@ -148,4 +148,4 @@ TEST(ModalNoise, SquaresAreThoseOfTheCorrelatedColumns) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::modal_noise_test

@@ -13,7 +13,7 @@
 #include "tests/expect_matrix.h"
 #include "tests/signal/ten_mode_truth.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::modal_refine_test {
 namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
@@ -251,4 +251,4 @@ TEST(ModalRefine, AModeThatIsNotThereIsNotSignificant) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::modal_refine_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace rigfit::signal {
+namespace rigfit::signal::pole_clusters_test {
 namespace {
 using Complex = std::complex<double>;
 
@@ -70,4 +70,4 @@ TEST(PoleClusters, BelowTheLineSpacingPolesAreNotToldApart) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::pole_clusters_test

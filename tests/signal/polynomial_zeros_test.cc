@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <complex>
 
-namespace rigfit::signal {
+namespace rigfit::signal::polynomial_zeros_test {
 namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
@@ -51,4 +51,4 @@ TEST(PolynomialZeros, OfBlocksMakeTheDeterminantVanish) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::polynomial_zeros_test

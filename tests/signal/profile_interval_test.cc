@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace rigfit::signal {
+namespace rigfit::signal::profile_interval_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -76,4 +76,4 @@ TEST(ProfileInterval, SaysWhenASideIsNotBounded) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::profile_interval_test

@@ -9,7 +9,7 @@
 
 #include "signal/repair.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::quality_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -198,4 +198,4 @@ TEST(Repair, TakesPolynomialsAway) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::quality_test

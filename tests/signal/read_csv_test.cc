@@ -7,7 +7,7 @@
 
 #include "signal/recording_error.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::read_csv_test {
 namespace {
 
 std::vector<std::string> codes(const std::vector<Note>& notes) {
@@ -153,4 +153,4 @@ TEST(ReadCsv, MissingAndWrongFields) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::read_csv_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rigfit::signal {
+namespace rigfit::signal::recording_error_test {
 namespace {
 
 TEST(RecordingError, SaysFileLineChannelValueAndRemedy) {
@@ -14,4 +14,4 @@ TEST(RecordingError, SaysFileLineChannelValueAndRemedy) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::recording_error_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace rigfit::signal {
+namespace rigfit::signal::residual_noise_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -69,4 +69,4 @@ TEST(ResidualNoise, FilteredCovarianceOfWhiteNoiseIsThePlainOne) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::residual_noise_test

@@ -8,7 +8,7 @@
 #include "tests/expect_matrix.h"
 #include "tests/signal/ten_mode_truth.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::residues_test {
 namespace {
 using Complex = std::complex<double>;
 
@@ -57,4 +57,4 @@ TEST(Residues, EqualPolesShowInTheCondition) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::residues_test

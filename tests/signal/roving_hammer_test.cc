@@ -6,7 +6,7 @@
 #include "signal/recording_error.h"
 #include "tests/signal/ten_mode_truth.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::roving_hammer_test {
 namespace {
 using Eigen::Index;
 using ::testing::Contains;
@@ -105,4 +105,4 @@ TEST_F(Roving, LeavesOutAPointWithoutAUsableHitAndRefusesMixedRates) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::roving_hammer_test

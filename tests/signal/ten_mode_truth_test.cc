@@ -7,7 +7,7 @@
 #include "signal/fft.h"
 #include "tests/expect_matrix.h"
 
-namespace rigfit::testing {
+namespace rigfit::testing::ten_mode_truth_test {
 namespace {
 using Eigen::Index;
 using signal::good_fft_length;
@@ -70,4 +70,4 @@ TEST(TenModeTruth, SeedsGiveTheSameAndOtherNoise) {
 }
 
 }  // namespace
-}  // namespace rigfit::testing
+}  // namespace rigfit::testing::ten_mode_truth_test

@@ -7,7 +7,7 @@
 
 #include "signal/number_text.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::time_axis_test {
 namespace {
 
 Eigen::VectorXd times(Eigen::Index n, double rate, double resolution) {
@@ -97,4 +97,4 @@ TEST(NumberText, AgreesWithTheLibraryToTheLastBit) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::time_axis_test

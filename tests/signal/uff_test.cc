@@ -13,7 +13,7 @@
 #include "signal/write_uff.h"
 #include "tests/expect_matrix.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::uff_test {
 namespace {
 
 using rigfit::testing::MatricesNear;
@@ -253,4 +253,4 @@ TEST(Uff, WritesModesAtPoints) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::uff_test

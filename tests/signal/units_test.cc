@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace rigfit::signal {
+namespace rigfit::signal::units_test {
 namespace {
 
 struct Case {
@@ -141,4 +141,4 @@ TEST(Units, TextBecomesUtf8) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::units_test

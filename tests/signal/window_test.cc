@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace rigfit::signal {
+namespace rigfit::signal::window_test {
 namespace {
 
 TEST(Window, ExponentialFallsToTheLevelItWasMadeFor) {
@@ -31,4 +31,4 @@ TEST(Window, ForceIsKeptAndFadedOnBothSides) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::window_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace rigfit::signal {
+namespace rigfit::signal::write_csv_test {
 namespace {
 
 TEST(WriteCsv, WritesHeaderUnitsMissingAndQuotes) {
@@ -21,4 +21,4 @@ TEST(WriteCsv, WritesHeaderUnitsMissingAndQuotes) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::write_csv_test

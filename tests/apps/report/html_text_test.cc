@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace rigfit::apps {
+namespace rigfit::apps::html_text_test {
 namespace {
 
 TEST(HtmlText, EscapesMarkupAndMendsBytes) {
@@ -31,4 +31,4 @@ TEST(HtmlText, ShowsNumbersWithTheirDigits) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::html_text_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace rigfit::apps {
+namespace rigfit::apps::svg_plot_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -101,4 +101,4 @@ TEST(PlotCsv, HoldsEveryValueExactly) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::svg_plot_test
