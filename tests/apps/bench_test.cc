@@ -10,7 +10,7 @@
 #include "model/closed_forms.h"
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::bench_test {
 namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
@@ -240,4 +240,4 @@ TEST(BenchVerb, BadInputsAndUsage) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::bench_test

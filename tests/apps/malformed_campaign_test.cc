@@ -5,7 +5,7 @@
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_campaign.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::malformed_campaign_test {
 namespace {
 
 const std::filesystem::path kPath = RIGFIT_FUZZ "/campaign_folder/campaign.toml";
@@ -33,4 +33,4 @@ TEST(MalformedCampaign, SeedsAreCampaigns) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::malformed_campaign_test

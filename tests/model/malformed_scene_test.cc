@@ -5,7 +5,7 @@
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_scene.h"
 
-namespace rigfit::model {
+namespace rigfit::model::malformed_scene_test {
 namespace {
 
 TEST(MalformedScene, SeedsAndMutationsGiveASceneOrAReason) {
@@ -30,4 +30,4 @@ TEST(MalformedScene, SeedsAreScenes) {
 }
 
 }  // namespace
-}  // namespace rigfit::model
+}  // namespace rigfit::model::malformed_scene_test
