@@ -17,10 +17,17 @@ struct ClipLevels {
 /// extreme of the channel for three samples or more and come there by a step that quantisation does
 /// not explain: the top of a smooth signal quantised in steps q that stays equal over n >= 3
 /// samples is a parabola that falls by q at most over n / 2 samples, so it leaves them by less than
-/// 3 q. `rest` is the channel's value at rest; a level within 10 % of the span of it is no
-/// clipping.
+/// 3 q. Two samples that are equal there are clipped when they are left by more than 100 q: the
+/// slope of a top as sharp puts them within a quantum of each other once in a hundred records.
+/// `rest` is the channel's value at rest; a level within 10 % of the span of it is no clipping.
 [[nodiscard]] bool is_clipped(const Eigen::Ref<const Eigen::VectorXd>& channel,
                               const ClipLevels& levels, double rest, Eigen::Index first,
                               Eigen::Index last, double nominal_range = 0);
+
+/// Whether more samples equal `rail`, an extreme of `y`, than the values next to it explain, as
+/// when a signal sampled so coarsely that no top is flat for three samples is clipped. An unclipped
+/// top is at most as crowded as that of a steady sinusoid: of its samples within d of the extreme,
+/// those within the quantum q are sqrt(q / (q + d)), less than 1e-4 of the time significantly more.
+[[nodiscard]] bool piles_up(const Eigen::Ref<const Eigen::VectorXd>& y, double rail);
 
 }  // namespace rigfit::signal

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "signal/damped_sinusoids.h"
+#include "signal/decay_clipping.h"
 #include "signal/decay_modes.h"
 #include "signal/decay_search.h"
 #include "signal/decay_window.h"
@@ -145,6 +146,21 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
 
   const DecayModesOptions search{options.max_modes, options.false_alarm};
   auto fit = find_decay_modes(samples, band, search);
+  if (fit && options.choose_window) {
+    const Index clip = clipped_by_fit(samples, band, search);
+    if (clip > 0) {
+      note(result, "clipped",
+           fmt::format("the signal is cut off at its rail until sample {}; the fit starts after it",
+                       result.start + clip));
+      result.start += clip;
+      samples = decay_samples(y, result.start, result.end);
+      if (samples.values.size() - static_cast<Index>(samples.missing.size()) < 7) {
+        refuse(result, "too_few_samples", "fewer than 7 samples are left after clipping and gaps");
+        return result;
+      }
+      fit = find_decay_modes(samples, band, search);
+    }
+  }
   if (!fit) {
     refuse(
         result, "too_noisy",
@@ -179,6 +195,16 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
       moved_start = true;
     }
   }
+  if (!options.choose_window) {
+    const double frequency = fit->poles[strongest_mode(*fit, band)].imag() / kTwoPi;
+    const Index clip = clipped_until(y.segment(result.start, result.end - result.start), frequency);
+    if (clip > 0) {
+      note(result, "clipped",
+           fmt::format("the signal sits on its rail until sample {}, within what was fitted: "
+                       "damping and amplitudes are wrong; start the fit after it",
+                       result.start + clip));
+    }
+  }
   if (moved_start) {
     note(result, "start_chosen",
          fmt::format("the fit starts at sample {}, after the impact or release", result.start));
@@ -189,6 +215,17 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
 }
 
 namespace {
+
+/// Whether what one damped sinusoid leaves has a line beside it that noise would not show.
+bool leaves_company(const Eigen::VectorXd& residual, Complex pole, double false_alarm) {
+  const double f = pole.imag() / kTwoPi, n = static_cast<double>(residual.size());
+  const double reach = 2 / n - pole.real() / std::numbers::pi;
+  DecaySearchOptions beside;
+  beside.damped = false, beside.candidates = 1;
+  beside.lowest = std::max(0.0, f - reach), beside.highest = std::min(0.5, f + reach);
+  beside.energy_over_noise = detection_threshold(residual.size(), false_alarm);
+  return !search_decays(residual, beside).empty();
+}
 
 /// Whether coloured noise passes for a mode: `alone`, what the other modes leave, is as well
 /// predicted by an autoregression of the residual's own order. (Likelihood ratio, four unknowns,
@@ -313,7 +350,8 @@ void describe(DecayResult& result, const DecaySamples& samples, const DampedSinu
           refuse(result, "grows",
                  fmt::format(
                      "the oscillation at {:.6g} Hz grows by a factor of {:.3g} over the window: "
-                     "this is no free decay (name its start and end)",
+                     "this is no free decay, or two modes beat (name a start and end that hold a "
+                     "decay, or a whole beat)",
                      all[m].damped_frequency_hz.value, std::exp(-fall(m))));
           return;
         }
@@ -354,10 +392,21 @@ void describe(DecayResult& result, const DecaySamples& samples, const DampedSinu
     mode.damping_ratio_log_decrement = decrement.damping_ratio;
     mode.log_decrement_refusal = decrement.refusal;
     doubt_of(mode, alone, fit.residual, result.residual_order, options.false_alarm);
+    mode.company = leaves_company(fit.residual, fit.poles[m], options.false_alarm);
     result.modes.push_back(mode);
   }
   if (std::all_of(result.modes.begin(), result.modes.end(),
                   [](const DecayMode& mode) { return mode.doubtful; })) {
+    if (result.modes[0].company && result.modes[0].r_squared > 0.3) {
+      refuse(
+          result, "not_separable",
+          fmt::format("what one decay leaves near {:.4g} Hz is no noise: two modes that beat too "
+                      "slowly for this record, or one that changes; a longer record or less "
+                      "noise is needed",
+                      result.modes[0].damped_frequency_hz.value));
+      result.modes.clear();
+      return;
+    }
     refuse(result, "too_noisy", "no oscillation stands out of the noise: " + result.modes[0].doubt);
     result.modes.clear();
     return;
@@ -418,6 +467,14 @@ void judge(DecayResult& result, double rate) {
   }
   for (const DecayMode& each : result.modes) {
     if (each.doubtful) note(result, "doubtful_mode", each.doubt);
+  }
+  for (const DecayMode& each : result.modes) {
+    if (!each.company) continue;
+    note(result, "not_one_decay",
+         fmt::format(
+             "what the fit leaves near {:.4g} Hz is no noise: a mode close by that beats too "
+             "slowly for this record, or one that changes as it decays",
+             each.damped_frequency_hz.value));
   }
   // Records in which noise hid such an oscillation were refused: of those left the noise made it
   // larger.

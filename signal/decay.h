@@ -49,6 +49,9 @@ struct DecayMode {
   double r_squared = 0;
   Estimate damping_ratio_log_decrement;  ///< NaN when it cannot be had
   std::string log_decrement_refusal;     ///< why; empty when there is one
+  /// The residual has a line beside the mode's that noise would not show: a second mode that beats
+  /// too slowly for the record, or a mode that changes as it decays.
+  bool company = false;
   /// Noise of the residual's colour would show as much: what it says in `doubt`.
   bool doubtful = false;
   std::string doubt;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "signal/clipping.h"
 #include "signal/decay_search.h"
 #include "signal/numbers.h"
 
@@ -131,39 +132,64 @@ bool two_decays(const Eigen::Ref<const Eigen::VectorXd>& y, Index at, double w) 
   return both - one.energy > detection_threshold(n, 1e-6) * rest / degrees;
 }
 
+struct Jump {
+  Index at = 0;
+  double rise = 0, after = 0;  // amplitudes
+};
+
+// Jumps that are clear within a cycle: noise of that variance reaches the amplitude with a chance
+// of 1e-6 in the whole record (|A|^2 is exponential with mean 4 s^2 / cycle). Of the others, which
+// in noise grow in number with the record, the largest few.
+std::vector<Jump> worth_testing(std::vector<Jump> jumps, Index samples, Index cycle,
+                                double noise_variance) {
+  constexpr std::size_t kUnclear = 4;
+  const double clear = 4 * noise_variance / static_cast<double>(cycle) *
+                       std::log(static_cast<double>(samples) / 1e-6);
+  const auto unclear = std::stable_partition(
+      jumps.begin(), jumps.end(), [&](const Jump& j) { return j.after * j.after > clear; });
+  std::sort(unclear, jumps.end(), [](const Jump& a, const Jump& b) { return a.rise > b.rise; });
+  if (static_cast<std::size_t>(jumps.end() - unclear) > kUnclear) {
+    jumps.erase(unclear + kUnclear, jumps.end());
+  }
+  std::sort(jumps.begin(), jumps.end(), [](const Jump& a, const Jump& b) { return a.at < b.at; });
+  return jumps;
+}
+
 // Onsets of further impacts: within a cycle the amplitude comes from under a third of what it then
 // is, what it then is is a good part of the record's largest, and noise alone would not look so. (A
 // beat needs a beat period under five cycles to rise so fast.)
 std::vector<Index> impacts(const Eigen::VectorXd& y, double w, Index cycle,
-                           const Eigen::VectorXi& missing_before) {
-  std::vector<Index> found;
-  if (y.size() < 8 * cycle) return found;
+                           const Eigen::VectorXi& missing_before, double noise_variance) {
+  std::vector<Jump> found;
+  if (y.size() < 8 * cycle) return {};
   const RunningAmplitude running(y, w);
   const Index step = std::max<Index>(1, cycle / 8);
   double largest = 0;
   for (Index j = 0; j + cycle <= y.size(); j += step) {
     largest = std::max(largest, std::abs(running.over(j, j + cycle)));
   }
-  double best_jump = 0;
-  Index best = -1;
+  Jump best{-1};
   for (Index j = 0; j + cycle <= y.size(); j += step) {
     const double before = j >= cycle ? std::abs(running.over(j - cycle, j)) : 0;
     const double after = std::abs(running.over(j, j + cycle));
     const bool gap =
         j >= cycle && missing_before(j + cycle) > missing_before(j - cycle);  // no impact, a gap
     const bool jump = j >= cycle && !gap && after > 3 * before && after > 0.3 * largest;
-    if (jump && after - before > best_jump) best_jump = after - before, best = j;
-    if (best >= 0 && (j > best + 2 * cycle || j + cycle + step > y.size())) {
+    if (jump && after - before > best.rise) best = {j, after - before, after};
+    if (best.at >= 0 && (j > best.at + 2 * cycle || j + cycle + step > y.size())) {
       found.push_back(best);
-      best = -1, best_jump = 0;
+      best = {-1};
     }
   }
+  found = worth_testing(std::move(found), y.size(), cycle, noise_variance);
   // In a weak signal noise jumps as far: each impact has to be worth a decay of its own.
   std::vector<Index> believed;
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Index from = believed.empty() ? 0 : believed.back();
-    const Index to = k + 1 < found.size() ? found[k + 1] : y.size();
-    if (two_decays(y.segment(from, to - from), found[k] - from, w)) believed.push_back(found[k]);
+    const Index to = k + 1 < found.size() ? found[k + 1].at : y.size();
+    if (two_decays(y.segment(from, to - from), found[k].at - from, w)) {
+      believed.push_back(found[k].at);
+    }
   }
   return believed;
 }
@@ -200,15 +226,17 @@ Index clipped_until(const Eigen::Ref<const Eigen::VectorXd>& y, double cycles_pe
   const double longest = std::max(3.0, 2 * natural + 2);
   Index last = 0;
   for (const double rail : {high, low}) {
-    Index run = 0;
+    Index run = 0, any = 0;
+    bool flat = false;
     for (Index j = 0; j <= y.size(); ++j) {
       if (j < y.size() && std::abs(y(j) - rail) <= 1e-12 * amplitude) {
-        ++run;
+        ++run, any = j + 1;
         continue;
       }
-      if (static_cast<double>(run) >= longest) last = std::max(last, j);
+      flat = flat || static_cast<double>(run) >= longest;
       run = 0;
     }
+    if (flat || piles_up(y, rail)) last = std::max(last, any);
   }
   return last;
 }
@@ -245,7 +273,7 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y)
                     quiet_before(x, w, chosen.start, cycle);
 
   std::vector<Index> starts;
-  starts = impacts(x, w, cycle, missing_before);
+  starts = impacts(x, w, cycle, missing_before, noise);
   std::vector<DecayWindow> windows;
   const auto add = [&](Index from, Index to, bool impact) {
     DecayWindow window;

@@ -26,8 +26,9 @@ struct DecayWindow {
 /// missing.
 [[nodiscard]] std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y);
 
-/// One past the last sample that sits on a rail: flat runs at the same extreme value, longer than a
-/// sinusoid of that frequency sampled that coarsely shows. 0: none.
+/// One past the last sample that sits on a rail: an extreme value with flat runs, longer than a
+/// sinusoid of that frequency sampled that coarsely shows, or one at which samples pile up
+/// (clipping.h). 0: none.
 [[nodiscard]] Eigen::Index clipped_until(const Eigen::Ref<const Eigen::VectorXd>& y,
                                          double cycles_per_sample);
 

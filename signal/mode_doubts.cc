@@ -45,6 +45,33 @@ void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>&
   }
 }
 
+namespace {
+
+/// Amplitude left at the end of a record, of that at its beginning.
+double left_at_the_end(const IdentifiedMode& mode, const ModalBand& band) {
+  return std::exp((mode.pole_rad_s.real() - band.window) / band.spacing_hz);
+}
+
+/// A line narrower than the record can show, without a window: as likely a steady tone as a mode.
+bool steady(const IdentifiedMode& mode, const ModalBand& band) {
+  return left_at_the_end(mode, band) > 0.5;
+}
+
+/// The steady tone within four half bandwidths of a mode that is none itself; 0: there is none.
+double tone_beside(const ModalModel& model, std::size_t r, const ModalBand& band) {
+  const IdentifiedMode& mode = model.modes[r];
+  if (steady(mode, band)) return 0;
+  for (const IdentifiedMode& other : model.modes) {
+    const double apart = std::abs(other.pole_rad_s.imag() - mode.pole_rad_s.imag());
+    if (steady(other, band) && apart < 4 * (band.window - mode.pole_rad_s.real())) {
+      return other.frequency_hz.value;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
 void judge_modes(ModalResult& result, const ModalBand& band) {
   ModalModel& model = result.model;
   for (std::size_t r = 0; r < model.modes.size(); ++r) {
@@ -64,6 +91,17 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
     if (mode.significance < 4) {
       doubts.push_back(
           fmt::format("weak: {:.1f} times the least that is told from noise", mode.significance));
+    }
+    if (steady(mode, band)) {
+      doubts.push_back(fmt::format(
+          "{:.0f} % of it are left at the end of the records: a steady tone such as mains "
+          "hum, or a mode that needs longer records",
+          100 * left_at_the_end(mode, band)));
+    } else if (const double tone = tone_beside(model, r, band); tone > 0) {
+      doubts.push_back(fmt::format(
+          "a steady tone at {:.4g} Hz lies within its resonance: it is no noise, error bars do not "
+          "allow for it",
+          tone));
     }
     const double f = mode.frequency_hz.value, half = measured / two_pi;
     if (f - half < result.low_hz || f + half > result.high_hz) {
@@ -97,7 +135,7 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
     mode.doubt = fmt::format("{}", fmt::join(doubts, "; "));
     // Records that end before the mode has decayed scale its residue by 1 - exp(-decay * length),
     // whose phase the record does not tell; poles stay right.
-    const double left = std::exp(-measured / band.spacing_hz);
+    const double left = left_at_the_end(mode, band);
     if (left > 0.01) {
       model.notes.push_back({"decay_cut_off",
                              fmt::format("{:.1f} % of the amplitude are left at the end of the "

@@ -124,6 +124,37 @@ TEST(Decay, FromLightToHeavyFromTwoCyclesToThousands) {
   }
 }
 
+TEST(Decay, StartsAfterClippedSamplesTooFewToBeFlat) {
+  // Ten samples a cycle: a top cut at 0.8 of the amplitude loses two samples. Five standard
+  // uncertainties; left in, they are wrong by more.
+  for (const double level : {0.8, 0.6}) {
+    Records records(23);
+    Eigen::VectorXd y = records.decay({{50, 0.01, 1}}, 500, 250, 0.003);
+    y = y.cwiseMin(level + 0.3);
+    const auto result = estimate_decay(y, 500);
+    ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+    EXPECT_TRUE(says(result, "clipped")) << level;
+    ASSERT_EQ(result.modes.size(), 1u) << level;
+    const auto& zeta = result.modes[0].damping_ratio;
+    EXPECT_NEAR(zeta.value, 0.01, 5 * zeta.std) << level;
+    // Where the person names the stretch it is fitted, and said.
+    DecayOptions as_given;
+    as_given.choose_window = as_given.trim_start = false;
+    EXPECT_TRUE(level > 0.7 || says(estimate_decay(y, 500, as_given), "clipped"));
+  }
+}
+
+TEST(Decay, PairsThatBeatTooSlowlyAreSaid) {
+  Records records(29);
+  const auto y = records.decay({{50, 0.002, 1}, {50.1, 0.002, 0.8}}, 500, 1000, 0.007);
+  const auto result = estimate_decay(y, 500);
+  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+  ASSERT_EQ(result.modes.size(), 1u);
+  EXPECT_TRUE(says(result, "not_one_decay"));
+  const auto one = estimate_decay(records.decay({{50, 0.002, 1}}, 500, 1000, 0.007), 500);
+  EXPECT_FALSE(says(one, "not_one_decay"));
+}
+
 TEST(Decay, BeatingPairsComeOutAsTwo) {
   Records records(5);
   const auto y = records.decay({{50, 0.002, 1}, {50.5, 0.003, 0.7}}, 500, 2000, 0.01);

@@ -69,6 +69,8 @@ class Coverage {
 [[nodiscard]] Outcome refusal(bool refused, const std::string& reason, std::string_view expected);
 
 [[nodiscard]] std::vector<HardCase> bending_cases();
+[[nodiscard]] std::vector<HardCase> decay_cases();
+[[nodiscard]] std::vector<HardCase> hit_cases();
 [[nodiscard]] std::vector<HardCase> record_cases();
 
 }  // namespace rigfit::hard_cases

@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
     }
   }
   std::vector<HardCase> cases;
-  for (const auto& part : {bending_cases(), record_cases()})
+  for (const auto& part : {bending_cases(), record_cases(), decay_cases(), hit_cases()})
     cases.insert(cases.end(), part.begin(), part.end());
 
   int count[3] = {0, 0, 0};
