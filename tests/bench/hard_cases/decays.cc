@@ -19,6 +19,7 @@
 #include "tests/bench/hard_cases/hard_case.h"
 
 namespace rigfit::hard_cases {
+namespace decays {
 namespace {
 
 using Complex = std::complex<double>;
@@ -284,8 +285,10 @@ std::vector<Decays> pairs(double apart_hz) {
 }
 
 }  // namespace
+}  // namespace decays
 
 std::vector<HardCase> decay_cases() {
+  using namespace decays;
   const std::string covered = "95 % intervals hold the truth";
   const std::string or_refused = covered + ", or the noise is said";
   const auto with = [](Decays d, auto change) {

@@ -18,6 +18,7 @@
 #include "tests/signal/ten_mode_truth.h"
 
 namespace rigfit::hard_cases {
+namespace hits {
 namespace {
 
 using Eigen::Index;
@@ -324,8 +325,10 @@ Outcome dynamic_range(bool quick) {
 }
 
 }  // namespace
+}  // namespace hits
 
 std::vector<HardCase> hit_cases() {
+  using namespace hits;
   const std::string covered = "95 % intervals hold the truth";
   std::vector<HardCase> cases = {
       {"hits", "pulses of one or two samples", "refused", one_sample_pulses},
