@@ -3,6 +3,7 @@
 #   sh apps/install_packages.sh build        what building and running rigfit needs
 #   sh apps/install_packages.sh test         that, and what its tests need
 #   sh apps/install_packages.sh check       that, and the formatter and linter
+#   sh apps/install_packages.sh study       what apps/study needs besides the program (80 packages, 700 MB)
 set -eu
 
 build="ca-certificates cmake g++ ninja-build pkg-config
@@ -16,7 +17,8 @@ case "${1:-}" in
   build) wanted="$build" ;;
   test) wanted="$build $test" ;;
   check) wanted="$build $test $check" ;;
-  *) echo "usage: $0 build|test|check" >&2; exit 2 ;;
+  study) wanted="snakemake" ;;
+  *) echo "usage: $0 build|test|check|study" >&2; exit 2 ;;
 esac
 
 missing=""
