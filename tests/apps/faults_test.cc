@@ -21,7 +21,7 @@
 #include "apps/verb_context.h"
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::faults_test {
 namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -288,4 +288,4 @@ TEST_F(Faults, ARecordingCutShortWhileItIsReadIsNoCrash) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::faults_test

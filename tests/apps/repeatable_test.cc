@@ -6,7 +6,7 @@
 
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps {
+namespace rigfit::apps::repeatable_test {
 namespace {
 
 using Document = nlohmann::ordered_json;
@@ -136,4 +136,4 @@ TEST(Repeatable, FromRunToRunAndWithOneThreadOrTwo) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::apps::repeatable_test
