@@ -170,11 +170,36 @@ class Reader {
     for (TomlTable& entry : table.tables_or_empty("parameter")) {
       fit.parameters.push_back(read_parameter(entry, fit));
     }
+    if (table.has("predicts")) read_predicted(table, fit);
     if (fit.parameters.empty()) {
       throw table.error("parameter", "is missing", "a fit needs at least one [[fit.parameter]]");
     }
     table.finish();
     campaign_.fits.push_back(std::move(fit));
+  }
+
+  /// Free decays of a scene that has all of the fit's parameters.
+  void read_predicted(TomlTable& table, CampaignFit& fit) const {
+    std::vector<std::string> known;
+    for (const auto& test : campaign_.tests) {
+      if (test.kind == CampaignTest::Kind::decay && test.scene) known.push_back(test.name);
+    }
+    for (const auto& name : table.string_or_strings("predicts")) {
+      const auto at = std::find_if(campaign_.tests.begin(), campaign_.tests.end(),
+                                   [&](const CampaignTest& test) { return test.name == name; });
+      if (std::find(known.begin(), known.end(), name) == known.end()) {
+        const auto nearest = model::nearest_word(name, known);
+        throw table.error("predicts", "there is no decay test \"" + name + "\" with a scene",
+                          nearest ? "did you mean \"" + *nearest + "\"?"
+                                  : "name tests of kind \"decay\" that have a scene");
+      }
+      for (const auto& parameter : fit.parameters) {
+        for (const auto& target : parameter.free.targets) {
+          check_parameter(campaign_.scenes[*at->scene].scene, target, table, "predicts");
+        }
+      }
+      fit.predicts.push_back(static_cast<std::size_t>(at - campaign_.tests.begin()));
+    }
   }
 
   FitParameter read_parameter(TomlTable& table, const CampaignFit& fit) const {

@@ -24,7 +24,8 @@
 //                        name = "published" (default), "truth", ...
 //     [[test.recording]] see recording_group.h
 //   [[fit]]              name, title, tests = [modal tests], hold_out, model_std, starts,
-//                        reference_name ("earlier value"), and
+//                        reference_name ("earlier value"), predicts = [decay tests that it has not
+//                        seen and is laid over], and
 //     [[fit.parameter]]  name, of = [scene parameters that share the value], factors, per_state,
 //                        start, prior, prior_std, low, high, reference (an earlier value)
 //
@@ -124,6 +125,7 @@ struct CampaignFit {
   std::string name, title;
   std::vector<std::size_t> tests;
   std::vector<FitParameter> parameters;
+  std::vector<std::size_t> predicts;  ///< decay tests shown with what was found
   bool hold_out = false;
   double model_std = 0;  ///< relative, in frequency
   int starts = 4;

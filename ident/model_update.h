@@ -216,6 +216,7 @@ struct HeldOut {
   double rms_before = 0;     ///< of the one held out, at the start values
   double frf_fitted = 0, frf_predicted = 0, frf_before = 0;  ///< the same of rms |ln FRF ratio|
   std::vector<UpdatedPair> pairs;                            ///< of the one held out
+  std::optional<model::Scene> scene = std::nullopt;          ///< of the one held out, as predicted
 };
 
 /// Each state in turn is left out, the others fitted, and it is predicted by what is shared.

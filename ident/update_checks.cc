@@ -43,6 +43,7 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
         const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
         if (coordinate.state == s) q[j] = coordinate.start;
       }
+      held.scene = problem.scene_at(s, q);
       if (problem.has_frfs()) held.frf_predicted = problem.rms_log_frf_error(q, s);
       failure.clear();
       const auto after = problem.match(q, 1, failure, s);

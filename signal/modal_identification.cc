@@ -130,6 +130,39 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const FoundModes& f
   result.auto_mac = auto_mac(shapes);
 }
 
+/// Columns without a mode: clusters that were given up, and tracks too short to be clusters.
+void list_rejected(const ModalBand& band, const ModalOptions& options, const FoundModes& found,
+                   ModalResult& result) {
+  const auto apart = [](Complex p, Complex q) {
+    return std::abs(p - q) / (std::abs(p.real()) + std::abs(q.real()));
+  };
+  const auto is_mode = [&](Complex pole) {
+    return std::any_of(result.model.modes.begin(), result.model.modes.end(), [&](const auto& mode) {
+      return apart(pole, mode.pole_rad_s - band.window) < 2 * options.clusters.radius;
+    });
+  };
+  const auto add = [&](const PoleCluster& cluster, const std::string& code,
+                       const std::string& reason) {
+    const Complex pole = cluster.pole_rad_s + band.window;
+    result.rejected.push_back(
+        {std::abs(pole) / two_pi, -pole.real() / std::abs(pole), cluster.presence, code, reason});
+  };
+  for (const DroppedCluster& dropped : found.dropped) {
+    const PoleCluster& cluster = result.clusters[dropped.cluster];
+    if (!is_mode(cluster.pole_rad_s)) add(cluster, dropped.code, dropped.reason);
+  }
+  PoleClusterOptions shorter = options.clusters;
+  shorter.min_presence /= 2;
+  for (const PoleCluster& cluster : cluster_poles(result.stabilisation, band.spacing_hz, shorter)) {
+    if (cluster.presence >= options.clusters.min_presence || is_mode(cluster.pole_rad_s)) continue;
+    add(cluster, "presence",
+        fmt::format("in {:.0f} % of the upper half of the orders, of which {:.0f} % are asked",
+                    100 * cluster.presence, 100 * options.clusters.min_presence));
+  }
+  std::sort(result.rejected.begin(), result.rejected.end(),
+            [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });
+}
+
 }  // namespace
 
 ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
@@ -183,6 +216,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     return result;
   }
   export_modes(frfs, band, found, result);
+  list_rejected(band, options, found, result);
   if (model.modes.empty()) {
     model.notes.push_back(
         {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "signal/frf_set.h"
@@ -36,12 +37,22 @@ struct ModalOptions {
   int searches = 3;  ///< at most, of what is left for further modes; 0: the whole band only
 };
 
+/// A column of the stabilisation diagram that is no mode in the end, and the test it failed.
+struct RejectedColumn {
+  double frequency_hz = 0, damping_ratio = 0;  ///< as the diagram shows it, window removed
+  double presence = 0;                         ///< share of the upper half of the orders, 0..1
+  /// "presence", "band", "damping", "prominence", "significance", "twin".
+  std::string code;
+  std::string reason;  ///< for a person, with the figure and the limit
+};
+
 struct ModalResult {
   ModalModel model;
-  LscfResult stabilisation;           ///< window not removed
-  std::vector<PoleCluster> clusters;  ///< of that diagram, window not removed
-  FrfNoise noise;                     ///< as estimated from what the fit leaves
-  Eigen::MatrixXd auto_mac;           ///< modes x modes
+  LscfResult stabilisation;              ///< window not removed
+  std::vector<PoleCluster> clusters;     ///< of that diagram, window not removed
+  std::vector<RejectedColumn> rejected;  ///< columns of it without a mode, by rising frequency
+  FrfNoise noise;                        ///< as estimated from what the fit leaves
+  Eigen::MatrixXd auto_mac;              ///< modes x modes
   RefineEnd end = RefineEnd::converged;
   int iterations = 0;
   Eigen::Index lines_used = 0;

@@ -1,5 +1,7 @@
 #include "signal/mode_search.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -60,6 +62,7 @@ std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& le
 struct Candidate {
   Complex pole;  ///< window removed
   double presence = 0;
+  std::ptrdiff_t cluster = -1;  ///< of the whole band's diagram; -1: found later
 };
 
 class ModeSearch {
@@ -70,9 +73,11 @@ class ModeSearch {
     penalty_ = (2 * frfs + 2) * std::log(2 * static_cast<double>(of.frequency_hz.size()) * frfs);
   }
 
-  void add(const std::vector<PoleCluster>& clusters) {
+  /// `first`: the clusters are the diagram's, whose fate is told.
+  void add(const std::vector<PoleCluster>& clusters, bool first = false) {
     for (const PoleCluster& cluster : clusters) {
-      candidates_.push_back({cluster.pole_rad_s + band().window, cluster.presence});
+      const auto index = first ? static_cast<std::ptrdiff_t>(&cluster - clusters.data()) : -1;
+      candidates_.push_back({cluster.pole_rad_s + band().window, cluster.presence, index});
     }
     std::sort(candidates_.begin(), candidates_.end(),
               [](const auto& a, const auto& b) { return a.pole.imag() < b.pole.imag(); });
@@ -149,6 +154,7 @@ class ModeSearch {
   }
   std::size_t size() const { return candidates_.size(); }
   const std::vector<Candidate>& candidates() const { return candidates_; }
+  const std::vector<DroppedCluster>& dropped() const { return dropped_; }
   const ModalRefineResult& fit() const { return fit_; }
   const ModalCovariance& covariance() const { return covariance_; }
   const FrfNoise& noise() const { return noise_; }
@@ -184,8 +190,17 @@ class ModeSearch {
         }
       }
     }
+    note(candidates_[worst], "twin", [] {
+      return std::string("the lines of the band cannot tell it from the mode beside it");
+    });
     candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(worst));
     return true;
+  }
+
+  template <class Reason>
+  void note(const Candidate& candidate, const char* code, Reason reason) {
+    if (candidate.cluster < 0) return;
+    dropped_.push_back({static_cast<std::size_t>(candidate.cluster), code, reason()});
   }
 
   /// Lines within half a bandwidth of a mode, at least one line spacing: first and how many.
@@ -212,15 +227,34 @@ class ModeSearch {
 
   /// All that left the band, became a background or are no larger than what no model explains.
   bool drop_implausible() {
+    const VectorXd& f = band().frequency_hz;
     std::vector<Candidate> kept;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const auto r = static_cast<Index>(i);
       const Complex raw = fit_.poles[r] - band().window;
-      const double damped = raw.imag() / two_pi;
-      if (damped > band().frequency_hz[0] &&
-          damped < band().frequency_hz[band().frequency_hz.size() - 1] &&
-          -raw.real() <= options().lscf.max_damping_ratio * std::abs(raw) &&
-          prominence(r) >= options().min_prominence) {
+      const double damped = raw.imag() / two_pi, ratio = -raw.real() / std::abs(raw);
+      const double most = options().lscf.max_damping_ratio, least = options().min_prominence;
+      if (!(damped > f[0] && damped < f[f.size() - 1])) {
+        note(candidates_[i], "band", [&] {
+          return fmt::format(
+              "the FRFs do not hold it there: fitted, it wanders to {:.4g} Hz, out of the band",
+              damped);
+        });
+      } else if (!(ratio <= most)) {
+        note(candidates_[i], "damping", [&] {
+          return fmt::format(
+              "fitted, it is damped by {:.0f} %, more than {:.0f} %: a background, "
+              "not a resonance",
+              100 * ratio, 100 * most);
+        });
+      } else if (const double peak = prominence(r); !(peak >= least)) {
+        note(candidates_[i], "prominence", [&] {
+          return fmt::format(
+              "its peak is {:.1g} of the response around it, less than {:.1g}: too "
+              "small for any sensor or model",
+              peak, least);
+        });
+      } else {
         kept.push_back(candidates_[i]);
       }
     }
@@ -256,6 +290,10 @@ class ModeSearch {
     }
     std::sort(drop.rbegin(), drop.rend());
     for (const std::size_t r : drop) {
+      note(candidates_[r], "significance", [&] {
+        return fmt::format("its residues stand out of the noise by {:.2g} of what a mode must",
+                           std::sqrt(covariance_.significance[static_cast<Index>(r)] / penalty_));
+      });
       candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(r));
     }
     return !drop.empty();
@@ -266,6 +304,7 @@ class ModeSearch {
   FrfNoise noise_;
   double penalty_ = 0;
   std::vector<Candidate> candidates_;
+  std::vector<DroppedCluster> dropped_;
   ModalRefineResult fit_;
   ModalCovariance covariance_;
   int iterations_ = 0;
@@ -298,7 +337,7 @@ LscfResult stabilise(const ModalBand& band, const MatrixXcd& all, const FrfNoise
 FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& clusters,
                         const FrfNoise& first, const ModalOptions& options) {
   ModeSearch search(band, options, first);
-  search.add(clusters);
+  search.add(clusters, true);
   search.settle();
   Index parts = 1;
   for (int pass = 0; pass < options.searches && search.fit().residues.cols() > 0; ++pass) {
@@ -321,6 +360,7 @@ FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& c
   }
   for (const Candidate& candidate : search.candidates())
     found.presence.push_back(candidate.presence);
+  found.dropped = search.dropped();
   found.noise = search.noise();
   if (found.fit.residues.cols() > 0) found.model = search.model();
   found.penalty = search.penalty();

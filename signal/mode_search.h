@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "signal/lscf.h"
@@ -21,13 +22,20 @@ namespace rigfit::signal {
                                    const FrfNoise& noise, const LscfOptions& options,
                                    Eigen::Index first, Eigen::Index count);
 
+/// A cluster that was given up, and the test that it failed.
+struct DroppedCluster {
+  std::size_t cluster = 0;  ///< index
+  std::string code, reason;
+};
+
 struct FoundModes {
   ModalRefineResult fit;  ///< no residues when the lines determine no mode
   ModalCovariance covariance;
   std::vector<double> presence;  ///< of each mode: share of the model orders that hold its pole
-  FrfNoise noise;                ///< from what the fit leaves
-  Eigen::MatrixXcd model;        ///< lines x FRFs; empty without residues
-  double penalty = 0;            ///< the least significance of a mode
+  std::vector<DroppedCluster> dropped;  ///< of the clusters given
+  FrfNoise noise;                       ///< from what the fit leaves
+  Eigen::MatrixXcd model;               ///< lines x FRFs; empty without residues
+  double penalty = 0;                   ///< the least significance of a mode
   int iterations = 0;
 };
 

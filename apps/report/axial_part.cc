@@ -254,12 +254,12 @@ class AxialAnalysis {
                      {"contribution to EA, N", {}, true},
                      {"share, %", {}, true}};
     for (const auto& row : r.budget) {
+      const std::string unit = row.unit == "1" ? "" : " " + row.unit;
       Cell share(fmt::format("{:.1f}", 100 * row.share));
       share.shade = std::clamp(row.share, 0.0, 1.0);
-      table.rows.push_back(
-          {row.source, std::string(1, row.type),
-           std::isfinite(row.value) ? shown(row.value, 5) + " " + row.unit : std::string(),
-           shown(row.std, 2) + " " + row.unit, shown(row.contribution_N, 3), share});
+      table.rows.push_back({row.source, std::string(1, row.type),
+                            std::isfinite(row.value) ? shown(row.value, 5) + unit : std::string(),
+                            shown(row.std, 2) + unit, shown(row.contribution_N, 3), share});
     }
     return table;
   }

@@ -111,14 +111,10 @@ ReportTable bending_records_table(const CampaignTest& test,
       "EI from each recording with its standard uncertainty and 95 % interval. Hysteresis: half "
       "the "
       "distance between loading and unloading.";
-  table.columns = {{"recording", {}, false},
-                   {"origin", {}, false},
-                   {"tension, N", Origin::measured},
-                   {"slope d/Q, µm/N", Origin::measured},
-                   {"EI, N m²", Origin::measured},
-                   {"95 % interval", Origin::measured},
-                   {"hysteresis, N", Origin::measured},
-                   {"remarks", {}, false}};
+  const Origin origin = records.empty() ? Origin::measured : records.front().origin;
+  table.columns = {{"recording", {}, false},    {"origin", {}, false}, {"tension, N", origin},
+                   {"slope d/Q, µm/N", origin}, {"EI, N m²", origin},  {"95 % interval", origin},
+                   {"hysteresis, N", origin},   {"remarks", {}, false}};
   for (const auto& one : records) {
     const auto& r = one.result;
     const auto& EI = r.stiffness;

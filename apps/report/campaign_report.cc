@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <fstream>
@@ -72,6 +73,20 @@ void put(const fs::path& path, const std::string& content) {
   std::ifstream before(path, std::ios::binary);
   if (before && std::string(std::istreambuf_iterator<char>(before), {}) == content) return;
   write_whole_file(path, content);
+}
+
+const char* word_of(SummaryItem::Kind kind) {
+  switch (kind) {
+    case SummaryItem::Kind::result:
+      return "result";
+    case SummaryItem::Kind::error:
+      return "error";
+    case SummaryItem::Kind::distrust:
+      return "distrust";
+    case SummaryItem::Kind::recorded:
+      return "recorded";
+  }
+  return "";
 }
 
 template <class Use>
@@ -162,7 +177,8 @@ class Stages {
 
   std::vector<ReportPart> run() {
     const std::size_t tests = campaign_.tests.size();
-    std::vector<ReportPart> first(tests), second(tests), fits(campaign_.fits.size());
+    std::vector<ReportPart> second(tests);
+    std::vector<FitPart> fits(campaign_.fits.size());
     std::vector<BendingPart> bending(tests);
     std::vector<AxialPart> axial(tests);
     std::vector<std::function<void()>> tasks;
@@ -207,7 +223,7 @@ class Stages {
         const auto& fit = campaign_.fits[f];
         std::string key = "fit\n" + seed_ + fit.text + known;
         for (const std::size_t test : fit.tests) key += content_[test];
-        fits[f] = cache_.stage<ReportPart>(key, [&] {
+        fits[f] = cache_.stage<FitPart>(key, [&] {
           return fit_part(campaign_, fit, known_, states, context_.threads, context_.seed);
         });
       });
@@ -220,12 +236,19 @@ class Stages {
             return modal_part(campaign_, test, known_, states[i]);
           });
         });
-      } else if (test.kind == CampaignTest::Kind::decay) {
-        tasks.emplace_back([&, i] {
-          second[i] = cache_.stage<ReportPart>("decay\n" + content_[i] + known,
-                                               [&] { return decay_part(campaign_, test, known_); });
-        });
       }
+    }
+    run_all(tasks, context_.threads, progress);
+    tasks.clear();
+    for (std::size_t i = 0; i < tests; ++i) {
+      const auto& test = campaign_.tests[i];
+      if (test.kind != CampaignTest::Kind::decay) continue;
+      tasks.emplace_back([&, i] {
+        std::string key = "decay\n" + content_[i] + known;
+        const auto predicting = fits_of(i, fits, key);
+        second[i] = cache_.stage<ReportPart>(
+            key, [&] { return decay_part(campaign_, test, known_, predicting); });
+      });
     }
     run_all(tasks, context_.threads, progress);
 
@@ -240,7 +263,7 @@ class Stages {
       add(recorded_[i].part);
       add(second[i]);
     }
-    for (auto& part : fits) add(part);
+    for (auto& fit : fits) add(fit.part);
     auto costs = cost_part(campaign_, parts);
     parts.push_back(scenes_part(campaign_));
     parts.push_back(std::move(costs));
@@ -248,6 +271,21 @@ class Stages {
   }
 
  private:
+  /// What was found by the fits that predict a test; adds it to the key.
+  [[nodiscard]] std::vector<FitOfDecay> fits_of(std::size_t test, const std::vector<FitPart>& fits,
+                                                std::string& key) const {
+    std::vector<FitOfDecay> list;
+    for (std::size_t f = 0; f < fits.size(); ++f) {
+      const auto& named = campaign_.fits[f].predicts;
+      if (std::find(named.begin(), named.end(), test) == named.end()) continue;
+      list.push_back({campaign_.fits[f].title, fits[f].values});
+      ArchiveWriter writer;
+      writer(list.back().title, list.back().values);
+      key += writer.take();
+    }
+    return list;
+  }
+
   [[nodiscard]] std::string strand_text() const {
     if (!campaign_.strand) return "none\n";
     const auto& strand = *campaign_.strand;
@@ -297,7 +335,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
   Json summary = Json::array();
   for (const auto& part : parts) {
     for (const auto& item : part.summary) {
-      summary.push_back({{"kind", item.kind == SummaryItem::Kind::result ? "result" : "distrust"},
+      summary.push_back({{"kind", word_of(item.kind)},
                          {"label", item.label},
                          {"text", item.text},
                          {"origin", item.origin ? Json(word_of(*item.origin)) : Json(nullptr)}});
@@ -337,7 +375,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
 
   for (const auto& part : parts) {
     for (const auto& item : part.summary) {
-      if (item.kind == SummaryItem::Kind::result) {
+      if (item.kind != SummaryItem::Kind::distrust) {
         context.out << fmt::format("{}: {}\n", item.label, item.text);
       }
     }

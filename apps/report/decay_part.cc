@@ -4,77 +4,48 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include "apps/report/decay_plots.h"
+#include "apps/report/decay_overlay.h"
 #include "apps/report/html_text.h"
-#include "apps/report/model_overlay.h"
 #include "apps/report/recording_blocks.h"
-#include "model/response.h"
 #include "signal/decay_window.h"
-#include "signal/fft.h"
 #include "signal/recording_error.h"
 
 namespace rigfit::apps {
 namespace {
-
-using Eigen::Index;
 
 Json estimate_json(const signal::Estimate& e) {
   return {{"value", std::isfinite(e.value) ? Json(e.value) : Json(nullptr)},
           {"std", std::isfinite(e.std) ? Json(e.std) : Json(nullptr)}};
 }
 
-/// Where the model's answer starts in the record: the shift at which they are most alike over the
-/// model's first `length` samples.
-Index best_shift(const Eigen::VectorXd& record, const Eigen::VectorXd& model, Index length) {
-  const Index n = std::min({length, record.size(), model.size()});
-  Index best = 0;
-  double most = -1;
-  const Eigen::VectorXd head = model.head(n).array() - model.head(n).mean();
-  for (Index shift = 0; shift + n <= record.size(); ++shift) {
-    const auto part = record.segment(shift, n);
-    // Where the model starts, the record moves most: alike in size as well as in shape.
-    const double product = (part.array() - part.mean()).matrix().dot(head);
-    if (product > most) most = product, best = shift;
-  }
-  return best;
-}
-
-PlotSeries spectrum_of(const Eigen::Ref<const Eigen::VectorXd>& samples, double rate_hz,
-                       const std::string& name, Origin origin) {
-  PlotSeries series;
-  series.name = name;
-  series.origin = origin;
-  const Index n = samples.size();
-  Eigen::VectorXd windowed(n);
-  const double mean = samples.mean();
-  for (Index i = 0; i < n; ++i) {  // Hann
-    const double w =
-        0.5 - 0.5 * std::cos(2 * M_PI * static_cast<double>(i) / static_cast<double>(n));
-    windowed[i] = w * (samples[i] - mean);
-  }
-  const Index length = signal::good_fft_length(n);
-  const Eigen::VectorXcd lines = signal::real_spectra(windowed, length).col(0);
-  const Eigen::VectorXd frequency = signal::line_frequencies(length, rate_hz);
-  for (Index k = 1; k < lines.size(); ++k) {
-    series.x.push_back(frequency[k]);
-    series.y.push_back(4 * std::abs(lines[k]) / static_cast<double>(n));
-  }
-  return series;
-}
-
 class DecayAnalysis {
  public:
-  DecayAnalysis(const Campaign& campaign, const CampaignTest& test, const KnownValues& known)
-      : campaign_(campaign), test_(test), known_(known) {
+  DecayAnalysis(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
+                const std::vector<FitOfDecay>& fits)
+      : campaign_(campaign), test_(test), known_(known), fits_(fits) {
     part_.id = test.name;
     part_.title = test.title;
     part_.json_key = "decays";
     part_.json["test"] = test.name;
     table_.id = test.name + "-modes";
     table_.caption =
-        "Oscillations found in each record, strongest first, with standard uncertainties; where a "
-        "scene is given, what the same estimator finds in the model's answer.";
+        "Oscillations found in each record, strongest first, with standard uncertainties.";
+    compared_.id = test.name + "-compared";
+    compared_.caption =
+        "The same oscillations in the model's answer, by the same estimator over the same time. "
+        "Decay rate: damping "
+        "ratio times angular frequency, how fast the oscillation dies away.";
+    compared_.columns = {{"record", {}, false},
+                         {"model", {}, false},
+                         {"test, Hz", {}, true},
+                         {"model, Hz", Origin::modelled},
+                         {"error", Origin::modelled},
+                         {"test damping, %", {}, true},
+                         {"model damping, %", Origin::modelled},
+                         {"test decay rate, 1/s", {}, true},
+                         {"model decay rate, 1/s", Origin::modelled}};
   }
 
   ReportPart run() {
@@ -92,6 +63,7 @@ class DecayAnalysis {
     }
     part_.json["records"] = std::move(list);
     if (!table_.rows.empty()) part_.blocks.push_back(std::move(table_));
+    if (!compared_.rows.empty()) part_.blocks.push_back(std::move(compared_));
     if (!group_.tabs.empty()) {
       group_.id = test_.name + "-decays";
       group_.title = "Decays";
@@ -100,7 +72,7 @@ class DecayAnalysis {
     auto damping = damping_plot(test_.name + "-damping", decays_);
     if (!damping.series.empty()) part_.blocks.push_back(std::move(damping));
     part_.summary.push_back(
-        {SummaryItem::Kind::result, test_.title,
+        {test_.scene ? SummaryItem::Kind::error : SummaryItem::Kind::recorded, test_.title,
          fmt::format("{} decays in {} recordings{}", decays_.size(), loaded.size(), best_),
          decays_.empty() ? std::optional<Origin>() : decays_.front().origin, part_.id});
     return std::move(part_);
@@ -165,9 +137,8 @@ class DecayAnalysis {
               {"modes", modes_json(decay.result)},
               {"law", name_of(decay.result.envelope.law)},
               {"frequency_drift_hz", estimate_json(decay.result.envelope.frequency_drift_hz)}};
-    std::optional<signal::DecayResult> model;
-    if (test_.scene) model = overlay(decay, group, channel.name, id, tab, json);
-    list_modes(decay, group, model);
+    list_modes(decay, group);
+    if (test_.scene) overlay(decay, group, id, tab, json);
     list.push_back(std::move(json));
     decays_.push_back(std::move(decay));
   }
@@ -193,148 +164,102 @@ class DecayAnalysis {
     return modes;
   }
 
-  /// The model's answer over the record; what the estimator finds in it.
-  std::optional<signal::DecayResult> overlay(const AnalysedDecay& decay,
-                                             const RecordingGroup& group,
-                                             const std::string& channel, const std::string& id,
-                                             PlotTab& tab, Json& json) {
+  /// As given, and with what each fit found: its state at this tension, else what its states share.
+  [[nodiscard]] std::vector<ModelVersion> versions(const RecordingGroup& group,
+                                                   const std::string& sensor) const {
     model::Scene scene = scene_at(campaign_, test_, known_, group.tension_N);
-    const auto other = test_.hammer.sensors.find(channel);
-    const std::string& name = other == test_.hammer.sensors.end() ? channel : other->second;
-    std::erase_if(scene.sensors, [&](const auto& sensor) { return sensor.name != name; });
+    std::erase_if(scene.sensors, [&](const auto& one) { return one.name != sensor; });
     std::erase_if(scene.loads, [&](const auto& load) { return load.name != test_.hammer.load; });
-    if (scene.sensors.empty() || scene.loads.empty()) return std::nullopt;
-    model::ResponseOptions response;
-    response.sampling.rate_hz = decay.rate_hz;
-    response.sampling.duration_s =
-        std::min(10.0, static_cast<double>(decay.samples.size()) / decay.rate_hz);
-    const auto answer = model::simulate_response(scene, response);
-    const std::string what = fmt::format("{}: {}", test_.title, short_name(decay.file));
-    if (!answer.completed || answer.samples.rows() < 16) {
-      refuse(part_, "no_model", "the model gives no answer: " + answer.reason, what);
-      return std::nullopt;
-    }
-    part_.costs.push_back(response_cost(what, answer));
-    const Eigen::VectorXd model = answer.samples.col(0);
-    Eigen::VectorXd record = decay.samples;
-    double sum = 0, count = 0;
-    for (const double v : record) {
-      if (std::isfinite(v)) sum += v, ++count;
-    }
-    record = record.unaryExpr([&](double v) { return std::isfinite(v) ? v : sum / count; });
-    const auto second = static_cast<Index>(std::lround(0.5 * decay.rate_hz));
-    const Index shift = best_shift(record, model, second);
-    const auto time = [&](Index i) {
-      return decay.start_s + static_cast<double>(i) / decay.rate_hz;
-    };
-    Plot plot;
-    plot.id = id + "-model";
-    plot.title = "Answer in time, test and model";
-    plot.caption = fmt::format(
-        "The record and the model's answer to the same release or tap, {}; the model is moved "
-        "along "
-        "the time axis to where both are most alike, nothing else. Nothing was fitted to it.",
-        answer.nonlinear ? "computed with its large motion" : "linear");
-    plot.x_label = "time, s";
-    plot.y_label = fmt::format("{}, {}", channel, unit_words(decay.unit));
-    PlotSeries test, ours;
-    test.name = "test";
-    test.origin = decay.origin;
-    for (Index i = 0; i < record.size(); ++i) {
-      test.x.push_back(time(i));
-      test.y.push_back(decay.samples[i]);
-    }
-    ours.name = "rigfit model";
-    ours.origin = Origin::modelled;
-    for (Index i = 0; i < model.size() && shift + i < record.size(); ++i) {
-      ours.x.push_back(time(shift + i));
-      ours.y.push_back(model[i]);
-    }
-    plot.series = {test, ours};
-    Plot zoom = plot;
-    zoom.id += "-first";
-    zoom.title = "The first moments of it";
-    zoom.caption = "The same, half a second from the start on.";
-    for (auto& series : zoom.series) {
-      PlotSeries cut = series;
-      cut.x.clear();
-      cut.y.clear();
-      for (std::size_t i = 0; i < series.x.size(); ++i) {
-        if (series.x[i] < time(shift) - 0.02 || series.x[i] > time(shift) + 0.5) continue;
-        cut.x.push_back(series.x[i]);
-        cut.y.push_back(series.y[i]);
+    if (scene.sensors.empty() || scene.loads.empty()) return {};
+    std::vector<ModelVersion> all{{"as given", scene}};
+    for (const auto& fit : fits_) {
+      const FittedValues* state = nullptr;
+      for (const auto& one : fit.values) {
+        if (one.tension_N == group.tension_N) state = &one;
       }
-      series = std::move(cut);
+      const bool own = state != nullptr;
+      if (!own && !fit.values.empty()) state = &fit.values.front();
+      if (!state) continue;
+      model::Scene fitted = scene;
+      for (const auto& value : state->values) {
+        if (own || value.shared) model::set_parameter(fitted, value.parameter, value.value);
+      }
+      all.push_back({fit.title, std::move(fitted)});
     }
-    Plot spectra;
-    spectra.id = id + "-spectrum";
-    spectra.title = "Spectra, test and model";
-    spectra.caption = "Amplitudes by frequency of both, over the same time after the start.";
-    spectra.x_label = "frequency, Hz";
-    spectra.y_label = fmt::format("amplitude, {}", unit_words(decay.unit));
-    spectra.log_y = true;
-    const Index common = std::min(record.size() - shift, model.size());
-    spectra.series.push_back(
-        spectrum_of(record.segment(shift, common), decay.rate_hz, "test", decay.origin));
-    spectra.series.push_back(
-        spectrum_of(model.head(common), decay.rate_hz, "rigfit model", Origin::modelled));
-    tab.plots.push_back(std::move(plot));
-    tab.plots.push_back(std::move(zoom));
-    tab.plots.push_back(std::move(spectra));
-    auto found = signal::estimate_decay(model, decay.rate_hz, options(decay.rate_hz));
-    json["model"] = {{"solver", name_of(answer.solver)},
-                     {"nonlinear", answer.nonlinear},
-                     {"frequency_shift", answer.frequency_shift},
-                     {"modes", modes_json(found)}};
-    if (found.modes.empty()) return std::nullopt;
-    return found;
+    return all;
   }
 
-  void list_modes(const AnalysedDecay& decay, const RecordingGroup& group,
-                  const std::optional<signal::DecayResult>& model) {
+  void overlay(const AnalysedDecay& decay, const RecordingGroup& group, const std::string& id,
+               PlotTab& tab, Json& json) {
+    const auto other = test_.hammer.sensors.find(decay.channel);
+    const auto& sensor = other == test_.hammer.sensors.end() ? decay.channel : other->second;
+    const auto scenes = versions(group, sensor);
+    if (scenes.empty()) return;
+    const auto answers = release_answers(decay, options(decay.rate_hz), scenes);
+    for (auto& plot :
+         release_plots(id, decay, answers, test_.band_hz ? test_.band_hz->second : 0)) {
+      tab.plots.push_back(std::move(plot));
+    }
+    Json list = Json::array();
+    for (const auto& answer : answers) {
+      const std::string what =
+          fmt::format("{}: {}, {}", test_.title, short_name(decay.file), answer.label);
+      if (!answer.failure.empty()) {
+        refuse(part_, "no_model", answer.failure, what);
+        continue;
+      }
+      part_.costs.push_back(response_cost(what, answer.response));
+      compare(decay, answer);
+      list.push_back({{"version", answer.label},
+                      {"solver", name_of(answer.response.solver)},
+                      {"nonlinear", answer.response.nonlinear},
+                      {"frequency_shift", answer.response.frequency_shift},
+                      {"modes", modes_json(answer.found)}});
+    }
+    json["models"] = std::move(list);
+  }
+
+  void compare(const AnalysedDecay& decay, const ReleaseAnswer& answer) {
+    bool first = true;
+    for (const auto& mode : decay.result.modes) {
+      const auto rate = [](const signal::DecayMode& m) {
+        return 2 * std::numbers::pi * m.frequency_hz.value * m.damping_ratio.value;
+      };
+      const auto* same = same_oscillation(mode, answer);
+      const double error = same ? same->frequency_hz.value / mode.frequency_hz.value - 1 : 0;
+      compared_.rows.push_back(
+          {first ? short_name(decay.file) : "", first ? answer.label : "",
+           Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), decay.origin),
+           same ? shown(same->frequency_hz.value, 5) : "–", same ? shown_percent(error) : "–",
+           Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
+                decay.origin),
+           same ? shown(100 * same->damping_ratio.value, 3) : "–",
+           Cell(shown(rate(mode), 3), decay.origin), same ? shown(rate(*same), 3) : "–"});
+      if (same && first) {
+        last_best_ = fmt::format("; strongest {} Hz, {} {} Hz", shown(mode.frequency_hz.value, 5),
+                                 answer.label, shown(same->frequency_hz.value, 5));
+      }
+      first = false;
+    }
+    if (best_.empty() || decays_.empty()) best_ = last_best_;
+  }
+
+  void list_modes(const AnalysedDecay& decay, const RecordingGroup& group) {
     if (table_.columns.empty()) {
       table_.columns = {{"record", {}, false},        {"channel", {}, false},
                         {"taken at", {}, false},      {"frequency, Hz", decay.origin},
                         {"damping, %", decay.origin}, {"R²", decay.origin},
                         {"cycles", decay.origin}};
-      if (test_.scene) {
-        table_.columns.insert(table_.columns.end(), {{"model, Hz", Origin::modelled},
-                                                     {"error", Origin::modelled},
-                                                     {"model damping, %", Origin::modelled}});
-      }
     }
     bool first = true;
     for (const auto& mode : decay.result.modes) {
-      std::vector<Cell> row{
-          first ? short_name(decay.file) : "",
-          first ? decay.channel : "",
-          first && group.tension_N ? fmt::format("{:g} N", *group.tension_N) : "",
-          Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), decay.origin),
-          Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
-               decay.origin),
-          shown(mode.r_squared, 4),
-          shown(mode.cycles, 3)};
-      if (test_.scene) {
-        const signal::DecayMode* nearest = nullptr;
-        if (model) {
-          for (const auto& other : model->modes) {
-            const auto off = [&](const signal::DecayMode& m) {
-              return std::abs(std::log(m.frequency_hz.value / mode.frequency_hz.value));
-            };
-            if (off(other) < 0.15 && (!nearest || off(other) < off(*nearest))) nearest = &other;
-          }
-        }
-        row.emplace_back(nearest ? shown(nearest->frequency_hz.value, 5) : "–");
-        row.emplace_back(
-            nearest ? shown_percent(nearest->frequency_hz.value / mode.frequency_hz.value - 1)
-                    : "–");
-        row.emplace_back(nearest ? shown(100 * nearest->damping_ratio.value, 3) : "–");
-        if (nearest && first && best_.empty()) {
-          best_ = fmt::format("; strongest {} Hz, model {} Hz", shown(mode.frequency_hz.value, 5),
-                              shown(nearest->frequency_hz.value, 5));
-        }
-      }
-      table_.rows.push_back(std::move(row));
+      table_.rows.push_back(
+          {first ? short_name(decay.file) : "", first ? decay.channel : "",
+           first && group.tension_N ? fmt::format("{:g} N", *group.tension_N) : "",
+           Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), decay.origin),
+           Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
+                decay.origin),
+           shown(mode.r_squared, 4), shown(mode.cycles, 3)});
       first = false;
     }
   }
@@ -342,18 +267,19 @@ class DecayAnalysis {
   const Campaign& campaign_;
   const CampaignTest& test_;
   const KnownValues& known_;
+  const std::vector<FitOfDecay>& fits_;
   ReportPart part_;
-  ReportTable table_;
+  ReportTable table_, compared_;
   PlotGroup group_;
   std::vector<AnalysedDecay> decays_;
-  std::string best_;
+  std::string best_, last_best_;
 };
 
 }  // namespace
 
-ReportPart decay_part(const Campaign& campaign, const CampaignTest& test,
-                      const KnownValues& known) {
-  return DecayAnalysis(campaign, test, known).run();
+ReportPart decay_part(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
+                      const std::vector<FitOfDecay>& fits) {
+  return DecayAnalysis(campaign, test, known, fits).run();
 }
 
 }  // namespace rigfit::apps

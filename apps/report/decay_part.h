@@ -2,13 +2,24 @@
 // test, its simulated answer laid over the record and analysed by the same estimator.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "apps/campaign.h"
+#include "apps/report/fit_part.h"
 #include "apps/report/modal_states.h"
 #include "apps/report/report_part.h"
 
 namespace rigfit::apps {
 
+/// What a fit found that says to predict this test.
+struct FitOfDecay {
+  std::string title;
+  std::vector<FittedValues> values;  ///< by state
+};
+
+/// `fits`: none of them has seen these decays.
 [[nodiscard]] ReportPart decay_part(const Campaign& campaign, const CampaignTest& test,
-                                    const KnownValues& known);
+                                    const KnownValues& known, const std::vector<FitOfDecay>& fits);
 
 }  // namespace rigfit::apps

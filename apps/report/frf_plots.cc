@@ -154,7 +154,7 @@ Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found,
     series.x.push_back(pole.frequency_hz);
     series.y.push_back(pole.order);
   }
-  double highest = found.stabilisation.orders_solved;
+  const double highest = found.stabilisation.orders_solved;
   PlotSeries chosen;
   chosen.name = "modes identified";
   chosen.origin = Origin::modelled;
@@ -163,7 +163,17 @@ Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found,
     chosen.x.insert(chosen.x.end(), {f, f, f});
     chosen.y.insert(chosen.y.end(), {0.0, highest, std::numeric_limits<double>::quiet_NaN()});
   }
-  for (auto* series : {&other, &stable, &chosen}) {
+  PlotSeries rejected;
+  rejected.name = "columns rejected (listed below)";
+  rejected.origin = origin;
+  rejected.style = PlotSeries::Style::dashed;
+  rejected.variant = 2;
+  for (const auto& column : found.rejected) {
+    const double f = column.frequency_hz;
+    rejected.x.insert(rejected.x.end(), {f, f, f});
+    rejected.y.insert(rejected.y.end(), {0.0, highest, std::numeric_limits<double>::quiet_NaN()});
+  }
+  for (auto* series : {&other, &stable, &rejected, &chosen}) {
     if (!series->x.empty()) plot.series.push_back(std::move(*series));
   }
   return plot;

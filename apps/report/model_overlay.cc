@@ -21,7 +21,9 @@ PlotSeries::Style style_of(std::size_t version, std::size_t versions) {
   return version + 1 < versions ? PlotSeries::Style::dashed : PlotSeries::Style::line;
 }
 
-int shade_of(std::size_t version, std::size_t versions) { return version + 1 < versions ? 2 : 0; }
+int shade_of(std::size_t version, std::size_t versions) {
+  return version + 1 == versions ? 0 : version == 0 ? 2 : 1;
+}
 
 const char* axis_of(signal::FrfForm form) {
   switch (form) {
@@ -103,7 +105,9 @@ ModelCost response_cost(const std::string& what, const model::ResponseResult& re
     cost.choices += fmt::format("; left out {} ({:.1g})", left.what, left.relative_error);
   }
   cost.wall_s = result.wall_s;
-  cost.relative_error = result.nonlinear ? std::abs(result.energy_drift) : result.frequency_shift;
+  cost.relative_error = !result.nonlinear              ? result.frequency_shift
+                        : result.energy.time_s.empty() ? std::numeric_limits<double>::quiet_NaN()
+                                                       : std::abs(result.energy_drift);
   return cost;
 }
 
@@ -150,6 +154,7 @@ std::vector<Plot> hit_overlay_plots(const std::string& id, const RecordedModalSt
     options.records = {force};
     options.sampling.duration_s = static_cast<double>(n) / hit.rate_hz;
     options.sampling.rate_hz = hit.rate_hz;
+    options.sampling.energy_samples = 0;  // not shown here, and as long to compute as the rest
     const auto result = model::simulate_response(scene, options);
     if (!result.completed) continue;
     costs.push_back(

@@ -5,203 +5,19 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "apps/report/frf_plots.h"
 #include "apps/report/html_text.h"
 #include "apps/report/modal_files.h"
 #include "apps/report/recording_blocks.h"
+#include "apps/report/struck_recordings.h"
 #include "signal/impact_test.h"
 #include "signal/modal_synthesis.h"
-#include "signal/recording_error.h"
 
 namespace rigfit::apps {
 namespace {
 
 using Eigen::Index;
-
-/// The recordings of one state and one place struck.
-struct Struck {
-  std::string load;
-  std::vector<signal::Recording> recordings;
-  Origin origin = Origin::measured;
-  std::optional<signal::ImpactTest> test;
-};
-
-struct StateRun {
-  std::optional<double> tension_N;
-  std::vector<Struck> struck;
-};
-
-const char* kRenameRemedy =
-    "; name and scale its channels in a TOML file beside it or in the campaign";
-
-/// Why a recording cannot take part; empty: it can.
-std::string unusable(const signal::Recording& recording, const HammerTest& hammer,
-                     double usual_rate_hz) {
-  if (recording.time_s.size() > 0) return "its samples are not evenly spaced in time";
-  if (!(recording.sample_rate_hz > 0)) {
-    return "gives no sample rate; add sample_rate_hz to its [[test.recording]]";
-  }
-  if (usual_rate_hz > 0 && std::abs(recording.sample_rate_hz / usual_rate_hz - 1) > 1e-6) {
-    return fmt::format(
-        "is sampled at {:g} Hz, the others at {:g} Hz; analyse it as a test of its "
-        "own",
-        recording.sample_rate_hz, usual_rate_hz);
-  }
-  std::vector<std::string> needed = hammer.responses;
-  needed.push_back(hammer.force);
-  for (const auto& name : needed) {
-    try {
-      static_cast<void>(recording.channel_index(name));
-    } catch (const signal::RecordingError& error) {
-      return fmt::format("has no channel \"{}\": {}", name, error.what());
-    }
-  }
-  const auto& force = recording.channel(hammer.force);
-  if (!force.unit.empty() && force.unit != "N") {
-    return fmt::format("its channel \"{}\" is in {}, not in N: it is no force{}", hammer.force,
-                       force.unit, kRenameRemedy);
-  }
-  for (const auto& name : hammer.responses) {
-    const auto& response = recording.channel(name);
-    if (response.unit == "N") {
-      return fmt::format("its channel \"{}\" is in N: a force is no response{}", name,
-                         kRenameRemedy);
-    }
-  }
-  return "";
-}
-
-double usual_rate(const std::vector<LoadedRecording>& loaded) {
-  std::map<double, int> count;
-  for (const auto& entry : loaded) {
-    if (entry.recording) ++count[entry.recording->sample_rate_hz];
-  }
-  double best = 0;
-  int most = 0;
-  for (const auto& [rate, n] : count) {
-    if (n > most) best = rate, most = n;
-  }
-  return best;
-}
-
-/// Usable recordings by state and place struck; the rest is refused on the part.
-std::vector<StateRun> sorted_recordings(const CampaignTest& test,
-                                        std::vector<LoadedRecording>& loaded, ReportPart& part) {
-  std::vector<StateRun> states;
-  const double rate = usual_rate(loaded);
-  for (auto& entry : loaded) {
-    if (!entry.recording) continue;
-    if (const auto why = unusable(*entry.recording, test.hammer, rate); !why.empty()) {
-      refuse(part, "recording", why, entry.file);
-      continue;
-    }
-    const auto& group = test.recordings[entry.group];
-    auto state = std::find_if(states.begin(), states.end(), [&](const StateRun& one) {
-      return one.tension_N == group.tension_N;
-    });
-    if (state == states.end()) state = states.insert(states.end(), StateRun{group.tension_N, {}});
-    auto struck = std::find_if(state->struck.begin(), state->struck.end(),
-                               [&](const Struck& one) { return one.load == group.load; });
-    if (struck == state->struck.end()) {
-      struck = state->struck.insert(state->struck.end(),
-                                    Struck{group.load, {}, group.origin(), std::nullopt});
-    }
-    struck->recordings.push_back(std::move(*entry.recording));
-  }
-  std::stable_sort(states.begin(), states.end(),
-                   [](const StateRun& a, const StateRun& b) { return a.tension_N < b.tension_N; });
-  return states;
-}
-
-std::vector<std::string> response_names(const CampaignTest& test,
-                                        const std::vector<Struck>& struck) {
-  if (!test.hammer.responses.empty()) return test.hammer.responses;
-  std::vector<std::string> names;
-  const auto& first = struck.front().recordings.front();
-  const Index force = first.channel_index(test.hammer.force);
-  for (Index c = 0; c < static_cast<Index>(first.channels.size()); ++c) {
-    const auto& name = first.channels[static_cast<std::size_t>(c)].name;
-    const bool everywhere = std::all_of(struck.begin(), struck.end(), [&](const Struck& one) {
-      return std::all_of(one.recordings.begin(), one.recordings.end(), [&](const auto& recording) {
-        return std::any_of(recording.channels.begin(), recording.channels.end(),
-                           [&](const auto& channel) { return channel.name == name; });
-      });
-    });
-    if (c != force && everywhere) names.push_back(name);
-  }
-  return names;
-}
-
-signal::ImpactTestOptions impact_options(const CampaignTest& test) {
-  signal::ImpactTestOptions options;
-  options.estimator = test.hammer.estimator == "h2"   ? signal::FrfEstimator::h2
-                      : test.hammer.estimator == "hv" ? signal::FrfEstimator::hv
-                                                      : signal::FrfEstimator::h1;
-  options.force_window_s = test.hammer.force_window_s;
-  options.exponential_end_level = test.hammer.exponential_end_level;
-  options.hits.band_hz = test.band_hz;
-  return options;
-}
-
-/// FRFs of several places struck as one set; their lines agree.
-signal::FrfSet merged(const std::vector<Struck>& struck) {
-  signal::FrfSet set = struck.front().test->frfs;
-  set.inputs.clear();
-  for (const auto& one : struck)
-    set.inputs.push_back({one.load.empty() ? "hammer" : one.load, 0, 0});
-  const auto inputs = static_cast<Index>(struck.size());
-  const auto responses = static_cast<Index>(set.responses.size());
-  if (inputs == 1) return set;
-  const Index lines = set.frequency_hz.size();
-  set.H.resize(lines, responses * inputs);
-  set.H_std.resize(lines, responses * inputs);
-  set.coherence.resize(lines, responses * inputs);
-  bool errors = true, coherence = true;
-  for (Index i = 0; i < inputs; ++i) {
-    const auto& frfs = struck[static_cast<std::size_t>(i)].test->frfs;
-    set.averages = std::min(set.averages, frfs.averages);
-    errors = errors && frfs.H_std.size() > 0;
-    coherence = coherence && frfs.coherence.size() > 0;
-    for (Index r = 0; r < responses; ++r) {
-      set.H.col(set.column(r, i)) = frfs.H.col(r);
-      if (errors) set.H_std.col(set.column(r, i)) = frfs.H_std.col(r);
-      if (coherence) set.coherence.col(set.column(r, i)) = frfs.coherence.col(r);
-    }
-  }
-  if (!errors) set.H_std.resize(0, 0);
-  if (!coherence) set.coherence.resize(0, 0);
-  return set;
-}
-
-/// The first accepted hit, for laying the model's answer over it.
-RecordedHit recorded_hit(const Struck& struck, const std::string& force) {
-  RecordedHit kept;
-  kept.load = struck.load;
-  const auto& search = struck.test->search;
-  kept.rate_hz = search.sample_rate_hz;
-  for (const auto& hit : search.hits) {
-    if (!hit.accepted) continue;
-    const auto& recording = struck.recordings[hit.recording];
-    const Index n = std::min(search.block_samples, hit.available);
-    const auto& responses = struck.test->responses;
-    kept.force = recording.channel(force).samples.segment(hit.block_first, n).array() - hit.offset;
-    kept.pulse_first = std::max<Index>(0, hit.pulse_first - hit.block_first - 2);
-    kept.pulse_last = std::min(
-        n - 1, hit.pulse_last - hit.block_first + 3 * (hit.pulse_last - hit.pulse_first + 1));
-    kept.responses.resize(n, static_cast<Index>(responses.size()));
-    for (std::size_t r = 0; r < responses.size(); ++r) {
-      kept.responses.col(static_cast<Index>(r)) =
-          recording.channels[static_cast<std::size_t>(responses[r])]
-              .samples.segment(hit.block_first, n)
-              .array() -
-          search.response_rest[hit.recording][r];
-    }
-    break;
-  }
-  return kept;
-}
 
 class RecordedModalAnalysis {
  public:
@@ -239,6 +55,16 @@ class RecordedModalAnalysis {
     modes_.caption =
         "Modes identified from the frequency responses, with standard uncertainties. MPC: 1 for a "
         "shape whose points move in step; misfit: what the mode leaves of the response near it.";
+    rejected_columns_.id = test_.name + "-rejected";
+    rejected_columns_.caption =
+        "Poles that stay over the orders of the stabilisation diagram and yet are no mode, with "
+        "the "
+        "test that each failed. A mode that the sensor hardly sees (near its node) ends here too.";
+    rejected_columns_.columns = {{"state", {}, false},
+                                 {"frequency, Hz", {}, true},
+                                 {"damping, %", {}, true},
+                                 {"in the diagram, %", {}, true},
+                                 {"why it is no mode", {}, false}};
     auto states = sorted_recordings(test_, loaded, part());
     for (auto& state : states) analyse(state);
     finish(files);
@@ -248,11 +74,12 @@ class RecordedModalAnalysis {
  private:
   ReportPart& part() { return result_.part; }
 
-  void analyse(StateRun& state) {
+  void analyse(StruckState& state) {
     const std::string label = state_label(state.tension_N);
     const auto responses = response_names(test_, state.struck);
     if (responses.empty()) {
-      refuse(part(), "no_response", "the recordings share no channel besides the force", label);
+      refuse(part(), "no_response", "the recordings share no channel besides the force",
+             place(label));
       return;
     }
     Index block = 0;
@@ -279,11 +106,16 @@ class RecordedModalAnalysis {
                  ? "no hit rises above the noise of the force"
                  : fmt::format("none of {} hits can be used; first: {}",
                                one.test->search.hits.size(), one.test->search.hits.front().reason),
-             state_label(state.tension_N) + (one.load.empty() ? "" : ", " + one.load));
+             place(state_label(state.tension_N)) + (one.load.empty() ? "" : ", " + one.load));
       return true;
     });
     if (state.struck.empty()) return;
     identify(state, label);
+  }
+
+  /// Of the campaign, for warnings: "cable-in-plane, 200 N".
+  [[nodiscard]] std::string place(const std::string& label) const {
+    return test_.name + ", " + label;
   }
 
   void list_hits(const std::string& label, const Struck& struck) {
@@ -310,13 +142,14 @@ class RecordedModalAnalysis {
     for (const auto* notes : {&test.notes, &test.frfs.notes}) {
       for (const auto& note : *notes) {
         part().warnings.push_back({note.code, note.message,
-                                   label + (note.where.empty() ? "" : ", " + note.where), false});
+                                   place(label) + (note.where.empty() ? "" : ", " + note.where),
+                                   false});
       }
     }
     json_hits_[label].push_back({{"load", struck.load}, {"hits", std::move(list)}});
   }
 
-  void identify(StateRun& state, const std::string& label) {
+  void identify(StruckState& state, const std::string& label) {
     RecordedModalState found;
     found.tension_N = state.tension_N;
     found.origin = state.struck.front().origin;
@@ -346,7 +179,7 @@ class RecordedModalAnalysis {
     try {
       modal = signal::identify_modes(found.frfs, options);
     } catch (const std::invalid_argument& error) {
-      refuse(part(), "no_modes", error.what(), label);
+      refuse(part(), "no_modes", error.what(), place(label));
       return;
     }
     found.modes = modal.model;
@@ -354,9 +187,9 @@ class RecordedModalAnalysis {
     found.high_hz = modal.high_hz;
     for (const auto& note : modal.model.notes) {
       if (note.code == "no_modes" || note.code == "rank_deficient") {
-        refuse(part(), note.code, note.message, label);
+        refuse(part(), note.code, note.message, place(label));
       } else {
-        part().warnings.push_back({note.code, note.message, label, false});
+        part().warnings.push_back({note.code, note.message, place(label), false});
       }
     }
     if (modal.end != signal::RefineEnd::converged && !modal.model.modes.empty()) {
@@ -365,7 +198,7 @@ class RecordedModalAnalysis {
            fmt::format("the refinement ended by {}: frequencies and damping are near, not at, the "
                        "best fit",
                        name_of(modal.end)),
-           label, false});
+           place(label), false});
     }
     figures(found, modal, label);
     list_modes(found, modal, label);
@@ -437,9 +270,9 @@ class RecordedModalAnalysis {
            fmt::format("{:.0f}", 100 * mode.presence), remark});
       first = false;
       if (mode.doubtful) {
-        part().warnings.push_back({"doubtful_mode", mode.doubt,
-                                   fmt::format("{}, {:.4g} Hz", label, mode.frequency_hz.value),
-                                   false});
+        part().warnings.push_back(
+            {"doubtful_mode", mode.doubt,
+             fmt::format("{}, {:.4g} Hz", place(label), mode.frequency_hz.value), false});
       }
       Json shape = Json::array();
       for (Index r = 0; r < mode.shape.size(); ++r) {
@@ -457,6 +290,19 @@ class RecordedModalAnalysis {
            {"doubt", mode.doubt}});
       ++modes_found_;
     }
+    Json rejected = Json::array();
+    for (const auto& column : modal.rejected) {
+      rejected.push_back({{"frequency_hz", column.frequency_hz},
+                          {"damping_ratio", column.damping_ratio},
+                          {"presence", column.presence},
+                          {"code", column.code},
+                          {"reason", column.reason}});
+      rejected_columns_.rows.push_back(
+          {label == last_column_label_ ? "" : label, shown(column.frequency_hz, 4),
+           shown(100 * column.damping_ratio, 2), fmt::format("{:.0f}", 100 * column.presence),
+           column.reason});
+      last_column_label_ = label;
+    }
     Json state;
     state["tension_N"] = found.tension_N ? Json(*found.tension_N) : Json(nullptr);
     state["origin"] = word_of(found.origin);
@@ -469,6 +315,7 @@ class RecordedModalAnalysis {
         modal.misfit_over_error_bars ? Json(*modal.misfit_over_error_bars) : Json(nullptr);
     state["struck"] = json_hits_[label];
     state["modes"] = std::move(list);
+    state["rejected_columns"] = std::move(rejected);
     state["uff"] = {uff_path("frf", label), uff_path("modes", label)};
     part().json["states"].push_back(std::move(state));
   }
@@ -495,12 +342,17 @@ class RecordedModalAnalysis {
           PlotGroup{test_.name + "-frfs", "Frequency responses and poles", std::move(tabs_)});
     }
     if (!modes_.rows.empty()) part().blocks.push_back(std::move(modes_));
+    if (!rejected_columns_.rows.empty()) {
+      rejected_columns_.fold = fmt::format("Columns of the diagram that are no mode: {}, and why",
+                                           rejected_columns_.rows.size());
+      part().blocks.push_back(std::move(rejected_columns_));
+    }
     part().json["hits"] = all_hits_;
     part().json["hits_rejected"] = rejected_;
     const auto origin =
         result_.states.empty() ? std::optional<Origin>() : result_.states.front().origin;
     part().summary.push_back(
-        {SummaryItem::Kind::result, test_.title + ", recorded",
+        {SummaryItem::Kind::recorded, test_.title,
          fmt::format("{} modes in {} states from {} recordings; {} of {} hits "
                      "rejected",
                      modes_found_, result_.states.size(), files, rejected_, all_hits_),
@@ -510,10 +362,10 @@ class RecordedModalAnalysis {
   const CampaignTest& test_;
   const model::Scene* scene_ = nullptr;
   RecordedModal result_;
-  ReportTable hits_, modes_;
+  ReportTable hits_, modes_, rejected_columns_;
   std::vector<PlotTab> tabs_;
   std::map<std::string, Json> json_hits_;
-  std::string last_label_;
+  std::string last_label_, last_column_label_;
   int rejected_ = 0, all_hits_ = 0, modes_found_ = 0;
 };
 

@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <set>
+#include <limits>
 
 #include "apps/report/assets.h"
 #include "apps/report/html_text.h"
@@ -63,6 +64,35 @@ std::string abscissae(const std::vector<double>& x) {
   return numbers(x, 7);
 }
 
+/// Samples as whole numbers of a step, each less the one before: a record takes a third of the
+/// room. Gaps are null. The step is a 20 000th of the range: more than a screen or a hand tells
+/// apart.
+std::string packed(const std::vector<double>& values) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double v : values) {
+    if (!std::isfinite(v)) continue;
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+  if (!(high > low)) return numbers(values, 4);
+  const double step = (high - low) / 20000;
+  std::string text = fmt::format("{{\"from\":{},\"step\":{},\"d\":[", low, step);
+  long before = 0;
+  bool first = true;
+  for (const double v : values) {
+    if (!first) text += ',';
+    first = false;
+    if (!std::isfinite(v)) {
+      text += "null";
+      continue;
+    }
+    const long now = std::lround((v - low) / step);
+    fmt::format_to(std::back_inserter(text), "{}", now - before);
+    before = now;
+  }
+  return text + "]}";
+}
+
 std::string json_text(const std::string& text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -86,7 +116,8 @@ std::string plot_data(const Plot& plot) {
     while (same < k && plot.series[same].x != series.x) ++same;
     text += same < k ? fmt::format("{}", same) : abscissae(series.x);
     const int digits = series.x.size() > kDensePlot ? 4 : 6;
-    text += ",\"y\":" + numbers(series.y, digits);
+    const bool dense = series.x.size() > kDensePlot && !plot.log_y;
+    text += ",\"y\":" + (dense ? packed(series.y) : numbers(series.y, digits));
     if (!series.low.empty()) {
       text += ",\"low\":" + numbers(series.low, digits - 1);
       text += ",\"high\":" + numbers(series.high, digits - 1);
@@ -100,7 +131,7 @@ class PageWriter {
  public:
   std::string page(const PageFrame& frame, const std::vector<ReportPart>& parts) {
     head(frame);
-    summary(frame, parts);
+    summary(parts);
     for (const auto& part : parts) section(part);
     provenance(frame);
     html_ += "</main>\n";
@@ -143,15 +174,15 @@ class PageWriter {
     html_ += "</header>\n<main>\n";
   }
 
-  void summary(const PageFrame& frame, const std::vector<ReportPart>& parts) {
-    html_ +=
-        "<nav aria-label=\"Parts of this report\"><ul><li><a href=\"#summary\">Summary</a></li>";
-    for (const auto& part : parts) {
-      html_ +=
-          fmt::format("<li><a href=\"#{}\">{}</a></li>", escaped(part.id), escaped(part.title));
-    }
-    html_ += "<li><a href=\"#provenance\">Provenance</a></li></ul></nav>\n";
+  void summary(const std::vector<ReportPart>& parts) {
     html_ += "<section aria-labelledby=\"summary\"><h2 id=\"summary\">Summary</h2>\n";
+    html_ += "<div class=\"overview\">\n";
+    lines(parts, SummaryItem::Kind::result, "Found", "lines");
+    lines(parts, SummaryItem::Kind::error, "Model against test", "lines");
+    html_ += "<div>\n";
+    lines(parts, SummaryItem::Kind::distrust, "What to distrust", "lines distrust");
+    lines(parts, SummaryItem::Kind::recorded, "Recorded", "lines");
+    html_ += "</div>\n</div>\n";
     html_ +=
         "<p class=\"small\">Where a value comes from, in colour and in words, everywhere here:</p>"
         "<ul class=\"key\">";
@@ -165,49 +196,58 @@ class PageWriter {
                            name_of(origin), what);
     }
     html_ += "</ul>\n";
-    cards(parts, SummaryItem::Kind::result, "cards");
-    const auto count = cards_count(parts, SummaryItem::Kind::distrust);
-    if (count > 0) {
-      html_ += "<h3>What to distrust</h3>\n";
-      cards(parts, SummaryItem::Kind::distrust, "cards distrust");
-    }
-    for (const auto& warning : frame.warnings) {
-      if (!warning.refused) continue;
-      html_ += fmt::format("<p class=\"warning\"><b>Refused.</b> {}: {}</p>\n",
-                           escaped(warning.where), escaped(warning.message));
-    }
     html_ += "</section>\n";
-  }
-
-  static int cards_count(const std::vector<ReportPart>& parts, SummaryItem::Kind kind) {
-    int count = 0;
+    html_ +=
+        "<nav aria-label=\"Parts of this report\"><ul><li><a href=\"#summary\">Summary</a></li>";
     for (const auto& part : parts) {
-      for (const auto& item : part.summary) count += item.kind == kind;
+      html_ +=
+          fmt::format("<li><a href=\"#{}\">{}</a></li>", escaped(part.id), escaped(part.title));
     }
-    return count;
+    html_ += "<li><a href=\"#provenance\">Provenance</a></li></ul></nav>\n";
   }
 
-  void cards(const std::vector<ReportPart>& parts, SummaryItem::Kind kind, const char* css) {
-    html_ += fmt::format("<ul class=\"{}\">\n", css);
+  /// The summary's items of one kind, a line each.
+  void lines(const std::vector<ReportPart>& parts, SummaryItem::Kind kind, const char* title,
+             const char* css) {
+    std::string items;
     for (const auto& part : parts) {
       for (const auto& item : part.summary) {
         if (item.kind != kind) continue;
-        html_ += fmt::format(
-            "<li{}><b><a href=\"#{}\">{}</a></b><span>{}</span>{}</li>\n",
+        items += fmt::format(
+            "<li{}><a href=\"#{}\">{}</a>: <span class=\"text\">{}</span>{}</li>\n",
             item.origin ? fmt::format(" class=\"o-{}\"", word_of(*item.origin)) : "",
             escaped(item.anchor), escaped(item.label), escaped(item.text),
             item.origin ? fmt::format(" <span class=\"origin\">({})</span>", name_of(*item.origin))
                         : "");
       }
     }
-    html_ += "</ul>\n";
+    if (items.empty()) return;
+    html_ += fmt::format("<div><h3>{}</h3>\n<ul class=\"{}\">\n{}</ul></div>\n", title, css, items);
   }
 
   void section(const ReportPart& part) {
     html_ += fmt::format("<section aria-labelledby=\"{0}\"><h2 id=\"{0}\">{1}</h2>\n",
                          escaped(part.id), escaped(part.title));
+    std::size_t others = 0;
+    for (const auto& warning : part.warnings) {
+      if (!warning.refused)
+        ++others;
+      else
+        add(Paragraph{fmt::format("Refused. {}: {}", warning.where, warning.message),
+                      Paragraph::Kind::warning});
+    }
     for (const auto& block : part.blocks) {
       std::visit([this](const auto& b) { add(b); }, block);
+    }
+    if (others > 0) {
+      html_ += fmt::format("<details class=\"fold\"><summary>{}</summary>\n<ul class=\"small\">\n",
+                           others == 1 ? std::string("1 warning that concerns this part")
+                                       : fmt::format("{} warnings that concern this part", others));
+      for (const auto& warning : part.warnings) {
+        if (warning.refused) continue;
+        html_ += fmt::format("<li>{}: {}</li>\n", escaped(warning.where), escaped(warning.message));
+      }
+      html_ += "</ul></details>\n";
     }
     html_ += "</section>\n";
   }
@@ -225,7 +265,16 @@ class PageWriter {
     }
     html_ += fmt::format("<div class=\"table\"><table id=\"{}\"><caption>{}</caption>\n<thead><tr>",
                          escaped(table.id), escaped(table.caption));
-    for (const auto& column : table.columns) {
+    // A column with nothing in it says nothing: remarks where there are none.
+    std::vector<bool> shown_column(table.columns.size(), table.rows.empty());
+    for (const auto& row : table.rows) {
+      for (std::size_t i = 0; i < std::min(row.size(), shown_column.size()); ++i) {
+        if (!row[i].text.empty()) shown_column[i] = true;
+      }
+    }
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+      if (!shown_column[i]) continue;
+      const auto& column = table.columns[i];
       html_ +=
           fmt::format("<th scope=\"col\"{}>{}</th>", column.numeric ? " class=\"n\"" : "",
                       column.origin ? fmt::format("<span class=\"o-{}\" title=\"{}\">{}</span>",
@@ -238,6 +287,7 @@ class PageWriter {
       const bool starts = !row.empty() && !row[0].text.empty() && table.rows.size() > 6;
       html_ += starts ? "<tr class=\"state\">" : "<tr>";
       for (std::size_t i = 0; i < row.size(); ++i) {
+        if (i < shown_column.size() && !shown_column[i]) continue;
         std::string css;
         if (i < table.columns.size() && table.columns[i].numeric) css += "n";
         if (row[i].origin) css += fmt::format(" o-{}", word_of(*row[i].origin));
@@ -351,21 +401,27 @@ class PageWriter {
     html_ += "<section aria-labelledby=\"provenance\"><h2 id=\"provenance\">Provenance</h2>\n";
     html_ += fmt::format("<p>rigfit {}. To repeat: <code>{}</code></p>\n", escaped(frame.version),
                          escaped(frame.repeat));
-    html_ +=
-        "<div class=\"table\"><table><caption>Inputs and their SHA-256.</caption><thead><tr><th "
-        "scope=\"col\">file</th><th scope=\"col\">SHA-256</th></tr></thead><tbody>\n";
+    html_ += fmt::format(
+        "<details class=\"fold\"><summary>{} input files and their SHA-256</summary>\n<div "
+        "class=\"table\"><table class=\"hashes\"><caption>Inputs and their "
+        "SHA-256.</caption><thead><tr><th scope=\"col\">file</th><th "
+        "scope=\"col\">SHA-256</th></tr></thead><tbody>\n",
+        frame.inputs.size());
     for (const auto& [path, hash] : frame.inputs) {
-      html_ += fmt::format("<tr><td>{}</td><td class=\"hash\"><code>{}</code></td></tr>\n",
-                           escaped(path), escaped(hash));
+      html_ += fmt::format("<tr><td>{}</td><td><code>{}</code></td></tr>\n", escaped(path),
+                           escaped(hash));
     }
-    html_ += "</tbody></table></div>\n";
+    html_ += "</tbody></table></div></details>\n";
     if (!frame.warnings.empty()) {
-      html_ += "<h3>All warnings</h3><ul>\n";
+      html_ += fmt::format(
+          "<details class=\"fold\"><summary>All {} warnings, with their codes</summary>\n<ul "
+          "class=\"small\">\n",
+          frame.warnings.size());
       for (const auto& warning : frame.warnings) {
         html_ += fmt::format("<li><code>{}</code> {}: {}</li>\n", escaped(warning.code),
                              escaped(warning.where), escaped(warning.message));
       }
-      html_ += "</ul>\n";
+      html_ += "</ul></details>\n";
     }
     html_ += "</section>\n";
   }

@@ -67,7 +67,8 @@ using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, ShapeViewer>
 
 /// A line of the summary: a value found or something to know before trusting the rest.
 struct SummaryItem {
-  enum class Kind { result, distrust };
+  /// A value found; model against test; not to be trusted; what was recorded.
+  enum class Kind { result, error, distrust, recorded };
   Kind kind = Kind::result;
   std::string label, text;
   std::optional<Origin> origin;

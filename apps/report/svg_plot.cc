@@ -183,6 +183,18 @@ std::string marker(const PlotSeries& series, double x, double y) {
           "<path class=\"{}\" d=\"M{:.1f} {:.1f}l4.5 8h-9z\" fill=\"{}\" stroke=\"{}\"/>", word, x,
           y - 5, colour, colour);
     case Origin::modelled:
+      if (series.variant % 3 == 1) {
+        return fmt::format(
+            "<path class=\"{}\" d=\"M{:.1f} {:.1f}l8 8m0 -8l-8 8\" fill=\"none\" stroke=\"{}\" "
+            "stroke-width=\"2\"/>",
+            word, x - 4, y - 4, colour);
+      }
+      if (series.variant % 3 == 2) {
+        return fmt::format(
+            "<circle class=\"{} hollow\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"#fff\" "
+            "stroke=\"{}\" stroke-width=\"1.5\"/>",
+            word, x, y, colour);
+      }
       return fmt::format(
           "<path class=\"{}\" d=\"M{:.1f} {:.1f}h9m-4.5 -4.5v9\" fill=\"none\" stroke=\"{}\" "
           "stroke-width=\"2\"/>",
@@ -227,8 +239,9 @@ void draw_band(std::string& svg, const PlotSeries& series, const Axis& x, const 
       class_of(series), path, colour_of(series));
 }
 
-void draw_line(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y,
-               int digits) {
+/// `beneath`: a model is drawn over it, and must not hide it.
+void draw_line(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y, int digits,
+               bool beneath) {
   std::string path;
   bool pen_down = false;
   for (const std::size_t i : visible(series, x, y)) {
@@ -240,7 +253,7 @@ void draw_line(std::string& svg, const PlotSeries& series, const Axis& x, const 
                         y.at(series.y[i]), digits);
     pen_down = true;
   }
-  const double width = series.x.size() > kDense ? 1.2 : 1.8;
+  const double width = beneath ? 3 : series.x.size() > kDense ? 1.2 : 1.8;
   svg += fmt::format(
       "<path class=\"{} line\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
       "stroke-linejoin=\"round\"{}/>\n",
@@ -274,10 +287,10 @@ void draw_points(std::string& svg, const PlotSeries& series, const Axis& x, cons
 }
 
 void draw_series(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y,
-                 int digits) {
+                 int digits, bool beneath) {
   if (has_line(series)) {
     if (!series.low.empty() && !has_points(series)) draw_band(svg, series, x, y);
-    draw_line(svg, series, x, y, digits);
+    draw_line(svg, series, x, y, digits, beneath);
   }
   if (has_points(series)) draw_points(svg, series, x, y);
 }
@@ -388,9 +401,13 @@ std::string svg_plot(const Plot& plot, const SvgOptions& options) {
   const auto digits = [&](const PlotSeries& series) {
     return options.standalone || series.x.size() <= kDense ? 1 : 0;
   };
+  const bool overlaid = std::any_of(plot.series.begin(), plot.series.end(), [](const auto& s) {
+    return has_line(s) && s.origin == Origin::modelled;
+  });
   for (const bool lines : {true, false}) {
     for (const auto& series : plot.series) {
-      if (has_line(series) == lines) draw_series(svg, series, x, y, digits(series));
+      if (has_line(series) != lines) continue;
+      draw_series(svg, series, x, y, digits(series), overlaid && series.origin != Origin::modelled);
     }
   }
   svg += "</g>\n";

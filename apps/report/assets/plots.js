@@ -15,13 +15,27 @@
     }
     return mixed;
   }
-  // Abscissae as written in the page: a list, evenly spaced, or those of an earlier series.
+  // Abscissae as written in the page: a list, evenly spaced, or those of an earlier series. Ordinates: a list, or
+  // whole steps, each less the one before.
   function unpack(plot) {
     plot.series.forEach(function (s) {
       if (typeof s.x === "number") s.x = plot.series[s.x].x;
       else if (!Array.isArray(s.x)) { var x = s.x; s.x = Array.from({ length: x.n }, function (_, i) { return x.from + i * x.step; }); }
+      if (!Array.isArray(s.y)) {
+        var y = s.y, at = 0;
+        s.y = y.d.map(function (d) { if (d === null) return null; at += d; return y.from + at * y.step; });
+      }
+    });
+    // A record that goes back along the abscissa (a loop) is drawn as the points it is.
+    plot.series.forEach(function (s) {
+      if (s.line && !s.points && s.x.some(function (x, i) { return i > 0 && x < s.x[i - 1]; })) { s.line = false; s.points = true; }
     });
     return plot;
+  }
+  // Numbers along an axis: as short as they can be.
+  function tick(v) {
+    var size = Math.abs(v);
+    return size > 0 && (size < 1e-3 || size >= 1e6) ? Number(v.toPrecision(6)).toExponential() : String(Number(v.toPrecision(8)));
   }
   function shown(v) { return v === null || v === undefined || isNaN(v) ? "" : String(Number(v.toPrecision(5))); }
 
@@ -57,24 +71,54 @@
     if (kind === "published-model0") ctx.rect(x - size, y - size, 2 * size, 2 * size);
     else if (kind === "published-model1") { ctx.moveTo(x, y - 1.3 * size); ctx.lineTo(x + 1.3 * size, y); ctx.lineTo(x, y + 1.3 * size); ctx.lineTo(x - 1.3 * size, y); ctx.closePath(); }
     else if (kind.indexOf("synthetic") === 0) { ctx.moveTo(x, y - size); ctx.lineTo(x + size, y + size); ctx.lineTo(x - size, y + size); ctx.closePath(); }
+    else if (kind === "modelled1") { ctx.moveTo(x - size, y - size); ctx.lineTo(x + size, y + size); ctx.moveTo(x - size, y + size); ctx.lineTo(x + size, y - size); }
+    else if (kind === "modelled2") ctx.arc(x, y, size, 0, 2 * Math.PI);
     else if (kind.indexOf("modelled") === 0) { ctx.moveTo(x - size, y); ctx.lineTo(x + size, y); ctx.moveTo(x, y - size); ctx.lineTo(x, y + size); }
     else ctx.arc(x, y, size, 0, 2 * Math.PI);
+  }
+
+  function kind_of(s) { return s.origin + (s.origin === "modelled" ? s.variant % 3 : s.variant % 2); }
+  function hollow(s) { return s.origin === "published-model" || (s.origin === "modelled" ? s.variant % 3 === 2 : s.variant % 2 === 1); }
+  function pattern(s) { return s.dashed ? [7, 4] : [null, [9, 3], [2, 3], [9, 3, 2, 3]][Math.floor(s.variant / 3) % 4]; }
+
+  // All points with their bars; of bars that would flatten everything else, a part.
+  function y_range(plot) {
+    var low = Infinity, high = -Infinity, least = Infinity, most = -Infinity, bars = false, log = plot.log_y;
+    function at(v) { return log ? Math.log(v) : v; }
+    plot.series.forEach(function (s) {
+      s.y.forEach(function (y, i) {
+        if (y === null || isNaN(y) || (log && y <= 0)) return;
+        low = Math.min(low, at(y)); high = Math.max(high, at(y));
+        if (!s.low || s.low[i] === null || s.high[i] === null) return;
+        if (s.points) bars = true;
+        if (!log || s.low[i] > 0) least = Math.min(least, at(s.low[i]));
+        most = Math.max(most, at(s.high[i]));
+      });
+    });
+    if (!bars || !(low <= high)) return null;
+    var spread = high - low;
+    if (spread > 0) { least = Math.max(least, low - 1.5 * spread); most = Math.min(most, high + 1.5 * spread); }
+    low = Math.min(low, least); high = Math.max(high, most);
+    var margin = 0.06 * (high - low) || 0.1 * Math.abs(high) || 1;
+    return log ? [Math.exp(low - margin), Math.exp(high + margin)] : [low - margin, high + margin];
   }
 
   function draw(host, plot) {
     var data = table(plot);
     var labels = ["x"], options = {};
+    var overlaid = plot.series.some(function (s) { return s.line && s.origin === "modelled"; });
     plot.series.forEach(function (s, k) {
       var name = s.name;
       while (labels.indexOf(name) >= 0) name += " ";
       labels.push(name);
       var line_colour = shade(s.origin, s.variant), dense = s.x.length > 150;
-      var kind = s.origin + (s.variant % 2);
+      var kind = kind_of(s);
       options[name] = {
         color: line_colour,
         connectSeparatedPoints: true,
-        strokeWidth: s.line ? (s.x.length > 700 ? 1.3 : 1.8) : 0,
-        strokePattern: s.dashed ? [7, 4] : [null, [9, 3], [2, 3], [9, 3, 2, 3]][Math.floor(s.variant / 3) % 4],
+        // A test that a model lies on is seen beneath it.
+        strokeWidth: !s.line ? 0 : overlaid && s.origin !== "modelled" ? 3.2 : s.x.length > 700 ? 1.3 : 1.8,
+        strokePattern: pattern(s),
         drawPoints: !!s.points, pointSize: s.points ? (dense ? (s.variant % 2 ? 1.5 : 2.5) : 4.5) : 1, highlightCircleSize: 6,
         drawPointCallback: function (g, series, ctx, x, y, c, size, idx) {
           ctx.save();
@@ -88,7 +132,7 @@
             }
           }
           shape(kind, ctx, x, y, size);
-          ctx.fillStyle = s.origin === "published-model" || (s.variant % 2 && s.origin !== "modelled") ? colour("paper") : line_colour;
+          ctx.fillStyle = hollow(s) ? colour("paper") : line_colour;
           ctx.fill(); ctx.stroke();
           ctx.restore();
         }
@@ -98,13 +142,13 @@
     var low = Math.min.apply(null, xs), high = Math.max.apply(null, xs), margin = 0.04 * (high - low || 1);
     // dygraphs pads a logarithmic abscissa below zero: its range is said.
     var whole = plot.log_x ? [low / Math.pow(high / low, 0.03), high * Math.pow(high / low, 0.03)] : [low - margin, high + margin];
-    var readout = host.parentNode.querySelector(".readout");
+    var readout = host.parentNode.querySelector(".readout"), y_whole = y_range(plot);
     var g = new Dygraph(host, data.rows, {
       labels: labels, series: options, customBars: data.banded, fillAlpha: 0.15,
       xlabel: plot.x_label, ylabel: plot.y_label, xLabelHeight: 18, yLabelWidth: 18,
-      axes: { x: { logscale: plot.log_x, gridLineColor: colour("rule"), axisLineColor: colour("soft") },
-              y: { logscale: plot.log_y, gridLineColor: colour("rule"), axisLineColor: colour("soft"), axisLabelWidth: 58 } },
-      dateWindow: whole,
+      axes: { x: { logscale: plot.log_x, axisLabelFormatter: tick, gridLineColor: colour("rule"), axisLineColor: colour("soft") },
+              y: { logscale: plot.log_y, axisLabelFormatter: tick, gridLineColor: colour("rule"), axisLineColor: colour("soft"), axisLabelWidth: 58 } },
+      dateWindow: whole, valueRange: y_whole,
       legend: "never", includeZero: false, highlightSeriesOpts: null, xRangePad: plot.log_x ? 0 : 6, yRangePad: 12, labelsKMB: false,
       highlightCallback: function (event, x, points) {
         readout.textContent = plot.x_label + " " + shown(x) + ": " + points.filter(function (p) {
@@ -113,11 +157,26 @@
       unhighlightCallback: function () { readout.textContent = ""; }
     });
     host.dygraph = g;
-    tools(host, plot, g, whole);
+    tools(host, plot, g, whole, y_whole);
     keys(host, plot, g, data, readout);
   }
 
-  function tools(host, plot, g, whole) {
+  // What a series looks like, for the legend.
+  function swatch(s) {
+    var canvas = document.createElement("canvas"), ratio = window.devicePixelRatio || 1, ctx = canvas.getContext("2d");
+    canvas.width = 26 * ratio; canvas.height = 14 * ratio; canvas.style.width = "26px"; canvas.style.height = "14px";
+    canvas.setAttribute("aria-hidden", "true");
+    ctx.scale(ratio, ratio);
+    ctx.strokeStyle = shade(s.origin, s.variant); ctx.lineWidth = 2;
+    if (s.line) { ctx.setLineDash(s.dashed ? [5, 3] : pattern(s) || []); ctx.beginPath(); ctx.moveTo(1, 7); ctx.lineTo(25, 7); ctx.stroke(); }
+    if (s.points) {
+      ctx.setLineDash([]); ctx.lineWidth = 1.6; shape(kind_of(s), ctx, 13, 7, 4.5);
+      ctx.fillStyle = hollow(s) ? colour("paper") : shade(s.origin, s.variant); ctx.fill(); ctx.stroke();
+    }
+    return canvas;
+  }
+
+  function tools(host, plot, g, whole, y_whole) {
     var box = host.parentNode.querySelector(".plot-tools"), groups = new Map();
     plot.series.forEach(function (s, k) {
       var name = s.group || s.name;
@@ -125,22 +184,23 @@
       groups.get(name).series.push(k);
     });
     groups.forEach(function (group, name) {
-      var label = document.createElement("label"), tick = document.createElement("input"), text = document.createElement("span");
-      tick.type = "checkbox"; tick.checked = true;
-      tick.addEventListener("change", function () { group.series.forEach(function (k) { g.setVisibility(k, tick.checked); }); });
-      text.className = "mark o-" + group.origin; text.textContent = name;
-      label.append(tick, text); box.append(label);
+      var label = document.createElement("label"), box_of = document.createElement("input"), text = document.createElement("span");
+      box_of.type = "checkbox"; box_of.checked = true;
+      box_of.addEventListener("change", function () { group.series.forEach(function (k) { g.setVisibility(k, box_of.checked); }); });
+      text.className = "o-" + group.origin; text.textContent = name;
+      label.append(box_of, swatch(plot.series[group.series[0]]), text); box.append(label);
     });
+    var log = plot.log_y;
     function button(text, act) {
       var b = document.createElement("button"); b.type = "button"; b.textContent = text;
       b.addEventListener("click", act); box.append(b); return b;
     }
-    button("Whole range", function () { g.updateOptions({ dateWindow: whole, valueRange: null }); });
-    var log = plot.log_y, positive = plot.series.every(function (s) { return s.y.every(function (y) { return y === null || y > 0; }); });
+    button("Whole range", function () { g.updateOptions({ dateWindow: whole, valueRange: log === plot.log_y ? y_whole : null }); });
+    var positive = plot.series.every(function (s) { return s.y.every(function (y) { return y === null || y > 0; }); });
     if (positive) {
       var b = button(log ? "Linear y" : "Logarithmic y", function () {
         log = !log; b.textContent = log ? "Linear y" : "Logarithmic y";
-        g.updateOptions({ axes: { y: { logscale: log } } });
+        g.updateOptions({ valueRange: log === plot.log_y ? y_whole : null, axes: { y: { logscale: log } } });
       });
     }
   }

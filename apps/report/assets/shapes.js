@@ -20,14 +20,16 @@
       mode = state.modes[mode_list.value];
       var low = [1e9, 1e9, 1e9], high = [-1e9, -1e9, -1e9];
       mode.members.forEach(function (m) { m.rest.forEach(function (p) { for (var k = 0; k < 3; ++k) { low[k] = Math.min(low[k], p[k]); high[k] = Math.max(high[k], p[k]); } }); });
-      box = { centre: low.map(function (l, k) { return (l + high[k]) / 2; }), size: Math.max(high[0] - low[0], high[1] - low[1], high[2] - low[2], 1e-6) };
+      box = { centre: low.map(function (l, k) { return (l + high[k]) / 2; }), size: Math.max(high[0] - low[0], high[1] - low[1], high[2] - low[2], 1e-6),
+              wide: Math.hypot(high[0] - low[0], high[2] - low[2]), tall: high[1] - low[1] };
       draw();
     }
     function project(p) {
       var x = p[0] - box.centre[0], y = p[1] - box.centre[1], z = p[2] - box.centre[2];
       var cy = Math.cos(yaw), sy = Math.sin(yaw), cp = Math.cos(pitch), sp = Math.sin(pitch);
       var u = cy * x + sy * z, depth = -sy * x + cy * z, v = cp * y - sp * depth;
-      var scale = 0.8 * Math.min(canvas.width, 1.9 * canvas.height) / box.size;
+      // Room for the motion, and for what turning brings into view.
+      var scale = 0.92 * Math.min(canvas.width / (box.wide + 0.25 * box.size), canvas.height / (box.tall + 0.3 * box.wide + 0.25 * box.size));
       return [canvas.width / 2 + scale * u, canvas.height / 2 - scale * v];
     }
     function path(points) {
@@ -50,10 +52,10 @@
         path(m.rest.map(function (p, i) { return [0, 1, 2].map(function (k) { return p[k] + amplitude * m.shape[i][k]; }); }));
       });
       var o = [40 * ratio, h - 40 * ratio], length = 28 * ratio, saved = box;
-      box = { centre: [0, 0, 0], size: 1 };
+      box = { centre: [0, 0, 0], size: 1, wide: 1, tall: 1 };
       ctx.fillStyle = ctx.strokeStyle = style.getPropertyValue("--soft"); ctx.lineWidth = ratio; ctx.font = 12 * ratio + "px sans-serif";
       [["x", [1, 0, 0]], ["y", [0, 1, 0]], ["z", [0, 0, 1]]].forEach(function (a) {
-        var c = project([0, 0, 0]), q = project(a[1]), s = 0.8 * Math.min(w, 1.9 * h);
+        var c = project([0, 0, 0]), q = project(a[1]), s = 0.92 * Math.min(w / 1.25, h / 1.55);
         var dx = (q[0] - c[0]) / s * length, dy = (q[1] - c[1]) / s * length;
         ctx.beginPath(); ctx.moveTo(o[0], o[1]); ctx.lineTo(o[0] + dx, o[1] + dy); ctx.stroke(); ctx.fillText(a[0], o[0] + 1.25 * dx - 3, o[1] + 1.25 * dy + 4);
       });
