@@ -83,21 +83,22 @@
 
   // All points with their bars; of bars that would flatten everything else, a part.
   function y_range(plot) {
-    var low = Infinity, high = -Infinity, least = Infinity, most = -Infinity, bars = false, log = plot.log_y;
+    var low = Infinity, high = -Infinity, least = Infinity, most = -Infinity, bars = [], log = plot.log_y;
     function at(v) { return log ? Math.log(v) : v; }
     plot.series.forEach(function (s) {
       s.y.forEach(function (y, i) {
         if (y === null || isNaN(y) || (log && y <= 0)) return;
         low = Math.min(low, at(y)); high = Math.max(high, at(y));
         if (!s.low || s.low[i] === null || s.high[i] === null) return;
-        if (s.points) bars = true;
-        if (!log || s.low[i] > 0) least = Math.min(least, at(s.low[i]));
-        most = Math.max(most, at(s.high[i]));
+        var from = !log || s.low[i] > 0 ? at(s.low[i]) : at(y), to = at(s.high[i]);
+        if (!s.points) { low = Math.min(low, from); high = Math.max(high, to); return; }
+        bars.push((to - from) / 2); least = Math.min(least, from); most = Math.max(most, to);
       });
     });
-    if (!bars || !(low <= high)) return null;
-    var spread = high - low;
-    if (spread > 0) { least = Math.max(least, low - 1.5 * spread); most = Math.min(most, high + 1.5 * spread); }
+    if (!bars.length || !(low <= high)) return null;
+    bars.sort(function (a, b) { return a - b; });
+    var room = Math.max(1.5 * (high - low), 1.2 * bars[Math.floor(bars.length / 2)]);
+    least = Math.max(least, low - room); most = Math.min(most, high + room);
     low = Math.min(low, least); high = Math.max(high, most);
     var margin = 0.06 * (high - low) || 0.1 * Math.abs(high) || 1;
     return log ? [Math.exp(low - margin), Math.exp(high + margin)] : [low - margin, high + margin];
