@@ -43,10 +43,10 @@ TEST(ModeLines, LinesThatLieOnEachOtherDoNotCross) {
 // Irvine: the first symmetric mode in plane, 1 - cos(k x) with k = 2 pi / L, has the frequency of
 // the first antisymmetric one, sin(k x), where (m g L / T)^2 EA / T = 4 pi^2, at T0 = ((m g L)^2 EA
 // / (4 pi^2))^(1/3). With EI, by Rayleigh's quotient of these shapes, omega^2 m is
-//   k^2 T / 3 + (2/3) k^2 T0^3 / T^2 + EI k^4 / 3   and   k^2 T + EI k^4,
-// equal where T^3 + EI k^2 T^2 = T0^3. The sag's own length (8 (sag / L)^2 = 1e-3) moves T by 3e-4,
-// the change of the symmetric shape by EI (second order of EI k^2 / T = 0.1) by some 2e-3, lines
-// that are straight over steps of 5 % by 2e-3: together below 1 %.
+//   k^2 T / 3 + (2/3) k^2 T0^3 / T^2 + c EI k^4 / 3   and   k^2 T + EI k^4,
+// c = 1 for that shape, less where its ends give way until they carry no moment, and not below 0:
+// equal where T^3 + (3 - c) / 2 EI k^2 T^2 = T0^3. The sag's own length (8 (sag / L)^2 = 1e-3)
+// moves T by 3e-4, lines that are straight over steps of 5 % by 2e-3: 0.5 % beyond the two roots.
 TEST(ModeLines, CableCrossesWhereIrvineSays) {
   const auto scene =
       model::read_scene(std::string(RIGFIT_TESTDATA) + "/jalali2021/scenes/cable.toml");
@@ -59,16 +59,20 @@ TEST(ModeLines, CableCrossesWhereIrvineSays) {
   const ModeLines followed = follow_modes(at, 25, 300, 48, 30);
   const double weight = 0.16667 * 9.80665 * 2.4, k = 2 * std::numbers::pi / 2.4;
   const double cube = weight * weight * 221780 / (4 * std::numbers::pi * std::numbers::pi);
-  double expected = std::cbrt(cube);
-  for (int i = 0; i < 50; ++i) expected = std::cbrt(cube - 0.5972 * k * k * expected * expected);
+  const auto root = [&](double c) {
+    double T = std::cbrt(cube);
+    for (int i = 0; i < 50; ++i) T = std::cbrt(cube - (3 - c) / 2 * 0.5972 * k * k * T * T);
+    return T;
+  };
+  const double low = 0.995 * root(0), high = 1.005 * root(1);
   bool found = false;
   for (const auto& crossing : followed.crossings) {
     const auto& one = followed.lines[crossing.one];
     const auto& other = followed.lines[crossing.other];
     if (one.plane != model::ModePlane::in || other.plane != model::ModePlane::in) continue;
-    found = found || std::abs(crossing.tension_N / expected - 1) < 0.01;
+    found = found || (crossing.tension_N > low && crossing.tension_N < high);
   }
-  EXPECT_TRUE(found) << "no crossing in plane near " << expected << " N";
+  EXPECT_TRUE(found) << "no crossing in plane between " << low << " and " << high << " N";
   // Each line is one mode: its frequency never jumps by more than a step of 5 % in tension and the
   // sag's stiffness can turn it (omega^2 ~ T^-2 at most: 5 %).
   for (const auto& line : followed.lines) {
