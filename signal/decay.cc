@@ -12,6 +12,7 @@
 
 #include "signal/damped_sinusoids.h"
 #include "signal/decay_clipping.h"
+#include "signal/decay_doubts.h"
 #include "signal/decay_modes.h"
 #include "signal/decay_search.h"
 #include "signal/decay_window.h"
@@ -147,7 +148,7 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   const DecayModesOptions search{options.max_modes, options.false_alarm};
   auto fit = find_decay_modes(samples, band, search);
   if (fit && options.choose_window) {
-    const Index clip = clipped_by_fit(samples, band, search);
+    const Index clip = clipped_by_fit(samples, *fit, band, search);
     if (clip > 0) {
       note(result, "clipped",
            fmt::format("the signal is cut off at its rail until sample {}; the fit starts after it",
@@ -215,40 +216,6 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
 }
 
 namespace {
-
-/// Whether what one damped sinusoid leaves has a line beside it that noise would not show.
-bool leaves_company(const Eigen::VectorXd& residual, Complex pole, double false_alarm) {
-  const double f = pole.imag() / kTwoPi, n = static_cast<double>(residual.size());
-  const double reach = 2 / n - pole.real() / std::numbers::pi;
-  DecaySearchOptions beside;
-  beside.damped = false, beside.candidates = 1;
-  beside.lowest = std::max(0.0, f - reach), beside.highest = std::min(0.5, f + reach);
-  beside.energy_over_noise = detection_threshold(residual.size(), false_alarm);
-  return !search_decays(residual, beside).empty();
-}
-
-/// Whether coloured noise passes for a mode: `alone`, what the other modes leave, is as well
-/// predicted by an autoregression of the residual's own order. (Likelihood ratio, four unknowns,
-/// over all cells of the search.)
-void doubt_of(DecayMode& mode, const Eigen::VectorXd& alone, const Eigen::VectorXd& residual,
-              Index order, double false_alarm) {
-  // A mode that explains most of what is there is no noise; its residual's colour is its own.
-  if (order == 0 || mode.r_squared > 0.8) return;
-  const double without = prediction_error(alone, order), with = prediction_error(residual, order);
-  if (!(with > 0)) return;
-  const auto n = static_cast<double>(alone.size());
-  const double gain = n * std::log(without / with);
-  // exp(threshold / 2) is the number of cells over the false alarm.
-  const double chance = std::exp(-0.5 * detection_threshold(alone.size(), false_alarm));
-  const double needed = gsl_cdf_chisq_Qinv(chance, 4);
-  if (gain > needed) return;
-  mode.doubtful = true;
-  mode.doubt = fmt::format(
-      "noise of the colour of the residual would show as much at {:.4g} Hz (evidence {:.2g} of "
-      "what "
-      "is asked for)",
-      mode.damped_frequency_hz.value, std::max(0.0, gain) / needed);
-}
 
 /// Intervals of the modes `kept`, and standard uncertainties and covariance that go with them.
 void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,

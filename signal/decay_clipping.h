@@ -14,8 +14,9 @@
 
 namespace rigfit::signal {
 
-/// One past the last sample on a rail; 0: none that the fit tells.
-[[nodiscard]] Eigen::Index clipped_by_fit(const DecaySamples& samples, const DecayBand& band,
+/// One past the last sample on a rail; 0: none that the fit tells. `whole`: the fit to all samples.
+[[nodiscard]] Eigen::Index clipped_by_fit(const DecaySamples& samples,
+                                          const DampedSinusoidsFit& whole, const DecayBand& band,
                                           const DecayModesOptions& options);
 
 }  // namespace rigfit::signal

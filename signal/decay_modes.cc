@@ -145,7 +145,7 @@ class DecayModeSearch {
   }
 
   // An arc is no oscillation: where few cycles are seen, the fit must leave less than half of what
-  // a polynomial with as many coefficients leaves.
+  // a polynomial with as many coefficients leaves, or less by so much that noise would not show it.
   bool oscillates(const DampedSinusoidsFit& fit) const {
     const Complex p = fit.poles[0];
     const double lasts =
@@ -160,8 +160,10 @@ class DecayModeSearch {
       }
     }
     for (Index j : samples_.missing) legendre.row(j).setZero();
-    return fit.residual_sum_squares <
-           0.5 * least_squares(legendre, samples_.values).left_sum_squares[0];
+    const double left = fit.residual_sum_squares;
+    const double polynomial = least_squares(legendre, samples_.values).left_sum_squares[0];
+    return left < 0.5 * polynomial ||
+           polynomial - left > threshold() * left / static_cast<double>(fit.degrees);
   }
 
   // Sum of squares left when mode m may also have t^2 and t^3 in its complex amplitude: as many

@@ -125,9 +125,13 @@ class Tally {
  public:
   explicit Tally(std::set<std::string> may_refuse) : may_refuse_(std::move(may_refuse)) {}
 
+  /// A record that is refused is one without a wrong interval.
+  void count_refused() { of_all_ = true; }
+
   void add(const DecayResult& result, const std::vector<Mode>& modes, double noise) {
     if (!result.refusal_code.empty()) {
       ++refused_[result.refusal_code];
+      if (of_all_) frequency_.add(0, 1, -1, 1, 0), damping_.add(0, 1, -1, 1, 0);
       require(may_refuse_.contains(result.refusal_code), "refused: " + result.refusal);
       return;
     }
@@ -136,6 +140,7 @@ class Tally {
     for (const auto& m : result.modes) {
       if (!m.doubtful) sure.push_back(&m);
     }
+    if (sure.size() == modes.size() + 1 && !modes.empty() && ++spurious_ <= kMostSpurious) return;
     if (sure.size() != modes.size()) {
       ++warned_;
       // Fewer modes than there are may explain all that the noise lets one see: its variance is
@@ -166,21 +171,30 @@ class Tally {
     if (!holds && missing_.empty()) missing_ = what;
   }
 
-  /// Bias: 0.3 standard uncertainties cost one of the 95 % (Phi(1.66) - Phi(-2.26) = 0.94).
+  /// Where the refused count the mean error says nothing. Bias: 0.3 standard uncertainties cost one
+  /// of the 95 % (Phi(1.66) - Phi(-2.26) = 0.94).
   [[nodiscard]] Outcome outcome() const {
     std::string others = warned_ > 0 ? fmt::format("; {} warned", warned_) : "";
+    if (spurious_ > 0) others += fmt::format("; {} with a mode too many", spurious_);
     for (const auto& [code, count] : refused_) others += fmt::format("; {} {}", count, code);
     if (!missing_.empty()) return {Verdict::failed, missing_ + others, ""};
     if (given_ == 0) {
       return {warned_ > 0 ? Verdict::held : Verdict::refused, others.substr(2), "nothing else"};
     }
-    const Outcome f = frequency_.outcome(0.3), zeta = damping_.outcome(0.3);
+    const double bias = of_all_ ? 1 : 0.3;
+    const Outcome f = frequency_.outcome(bias), zeta = damping_.outcome(bias);
     return {f.verdict == Verdict::failed ? f.verdict : zeta.verdict,
             "f " + f.found + "; damping " + zeta.found + others, zeta.allowed};
   }
 
  private:
+  /// Noise passes for a mode once in 1e4 records (DecayOptions::false_alarm): of 400 records in
+  /// three or more with a chance of 1e-5.
+  static constexpr int kMostSpurious = 2;
+
   std::set<std::string> may_refuse_;
+  int spurious_ = 0;
+  bool of_all_ = false;
   Coverage frequency_, damping_;
   int given_ = 0, warned_ = 0;
   std::map<std::string, int> refused_;
@@ -192,8 +206,10 @@ double noise_of(const Decays& decays) {
   return amplitude * std::sqrt(0.5 * std::pow(10, -decays.snr_db / 10));
 }
 
-Outcome study(const std::vector<Decays>& kinds, int records, std::set<std::string> may_refuse) {
+Outcome study(const std::vector<Decays>& kinds, int records, std::set<std::string> may_refuse,
+              bool of_all = false) {
   Tally tally(std::move(may_refuse));
+  if (of_all) tally.count_refused();
   std::uint64_t seed = 0;
   for (const Decays& decays : kinds) {
     for (int i = 0; i < records; ++i) {
@@ -261,12 +277,22 @@ HardCase of_many(std::string name, std::string must, std::vector<Decays> kinds, 
           }};
 }
 
+/// Those that noise lets through where most are refused are its luckiest: no interval holds for
+/// them alone in 95 %. What can be asked is that of all records no more than 5 % get a wrong one.
+HardCase near_noise(std::string name, Decays decays, int records) {
+  return {"decay", std::move(name), "at most 5 % of all records get an interval that misses",
+          [decays = std::move(decays), records](bool quick) {
+            return study({decays}, quick ? records / 5 : records, {"too_noisy", "not_determined"},
+                         true);
+          }};
+}
+
 std::vector<Decays> clipped(double per_cycle) {
   std::vector<Decays> kinds;
   for (const double level : {0.9, 0.6, 0.3}) {
     for (const double quantum : {0.0, 0.002}) {
       for (const bool both : {true, false}) {
-        Decays d{{{50, 0.01}}, 50 * per_cycle, 0.5, 40};
+        Decays d{{{50, 0.01}}, 50 * per_cycle, 1, 40};
         d.drift = 0, d.offset = 0.05;
         d.high = level, d.low = both ? -level : 0, d.quantum = quantum;
         kinds.push_back(d);
@@ -299,16 +325,19 @@ std::vector<HardCase> decay_cases() {
   const Decays noise{{}, 500, 1, 0};
   std::vector<HardCase> cases = {
       {"decay", "anything, 10 to 80 dB", or_refused,
-       [](bool quick) { return sweep(quick ? 60 : 300, 10, 80); }},
+       [](bool quick) { return sweep(quick ? 40 : 150, 10, 80); }},
       {"decay", "anything, -3 to 10 dB", or_refused,
-       [](bool quick) { return sweep(quick ? 60 : 300, -3, 10); }},
+       [](bool quick) { return sweep(quick ? 40 : 150, -3, 10); }},
       of_many("10,000 cycles, damping 1e-4, 20 dB", covered, {{{{50, 1e-4}}, 125, 200, 20}}, 40),
       of_many("2 cycles, damping 1e-4", covered, {{{{50, 1e-4}}, 500, 0.04, 40}}, 200),
       of_many("2 cycles, damping 0.5, 60 dB", covered, {{{{50, 0.5}}, 2000, 0.04, 60}}, 200),
       of_many("2.1 samples a cycle", covered, {{{{50, 0.005}}, 105, 4, 30}}, 200),
       of_many("1000 samples a cycle", covered, {{{{1, 0.01}}, 1000, 20, 30}}, 40),
-      of_many("3 dB", or_refused, {with(axial, [](Decays& d) { d.snr_db = 3; })}, 200,
-              {"too_noisy"}),
+      near_noise("-3 dB", with(axial, [](Decays& d) { d.snr_db = -3; }), 400),
+      near_noise("0 dB", with(axial, [](Decays& d) { d.snr_db = 0; }), 400),
+      near_noise("3 dB", with(axial, [](Decays& d) { d.snr_db = 3; }), 200),
+      near_noise("damping 0.3, 8 dB", {{{50, 0.3}}, 2000, 0.1, 8}, 300),
+      near_noise("damping 0.5, 20 dB", {{{50, 0.5}}, 2000, 0.2, 20}, 300),
       of_many("80 dB", covered, {with(axial, [](Decays& d) { d.snr_db = 80; })}, 200),
       of_many("offset of a million amplitudes", covered,
               {with(axial, [](Decays& d) { d.offset = 1e6; })}, 200),
@@ -327,13 +356,14 @@ std::vector<HardCase> decay_cases() {
       of_many("steady tone", covered, {{{{50, 0}}, 500, 1, 40}}, 200),
       of_many("growing", "refused", {{{{50, -0.005}}, 500, 1, 40}}, 40, {"grows"}),
       of_many("noise alone, white and red", "refused",
-              {noise, with(noise, [](Decays& d) { d.colour = 0.9; })}, 100, {"too_noisy"}),
+              {noise, with(noise, [](Decays& d) { d.colour = 0.9; })}, 100,
+              {"too_noisy", "not_determined"}),
       of_many("drift in noise", "refused", {with(noise, [](Decays& d) { d.drift = 100; })}, 40,
               {"too_noisy"}),
       {"decay", "nothing: empty, constant, not finite, a line, one pulse", "refused",
        nothing_to_fit},
   };
-  for (const double per_cycle : {4.0, 10.0, 200.0}) {
+  for (const double per_cycle : {2.5, 4.0, 10.0, 200.0}) {
     cases.push_back(
         of_many(fmt::format("clipped to 0.9, 0.6, 0.3 on one rail or both, {:g} samples a cycle",
                             per_cycle),

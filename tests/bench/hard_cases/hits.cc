@@ -320,7 +320,9 @@ Outcome dynamic_range(bool quick) {
     Test test(seed);
     test.truth.shapes.col(1) *= std::sqrt(1e-3);
     test.record.noise = 1e-4;
-    tally.add(test, test.analyse(test.recording()).frfs, false);
+    // What aliases past the usual filter is 4e-6 of the strong modes: more than their error bars.
+    test.record.filter_hz = 600, test.record.filter_order = 14;
+    tally.add(test, test.analyse(test.recording()).frfs);
   });
 }
 
