@@ -231,20 +231,17 @@ class Slices {
         (part < (n_high - n_low) / 2 ? a : b) = middle;
       }
     }
-    // The bounds close in on the eigenvalues, so that the shift lies among them.
-    double a = low, b = high;
-    while (b - a > 1e-2 * b) {
-      const double middle = 0.5 * (a + b);
-      const int here = below(middle);
-      if (here == n_low) {
-        a = middle;
-      } else if (here == n_high) {
-        b = middle;
-      } else {
-        break;
-      }
+    // The bounds close in on the eigenvalues until the shift lies among them: in a crowd that is
+    // narrow for its place, Lanczos' method would else have to tell the whole crowd apart.
+    double a = low, b = high, shift = 0.5 * (low + high);
+    for (int i = 0; i < kBisections; ++i, shift = 0.5 * (a + b)) {
+      const int here = below(shift);
+      const int part = here - n_low;
+      if (part >= (n_high - n_low + 3) / 4 && part <= 3 * (n_high - n_low) / 4) break;
+      (2 * part < n_high - n_low ? a : b) = shift;
+      if (!(b - a > 1e-14 * b)) break;  // equal ones
     }
-    solve(low, high, 0.5 * (a + b), n_high - n_low);
+    solve(low, high, shift, n_high - n_low);
   }
 
   Eigenpairs take(int count) {

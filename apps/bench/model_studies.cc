@@ -210,7 +210,7 @@ BenchStudy statics_study(const model::Scene& scene, const BenchBudget& budget) {
     if (found.size() != limit.value.size()) {
       row.note = "no equilibrium found";
     } else {
-      row.relative_error = (found - limit.value).cwiseAbs().maxCoeff() / sag;
+      row.relative_error = std::min(1.0, (found - limit.value).cwiseAbs().maxCoeff() / sag);
     }
     row.wall_s = median_time(budget, [&] { (void)middles_at_rest(scene, options); });
     study.rows.push_back(std::move(row));
@@ -252,7 +252,7 @@ BenchStudy modes_study(const model::Scene& scene, const BenchBudget& budget) {
   study.reference_values.assign(limit.value.begin(), limit.value.end());
   const auto error_of = [&](const Eigen::VectorXd& hz) {
     if (hz.size() != limit.value.size()) return 1.0;
-    return (hz.array() / limit.value.array() - 1).abs().maxCoeff();
+    return std::min(1.0, (hz.array() / limit.value.array() - 1).abs().maxCoeff());
   };
   const auto add = [&](const std::string& method, int n, RotaryInertia inertia, Unknowns unknowns) {
     BenchRow row;
@@ -408,7 +408,7 @@ BenchStudy frf_synthesis_study(const model::Scene& given, const BenchBudget& bud
     row.order = order;
     const Eigen::VectorXcd found = work();
     if (found.size() == truth.size() && found.allFinite()) {
-      row.relative_error = (found - truth).norm() / norm;
+      row.relative_error = std::min(1.0, (found - truth).norm() / norm);
     }
     row.wall_s = median_time(budget, [&] { (void)work(); });
     study.rows.push_back(std::move(row));
@@ -437,7 +437,9 @@ BenchStudy frf_synthesis_study(const model::Scene& given, const BenchBudget& bud
   for (const auto& member : found.equilibrium.members) segments.push_back(member.segments);
   row.segments = mean_segments(segments);
   const Eigen::VectorXcd flat = flattened(found.H);
-  if (flat.size() == truth.size()) row.relative_error = (flat - truth).norm() / norm;
+  if (flat.size() == truth.size()) {
+    row.relative_error = std::min(1.0, (flat - truth).norm() / norm);
+  }
   row.wall_s = median_time(budget, [&] { (void)automatic(); });
   study.rows.push_back(std::move(row));
   mark_front(study);

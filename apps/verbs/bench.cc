@@ -11,6 +11,7 @@
 #include "apps/bench/model_studies.h"
 #include "apps/bench/response_studies.h"
 #include "apps/bench/signal_studies.h"
+#include "apps/bench/size_study.h"
 #include "apps/output_file.h"
 #include "apps/progress.h"
 #include "apps/verbs/all.h"
@@ -23,7 +24,7 @@ struct Options {
   std::string scene, out;
   std::vector<std::string> tasks;
   double duration_s = 2;
-  bool quick = false;
+  bool quick = false, size = false;
 };
 
 /// In the order of the table; those of the model run on a scene that is given.
@@ -166,7 +167,81 @@ std::string csv_of(const std::vector<BenchStudy>& studies) {
   return text;
 }
 
+std::string bytes_words(double bytes) {
+  return bytes < 9.995e5   ? fmt::format("{:.3g} kB", 1e-3 * bytes)
+         : bytes < 9.995e8 ? fmt::format("{:.3g} MB", 1e-6 * bytes)
+                           : fmt::format("{:.3g} GB", 1e-9 * bytes);
+}
+
+void print(std::ostream& out, const SizeSeries& series) {
+  out << fmt::format("{}\n  {:>14} {:>10} {:>10}\n", series.method, series.size_of, "time",
+                     "memory");
+  for (const SizeRow& row : series.rows) {
+    const std::string time = time_words(row.wall_s);
+    out << fmt::format("  {:>14g} {:>{}} {:>10}\n", row.size, time,
+                       time.find("µ") == std::string::npos ? 10 : 11,
+                       row.peak_bytes ? bytes_words(*row.peak_bytes) : "");
+  }
+  const auto slope = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.2f}", *value) : std::string("-");
+  };
+  out << fmt::format("  slope of the last three: time {}, memory {}\n", slope(series.time_slope),
+                     slope(series.memory_slope));
+  if (!series.stopped.empty()) out << fmt::format("  stopped {}\n", series.stopped);
+  out << '\n';
+}
+
+/// Rows as those of the other studies, and the slopes.
+Json run_sizes(VerbContext& context, const Options& options) {
+  if (!options.scene.empty()) throw UsageError("--size has its own data: leave SCENE out");
+  for (const std::string& task : options.tasks) {
+    const auto& known = size_tasks();
+    if (std::find(known.begin(), known.end(), task) == known.end()) {
+      throw UsageError("--size --task takes " + fmt::format("{}", fmt::join(known, ", ")));
+    }
+  }
+  SizeLimits limits;
+  if (options.quick) limits = {.seconds = 0.1, .memory_share = 0.05, .largest_share = 0.01};
+  Json result;
+  result["rows"] = Json::array();
+  result["studies"] = Json::array();
+  std::string csv = "task,method,size_of,size,wall_s,peak_bytes\n";
+  run_size_study(limits, options.tasks, [&](const SizeSeries& series) {
+    print(context.out, series);
+    context.out.flush();
+    for (const SizeRow& row : series.rows) {
+      Json one{{"task", series.task},
+               {"method", series.method},
+               {"segments", series.size_of == "segments" ? row.size : 0.0},
+               {"size_of", series.size_of},
+               {"size", row.size},
+               {"wall_s", row.wall_s}};
+      if (row.peak_bytes) one["peak_bytes"] = *row.peak_bytes;
+      result["rows"].push_back(std::move(one));
+      csv += fmt::format("{},\"{}\",{},{:g},{:.6g},{}\n", series.task, series.method,
+                         series.size_of, row.size, row.wall_s,
+                         row.peak_bytes ? fmt::format("{:.0f}", *row.peak_bytes) : "");
+    }
+    Json about{{"task", series.task}, {"method", series.method}, {"size_of", series.size_of}};
+    if (series.time_slope) about["time_slope"] = *series.time_slope;
+    if (series.memory_slope) about["memory_slope"] = *series.memory_slope;
+    if (!series.stopped.empty()) about["stopped"] = series.stopped;
+    result["studies"].push_back(std::move(about));
+  });
+  if (!options.out.empty()) {
+    write_whole_file(options.out, csv);
+    result["out"] = options.out;
+  }
+  return result;
+}
+
 Json run_bench(VerbContext& context, const Options& options) {
+  if (options.size) return run_sizes(context, options);
+  for (const std::string& task : options.tasks) {
+    if (std::find(kTasks.begin(), kTasks.end(), task) == kTasks.end()) {
+      throw UsageError("--task " + task + " belongs to --size");
+    }
+  }
   std::optional<model::Scene> scene;
   std::vector<std::string> tasks = options.tasks;
   if (!options.scene.empty()) {
@@ -235,22 +310,27 @@ void add_bench(CLI::App& program, Verbs& verbs) {
       "references whose own error is shown; one thread");
   verb->add_option("scene", options->scene, "Scene file (TOML); without: a standard set")
       ->type_name("SCENE");
+  std::vector<std::string> all_tasks = kTasks;
+  all_tasks.insert(all_tasks.end(), size_tasks().begin(), size_tasks().end());
   verb->add_option("--task", options->tasks, "Only these")
       ->type_name("TASK")
-      ->check(CLI::IsMember(kTasks));
+      ->check(CLI::IsMember(all_tasks));
   verb->add_option("--duration", options->duration_s, "Seconds of motion in the response tasks")
       ->type_name("S")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
   verb->add_flag("--quick", options->quick,
                  "Few repeats, coarser references, short motions: seconds instead of a minute");
+  verb->add_flag("--size", options->size,
+                 "Cost against size instead: segments, poles, channels, samples, files (minutes)");
   verb->add_option("--out", options->out, "The rows as CSV")->type_name("F.csv");
   verb->footer(
       "\"front\": no other row is as fast and as accurate; \"~\": below the reference's own "
       "error.\n"
       "Examples:\n"
       "  rigfit bench --quick --task modes bending\n"
-      "  rigfit bench testdata/jalali2021/scenes/rig.toml --task modes --json bench.json");
+      "  rigfit bench testdata/jalali2021/scenes/rig.toml --task modes --json bench.json\n"
+      "  rigfit bench --size --task poles");
   verbs.push_back({verb, [options](VerbContext& context) { return run_bench(context, *options); }});
 }
 

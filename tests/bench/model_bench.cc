@@ -1,9 +1,9 @@
 // Equilibrium and modes, from a parsed scene on, on one core.
 #include <benchmark/benchmark.h>
 
+#include "apps/bench/pole_line.h"
 #include "model/modal_analysis.h"
 #include "model/modes.h"
-#include "tests/bench/pole_line.h"
 #include "tests/model/test_scenes.h"
 
 namespace rigfit::model {
@@ -29,7 +29,7 @@ void cable_past_crossover_first_6(benchmark::State& state) {
 }
 void rig_first_12(benchmark::State& state) { run(state, testing::cable_beam_rig(200, 0.5972), 12); }
 void poles_first_50(benchmark::State& state) {
-  run(state, testing::pole_line(static_cast<int>(state.range(0))), 50);
+  run(state, apps::pole_line(static_cast<int>(state.range(0))), 50);
 }
 /// With damping, shapes and the error estimate.
 void cable_whole_analysis(benchmark::State& state) {

@@ -5,30 +5,30 @@
 
 #include "model/scene.h"
 
-namespace rigfit::model::testing {
+namespace rigfit::apps {
 
-inline Scene pole_line(int poles, int cable_segments = 40, int pole_segments = 12) {
-  Scene scene;
+inline model::Scene pole_line(int poles, int cable_segments = 40, int pole_segments = 12) {
+  model::Scene scene;
   scene.title = "line of " + std::to_string(poles) + " poles";
   const double span = 40, height = 8;
   for (int k = 0; k <= poles + 1; ++k) {
-    SceneNode top;
+    model::SceneNode top;
     top.name = "top " + std::to_string(k);
     top.position << k * span, height, 0;
     if (k == 0 || k == poles + 1) {
-      top.support.kind = Support::Kind::pinned;
+      top.support.kind = model::Support::Kind::pinned;
     } else {
       top.mass = 3;
-      SceneNode foot;
+      model::SceneNode foot;
       foot.name = "foot " + std::to_string(k);
       foot.position << k * span, 0, 0;
-      foot.support.kind = Support::Kind::clamped;
+      foot.support.kind = model::Support::Kind::clamped;
       scene.nodes.push_back(foot);
     }
     scene.nodes.push_back(top);
   }
   for (int k = 0; k <= poles; ++k) {
-    Member cable;
+    model::Member cable;
     cable.name = "conductor " + std::to_string(k);
     cable.nodes = {"top " + std::to_string(k), "top " + std::to_string(k + 1)};
     cable.segments = cable_segments;
@@ -38,9 +38,9 @@ inline Scene pole_line(int poles, int cable_segments = 40, int pole_segments = 1
     cable.tension = 3000;
     scene.members.push_back(cable);
     if (k == 0) continue;
-    Member pole;
+    model::Member pole;
     pole.name = "pole " + std::to_string(k);
-    pole.kind = Member::Kind::beam;
+    pole.kind = model::Member::Kind::beam;
     pole.nodes = {"foot " + std::to_string(k), "top " + std::to_string(k)};
     pole.segments = pole_segments;
     pole.mass_per_length = 30;
@@ -53,4 +53,4 @@ inline Scene pole_line(int poles, int cable_segments = 40, int pole_segments = 1
   return scene;
 }
 
-}  // namespace rigfit::model::testing
+}  // namespace rigfit::apps
