@@ -85,6 +85,9 @@ class Assembly {
   void axial_forces(const ChainState& state, Eigen::VectorXd& forces) const;
   /// d force / d (unstretched length of a member), at fixed state.
   void length_derivative(const ChainState& state, int member, Eigen::VectorXd& derivative) const;
+  /// The same added to what is there: only the member's unknowns are touched.
+  void add_length_derivative(const ChainState& state, int member,
+                             Eigen::VectorXd& derivative) const;
   /// The member's tension, N: component along its tension direction of the internal force (axial
   /// and shear) of its middle segment; and its derivatives.
   [[nodiscard]] double tension(const ChainState& state, int member) const;
@@ -93,6 +96,9 @@ class Assembly {
   /// members without a frame; with one the product of torque and curvature is left out.
   void tension_gradient(const ChainState& state, int member, Eigen::VectorXd& gradient,
                         double& by_length, double* value = nullptr) const;
+  /// The same, the gradient added to what is there.
+  void add_tension_gradient(const ChainState& state, int member, Eigen::VectorXd& gradient,
+                            double& by_length, double* value = nullptr) const;
 
   /// Weights of a point's motion along a direction: displacement = row . q. Also the generalised
   /// force of a unit load there.

@@ -6,8 +6,13 @@ namespace rigfit::model {
 
 void Assembly::length_derivative(const ChainState& state, int index,
                                  Eigen::VectorXd& derivative) const {
-  // Axial force EA (|e| / l - 1): -EA |e| / l^2 by l = L / n; joints go with 1 / L, gravity with L.
   derivative.setZero(size());
+  add_length_derivative(state, index, derivative);
+}
+
+void Assembly::add_length_derivative(const ChainState& state, int index,
+                                     Eigen::VectorXd& derivative) const {
+  // Axial force EA (|e| / l - 1): -EA |e| / l^2 by l = L / n; joints go with 1 / L, gravity with L.
   const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
   const double by_length = 1 / member.unstretched_length;
   ForceSink sink{&derivative};
@@ -64,6 +69,12 @@ double Assembly::tension(const ChainState& state, int member) const {
 
 void Assembly::tension_gradient(const ChainState& state, int index, Eigen::VectorXd& gradient,
                                 double& by_length, double* value) const {
+  if (gradient.size() == size()) gradient.setZero();
+  add_tension_gradient(state, index, gradient, by_length, value);
+}
+
+void Assembly::add_tension_gradient(const ChainState& state, int index, Eigen::VectorXd& gradient,
+                                    double& by_length, double* value) const {
   const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
   const Eigen::Vector3d h = member.tension_direction;
   const int middle = member.segments / 2;
@@ -78,7 +89,6 @@ void Assembly::tension_gradient(const ChainState& state, int index, Eigen::Vecto
   Eigen::Vector3d own =
       h * (force / here.length) + t * (t.dot(h) * (s.EA / s.length - force / here.length));
   const bool wanted = gradient.size() == size();
-  if (wanted) gradient.setZero();
   ForceSink sink{&gradient};
   Scatter<ForceSink> scatter(*chain_, numbering_, sink);
   for (int side = 0; side < 2; ++side) {

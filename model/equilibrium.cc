@@ -6,13 +6,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "model/bordered_envelope.h"
 #include "model/hanging_chain.h"
 #include "model/rest_verdict.h"
 
 namespace rigfit::model {
 namespace {
 
+// From so many tensioned cables on their lengths are unknowns among the others; fewer are solved
+// for one by one, which finds the least change where they share one condition.
+constexpr std::size_t kManyCables = 8;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// What of the rig acts at a stage of the continuation, 1: all of it.
@@ -51,13 +56,10 @@ class Solver {
     }
     const auto n = assembly_.size();
     const auto k = static_cast<Eigen::Index>(targets_.size());
-    border_.resize(n, k);
-    gradient_.resize(n, k);
-    small_.resize(k, k);
-    support_.resize(targets_.size());
     mismatch_.resize(k);
     column_.resize(n);
-    row_.resize(n);
+    row_.setZero(n);
+    for (const int target : targets_) runs_.push_back(run_of(chain.members[std::size_t(target)]));
     extent_ = (chain.drawn.rowwise().maxCoeff() - chain.drawn.rowwise().minCoeff()).norm();
   }
 
@@ -72,11 +74,12 @@ class Solver {
       if (!chain_.settled) stiffen_idle_rotations();
       measure(state);
       for (Eigen::Index i = 0; i < k; ++i) {
+        const int target = targets_[std::size_t(i)];
+        BorderRun& run = runs_[std::size_t(i)];
         double value = 0;
-        assembly_.tension_gradient(state, targets_[std::size_t(i)], row_, small_(i, i), &value);
-        mismatch_[i] =
-            *chain_.members[std::size_t(targets_[std::size_t(i)])].target_tension - value;
-        set_gradient(i);
+        assembly_.add_tension_gradient(state, target, row_, run.diagonal, &value);
+        take(row_, run.first, run.row);
+        mismatch_[i] = *chain_.members[std::size_t(target)].target_tension - value;
         unbalanced_ = std::max(unbalanced_, std::abs(mismatch_[i]));
       }
       residual = scale_ > 0 ? unbalanced_ / scale_ : unbalanced_;
@@ -86,31 +89,14 @@ class Solver {
         return true;
       }
       if (iteration == options_.max_iterations) return false;
-      factor_.factor(tangent_);
-      column_ = -force_;
-      factor_.solve_in_place(column_);
-      lengths_.resize(k);
-      if (k > 0) {
-        for (Eigen::Index i = 0; i < k; ++i) {
-          assembly_.length_derivative(state, targets_[std::size_t(i)], row_);
-          border_.col(i) = row_;
-        }
-        factor_.solve_in_place(border_);
-        const Eigen::VectorXd own = small_.diagonal();
-        for (Eigen::Index i = 0; i < k; ++i) {
-          const auto [first, size] = support_[std::size_t(i)];
-          const auto gradient = gradient_.col(i).segment(first, size).transpose();
-          small_.row(i).noalias() = -gradient * border_.middleRows(first, size);
-          mismatch_[i] -= gradient * column_.segment(first, size);
-        }
-        small_.diagonal() += own;
-        // Cables in line over a node that nothing else holds share one condition: least change.
-        Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-        decomposition.setThreshold(1e-9);
-        decomposition.compute(small_);
-        lengths_ = decomposition.solve(mismatch_);
-        column_.noalias() -= border_ * lengths_;
+      for (Eigen::Index i = 0; i < k; ++i) {
+        BorderRun& run = runs_[std::size_t(i)];
+        assembly_.add_length_derivative(state, targets_[std::size_t(i)], row_);
+        take(row_, run.first, run.column);
       }
+      column_ = -force_;
+      lengths_ = mismatch_;
+      if (!together()) one_by_one();
       if (!column_.allFinite() || !lengths_.allFinite()) return false;
       step(state, last_step);
       ++iterations;
@@ -135,13 +121,73 @@ class Solver {
     }
   }
 
-  /// A tension's gradient, from `row_`: few unknowns next to each other.
-  void set_gradient(Eigen::Index i) {
-    Eigen::Index first = 0, last = row_.size() - 1;
-    while (first < last && row_[first] == 0) ++first;
-    while (last > first && row_[last] == 0) --last;
-    support_[std::size_t(i)] = {first, last - first + 1};
-    gradient_.col(i).segment(first, last - first + 1) = row_.segment(first, last - first + 1);
+  /// The unknowns that a cable's length and tension are coupled to: those of its nodes and
+  /// segments.
+  [[nodiscard]] BorderRun run_of(const ChainMember& member) const {
+    const Numbering& numbering = assembly_.numbering();
+    int first = numbering.size, last = -1;
+    const auto hold = [&](int i) {
+      if (i >= 0) first = std::min(first, i), last = std::max(last, i);
+    };
+    for (const int node : member.nodes) {
+      for (int axis = 0; axis < 3; ++axis) hold(numbering.displacement(axis, node));
+    }
+    for (int i = 0; i < member.segments; ++i) hold(numbering.twist[member.first_segment + i]);
+    for (const int e : member.end_joint) {
+      const int rotation = e < 0 ? -1 : chain_.end_joints[std::size_t(e)].rotation;
+      for (int axis = 0; rotation >= 0 && axis < 3; ++axis) {
+        hold(numbering.rotation(axis, rotation));
+      }
+    }
+    BorderRun run;
+    run.first = last < 0 ? 0 : first;
+    run.row.setZero(last < 0 ? 0 : last - first + 1);
+    run.column = run.row;
+    return run;
+  }
+
+  /// A run out of a vector that is zero elsewhere, which then is zero again.
+  static void take(Eigen::VectorXd& from, int first, Eigen::VectorXd& run) {
+    run = from.segment(first, run.size());
+    from.segment(first, run.size()).setZero();
+  }
+
+  /// column_, lengths_: from right sides to the step. False, and untouched, where they are few or
+  /// share a condition.
+  bool together() {
+    if (runs_.size() < kManyCables) return false;
+    if (!bordered_) bordered_.emplace(tangent_.envelope(), runs_);
+    if (!bordered_->factor(tangent_, runs_, 1e-9)) return false;
+    bordered_->solve_in_place(column_, lengths_);
+    return true;
+  }
+
+  /// The same through the inverse of the tangent for every length.
+  void one_by_one() {
+    factor_.factor(tangent_);
+    factor_.solve_in_place(column_);
+    const auto k = static_cast<Eigen::Index>(runs_.size());
+    if (k == 0) return;
+    border_.setZero(column_.size(), k);
+    small_.resize(k, k);
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const BorderRun& run = runs_[std::size_t(i)];
+      border_.col(i).segment(run.first, run.column.size()) = run.column;
+    }
+    factor_.solve_in_place(border_);
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const BorderRun& run = runs_[std::size_t(i)];
+      const auto size = run.row.size();
+      small_.row(i).noalias() = -run.row.transpose() * border_.middleRows(run.first, size);
+      small_(i, i) += run.diagonal;
+      lengths_[i] -= run.row.dot(column_.segment(run.first, size));
+    }
+    // Cables in line over a node that nothing else holds share one condition: least change.
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+    decomposition.setThreshold(1e-9);
+    decomposition.compute(small_);
+    lengths_ = decomposition.solve(lengths_).eval();
+    column_.noalias() -= border_ * lengths_;
   }
 
   void add_hold(const ChainState& state, double hold) {
@@ -243,8 +289,9 @@ class Solver {
   EnvelopeFactor factor_;
   std::vector<int> targets_;
   Eigen::VectorXd force_, column_, row_, axial_, mismatch_, lengths_;
-  Eigen::MatrixXd border_, gradient_, small_;
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> support_;  // of each gradient: first, size
+  std::vector<BorderRun> runs_;  // of each target
+  std::optional<BorderedEnvelope> bordered_;
+  Eigen::MatrixXd border_, small_;
   double extent_ = 0, unbalanced_ = 0, scale_ = 0, rounding_ = 0;
 };
 

@@ -201,7 +201,7 @@ Json run_sizes(VerbContext& context, const Options& options) {
     }
   }
   SizeLimits limits;
-  if (options.quick) limits = {.seconds = 0.1, .memory_share = 0.05, .largest_share = 0.01};
+  if (options.quick) limits = {.seconds = 0.1, .memory_share = 0.05, .largest_share = 0.03};
   Json result;
   result["rows"] = Json::array();
   result["studies"] = Json::array();

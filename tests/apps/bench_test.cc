@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/bench/size_study.h"
 #include "model/closed_forms.h"
 #include "tests/apps/run_program.h"
 
@@ -225,6 +226,28 @@ TEST(BenchVerb, ReferenceOfASceneIsTheClosedForm) {
   for (const auto& row : json["rows"]) EXPECT_EQ(row["task"], "modes");
 }
 
+TEST(BenchVerb, CostAgainstSize) {
+  // A power law gives its exponent.
+  EXPECT_NEAR(log_slope({1, 3, 10}, {2, 2 * std::pow(3, 1.5), 2 * std::pow(10, 1.5)}), 1.5, 1e-12);
+  const auto run = run_program({"bench", "--size", "--quick", "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(run.out);
+  std::map<std::string, std::vector<double>> sizes;
+  for (const auto& row : json["rows"]) {
+    EXPECT_GT(row["wall_s"].get<double>(), 0) << row;
+    sizes[row["method"]].push_back(row["size"]);
+  }
+  std::set<std::string> tasks;
+  for (const auto& study : json["studies"]) {
+    const auto& of = sizes[study["method"]];
+    ASSERT_FALSE(of.empty()) << study;
+    EXPECT_TRUE(std::is_sorted(of.begin(), of.end()));
+    EXPECT_EQ(study.contains("time_slope"), of.size() >= 3) << study;
+    tasks.insert(study["task"].get<std::string>());
+  }
+  EXPECT_EQ(tasks, (std::set<std::string>{"channels", "files", "poles", "samples", "segments"}));
+}
+
 TEST(BenchVerb, BadInputsAndUsage) {
   const TemporaryFolder folder;
   EXPECT_EQ(run_program({"bench", "missing.toml"}).exit_code, 3);
@@ -233,6 +256,9 @@ TEST(BenchVerb, BadInputsAndUsage) {
   const auto wrong = run_program({"bench", scene, "--task", "decay"});
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("decay"));
+  EXPECT_EQ(run_program({"bench", scene, "--size"}).exit_code, 2);
+  EXPECT_EQ(run_program({"bench", "--size", "--task", "decay"}).exit_code, 2);
+  EXPECT_EQ(run_program({"bench", "--task", "files"}).exit_code, 2);
   // Nothing of what was asked can be done.
   const auto nothing = run_program({"bench", scene, "--quick", "--task", "statics"});
   EXPECT_EQ(nothing.exit_code, 4);
