@@ -7,7 +7,7 @@
 namespace rigfit::model {
 namespace {
 
-double dot(const double* x, const double* y, int n) {
+double product_of(const double* x, const double* y, int n) {
   double s0 = 0, s1 = 0;
   int k = 0;
   for (; k + 1 < n; k += 2) {
@@ -92,8 +92,8 @@ bool BorderedEnvelope::factor(const EnvelopeMatrix& k, const std::vector<BorderR
       const int from = std::max(begin, whole_->first[other]);
       const double* lj = lower_.data() + whole_->offset[other];
       const double* uj = upper_.data() + whole_->offset[other];
-      u[j] -= dot(lj + from, u + from, j - from);
-      l[j] = (l[j] - dot(l + from, uj + from, j - from)) / pivot_[j];
+      u[j] -= product_of(lj + from, u + from, j - from);
+      l[j] = (l[j] - product_of(l + from, uj + from, j - from)) / pivot_[j];
       const double term = l[j] * u[j];
       pivot -= term;
       scale = std::max(scale, std::abs(term));
@@ -114,7 +114,8 @@ void BorderedEnvelope::solve_in_place(Eigen::VectorXd& x, Eigen::VectorXd& y) co
   for (int p = 0; p < n; ++p) {
     const auto row = static_cast<std::size_t>(p);
     const int begin = whole_->first[row];
-    work_[p] -= dot(lower_.data() + whole_->offset[row] + begin, work_.data() + begin, p - begin);
+    work_[p] -=
+        product_of(lower_.data() + whole_->offset[row] + begin, work_.data() + begin, p - begin);
   }
   for (int p = n - 1; p >= 0; --p) {
     const auto column = static_cast<std::size_t>(p);

@@ -11,12 +11,13 @@ namespace {
 
 constexpr double kAsAccurate = 1.01;  // the same discretisation in other unknowns differs by less
 
-using Clock = std::chrono::steady_clock;
+using BenchClock = std::chrono::steady_clock;
 
 double seconds_of(const std::function<void()>& work, long runs) {
-  const auto begin = Clock::now();
+  const auto begin = BenchClock::now();
   for (long i = 0; i < runs; ++i) work();
-  return std::chrono::duration<double>(Clock::now() - begin).count() / static_cast<double>(runs);
+  return std::chrono::duration<double>(BenchClock::now() - begin).count() /
+         static_cast<double>(runs);
 }
 
 std::string setting_words(const BenchRow& row) {

@@ -50,7 +50,7 @@ long double exact_ratio(long double lambda) {
   return 1 - 2 * std::tanh(lambda / 2) / lambda;
 }
 
-struct State {
+struct MeasuredState {
   double tension;
   std::vector<double> hz;  // out of plane
 };
@@ -158,8 +158,8 @@ model::Scene cable_at(double tension, int segments) {
 }
 
 /// Six out-of-plane frequencies of a fine cable.
-State measured_state(double tension, int fine) {
-  State state{tension, {}};
+MeasuredState measured_state(double tension, int fine) {
+  MeasuredState state{tension, {}};
   model::ModesOptions options;
   options.count = 14;
   options.shapes = options.error_estimate = false;
@@ -182,7 +182,7 @@ BenchStudy update_study(const BenchBudget& budget) {
       "the default starts from four places, so that a start off by three still ends in the best "
       "fit";
   const int fine = budget.quick ? 120 : 240;
-  std::vector<State> states;
+  std::vector<MeasuredState> states;
   for (const double tension : {100.0, 200.0}) states.push_back(measured_state(tension, fine));
   const double EI = bench_cable().members[0].EI[0];
   ident::FreeParameter tension{"cable.tension"};
@@ -190,7 +190,7 @@ BenchStudy update_study(const BenchBudget& budget) {
   const std::vector<ident::FreeParameter> free{{"cable.EI"}, tension};
   const auto fit = [&](int segments, const ident::UpdateOptions& options) {
     std::vector<ident::UpdateState> updated;
-    for (const State& state : states) {
+    for (const MeasuredState& state : states) {
       ident::UpdateState one{
           fmt::format("{:g} N", state.tension), cable_at(1.1 * state.tension, segments), {}};
       one.scene.members[0].EI = {1.4 * EI, 1.4 * EI};

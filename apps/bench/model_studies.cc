@@ -308,14 +308,14 @@ BenchStudy modes_study(const model::Scene& scene, const BenchBudget& budget) {
 
 namespace {
 
-using Matrix = Eigen::MatrixXcd;
+using ComplexMatrix = Eigen::MatrixXcd;
 
 /// Lines one after the other, sensors x loads each.
-Eigen::VectorXcd flattened(const std::vector<Matrix>& H) {
+Eigen::VectorXcd flattened(const std::vector<ComplexMatrix>& H) {
   if (H.empty()) return {};
   Eigen::VectorXcd out(static_cast<Eigen::Index>(H.size()) * H[0].size());
   Eigen::Index at = 0;
-  for (const Matrix& line : H) {
+  for (const ComplexMatrix& line : H) {
     out.segment(at, line.size()) = line.reshaped();
     at += line.size();
   }
@@ -330,16 +330,16 @@ Eigen::VectorXcd modal_sum(const model::Scene& scene, const Eigen::VectorXd& lin
   options.segments = segments;
   options.shapes = options.error_estimate = false;
   const model::ModalAnalysis analysis = model::analyse_modes(scene, options);
-  std::vector<Matrix> H(static_cast<std::size_t>(lines.size()),
-                        Matrix::Zero(static_cast<Eigen::Index>(scene.sensors.size()),
-                                     static_cast<Eigen::Index>(scene.loads.size())));
+  std::vector<ComplexMatrix> H(static_cast<std::size_t>(lines.size()),
+                               ComplexMatrix::Zero(static_cast<Eigen::Index>(scene.sensors.size()),
+                                                   static_cast<Eigen::Index>(scene.loads.size())));
   for (const auto& mode : analysis.modes) {
     const double wr = 2 * M_PI * mode.frequency_hz;
     for (Eigen::Index k = 0; k < lines.size(); ++k) {
       const double w = 2 * M_PI * lines[k];
       const std::complex<double> gain =
           1.0 / std::complex<double>(wr * wr - w * w, 2 * mode.damping_ratio * wr * w);
-      Matrix& line = H[static_cast<std::size_t>(k)];
+      ComplexMatrix& line = H[static_cast<std::size_t>(k)];
       for (Eigen::Index s = 0; s < line.rows(); ++s) {
         for (Eigen::Index l = 0; l < line.cols(); ++l) {
           line(s, l) += gain * mode.sensor_shape[s] * mode.load_shape[l];

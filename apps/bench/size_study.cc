@@ -139,7 +139,7 @@ std::vector<double> thirds(double from, double to) {
   return sizes;
 }
 
-std::vector<double> decades(double from, double to) {
+std::vector<double> whole_decades(double from, double to) {
   std::vector<double> sizes;
   for (double decade = from; decade <= to * (1 + 1e-9); decade *= 10) sizes.push_back(decade);
   return sizes;
@@ -256,7 +256,7 @@ std::shared_ptr<signal::Recording> decay_record(double size) {
 }
 
 void by_samples(Study& study) {
-  const auto sizes = decades(1e4, 1e8);
+  const auto sizes = whole_decades(1e4, 1e8);
   study.series("samples", "decay found and fitted", "samples", sizes, [](double n) {
     const auto record = decay_record(n);
     return Case{[record] { (void)signal::estimate_decay(record->channels[0].samples, 1000); },
@@ -291,7 +291,7 @@ class TemporaryFile {
 
 void by_file(Study& study) {
   study.series(
-      "files", "CSV read, 6 channels", "bytes of file", decades(1e6, 1e9), [](double size) {
+      "files", "CSV read, 6 channels", "bytes of file", whole_decades(1e6, 1e9), [](double size) {
         const auto file = std::make_shared<TemporaryFile>("record.csv");
         std::string block;
         for (int k = 0; k < 4000; ++k) {

@@ -20,7 +20,7 @@
 namespace rigfit::apps {
 namespace {
 
-struct Options {
+struct BenchCommand {
   std::string scene, out;
   std::vector<std::string> tasks;
   double duration_s = 2;
@@ -34,7 +34,7 @@ const std::vector<std::string> kTasks{
 constexpr std::size_t kModelTasks = 5;
 
 std::vector<BenchStudy> studies_of(const std::string& task, const model::Scene* scene,
-                                   const Options& options, std::uint64_t seed) {
+                                   const BenchCommand& options, std::uint64_t seed) {
   BenchBudget budget;
   budget.quick = options.quick;
   if (options.quick) budget.repeats = 7, budget.row_s = 0.01;
@@ -144,7 +144,7 @@ Json row_json(const BenchStudy& study, const BenchRow& row) {
   return out;
 }
 
-std::string csv_of(const std::vector<BenchStudy>& studies) {
+std::string rows_csv(const std::vector<BenchStudy>& studies) {
   const auto quoted = [](const std::string& text) {
     std::string out = "\"";
     for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -192,7 +192,7 @@ void print(std::ostream& out, const SizeSeries& series) {
 }
 
 /// Rows as those of the other studies, and the slopes.
-Json run_sizes(VerbContext& context, const Options& options) {
+Json run_sizes(VerbContext& context, const BenchCommand& options) {
   if (!options.scene.empty()) throw UsageError("--size has its own data: leave SCENE out");
   for (const std::string& task : options.tasks) {
     const auto& known = size_tasks();
@@ -235,7 +235,7 @@ Json run_sizes(VerbContext& context, const Options& options) {
   return result;
 }
 
-Json run_bench(VerbContext& context, const Options& options) {
+Json run_bench(VerbContext& context, const BenchCommand& options) {
   if (options.size) return run_sizes(context, options);
   for (const std::string& task : options.tasks) {
     if (std::find(kTasks.begin(), kTasks.end(), task) == kTasks.end()) {
@@ -291,7 +291,7 @@ Json run_bench(VerbContext& context, const Options& options) {
     progress.advance();
   }
   if (!options.out.empty()) {
-    write_whole_file(options.out, csv_of(studies));
+    write_whole_file(options.out, rows_csv(studies));
     result["out"] = options.out;
   }
   const bool any = std::any_of(studies.begin(), studies.end(),
@@ -303,7 +303,7 @@ Json run_bench(VerbContext& context, const Options& options) {
 }  // namespace
 
 void add_bench(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchCommand>();
   CLI::App* verb = program.add_subcommand(
       "bench",
       "Speed against error: every solver and estimator, its settings and its rivals, against "
