@@ -177,10 +177,14 @@ class Solver {
     factor_.solve_in_place(border_);
     for (Eigen::Index i = 0; i < k; ++i) {
       const BorderRun& run = runs_[std::size_t(i)];
-      const auto size = run.row.size();
-      small_.row(i).noalias() = -run.row.transpose() * border_.middleRows(run.first, size);
+      Eigen::Index first = 0, last = run.row.size() - 1;  // few of them are not zero
+      while (first < last && run.row[first] == 0) ++first;
+      while (last > first && run.row[last] == 0) --last;
+      const Eigen::Index size = last - first + 1;
+      const auto gradient = run.row.segment(first, size).transpose();
+      small_.row(i).noalias() = -gradient * border_.middleRows(run.first + first, size);
       small_(i, i) += run.diagonal;
-      lengths_[i] -= run.row.dot(column_.segment(run.first, size));
+      lengths_[i] -= gradient * column_.segment(run.first + first, size);
     }
     // Cables in line over a node that nothing else holds share one condition: least change.
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
