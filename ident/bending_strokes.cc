@@ -108,22 +108,33 @@ BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data,
   while (last - least >= first && share(last) > to) --last;
   DemingLine line = line_through(data, first, last, false);
 
-  const Eigen::Index half = samples / 40;
-  const double averaged = std::sqrt(static_cast<double>(2 * half + 1));
-  Eigen::VectorXd sums(samples + 1);  // of residuals before each sample, clipped
+  // Where a local median over a twentieth of the stroke leaves the line: wild samples, as long as
+  // they are not most of them, move it by no more than the noise does. On a grid fine enough to see
+  // where that begins, so that long records cost no more than short ones a sample.
+  const Eigen::Index half = samples / 40, grid = std::max<Eigen::Index>(1, half / 8);
+  // A median of noise scatters sqrt(pi / 2) times as much as its mean.
+  const double averaged = std::sqrt(static_cast<double>(2 * half + 1) / 1.5708);
+  std::vector<double> residuals(static_cast<std::size_t>(samples)), window;
+  std::vector<char> known(static_cast<std::size_t>(samples / grid + 1));
   for (int pass = 0; pass < 4 && line.usable; ++pass) {
     const double noise = std::hypot(data.load_noise, line.slope * data.deflection_noise);
     const double limit = std::max(options.straightness * data.load_range, 4 * noise / averaged);
-    const double clip = 3 * limit + 4 * noise;  // one wild sample moves no mean beyond the limit
-    sums[0] = 0;
     for (Eigen::Index k = 0; k < samples; ++k) {
-      const double r = data.load[run.first + k] - line.offset - line.slope * x[run.first + k];
-      sums[k + 1] = sums[k] + std::clamp(r, -clip, clip);
+      residuals[static_cast<std::size_t>(k)] =
+          data.load[run.first + k] - line.offset - line.slope * x[run.first + k];
     }
+    std::fill(known.begin(), known.end(), 'n');
     const auto off = [&](Eigen::Index i) {
-      const Eigen::Index low = std::max<Eigen::Index>(0, i - run.first - half);
-      const Eigen::Index high = std::min(samples, i - run.first + half + 1);
-      return std::abs(sums[high] - sums[low]) / static_cast<double>(high - low) > limit;
+      const Eigen::Index cell = (i - run.first) / grid;
+      char& answer = known[static_cast<std::size_t>(cell)];
+      if (answer == 'n') {
+        const Eigen::Index centre = std::min(cell * grid + grid / 2, samples - 1);
+        const Eigen::Index low = std::max<Eigen::Index>(0, centre - half);
+        const Eigen::Index high = std::min(samples, centre + half + 1);
+        window.assign(residuals.begin() + low, residuals.begin() + high);
+        answer = std::abs(median_of(window)) > limit ? 'y' : 'o';
+      }
+      return answer == 'y';
     };
     Eigen::Index new_first = first, new_last = last;
     while (new_first > earliest && !off(new_first - 1)) --new_first;

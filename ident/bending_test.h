@@ -43,7 +43,7 @@ struct BendingTestOptions {
   /// After every turn friction first changes sign: this share of a stroke's travel is not used
   /// (strokes of 20 samples and more).
   double turn_share = 0.15;
-  /// Where the local mean over a twentieth of a stroke leaves the line by more than this share of
+  /// Where the local median over a twentieth of a stroke leaves the line by more than this share of
   /// the load range (and four times its noise), toe, stop or slip begin.
   double straightness = 0.005;
   /// Relative change of slope over the straight part: above the first it is warned of, above the

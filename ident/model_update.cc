@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "ident/contradicting_modes.h"
 #include "ident/update_problem.h"
 #include "ident/update_solver.h"
 #include "signal/numbers.h"
@@ -46,6 +47,12 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   const bool stated = problem.uncertainties_known();
   if (stated) {
     result.variance_factor = reduced > 1 ? reduced : 1;
+    if (reduced > 9) {
+      result.message += fmt::format(
+          "the misfit is {:.1f} times what the stated uncertainties allow: the model, a pair or an "
+          "uncertainty is wrong; ",
+          std::sqrt(reduced));
+    }
   } else {
     result.variance_factor = std::isfinite(reduced) ? reduced : 1;
   }
@@ -127,12 +134,32 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   if (problem.has_frfs()) result.rms_log_frf_error_before = problem.rms_log_frf_error(start);
   if (problem.has_histories()) result.history_error_before = problem.history_error(start);
 
-  const auto solved = solve_from_all_starts(problem, options);
-  const UpdateSolution* best = nullptr;
-  for (const auto& one : solved) {
-    result.pairings += one.pairings;
-    if (one.q.size() > 0 && (best == nullptr || one.cost < best->cost)) best = &one;
+  auto solved = solve_from_all_starts(problem, options);
+  const auto best_of = [&solved] {
+    const UpdateSolution* best = nullptr;
+    for (const auto& one : solved) {
+      if (one.q.size() > 0 && (best == nullptr || one.cost < best->cost)) best = &one;
+    }
+    return best;
+  };
+  const UpdateSolution* best = best_of();
+  if (options.starts > 1 && best != nullptr && is_misfit(problem, *best)) {
+    // Perhaps nothing but wrong pairs far from the truth: twice as many starts, ten times as far.
+    // Taken when they explain the data, and no fewer of them.
+    UpdateOptions wider = options;
+    wider.start_spread = 10 * options.start_spread;
+    wider.starts = 2 * options.starts + 1;
+    ++wider.seed;
+    const int unpaired = best->matches.unpaired_measured;
+    for (auto& one : solve_from_all_starts(problem, wider)) {
+      if (one.q.size() > 0 && one.matches.unpaired_measured <= unpaired &&
+          !is_misfit(problem, one)) {
+        solved.push_back(std::move(one));
+      }
+    }
+    best = best_of();
   }
+  for (const auto& one : solved) result.pairings += one.pairings;
   result.starts = static_cast<int>(solved.size());
   if (best == nullptr) {
     result.status = UpdateStatus::no_model;
@@ -140,6 +167,9 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     result.model_evaluations = problem.evaluations();
     return result;
   }
+  UpdateSolution answer = *best;
+  leave_out_contradictions(problem, options, answer);
+  best = &answer;
   result.coordinates = best->q;
   for (const auto& one : solved) {
     // The same answer: a cost that differs by less than what a hundredth of a standard deviation

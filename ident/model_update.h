@@ -123,7 +123,7 @@ struct UpdateOptions {
   double model_relative_std = 0;
   double huber_threshold = 2;  ///< standard deviations beyond which a pair pulls linearly
   PairingOptions pairing = {};
-  double first_common_factor = 2.5;  ///< common_factor_range of the first pairing of each start
+  double first_common_factor = 4;  ///< common_factor_range of the first pairing of each start
   int starts = 4;                    ///< the first is the scene's own values
   double start_spread = 3;           ///< factor by which the others are off, up or down, at most
   std::uint64_t seed = 1;

@@ -13,7 +13,8 @@
 namespace rigfit::model {
 namespace {
 
-constexpr int kDefaultSegments = 30;  // the paper's
+constexpr int kDefaultSegments = 30;        // the paper's
+constexpr double kClampedAxial = 14.0 / 9;  // (1/12 + 5/108) / (1/12), segment_lumping.h
 
 double power(double x, int n) {
   double y = 1;
@@ -36,11 +37,16 @@ class Sections {
     return member_.polar_inertia * l_ * power(diameter((i + 0.5) / n_), 4);
   }
   /// Of a joint at s (0..1) of a flexibility in l / EI there; torsion over `share` segments.
-  JointSprings springs(double s, double flexibility, double share, bool framed) const {
-    const double f = power(diameter(s), 4) / l_;
+  /// `axial` N, of a beam (segment_lumping.h).
+  JointSprings springs(double s, double flexibility, double share, bool framed,
+                       double axial) const {
+    const double f = power(diameter(s), 4) / l_, stiffened = -axial * l_ / 12;
+    const auto bent = [&](double EI) {
+      return EI > 0 ? std::max(EI * f + stiffened, 0.5 * EI * f) / flexibility : 0;
+    };
     JointSprings springs;
-    springs.about_1 = member_.EI[0] * f / flexibility;
-    springs.about_2 = member_.EI[1] * f / flexibility;
+    springs.about_1 = bent(member_.EI[0]);
+    springs.about_2 = bent(member_.EI[1]);
     springs.torsion = framed ? member_.GJ * f / share : 0;
     springs.bending_damping = member_.damping.bending / (flexibility * l_);
     springs.torsion_damping = framed ? member_.damping.torsion / (share * l_) : 0;
@@ -230,6 +236,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     const Sections sections(member, n, out.unstretched_length);
     const bool accurate = options.rotary_inertia == RotaryInertia::accurate;
     const double tension = accurate ? tension_about(chain, out, member, chord) : 0;
+    const AxialForce axial = accurate ? nominal_axial_force(scene, ends, m) : AxialForce{};
     std::array<bool, 2> bent{false, false};  // ends that bear a moment
     for (std::size_t e = 0; e < 2; ++e) {
       bent[e] = member.joint[e] == Member::Joint::rigid &&
@@ -260,7 +267,8 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       if (i > 0) {
         const int here = out.first_segment + i;
         chain.inner_joints.push_back(
-            {{here - 1, here}, sections.springs(double(i) / n, flexibility[k], 1, framed)});
+            {{here - 1, here},
+             sections.springs(double(i) / n, flexibility[k], 1, framed, axial.at(double(i) / n))});
       }
     }
     chain.drawn_director.conservativeResize(3, chain.frames);
@@ -276,8 +284,9 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       joint.segment = end == 0 ? out.first_segment : out.first_segment + n - 1;
       // The paper's joint is in the middle of its half segment.
       const double place = accurate ? 0 : 0.25 / n;
-      joint.springs = sections.springs(end == 0 ? place : 1 - place,
-                                       flexibility[end == 0 ? 0 : std::size_t(n)], 0.5, framed);
+      joint.springs =
+          sections.springs(end == 0 ? place : 1 - place, flexibility[end == 0 ? 0 : std::size_t(n)],
+                           0.5, framed, axial.at(end) * kClampedAxial);
       joint.directors = axes;
       joint.made_at_rest = out.cable && member.assembled == Member::Assembled::hanging;
       if (needs.attitude[node] == NodeAttitude::released) {

@@ -156,7 +156,9 @@ class CvodeRun {
         while (stop < stops.size() && stops[stop] <= t) ++stop;
         const bool before = stop < stops.size() && stops[stop] < target;
         const double goal = before ? stops[stop] : target;
-        if (stop < stops.size()) CVodeSetStopTime(memory_, stops[stop]);
+        // A stop reached as the goal stays set in CVODE, behind the start of what follows: always
+        // the next one, the last far away.
+        CVodeSetStopTime(memory_, stop < stops.size() ? stops[stop] : 1e3 * (target + 1));
         const int flag = CVode(memory_, goal, y.get(), &t, CV_NORMAL);
         long steps = 0;
         CVodeGetNumSteps(memory_, &steps);

@@ -6,6 +6,10 @@
 
 namespace rigfit::model {
 
+namespace {
+constexpr double kLongestWay = 0.25;  // way of a load step, of the rig's extent
+}
+
 LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium,
                          const Eigen::VectorXd& load) {
   const int n = assembly.size();
@@ -66,6 +70,13 @@ LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium
             trial.position.col(segment.b) - trial.position.col(segment.a) - edge;
         axial(s) = trial_axial(s) + segment.EA / segment.length * edge.normalized().dot(change);
       }
+    }
+    // On the path that leads there from rest, not on another that a long step has found.
+    const double moved = (trial.position - out.state.position).cwiseAbs().maxCoeff();
+    if (good && moved > kLongestWay * extent && step > 1e-3) good = false;
+    if (good) {
+      assembly.force_and_tangent(trial, force, tangent);
+      good = factor.factor(tangent) && factor.negative_pivots() == 0;
     }
     if (good) {
       out.state = trial;

@@ -1,7 +1,9 @@
 // Where a chain rests under additional dead loads, geometrically exact: the start of a release.
 //
 // Newton's method from the unloaded equilibrium by load steps; the geometric stiffness takes the
-// axial force that the last step extrapolates (see Assembly::force_and_tangent).
+// axial force that the last step extrapolates (see Assembly::force_and_tangent). A load step moves
+// nothing by more than a quarter of the rig and ends in a stable state: a slender beam that its
+// load bends through ninety degrees has other equilibria too.
 #pragma once
 
 #include <Eigen/Core>

@@ -11,6 +11,7 @@ namespace rigfit::model {
 namespace {
 
 constexpr int kFewest = 4, kMost = 2000;
+constexpr int kAsymptotic = 6;  // from here on errors fall by their leading order
 
 double total(const std::vector<int>& segments) {
   return std::accumulate(segments.begin(), segments.end(), 0.0);
@@ -69,8 +70,10 @@ ResolutionError resolution_error(const Scene& scene, const ModesOptions& options
   std::vector<std::vector<Eigen::VectorXd>> others;
   Eigen::Matrix3d powers;
   powers.row(0).setOnes();
+  // Very short chains are not yet on the asymptote: those twice and four times as long are.
+  const bool few = *std::min_element(segments.begin(), segments.end()) < kAsymptotic;
   for (int level = 1; level <= 2; ++level) {
-    const double factor = 1 + 0.5 * level;
+    const double factor = few ? 2 * level : 1 + 0.5 * level;
     std::vector<int> changed;
     for (const int n : segments) {
       changed.push_back(std::max(3, static_cast<int>(std::lround(n * factor))));
@@ -109,9 +112,15 @@ SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
     choice.segments[m] = options.segments ? *options.segments : scene.members[m].segments;
     free[m] = choice.segments[m] <= 0;
     any = any || free[m];
-    if (free[m]) choice.segments[m] = 12;
   }
-  choice.modes = find_modes(scene, options, choice.segments);
+  // What stands only just may have buckled when cut coarsely.
+  for (const int n : {12, 48, 192}) {
+    for (std::size_t m = 0; m < members; ++m) {
+      if (free[m]) choice.segments[m] = n;
+    }
+    choice.modes = find_modes(scene, options, choice.segments);
+    if (!any || choice.modes.equilibrium.status != EquilibriumStatus::buckled) break;
+  }
   if (!any || choice.modes.order.empty()) {
     if (options.error_estimate) {
       choice.error = resolution_error(scene, options, choice.modes, choice.segments);

@@ -2,9 +2,9 @@
 // from three numbers of segments.
 //
 // A frequency's error is a h^2 + b h^4 in the segment length h (second order where tension and
-// bending share, fourth in a beam). One and a half times and twice as many segments give f(0), a,
-// b: the estimate is |f(h) - f(0)|. Finer chains are asked rather than coarser ones, as the
-// estimate is then within a tenth for any order from two to six.
+// bending share, fourth in a beam). One and a half times and twice as many segments (below six of
+// them twice and four times) give f(0), a, b: the estimate is |f(h) - f(0)|. Finer chains are asked
+// rather than coarser ones, as the estimate is then within a tenth for any order from two to six.
 #pragma once
 
 #include <vector>

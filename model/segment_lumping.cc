@@ -58,4 +58,44 @@ double nominal_tension(const Member& member, double chord, double level_part, do
   return 0.5 * (low + high);
 }
 
+AxialForce nominal_axial_force(const Scene& scene, const std::vector<std::array<int, 2>>& ends,
+                               std::size_t member) {
+  const Member& beam = scene.members[member];
+  const auto node = [&](int k) -> const SceneNode& { return scene.nodes[std::size_t(k)]; };
+  const auto mass_per_length = [](const Member& m) {  // mean of a tapered one
+    return m.mass_per_length * (1 + m.taper + m.taper * m.taper) / 3;
+  };
+  const auto held = [&](int k) { return node(k).support.kind != Support::Kind::free; };
+  const auto [first, second] = ends[member];
+  if (beam.kind == Member::Kind::cable || held(first) == held(second)) return {};
+  const int tip = held(first) ? second : first, foot = held(first) ? first : second;
+  Eigen::Vector3d force = node(tip).mass * scene.gravity;
+  for (std::size_t m = 0; m < ends.size(); ++m) {
+    if (m == member || (ends[m][0] != tip && ends[m][1] != tip)) continue;
+    const Member& other = scene.members[m];
+    const int far = ends[m][0] == tip ? ends[m][1] : ends[m][0];
+    const Eigen::Vector3d chord = node(far).position - node(tip).position;
+    const double length = chord.norm();
+    if (!(length > 0)) continue;
+    force += 0.5 * mass_per_length(other) * length * scene.gravity;
+    if (other.kind != Member::Kind::cable) continue;
+    const Eigen::Vector3d along = chord / length;
+    double level_part = 1;
+    if (scene.gravity.norm() > 0) {
+      const Eigen::Vector3d up = scene.gravity.normalized();
+      const double level = (along - up * up.dot(along)).norm();
+      if (level > 0.0872) level_part = level;
+    }
+    const double weight =
+        mass_per_length(other) * (scene.gravity - along * along.dot(scene.gravity)).norm();
+    force += nominal_tension(other, length, level_part, weight) * along;
+  }
+  const Eigen::Vector3d axis = node(tip).position - node(foot).position;
+  const double length = axis.norm();
+  if (!(length > 0)) return {};
+  const double at_tip = force.dot(axis) / length;
+  const double at_foot = at_tip + mass_per_length(beam) * scene.gravity.dot(axis);
+  return held(first) ? AxialForce{at_foot, at_tip} : AxialForce{at_tip, at_foot};
+}
+
 }  // namespace rigfit::model

@@ -16,8 +16,18 @@
 //             e_0 = (q - 1 + 1 / (e^p + q^2 e_1 + q^2 e_2 e^(-2p) / (1 + q^2 e_2 e^(-p)))) / q^2,
 //           puts the chain, beyond a layer it may not resolve, where the beam is: at x - sqrt(EI/T)
 //           times its slope.
+//   beam    An axial force N (weight, guys) leaves N l^2 / 12 times the fourth derivative behind
+//   when
+//           c = 1/6: taken out of the joints' EI. Gregory's weights turn the first two segments at
+//           a clamp by -1/8 and 1/24 of l M / EI too far, with which N works: the sum of their
+//           squares, 5/288 N l^2 / EI, goes into the end's flexibility of 3/8, as 5/108 N l^2 into
+//           its EI. A column then buckles where it should, to the fourth order.
 // The paper's lumping is c = 1/6, plain joints, and half a segment (1/2, 0, 0) at a clamp.
 #pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
 
 #include "model/scene.h"
 
@@ -35,5 +45,18 @@ struct ClampFlexibility {
 /// length, sag included; zero for a beam. `chord` m, `weight` N/m across the chord.
 [[nodiscard]] double nominal_tension(const Member& member, double chord, double level_part,
                                      double weight);
+
+/// Linear along a member, tension positive, N.
+struct AxialForce {
+  double first = 0, second = 0;
+  [[nodiscard]] double at(double s) const { return first + (second - first) * s; }
+};
+
+/// What pulls or presses a beam between a supported node and a free one: its own weight, that of
+/// the free node and half of what else ends there, and the cables' tension; as drawn. Zero for
+/// cables and for beams held at both ends or at none. `ends`: nodes of each member.
+[[nodiscard]] AxialForce nominal_axial_force(const Scene& scene,
+                                             const std::vector<std::array<int, 2>>& ends,
+                                             std::size_t member);
 
 }  // namespace rigfit::model

@@ -91,6 +91,21 @@ TEST(Modes, StandingCantileverIsSoftenedByItsWeight) {
   for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(found[i] / truth[i], 1, 1e-6) << i;
 }
 
+// At 99 % of the weight that buckles it, m g L^3 / EI = 7.8373 (Greenhill), errors of the axial
+// force's lumping show a hundredfold.
+TEST(Modes, ColumnNearItsCriticalWeightIsFourthOrder) {
+  Scene scene = vertical_beam(0.75, 1, 0.3);
+  const double EI = 0.3 * kStandardGravity * std::pow(0.75, 3) / (0.99 * 7.837347438943);
+  scene.members[0].EI = {EI, EI};
+  scene.members[0].EA = 1e8;
+  const auto truth = standing_cantilever_frequencies({0.75, 0.3, EI, 0}, 0, kStandardGravity, 1);
+  const double coarse = frequencies(scene, 20, ModePlane::in, 1)[0] / truth[0] - 1;
+  const double fine = frequencies(scene, 40, ModePlane::in, 1)[0] / truth[0] - 1;
+  EXPECT_LT(std::abs(coarse), 2e-3);
+  // 16, and more while the sixth order still counts; what is left below is rounding of EA.
+  EXPECT_GT(coarse / fine, 14);
+}
+
 TEST(Modes, IrvinesSagInItsLimit) {
   // Irvine's theory is the limit of small (m g L / H)^2 and strain at a fixed parameter: here
   // 1e-6 and 1e-6 at lambda^2 = 1.

@@ -8,6 +8,7 @@
 
 #include "model/closed_forms.h"
 #include "model/modal_analysis.h"
+#include "model/needs.h"
 #include "tests/model/test_scenes.h"
 
 namespace rigfit::model::segment_lumping_test {
@@ -100,6 +101,27 @@ TEST(SegmentLumping, ClampedEndsCostLittle) {
   const auto truth = cantilever_frequencies({0.75, 0.295, 2.1, 0}, 0, 2);
   EXPECT_LT(worst(beam, truth, 30), 1e-6);
   EXPECT_GT(worst(beam, truth, 10) / worst(beam, truth, 20), 12);
+}
+
+TEST(SegmentLumping, AxialForceOfABeamIsWhatItBears) {
+  Scene rig = testing::cable_beam_rig(100, 0.4948);
+  auto ends = member_nodes(rig);
+  const double g = kStandardGravity, cables = 2 * 0.5 * 1.2 * 0.16667;
+  AxialForce force = nominal_axial_force(rig, ends, 0);
+  EXPECT_NEAR(force.second, -(0.02 + cables) * g, 1e-12);  // level cables that pull alike
+  EXPECT_NEAR(force.first, -(0.02 + cables + 0.75 * 0.295) * g, 1e-12);
+  EXPECT_EQ(nominal_axial_force(rig, ends, 1).first, 0);  // a cable has its tension
+  // Guys to the ground press: 100 N level is 100 sqrt(2) along 45 degrees, 100 down each.
+  for (std::size_t k : {2U, 3U}) rig.nodes[k].position << (k == 2 ? -0.75 : 0.75), 0, 0;
+  rig.gravity *= 1e-6;
+  EXPECT_NEAR(nominal_axial_force(rig, ends, 0).at(0.5), -200, 1e-3);
+  // Hanging from its foot it is pulled; drawn the other way round the ends change places.
+  Scene hanging = testing::vertical_beam(0.75, 2.1, 0.295);
+  hanging.gravity = -hanging.gravity;
+  hanging.members[0].nodes = {"tip", "base"};
+  force = nominal_axial_force(hanging, member_nodes(hanging), 0);
+  EXPECT_NEAR(force.second, 0.75 * 0.295 * g, 1e-12);
+  EXPECT_NEAR(force.first, 0, 1e-12);
 }
 
 }  // namespace

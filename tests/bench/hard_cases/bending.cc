@@ -9,6 +9,7 @@
 #include "tests/bench/hard_cases/hard_case.h"
 
 namespace rigfit::hard_cases {
+namespace bending_area {
 namespace {
 
 using namespace ident;
@@ -104,8 +105,10 @@ Outcome no_tension(bool) {
 }
 
 }  // namespace
+}  // namespace bending_area
 
 std::vector<HardCase> bending_cases() {
+  using namespace bending_area;
   const std::string area = "bending";
   return {
       {area, "equation, lambda 1e-6 to 1e4", "four units in the last place",

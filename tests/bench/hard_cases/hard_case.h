@@ -72,5 +72,10 @@ class Coverage {
 [[nodiscard]] std::vector<HardCase> decay_cases();
 [[nodiscard]] std::vector<HardCase> hit_cases();
 [[nodiscard]] std::vector<HardCase> record_cases();
+[[nodiscard]] std::vector<HardCase> cable_cases();
+[[nodiscard]] std::vector<HardCase> beam_cases();
+[[nodiscard]] std::vector<HardCase> mode_cases();
+[[nodiscard]] std::vector<HardCase> motion_cases();
+[[nodiscard]] std::vector<HardCase> fit_cases();
 
 }  // namespace rigfit::hard_cases

@@ -92,7 +92,8 @@ int main(int argc, char** argv) {
     }
   }
   std::vector<HardCase> cases;
-  for (const auto& part : {bending_cases(), record_cases(), decay_cases(), hit_cases()})
+  for (const auto& part : {bending_cases(), record_cases(), cable_cases(), beam_cases(),
+                           mode_cases(), motion_cases(), fit_cases(), decay_cases(), hit_cases()})
     cases.insert(cases.end(), part.begin(), part.end());
 
   int count[3] = {0, 0, 0};

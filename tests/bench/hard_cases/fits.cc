@@ -1,0 +1,207 @@
+// Fits that start far away, that cannot separate what they are asked for, or that have next to
+// nothing to go by.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "ident/axial_test.h"
+#include "ident/model_update.h"
+#include "model/modal_analysis.h"
+#include "tests/bench/hard_cases/hard_case.h"
+#include "tests/model/test_scenes.h"
+
+namespace rigfit::hard_cases {
+namespace fits_area {
+namespace {
+
+using namespace ident;
+using model::ModePlane;
+using model::Scene;
+
+Scene beam(double EI, double tip_mass, double gravity = model::kStandardGravity) {
+  Scene scene = model::testing::vertical_beam(0.75, 2.1, 0.3, 12);
+  scene.members[0].EI = {EI, 200};
+  scene.members[0].GJ = 3;
+  scene.gravity.y() = -gravity;
+  scene.nodes[1].mass = tip_mass;
+  return scene;
+}
+
+/// The first in-plane modes with a relative noise of `std`.
+std::vector<MeasuredMode> measured(const Scene& truth, std::size_t count, double std,
+                                   std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  model::ModesOptions options;
+  options.count = 3 * static_cast<int>(count) + 8;
+  options.error_estimate = false;
+  std::vector<MeasuredMode> modes;
+  for (const auto& mode : model::analyse_modes(truth, options).modes) {
+    if (mode.plane != ModePlane::in || modes.size() == count) continue;
+    MeasuredMode one;
+    one.frequency_hz = {mode.frequency_hz * (1 + std * normal(random)), std * mode.frequency_hz};
+    one.plane = ModePlane::in;
+    modes.push_back(one);
+  }
+  return modes;
+}
+
+const std::vector<FreeParameter>& stiffness_and_mass() {
+  static const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
+  return free;
+}
+
+/// EI and the tip's mass from starts ten times too large and too small, in all four ways: the
+/// answer of a start at the truth. Ceres stops at 1e-9 of cost and step.
+Outcome starts_off_by_ten(bool) {
+  Worst worst;
+  std::mt19937_64 random(21);
+  const auto data = measured(beam(2.1, 0.02), 5, 1e-3, random);
+  const auto near = update_model({{"beam", beam(2.1, 0.02), data}}, stiffness_and_mass());
+  for (const double by_EI : {0.1, 10.0}) {
+    for (const double by_mass : {0.1, 10.0}) {
+      const UpdateState state{"beam", beam(2.1 * by_EI, 0.02 * by_mass), data};
+      const auto found = update_model({state}, stiffness_and_mass());
+      // A tenth of the stiffness under ten times the mass buckles: there is no model to start from.
+      if (by_EI < 1 && by_mass > 1) {
+        worst.require(found.status == UpdateStatus::no_model &&
+                          found.message.find("buckled") != std::string::npos,
+                      "a buckled start: " + found.message);
+        continue;
+      }
+      worst.require(found.status == UpdateStatus::converged,
+                    fmt::format("EI x {}, mass x {}: {}", by_EI, by_mass, found.message));
+      worst.require(found.pairs.size() == 5, fmt::format("EI x {}, mass x {}: {} pairs", by_EI,
+                                                         by_mass, found.pairs.size()));
+      for (std::size_t k : {0U, 1U}) {
+        worst.add(
+            std::abs(found.parameters[k].value - near.parameters[k].value) / near.parameters[k].std,
+            0.01);
+      }
+    }
+  }
+  return worst.outcome("std");
+}
+
+/// Without gravity and tip mass only EI / m acts.
+Outcome collinear(bool) {
+  std::mt19937_64 random(22);
+  UpdateState state{"beam", beam(1.5, 0, 0), measured(beam(2.1, 0, 0), 5, 1e-3, random)};
+  const auto found = update_model({state}, {{"beam.EI_z"}, {"beam.mass_per_length"}});
+  std::string open;
+  for (const auto& line : found.open) open += line;
+  const double ratio = found.parameters[0].value / found.parameters[1].value;
+  // What is determined is right: EI / m to twice 1e-3 over the root of five, 3.5 times.
+  const bool right = std::abs(ratio / 7 - 1) < 3.5 * 2e-3 / std::sqrt(5.0);
+  return refusal(right && !found.parameters[0].identifiable && !found.parameters[1].identifiable &&
+                     open.find("beam.EI_z") != std::string::npos,
+                 open, "beam.mass_per_length");
+}
+
+/// One frequency of six off by 5 %, fifty of its standard deviations.
+Outcome outlier(bool quick) {
+  Worst worst;
+  for (std::uint64_t seed = 0; seed < (quick ? 3U : 10U); ++seed) {
+    std::mt19937_64 random(30 + seed);
+    UpdateState state{"beam", beam(2.6, 0.03), measured(beam(2.1, 0.02), 6, 1e-3, random)};
+    auto& wrong = state.measured[seed % 6].frequency_hz;
+    wrong.value *= seed % 2 ? 1.05 : 0.95;
+    const auto found = update_model({state}, stiffness_and_mass());
+    worst.require(found.status == UpdateStatus::converged, found.message);
+    worst.add(std::abs(found.parameters[0].value - 2.1) / found.parameters[0].std, 3.5);
+    worst.add(std::abs(found.parameters[1].value - 0.02) / found.parameters[1].std, 3.5);
+  }
+  return worst.outcome("std");
+}
+
+Outcome one_mode(bool) {
+  std::mt19937_64 random(23);
+  UpdateState state{"beam", beam(2.3, 0.02), measured(beam(2.1, 0.02), 1, 1e-3, random)};
+  const auto found = update_model({state}, stiffness_and_mass());
+  bool named = !found.open.empty();
+  for (const auto& parameter : found.parameters) {
+    named = named && std::isfinite(parameter.value) && !parameter.identifiable;
+  }
+  return refusal(named && found.status == UpdateStatus::too_little_data, name_of(found.status),
+                 "too");
+}
+
+Outcome no_mode(bool) {
+  UpdateState state{"beam", beam(2.3, 0.02), {}};
+  const auto found = update_model({state}, stiffness_and_mass());
+  return refusal(found.status == UpdateStatus::no_model, found.message, "no measured mode");
+}
+
+Outcome zero_frequencies(bool) {
+  UpdateState state{"beam", beam(2.3, 0.02), std::vector<MeasuredMode>(5)};
+  for (auto& mode : state.measured) mode.frequency_hz = {0, 0.1};
+  try {
+    const auto found = update_model({state}, stiffness_and_mass());
+    return {Verdict::failed, "not refused", ""};
+  } catch (const std::invalid_argument& error) {
+    return refusal(true, error.what(), "positive");
+  }
+}
+
+/// Five times the same frequency: one pair at most, the rest named unpaired.
+Outcome constant_data(bool) {
+  std::mt19937_64 random(24);
+  const auto data = measured(beam(2.1, 0.02), 2, 1e-3, random);
+  UpdateState state{"beam", beam(2.3, 0.02), std::vector<MeasuredMode>(5, data[1])};
+  const auto found = update_model({state}, stiffness_and_mass());
+  const bool right = found.pairs.size() == 1 && found.unpaired.size() >= 4 &&
+                     !(found.parameters[0].identifiable && found.parameters[1].identifiable);
+  return refusal(right, name_of(found.status), "too");
+}
+
+/// Records that agree to the last digit and claim to know it: the lengths' and masses' own
+/// uncertainty is all there is, k = EA / L gives its share.
+Outcome identical_decays(bool) {
+  std::vector<AxialDecay> decays;
+  const double mass = 2.2, EA = 205000, length_std = 0.001;
+  for (const double length : {0.7, 1.0, 1.3}) {
+    for (int k = 0; k < 5; ++k) {
+      AxialDecay decay;
+      decay.name = fmt::format("L{}", length);
+      decay.length_m = length;
+      decay.damped_frequency_hz = {std::sqrt(EA / length / mass) / (2 * M_PI), 0};
+      decay.damping_ratio = {0, 0};
+      decays.push_back(decay);
+    }
+  }
+  AxialSetup setup;
+  setup.mass_kg = {mass, 0};
+  setup.length_std_m = length_std;
+  const auto found = axial_test(decays, setup);
+  Worst worst;
+  worst.add(std::abs(found.EA_N.value / EA - 1), 1e-9);
+  // Weights 1 / (length_std / L)^2.
+  const double expected = EA * length_std / std::sqrt(0.7 * 0.7 + 1.0 * 1.0 + 1.3 * 1.3);
+  worst.add(std::abs(found.EA_N.std / expected - 1), 1e-3);
+  return worst.outcome();
+}
+
+}  // namespace
+}  // namespace fits_area
+
+std::vector<HardCase> fit_cases() {
+  using namespace fits_area;
+  const std::string area = "fits";
+  return {
+      {area, "starts off by 10, both ways, two unknowns",
+       "the answer from near to 0.01 std; buckled: said", starts_off_by_ten},
+      {area, "EI and mass collinear", "refused by name, their ratio right", collinear},
+      {area, "one frequency of six off by 50 std", "truth within 3.5 std", outlier},
+      {area, "one mode for two unknowns", "refused", one_mode},
+      {area, "no mode", "refused", no_mode},
+      {area, "frequencies all zero", "refused", zero_frequencies},
+      {area, "one frequency five times", "refused", constant_data},
+      {area, "15 identical axial records without noise", "EA; std of the lengths alone",
+       identical_decays},
+  };
+}
+
+}  // namespace rigfit::hard_cases
