@@ -124,8 +124,8 @@ struct UpdateOptions {
   double huber_threshold = 2;  ///< standard deviations beyond which a pair pulls linearly
   PairingOptions pairing = {};
   double first_common_factor = 4;  ///< common_factor_range of the first pairing of each start
-  int starts = 4;                    ///< the first is the scene's own values
-  double start_spread = 3;           ///< factor by which the others are off, up or down, at most
+  int starts = 4;                  ///< the first is the scene's own values
+  double start_spread = 3;         ///< factor by which the others are off, up or down, at most
   std::uint64_t seed = 1;
   int max_iterations = 60;
   int max_pairings = 8;
