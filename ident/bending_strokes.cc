@@ -132,7 +132,7 @@ BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data,
         const Eigen::Index low = std::max<Eigen::Index>(0, centre - half);
         const Eigen::Index high = std::min(samples, centre + half + 1);
         window.assign(residuals.begin() + low, residuals.begin() + high);
-        answer = std::abs(median_of(window)) > limit ? 'y' : 'o';
+        answer = std::abs(signal::median(window)) > limit ? 'y' : 'o';
       }
       return answer == 'y';
     };
