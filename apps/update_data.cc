@@ -35,7 +35,8 @@ class StateReader {
     }
     if (!data.stiffness.empty()) {
       context.input(data.stiffness);
-      stiffness_ = read_result_table(data.stiffness);
+      stiffness_ = read_stiffness_table(data.stiffness);
+      result_.stiffness = stiffness_points(*stiffness_);
     }
     for (const auto& scene : data.scenes) several_ = several_ || scene != data.scenes.front();
   }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/stiffness_table.h"
 #include "apps/verb.h"
 #include "ident/model_update.h"
 
@@ -19,7 +20,7 @@ struct UpdateData {
   std::string column;                ///< of the frequencies in tables
   std::vector<std::string> compare;  ///< further columns: frequencies of other models
   std::string decay_channel;
-  std::string stiffness;  ///< table of tension_N, EI_Nm2
+  std::string stiffness;  ///< table of tension_N, EI_Nm2, or the JSON result of a bending test
   int segments = 0;       ///< of every member while fitting; 0: the scene's
   std::optional<std::pair<double, double>> band_hz;  ///< of FRFs and decays
 };
@@ -28,6 +29,7 @@ struct UpdateStates {
   std::vector<ident::UpdateState> states;
   std::vector<std::string> scene_files;  ///< by state
   std::vector<std::optional<double>> tension;
+  std::vector<StiffnessPoint> stiffness;   ///< that gave the states' EI; empty: none
   std::vector<std::vector<int>> segments;  ///< by state, of each member as its file says
   /// By state, measured mode, column of `compare`: what another model says; NaN where it is blank.
   std::vector<std::vector<std::vector<double>>> compared;

@@ -9,88 +9,13 @@
 #include "ident/contradicting_modes.h"
 #include "ident/update_problem.h"
 #include "ident/update_solver.h"
+#include "ident/update_uncertainty.h"
 #include "signal/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
 using signal::kNaN;
-
-// Weighted Jacobian at the solution, Huber's weights included; the priors' rows last.
-bool weighted(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-              const UpdateOptions& options, const Eigen::VectorXd& q, Eigen::VectorXd& r,
-              Eigen::MatrixXd& J) {
-  if (!problem.residuals(q, matches, UpdateStage::full, r, &J)) return false;
-  for (Eigen::Index i = 0; i < r.size() - problem.prior_count(); ++i) {
-    const double weight =
-        std::min(1.0, std::sqrt(options.huber_threshold / std::max(std::abs(r[i]), 1e-300)));
-    r[i] *= weight;
-    J.row(i) *= weight;
-  }
-  return true;
-}
-
-void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
-                       UpdateResult& result, const std::vector<UpdateMatch>& matches) {
-  const Eigen::Index n = problem.size();
-  const Eigen::VectorXd& q = result.coordinates;
-  Eigen::VectorXd r;
-  Eigen::MatrixXd J;
-  result.covariance = Eigen::MatrixXd::Constant(n, n, kNaN);
-  if (!weighted(problem, matches, options, q, r, J)) return;
-  const Eigen::Index data = r.size() - problem.prior_count();
-  result.chi_squared = r.squaredNorm();
-  result.degrees_of_freedom = static_cast<double>(r.size() - n) - problem.shared_residuals();
-  const double reduced =
-      result.degrees_of_freedom > 0 ? result.chi_squared / result.degrees_of_freedom : kNaN;
-  // Stated uncertainties are trusted unless the scatter contradicts them; assumed ones are not.
-  const bool stated = problem.uncertainties_known();
-  if (stated) {
-    result.variance_factor = reduced > 1 ? reduced : 1;
-    if (reduced > 9) {
-      result.message += fmt::format(
-          "the misfit is {:.1f} times what the stated uncertainties allow: the model, a pair or an "
-          "uncertainty is wrong; ",
-          std::sqrt(reduced));
-    }
-  } else {
-    result.variance_factor = std::isfinite(reduced) ? reduced : 1;
-  }
-  const bool from_scatter = !stated && std::isfinite(reduced);
-  result.coverage_factor = coverage_factor(0.95, from_scatter ? result.degrees_of_freedom : 0);
-  if (!stated && !std::isfinite(reduced)) {
-    result.message +=
-        "no more data than unknowns: uncertainties rest on the assumed one of the "
-        "frequencies; ";
-  }
-
-  Eigen::VectorXd scales = Eigen::VectorXd::Ones(n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    if (!problem.coordinates()[static_cast<std::size_t>(j)].logarithmic) {
-      scales[j] = std::max(1.0, std::abs(q[j]));
-    }
-  }
-  IdentifiabilityOptions limits;
-  limits.relative_rank_tolerance = 1e-8;
-  limits.variance_factor = std::max(result.variance_factor, 1e-12);
-  const auto names = problem.names();
-  result.identifiability = identifiability(J, scales, names, limits);
-  const auto alone = identifiability(J.topRows(data), scales, names, limits);
-  for (const auto& open : result.identifiability.open) result.open.push_back(open.message);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
-    auto& parameter = result.parameters[static_cast<std::size_t>(i)];
-    const double by = coordinate.derivative(q[i]);
-    parameter.identifiable = result.identifiability.identifiable[static_cast<std::size_t>(i)];
-    parameter.std = std::abs(by) * result.identifiability.std[i];
-    parameter.std_from_data = std::abs(by) * alone.std[i];
-    parameter.at_bound = q[i] <= coordinate.low + 1e-9 || q[i] >= coordinate.high - 1e-9;
-    for (Eigen::Index j = 0; j < n; ++j) {
-      result.covariance(i, j) = by * result.identifiability.covariance(i, j) *
-                                problem.coordinates()[static_cast<std::size_t>(j)].derivative(q[j]);
-    }
-  }
-}
 
 }  // namespace
 
@@ -199,7 +124,7 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     result.frf_lines = problem.frf_lines();
   }
   if (problem.has_histories()) result.history_error = problem.history_error(best->q);
-  state_uncertainty(problem, options, result, best->matches.matches);
+  state_uncertainty(problem, options, best->matches.matches, result);
   for (int s = 0; s < static_cast<int>(problem.states().size()); ++s) {
     result.scenes.push_back(problem.scene_at(s, best->q));
   }

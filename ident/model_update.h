@@ -14,7 +14,15 @@
 // sensitivities (equilibrium's change included), the minimiser is Ceres' Levenberg-Marquardt; modes
 // are paired anew (mode_pairing.h) until the pairs stay, from several starts. A modelled mode is
 // followed by its plane and its place among the modes of that plane, which crossings of planes do
-// not change. Sources: Friswell and Mottershead 1995; Mottershead, Link, Friswell 2011.
+// not change.
+//
+// Uncertainty, to first order: the data's scatter and the priors through (J'J)^-1; what is known of
+// the scene but not fitted (`UncertainInput`) and the error of the segments through the shift
+// -(J'J)^-1 J' (d residuals) that it causes. The residuals' error by the segments is 4/3 of their
+// difference to a model of twice as many (Richardson, second order; a fourth-order error comes out
+// a quarter too large). Shifts of one source are shared by all parameters and all predictions, so
+// that what the fit makes up for is not counted against what it predicts.
+// Sources: Friswell and Mottershead 1995; Mottershead, Link, Friswell 2011.
 #pragma once
 
 #include <Eigen/Core>
@@ -49,6 +57,18 @@ struct FreeParameter {
   [[nodiscard]] double factor(std::size_t target) const {
     return target < factors.size() ? factors[target] : 1;
   }
+};
+
+/// A number that the fit takes as known: a load cell's reading, a length, a mass, an EI from a
+/// bending test. It moves numbers of the scenes, one standard uncertainty of it by `change`.
+struct UncertainInput {
+  struct Effect {
+    int state = 0;
+    std::string target;  ///< scene parameter; one that is fitted is not moved
+    double change = 0;   ///< by one standard uncertainty
+  };
+  std::string name;
+  std::vector<Effect> effects = {};
 };
 
 struct MeasuredMode {
@@ -128,8 +148,14 @@ struct UpdateOptions {
   double start_spread = 3;         ///< factor by which the others are off, up or down, at most
   std::uint64_t seed = 1;
   int max_iterations = 60;
+  double function_tolerance = 1e-9;  ///< relative, of the cost
   int max_pairings = 8;
   int threads = 1;  ///< over the starts
+  /// Starts but the first look for their minimum with a third of the segments (from 16 on); only
+  /// those that find another one than the first are followed with all.
+  bool coarse_starts = true;
+  bool segment_uncertainty = true;          ///< the segments' error is part of the uncertainties
+  std::vector<UncertainInput> inputs = {};  ///< independent of each other
   /// Segments of members that leave them to the program: good to some 1e-5 in the first modes.
   int auto_segments = 30;
   ModeSolver solver = {};     ///< empty: model::analyse_mode_sensitivities
@@ -139,6 +165,12 @@ struct UpdateOptions {
 enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
 [[nodiscard]] const char* name_of(UpdateStatus status);
 
+/// What one source adds to a parameter's uncertainty; the squares of all add up to std^2.
+struct UpdateBudgetTerm {
+  std::string source;  ///< "data", "prior of ...", "segments", or an input's name
+  double std = 0;
+};
+
 struct UpdatedParameter {
   std::string name;
   int state = -1;  ///< -1: shared
@@ -147,6 +179,9 @@ struct UpdatedParameter {
   bool identifiable = false;
   double std_from_data = 0;  ///< without the priors; NaN when the data alone cannot
   bool at_bound = false;
+  std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
+  /// By how much the value is too large for want of segments, estimated; NaN: not known.
+  double segment_shift = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct UpdatedPair {
@@ -156,6 +191,8 @@ struct UpdatedPair {
   double measured_hz = 0, model_hz = 0, relative_error = 0, mac = 0;
   double measured_damping = 0, model_damping = 0;  ///< NaN when not measured
   bool cross_plane = false;
+  /// Of model_hz, from parameters, inputs and segments together; NaN: not known.
+  double model_std_hz = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct UpdatedUnpaired {
@@ -171,8 +208,13 @@ struct UpdateResult {
   std::string message;  ///< for a person, when not converged or doubtful
   std::vector<UpdatedParameter> parameters;
   Identifiability identifiability;  ///< data and priors, in the fitted coordinates (relative)
-  Eigen::MatrixXd covariance;       ///< of the parameters' values; NaN where not identifiable
-  std::vector<std::string> open;    ///< what the data cannot separate, in words
+  Eigen::MatrixXd covariance;       ///< of the parameters' values, all sources; NaN where not
+                                    ///< identifiable
+  Eigen::MatrixXd correlation;      ///< the same
+  /// Shifts of the fitted coordinates by one standard uncertainty of each shared source.
+  Eigen::MatrixXd shifts;
+  std::vector<std::string> shift_sources;  ///< "segments" and the inputs; one a column
+  std::vector<std::string> open;           ///< what the data cannot separate, in words
   std::vector<UpdatedPair> pairs;
   std::vector<UpdatedUnpaired> unpaired;
   std::vector<UpdatedPair> pairs_before;                         ///< at the start values
@@ -228,15 +270,36 @@ struct UpdateMonteCarlo {
   int samples = 0, failed = 0;
   Eigen::MatrixXd values;                ///< parameters x successful samples
   Eigen::VectorXd mean, std, low, high;  ///< central 95 % interval
+  /// Frequencies of the solution's pairs, in their order: as the refitted model gives them, and as
+  /// the scene gives them before any fit (inputs and priors drawn, the rest at its start).
+  struct Frequencies {
+    Eigen::VectorXd mean, std, low, high;  ///< Hz
+  };
+  Frequencies fitted, before;
 };
 
-/// Refits with measured frequencies and priors drawn anew from their uncertainties (the fit's own
-/// scatter where they have none), from the solution, with its pairs. `progress` is called after
-/// each sample, from any thread.
+/// Refits from the solution, with its pairs. Drawn anew in each sample, all normal: measured
+/// frequencies, damping ratios and FRFs about the fitted model's (by their uncertainties, the fit's
+/// own scatter where they have none), priors, and every input. Time histories are not drawn.
+/// `progress` is called after each sample, from any thread.
 [[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
                                                   const std::vector<UpdateState>& states,
                                                   const std::vector<FreeParameter>& free,
                                                   const UpdateOptions& options, int samples,
                                                   const std::function<void()>& progress = {});
+
+struct ProfileInterval {
+  double low = std::numeric_limits<double>::quiet_NaN();  ///< NaN: open, the cost stays below
+  double high = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// 95 % intervals by profile: where the least cost with that parameter held, all others fitted
+/// anew, exceeds the solution's by half the squared coverage factor (times the variance factor). Of
+/// data and priors; inputs and segments are not in it. NaN for what is not identifiable.
+/// Source: Bates and Watts, Nonlinear Regression Analysis, 6.1.2.
+[[nodiscard]] std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
+                                                             const std::vector<UpdateState>& states,
+                                                             const std::vector<FreeParameter>& free,
+                                                             const UpdateOptions& options);
 
 }  // namespace rigfit::ident

@@ -60,6 +60,10 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
   const Eigen::VectorXd& s = svd.singularValues();
   const Eigen::MatrixXd& V = svd.matrixV();
   const double floor = s[0] * options.relative_rank_tolerance;
+  result.directions = V;
+  result.singular_values = s;
+  result.scales = scales;
+  result.null_below = floor;
   result.condition = s[n - 1] > 0 ? s[0] / s[n - 1] : std::numeric_limits<double>::infinity();
 
   // A direction that is zero to the Jacobian's accuracy keeps the floor, which makes every
@@ -106,6 +110,33 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
     }
   }
   return result;
+}
+
+double Identifiability::std_of(const Eigen::Ref<const Eigen::VectorXd>& gradient) const {
+  if (gradient.size() != scales.size() || !gradient.allFinite()) return kNaN;
+  const Eigen::VectorXd by = directions.transpose() * scales.cwiseProduct(gradient);
+  double variance = 0;
+  for (Eigen::Index i = 0; i < by.size(); ++i) {
+    if (singular_values[i] > null_below) {
+      variance += std::pow(by[i] / singular_values[i], 2);
+    } else if (std::abs(by[i]) > 1e-6 * by.norm()) {
+      return kNaN;
+    }
+  }
+  return std::sqrt(variance);
+}
+
+Eigen::VectorXd Identifiability::shift_by(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                                          const Eigen::Ref<const Eigen::VectorXd>& change,
+                                          const IdentifiabilityOptions& options) const {
+  Eigen::VectorXd along =
+      directions.transpose() * (scales.cwiseProduct(jacobian.transpose() * change));
+  for (Eigen::Index i = 0; i < along.size(); ++i) {
+    const double s = singular_values[i];
+    const bool determined = s > null_below && 1 / s <= options.max_relative_std;
+    along[i] = determined ? -along[i] / (s * s * options.variance_factor) : 0;
+  }
+  return scales.cwiseProduct(directions * along);
 }
 
 double coverage_factor(double coverage, double degrees_of_freedom) {

@@ -42,7 +42,19 @@ struct Identifiability {
   Eigen::MatrixXd covariance;   ///< rows and columns of unidentifiable parameters are NaN
   Eigen::MatrixXd correlation;  ///< the same
   std::vector<OpenDirection> open;
+  Eigen::MatrixXd directions;       ///< V: columns, of relative change
+  Eigen::VectorXd singular_values;  ///< of J S over the root of the variance factor, falling
+  Eigen::VectorXd scales;           ///< S
+  double null_below = 0;            ///< singular values not above this are zero
 
+  /// Standard uncertainty of a quantity with this gradient by the parameters: what is open in them
+  /// may still be determined in it. NaN when it is not.
+  [[nodiscard]] double std_of(const Eigen::Ref<const Eigen::VectorXd>& gradient) const;
+  /// Change of the parameters that residuals changed by `change` bring about, in the directions
+  /// that are determined: -(J'J)^-1 J' change.
+  [[nodiscard]] Eigen::VectorXd shift_by(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                                         const Eigen::Ref<const Eigen::VectorXd>& change,
+                                         const IdentifiabilityOptions& options = {}) const;
   [[nodiscard]] bool complete() const { return open.empty(); }
 };
 

@@ -1,4 +1,4 @@
-// Hold-out and Monte Carlo of the update.
+// Hold-out, Monte Carlo and profile intervals of the update.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -8,12 +8,99 @@
 
 #include "ident/model_update.h"
 #include "ident/update_solver.h"
+#include "ident/update_uncertainty.h"
 #include "signal/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
 using signal::kNaN;
+
+// Of each row of values (rows x samples): mean, standard deviation, central 95 % interval.
+struct Spread {
+  Eigen::VectorXd mean, std, low, high;
+};
+Spread spread_of(const Eigen::MatrixXd& values) {
+  Spread spread;
+  const double samples = static_cast<double>(values.cols());
+  spread.mean = values.rowwise().mean();
+  spread.std =
+      ((values.colwise() - spread.mean).rowwise().squaredNorm() / (samples - 1)).cwiseSqrt();
+  spread.low.resize(values.rows()), spread.high.resize(values.rows());
+  for (Eigen::Index j = 0; j < values.rows(); ++j) {
+    Eigen::VectorXd sorted = values.row(j);
+    std::sort(sorted.begin(), sorted.end());
+    const auto at = [&](double p) {
+      return sorted[static_cast<Eigen::Index>(std::lround(p * (samples - 1)))];
+    };
+    spread.low[j] = at(0.025);
+    spread.high[j] = at(0.975);
+  }
+  return spread;
+}
+
+// Frequencies of the matches; false when the model lacks one.
+bool frequencies_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                    const Eigen::VectorXd& q, Eigen::VectorXd& frequencies) {
+  frequencies.resize(static_cast<Eigen::Index>(matches.size()));
+  const bool leakage = std::any_of(matches.begin(), matches.end(),
+                                   [](const auto& match) { return match.cross_plane; });
+  int current = -1;
+  UpdateStateModes modelled;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    const auto& match = matches[i];
+    if (match.state != current) {
+      modelled = problem.modes(match.state, q, false, leakage ? nullptr : &matches);
+    }
+    current = match.state;
+    const auto* mode = modelled.find(match.plane, match.order);
+    if (mode == nullptr) return false;
+    frequencies[static_cast<Eigen::Index>(i)] = mode->frequency_hz;
+  }
+  return true;
+}
+
+// How far the deviance is above the solution's, as a standard normal would have it; NaN: no model.
+double signed_root(double cost, double least, double variance_factor) {
+  return std::sqrt(std::max(0.0, 2 * (cost - least) / variance_factor));
+}
+
+// One end of the profile interval of coordinate j, in q; NaN: the cost stays below.
+double profile_end(const UpdateProblem& problem, const UpdateOptions& options,
+                   const std::vector<UpdateMatch>& matches, const UpdateResult& solution,
+                   Eigen::Index j, double direction, double least) {
+  const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+  const double goal = solution.coverage_factor;
+  const double at = solution.coordinates[j];
+  const double bound = direction > 0 ? coordinate.high : coordinate.low;
+  // The root of the deviance is nearly a straight line in q: secants on it from the linear answer.
+  double near = 0, near_root = 0, step = goal * solution.identifiability.std[j];
+  Eigen::VectorXd q = solution.coordinates;
+  for (int round = 0; round < 12; ++round) {
+    if (std::abs(bound - at) < step) step = std::abs(bound - at);
+    q[j] = at + direction * step;
+    double cost = 0;
+    (void)minimise(problem, matches, UpdateStage::full, options, q, cost, static_cast<int>(j));
+    if (!robust_cost(problem, matches, UpdateStage::full, options, q, cost)) return kNaN;
+    const double root = signed_root(cost, least, solution.variance_factor);
+    if (std::abs(root - goal) < 2e-3 * goal) return q[j];
+    if (root < goal && q[j] == bound) return kNaN;
+    const double slope = (root - near_root) / (step - near);
+    const double next = slope > 0 ? step + (goal - root) / slope : 2 * step;
+    near = step, near_root = root;
+    step = std::clamp(next, 0.2 * step, 3 * step);
+  }
+  return kNaN;
+}
+
+std::vector<UpdateMatch> matches_of(const UpdateResult& solution) {
+  std::vector<UpdateMatch> matches;
+  for (const auto& pair : solution.pairs) {
+    matches.push_back(
+        {pair.state, pair.measured, pair.plane, pair.order, pair.mac, pair.cross_plane});
+  }
+  return matches;
+}
 
 }  // namespace
 
@@ -50,6 +137,7 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
       if (failure.empty()) {
         held.pairs = problem.pairs(q, after.matches);
         held.rms_predicted = rms_of_pairs(held.pairs);
+        state_prediction_uncertainty(problem, options, fitted, q, s, held.pairs);
       }
     }
     result.push_back(std::move(held));
@@ -65,14 +153,11 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
   UpdateMonteCarlo result;
   const auto n = solution.coordinates.size();
   if (n == 0) return result;
-  std::vector<UpdateMatch> matches;
-  for (const auto& pair : solution.pairs) {
-    matches.push_back(
-        {pair.state, pair.measured, pair.plane, pair.order, pair.mac, pair.cross_plane});
-  }
+  const std::vector<UpdateMatch> matches = matches_of(solution);
   // The truth of the experiment is the fitted model: what was measured is drawn about it.
   const double spread = std::sqrt(solution.variance_factor);
-  std::vector<Eigen::VectorXd> values(static_cast<std::size_t>(samples));
+  std::vector<Eigen::VectorXd> values(static_cast<std::size_t>(samples)), fitted(values.size()),
+      before(values.size());
   std::atomic<int> next{0};
   std::exception_ptr fault;
   std::atomic<bool> failed{false};
@@ -98,15 +183,27 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
             !problem.redraw_frfs(solution.coordinates, spread, [&] { return normal(random); })) {
           continue;
         }
+        Eigen::VectorXd start = problem.start();
         for (Eigen::Index j = 0; j < n; ++j) {
           const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
           if (coordinate.prior_std > 0) {
-            problem.set_prior(j, solution.coordinates[j] + coordinate.prior_std * normal(random));
+            const double off = coordinate.prior_std * normal(random);
+            start[j] = std::clamp(coordinate.prior + off, coordinate.low, coordinate.high);
+            problem.set_prior(j, solution.coordinates[j] + off);
           }
         }
-        Eigen::VectorXd q = solution.coordinates;
+        // The data are the rig's; what is taken as known is off.
+        Eigen::VectorXd off(static_cast<Eigen::Index>(options.inputs.size()));
+        for (double& value : off) value = normal(random);
+        if (off.size() > 0) problem = problem.with_inputs(off);
+        Eigen::VectorXd q = solution.coordinates, frequencies, first;
         double cost = 0;
-        if (minimise(problem, matches, UpdateStage::full, options, q, cost)) {
+        if (minimise(problem, matches, UpdateStage::full, options, q, cost) &&
+            frequencies_of(problem, matches, q, frequencies)) {
+          if (frequencies_of(problem, matches, start, first)) {
+            before[static_cast<std::size_t>(k)] = std::move(first);
+          }
+          fitted[static_cast<std::size_t>(k)] = std::move(frequencies);
           Eigen::VectorXd value(n);
           for (Eigen::Index j = 0; j < n; ++j) {
             value[j] = problem.coordinates()[static_cast<std::size_t>(j)].value(q[j]);
@@ -125,29 +222,68 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
   for (auto& thread : threads) thread.join();
   if (fault) std::rethrow_exception(fault);
 
-  std::erase_if(values, [](const auto& value) { return value.size() == 0; });
+  const auto together = [](std::vector<Eigen::VectorXd>& columns) {
+    std::erase_if(columns, [](const auto& column) { return column.size() == 0; });
+    Eigen::MatrixXd all(columns.empty() ? 0 : columns[0].size(),
+                        static_cast<Eigen::Index>(columns.size()));
+    for (Eigen::Index k = 0; k < all.cols(); ++k) all.col(k) = columns[static_cast<std::size_t>(k)];
+    return all;
+  };
+  result.values = together(values);
   result.samples = static_cast<int>(values.size());
   result.failed = samples - result.samples;
   if (result.samples < 2) return result;
-  result.values.resize(n, result.samples);
-  for (int k = 0; k < result.samples; ++k) {
-    result.values.col(k) = values[static_cast<std::size_t>(k)];
-  }
-  result.mean = result.values.rowwise().mean();
-  result.std =
-      ((result.values.colwise() - result.mean).rowwise().squaredNorm() / (result.samples - 1.0))
-          .cwiseSqrt();
-  result.low.resize(n), result.high.resize(n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    Eigen::VectorXd sorted = result.values.row(j);
-    std::sort(sorted.begin(), sorted.end());
-    const auto at = [&](double p) {
-      return sorted[static_cast<Eigen::Index>(std::lround(p * (result.samples - 1)))];
-    };
-    result.low[j] = at(0.025);
-    result.high[j] = at(0.975);
+  const Spread parameters = spread_of(result.values);
+  result.mean = parameters.mean, result.std = parameters.std;
+  result.low = parameters.low, result.high = parameters.high;
+  for (auto [columns, out] : {std::pair{&fitted, &result.fitted}, {&before, &result.before}}) {
+    const Eigen::MatrixXd all = together(*columns);
+    if (all.cols() < 2 || all.rows() == 0) continue;
+    const Spread each = spread_of(all);
+    *out = {each.mean, each.std, each.low, each.high};
   }
   return result;
+}
+
+std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
+                                               const std::vector<UpdateState>& states,
+                                               const std::vector<FreeParameter>& free,
+                                               const UpdateOptions& options) {
+  std::vector<ProfileInterval> intervals(solution.parameters.size());
+  const UpdateProblem problem(states, free, options);
+  const std::vector<UpdateMatch> matches = matches_of(solution);
+  double least = 0;
+  if (solution.coordinates.size() == 0 ||
+      !robust_cost(problem, matches, UpdateStage::full, options, solution.coordinates, least)) {
+    return intervals;
+  }
+  std::atomic<Eigen::Index> next{0};
+  std::exception_ptr fault;
+  std::atomic<bool> failed{false};
+  const auto work = [&] {
+    try {
+      for (Eigen::Index j = next++; j < problem.size() && !failed; j = next++) {
+        const auto p = static_cast<std::size_t>(j);
+        if (!solution.parameters[p].identifiable) continue;
+        const auto end = [&](double direction) {
+          const double q = profile_end(problem, options, matches, solution, j, direction, least);
+          return std::isfinite(q) ? problem.coordinates()[p].value(q) : kNaN;
+        };
+        // A negative scale turns the ends round.
+        const double one = end(-1), other = end(1);
+        const bool rising = problem.coordinates()[p].derivative(solution.coordinates[j]) > 0;
+        intervals[p] = rising ? ProfileInterval{one, other} : ProfileInterval{other, one};
+      }
+    } catch (...) {
+      if (!failed.exchange(true)) fault = std::current_exception();
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
+  work();
+  for (auto& thread : threads) thread.join();
+  if (fault) std::rethrow_exception(fault);
+  return intervals;
 }
 
 }  // namespace rigfit::ident

@@ -64,7 +64,7 @@ bool UpdateProblem::history_residuals(int state, const Eigen::VectorXd& q, Eigen
   std::string failure;
   if (!fixed_scene(state, q, scene, failure)) return false;
   for (const auto& history : histories) {
-    ++evaluations_;
+    ++shared_->evaluations;
     const Eigen::MatrixXd here = response_of(scene, history);
     if (here.size() == 0) return false;
     std::vector<Eigen::MatrixXd> rates;

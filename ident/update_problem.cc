@@ -200,8 +200,38 @@ std::vector<std::string> UpdateProblem::names() const {
   return names;
 }
 
+UpdateProblem UpdateProblem::with_segments(double factor) const {
+  UpdateProblem other = *this;
+  other.segment_factor_ = factor;
+  return other;
+}
+
+UpdateProblem UpdateProblem::with_inputs(const Eigen::VectorXd& off) const {
+  UpdateProblem other = *this;
+  other.inputs_off_ = off;
+  return other;
+}
+
+int UpdateProblem::fewest_segments() const {
+  int fewest = std::numeric_limits<int>::max();
+  for (const auto& state : states_) {
+    for (const auto& member : state.scene.members) {
+      fewest = std::min(fewest, member.segments == 0 ? options_.auto_segments : member.segments);
+    }
+  }
+  return fewest;
+}
+
 model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const {
   model::Scene scene = states_[static_cast<std::size_t>(state)].scene;
+  for (Eigen::Index i = 0; i < inputs_off_.size(); ++i) {
+    if (inputs_off_[i] == 0) continue;
+    for (const auto& effect : options_.inputs[static_cast<std::size_t>(i)].effects) {
+      if (effect.state != state) continue;
+      model::set_parameter(scene, effect.target,
+                           model::parameter(scene, effect.target) + inputs_off_[i] * effect.change);
+    }
+  }
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
     if (coordinate.state >= 0 && coordinate.state != state) continue;
@@ -225,6 +255,8 @@ bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scen
   }
   for (auto& member : scene.members) {  // the same number all along, or frequencies would jump
     if (member.segments == 0) member.segments = options_.auto_segments;
+    member.segments = std::max(std::min(member.segments, 8),
+                               static_cast<int>(std::lround(segment_factor_ * member.segments)));
   }
   return true;
 }
@@ -244,18 +276,53 @@ UpdateProblem::Targets UpdateProblem::targets_of(int state) const {
   return targets;
 }
 
-UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool derivatives) const {
+UpdateProblem::ModeNeed UpdateProblem::need_of(int state,
+                                               const std::vector<UpdateMatch>* matches) const {
+  using model::ModePlane;
+  // Joint dampers couple modes: all of them then.
+  if (matches == nullptr || damping_ || !shared_->narrow) return {};
+  int in = 0, out = 0, other = 0;
+  for (const auto& match : *matches) {
+    if (match.state != state || match.cross_plane) continue;
+    int& most = match.plane == ModePlane::in ? in : match.plane == ModePlane::out ? out : other;
+    most = std::max(most, match.order + 1);
+  }
+  if (other > 0 || (in > 0) == (out > 0)) return {};
+  // Two more, as axial or torsional modes may lie between.
+  return {in > 0 ? ModePlane::in : ModePlane::out, std::max(in, out) + 2};
+}
+
+UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool derivatives,
+                                      const std::vector<UpdateMatch>* matches) const {
+  const ModeNeed need = need_of(state, matches);
+  UpdateStateModes result = modes_asked(state, q, derivatives, need);
+  if (need.count == 0 || !result.failure.empty()) return result;
+  for (const auto& match : *matches) {
+    if (match.state != state || match.cross_plane) continue;
+    if (result.find(match.plane, match.order) != nullptr) continue;
+    shared_->narrow = false;  // such as a scene without a plane of symmetry
+    return modes_asked(state, q, derivatives, {});
+  }
+  return result;
+}
+
+UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
+                                            const ModeNeed& need) const {
   UpdateStateModes result;
   const auto& measured = states_[static_cast<std::size_t>(state)].measured;
   model::Scene scene;
   if (!fixed_scene(state, q, scene, result.failure)) return result;
   const auto [targets, owner] = derivatives ? targets_of(state) : Targets{};
   model::ModesOptions modes;
-  modes.count = std::min<int>(100, 3 * static_cast<int>(measured.size()) + 8);
+  modes.count =
+      need.count > 0 ? need.count : std::min<int>(100, 3 * static_cast<int>(measured.size()) + 8);
+  modes.plane = need.plane;
   modes.damped = damping_;
   modes.shapes = false;
   modes.error_estimate = false;
-  ++evaluations_;
+  // Rates of shapes cost as much as the modes: only where shapes are fitted.
+  if (derivatives && !(options_.shape_std > 0)) scene.sensors.clear();
+  ++shared_->evaluations;
   const auto solved = options_.solver(scene, targets, modes);
   const auto& analysis = solved.analysis;
   if (analysis.equilibrium.status != model::EquilibriumStatus::converged) {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <cmath>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -81,8 +82,15 @@ class UpdateProblem {
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
   [[nodiscard]] bool takes_part(int state) const { return state != held_out_; }
+  /// The same with that many times the segments (at least 8, where there are as many).
+  [[nodiscard]] UpdateProblem with_segments(double factor) const;
+  /// The same with its inputs off by so many standard uncertainties each.
+  [[nodiscard]] UpdateProblem with_inputs(const Eigen::VectorXd& off) const;
+  [[nodiscard]] int fewest_segments() const;  ///< of any member
   [[nodiscard]] model::Scene scene_at(int state, const Eigen::VectorXd& q) const;
-  [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives) const;
+  /// `matches`: modes are asked for that these need; null: all that may pair.
+  [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives,
+                                       const std::vector<UpdateMatch>* matches = nullptr) const;
 
   /// Pairs every state that takes part (or `only` that one); `failure` says why there are none.
   [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, double common_factor_range,
@@ -112,7 +120,7 @@ class UpdateProblem {
 
   [[nodiscard]] double relative_std(int state, int measured) const;
   [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
-  [[nodiscard]] int evaluations() const { return evaluations_; }
+  [[nodiscard]] int evaluations() const { return shared_->evaluations; }
 
   /// Replaces what was measured and the priors' centres (for Monte Carlo).
   void set_measured(int state, int measured, double frequency_hz, double damping_ratio);
@@ -135,6 +143,14 @@ class UpdateProblem {
     std::vector<std::pair<Eigen::Index, double>> owner;  // coordinate, factor
   };
 
+  // Asked of the model for fixed pairs; `plane` empty and count 0: everything.
+  struct ModeNeed {
+    std::optional<model::ModePlane> plane;
+    int count = 0;
+  };
+  [[nodiscard]] ModeNeed need_of(int state, const std::vector<UpdateMatch>* matches) const;
+  [[nodiscard]] UpdateStateModes modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
+                                             const ModeNeed& need) const;
   [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
   [[nodiscard]] bool shape_fitted(const MeasuredMode& mode) const;
   [[nodiscard]] bool counts(int state, UpdateStage stage) const;
@@ -156,7 +172,13 @@ class UpdateProblem {
   std::vector<std::set<std::string>> present_;  // parameters of each state's scene
   Eigen::Index priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
-  mutable std::atomic<int> evaluations_{0};
+  double segment_factor_ = 1;
+  Eigen::VectorXd inputs_off_;  // empty: none
+  struct Shared {               // by copies of a problem too
+    std::atomic<int> evaluations{0};
+    std::atomic<bool> narrow{true};  // asking for the paired modes alone has not failed yet
+  };
+  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
 };
 
 /// Root mean square of the relative errors of pairs that are no leakage; NaN without any.

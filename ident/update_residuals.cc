@@ -53,7 +53,7 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
   for (const auto& match : matches) {  // ordered by state
     if (match.cross_plane || !counts(match.state, stage)) continue;
     if (match.state != current) {
-      modelled = modes(match.state, q, jacobian != nullptr);
+      modelled = modes(match.state, q, jacobian != nullptr, &matches);
       if (!modelled.failure.empty()) return false;
       current = match.state;
     }

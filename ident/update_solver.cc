@@ -1,6 +1,7 @@
 #include "ident/update_solver.h"
 
 #include <ceres/cost_function.h>
+#include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
@@ -36,9 +37,17 @@ class UpdateCost : public ceres::CostFunction {
   bool Evaluate(double const* const* blocks, double* out, double** jacobians) const override {
     const Eigen::Map<const Eigen::VectorXd> q(blocks[0], problem_.size());
     const bool derivatives = jacobians != nullptr && jacobians[0] != nullptr;
-    Eigen::VectorXd r;
-    Eigen::MatrixXd J;
-    if (!problem_.residuals(q, matches_, stage_, r, derivatives ? &J : nullptr)) return false;
+    // Most steps are taken: the Jacobian found with the residuals of a trial serves when it is
+    // asked for. Only those of time histories cost more than they save.
+    if (q_.size() == 0 || q != q_ || (derivatives && J_.size() == 0)) {
+      J_.resize(0, 0);
+      q_.resize(0);
+      const bool with = derivatives || !problem_.has_histories();
+      if (!problem_.residuals(q, matches_, stage_, r_, with ? &J_ : nullptr)) return false;
+      q_ = q;
+    }
+    const Eigen::VectorXd& r = r_;
+    const Eigen::MatrixXd& J = J_;
     const Eigen::Index data = r.size() - problem_.prior_count();
     for (Eigen::Index i = 0; i < r.size(); ++i) {
       double factor = 1;
@@ -56,6 +65,8 @@ class UpdateCost : public ceres::CostFunction {
   const std::vector<UpdateMatch>& matches_;
   UpdateStage stage_;
   double threshold_;
+  mutable Eigen::VectorXd q_, r_;  // the last point; of one solver, on its thread
+  mutable Eigen::MatrixXd J_;
 };
 
 // What a mode that finds no partner adds to the cost: as much as one 20 % off.
@@ -74,7 +85,9 @@ double negligible_cost(const UpdateProblem& problem, const std::vector<UpdateMat
 }  // namespace
 
 bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-              UpdateStage stage, const UpdateOptions& options, Eigen::VectorXd& q, double& cost) {
+              UpdateStage stage, const UpdateOptions& options, Eigen::VectorXd& q, double& cost,
+              int held) {
+  if (held >= 0 && q.size() == 1) return robust_cost(problem, matches, stage, options, q, cost);
   ceres::Problem::Options ownership;
   ceres::Problem ceres_problem(ownership);
   ceres_problem.AddResidualBlock(new UpdateCost(problem, matches, stage, options.huber_threshold),
@@ -89,11 +102,15 @@ bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matc
       ceres_problem.SetParameterUpperBound(q.data(), j, coordinate.high);
     }
   }
+  if (held >= 0) {
+    ceres_problem.SetManifold(q.data(),
+                              new ceres::SubsetManifold(static_cast<int>(q.size()), {held}));
+  }
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.logging_type = ceres::SILENT;
   solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = 1e-9;
+  solver.function_tolerance = options.function_tolerance;
   solver.parameter_tolerance = 1e-9;
   solver.gradient_tolerance = 1e-9;
   // What the pairs leave open would otherwise run off along its valley.
@@ -107,19 +124,27 @@ bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matc
          cost < negligible_cost(problem, matches, stage);
 }
 
-namespace {
-
-// Cost of an answer with the pairs it really has; false when there is no model.
-bool cost_at(const UpdateProblem& problem, const UpdateOptions& options, const UpdateMatches& pairs,
-             UpdateStage stage, const Eigen::VectorXd& q, double& cost) {
+bool robust_cost(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                 UpdateStage stage, const UpdateOptions& options, const Eigen::VectorXd& q,
+                 double& cost) {
   Eigen::VectorXd r;
-  if (!problem.residuals(q, pairs.matches, stage, r, nullptr)) return false;
-  cost = unpaired_cost(options) * pairs.unpaired_measured;
+  if (!problem.residuals(q, matches, stage, r, nullptr)) return false;
+  cost = 0;
   for (Eigen::Index i = 0; i < r.size(); ++i) {
     double ignored;
     const bool data = i < r.size() - problem.prior_count();
     cost += 0.5 * std::pow(data ? huber_residual(r[i], options.huber_threshold, ignored) : r[i], 2);
   }
+  return true;
+}
+
+namespace {
+
+// Cost of an answer with the pairs it really has; false when there is no model.
+bool cost_at(const UpdateProblem& problem, const UpdateOptions& options, const UpdateMatches& pairs,
+             UpdateStage stage, const Eigen::VectorXd& q, double& cost) {
+  if (!robust_cost(problem, pairs.matches, stage, options, q, cost)) return false;
+  cost += unpaired_cost(options) * pairs.unpaired_measured;
   return true;
 }
 
@@ -207,6 +232,19 @@ std::vector<Eigen::VectorXd> starts_of(const UpdateProblem& problem, const Updat
   return starts;
 }
 
+// The same minimum: all residuals together differ by less than a tenth of a standard deviation.
+bool same_answer(const UpdateProblem& problem, const UpdateSolution& a, const UpdateSolution& b) {
+  if (!a.converged || !b.converged || a.matches.matches != b.matches.matches) return false;
+  Eigen::VectorXd ra, rb;
+  return problem.residuals(a.q, a.matches.matches, UpdateStage::full, ra, nullptr) &&
+         problem.residuals(b.q, b.matches.matches, UpdateStage::full, rb, nullptr) &&
+         (ra - rb).squaredNorm() < 0.01;
+}
+
+constexpr int kCoarsenFrom = 16;  // segments
+constexpr double kCoarse = 1.0 / 3;
+constexpr double kCoarseTolerance = 1e-5;  // of the cost, below what tells answers apart
+
 }  // namespace
 
 std::vector<UpdateSolution> solve_from_all_starts(const UpdateProblem& problem,
@@ -214,18 +252,37 @@ std::vector<UpdateSolution> solve_from_all_starts(const UpdateProblem& problem,
   const auto starts = starts_of(problem, options);
   std::vector<UpdateSolution> solved(starts.size());
   std::vector<std::exception_ptr> faults(starts.size());
-  std::atomic<std::size_t> next{0};
+  solved[0] = solve_from(problem, starts[0], options);
+  if (starts.size() == 1) return solved;
+  // Time histories run out of phase with few segments.
+  const bool coarsen = options.coarse_starts && !problem.has_histories() &&
+                       problem.fewest_segments() >= kCoarsenFrom && solved[0].q.size() > 0;
+  const UpdateProblem coarse = problem.with_segments(coarsen ? kCoarse : 1);
+  UpdateOptions rough = options;
+  rough.function_tolerance = std::max(options.function_tolerance, kCoarseTolerance);
+  const UpdateSolution reference =
+      coarsen ? solve_from(coarse, solved[0].q, rough) : UpdateSolution();
+  const auto solve = [&](const Eigen::VectorXd& start) {
+    if (!coarsen) return solve_from(problem, start, options);
+    const UpdateSolution found = solve_from(coarse, start, rough);
+    if (found.q.size() == 0) return solve_from(problem, start, options);
+    if (!same_answer(coarse, found, reference)) return solve_from(problem, found.q, options);
+    UpdateSolution same = solved[0];
+    same.pairings = found.pairings;
+    return same;
+  };
+  std::atomic<std::size_t> next{1};
   const auto work = [&] {
     for (std::size_t k = next++; k < starts.size(); k = next++) {
       try {
-        solved[k] = solve_from(problem, starts[k], options);
+        solved[k] = solve(starts[k]);
       } catch (...) {
         faults[k] = std::current_exception();
       }
     }
   };
   std::vector<std::thread> threads;
-  for (int t = 1; t < std::min<int>(options.threads, static_cast<int>(starts.size())); ++t) {
+  for (int t = 1; t < std::min<int>(options.threads, static_cast<int>(starts.size()) - 1); ++t) {
     threads.emplace_back(work);
   }
   work();

@@ -23,10 +23,17 @@ struct UpdateSolution {
 /// Huber's rho as a change of the residual, r~ with r~^2 = rho(r^2), and d r~ / d r.
 [[nodiscard]] double huber_residual(double r, double threshold, double& derivative);
 
-/// With fixed pairs, from q, which becomes the answer. False when it did not converge.
+/// With fixed pairs, from q, which becomes the answer. False when it did not converge. `held`: a
+/// coordinate that stays as it is; -1: none.
 [[nodiscard]] bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                             UpdateStage stage, const UpdateOptions& options, Eigen::VectorXd& q,
-                            double& cost);
+                            double& cost, int held = -1);
+
+/// Half the sum of squares with Huber's rho; false when there is no model.
+[[nodiscard]] bool robust_cost(const UpdateProblem& problem,
+                               const std::vector<UpdateMatch>& matches, UpdateStage stage,
+                               const UpdateOptions& options, const Eigen::VectorXd& q,
+                               double& cost);
 
 /// From every start, on `options.threads` threads.
 [[nodiscard]] std::vector<UpdateSolution> solve_from_all_starts(const UpdateProblem& problem,

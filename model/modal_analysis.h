@@ -75,9 +75,12 @@ struct ModesOptions {
   int count = 6;                                     ///< first N, ignored when a band is given
   std::optional<std::pair<double, double>> band_hz;  ///< all modes inside
   RotaryInertia rotary_inertia = RotaryInertia::accurate;
-  bool damped = true;           ///< damping ratios too
-  bool shapes = true;           ///< false: frequencies, planes and sensors only
-  bool error_estimate = true;   ///< two finer chains too: 3.5 times the time again
+  bool damped = true;          ///< damping ratios too
+  bool shapes = true;          ///< false: frequencies, planes and sensors only
+  bool error_estimate = true;  ///< two finer chains too: 3.5 times the time again
+  /// `in` or `out`: only the motion in or out of the plane of symmetry, where the scene has one;
+  /// `count` is then of its modes. Others: both.
+  std::optional<ModePlane> plane;
   std::optional<int> segments;  ///< overrides every member's number
   std::optional<bool> torsion;  ///< force modelling it or not; else by need
 };

@@ -20,6 +20,12 @@ void solve(MotionModes& motion, int count) {
   motion.complete = pairs.complete;
 }
 
+std::optional<Motion> only_motion(const ModesOptions& options) {
+  if (options.plane == ModePlane::in) return Motion::in_plane;
+  if (options.plane == ModePlane::out) return Motion::out_of_plane;
+  return std::nullopt;
+}
+
 }  // namespace
 
 double ChainModes::frequency_hz(std::size_t i) const {
@@ -76,6 +82,15 @@ ChainModes find_modes(const Scene& scene, const ModesOptions& options,
     }
   } else if (out.motions.size() == 1) {
     solve(out.motions[0], options.count);
+  } else if (const auto only = only_motion(options)) {
+    for (MotionModes& motion : out.motions) {
+      if (motion.motion == *only) {
+        solve(motion, options.count);
+      } else {
+        motion.shapes.resize(motion.assembly->size(), 0);
+        motion.complete = true;
+      }
+    }
   } else {
     // Half of them in each motion, one more, then what is lacking where the highest lies too low.
     std::vector<int> asked(out.motions.size(), std::min(options.count, options.count / 2 + 1));

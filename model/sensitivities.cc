@@ -18,18 +18,19 @@ struct ModeRates {
   Eigen::MatrixXd shapes;
 };
 
-ModeRates mode_rates(const MotionModes& motion, const EnvelopeMatrix& dk,
-                     const EnvelopeMatrix& dm) {
+ModeRates mode_rates(const MotionModes& motion, const EnvelopeMatrix& dk, const EnvelopeMatrix& dm,
+                     bool shapes) {
   ModeRates rates;
   const Eigen::Index count = motion.omega2.size();
   rates.omega2.resize(count);
-  rates.shapes.resize(motion.shapes.rows(), count);
+  rates.shapes.setZero(motion.shapes.rows(), count);
   EnvelopeMatrix shifted = motion.stiffness;
   EnvelopeFactor factor;
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::VectorXd phi = motion.shapes.col(i);
     const Eigen::VectorXd dk_phi = dk * phi, dm_phi = dm * phi, m_phi = motion.mass * phi;
     rates.omega2[i] = phi.dot(dk_phi) - motion.omega2[i] * phi.dot(dm_phi);
+    if (!shapes) continue;
     Eigen::VectorXd v = -(dk_phi - motion.omega2[i] * dm_phi) + rates.omega2[i] * m_phi;
     // (K - omega^2 M) v = right, with v = 0 where phi is largest: any stiffness added there makes
     // the matrix regular and, the right side being normal to phi, changes nothing.
@@ -114,7 +115,7 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
       if (dk.values().size() != below.stiffness.values().size()) continue;
       dk.values() = (above.stiffness.values() - below.stiffness.values()) / step.width();
       dm.values() = (above.mass.values() - below.mass.values()) / step.width();
-      const ModeRates rates = mode_rates(motion, dk, dm);
+      const ModeRates rates = mode_rates(motion, dk, dm, options.damped || !scene.sensors.empty());
 
       // Damping and sensors: the shapes move too.
       below.omega2 = motion.omega2 + (step.low - step.value) * rates.omega2;

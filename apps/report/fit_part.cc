@@ -37,6 +37,7 @@ class Fit {
       }
     }
     options_.model_relative_std = std::hypot(fit.model_std, segments_error_);
+    options_.segment_uncertainty = false;  // as it is in there
   }
 
   FitPart run() {

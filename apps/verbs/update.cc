@@ -11,6 +11,7 @@
 #include "apps/json_document.h"
 #include "apps/progress.h"
 #include "apps/update_data.h"
+#include "apps/update_inputs.h"
 #include "apps/verbs/all.h"
 #include "ident/model_update.h"
 #include "model/read_scene.h"
@@ -21,11 +22,12 @@ namespace {
 struct UpdateCommand {
   UpdateData data;
   std::vector<double> band;
-  std::vector<std::string> free, priors;
-  std::string out;
-  bool hold_out = false;
+  std::vector<std::string> free, priors, inputs;
+  std::string out, axial;
+  bool hold_out = false, profile = false;
   int monte_carlo = 0, starts = 4;
   double start_spread = 3, assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
+  double stiffness_common_std = 0;
 };
 
 double number_of(const std::string& text, const std::string& option) {
@@ -110,6 +112,7 @@ Json pair_json(const ident::UpdatedPair& pair, const UpdateStates& states) {
     json["measured_damping_ratio"] = pair.measured_damping;
     json["model_damping_ratio"] = json_number(pair.model_damping);
   }
+  if (std::isfinite(pair.model_std_hz)) json["model_std_hz"] = pair.model_std_hz;
   if (pair.cross_plane) json["leakage"] = true;
   return json;
 }
@@ -131,25 +134,73 @@ std::string percent(double ratio) {
   return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
 }
 
+// Where each parameter's uncertainty comes from, as shares of its variance; what is below half a
+// percent is not shown.
+void print_budget(std::ostream& out, const ident::UpdateResult& result) {
+  for (const auto& p : result.parameters) {
+    std::string shares;
+    for (const auto& term : p.budget) {
+      const double share = std::pow(term.std / p.std, 2);
+      if (!(share > 0.005)) continue;
+      shares += fmt::format("{}{} {:.0f} %", shares.empty() ? "" : ", ", term.source, 100 * share);
+    }
+    if (!shares.empty() && p.budget.size() > 1) {
+      out << fmt::format("  variance of {}: {}\n", p.name, shares);
+    }
+  }
+}
+
+Json spread_json(const Eigen::VectorXd& mean, const Eigen::VectorXd& std,
+                 const Eigen::VectorXd& low, const Eigen::VectorXd& high, Eigen::Index j) {
+  if (j >= mean.size()) return nullptr;
+  return {{"mean", mean[j]}, {"std", std[j]}, {"low", low[j]}, {"high", high[j]}};
+}
+
+Json monte_carlo_json(const ident::UpdateResult& result, const UpdateStates& states,
+                      const ident::UpdateMonteCarlo& study) {
+  Json rows = Json::array(), pairs = Json::array();
+  for (Eigen::Index j = 0; j < study.mean.size(); ++j) {
+    rows.push_back(spread_json(study.mean, study.std, study.low, study.high, j));
+    rows.back()["name"] = result.parameters[static_cast<std::size_t>(j)].name;
+  }
+  for (std::size_t i = 0; i < result.pairs.size(); ++i) {
+    const auto j = static_cast<Eigen::Index>(i);
+    const auto& pair = result.pairs[i];
+    const auto &fitted = study.fitted, &before = study.before;
+    pairs.push_back(
+        {{"state", states.states[static_cast<std::size_t>(pair.state)].name},
+         {"measured_hz", pair.measured_hz},
+         {"fitted_hz", spread_json(fitted.mean, fitted.std, fitted.low, fitted.high, j)},
+         {"before_hz", spread_json(before.mean, before.std, before.low, before.high, j)}});
+  }
+  return {{"samples", study.samples},
+          {"failed", study.failed},
+          {"parameters", std::move(rows)},
+          {"pairs", std::move(pairs)}};
+}
+
 void print(std::ostream& out, const ident::UpdateResult& result, const UpdateStates& states) {
   out << fmt::format("{:<34} {:>12} {:>12} {:>10}\n", "parameter", "start", "value", "std");
   for (const auto& p : result.parameters) {
     out << fmt::format("{:<34} {:>12.5g} {:>12.5g} {:>10}\n", p.name, p.start, p.value,
                        p.identifiable ? fmt::format("{:.2g}", p.std) : "not known");
   }
-  out << fmt::format("{:<24} {:>12} {:>12} {:>9}  {}\n", "state", "measured, Hz", "model, Hz",
-                     "error", "mode");
+  print_budget(out, result);
+  out << fmt::format("{:<24} {:>12} {:>12} {:>9} {:>9}  {}\n", "state", "measured, Hz", "model, Hz",
+                     "std", "error", "mode");
   for (const auto& pair : result.pairs) {
-    out << fmt::format("{:<24} {:>12.4f} {:>12.4f} {:>7.2f} %  {} {}{}\n",
-                       states.states[static_cast<std::size_t>(pair.state)].name, pair.measured_hz,
-                       pair.model_hz, 100 * pair.relative_error, model::name_of(pair.plane),
-                       pair.order + 1, pair.cross_plane ? " (leakage, not fitted)" : "");
+    out << fmt::format(
+        "{:<24} {:>12.4f} {:>12.4f} {:>9} {:>7.2f} %  {} {}{}\n",
+        states.states[static_cast<std::size_t>(pair.state)].name, pair.measured_hz, pair.model_hz,
+        std::isfinite(pair.model_std_hz) ? fmt::format("{:.2g}", pair.model_std_hz) : "-",
+        100 * pair.relative_error, model::name_of(pair.plane), pair.order + 1,
+        pair.cross_plane ? " (leakage, not fitted)" : "");
   }
   for (const auto& lone : result.unpaired) {
     const auto& name = states.states[static_cast<std::size_t>(lone.state)].name;
     const std::string hz = fmt::format("{:.4f}", lone.frequency_hz);
-    out << fmt::format("{:<24} {:>12} {:>12} {:>9}  {}\n", name, lone.measured ? hz : "-",
-                       lone.measured ? "-" : hz, "unpaired", lone.reason);
+    out << fmt::format("{:<24} {:>12} {:>12} {:>9} {:>9}  {}\n", name, lone.measured ? hz : "-",
+                       lone.measured ? "-" : hz, "", "unpaired", lone.reason);
   }
   if (!result.pairs.empty()) {
     out << fmt::format("rms of the paired errors: {} before, {} fitted\n",
@@ -298,7 +349,7 @@ Json run_update(VerbContext& context, UpdateCommand options) {
     if (!(options.band[0] < options.band[1])) throw UsageError("--band must rise");
     options.data.band_hz = {options.band[0], options.band[1]};
   }
-  const UpdateStates states = read_update_states(options.data, context);
+  UpdateStates states = read_update_states(options.data, context);
   const auto free = free_parameters(options, states.states.front().scene);
   ident::UpdateOptions update;
   update.assumed_relative_std = options.assumed_std;
@@ -309,6 +360,16 @@ Json run_update(VerbContext& context, UpdateCommand options) {
   update.start_spread = options.start_spread;
   update.seed = context.seed;
   update.threads = context.threads;
+  if (!options.axial.empty()) {
+    context.input(options.axial);
+    update.inputs.push_back(axial_input(options.axial, states));
+  }
+  if (options.stiffness_common_std > 0 && states.stiffness.empty()) {
+    throw UsageError("--stiffness-std is of the --stiffness table, and there is none");
+  }
+  for (auto& input : uncertain_inputs(options.inputs, options.stiffness_common_std, states)) {
+    update.inputs.push_back(std::move(input));
+  }
   const auto result = ident::update_model(states.states, free, update);
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 
@@ -322,6 +383,13 @@ Json run_update(VerbContext& context, UpdateCommand options) {
   for (const auto& open : result.open) context.refuse("not_identifiable", open);
   for (const auto& p : result.parameters) {
     if (p.at_bound) context.warn("at_bound", "ended at its bound", p.name);
+    if (p.identifiable && std::abs(p.segment_shift) > 0.5 * p.std) {
+      context.warn("segments",
+                   fmt::format("is about {:.2g} off for want of segments, which is most of its "
+                               "uncertainty: more segments make it smaller",
+                               p.segment_shift),
+                   p.name);
+    }
     if (p.identifiable && !std::isfinite(p.std_from_data)) {
       context.warn("from_prior", "is known from its prior only, not from these data", p.name);
     }
@@ -340,14 +408,19 @@ Json run_update(VerbContext& context, UpdateCommand options) {
                                   {"std", json_number(p.std)},
                                   {"identifiable", p.identifiable},
                                   {"std_from_data", json_number(p.std_from_data)},
-                                  {"at_bound", p.at_bound}});
+                                  {"at_bound", p.at_bound},
+                                  {"segment_shift", json_number(p.segment_shift)},
+                                  {"budget", Json::array()}});
+    for (const auto& term : p.budget) {
+      json["parameters"].back()["budget"].push_back({{"source", term.source}, {"std", term.std}});
+    }
   }
   Json correlation = Json::array();
   const auto& known = result.identifiability;
-  for (Eigen::Index i = 0; i < known.correlation.rows(); ++i) {
+  for (Eigen::Index i = 0; i < result.correlation.rows(); ++i) {
     Json row = Json::array();
-    for (Eigen::Index j = 0; j < known.correlation.cols(); ++j) {
-      row.push_back(json_number(known.correlation(i, j)));
+    for (Eigen::Index j = 0; j < result.correlation.cols(); ++j) {
+      row.push_back(json_number(result.correlation(i, j)));
     }
     correlation.push_back(std::move(row));
   }
@@ -373,6 +446,19 @@ Json run_update(VerbContext& context, UpdateCommand options) {
     json["history_error"] = result.history_error;
     json["history_error_before"] = json_number(result.history_error_before);
   }
+  if (options.profile) {
+    const auto intervals = ident::profile_intervals(result, states.states, free, update);
+    for (std::size_t p = 0; p < intervals.size(); ++p) {
+      const auto& interval = intervals[p];
+      json["parameters"][p]["profile"] = {{"low", json_number(interval.low)},
+                                          {"high", json_number(interval.high)}};
+      const auto end = [](double value) {
+        return std::isfinite(value) ? fmt::format("{:.5g}", value) : "open";
+      };
+      context.out << fmt::format("{:<34} 95 % by profile: {} .. {}\n", result.parameters[p].name,
+                                 end(interval.low), end(interval.high));
+    }
+  }
   std::vector<ident::HeldOut> held;
   if (options.hold_out) {
     if (states.states.size() < 2) {
@@ -387,16 +473,7 @@ Json run_update(VerbContext& context, UpdateCommand options) {
     Progress progress("Monte Carlo", options.monte_carlo, context.quiet);
     const auto study = ident::update_monte_carlo(result, states.states, free, update,
                                                  options.monte_carlo, [&] { progress.advance(); });
-    Json rows = Json::array();
-    for (Eigen::Index j = 0; j < study.mean.size(); ++j) {
-      rows.push_back({{"name", result.parameters[static_cast<std::size_t>(j)].name},
-                      {"mean", study.mean[j]},
-                      {"std", study.std[j]},
-                      {"low", study.low[j]},
-                      {"high", study.high[j]}});
-    }
-    json["monte_carlo"] = {
-        {"samples", study.samples}, {"failed", study.failed}, {"parameters", std::move(rows)}};
+    json["monte_carlo"] = monte_carlo_json(result, states, study);
     context.out << fmt::format("Monte Carlo: {} samples, {} failed\n", study.samples, study.failed);
   }
   json["scenes"] = write_scenes(options, states, result, context);
@@ -449,8 +526,22 @@ void add_update(CLI::App& program, Verbs& verbs) {
   verb->add_option("--plane", options->data.planes, "Plane of each file: in, out or any")
       ->check(CLI::IsMember({"in", "out", "any"}));
   verb->add_option("--stiffness", options->data.stiffness,
-                   "Table of tension_N, EI_Nm2: the cables' EI in each state")
+                   "Table of tension_N, EI_Nm2 and, where known, std, or the JSON result of rigfit "
+                   "bending: the cables' EI in each state")
       ->check(CLI::ExistingFile);
+  verb->add_option("--stiffness-std", options->stiffness_common_std,
+                   "Relative uncertainty of that EI that all its tests share")
+      ->check(CLI::Range(0.0, 1.0));
+  verb->add_option("--axial", options->axial,
+                   "JSON result of rigfit axial: EA of all cables, with its uncertainty")
+      ->check(CLI::ExistingFile);
+  verb->add_option("--input", options->inputs,
+                   "Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets "
+                   "with commas (-TARGET: opposite), `tension` for the cables' reading, @each at "
+                   "the end: independent in each state. Carried into the parameters, the "
+                   "predictions and --monte-carlo");
+  verb->add_flag("--profile", options->profile,
+                 "Also 95 % intervals by profile (of data and priors alone)");
   verb->add_option("--assumed-std", options->assumed_std,
                    "Relative standard uncertainty of frequencies that come without one")
       ->check(CLI::Range(1e-9, 1.0))
@@ -481,7 +572,10 @@ void add_update(CLI::App& program, Verbs& verbs) {
       ->capture_default_str();
   verb->add_flag("--hold-out", options->hold_out,
                  "Also leave out each state in turn and predict it from the others");
-  verb->add_option("--monte-carlo", options->monte_carlo, "Refits of data drawn anew")
+  verb->add_option(
+          "--monte-carlo", options->monte_carlo,
+          "Refits with measured frequencies, damping ratios and FRFs, priors, the stiffness "
+          "table, EA and every --input drawn anew; recordings are not")
       ->check(CLI::Range(0, 1000000));
   verb->add_option("--out", options->out,
                    "Updated scene (default: SCENE's name with .updated.toml, in this folder)");

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -128,6 +130,116 @@ TEST(UpdateVerb, OtherModelsErrorsStandBesideItsOwn) {
   EXPECT_EQ(rms["fitted"]["modes"], 5);
 }
 
+// Table 5's FE column at 100 to 300 N by three unknowns: the beam's EI and a span of its own for
+// each cable. Equal spans leave 1.3 %; that they differ is what splits the cables' modes. The spans
+// stand symmetric in the scene, so that the first start, by symmetry, cannot tell them apart.
+TEST(UpdateVerb, TableFivesModelIsFoundByThreeUnknowns) {
+  const TemporaryFolder folder;
+  const std::string data = RIGFIT_TESTDATA "/jalali2021/";
+  std::ifstream table(data + "table5_cable_beam.csv");
+  std::string rows, line;
+  for (int row = 0; std::getline(table, line); ++row) {
+    if (!line.starts_with("25,")) rows += line + "\n";
+  }
+  const auto measured = folder.write("table5.csv", rows);
+  const auto run = run_program({"update",        data + "scenes/rig.toml",
+                                "--measured",    measured,
+                                "--column",      "fe_Hz",
+                                "--stiffness",   data + "table1_bending_stiffness.csv",
+                                "--plane",       "in",
+                                "--segments",    "12",
+                                "--starts",      "2",
+                                "--free",        "beam.EI_z",
+                                "right frame.x", "left frame.x",
+                                "--out",         (folder.path() / "o.toml").string(),
+                                "--json",        "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(run.out);
+  EXPECT_LT(json["rms_relative_error"].get<double>(), 0.01);
+  EXPECT_EQ(json["pairs"].size(), 18U);
+  EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 2.1, 0.1);
+  const double spans =
+      json["parameters"][1]["value"].get<double>() - json["parameters"][2]["value"].get<double>();
+  EXPECT_NEAR(spans / 2, 1.19, 0.01);
+  for (const auto& parameter : json["parameters"]) {
+    EXPECT_TRUE(parameter["identifiable"].get<bool>());
+  }
+}
+
+// EI over tension from the bending test, EA from the axial one, readings and mass: each a part of
+// the budget and of the draws.
+TEST(UpdateVerb, WhatIsTakenAsKnownIsPartOfTheUncertainty) {
+  const TemporaryFolder folder;
+  const std::string data = RIGFIT_TESTDATA "/jalali2021/";
+  const auto stiffness =
+      folder.write("bending.json",
+                   R"({"tests": [{"tension_N": 25, "EI_Nm2": {"value": 0.2549, "std": 0.01}},
+                    {"tension_N": 100, "EI_Nm2": {"value": 0.4948, "std": 0.02}},
+                    {"tension_N": 200, "EI_Nm2": {"value": 0.5972, "std": 0.02}},
+                    {"tension_N": 300, "EI_Nm2": {"value": 0.8283, "std": 0.03}},
+                    {"tension_N": 400, "EI_Nm2": {"value": null, "std": null}}]})");
+  const auto axial = folder.write("axial.json", R"({"EA_N": {"value": 221780, "std": 500}})");
+  const auto modes = folder.write("modes.csv",
+                                  "frequency_hz,std,plane,tension_N\n5.17,0.02,out,100\n"
+                                  "10.4,0.02,out,100\n8.9,0.02,out,300\n17.95,0.02,out,300\n");
+  const std::vector<std::string> command{"update",      data + "scenes/cable.toml",
+                                         "--measured",  modes,
+                                         "--stiffness", stiffness,
+                                         "--segments",  "12",
+                                         "--starts",    "1",
+                                         "--free",      "cable.mass_per_length",
+                                         "--out",       (folder.path() / "o.toml").string(),
+                                         "--json",      "-"};
+  auto with = command;
+  for (const std::string word :
+       {std::string("--axial"), axial, std::string("--input"), std::string("tension=0.5%@each"),
+        std::string("right.x=0.002"), std::string("--stiffness-std"), std::string("0.01"),
+        std::string("--monte-carlo"), std::string("40"), std::string("--profile")}) {
+    with.push_back(word);
+  }
+  const auto run = run_program(with);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(run.out);
+  const auto& mass = json["parameters"][0];
+  std::vector<std::string> sources;
+  double squares = 0;
+  for (const auto& term : mass["budget"]) {
+    sources.push_back(term["source"]);
+    squares += std::pow(term["std"].get<double>(), 2);
+  }
+  for (const char* source :
+       {"data", "segments", "EA (axial test)", "tension [100 N]", "tension [300 N]", "right.x",
+        "EI at 100 N", "EI at 300 N", "EI, common to all tests"}) {
+    EXPECT_NE(std::find(sources.begin(), sources.end(), source), sources.end()) << source;
+  }
+  EXPECT_NEAR(std::sqrt(squares), mass["std"].get<double>(), 1e-9);
+  // f^2 goes with T / m: half a percent of each reading, shared out between two, is what leads.
+  EXPECT_GT(mass["std"].get<double>(), 0.003 * mass["value"].get<double>());
+  EXPECT_LT(mass["profile"]["low"].get<double>(), mass["value"].get<double>());
+  EXPECT_GT(mass["profile"]["high"].get<double>(), mass["value"].get<double>());
+  const auto& draws = json["monte_carlo"];
+  EXPECT_EQ(draws["samples"].get<int>() + draws["failed"].get<int>(), 40);
+  ASSERT_EQ(draws["pairs"].size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_GT(draws["pairs"][i]["before_hz"]["std"].get<double>(), 0);
+    EXPECT_GT(json["pairs"][i]["model_std_hz"].get<double>(), 0);
+  }
+  for (const char* bad : {"tension", "tension=x", "right.x=-1", "=1"}) {
+    auto wrong = command;
+    wrong.emplace_back("--input");
+    wrong.emplace_back(bad);
+    EXPECT_EQ(run_program(wrong).exit_code, 2) << bad;
+  }
+  auto unknown = command;
+  unknown.emplace_back("--input");
+  unknown.emplace_back("right.q=1");
+  EXPECT_EQ(run_program(unknown).exit_code, 3);
+  unknown.back() = "right.x=1";
+  unknown.emplace_back("--axial");
+  unknown.push_back(stiffness);
+  EXPECT_EQ(run_program(unknown).exit_code, 3);
+}
+
 // Four tensions of Table 4, each predicted from the others; rows at the in-plane fundamental (100
 // and 200 N) come out as leakage, not as pairs.
 TEST(UpdateVerb, HoldOutByTensionPrintsBothErrors) {
@@ -245,7 +357,7 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
   const auto damping = Json::parse(again.out)["parameters"][2];
   EXPECT_TRUE(damping["identifiable"].get<bool>());
   EXPECT_NEAR(damping["value"].get<double>(), 0.01, 4 * damping["std"].get<double>());
-  EXPECT_LT(damping["std"].get<double>(), 0.002);
+  EXPECT_LT(damping["std"].get<double>(), 0.005);
 }
 
 // A decay recorded on the model itself: its damping comes back through the file.

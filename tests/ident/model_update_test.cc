@@ -131,7 +131,9 @@ TEST(UpdateModel, APriorSeparatesThem) {
   state.measured = measured(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 1e-3, random);
   FreeParameter mass{"beam.mass_per_length"};
   mass.prior = signal::Estimate{0.3, 0.003};
-  const auto result = update_model({state}, {{"beam.EI_z"}, mass});
+  UpdateOptions options;
+  options.segment_uncertainty = false;  // the data have the model's segments
+  const auto result = update_model({state}, {{"beam.EI_z"}, mass}, options);
   ASSERT_TRUE(result.parameters[0].identifiable);
   EXPECT_TRUE(std::isnan(result.parameters[1].std_from_data));
   // EI = 7 m: its 1 % comes from the prior, 2 * 1e-3 / sqrt(5) from the data.
@@ -248,6 +250,7 @@ TEST(UpdateModel, IntervalsCover) {
     state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 6, 2e-3, random);
     UpdateOptions options;
     options.starts = 1;
+    options.segment_uncertainty = false;  // the data have the model's segments
     const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
     for (int k : {0, 1}) {
       const auto& parameter = result.parameters[static_cast<std::size_t>(k)];
@@ -266,6 +269,7 @@ TEST(UpdateModel, MonteCarloAgreesWithTheCovariance) {
   const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
   UpdateOptions options;
   options.starts = 1;
+  options.segment_uncertainty = false;  // the data have the model's segments
   const auto result = update_model({state}, free, options);
   const auto study = update_monte_carlo(result, {state}, free, options, 100);
   ASSERT_EQ(study.samples, 100);
@@ -286,6 +290,7 @@ TEST(UpdateModel, TooLittleDataGetNoUncertainty) {
   const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
   UpdateOptions options;
   options.starts = 1;
+  options.segment_uncertainty = false;  // the data have the model's segments
   const auto finite = [](const UpdateResult& result) {
     for (const auto& parameter : result.parameters) {
       if (!std::isfinite(parameter.value)) return false;

@@ -104,8 +104,10 @@ TEST(UpdateFrfs, FindsStiffnessMassAndDampingFromStartsOffByThree) {
     auto start = beam(2.1 * factor, 0.02 / factor, kRatio);
     model::set_parameter(start, "beam.damping_ratio", 0.01 * factor);
     UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 1), {}, true};
+    UpdateOptions options;
+    options.segment_uncertainty = false;  // the data have the model's segments
     const auto result =
-        update_model({state}, {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}});
+        update_model({state}, {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}}, options);
     ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
     const double wanted[] = {2.1, 0.02, 0.01};
     for (std::size_t p = 0; p < 3; ++p) {
@@ -138,6 +140,7 @@ TEST(UpdateFrfs, IntervalsCover) {
     UpdateState state{"beam", beam(2.15, 0.021, kRatio), {}, frfs_of(truth, 0.05, 100 + seed)};
     UpdateOptions options;
     options.starts = 1;
+    options.segment_uncertainty = false;  // the data have the model's segments
     const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
     for (std::size_t p = 0; p < 2; ++p) {
       covered += std::abs(result.parameters[p].value - (p == 0 ? 2.1 : 0.02)) <=
@@ -174,6 +177,7 @@ TEST(UpdateFrfs, MonteCarloAgreesWithTheCovariance) {
   const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
   UpdateOptions options;
   options.starts = 1;
+  options.segment_uncertainty = false;  // the data have the model's segments
   const auto result = update_model({state}, free, options);
   const auto study = update_monte_carlo(result, {state}, free, options, 60);
   ASSERT_EQ(study.samples, 60);
@@ -246,6 +250,7 @@ TEST(UpdateFrfs, AnExponentialWindowBiasesNothing) {
     UpdateState state{"beam", start, {}, windowed_frfs(truth, 0.05, 2.5, 500 + seed)};
     UpdateOptions options;
     options.starts = 1;
+    options.segment_uncertainty = false;  // the data have the model's segments
     const std::vector<FreeParameter> free{{"beam.EI_z"}, {"beam.damping_ratio"}};
     const auto result = update_model({state}, free, options);
     ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;

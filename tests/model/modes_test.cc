@@ -56,6 +56,31 @@ UniformBeam stretched(double tension, double EI) {
   return {2.4, 0.16667 / (1 + e), EI * (1 + e), tension};
 }
 
+TEST(Modes, OfOnePlaneAreThoseOfAll) {
+  const Scene scene = testing::paper_cable(100, 0.4948, 12);
+  ModesOptions options;
+  options.count = 14;
+  options.error_estimate = false;
+  const auto all = analyse_modes(scene, options).modes;
+  options.count = 5;
+  for (const ModePlane plane : {ModePlane::in, ModePlane::out}) {
+    options.plane = plane;
+    const auto some = analyse_modes(scene, options);
+    const auto rates = analyse_mode_sensitivities(scene, {"cable.EI"}, options);
+    ASSERT_EQ(some.modes.size(), 5U);
+    EXPECT_TRUE(some.complete);
+    std::size_t next = 0;
+    for (const auto& mode : all) {
+      if (mode.plane != plane || next == 5) continue;
+      // Eigenvalues are found to 1e-10.
+      EXPECT_NEAR(some.modes[next].frequency_hz, mode.frequency_hz, 1e-9 * mode.frequency_hz);
+      EXPECT_GT(rates.frequency(static_cast<Eigen::Index>(next), 0), 0);
+      ++next;
+    }
+    EXPECT_EQ(next, 5U);
+  }
+}
+
 TEST(Modes, TensionedBeamPinned) {
   Scene scene = paper_cable(200, 0.5972);
   scene.gravity.setZero();
