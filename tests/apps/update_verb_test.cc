@@ -191,7 +191,7 @@ TEST(UpdateVerb, WhatIsTakenAsKnownIsPartOfTheUncertainty) {
                                          "--out",       (folder.path() / "o.toml").string(),
                                          "--json",      "-"};
   auto with = command;
-  for (const std::string word :
+  for (const std::string& word :
        {std::string("--axial"), axial, std::string("--input"), std::string("tension=0.5%@each"),
         std::string("right.x=0.002"), std::string("--stiffness-std"), std::string("0.01"),
         std::string("--monte-carlo"), std::string("40"), std::string("--profile")}) {
