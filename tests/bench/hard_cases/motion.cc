@@ -135,7 +135,7 @@ LongFlight fly(const FlyingBeam& beam, long steps) {
   flight.energy = flight.out.energy.drift();
   const auto start = beam.momenta(flight.out.samples, 0);
   for (Eigen::Index row = 1; row < flight.out.samples.rows(); ++row) {
-    const auto change = beam.momenta(flight.out.samples, row) - start;
+    const Eigen::Matrix<double, 6, 1> change = beam.momenta(flight.out.samples, row) - start;
     flight.linear = std::max(flight.linear, change.head<3>().norm() / start.head<3>().norm());
     flight.angular = std::max(flight.angular, change.tail<3>().norm() / start.tail<3>().norm());
   }
