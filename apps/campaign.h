@@ -6,7 +6,9 @@
 //   [[scene]]            name, file; tables published / inferred / assumed: parameter = how known
 //   [[test]]             name, kind, title, and by kind:
 //     kind = "bending"   span (m), and a [test.table] with columns tension, EI, or recordings:
-//                        span_std (m), channels = { tension, load, deflection }
+//                        span_std (m), tension_zero_std (N), tension_calibration_std,
+//                        load_calibration_std, deflection_calibration_std (relative),
+//                        channels = { tension, load, deflection }
 //     kind = "axial"     mass (kg, hung), mass_std, mass_per_length (kg/m), mass_per_length_std,
 //                        length_std (m), adapter_stiffness (N/m), adapter_stiffness_std,
 //                        catalogue_EA (N), channel, band = [LO, HI] (Hz); recordings with length
@@ -90,8 +92,11 @@ struct CampaignTest {
   std::string name;
   std::string title;
   Kind kind = Kind::modal;
-  double span_m = 0;      ///< bending
-  double span_std_m = 0;  ///< its standard uncertainty
+  double span_m = 0;              ///< bending
+  double span_std_m = 0;          ///< its standard uncertainty
+  double tension_zero_std_N = 0;  ///< bending: of the tension cell's zero
+  // Bending: relative standard uncertainties of calibration.
+  double tension_calibration_std = 0, load_calibration_std = 0, deflection_calibration_std = 0;
   /// Bending: names of the channels.
   std::string tension_channel = "tension", load_channel = "load", deflection_channel = "deflection";
   ident::AxialSetup axial;

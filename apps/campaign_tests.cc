@@ -150,7 +150,14 @@ void CampaignTestReader::read_bending(TomlTable& table, CampaignTest& test) {
   if (table.has("table")) {
     throw table.error("table", "is given beside recordings", "keep one of them");
   }
-  test.span_std_m = table.number_or("span_std", Bound::not_negative, "m", 0);
+  const auto std_of = [&table](const char* key, const char* unit) {
+    return table.number_or(key, Bound::not_negative, unit, 0);
+  };
+  test.span_std_m = std_of("span_std", "m");
+  test.tension_zero_std_N = std_of("tension_zero_std", "N");
+  test.tension_calibration_std = std_of("tension_calibration_std", "");
+  test.load_calibration_std = std_of("load_calibration_std", "");
+  test.deflection_calibration_std = std_of("deflection_calibration_std", "");
   if (table.has("channels")) {
     TomlTable channels = table.table("channels");
     test.tension_channel = channels.string_or("tension", test.tension_channel);

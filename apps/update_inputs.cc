@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -107,6 +108,21 @@ void add_targets(const InputText& input, const UpdateStates& states, std::size_t
   }
 }
 
+// Between its nodes, m; 0: no such member.
+double member_length(const model::Scene& scene, const std::string& name) {
+  for (const auto& member : scene.members) {
+    if (member.name != name) continue;
+    std::vector<Eigen::Vector3d> ends;
+    for (const auto& node : scene.nodes) {
+      if (node.name == member.nodes[0] || node.name == member.nodes[1]) {
+        ends.push_back(node.position);
+      }
+    }
+    return ends.size() == 2 ? (ends[1] - ends[0]).norm() : 0;
+  }
+  return 0;
+}
+
 }  // namespace
 
 std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::string>& texts,
@@ -159,6 +175,66 @@ std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::strin
                   [&](const StiffnessShare&, const model::Member& member) {
                     return stiffness_common_std * member.EI[0];
                   });
+  }
+  return inputs;
+}
+
+std::vector<ident::UncertainInput> aim_inputs(const std::vector<std::string>& texts,
+                                              const UpdateStates& states) {
+  std::vector<ident::UncertainInput> inputs;
+  for (const auto& text : texts) {
+    const auto fail = [&](const std::string& problem) {
+      throw UsageError(fmt::format(
+          "--aim \"{}\": {}; write LOAD=METRES,DEGREES, such as hammer=0.003,2", text, problem));
+    };
+    const auto equals = text.rfind('='), comma = text.find(',', equals + 1);
+    if (equals == std::string::npos || comma == std::string::npos) fail("is not understood");
+    const std::string name = text.substr(0, equals);
+    const auto number = [&](std::size_t begin, std::size_t end, double most) {
+      double value = 0;
+      const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
+      if (error != std::errc() || stop != text.data() + end || !(value >= 0 && value <= most)) {
+        fail(fmt::format("\"{}\" is no number from 0 to {:g}", text.substr(begin, end - begin),
+                         most));
+      }
+      return value;
+    };
+    const double metres = number(equals + 1, comma, 1e3);
+    const double turn = number(comma + 1, text.size(), 45) * M_PI / 180;
+    bool found = false;
+    std::string known;
+    for (std::size_t s = 0; s < states.states.size(); ++s) {
+      const auto& scene = states.states[s].scene;
+      const std::string state =
+          states.states[s].name.empty() ? "" : fmt::format(" [{}]", states.states[s].name);
+      for (const auto& load : scene.loads) {
+        known += known.find(load.name) == std::string::npos ? " " + load.name : "";
+        if (load.name != name) continue;
+        found = true;
+        const int index = static_cast<int>(s);
+        const double length = member_length(scene, load.place.member);
+        if (metres > 0 && load.place.node.empty() && length > 0) {
+          inputs.push_back(
+              {"place of " + name + state, {{index, name + ".position", metres / length}}});
+        }
+        if (!(turn > 0)) continue;
+        const Eigen::Vector3d first = load.direction.unitOrthogonal();
+        for (const Eigen::Vector3d& side : {first, Eigen::Vector3d(load.direction.cross(first))}) {
+          // Named after the axis it leans to.
+          Eigen::Index axis = 0;
+          side.cwiseAbs().maxCoeff(&axis);
+          ident::UncertainInput input{
+              fmt::format("direction of {} to {}{}", name, "xyz"[axis], state), {}};
+          for (int k = 0; k < 3; ++k) {
+            if (std::abs(side[k]) < 1e-12) continue;
+            input.effects.push_back(
+                {index, fmt::format("{}.direction_{}", name, "xyz"[k]), turn * side[k]});
+          }
+          inputs.push_back(std::move(input));
+        }
+      }
+    }
+    if (!found) fail("the scene has no such load; there are:" + (known.empty() ? " none" : known));
   }
   return inputs;
 }

@@ -18,6 +18,12 @@ namespace rigfit::apps {
 [[nodiscard]] std::vector<ident::UncertainInput> uncertain_inputs(
     const std::vector<std::string>& texts, double stiffness_common_std, const UpdateStates& states);
 
+/// Inputs of `--aim`, one a text: "LOAD=METRES,DEGREES", how exactly a load of the scene struck
+/// where and along what the scene says: its place along the member, and its direction to either
+/// side of two, all independent of each other and in every state. Throws UsageError.
+[[nodiscard]] std::vector<ident::UncertainInput> aim_inputs(const std::vector<std::string>& texts,
+                                                            const UpdateStates& states);
+
 /// Puts the EA of a result of `rigfit axial` (JSON) into all cables of all states; the input that
 /// it is. Throws model::SceneError for what is no such result.
 [[nodiscard]] ident::UncertainInput axial_input(const std::string& path, UpdateStates& states);

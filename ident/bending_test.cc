@@ -290,13 +290,17 @@ class Analysis {
       Candidate one;
       one.fit = fit_friction(strokes, law, result_.deflection_noise_m);
       if (!one.fit.usable) return false;
+      one.pooled = pool(one.fit.stiffness_N_m,
+                        std::vector<double>(strokes.size(), one.fit.degrees_of_freedom));
       if (law == FrictionLaw::none) {
         // Where nothing happens after the turns the line through the straight part is the best
-        // there is: it is robust to toes and stops.
-        one.pooled = straight;
+        // there is: it is robust to toes and stops. Its residuals hardly show a drift.
+        if (straight.variance > one.pooled.variance) {
+          one.pooled = straight;
+        } else {
+          one.pooled.K = straight.K;
+        }
       } else {
-        one.pooled = pool(one.fit.stiffness_N_m,
-                          std::vector<double>(strokes.size(), static_cast<double>(100)));
         double common = 0;
         for (double by : one.fit.by_travel) common += by / static_cast<double>(strokes.size());
         one.pooled.variance += common * common;

@@ -10,7 +10,8 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr Eigen::Index kBins = 150;  // of a stroke
+constexpr Eigen::Index kBins = 150;   // of a stroke
+constexpr Eigen::Index kBlocks = 12;  // of a stroke's bins, to tell drift from white noise
 constexpr double kHuber = 1.345;
 
 struct Binned {
@@ -115,6 +116,93 @@ void reweigh(std::vector<Binned>& strokes, const std::vector<Line>& lines) {
   }
 }
 
+// Noise of the bins: white, and a random walk of so much a bin (drift of the channels).
+struct BinNoise {
+  double white = 0, walk = 0;  // variances
+
+  // Of sum_i weights_i y_i over one stroke.
+  double variance_of(const Eigen::ArrayXd& weights) const {
+    double tail = 0, squares = 0;
+    for (Eigen::Index i = weights.size() - 1; i > 0; --i) {
+      tail += weights[i];
+      squares += tail * tail;
+    }
+    return white * weights.square().sum() + walk * squares;
+  }
+};
+
+// Columns of a stroke's fit, and what moves each of c, K, a by a unit of y: rows of (X'X)^-1 X'.
+struct Design {
+  Eigen::MatrixX3d X, influence;
+};
+
+Design design_of(const Binned& b, const Line& line) {
+  Design design;
+  const Eigen::Index n = b.y.size();
+  design.X.setZero(n, 3);
+  design.X.col(0).setOnes();
+  design.X.col(1) = b.x.matrix();
+  if (line.transient) design.X.col(2) = -b.sign * line.u.matrix();
+  Binned even = b;
+  even.w.setOnes();
+  Line plain = line;
+  if (solve(even, line.transient ? 3 : 2, plain)) design.influence = design.X * plain.inverse;
+  return design;
+}
+
+// Both variances from two sums of squares of the residuals, those of bins and those of sums over
+// blocks of bins, equated to what they are expected to be: tr(M V M) and tr(B M V M B') with
+// M = 1 - X (X'X)^-1 X'. Huber's psi over its mean slope stands for the residuals, as its sums
+// move the robust line (Huber, Robust Statistics, 7.6).
+BinNoise noise_of(const std::vector<Binned>& strokes, const std::vector<Line>& lines,
+                  const std::vector<Design>& designs) {
+  double each = 0, each_white = 0, each_walk = 0, block = 0, block_white = 0, block_walk = 0;
+  double kept = 0, count = 0;
+  for (const auto& b : strokes) {
+    kept += (b.w >= 1).cast<double>().sum();
+    count += static_cast<double>(b.w.size());
+  }
+  const double slope = std::max(0.5, kept / count);
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    const Eigen::Index n = strokes[i].y.size();
+    const Eigen::MatrixX3d &X = designs[i].X, &A = designs[i].influence;
+    if (A.rows() != n) continue;
+    const Eigen::VectorXd psi = (strokes[i].w * lines[i].residual / slope).matrix();
+    const Eigen::Index blocks = std::min(kBlocks, n / 2);
+    const auto first = [&](Eigen::Index k) { return k * n / blocks; };
+    const auto sums = [&](const Eigen::VectorXd& y) {
+      double squares = 0;
+      for (Eigen::Index k = 0; k < blocks; ++k) {
+        squares += std::pow(y.segment(first(k), first(k + 1) - first(k)).sum(), 2);
+      }
+      return squares;
+    };
+    each += psi.squaredNorm();
+    block += sums(psi);
+    const double columns = lines[i].transient ? 3 : 2;
+    each_white += static_cast<double>(n) - columns;
+    for (Eigen::Index k = 0; k < blocks; ++k) {  // tr(B M B') = |B|^2 - (B X)(X'X)^-1 (B X)'
+      const Eigen::Index at = first(k), length = first(k + 1) - at;
+      block_white +=
+          static_cast<double>(length) -
+          X.middleRows(at, length).colwise().sum().dot(A.middleRows(at, length).colwise().sum());
+    }
+    Eigen::VectorXd step = Eigen::VectorXd::Ones(n);
+    for (Eigen::Index j = 1; j < n; ++j) {
+      step[j - 1] = 0;
+      const Eigen::VectorXd left = step - X * (A.transpose() * step);
+      each_walk += left.squaredNorm();
+      block_walk += sums(left);
+    }
+  }
+  const double determinant = each_white * block_walk - block_white * each_walk;
+  BinNoise noise;
+  if (determinant > 0) noise.walk = (each_white * block - block_white * each) / determinant;
+  noise.walk = std::max(0.0, noise.walk);
+  noise.white = std::max(0.0, (each - each_walk * noise.walk) / std::max(1.0, each_white));
+  return noise;
+}
+
 // Largest delta over a stroke's travel: by half of the stroke at most an eighth of the transient is
 // left. What lasts longer cannot be told from the slope; the diagram is curved then.
 double longest(FrictionLaw law) {
@@ -211,22 +299,31 @@ FrictionFit fit_friction(const std::vector<FrictionStroke>& strokes, FrictionLaw
     if (pass < 2) reweigh(bins, lines);
   }
 
-  // Residuals of a record hang together (drift, quantisation): fewer count than there are.
-  double sum = 0, lagged = 0, count = 0;
+  // Residuals of a record hang together (drift): fewer count than there are.
+  double sum = 0, count = 0;
   int parameters = 0;
+  std::vector<Design> designs;
   for (std::size_t i = 0; i < bins.size(); ++i) {
-    const Eigen::ArrayXd r = bins[i].w.sqrt() * lines[i].residual;
-    sum += r.square().sum();
-    lagged += (r.head(r.size() - 1) * r.tail(r.size() - 1)).sum();
-    count += static_cast<double>(r.size());
+    sum += (bins[i].w * lines[i].residual.square()).sum();
+    count += static_cast<double>(bins[i].y.size());
     parameters += lines[i].transient ? 3 : 2;
+    designs.push_back(design_of(bins[i], lines[i]));
   }
   if (friction) ++parameters;
-  const double correlation = sum > 0 ? std::clamp(lagged / sum, 0.0, 0.95) : 0;
-  const double effective =
-      std::max(count * (1 - correlation) / (1 + correlation), static_cast<double>(parameters) + 2);
+  const BinNoise noise = noise_of(bins, lines, designs);
+  double white = 0, all = 0;  // variance of the slopes
+  for (const auto& design : designs) {
+    if (design.influence.rows() == 0) return fit;
+    white += BinNoise{noise.white, 0}.variance_of(design.influence.col(1));
+    all += noise.variance_of(design.influence.col(1));
+  }
+  const double share = all > 0 ? white / all : 1;
+  fit.walk_share = 1 - share;
+  // White noise is known from every bin, a walk from blocks of them.
+  const double lines_count = static_cast<double>(lines.size());
+  fit.degrees_of_freedom = 1 / (share / (count / lines_count - 3) + fit.walk_share / (kBlocks - 3));
+  const double effective = std::max(count * share, static_cast<double>(parameters) + 2);
   const double freedom = std::max(1.0, count - parameters);
-  const double variance = sum / freedom * count / effective;
   fit.residual_rms_N = std::sqrt(sum / freedom);
   // An exact table has no residuals: rounding bounds the logarithm.
   double largest = 0;
@@ -236,7 +333,7 @@ FrictionFit fit_friction(const std::vector<FrictionStroke>& strokes, FrictionLaw
              2.0 * parameters * (parameters + 1) / std::max(1.0, effective - parameters - 1);
 
   // delta is common to the strokes: what it adds to each K is fully correlated.
-  double curvature = 0;
+  double curvature = 0, travel_variance = 0;
   std::vector<double> slope_by_travel(bins.size(), 0.0);
   if (friction) {
     const double h = 1e-3 * fit.travel_m;
@@ -257,9 +354,11 @@ FrictionFit fit_friction(const std::vector<FrictionStroke>& strokes, FrictionLaw
       const Eigen::Vector3d moved = lines[i].inverse * coupling;
       curvature += (b.w * derivative.square()).sum() - coupling.dot(moved);
       slope_by_travel[i] = -moved[1];
+      // What of the derivative the line does not take: it alone tells delta.
+      travel_variance += noise.variance_of(derivative - (designs[i].X * moved).array());
     }
   }
-  const double travel_std = curvature > 0 ? std::sqrt(variance / curvature) : 0;
+  const double travel_std = curvature > 0 ? std::sqrt(travel_variance) / curvature : 0;
   for (std::size_t i = 0; i < bins.size(); ++i) {
     const auto& b = bins[i];
     // Noise of x flattens a fitted slope by its share of what x alone explains.
@@ -267,7 +366,8 @@ FrictionFit fit_friction(const std::vector<FrictionStroke>& strokes, FrictionLaw
     const double noise2 = noise_x_m * noise_x_m / static_cast<double>(b.each);
     const double attenuation = 1 - std::min(0.5, noise2 * static_cast<double>(b.x.size()) / alone);
     const double K = lines[i].p[1] / attenuation;
-    fit.stiffness_N_m.push_back({K, std::sqrt(variance * lines[i].inverse(1, 1)) / attenuation});
+    fit.stiffness_N_m.push_back(
+        {K, std::sqrt(noise.variance_of(designs[i].influence.col(1))) / attenuation});
     fit.by_travel.push_back(slope_by_travel[i] * travel_std);
     fit.load_N.push_back(lines[i].p[2]);
   }

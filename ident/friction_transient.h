@@ -12,6 +12,10 @@
 // (Burnham and Anderson 2002, ch. 4), "no friction" among them. Linear in c, K, a for given delta,
 // which is found by profile. Strokes are averaged into bins first; Huber weights. A stroke in which
 // the transient would soften the beginning (a toe, not friction) has none.
+//
+// Noise of the bins is white and a random walk (drift of load cell and LVDT), their variances by
+// moments from the residuals of all strokes together: a walk hardly shows in residuals, of which
+// the line has taken most, but moves the slope 6/5 of its whole way over the stroke (in variance).
 #pragma once
 
 #include <Eigen/Core>
@@ -45,6 +49,8 @@ struct FrictionFit {
   std::vector<double> by_travel;  ///< change of each K by one standard deviation of delta
   std::vector<double> load_N;     ///< a of each stroke, not negative
   double residual_rms_N = 0;      ///< of the bins
+  double walk_share = 0;          ///< of the slopes' variance: by drift, not by white noise
+  double degrees_of_freedom = 0;  ///< of one stroke's variance
   double aicc = 0;
 };
 

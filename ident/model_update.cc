@@ -8,6 +8,7 @@
 
 #include "ident/contradicting_modes.h"
 #include "ident/update_problem.h"
+#include "ident/update_segments.h"
 #include "ident/update_solver.h"
 #include "ident/update_uncertainty.h"
 #include "signal/numbers.h"
@@ -16,6 +17,68 @@ namespace rigfit::ident {
 namespace {
 
 using signal::kNaN;
+
+constexpr int kRefinements = 3;
+
+// Perhaps nothing but wrong pairs far from the truth: twice as many starts, ten times as far. Taken
+// when they explain the data, and no fewer of them.
+template <typename Count>
+void look_wider(const UpdateProblem& problem, const UpdateOptions& options, UpdateSolution& answer,
+                UpdateProblem& settled, const Count& count, UpdateResult& result) {
+  UpdateOptions wider = options;
+  wider.start_spread = 10 * options.start_spread;
+  wider.starts = 2 * options.starts + 1;
+  ++wider.seed;
+  std::vector<UpdateSolution> found;
+  for (auto& one : solve_from_all_starts(settled, wider)) {
+    if (one.q.size() > 0 && one.matches.unpaired_measured <= answer.matches.unpaired_measured &&
+        !is_misfit(settled, one)) {
+      found.push_back(std::move(one));
+    }
+  }
+  if (found.empty()) return;
+  answer = *std::min_element(found.begin(), found.end(),
+                             [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  result.starts_agreeing = 0;
+  count(found, answer.cost);
+  settled = take_segments_off(problem, options, answer);
+}
+
+// Everything in the result that follows from the answer.
+void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
+                  const UpdateSolution& answer, UpdateResult& result) {
+  const auto& coordinates = problem.coordinates();
+  const auto& matches = answer.matches.matches;
+  const auto data = problem.residual_count(matches, UpdateStage::full);
+  result.coordinates = answer.q;
+  for (std::size_t j = 0; j < coordinates.size(); ++j) {
+    auto& parameter = result.parameters[j];
+    parameter.value = coordinates[j].value(answer.q[static_cast<Eigen::Index>(j)]);
+    parameter.budget.clear();
+  }
+  result.status = answer.converged ? UpdateStatus::converged : UpdateStatus::not_converged;
+  result.message.clear();
+  if (!answer.converged) {
+    result.message =
+        "the fit or its pairs had not settled; what is given is the best that was "
+        "seen; ";
+  }
+  if (static_cast<Eigen::Index>(coordinates.size()) > data) {
+    result.status = UpdateStatus::too_little_data;
+    result.message += fmt::format("{} unknowns and {} data; ", coordinates.size(), data);
+  }
+  result.pairs = problem.pairs(answer.q, matches);
+  result.unpaired = answer.matches.unpaired;
+  result.rms_relative_error = rms_of_pairs(result.pairs);
+  if (problem.has_frfs()) {
+    result.rms_log_frf_error = problem.rms_log_frf_error(answer.q);
+    result.frf_lines = problem.frf_lines();
+  }
+  if (problem.has_histories()) result.history_error = problem.history_error(answer.q);
+  result.shift_sources.clear();
+  result.open.clear();
+  state_uncertainty(problem, options, matches, result);
+}
 
 }  // namespace
 
@@ -60,32 +123,20 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   if (problem.has_histories()) result.history_error_before = problem.history_error(start);
 
   auto solved = solve_from_all_starts(problem, options);
-  const auto best_of = [&solved] {
-    const UpdateSolution* best = nullptr;
-    for (const auto& one : solved) {
-      if (one.q.size() > 0 && (best == nullptr || one.cost < best->cost)) best = &one;
-    }
-    return best;
-  };
-  const UpdateSolution* best = best_of();
-  if (options.starts > 1 && best != nullptr && is_misfit(problem, *best)) {
-    // Perhaps nothing but wrong pairs far from the truth: twice as many starts, ten times as far.
-    // Taken when they explain the data, and no fewer of them.
-    UpdateOptions wider = options;
-    wider.start_spread = 10 * options.start_spread;
-    wider.starts = 2 * options.starts + 1;
-    ++wider.seed;
-    const int unpaired = best->matches.unpaired_measured;
-    for (auto& one : solve_from_all_starts(problem, wider)) {
-      if (one.q.size() > 0 && one.matches.unpaired_measured <= unpaired &&
-          !is_misfit(problem, one)) {
-        solved.push_back(std::move(one));
-      }
-    }
-    best = best_of();
+  const UpdateSolution* best = nullptr;
+  for (const auto& one : solved) {
+    if (one.q.size() > 0 && (best == nullptr || one.cost < best->cost)) best = &one;
   }
-  for (const auto& one : solved) result.pairings += one.pairings;
-  result.starts = static_cast<int>(solved.size());
+  const auto count = [&result](const std::vector<UpdateSolution>& some, double cost) {
+    result.starts += static_cast<int>(some.size());
+    for (const auto& one : some) {
+      result.pairings += one.pairings;
+      // The same answer: a cost that differs by less than what a hundredth of a standard deviation
+      // in one residual makes.
+      result.starts_agreeing += one.q.size() > 0 && one.cost <= cost * (1 + 1e-4) + 1e-4;
+    }
+  };
+  count(solved, best != nullptr ? best->cost : 0);
   if (best == nullptr) {
     result.status = UpdateStatus::no_model;
     result.message = "from no start could the model be fitted: " + solved.front().failure;
@@ -93,40 +144,28 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     return result;
   }
   UpdateSolution answer = *best;
-  leave_out_contradictions(problem, options, answer);
-  best = &answer;
-  result.coordinates = best->q;
-  for (const auto& one : solved) {
-    // The same answer: a cost that differs by less than what a hundredth of a standard deviation
-    // in one residual makes.
-    result.starts_agreeing += one.q.size() > 0 && one.cost <= best->cost * (1 + 1e-4) + 1e-4;
+  UpdateProblem settled = take_segments_off(problem, options, answer);
+  if (options.starts > 1 && is_misfit(settled, answer)) {
+    look_wider(problem, options, answer, settled, count, result);
   }
-  for (std::size_t j = 0; j < coordinates.size(); ++j) {
-    result.parameters[j].value = coordinates[j].value(best->q[static_cast<Eigen::Index>(j)]);
+  leave_out_contradictions(settled, options, answer);
+  result.auto_segments = options.auto_segments;
+  state_answer(settled, options, answer, result);
+  for (int round = 0; round < kRefinements; ++round) {
+    const auto& matches = answer.matches.matches;
+    const int more = auto_segments_needed(settled, options, matches, result, result.auto_segments);
+    if (more <= result.auto_segments) break;
+    const UpdateProblem finer = settled.with_segment_errors().with_auto_segments(more);
+    UpdateSolution trial = answer;
+    double cost = 0;
+    if (!minimise(finer, matches, UpdateStage::full, options, trial.q, cost)) break;
+    answer = std::move(trial);
+    settled = take_segments_off(finer, options, answer);
+    result.auto_segments = more;
+    state_answer(settled, options, answer, result);
   }
-  result.status = best->converged ? UpdateStatus::converged : UpdateStatus::not_converged;
-  if (!best->converged) {
-    result.message =
-        "the fit or its pairs had not settled; what is given is the best that was "
-        "seen; ";
-  }
-  if (static_cast<Eigen::Index>(coordinates.size()) >
-      problem.residual_count(best->matches.matches, UpdateStage::full)) {
-    result.status = UpdateStatus::too_little_data;
-    result.message += fmt::format("{} unknowns and {} data; ", coordinates.size(),
-                                  problem.residual_count(best->matches.matches, UpdateStage::full));
-  }
-  result.pairs = problem.pairs(best->q, best->matches.matches);
-  result.unpaired = best->matches.unpaired;
-  result.rms_relative_error = rms_of_pairs(result.pairs);
-  if (problem.has_frfs()) {
-    result.rms_log_frf_error = problem.rms_log_frf_error(best->q);
-    result.frf_lines = problem.frf_lines();
-  }
-  if (problem.has_histories()) result.history_error = problem.history_error(best->q);
-  state_uncertainty(problem, options, best->matches.matches, result);
   for (int s = 0; s < static_cast<int>(problem.states().size()); ++s) {
-    result.scenes.push_back(problem.scene_at(s, best->q));
+    result.scenes.push_back(problem.scene_at(s, result.coordinates));
   }
   result.model_evaluations = problem.evaluations();
   if (result.message.ends_with("; ")) result.message.resize(result.message.size() - 2);

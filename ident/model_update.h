@@ -18,9 +18,11 @@
 //
 // Uncertainty, to first order: the data's scatter and the priors through (J'J)^-1; what is known of
 // the scene but not fitted (`UncertainInput`) and the error of the segments through the shift
-// -(J'J)^-1 J' (d residuals) that it causes. The residuals' error by the segments is 4/3 of their
-// difference to a model of twice as many (Richardson, second order; a fourth-order error comes out
-// a quarter too large). Shifts of one source are shared by all parameters and all predictions, so
+// -(J'J)^-1 J' (d residuals) that it causes. The error of segments that a
+// scene leaves to the program is taken off the frequencies, what may be left of it counts
+// (update_segments.h); that of all others is 4/3 of their difference
+// to a model of twice as many segments (Richardson, second order; a fourth-order error comes out a
+// quarter too large). Shifts of one source are shared by all parameters and all predictions, so
 // that what the fit makes up for is not counted against what it predicts.
 // Sources: Friswell and Mottershead 1995; Mottershead, Link, Friswell 2011.
 #pragma once
@@ -154,9 +156,12 @@ struct UpdateOptions {
   /// Starts but the first look for their minimum with a third of the segments (from 16 on); only
   /// those that find another one than the first are followed with all.
   bool coarse_starts = true;
-  bool segment_uncertainty = true;          ///< the segments' error is part of the uncertainties
+  /// The segments' error is taken off frequencies where the scene leaves them to the program, and
+  /// what is left of it part of the uncertainties (update_segments.h). False: the data have this
+  /// model's segments.
+  bool segment_uncertainty = true;
   std::vector<UncertainInput> inputs = {};  ///< independent of each other
-  /// Segments of members that leave them to the program: good to some 1e-5 in the first modes.
+  /// Segments of members that leave them to the program, at first: more where the data need them.
   int auto_segments = 30;
   ModeSolver solver = {};     ///< empty: model::analyse_mode_sensitivities
   FrfSolver frf_solver = {};  ///< empty: model::synthesize_frf_sensitivities
@@ -180,8 +185,9 @@ struct UpdatedParameter {
   double std_from_data = 0;  ///< without the priors; NaN when the data alone cannot
   bool at_bound = false;
   std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
-  /// By how much the value is too large for want of segments, estimated; NaN: not known.
+  /// By how much the value may still be too large for want of segments; NaN: not known.
   double segment_shift = std::numeric_limits<double>::quiet_NaN();
+  double segments_taken_off = 0;  ///< by how much it would be larger, had nothing been taken off
 };
 
 struct UpdatedPair {
@@ -229,6 +235,7 @@ struct UpdateResult {
   double chi_squared = 0, degrees_of_freedom = 0;
   double variance_factor = 1;
   double coverage_factor = 1.96;        ///< for 95 %
+  int auto_segments = 0;                ///< as they were in the end, for members that leave them
   int starts = 0, starts_agreeing = 0;  ///< that ended in this answer
   int pairings = 0, model_evaluations = 0;
   std::vector<model::Scene> scenes;  ///< updated, by state
@@ -279,8 +286,8 @@ struct UpdateMonteCarlo {
 };
 
 /// Refits from the solution, with its pairs. Drawn anew in each sample, all normal: measured
-/// frequencies, damping ratios and FRFs about the fitted model's (by their uncertainties, the fit's
-/// own scatter where they have none), priors, and every input. Time histories are not drawn.
+/// frequencies, damping ratios, FRFs and time histories about the fitted model's (by their
+/// uncertainties, the fit's own scatter where they have none), priors, and every input.
 /// `progress` is called after each sample, from any thread.
 [[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
                                                   const std::vector<UpdateState>& states,

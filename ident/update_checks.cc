@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "ident/model_update.h"
+#include "ident/update_segments.h"
 #include "ident/update_solver.h"
 #include "ident/update_uncertainty.h"
 #include "signal/numbers.h"
@@ -131,13 +132,14 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
         if (coordinate.state == s) q[j] = coordinate.start;
       }
       held.scene = problem.scene_at(s, q);
-      if (problem.has_frfs()) held.frf_predicted = problem.rms_log_frf_error(q, s);
+      const UpdateProblem solved = as_solved(problem, options, fitted, q);
+      if (problem.has_frfs()) held.frf_predicted = solved.rms_log_frf_error(q, s);
       failure.clear();
-      const auto after = problem.match(q, 1, failure, s);
+      const auto after = solved.match(q, 1, failure, s);
       if (failure.empty()) {
-        held.pairs = problem.pairs(q, after.matches);
+        held.pairs = solved.pairs(q, after.matches);
         held.rms_predicted = rms_of_pairs(held.pairs);
-        state_prediction_uncertainty(problem, options, fitted, q, s, held.pairs);
+        state_prediction_uncertainty(solved, options, fitted, q, s, held.pairs);
       }
     }
     result.push_back(std::move(held));
@@ -154,6 +156,8 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
   const auto n = solution.coordinates.size();
   if (n == 0) return result;
   const std::vector<UpdateMatch> matches = matches_of(solution);
+  const UpdateProblem solved =
+      as_solved(UpdateProblem(states, free, options), options, solution, solution.coordinates);
   // The truth of the experiment is the fitted model: what was measured is drawn about it.
   const double spread = std::sqrt(solution.variance_factor);
   std::vector<Eigen::VectorXd> values(static_cast<std::size_t>(samples)), fitted(values.size()),
@@ -167,7 +171,7 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
         std::mt19937_64 random(options.seed * 0x9E3779B97F4A7C15ULL +
                                static_cast<std::uint64_t>(k));
         std::normal_distribution<double> normal;
-        UpdateProblem problem(states, free, options);
+        UpdateProblem problem = solved;
         for (const auto& pair : solution.pairs) {
           const double s = spread * problem.relative_std(pair.state, pair.measured);
           const auto& measured = states[static_cast<std::size_t>(pair.state)]
@@ -181,6 +185,10 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
         }
         if (problem.has_frfs() &&
             !problem.redraw_frfs(solution.coordinates, spread, [&] { return normal(random); })) {
+          continue;
+        }
+        if (!problem.redraw_histories(solution.coordinates, spread,
+                                      [&] { return normal(random); })) {
           continue;
         }
         Eigen::VectorXd start = problem.start();
@@ -250,11 +258,12 @@ std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
                                                const std::vector<FreeParameter>& free,
                                                const UpdateOptions& options) {
   std::vector<ProfileInterval> intervals(solution.parameters.size());
-  const UpdateProblem problem(states, free, options);
+  if (solution.coordinates.size() == 0) return intervals;
+  const UpdateProblem problem =
+      as_solved(UpdateProblem(states, free, options), options, solution, solution.coordinates);
   const std::vector<UpdateMatch> matches = matches_of(solution);
   double least = 0;
-  if (solution.coordinates.size() == 0 ||
-      !robust_cost(problem, matches, UpdateStage::full, options, solution.coordinates, least)) {
+  if (!robust_cost(problem, matches, UpdateStage::full, options, solution.coordinates, least)) {
     return intervals;
   }
   std::atomic<Eigen::Index> next{0};

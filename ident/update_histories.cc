@@ -38,6 +38,14 @@ double rms_of(const Eigen::Ref<const Eigen::VectorXd>& y) {
   return count > 0 ? std::sqrt(squares / count) : 0;
 }
 
+// Of one sample.
+double std_of_column(const MeasuredHistory& history, Eigen::Index column,
+                     const UpdateOptions& options) {
+  return history.std.size() > 0
+             ? history.std[column]
+             : options.assumed_history_relative_std * rms_of(history.samples.col(column));
+}
+
 }  // namespace
 
 bool UpdateProblem::has_histories() const {
@@ -88,9 +96,7 @@ bool UpdateProblem::history_residuals(int state, const Eigen::VectorXd& q, Eigen
     }
     for (Eigen::Index c = 0; c < here.cols(); ++c) {
       const auto measured = history.samples.col(c);
-      const double std = history.std.size() > 0
-                             ? history.std[c]
-                             : options_.assumed_history_relative_std * rms_of(measured);
+      const double std = std_of_column(history, c, options_);
       if (!(std > 0)) return false;
       for (Eigen::Index i = 0; i < here.rows(); ++i) {
         if (!std::isfinite(measured[i])) continue;
@@ -127,6 +133,32 @@ double UpdateProblem::history_error(const Eigen::VectorXd& q) const {
     }
   }
   return size > 0 ? std::sqrt(misfit / size) : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool UpdateProblem::redraw_histories(const Eigen::VectorXd& q, double spread,
+                                     const std::function<double()>& normal) {
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    auto& histories = states_[static_cast<std::size_t>(s)].histories;
+    if (histories.empty()) continue;
+    model::Scene scene;
+    std::string failure;
+    if (!fixed_scene(s, q, scene, failure)) return false;
+    for (auto& history : histories) {
+      const Eigen::MatrixXd here = response_of(scene, history);
+      if (here.size() == 0) return false;
+      // What was assumed of the record's own rms stays what it was.
+      Eigen::VectorXd std(here.cols());
+      for (Eigen::Index c = 0; c < here.cols(); ++c) std[c] = std_of_column(history, c, options_);
+      history.std = std;
+      for (Eigen::Index c = 0; c < here.cols(); ++c) {
+        for (Eigen::Index i = 0; i < here.rows(); ++i) {
+          if (!std::isfinite(history.samples(i, c))) continue;  // not recorded
+          history.samples(i, c) = here(i, c) + spread * std[c] * normal();
+        }
+      }
+    }
+  }
+  return true;
 }
 
 }  // namespace rigfit::ident

@@ -20,7 +20,8 @@ bool is_coordinate(const std::string& name) {
   const auto dot = name.rfind('.');
   if (dot == std::string::npos) return false;
   const std::string last = name.substr(dot + 1);
-  return last == "x" || last == "y" || last == "z" || last == "stretch";
+  return last == "x" || last == "y" || last == "z" || last == "stretch" ||
+         last.starts_with("direction_");
 }
 
 // What a quantity that starts at zero is measured by: a hundredth of the scene's mass for masses.
@@ -361,6 +362,7 @@ UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q,
     result.modes.push_back(std::move(mode));
   }
   if (result.modes.empty()) result.failure = "the model has no modes";
+  take_errors_off(state, result.modes);
   return result;
 }
 

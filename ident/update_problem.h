@@ -84,6 +84,18 @@ class UpdateProblem {
   [[nodiscard]] bool takes_part(int state) const { return state != held_out_; }
   /// The same with that many times the segments (at least 8, where there are as many).
   [[nodiscard]] UpdateProblem with_segments(double factor) const;
+  /// The same with that many segments where the scene says "auto".
+  [[nodiscard]] UpdateProblem with_auto_segments(int segments) const;
+  [[nodiscard]] bool has_auto_segments() const;
+  /// The same with the error of "auto" segments, as it is at q, taken off the frequencies that
+  /// count as data (update_segments.h); `with_segments(2)` of it then differs by what may be left
+  /// of it.
+  [[nodiscard]] UpdateProblem with_segment_errors_off(const Eigen::VectorXd& q) const;
+  [[nodiscard]] bool takes_errors_off() const;  ///< of any mode
+  /// The same with nothing taken off.
+  [[nodiscard]] UpdateProblem with_segment_errors() const;
+  /// What is left in these pairs' frequencies over the accuracy that their scenes ask for, largest.
+  [[nodiscard]] double left_over_accuracy(const std::vector<UpdateMatch>& matches) const;
   /// The same with its inputs off by so many standard uncertainties each.
   [[nodiscard]] UpdateProblem with_inputs(const Eigen::VectorXd& off) const;
   [[nodiscard]] int fewest_segments() const;  ///< of any member
@@ -128,6 +140,9 @@ class UpdateProblem {
   /// False when there is no model there.
   [[nodiscard]] bool redraw_frfs(const Eigen::VectorXd& q, double spread,
                                  const std::function<double()>& normal);
+  /// The same of every sample of a time history.
+  [[nodiscard]] bool redraw_histories(const Eigen::VectorXd& q, double spread,
+                                      const std::function<double()>& normal);
   void set_prior(Eigen::Index coordinate, double q) {
     coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
   }
@@ -173,8 +188,20 @@ class UpdateProblem {
   Eigen::Index priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
   double segment_factor_ = 1;
-  Eigen::VectorXd inputs_off_;  // empty: none
-  struct Shared {               // by copies of a problem too
+  // Of ln f, by state; with as many segments as there are, and with twice as many.
+  struct ModeError {
+    model::ModePlane plane;
+    int order;
+    double here, twice;
+    double left;  // what may be left, not negative
+  };
+  using ModeErrors = std::vector<std::vector<ModeError>>;
+  [[nodiscard]] static const ModeError* find(const std::vector<ModeError>& errors,
+                                             model::ModePlane plane, int order);
+  void take_errors_off(int state, std::vector<UpdateModelMode>& modes) const;
+  std::shared_ptr<const ModeErrors> mode_errors_;  // null: nothing is taken off
+  Eigen::VectorXd inputs_off_;                     // empty: none
+  struct Shared {                                  // by copies of a problem too
     std::atomic<int> evaluations{0};
     std::atomic<bool> narrow{true};  // asking for the paired modes alone has not failed yet
   };

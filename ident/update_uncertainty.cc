@@ -150,6 +150,12 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   const auto names = problem.names();
   result.identifiability = identifiability(J, scales, names, limits);
   const Identifiability& known = result.identifiability;
+  Eigen::VectorXd off = Eigen::VectorXd::Zero(n);  // what the segments would have done
+  if (Eigen::VectorXd with;
+      problem.takes_errors_off() &&
+      problem.with_segment_errors().residuals(q, matches, UpdateStage::full, with, nullptr)) {
+    off = known.shift_by(J, weights.cwiseProduct(with) - r, limits);
+  }
   const auto alone =
       identifiability(J.topRows(r.size() - problem.prior_count()), scales, names, limits);
   for (const auto& open : known.open) result.open.push_back(open.message);
@@ -171,6 +177,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
     auto& parameter = result.parameters[static_cast<std::size_t>(i)];
     parameter.identifiable = known.identifiable[static_cast<std::size_t>(i)];
+    parameter.segments_taken_off = by[i] * off[i];
     parameter.std = std::sqrt(result.covariance(i, i));
     parameter.std_from_data = std::abs(by[i]) * alone.std[i];
     parameter.at_bound = q[i] <= coordinate.low + 1e-9 || q[i] >= coordinate.high - 1e-9;

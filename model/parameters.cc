@@ -1,5 +1,6 @@
 #include "model/parameters.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/modal_analysis.h"
@@ -121,6 +122,22 @@ std::vector<ParameterAccess> scene_parameters(const Scene& scene) {
     if (load.kind == Load::Kind::impact) {
       all.push_back(
           access(load.name + ".peak", "N", [k](Scene& s) -> double& { return s.loads[k].peak; }));
+    }
+    if (load.place.node.empty()) {
+      // Beyond the member's end there is nothing to strike.
+      all.push_back(
+          {load.name + ".position", "", [k](const Scene& s) { return s.loads[k].place.position; },
+           [k](Scene& s, double v) { s.loads[k].place.position = std::clamp(v, 0.0, 1.0); }});
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      // A direction stays a unit vector: moving a component turns it.
+      all.push_back({load.name + ".direction_" + axis_name[axis], "",
+                     [k, axis](const Scene& s) { return s.loads[k].direction[axis]; },
+                     [k, axis](Scene& s, double v) {
+                       Eigen::Vector3d& direction = s.loads[k].direction;
+                       direction[axis] = v;
+                       if (direction.norm() > 0) direction.normalize();
+                     }});
     }
   }
   return all;

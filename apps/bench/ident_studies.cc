@@ -180,7 +180,7 @@ BenchStudy update_study(const BenchBudget& budget) {
   study.error_of = "the parameters, largest";
   study.default_does =
       "the default starts from four places, so that a start off by three still ends in the best "
-      "fit";
+      "fit, and takes off what the segments do";
   const int fine = budget.quick ? 120 : 240;
   std::vector<MeasuredState> states;
   for (const double tension : {100.0, 200.0}) states.push_back(measured_state(tension, fine));
@@ -235,11 +235,13 @@ BenchStudy update_study(const BenchBudget& budget) {
     if (budget.quick && n != 30) continue;
     add("own sensitivities, starts", n, options);
   }
+  add("own sensitivities, \"auto\", starts", 0, options);
   options.solver = by_differences;
   add("finite differences, starts", 30, options);
   options.solver = nullptr;
   options.starts = ident::UpdateOptions{}.starts;
-  add("own sensitivities, starts", 30, options, true);
+  add("own sensitivities, starts", 30, options);
+  add("own sensitivities, \"auto\", starts", 0, options, true);
   mark_front(study);
   return study;
 }

@@ -57,6 +57,10 @@ std::vector<BendingRecordResult> bending_records(const CampaignTest& test,
     }
     ident::BendingTestOptions options;
     options.span_m = {test.span_m, test.span_std_m};
+    options.tension_zero_std_N = test.tension_zero_std_N;
+    options.tension_calibration_std = test.tension_calibration_std;
+    options.load_calibration_std = test.load_calibration_std;
+    options.deflection_calibration_std = test.deflection_calibration_std;
     one.result = ident::analyse_bending_test(one.record, options);
     for (const auto& finding : one.result.findings) {
       if (finding.refuses) {

@@ -281,6 +281,25 @@ void print_tests(std::ostream& out, const std::vector<Test>& tests) {
   }
 }
 
+// What the records cannot show of themselves: said where the intervals leave it out.
+void print_tension_cell(std::ostream& out, const std::vector<Test>& tests,
+                        const BendingCommand& options) {
+  if (options.tension_zero_std > 0 || options.tension_calibration > 0) return;
+  const Test* worst = nullptr;
+  double most = 0;
+  for (const auto& test : tests) {
+    if (!test.analysis || test.analysis->refused) continue;
+    const double by_newton =
+        std::abs(test.analysis->stiffness.log_sensitivity_tension) / test.analysis->tension_N.value;
+    if (by_newton > most) most = by_newton, worst = &test;
+  }
+  if (worst == nullptr) return;
+  out << fmt::format(
+      "Not in the intervals: the tension cell itself. 0.1 N of its zero move EI by up to {:.2f} % "
+      "(at {:.4g} N): --tension-zero-std.\n",
+      10 * most, worst->analysis->tension_N.value);
+}
+
 // Relative uncertainty of a test's EI that it shares with the others: span and calibrations, root
 // of squares.
 double shared_std(const Test& test, const BendingCommand& options) {
@@ -306,6 +325,7 @@ Json run_bending(VerbContext& context, const BendingCommand& options) {
     return a.point.tension_N < b.point.tension_N;
   });
   print_tests(context.out, tests);
+  print_tension_cell(context.out, tests, options);
 
   Json result;
   result["tests"] = Json::array();

@@ -22,7 +22,7 @@ namespace {
 struct UpdateCommand {
   UpdateData data;
   std::vector<double> band;
-  std::vector<std::string> free, priors, inputs;
+  std::vector<std::string> free, priors, inputs, aims;
   std::string out, axial;
   bool hold_out = false, profile = false;
   int monte_carlo = 0, starts = 4;
@@ -370,6 +370,7 @@ Json run_update(VerbContext& context, UpdateCommand options) {
   for (auto& input : uncertain_inputs(options.inputs, options.stiffness_common_std, states)) {
     update.inputs.push_back(std::move(input));
   }
+  for (auto& input : aim_inputs(options.aims, states)) update.inputs.push_back(std::move(input));
   const auto result = ident::update_model(states.states, free, update);
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 
@@ -386,7 +387,7 @@ Json run_update(VerbContext& context, UpdateCommand options) {
     if (p.identifiable && std::abs(p.segment_shift) > 0.5 * p.std) {
       context.warn("segments",
                    fmt::format("is about {:.2g} off for want of segments, which is most of its "
-                               "uncertainty: more segments make it smaller",
+                               "uncertainty: more segments, or \"auto\", make it smaller",
                                p.segment_shift),
                    p.name);
     }
@@ -410,6 +411,7 @@ Json run_update(VerbContext& context, UpdateCommand options) {
                                   {"std_from_data", json_number(p.std_from_data)},
                                   {"at_bound", p.at_bound},
                                   {"segment_shift", json_number(p.segment_shift)},
+                                  {"segments_taken_off", json_number(p.segments_taken_off)},
                                   {"budget", Json::array()}});
     for (const auto& term : p.budget) {
       json["parameters"].back()["budget"].push_back({{"source", term.source}, {"std", term.std}});
@@ -437,6 +439,7 @@ Json run_update(VerbContext& context, UpdateCommand options) {
   json["starts"] = result.starts;
   json["starts_agreeing"] = result.starts_agreeing;
   json["model_evaluations"] = result.model_evaluations;
+  json["auto_segments"] = result.auto_segments;
   if (result.frf_lines > 0) {
     json["frf_lines"] = result.frf_lines;
     json["rms_log_frf_error"] = json_number(result.rms_log_frf_error);
@@ -540,6 +543,10 @@ void add_update(CLI::App& program, Verbs& verbs) {
                    "with commas (-TARGET: opposite), `tension` for the cables' reading, @each at "
                    "the end: independent in each state. Carried into the parameters, the "
                    "predictions and --monte-carlo");
+  verb->add_option("--aim", options->aims,
+                   "How exactly a load of the scene struck, LOAD=METRES,DEGREES (standard "
+                   "uncertainties of its place along the member and of its direction, of the mean "
+                   "of the hits): carried on like every --input. With --frf and --response");
   verb->add_flag("--profile", options->profile,
                  "Also 95 % intervals by profile (of data and priors alone)");
   verb->add_option("--assumed-std", options->assumed_std,
@@ -574,8 +581,8 @@ void add_update(CLI::App& program, Verbs& verbs) {
                  "Also leave out each state in turn and predict it from the others");
   verb->add_option(
           "--monte-carlo", options->monte_carlo,
-          "Refits with measured frequencies, damping ratios and FRFs, priors, the stiffness "
-          "table, EA and every --input drawn anew; recordings are not")
+          "Refits with measured frequencies, damping ratios, FRFs and time histories, priors, the "
+          "stiffness table, EA, every --input and --aim drawn anew")
       ->check(CLI::Range(0, 1000000));
   verb->add_option("--out", options->out,
                    "Updated scene (default: SCENE's name with .updated.toml, in this folder)");

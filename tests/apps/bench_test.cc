@@ -141,8 +141,9 @@ TEST_F(BenchRun, DefaultsKeepWhatTheyPromise) {
   // a mode times 20), some 1e-6; the search must not lose more than an order of that.
   EXPECT_LT(error_of(default_of("poles")), 1e-5);
   EXPECT_LT(error_of(default_of("bending")), 1e-13);
-  // EI is a small part of a cable's stiffness: 30 segments cost it some per cent.
-  EXPECT_LT(error_of(default_of("update")), 0.05);
+  // EI is a small part of a cable's stiffness: 30 segments cost it 3.5 %, which "auto" takes off.
+  // What the 120 of the quick study's frequencies cost, a sixteenth of that, is left.
+  EXPECT_LT(error_of(default_of("update")), 0.04 / 16);
 }
 
 TEST_F(BenchRun, RivalsGoTheSameWay) {

@@ -349,12 +349,19 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
                                   "1",
                                   "--frf-model-std",
                                   "0.02",
+                                  "--aim",
+                                  "hammer=0.0015,1",
                                   "--out",
                                   (folder.path() / "o.toml").string(),
                                   "--json",
                                   "-"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
   const auto damping = Json::parse(again.out)["parameters"][2];
+  std::string sources;
+  for (const auto& term : damping["budget"]) sources += term["source"].get<std::string>() + "; ";
+  EXPECT_EQ(
+      sources,
+      "data; segments; place of hammer; direction of hammer to y; direction of hammer to z; ");
   EXPECT_TRUE(damping["identifiable"].get<bool>());
   EXPECT_NEAR(damping["value"].get<double>(), 0.01, 4 * damping["std"].get<double>());
   EXPECT_LT(damping["std"].get<double>(), 0.005);
@@ -431,6 +438,11 @@ TEST(UpdateVerb, BadInputsEndWithTheirExitCode) {
   EXPECT_EQ(no_frf.exit_code, 3) << no_frf.err;
   EXPECT_EQ(run_program({"update", scene, "--measured", modes, "--prior", "x"}).exit_code, 2);
   EXPECT_EQ(run_program({"update", scene, "--measured", modes, "--hold-out"}).exit_code, 2);
+  for (const char* aim :
+       {"hammer", "hammer=0.001", "hammer=x,1", "hammer=0.001,-2", "none=0.001,2"}) {
+    EXPECT_EQ(run_program({"update", scene, "--measured", modes, "--aim", aim}).exit_code, 2)
+        << aim;
+  }
   const auto unknown = run_program({"update", scene, "--measured", modes, "--free", "beam.E"});
   EXPECT_EQ(unknown.exit_code, 3);
   EXPECT_NE(unknown.err.find("beam.E"), std::string::npos) << unknown.err;

@@ -43,6 +43,7 @@ void row(const Scenario& scenario, int campaigns) {
     test.lvdt = instruments.lvdt;
     ident::BendingTestOptions options;
     options.span_m = {scenario.span_m, 5e-4};
+    options.tension_zero_std_N = instruments.tension_cell.offset_std;
     test.span_m = scenario.span_m + options.span_m.std * normal(random);
     const auto record = ident::virtual_bending_record(test, random);
     const auto result = ident::analyse_bending_test(
