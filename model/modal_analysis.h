@@ -112,7 +112,7 @@ struct ModalAnalysis {
 /// ".mass_per_length", ".tension", ".unstretched_length", ".stretch", ".taper", ".damping_ratio",
 /// ".damping_axial", ".damping_bending", ".damping_torsion", "<node>.mass", "<node>.x|.y|.z",
 /// "<node>.translational_x|_y|_z", "<node>.rotational_x|_y|_z", "<load>.mass", "<load>.peak",
-/// "<load>.position" (0..1, of one on a member), "<load>.direction_x|_y|_z" (turns the unit vector).
+/// "<load>.position" (0..1, on a member), "<load>.direction_x|_y|_z" (turns the unit vector).
 /// Both throw SceneError naming the parameters there are when the name is unknown.
 [[nodiscard]] double parameter(const Scene& scene, const std::string& name);
 void set_parameter(Scene& scene, const std::string& name, double value);

@@ -88,6 +88,39 @@ TEST(FrictionTransient, UncertaintyCovers) {
   EXPECT_GE(covered, 178);
 }
 
+// A load cell that drifts as a random walk: residuals show little of it, as each line takes most,
+// but slopes scatter by sqrt(6/5) of the walk's whole way over the travel, 20 times what white
+// noise of the residuals' size would do.
+TEST(FrictionTransient, DriftIsInTheUncertainty) {
+  constexpr double kWalk = 3e-4;  // N, a sample
+  constexpr int kSeeds = 60;
+  int covered = 0;
+  double share = 0, mean = 0;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    auto strokes = strokes_of(FrictionLaw::exponential, 4000, 0.1, 1e-4, 0.003, seed);
+    std::mt19937_64 random(1000 + seed);
+    std::normal_distribution<double> normal;
+    double walk = 0;
+    for (auto& stroke : strokes) {
+      for (double& load : stroke.load_N) load += walk += kWalk * normal(random);
+    }
+    const auto fit = fit_friction(strokes, FrictionLaw::exponential, 0);
+    ASSERT_TRUE(fit.usable);
+    share += fit.walk_share / kSeeds;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double both = std::hypot(fit.stiffness_N_m[i].std, fit.by_travel[i]);
+      mean += both / (2 * kSeeds);
+      // Student's t for the two strokes' degrees of freedom.
+      covered += std::abs(fit.stiffness_N_m[i].value - 4000) < 2.1 * both;
+    }
+  }
+  EXPECT_GT(share, 0.8);
+  // sqrt(6/5 * 600) * 3e-4 N over 1 mm is 8 N/m; the transient takes some of the line's hold.
+  EXPECT_GT(mean, 7);
+  EXPECT_LT(mean, 14);
+  EXPECT_GE(covered, 107);  // of 120: 95 %, three binomial deviations
+}
+
 TEST(FrictionTransient, AToeIsNoFriction) {
   auto strokes = strokes_of(FrictionLaw::none, 4000, 0, 1e-4, 0, 3);
   for (auto& stroke : strokes) {  // softer at the beginning
