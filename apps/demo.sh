@@ -22,7 +22,7 @@ cmake --build build/release --target rigfit
 
 report() {
   status=0
-  build/release/apps/rigfit report "testdata/$1/campaign.toml" --out "$out/$1" --threads "$(nproc)" || status=$?
+  build/release/apps/rigfit report "testdata/$1/campaign.toml" --out "$out/$1" || status=$?
   # 4: something was refused and the report says so; everything else there is there.
   if [ "$status" -ne 0 ] && [ "$status" -ne 4 ]; then
     echo "error: rigfit report ended with exit code $status" >&2

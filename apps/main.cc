@@ -4,11 +4,13 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <fstream>
 #include <iostream>
 #include <streambuf>
+#include <thread>
 
 #include "apps/exit_code.h"
 #include "apps/json_document.h"
@@ -20,7 +22,7 @@ namespace {
 struct CommonOptions {
   std::string json;
   bool quiet = false;
-  int threads = 1;
+  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   std::uint64_t seed = 1;
 };
 
@@ -29,9 +31,9 @@ void add_common(CLI::App& verb, CommonOptions& common) {
       ->type_name("F")
       ->group("Common");
   verb.add_flag("--quiet", common.quiet, "Say nothing but errors")->group("Common");
-  verb.add_option("--threads", common.threads, "Threads to use")
+  verb.add_option("--threads", common.threads,
+                  "Threads to use (all processors); the numbers do not depend on it")
       ->check(CLI::Range(1, 1024))
-      ->capture_default_str()
       ->group("Common");
   verb.add_option("--seed", common.seed, "Seed of every random number")
       ->capture_default_str()

@@ -343,8 +343,8 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     // The plane's normal stays an axis; the solver returns rising eigenvalues.
     Eigen::Vector3d values;
     if (chain.planar) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(
-          stiffness[k].topLeftCorner<2, 2>());
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+      eigen.computeDirect(stiffness[k].topLeftCorner<2, 2>());
       chain.rotation_basis[k].topLeftCorner<2, 2>() = eigen.eigenvectors();
       values << eigen.eigenvalues(), stiffness[k](2, 2);
     } else {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 
 #include "model/bordered_envelope.h"
 #include "model/hanging_chain.h"
+#include "model/least_change.h"
 #include "model/rest_verdict.h"
 
 namespace rigfit::model {
@@ -186,11 +186,9 @@ class Solver {
       small_(i, i) += run.diagonal;
       lengths_[i] -= gradient * column_.segment(run.first + first, size);
     }
-    // Cables in line over a node that nothing else holds share one condition: least change.
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-    decomposition.setThreshold(1e-9);
-    decomposition.compute(small_);
-    lengths_ = decomposition.solve(lengths_).eval();
+    LeastChange least_change;
+    least_change.compute(small_);
+    lengths_ = least_change.solve(lengths_);
     column_.noalias() -= border_ * lengths_;
   }
 

@@ -1,9 +1,10 @@
 #include "model/moved_rig.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "model/least_change.h"
 
 namespace rigfit::model {
 namespace {
@@ -54,14 +55,14 @@ struct RigMover::Bordered {
   std::vector<int> targets;  // members whose tension is given
   EnvelopeFactor factor;
   Eigen::MatrixXd border, gradient;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> small;
+  LeastChange small;
 
   /// Displacements and lengths that undo an unbalanced force and a mismatch of tension.
   void solve(Eigen::VectorXd& q, Eigen::VectorXd& lengths) const {
     q = -q;
     factor.solve_in_place(q);
     if (lengths.size() == 0) return;
-    lengths = small.solve(Eigen::VectorXd(-lengths - gradient.transpose() * q));
+    lengths = small.solve(-lengths - gradient.transpose() * q);
     q -= border * lengths;
   }
 };
@@ -98,7 +99,6 @@ RigMover::RigMover(const Scene& scene, const ChainModes& modes)
   }
   bordered_->factor.solve_in_place(bordered_->border);
   small -= bordered_->gradient.transpose() * bordered_->border;
-  bordered_->small.setThreshold(1e-9);
   if (k > 0) bordered_->small.compute(small);
 }
 

@@ -40,7 +40,7 @@ TEST(AxialVerb, PoolsLengthsWithABudget) {
   }
   const auto run = run_program(arguments);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parsed(run.out);
   const double EA = json["EA_N"]["value"], std = json["EA_N"]["std"];
   EXPECT_NEAR(EA, 221780, 4 * std);
   EXPECT_LT(std, 0.01 * EA);

@@ -23,7 +23,7 @@ class BenchRun : public ::testing::Test {
     folder_ = new TemporaryFolder;
     run_ = new ProgramRun(run_program(
         {"bench", "--quick", "--json", "-", "--out", (folder_->path() / "rows.csv").string()}));
-    if (run_->exit_code == 0) json_ = new Json(Json::parse(run_->out));
+    if (run_->exit_code == 0) json_ = new Json(parsed(run_->out));
   }
   static void TearDownTestSuite() {
     delete json_;
@@ -193,7 +193,7 @@ TEST(BenchVerb, ReferenceOfASceneIsTheClosedForm) {
   const auto run =
       run_program({"bench", folder.write("beam.toml", kCantilever), "--quick", "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out);
+  const Json json = parsed(run.out);
   std::vector<double> truth;
   for (const double EI : {2.1, 8.4}) {
     for (const double f : model::cantilever_frequencies({0.75, 0.295, EI, 0}, 0, 6)) {
@@ -232,7 +232,7 @@ TEST(BenchVerb, CostAgainstSize) {
   EXPECT_NEAR(log_slope({1, 3, 10}, {2, 2 * std::pow(3, 1.5), 2 * std::pow(10, 1.5)}), 1.5, 1e-12);
   const auto run = run_program({"bench", "--size", "--quick", "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out);
+  const Json json = parsed(run.out);
   std::map<std::string, std::vector<double>> sizes;
   for (const auto& row : json["rows"]) {
     EXPECT_GT(row["wall_s"].get<double>(), 0) << row;

@@ -27,7 +27,7 @@ std::string table(double EI, const std::vector<double>& tensions, double span) {
 
 Json document(const ProgramRun& run) {
   EXPECT_FALSE(run.out.empty()) << run.err;
-  return Json::parse(run.out);
+  return parsed(run.out);
 }
 
 const char* const kPublished = "tension_N,EI_Nm2\n25,0.2549\n100,0.4948\n200,0.5972\n300,0.8283\n";

@@ -32,7 +32,7 @@ TEST(DecayVerb, GivesFrequencyAndDampingOfAFile) {
   const auto file = folder.write("tap.csv", decay_csv(50, 0.017, 500, 800, 0.003, 200));
   const auto run = run_program({"decay", file, "--channel", "force", "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parsed(run.out);
   EXPECT_EQ(json["command"], "decay");
   EXPECT_EQ(json["inputs"].size(), 1u);
   ASSERT_EQ(json["modes"].size(), 1u);
@@ -56,7 +56,7 @@ TEST(DecayVerb, TakesStartEndAndBandInTheFilesTime) {
   const auto run = run_program(
       {"decay", file, "--start", "0.1", "--end", "0.9", "--band", "30", "80", "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parsed(run.out);
   EXPECT_NEAR(json["window"]["start_s"].get<double>(), 0.1, 1e-9);
   EXPECT_NEAR(json["window"]["end_s"].get<double>(), 0.9, 1e-9);
 }
@@ -74,7 +74,7 @@ TEST(DecayVerb, ExitCodesSayWhoseFaultItIs) {
   const auto quiet = folder.write("noise.csv", decay_csv(50, 0.017, 500, 800, 0.003, 800));
   const auto refused = run_program({"decay", quiet, "--json", "-"});
   EXPECT_EQ(refused.exit_code, 4);
-  EXPECT_EQ(nlohmann::json::parse(refused.out)["modes"].size(), 0u);
+  EXPECT_EQ(parsed(refused.out)["modes"].size(), 0u);
   EXPECT_THAT(refused.err, HasSubstr("noise"));
 }
 

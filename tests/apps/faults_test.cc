@@ -293,7 +293,7 @@ TEST_F(Faults, ARecordingCutShortWhileItIsReadIsNoCrash) {
       EXPECT_FALSE(fs::exists(at("out.json")));
       continue;
     }
-    const auto document = nlohmann::json::parse(folder_.read("out.json"));
+    const auto document = parsed(folder_.read("out.json"));
     const bool all = document["recordings"][0]["samples"] == 1000000;
     EXPECT_EQ(document["inputs"][0]["sha256"], all ? whole : cut);
   }

@@ -53,7 +53,7 @@ TEST_F(FrfVerb, AveragesTheGoodHitsAndSaysWhatIsWrongWithTheOther) {
                                 "--json",
                                 "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parsed(run.out);
   ASSERT_EQ(json["hits"].size(), 5u);
   EXPECT_EQ(json["averages"], 4);
   for (std::size_t i = 0; i < 5; ++i) {
@@ -103,7 +103,7 @@ TEST_F(FrfVerb, RefusesAmplitudesOfPulsesThatAreNotResolved) {
   const auto refused = run_program(command);
   EXPECT_EQ(refused.exit_code, 4);
   EXPECT_THAT(refused.err, HasSubstr("--frequencies-only"));
-  const auto json = nlohmann::json::parse(refused.out);
+  const auto json = parsed(refused.out);
   ASSERT_EQ(json["hits"].size(), 5u);
   EXPECT_EQ(json["averages"], 0);
   EXPECT_EQ(json["amplitudes"], false);
@@ -114,8 +114,8 @@ TEST_F(FrfVerb, RefusesAmplitudesOfPulsesThatAreNotResolved) {
   with.push_back("--frequencies-only");
   const auto kept = run_program(with);
   EXPECT_EQ(kept.exit_code, 0) << kept.err;
-  EXPECT_EQ(nlohmann::json::parse(kept.out)["frf_form"], "unknown");
-  EXPECT_EQ(nlohmann::json::parse(kept.out)["amplitudes"], false);
+  EXPECT_EQ(parsed(kept.out)["frf_form"], "unknown");
+  EXPECT_EQ(parsed(kept.out)["amplitudes"], false);
   EXPECT_TRUE(std::filesystem::exists(path("o.uff")));
 }
 
@@ -133,7 +133,7 @@ TEST_F(FrfVerb, OneHitAFileAndItsPolarityAtTheDrivingPoint) {
   }
   const auto run = run_program(command);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parsed(run.out);
   EXPECT_EQ(json["averages"], 3);
   EXPECT_LT(json["hits"][2]["peak"].get<double>(), -50);
   EXPECT_EQ(json["driving_point"]["verdict"], "inverted");
@@ -162,7 +162,7 @@ TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
                            path("roving.csv")});
   const auto run = run_program(with);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parsed(run.out);
   EXPECT_EQ(json["hits"].size(), 8u);
   EXPECT_EQ(json["hits"][7]["struck"], "a3");
   EXPECT_EQ(json["hits"][7]["file"], files[3]);
@@ -189,7 +189,7 @@ TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
   const auto modal =
       run_program({"modal", path("roving.uff"), "--band", "100", "1300", "--json", "-"});
   ASSERT_EQ(modal.exit_code, 0) << modal.err;
-  const auto modes = nlohmann::json::parse(modal.out)["modes"];
+  const auto modes = parsed(modal.out)["modes"];
   ASSERT_EQ(modes.size(), 8u);  // above 100 Hz
   for (std::size_t r = 0; r < 8; ++r) {
     const double f = truth.frequency_hz[static_cast<Eigen::Index>(r) + 2];

@@ -18,7 +18,7 @@ class Inspect : public ::testing::Test {
   TemporaryFolder folder;
 };
 
-nlohmann::json json_of(const ProgramRun& run) { return nlohmann::json::parse(run.out); }
+nlohmann::json json_of(const ProgramRun& run) { return parsed(run.out); }
 
 /// 2 s at 500 Hz: a sine of 3.3 Hz, amplitude 2, cut at `top`; and its negative in millimetres.
 std::string sine(double top) {

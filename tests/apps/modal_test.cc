@@ -41,7 +41,7 @@ TEST_F(ModalVerb, FrfsGiveModesThatRebuildThem) {
   const auto run = run_program(
       {"modal", file, "--out", path("modes.uff"), "--synthesis", path("again.uff"), "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parsed(run.out);
   ASSERT_EQ(json["modes"].size(), 10u);
   const Eigen::MatrixXcd residues = truth.residues();
   for (std::size_t r = 0; r < 10; ++r) {
@@ -97,7 +97,7 @@ TEST_F(ModalVerb, RecordingsGiveTheSameModesDirectly) {
                                 "--band", "40", "1000", "--json", "-"});
   // 68 Hz has -Re p = 3.4 1/s: the window is 37 % of what is measured, and accepted.
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parsed(run.out);
   ASSERT_EQ(json["modes"].size(), 8u);
   for (std::size_t r = 0; r < 8; ++r) {
     const double f = json["modes"][r]["frequency_hz"]["value"];
@@ -111,7 +111,7 @@ TEST_F(ModalVerb, ADominatingWindowsDampingIsRefused) {
   const auto run = run_program({"modal", frf_file(3), "--json", "-"});
   EXPECT_EQ(run.exit_code, 4);
   EXPECT_THAT(run.err, HasSubstr("the window gives 66 %"));
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parsed(run.out);
   ASSERT_EQ(json["modes"].size(), 10u);
   EXPECT_EQ(json["modes"][0]["damping_refused"], true);
   EXPECT_TRUE(json["modes"][0]["damping_ratio"]["value"].is_null());

@@ -46,7 +46,7 @@ TEST(ModesVerb, GivesTheCablesModes) {
   const auto run = run_program(
       {"modes", folder.write("cable.toml", kCable), "--count", "4", "--shapes", "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = nlohmann::json::parse(run.out);
+  const auto json = parsed(run.out);
   EXPECT_EQ(json["command"], "modes");
   ASSERT_EQ(json["modes"].size(), 4u);
   // Taut string of mass 0.16667 kg/m with EI: f = sqrt((T + EI k^2) / m) / (2 L), to the strain
@@ -81,8 +81,8 @@ TEST(ModesVerb, BandGivesTheSameModesAsTheCount) {
   const auto banded =
       run_program({"modes", scene, "--segments", "30", "--band", "10", "25", "--json", "-"});
   ASSERT_EQ(banded.exit_code, 0) << banded.err;
-  const auto all = nlohmann::json::parse(counted.out)["modes"];
-  const auto some = nlohmann::json::parse(banded.out)["modes"];
+  const auto all = parsed(counted.out)["modes"];
+  const auto some = parsed(banded.out)["modes"];
   std::size_t next = 0;
   for (const auto& mode : all) {
     const double f = mode["frequency_hz"];
@@ -106,7 +106,7 @@ TEST(ModesVerb, SlackCableEndsWithFiveAndTheReason) {
   const auto second = run_program({"modes", longer, "--json", "-"});
   EXPECT_EQ(second.exit_code, 5);
   EXPECT_THAT(second.err, HasSubstr("slack"));
-  const auto json = nlohmann::json::parse(second.out);
+  const auto json = parsed(second.out);
   EXPECT_EQ(json["equilibrium"]["status"], "slack");
   EXPECT_TRUE(json["modes"].empty());
 }
@@ -130,7 +130,7 @@ TEST(ModesVerb, ExampleOfTheHelpWorks) {
   const auto run = run_program({"modes", RIGFIT_TESTDATA "/jalali2021/scenes/rig.toml", "--count",
                                 "6", "--json", (folder.path() / "modes.json").string()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(nlohmann::json::parse(folder.read("modes.json"))["modes"].size(), 6u);
+  EXPECT_EQ(parsed(folder.read("modes.json"))["modes"].size(), 6u);
   EXPECT_THAT(run.out, HasSubstr("Sturm"));
 }
 

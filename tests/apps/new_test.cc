@@ -16,7 +16,7 @@ TEST(New, WritesACampaignThatRunsAndNeverOverwrites) {
   const std::string rig = (folder.path() / "rig").string();
   const auto made = run_program({"new", rig, "--json", "-"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_EQ(nlohmann::json::parse(made.out)["files"].size(), 4u);
+  EXPECT_EQ(parsed(made.out)["files"].size(), 4u);
   const auto report = run_program({"report", rig + "/campaign.toml", "--out", rig + "/report"});
   EXPECT_EQ(report.exit_code, 0) << report.err;
   EXPECT_THAT(folder.read("rig/report/report.html"), HasSubstr("Example: a cable in a test rig"));

@@ -43,7 +43,7 @@ class LaboratoryReport : public ::testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
     run_ = new ProgramRun(report());
-    document_ = new Json(Json::parse(folder_->read("report.json"), nullptr, false));
+    document_ = new Json(parsed(folder_->read("report.json")));
   }
   static void TearDownTestSuite() {
     delete document_;
@@ -80,7 +80,7 @@ TEST_F(LaboratoryReport, GoesTheWholeWay) {
 
 TEST_F(LaboratoryReport, IsAsItsSchemaSays) {
   const Json schema =
-      Json::parse(content(std::string(RIGFIT_TESTDATA) + "/../apps/report/report.schema.json"));
+      parsed(content(std::string(RIGFIT_TESTDATA) + "/../apps/report/report.schema.json"));
   EXPECT_THAT(schema_errors(*document_, schema), ::testing::IsEmpty());
 }
 
@@ -289,7 +289,7 @@ TEST_F(BrokenRecordings, AreNamedInTheirPlaceAndTheRestGoesOn) {
   const auto run = run_program({"report", (folder_.path() / "campaign.toml").string(), "--out",
                                 out.path().string(), "--threads", "2"});
   EXPECT_EQ(run.exit_code, 4) << run.err;
-  const Json document = Json::parse(out.read("report.json"));
+  const Json document = parsed(out.read("report.json"));
   // The good hits give the beam's modes all the same.
   const auto& beam = entry(document, "recorded_modal", "test", "beam");
   ASSERT_EQ(beam["states"].size(), 1u);
@@ -366,7 +366,7 @@ synthetic = true
   const auto run = run_program(
       {"report", (folder.path() / "campaign.toml").string(), "--out", out.path().string()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json document = Json::parse(out.read("report.json"));
+  const Json document = parsed(out.read("report.json"));
   ASSERT_EQ(document["decays"].size(), 1u);
   const auto& record_json = document["decays"][0]["records"];
   ASSERT_GE(record_json.size(), 1u);

@@ -30,7 +30,7 @@ class PublishedTables : public ::testing::Test {
     folder_ = new TemporaryFolder;
     run_ = new ProgramRun(
         run_program({"report", kCampaign, "--out", folder_->path().string(), "--threads", "2"}));
-    document_ = new Json(Json::parse(folder_->read("report.json"), nullptr, false));
+    document_ = new Json(parsed(folder_->read("report.json")));
   }
   static void TearDownTestSuite() {
     delete document_;

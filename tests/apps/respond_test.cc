@@ -37,7 +37,7 @@ TEST(Respond, ReleaseIsNonlinearAndItsEnergyAccountCloses) {
       run_program({"respond", kScenes + "cable-release.toml", "--duration", "0.5", "--rate", "2000",
                    "--out", csv, "--energy", energy, "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json document = Json::parse(run.out);
+  const Json document = parsed(run.out);
   EXPECT_EQ(document["command"], "respond");
   EXPECT_TRUE(document["nonlinear"].get<bool>());
   EXPECT_EQ(document["solver"], "explicit");
@@ -79,7 +79,7 @@ TEST(Respond, SmallHitIsLinearAndAgreesWithTheExactEquations) {
                      "--solver", solver, "--out", (folder.path() / name).string(), "--json", "-"});
     EXPECT_EQ(run.exit_code, 0) << run.err;
     std::string header;
-    const Json document = Json::parse(run.out);
+    const Json document = parsed(run.out);
     EXPECT_FALSE(document["nonlinear"].get<bool>());
     EXPECT_EQ(document["solver"], solver == "auto" ? "modal" : solver);
     return columns(folder.read(name), &header)[1];
@@ -105,7 +105,7 @@ TEST(Respond, SaysWhatItLeftOutAndWhatThatCosts) {
     words.insert(words.end(), more.begin(), more.end());
     const ProgramRun run = run_program(words);
     EXPECT_EQ(run.exit_code, 0) << run.err;
-    return Json::parse(run.out);
+    return parsed(run.out);
   };
   const auto cost = [](const Json& document, const std::string& begin) {
     for (const Json& what : document["modelled"]["left_out"]) {
@@ -183,7 +183,7 @@ quantity = "displacement"
   const ProgramRun run = run_program({"respond", scene, "--duration", "0.2", "--rate", "500",
                                       "--out", (folder.path() / "y.csv").string(), "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json document = Json::parse(run.out);
+  const Json document = parsed(run.out);
   EXPECT_EQ(document["inputs"].size(), 2u);
   EXPECT_GT(document["sensors"][0]["rms"].get<double>(), 0);
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 namespace rigfit::apps {
@@ -20,6 +21,10 @@ std::string content(const fs::path& path) {
 }
 
 }  // namespace
+
+nlohmann::json parsed(const std::string& text) {
+  return nlohmann::json::parse(text, nullptr, false);
+}
 
 ProgramRun run_program(const std::vector<std::string>& arguments) {
   const TemporaryFolder folder;

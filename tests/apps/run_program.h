@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct ProgramRun {
 
 /// Arguments after the program's name, passed as they are (no shell).
 [[nodiscard]] ProgramRun run_program(const std::vector<std::string>& arguments);
+
+/// What a program wrote as JSON; is_discarded() when it is none.
+[[nodiscard]] nlohmann::json parsed(const std::string& text);
 
 /// A folder of this test's own, empty, removed with the object.
 class TemporaryFolder {

@@ -311,7 +311,7 @@ TEST(SceneMistakes, ScenesThatCannotRestEndWithFive) {
     EXPECT_THAT(run.err, HasSubstr(scene));
     EXPECT_THAT(run.err, HasSubstr(one.culprit));
     EXPECT_THAT(run.err, HasSubstr(one.remedy));
-    const auto json = nlohmann::json::parse(run.out);
+    const auto json = parsed(run.out);
     EXPECT_EQ(json["equilibrium"]["status"], one.status);
     EXPECT_TRUE(json["modes"].empty());
   }
@@ -345,7 +345,7 @@ EI = 2.1
     EXPECT_THAT(run.err, HasSubstr("post.toml"));
     EXPECT_THAT(run.err, HasSubstr("buckled"));
     EXPECT_THAT(run.err, HasSubstr("brace it"));
-    EXPECT_EQ(nlohmann::json::parse(run.out)["equilibrium"]["status"], "buckled");
+    EXPECT_EQ(parsed(run.out)["equilibrium"]["status"], "buckled");
   }
   const std::string weightless = "gravity = 0.0\n" + post;
   std::string text = weightless;

@@ -21,8 +21,8 @@ TEST(SynthesizeVerb, WritesRecordingsThatTheOtherVerbsReadBack) {
                                  "--bending-span", "1",    "--axial-length", "1.0", "--taps",  "1",
                                  "--json",         "-"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_EQ(Json::parse(made.out)["data"], "synthetic");
-  const Json truth = Json::parse(folder.read("lab/truth.json"));
+  EXPECT_EQ(parsed(made.out)["data"], "synthetic");
+  const Json truth = parsed(folder.read("lab/truth.json"));
   EXPECT_EQ(truth["seed"], 7);
   ASSERT_EQ(truth["rig"][0]["records"].size(), 3u);
   EXPECT_THAT(folder.read("lab/rig/hammer-hit1.csv"), HasSubstr("synthetic"));
@@ -34,7 +34,7 @@ TEST(SynthesizeVerb, WritesRecordingsThatTheOtherVerbsReadBack) {
   const double damped = truth["axial"][0]["frequency_hz"];
   const double ratio = truth["axial"][0]["damping_ratio"];
   const double natural = damped / std::sqrt(1 - ratio * ratio);
-  const Json mode = Json::parse(decay.out)["modes"][0];
+  const Json mode = parsed(decay.out)["modes"][0];
   EXPECT_NEAR(mode["frequency_hz"]["value"], natural, 1e-3 * natural);
   EXPECT_NEAR(mode["damping_ratio"]["value"], ratio, 0.05 * ratio);
 }
@@ -66,7 +66,7 @@ TEST(SynthesizeVerb, SeveralTensionsInUffAndTheirTruth) {
                                  "--stiffness",
                                  RIGFIT_TESTDATA "/jalali2021/table1_bending_stiffness.csv"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  const Json truth = Json::parse(folder.read("lab/truth.json"));
+  const Json truth = parsed(folder.read("lab/truth.json"));
   ASSERT_EQ(truth["rig"].size(), 2u);
   ASSERT_EQ(truth["bending"].size(), 2u);
   EXPECT_EQ(truth["rig"][1]["tension_meant_N"], 200);
@@ -93,7 +93,7 @@ TEST(VirtualLaboratory, BendingAndAxialTestsGiveTheTruthBack) {
   auto command = bending_command({});
   const auto bending = run_program(command);
   ASSERT_EQ(bending.exit_code, 0) << bending.err;
-  const Json tests = Json::parse(bending.out)["tests"];
+  const Json tests = parsed(bending.out)["tests"];
   ASSERT_EQ(tests.size(), 4u);
   const double truth[] = {0.29, 0.5, 0.67397, 0.80746};
   for (std::size_t k = 0; k < 4; ++k) {
@@ -106,8 +106,8 @@ TEST(VirtualLaboratory, BendingAndAxialTestsGiveTheTruthBack) {
   // The span's uncertainty is common to the four points: it widens their intervals and the band,
   // but gives the laws no other weights, so no other ranking.
   command = bending_command({"--span-std", "0.0005"});
-  const Json wider = Json::parse(run_program(command).out);
-  const Json plain = Json::parse(bending.out);
+  const Json wider = parsed(run_program(command).out);
+  const Json plain = parsed(bending.out);
   EXPECT_GT(wider["tests"][0]["EI_Nm2"]["std"], plain["tests"][0]["EI_Nm2"]["std"]);
   EXPECT_EQ(wider["laws"][0]["law"], plain["laws"][0]["law"]);
   const double before = plain["laws"][0]["aicc"], after = wider["laws"][0]["aicc"];
@@ -126,7 +126,7 @@ TEST(VirtualLaboratory, BendingAndAxialTestsGiveTheTruthBack) {
   }
   const auto axial = run_program(command);
   ASSERT_EQ(axial.exit_code, 0) << axial.err;
-  const Json result = Json::parse(axial.out);
+  const Json result = parsed(axial.out);
   EXPECT_NEAR(result["EA_N"]["value"].get<double>(), 205000,
               4 * result["EA_N"]["std"].get<double>());
   EXPECT_NEAR(result["damping_ratio"]["value"].get<double>(), 0.017, 2e-5);

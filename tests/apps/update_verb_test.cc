@@ -44,7 +44,7 @@ std::string frequencies(const std::string& scene, bool std) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::string text = std ? "frequency_hz,std,plane\n" : "frequency_hz,plane\n";
   int count = 0;
-  const Json found = Json::parse(run.out);
+  const Json found = parsed(run.out);
   for (const auto& mode : found["modes"]) {
     if (mode["plane"] != "in" || ++count > 5) continue;
     const double f = mode["frequency_hz"];
@@ -62,7 +62,7 @@ TEST(UpdateVerb, FitsASceneAndWritesIt) {
   const auto run = run_program({"update", start, "--measured", modes, "--free", "beam.EI_z",
                                 "tip.mass", "--out", out, "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out);
+  const Json json = parsed(run.out);
   // Frequencies are written with six decimals: 1e-6 / 2 Hz, twice that for EI.
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 2.1, 1e-4 * 2.1);
   EXPECT_NEAR(json["parameters"][1]["value"].get<double>(), 0.02, 1e-3 * 0.02);
@@ -72,10 +72,10 @@ TEST(UpdateVerb, FitsASceneAndWritesIt) {
   EXPECT_GT(json["rms_relative_error_before"].get<double>(), 0.05);
 
   // What was written is a scene that fits at once.
-  const Json again = Json::parse(
-      run_program({"update", out, "--measured", modes, "--free", "beam.EI_z", "--starts", "1",
-                   "--out", (folder.path() / "newer.toml").string(), "--json", "-"})
-          .out);
+  const Json again =
+      parsed(run_program({"update", out, "--measured", modes, "--free", "beam.EI_z", "--starts",
+                          "1", "--out", (folder.path() / "newer.toml").string(), "--json", "-"})
+                 .out);
   EXPECT_LT(again["rms_relative_error_before"].get<double>(), 1e-5);
 }
 
@@ -89,7 +89,7 @@ TEST(UpdateVerb, AnUnidentifiableSetIsRefusedByName) {
   EXPECT_EQ(run.exit_code, 4) << run.err;
   EXPECT_NE(run.err.find("cannot separate"), std::string::npos) << run.err;
   EXPECT_NE(run.err.find("beam.mass_per_length"), std::string::npos) << run.err;
-  const Json json = Json::parse(run.out);
+  const Json json = parsed(run.out);
   EXPECT_TRUE(json["parameters"][0]["std"].is_null());
   EXPECT_FALSE(json["parameters"][0]["identifiable"].get<bool>());
 }
@@ -104,7 +104,7 @@ TEST(UpdateVerb, APublishedModelIsRecognised) {
                                 "--plane", "in", "--free", "beam.EI_z", "tip.mass", "--segments",
                                 "40", "--out", (folder.path() / "o.toml").string(), "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out);
+  const Json json = parsed(run.out);
   EXPECT_LT(json["rms_relative_error"].get<double>(), 1e-3);
   EXPECT_NEAR(json["parameters"][1]["value"].get<double>() / (0.295 * 0.75), 0.096, 0.003);
 }
@@ -118,7 +118,7 @@ TEST(UpdateVerb, OtherModelsErrorsStandBesideItsOwn) {
                                 "beam.EI_z", "tip.mass", "--segments", "40", "--out",
                                 (folder.path() / "o.toml").string(), "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json rms = Json::parse(run.out)["comparison"]["rms"];
+  const Json rms = parsed(run.out)["comparison"]["rms"];
   double squares = 0;
   const double table[][2] = {
       {2.24, 2.34}, {14.70, 15.79}, {41.57, 45.40}, {84.22, 90.56}, {138.2, 151.65}};
@@ -154,7 +154,7 @@ TEST(UpdateVerb, TableFivesModelIsFoundByThreeUnknowns) {
                                 "--out",         (folder.path() / "o.toml").string(),
                                 "--json",        "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out);
+  const Json json = parsed(run.out);
   EXPECT_LT(json["rms_relative_error"].get<double>(), 0.01);
   EXPECT_EQ(json["pairs"].size(), 18U);
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 2.1, 0.1);
@@ -199,7 +199,7 @@ TEST(UpdateVerb, WhatIsTakenAsKnownIsPartOfTheUncertainty) {
   }
   const auto run = run_program(with);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out);
+  const Json json = parsed(run.out);
   const auto& mass = json["parameters"][0];
   std::vector<std::string> sources;
   double squares = 0;
@@ -270,7 +270,7 @@ TEST(UpdateVerb, HoldOutByTensionPrintsBothErrors) {
                                 (folder.path() / "o.json").string()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("held out"), std::string::npos);
-  const Json json = Json::parse(folder.read("o.json"));
+  const Json json = parsed(folder.read("o.json"));
   ASSERT_EQ(json["hold_out"].size(), 4u);
   for (const auto& held : json["hold_out"]) {
     EXPECT_GT(held["rms_relative_error_predicted"].get<double>(), 0);
@@ -323,7 +323,7 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
                                 "--json",
                                 "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out);
+  const Json json = parsed(run.out);
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 2.17, 0.01 * 2.17);
   EXPECT_GT(json["frf_lines"].get<int>(), 100);
   EXPECT_LT(json["rms_log_frf_error"].get<double>(),
@@ -356,7 +356,7 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
                                   "--json",
                                   "-"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
-  const auto damping = Json::parse(again.out)["parameters"][2];
+  const auto damping = parsed(again.out)["parameters"][2];
   std::string sources;
   for (const auto& term : damping["budget"]) sources += term["source"].get<std::string>() + "; ";
   EXPECT_EQ(
@@ -414,7 +414,7 @@ quantity = "displacement"
                                 "5", "30", "--plane", "in", "--free", "cable.damping_ratio",
                                 "--out", (folder.path() / "o.toml").string(), "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out);
+  const Json json = parsed(run.out);
   // The record is the model's own: what is left is its anti-aliasing (none) and seven digits.
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 0.02, 2e-4);
 
@@ -423,7 +423,7 @@ quantity = "displacement"
                                   "--plane", "in", "--free", "cable.damping_ratio", "--starts", "1",
                                   "--out", (folder.path() / "o.toml").string(), "--json", "-"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
-  const Json fitted = Json::parse(again.out);
+  const Json fitted = parsed(again.out);
   EXPECT_NEAR(fitted["parameters"][0]["value"].get<double>(), 0.02, 2e-4);
   EXPECT_LT(fitted["history_error"].get<double>(), 1e-4);
   EXPECT_GT(fitted["history_error_before"].get<double>(), 0.1);
