@@ -299,17 +299,23 @@ FrictionFit fit_friction(const std::vector<FrictionStroke>& strokes, FrictionLaw
     if (pass < 2) reweigh(bins, lines);
   }
 
-  // Residuals of a record hang together (drift): fewer count than there are.
-  double sum = 0, count = 0;
+  // Residuals of a record hang together (drift, quantisation): fewer count than there are.
+  double sum = 0, lagged = 0, count = 0;
   int parameters = 0;
   std::vector<Design> designs;
   for (std::size_t i = 0; i < bins.size(); ++i) {
-    sum += (bins[i].w * lines[i].residual.square()).sum();
-    count += static_cast<double>(bins[i].y.size());
+    const Eigen::ArrayXd r = bins[i].w.sqrt() * lines[i].residual;
+    sum += r.square().sum();
+    lagged += (r.head(r.size() - 1) * r.tail(r.size() - 1)).sum();
+    count += static_cast<double>(r.size());
     parameters += lines[i].transient ? 3 : 2;
     designs.push_back(design_of(bins[i], lines[i]));
   }
   if (friction) ++parameters;
+  const double correlation = sum > 0 ? std::clamp(lagged / sum, 0.0, 0.95) : 0;
+  const double effective =
+      std::max(count * (1 - correlation) / (1 + correlation), static_cast<double>(parameters) + 2);
+  const double freedom = std::max(1.0, count - parameters);
   const BinNoise noise = noise_of(bins, lines, designs);
   double white = 0, all = 0;  // variance of the slopes
   for (const auto& design : designs) {
@@ -320,10 +326,8 @@ FrictionFit fit_friction(const std::vector<FrictionStroke>& strokes, FrictionLaw
   const double share = all > 0 ? white / all : 1;
   fit.walk_share = 1 - share;
   // White noise is known from every bin, a walk from blocks of them.
-  const double lines_count = static_cast<double>(lines.size());
-  fit.degrees_of_freedom = 1 / (share / (count / lines_count - 3) + fit.walk_share / (kBlocks - 3));
-  const double effective = std::max(count * share, static_cast<double>(parameters) + 2);
-  const double freedom = std::max(1.0, count - parameters);
+  const double each = count / static_cast<double>(lines.size());
+  fit.degrees_of_freedom = 1 / (share / (each - 3) + fit.walk_share / (kBlocks - 3));
   fit.residual_rms_N = std::sqrt(sum / freedom);
   // An exact table has no residuals: rounding bounds the logarithm.
   double largest = 0;
