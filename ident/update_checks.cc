@@ -6,6 +6,7 @@
 #include <random>
 #include <thread>
 
+#include "ident/in_parallel.h"
 #include "ident/model_update.h"
 #include "ident/update_segments.h"
 #include "ident/update_solver.h"
@@ -108,9 +109,10 @@ std::vector<UpdateMatch> matches_of(const UpdateResult& solution) {
 std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
                                    const std::vector<FreeParameter>& free,
                                    const UpdateOptions& options) {
-  std::vector<HeldOut> result;
-  for (int s = 0; s < static_cast<int>(states.size()); ++s) {
-    HeldOut held;
+  std::vector<HeldOut> result(states.size());
+  in_parallel(states.size(), options.threads, [&](std::size_t index) {
+    const int s = static_cast<int>(index);
+    HeldOut& held = result[index];
     held.state = s;
     held.rms_fitted = held.rms_predicted = held.rms_before = kNaN;
     held.frf_fitted = held.frf_predicted = held.frf_before = kNaN;
@@ -142,8 +144,7 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
         state_prediction_uncertainty(solved, options, fitted, q, s, held.pairs);
       }
     }
-    result.push_back(std::move(held));
-  }
+  });
   return result;
 }
 
@@ -266,32 +267,18 @@ std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
   if (!robust_cost(problem, matches, UpdateStage::full, options, solution.coordinates, least)) {
     return intervals;
   }
-  std::atomic<Eigen::Index> next{0};
-  std::exception_ptr fault;
-  std::atomic<bool> failed{false};
-  const auto work = [&] {
-    try {
-      for (Eigen::Index j = next++; j < problem.size() && !failed; j = next++) {
-        const auto p = static_cast<std::size_t>(j);
-        if (!solution.parameters[p].identifiable) continue;
-        const auto end = [&](double direction) {
-          const double q = profile_end(problem, options, matches, solution, j, direction, least);
-          return std::isfinite(q) ? problem.coordinates()[p].value(q) : kNaN;
-        };
-        // A negative scale turns the ends round.
-        const double one = end(-1), other = end(1);
-        const bool rising = problem.coordinates()[p].derivative(solution.coordinates[j]) > 0;
-        intervals[p] = rising ? ProfileInterval{one, other} : ProfileInterval{other, one};
-      }
-    } catch (...) {
-      if (!failed.exchange(true)) fault = std::current_exception();
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
-  work();
-  for (auto& thread : threads) thread.join();
-  if (fault) std::rethrow_exception(fault);
+  in_parallel(solution.parameters.size(), options.threads, [&](std::size_t p) {
+    if (!solution.parameters[p].identifiable) return;
+    const auto j = static_cast<Eigen::Index>(p);
+    const auto end = [&](double direction) {
+      const double q = profile_end(problem, options, matches, solution, j, direction, least);
+      return std::isfinite(q) ? problem.coordinates()[p].value(q) : kNaN;
+    };
+    // A negative scale turns the ends round.
+    const double one = end(-1), other = end(1);
+    const bool rising = problem.coordinates()[p].derivative(solution.coordinates[j]) > 0;
+    intervals[p] = rising ? ProfileInterval{one, other} : ProfileInterval{other, one};
+  });
   return intervals;
 }
 

@@ -24,6 +24,11 @@ bool is_coordinate(const std::string& name) {
          last.starts_with("direction_");
 }
 
+bool is_joint_damper(const std::string& name) {
+  return name.ends_with(".damping_axial") || name.ends_with(".damping_bending") ||
+         name.ends_with(".damping_torsion");
+}
+
 // What a quantity that starts at zero is measured by: a hundredth of the scene's mass for masses.
 double scale_at_zero(const model::Scene& scene, const std::string& name) {
   double mass = 0;
@@ -120,6 +125,18 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
     }
     const auto names = model::parameter_names(state.scene);
     present_.emplace_back(names.begin(), names.end());
+    joint_dampers_.push_back(std::any_of(
+        state.scene.members.begin(), state.scene.members.end(), [](const model::Member& member) {
+          const auto& damping = member.damping;
+          return damping.axial > 0 || damping.bending > 0 || damping.torsion > 0;
+        }));
+  }
+  for (const auto& input : options_.inputs) {
+    for (const auto& effect : input.effects) {
+      if (is_joint_damper(effect.target)) {
+        joint_dampers_[static_cast<std::size_t>(effect.state)] = true;
+      }
+    }
   }
   for (std::size_t p = 0; p < free_.size(); ++p) {
     FreeParameter& parameter = free_[p];
@@ -129,6 +146,10 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       const bool somewhere = std::any_of(present_.begin(), present_.end(),
                                          [&](const auto& names) { return names.contains(target); });
       if (!somewhere) (void)model::parameter(states_[0].scene, target);  // says what there is
+      if (!is_joint_damper(target)) continue;
+      for (std::size_t s = 0; s < states_.size(); ++s) {
+        if (present_[s].contains(target)) joint_dampers_[s] = true;
+      }
     }
     const int copies = parameter.per_state ? static_cast<int>(states_.size()) : 1;
     for (int copy = 0; copy < copies; ++copy) {
@@ -281,7 +302,8 @@ UpdateProblem::ModeNeed UpdateProblem::need_of(int state,
                                                const std::vector<UpdateMatch>* matches) const {
   using model::ModePlane;
   // Joint dampers couple modes: all of them then.
-  if (matches == nullptr || damping_ || !shared_->narrow) return {};
+  if (matches == nullptr || !shared_->narrow) return {};
+  if (damping_ && joint_dampers_[static_cast<std::size_t>(state)]) return {};
   int in = 0, out = 0, other = 0;
   for (const auto& match : *matches) {
     if (match.state != state || match.cross_plane) continue;

@@ -185,6 +185,7 @@ class UpdateProblem {
   int held_out_;
   std::vector<UpdateCoordinate> coordinates_;
   std::vector<std::set<std::string>> present_;  // parameters of each state's scene
+  std::vector<bool> joint_dampers_;             // by state: in its scene, or to be found
   Eigen::Index priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
   double segment_factor_ = 1;

@@ -6,11 +6,10 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <random>
-#include <thread>
+
+#include "ident/in_parallel.h"
 
 namespace rigfit::ident {
 
@@ -251,7 +250,6 @@ std::vector<UpdateSolution> solve_from_all_starts(const UpdateProblem& problem,
                                                   const UpdateOptions& options) {
   const auto starts = starts_of(problem, options);
   std::vector<UpdateSolution> solved(starts.size());
-  std::vector<std::exception_ptr> faults(starts.size());
   solved[0] = solve_from(problem, starts[0], options);
   if (starts.size() == 1) return solved;
   // Time histories run out of phase with few segments.
@@ -271,25 +269,8 @@ std::vector<UpdateSolution> solve_from_all_starts(const UpdateProblem& problem,
     same.pairings = found.pairings;
     return same;
   };
-  std::atomic<std::size_t> next{1};
-  const auto work = [&] {
-    for (std::size_t k = next++; k < starts.size(); k = next++) {
-      try {
-        solved[k] = solve(starts[k]);
-      } catch (...) {
-        faults[k] = std::current_exception();
-      }
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int t = 1; t < std::min<int>(options.threads, static_cast<int>(starts.size()) - 1); ++t) {
-    threads.emplace_back(work);
-  }
-  work();
-  for (auto& thread : threads) thread.join();
-  for (const auto& fault : faults) {
-    if (fault) std::rethrow_exception(fault);
-  }
+  in_parallel(starts.size() - 1, options.threads,
+              [&](std::size_t k) { solved[k + 1] = solve(starts[k + 1]); });
   return solved;
 }
 

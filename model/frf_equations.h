@@ -4,8 +4,10 @@
 //   D = K + s C + s^2 M + s sum_r g_r (M phi_r)(M phi_r)',  g_r = 2 zeta_r omega_r,
 //
 // s = i omega + a, a the decay rate of an exponential window shared by force and response (0:
-// none); the sum (modal damping ratios) over the modes the motion carries, inverted by Woodbury's
-// formula.
+// none); the sum (modal damping ratios) over the modes the motion carries. Without joint dampers
+// these modes answer each for itself, by 1 / (s^2 + s g_r + omega_r^2), and what lies outside of
+// them without damping, of real matrices where a = 0; with joint dampers the sum is inverted by
+// Woodbury's formula.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,12 +37,20 @@ class FrfSolver {
   [[nodiscard]] const Eigen::MatrixXcd& solve(std::complex<double> s);
 
  private:
+  void solve_jointly(std::complex<double> s);
+  void solve_by_modes(std::complex<double> s);
+
   const FrfEquations& equations_;
   Eigen::Index wanted_;
+  bool joint_;  ///< there are joint dampers
   Eigen::MatrixXcd right_, solution_, small_;
   ComplexEnvelopeMatrix dynamic_;
   ComplexEnvelopeFactor factor_;
   Eigen::VectorXcd gain_;
+  // Of the right sides: along the damped modes, and the rest.
+  Eigen::MatrixXd modal_, outside_, answer_;
+  EnvelopeMatrix real_dynamic_;
+  EnvelopeFactor real_factor_;
 };
 
 /// The rig at rest with what its FRFs at these lines need: its motions' matrices and, where a

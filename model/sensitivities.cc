@@ -3,6 +3,8 @@
 // Nelson's method (R. B. Nelson, AIAA Journal 14, 1976).
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "model/damped_modes.h"
 #include "model/modal_analysis.h"
@@ -18,32 +20,55 @@ struct ModeRates {
   Eigen::MatrixXd shapes;
 };
 
-ModeRates mode_rates(const MotionModes& motion, const EnvelopeMatrix& dk, const EnvelopeMatrix& dm,
-                     bool shapes) {
-  ModeRates rates;
-  const Eigen::Index count = motion.omega2.size();
-  rates.omega2.resize(count);
-  rates.shapes.setZero(motion.shapes.rows(), count);
-  EnvelopeMatrix shifted = motion.stiffness;
-  EnvelopeFactor factor;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::VectorXd phi = motion.shapes.col(i);
-    const Eigen::VectorXd dk_phi = dk * phi, dm_phi = dm * phi, m_phi = motion.mass * phi;
-    rates.omega2[i] = phi.dot(dk_phi) - motion.omega2[i] * phi.dot(dm_phi);
-    if (!shapes) continue;
-    Eigen::VectorXd v = -(dk_phi - motion.omega2[i] * dm_phi) + rates.omega2[i] * m_phi;
-    // (K - omega^2 M) v = right, with v = 0 where phi is largest: any stiffness added there makes
-    // the matrix regular and, the right side being normal to phi, changes nothing.
-    shifted.values() = motion.stiffness.values() - motion.omega2[i] * motion.mass.values();
-    Eigen::Index largest = 0;
-    m_phi.cwiseAbs().maxCoeff(&largest);
-    shifted.add(int(largest), int(largest), motion.stiffness.at(int(largest), int(largest)));
-    factor.factor(shifted);
-    factor.solve_in_place(v);
-    rates.shapes.col(i) = v - (m_phi.dot(v) + 0.5 * phi.dot(dm_phi)) * phi;
+/// The rates of a motion's modes by any parameter: what does not depend on it is found once.
+class ModeRateFinder {
+ public:
+  explicit ModeRateFinder(const MotionModes& motion)
+      : motion_(motion), factors_(static_cast<std::size_t>(motion.omega2.size())) {
+    mass_shapes_.resize(motion.shapes.rows(), motion.shapes.cols());
+    for (Eigen::Index i = 0; i < mass_shapes_.cols(); ++i) {
+      mass_shapes_.col(i) = motion.mass * Eigen::VectorXd(motion.shapes.col(i));
+    }
   }
-  return rates;
-}
+
+  ModeRates find(const EnvelopeMatrix& dk, const EnvelopeMatrix& dm, bool shapes) {
+    ModeRates rates;
+    const Eigen::Index count = motion_.omega2.size();
+    rates.omega2.setZero(count);
+    rates.shapes.setZero(motion_.shapes.rows(), count);
+    if (dk.values().isZero(0) && dm.values().isZero(0)) return rates;  // such as a damping ratio
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Eigen::VectorXd phi = motion_.shapes.col(i);
+      const Eigen::VectorXd dk_phi = dk * phi, dm_phi = dm * phi;
+      rates.omega2[i] = phi.dot(dk_phi) - motion_.omega2[i] * phi.dot(dm_phi);
+      if (!shapes) continue;
+      const auto m_phi = mass_shapes_.col(i);
+      Eigen::VectorXd v = -(dk_phi - motion_.omega2[i] * dm_phi) + rates.omega2[i] * m_phi;
+      factor(i).solve_in_place(v);
+      rates.shapes.col(i) = v - (m_phi.dot(v) + 0.5 * phi.dot(dm_phi)) * phi;
+    }
+    return rates;
+  }
+
+ private:
+  /// (K - omega^2 M) v = right, with v = 0 where phi is largest: any stiffness added there makes
+  /// the matrix regular and, the right side being normal to phi, changes nothing.
+  const EnvelopeFactor& factor(Eigen::Index i) {
+    auto& found = factors_[static_cast<std::size_t>(i)];
+    if (found) return *found;
+    EnvelopeMatrix shifted = motion_.stiffness;
+    shifted.values() -= motion_.omega2[i] * motion_.mass.values();
+    Eigen::Index largest = 0;
+    mass_shapes_.col(i).cwiseAbs().maxCoeff(&largest);
+    shifted.add(int(largest), int(largest), motion_.stiffness.at(int(largest), int(largest)));
+    found.emplace().factor(shifted);
+    return *found;
+  }
+
+  const MotionModes& motion_;
+  Eigen::MatrixXd mass_shapes_;
+  std::vector<std::optional<EnvelopeFactor>> factors_;
+};
 
 /// Where the matrices of both sides do not compare: a node leaves the plane of symmetry, to either
 /// side alike, so that frequencies and damping are even in p; anything else is left to differences
@@ -98,6 +123,7 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
   for (const auto& member : out.analysis.equilibrium.members) {
     extent = std::max(extent, member.unstretched_length_m);
   }
+  std::vector<ModeRateFinder> finders(modes.motions.begin(), modes.motions.end());
   for (Eigen::Index p = 0; p < columns; ++p) {
     const ParameterAccess& access = wanted[std::size_t(p)];
     ParameterStep step = parameter_step(access, scene, extent);
@@ -115,7 +141,7 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
       if (dk.values().size() != below.stiffness.values().size()) continue;
       dk.values() = (above.stiffness.values() - below.stiffness.values()) / step.width();
       dm.values() = (above.mass.values() - below.mass.values()) / step.width();
-      const ModeRates rates = mode_rates(motion, dk, dm, options.damped || !scene.sensors.empty());
+      const ModeRates rates = finders[m].find(dk, dm, options.damped || !scene.sensors.empty());
 
       // Damping and sensors: the shapes move too.
       below.omega2 = motion.omega2 + (step.low - step.value) * rates.omega2;

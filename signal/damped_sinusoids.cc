@@ -16,14 +16,17 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr Index kBlock = 256;
+// Gauss and Newton's steps are sure from afar, but where the residual is no noise they creep: from
+// then on Newton's own, which costs one more product with the data.
+constexpr int kGaussNewtonSteps = 4;
 // exp(-a j) below this adds nothing to a double and would only make denormals.
 constexpr double kNegligible = 1e-150;
 
 double re_product(Complex a, Complex b) { return a.real() * b.real() - a.imag() * b.imag(); }
 
-// The columns z^l and (l/N) z^l of one block; z^(b + l) = z^b z^l serves all blocks.
+// The columns Re z^l and Im z^l of one block; z^(b + l) = z^b z^l serves all blocks.
 struct BlockBasis {
-  Eigen::Matrix<double, kBlock, 4> columns;  // Re z^l, Im z^l, (l/N) Re z^l, (l/N) Im z^l
+  Eigen::Matrix<double, kBlock, 2> columns;
 
   void set(Complex pole, Index n) {
     constexpr int kLanes = 8;
@@ -45,19 +48,17 @@ struct BlockBasis {
         re[k] = r;
       }
     }
-    const double step = 1.0 / static_cast<double>(n);
-    double* c2 = c1 + kBlock;
-    double* c3 = c2 + kBlock;
-    for (Index l = 0; l < length; ++l) {
-      const double t = static_cast<double>(l) * step;
-      c2[l] = t * c0[l], c3[l] = t * c1[l];
-    }
   }
 };
 
-struct Products {  // with z^j and (j/N) z^j
-  Complex zero, one;
+struct Products {  // with z^j, (j/N) z^j and (j/N)^2 z^j
+  Complex zero, one, two;
 };
+
+// Samples of a block, four at a time.
+using Four = Eigen::Array4d;
+Eigen::Map<const Four> four(const double* x) { return Eigen::Map<const Four>(x); }
+Eigen::Map<Four> four(double* x) { return Eigen::Map<Four>(x); }
 
 // One column of the Jacobian: Re(factor (j/N)^power z^j).
 struct Column {
@@ -72,11 +73,13 @@ class Problem {
           std::size_t modes, int background_terms)
       : y_(y), missing_(missing), n_(y.size()), m_(modes), background_(background_terms) {
     basis_.resize(m_);
+    heads_.resize((n_ + kBlock - 1) / kBlock, static_cast<Index>(m_));
     products_.resize(m_);
     residual_.resize(n_);
     const Index size = parameters();
     gram_.resize(size, size);
     gradient_.resize(size);
+    curvature_.setZero(size, 2 * static_cast<Index>(m_));
   }
 
   Index parameters() const { return 4 * static_cast<Index>(m_) + background_; }
@@ -86,53 +89,84 @@ class Problem {
   std::array<double, 2> background{0, 0};
   double sum_squares = 0;
 
+  /// What `step` needs of a point.
+  struct Normal {
+    Eigen::MatrixXd gram, curvature;
+    Eigen::VectorXd gradient;
+  };
+  void keep(Normal& normal) const {
+    normal.gram = gram_, normal.curvature = curvature_, normal.gradient = gradient_;
+  }
+  void go_back_to(const Normal& normal) {
+    gram_ = normal.gram, curvature_ = normal.curvature, gradient_ = normal.gradient;
+  }
+
   // Linear parameters, residual, Gram matrix and gradient at `poles`. False: rank-deficient.
   bool evaluate() {
     amplitudes.assign(m_, 1.0);  // scale of the derivative columns; set again below
     background = {0, 0};
     residual_ = y_;
-    for (std::size_t m = 0; m < m_; ++m) basis_[m].set(poles[m], n_);
+    for (std::size_t m = 0; m < m_; ++m) {
+      basis_[m].set(poles[m], n_);
+      for (Index block = 0; block < heads_.rows(); ++block) {
+        heads_(block, static_cast<Index>(m)) =
+            std::exp(poles[m] * static_cast<double>(block * kBlock));
+      }
+    }
     fill_pair_sums();
     fill_gram();
     // Twice: the second pass takes away what rounding in the normal equations left.
     for (int pass = 0; pass < 2; ++pass) {
-      project();
+      project(false);
       if (!solve_linear()) return false;
     }
-    project();
+    project(true);
     fill_gram();
     fill_gradient();
+    fill_curvature();
     return std::isfinite(sum_squares);
   }
 
-  // Pole steps (per sample) for the Levenberg-Marquardt parameter; false when singular.
-  bool step(double lambda, std::optional<Index> held, Eigen::VectorXd& pole_step,
+  // Pole steps (per sample) for the Levenberg-Marquardt parameter; false when singular. `newton`:
+  // with the second derivatives, where they leave the functional convex.
+  bool step(double lambda, std::optional<Index> held, bool newton, Eigen::VectorXd& pole_step,
             double& step_norm_squared) {
     const Index nl = linear(), nn = 2 * static_cast<Index>(m_);
     if (!(gram_.diagonal().minCoeff() > 0)) return false;
     const ScaledGram amplitudes_only(gram_.topLeftCorner(nl, nl));
     if (!amplitudes_only.usable()) return false;
     const Eigen::MatrixXd coupling = amplitudes_only.solve(gram_.topRightCorner(nl, nn));
-    Eigen::MatrixXd schur =
+    Eigen::MatrixXd plain =
         gram_.bottomRightCorner(nn, nn) - gram_.bottomLeftCorner(nn, nl) * coupling;
     // What is left of the poles' columns must be more than rounding.
-    if (!(schur.diagonal().array() > 1e-14 * gram_.diagonal().tail(nn).array()).all()) return false;
+    if (!(plain.diagonal().array() > 1e-14 * gram_.diagonal().tail(nn).array()).all()) return false;
     Eigen::VectorXd g = gradient_.tail(nn) - coupling.transpose() * gradient_.head(nl);
-    if (held) {
-      const double own = schur(*held, *held);
-      schur.row(*held).setZero();
-      schur.col(*held).setZero();
-      schur(*held, *held) = own;
-      g(*held) = 0;
+    const auto hold = [&](Eigen::MatrixXd& matrix) {
+      if (!held) return;
+      const double own = matrix(*held, *held);
+      matrix.row(*held).setZero();
+      matrix.col(*held).setZero();
+      matrix(*held, *held) = own;
+    };
+    hold(plain);
+    if (held) g(*held) = 0;
+    const auto solve = [&](Eigen::MatrixXd matrix) {
+      matrix.diagonal() *= 1 + lambda;
+      const ScaledGram factor(matrix);
+      if (!factor.usable()) return false;
+      const Eigen::VectorXd delta = factor.solve_vector(g);
+      step_norm_squared = delta.dot(plain * delta);
+      pole_step = delta / static_cast<double>(n_);
+      return pole_step.allFinite();
+    };
+    if (newton) {
+      Eigen::MatrixXd mixed = gram_.topRightCorner(nl, nn) - curvature_.topRows(nl);
+      Eigen::MatrixXd curved = gram_.bottomRightCorner(nn, nn) - curvature_.bottomRows(nn) -
+                               mixed.transpose() * amplitudes_only.solve(mixed);
+      hold(curved);
+      if ((curved.diagonal().array() > 0).all() && solve(std::move(curved))) return true;
     }
-    const Eigen::MatrixXd plain = schur;
-    schur.diagonal() *= 1 + lambda;
-    const ScaledGram factor(schur);
-    if (!factor.usable()) return false;
-    const Eigen::VectorXd delta = factor.solve_vector(g);
-    step_norm_squared = delta.dot(plain * delta);
-    pole_step = delta / static_cast<double>(n_);
-    return pole_step.allFinite();
+    return solve(plain);
   }
 
   void fill(DampedSinusoidsFit& fit) const {
@@ -169,52 +203,79 @@ class Problem {
   }
 
  private:
-  // Residual at the present linear parameters, its sum of squares and its products with the basis.
-  void project() {
+  // Residual at the present linear parameters, its sum of squares and its products with the basis;
+  // those with (j/N) z^j and (j/N)^2 z^j only where they are asked for.
+  void project(bool poles_too) {
     for (auto& p : products_) p = {};
     background_products_ = {0, 0};
     sum_squares = 0;
     const double per = 1.0 / static_cast<double>(n_);
+    std::array<double, kBlock> r, tr, ttr;  // residual, times l/N, times (l/N)^2
     for (Index start = 0; start < n_; start += kBlock) {
-      const Index length = std::min(kBlock, n_ - start);
-      auto r = residual_.segment(start, length);
-      r = y_.segment(start, length);
+      const Index length = std::min(kBlock, n_ - start), padded = (length + 3) / 4 * 4;
+      std::copy_n(y_.data() + start, length, r.data());
       if (background_ > 0 && (background[0] != 0 || background[1] != 0)) {
         const double first = background[0] + background[1] * static_cast<double>(start) * per;
         const double slope = background[1] * per;
-        for (Index l = 0; l < length; ++l) r(l) -= first + slope * static_cast<double>(l);
+        for (Index l = 0; l < length; ++l) {
+          r[static_cast<std::size_t>(l)] -= first + slope * static_cast<double>(l);
+        }
       }
       for (std::size_t m = 0; m < m_; ++m) {
-        const Complex head = std::exp(poles[m] * static_cast<double>(start));
-        if (std::abs(head) < kNegligible) continue;
+        const Complex head = heads_(start / kBlock, static_cast<Index>(m));
+        if (std::norm(head) < kNegligible * kNegligible) continue;
         const Complex c = amplitudes_now_[m] * head;
         if (c == 0.0) continue;
-        const auto& b = basis_[m].columns;
-        r -= c.real() * b.col(0).head(length) - c.imag() * b.col(1).head(length);
+        const double *re = basis_[m].columns.data(), *im = re + kBlock;
+        for (Index l = 0; l < padded; l += 4) {
+          four(r.data() + l) -= c.real() * four(re + l) - c.imag() * four(im + l);
+        }
       }
+      std::fill(r.data() + length, r.data() + padded, 0.0);
       for (Index j : missing_) {
-        if (j >= start && j < start + length) r(j - start) = 0;
+        if (j >= start && j < start + length) r[static_cast<std::size_t>(j - start)] = 0;
       }
-      sum_squares += r.squaredNorm();
+      const Eigen::Map<const Eigen::VectorXd> all(r.data(), length);
+      if (poles_too) {
+        residual_.segment(start, length) = all;
+        for (std::size_t l = 0; l < static_cast<std::size_t>(padded); ++l) {
+          const double t = static_cast<double>(l) * per;
+          tr[l] = t * r[l], ttr[l] = t * tr[l];
+        }
+      }
+      sum_squares += all.squaredNorm();
+      const double t0 = static_cast<double>(start) * per;
       for (std::size_t m = 0; m < m_; ++m) {
-        const Complex head = std::exp(poles[m] * static_cast<double>(start));
-        if (std::abs(head) < kNegligible) continue;
-        const auto& b = basis_[m].columns;
-        const Complex zero(b.col(0).head(length).dot(r), b.col(1).head(length).dot(r));
-        const Complex one(b.col(2).head(length).dot(r), b.col(3).head(length).dot(r));
+        const Complex head = heads_(start / kBlock, static_cast<Index>(m));
+        if (std::norm(head) < kNegligible * kNegligible) continue;
+        const double *re = basis_[m].columns.data(), *im = re + kBlock;
+        const Complex zero = with_basis(re, im, r.data(), padded);
         products_[m].zero += head * zero;
-        products_[m].one += head * (one + static_cast<double>(start) * per * zero);
+        if (!poles_too) continue;
+        const Complex one = with_basis(re, im, tr.data(), padded);
+        const Complex two = with_basis(re, im, ttr.data(), padded);
+        products_[m].one += head * (one + t0 * zero);
+        products_[m].two += head * (two + 2 * t0 * one + t0 * t0 * zero);
       }
       if (background_ > 0) {
-        const double sum = r.sum();
+        const double sum = all.sum();
         background_products_[0] += sum;
         if (background_ > 1) {
           double ramp = 0;
-          for (Index l = 0; l < length; ++l) ramp += static_cast<double>(l) * r(l);
+          for (Index l = 0; l < length; ++l) ramp += static_cast<double>(l) * all(l);
           background_products_[1] += per * (ramp + static_cast<double>(start) * sum);
         }
       }
     }
+  }
+
+  static Complex with_basis(const double* re, const double* im, const double* x, Index padded) {
+    Four with_re = Four::Zero(), with_im = Four::Zero();
+    for (Index l = 0; l < padded; l += 4) {
+      with_re += four(re + l) * four(x + l);
+      with_im += four(im + l) * four(x + l);
+    }
+    return {with_re.sum(), with_im.sum()};
   }
 
   bool solve_linear() {
@@ -323,6 +384,18 @@ class Problem {
     }
   }
 
+  // The residual's products with second derivatives: each mode's with its own parameters only.
+  void fill_curvature() {
+    const Complex i(0, 1);
+    for (std::size_t m = 0; m < m_; ++m) {
+      const auto c = static_cast<Index>(2 * m), p = linear() + c;
+      const Complex one = products_[m].one, two = amplitudes[m] * products_[m].two;
+      const double re = one.real(), im = (i * one).real();
+      curvature_.block<2, 2>(c, c) << re, im, im, -re;
+      curvature_.block<2, 2>(p, c) << two.real(), (i * two).real(), (i * two).real(), -two.real();
+    }
+  }
+
   struct PairSums {
     std::array<Complex, 3> plain, conjugate;
   };
@@ -333,12 +406,14 @@ class Problem {
   std::size_t m_;
   int background_;
   std::vector<BlockBasis> basis_;
+  Eigen::MatrixXcd heads_;  // z at the first sample of each block, by block and mode
   std::vector<Products> products_;
   std::array<double, 2> background_products_{0, 0};
   std::vector<Complex> amplitudes_now_;
   std::vector<PairSums> sums_;
   Eigen::VectorXd residual_, gradient_;
   Eigen::MatrixXd gram_;
+  Eigen::MatrixXd curvature_;  // all parameters x those of the poles
 };
 
 }  // namespace
@@ -408,10 +483,13 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
   Eigen::VectorXd step;
   std::vector<Complex> accepted = problem.poles;
   double best = problem.sum_squares;
-  bool stale = false;  // problem holds a refused trial
+  bool stale = false;  // problem holds a refused trial, but for its normal equations
+  Problem::Normal normal;
+  problem.keep(normal);
   for (fit.iterations = 0; fit.iterations < options.max_iterations; ++fit.iterations) {
     double norm_squared = 0;
-    if (!problem.step(lambda, options.held, step, norm_squared)) {
+    if (!problem.step(lambda, options.held, fit.iterations >= kGaussNewtonSteps, step,
+                      norm_squared)) {
       fit.end = DampedSinusoidsFit::End::rank_deficient;
       break;
     }
@@ -437,18 +515,17 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
     if (better) {
       best = problem.sum_squares;
       accepted = problem.poles;
+      problem.keep(normal);
       lambda = std::max(lambda / 10, 1e-12);
       stale = false;
     } else {
       stale = true;
+      problem.go_back_to(normal);
       if (lambda > 1e8) {  // no downhill step is left: a minimum to rounding
         fit.end = DampedSinusoidsFit::End::converged;
         break;
       }
       lambda = std::max(lambda * 10, 1e-6);
-      problem.poles = accepted;
-      problem.evaluate();
-      stale = false;
     }
   }
   if (stale) {

@@ -15,6 +15,7 @@
 #include "signal/decay_doubts.h"
 #include "signal/decay_modes.h"
 #include "signal/decay_search.h"
+#include "signal/decay_start.h"
 #include "signal/decay_window.h"
 #include "signal/log_decrement.h"
 #include "signal/numbers.h"
@@ -28,18 +29,6 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 // After this many time constants of the slowest mode a record holds nothing but noise.
 constexpr double kTailTimeConstants = 10;
-
-// How far the start should move: while the first half cycle leaves three times the rms of the rest.
-Index start_shift(const DampedSinusoidsFit& fit, std::size_t strongest) {
-  const Complex pole = fit.poles[strongest];
-  const double cycle = kTwoPi / pole.imag();
-  const auto half = std::max<Index>(3, static_cast<Index>(std::lround(0.5 * cycle)));
-  const auto rest_from = static_cast<Index>(std::ceil(2 * cycle));
-  if (fit.samples < rest_from + std::max<Index>(8, static_cast<Index>(3 * cycle))) return 0;
-  const auto rest = fit.residual.tail(fit.samples - rest_from);
-  const double level = rest.squaredNorm() / static_cast<double>(rest.size());
-  return fit.residual.head(half).squaredNorm() > 9 * level * static_cast<double>(half) ? half : 0;
-}
 
 void refuse(DecayResult& result, std::string code, std::string message) {
   result.refusal_code = std::move(code);
@@ -181,18 +170,10 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
     if (again.unit_covariance.size() > 0) fit = std::move(again);
   }
   if (options.trim_start) {
-    const Complex pole = fit->poles[strongest_mode(*fit, band)];
-    const Index first = result.start;
-    const double most = std::min(3 * kTwoPi / pole.imag(), 0.35 / std::max(-pole.real(), 1e-300));
-    while (true) {
-      const Index shift = start_shift(*fit, strongest_mode(*fit, band));
-      if (shift == 0 || static_cast<double>(result.start + shift - first) > most) break;
-      DecaySamples shorter = decay_samples(y, result.start + shift, result.end);
-      auto again = find_decay_modes(shorter, band, search);
-      if (!again) break;
-      result.start += shift;
-      samples = std::move(shorter);
-      fit = std::move(again);
+    if (auto later = later_start(y, result.start, result.end, *fit, band, search)) {
+      result.start = later->start;
+      samples = std::move(later->samples);
+      fit = std::move(later->fit);
       moved_start = true;
     }
   }

@@ -3,11 +3,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 
 #include "signal/fft.h"
+#include "signal/numbers.h"
 #include "signal/polynomial_zeros.h"
 
 namespace rigfit::signal {
@@ -19,7 +19,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 using Complex = std::complex<double>;
-constexpr double two_pi = 2 * std::numbers::pi;
 
 /// s_m = sum_k Re(g_k z_k^m) for m = -order..order, by one FFT when the lines are uniform.
 class MomentSums {
@@ -37,7 +36,7 @@ class MomentSums {
     } else {
       powers_.resize(2 * lines_, 2 * order + 1);
       for (Index k = 0; k < lines_; ++k) {
-        const double angle = two_pi * (frequency_hz[k] - low) / period_hz_;
+        const double angle = kTwoPi * (frequency_hz[k] - low) / period_hz_;
         for (int m = -order; m <= order; ++m) {
           powers_(k, m + order) = std::cos(m * angle);
           powers_(lines_ + k, m + order) = -std::sin(m * angle);
@@ -214,11 +213,11 @@ LscfResult lscf(const Eigen::Ref<const VectorXd>& frequency_hz,
       const Complex relative = -std::log(y[i]) * sums_of.period_hz();
       StabilisationPole pole;
       pole.order = n;
-      pole.pole_rad_s = relative + Complex(0, two_pi * low);
+      pole.pole_rad_s = relative + Complex(0, kTwoPi * low);
       const double magnitude = std::abs(pole.pole_rad_s);
-      pole.frequency_hz = magnitude / two_pi;
+      pole.frequency_hz = magnitude / kTwoPi;
       pole.damping_ratio = -pole.pole_rad_s.real() / magnitude;
-      const double damped = pole.pole_rad_s.imag() / two_pi;
+      const double damped = pole.pole_rad_s.imag() / kTwoPi;
       if (damped <= low || damped >= high || pole.damping_ratio > options.max_damping_ratio) {
         continue;
       }

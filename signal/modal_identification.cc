@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <utility>
 
 #include "signal/mac.h"
@@ -13,6 +12,7 @@
 #include "signal/modal_synthesis.h"
 #include "signal/mode_doubts.h"
 #include "signal/mode_search.h"
+#include "signal/numbers.h"
 
 namespace rigfit::signal {
 namespace {
@@ -23,14 +23,13 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-constexpr double two_pi = 2 * std::numbers::pi;
 
 /// Frequency and damping ratio of a pole, and their derivatives with respect to its two parts.
 void fill_frequency_and_damping(Complex pole, IdentifiedMode& mode, Eigen::Matrix2d& jacobian) {
   const double x = pole.real(), y = pole.imag(), w = std::abs(pole);
-  mode.frequency_hz.value = w / two_pi;
+  mode.frequency_hz.value = w / kTwoPi;
   mode.damping_ratio.value = -x / w;
-  jacobian << x / (w * two_pi), y / (w * two_pi), -y * y / (w * w * w), x * y / (w * w * w);
+  jacobian << x / (w * kTwoPi), y / (w * kTwoPi), -y * y / (w * w * w), x * y / (w * w * w);
 }
 
 /// u and v of the nearest u v^T, |v| = 1, by powers of residue' residue: where the second singular
@@ -145,7 +144,7 @@ void list_rejected(const ModalBand& band, const ModalOptions& options, const Fou
                        const std::string& reason) {
     const Complex pole = cluster.pole_rad_s + band.window;
     result.rejected.push_back(
-        {std::abs(pole) / two_pi, -pole.real() / std::abs(pole), cluster.presence, code, reason});
+        {std::abs(pole) / kTwoPi, -pole.real() / std::abs(pole), cluster.presence, code, reason});
   };
   for (const DroppedCluster& dropped : found.dropped) {
     const PoleCluster& cluster = result.clusters[dropped.cluster];

@@ -6,16 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <string>
 #include <vector>
+
+#include "signal/numbers.h"
 
 namespace rigfit::signal {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::VectorXcd;
-constexpr double two_pi = 2 * std::numbers::pi;
 
 void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   const Index pairs = misfit.rows() - 1;
@@ -103,7 +103,7 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
           "allow for it",
           tone));
     }
-    const double f = mode.frequency_hz.value, half = measured / two_pi;
+    const double f = mode.frequency_hz.value, half = measured / kTwoPi;
     if (f - half < result.low_hz || f + half > result.high_hz) {
       doubts.push_back("its resonance is cut by the end of the band");
     }

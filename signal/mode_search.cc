@@ -7,9 +7,9 @@
 #include <complex>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <utility>
 
+#include "signal/numbers.h"
 #include "signal/residues.h"
 
 namespace rigfit::signal {
@@ -20,7 +20,6 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-constexpr double two_pi = 2 * std::numbers::pi;
 
 /// Clusters of what is left, from overlapping parts of the band, `parts` and a half of them wide.
 std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& left,
@@ -38,7 +37,7 @@ std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& le
     const LscfResult diagram = stabilise(band, left, noise, lscf_options, first, width);
     for (const PoleCluster& cluster : cluster_poles(diagram, band.spacing_hz, options.clusters)) {
       // The outer eighths belong to the neighbours; the ends of the band have none.
-      const double f = cluster.pole_rad_s.imag() / two_pi;
+      const double f = cluster.pole_rad_s.imag() / kTwoPi;
       const double margin = static_cast<double>(width) / 8 * band.spacing_hz;
       if ((first > 0 && f < band.frequency_hz[first] + margin) ||
           (first + width < lines && f > band.frequency_hz[first + width - 1] - margin)) {
@@ -207,8 +206,8 @@ class ModeSearch {
   std::pair<Index, Index> lines_around(Index r) const {
     const VectorXd& f = band().frequency_hz;
     const Complex raw = fit_.poles[r] - band().window;
-    const double centre = raw.imag() / two_pi;
-    const double half = std::max(-raw.real() / two_pi, band().spacing_hz);
+    const double centre = raw.imag() / kTwoPi;
+    const double half = std::max(-raw.real() / kTwoPi, band().spacing_hz);
     const auto low = std::lower_bound(f.begin(), f.end(), centre - half);
     const auto high = std::upper_bound(low, f.end(), centre + half);
     return {low - f.begin(), high - low};
@@ -232,7 +231,7 @@ class ModeSearch {
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const auto r = static_cast<Index>(i);
       const Complex raw = fit_.poles[r] - band().window;
-      const double damped = raw.imag() / two_pi, ratio = -raw.real() / std::abs(raw);
+      const double damped = raw.imag() / kTwoPi, ratio = -raw.real() / std::abs(raw);
       const double most = options().lscf.max_damping_ratio, least = options().min_prominence;
       if (!(damped > f[0] && damped < f[f.size() - 1])) {
         note(candidates_[i], "band", [&] {

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include "apps/report/decay_plots.h"
 #include "apps/report/html_text.h"
 #include "apps/report/recording_blocks.h"
 #include "ident/axial_test.h"
+#include "ident/in_parallel.h"
 #include "signal/decay_window.h"
 #include "signal/recording_error.h"
 
@@ -30,7 +32,7 @@ class AxialAnalysis {
     part().json["test"] = test.name;
   }
 
-  AxialPart run() {
+  AxialPart run(int threads) {
     const auto loaded = load_recordings(test_.recordings);
     for (const auto& entry : loaded) {
       part().inputs.insert(part().inputs.end(), entry.inputs.begin(), entry.inputs.end());
@@ -40,8 +42,13 @@ class AxialAnalysis {
         "down. How fast gives the axial stiffness EA, how soon it dies away gives the damping.",
         test_.axial.mass_kg.value)});
     add_recordings(part(), test_, loaded);
-    for (const auto& entry : loaded) {
-      if (entry.recording) find_decays(entry);
+    std::vector<Found> found(loaded.size());
+    ident::in_parallel(loaded.size(), threads, [&](std::size_t i) {
+      if (loaded[i].recording) found[i] = find_decays(loaded[i]);
+    });
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!found[i].code.empty()) refuse(part(), found[i].code, found[i].why, loaded[i].file);
+      std::move(found[i].samples.begin(), found[i].samples.end(), std::back_inserter(samples_));
     }
     solve();
     return std::move(result_);
@@ -50,15 +57,20 @@ class AxialAnalysis {
  private:
   ReportPart& part() { return result_.part; }
 
-  void find_decays(const LoadedRecording& entry) {
+  /// What one recording holds.
+  struct Found {
+    std::vector<Sample> samples;
+    std::string code, why;  ///< of a refusal; empty: none
+  };
+
+  [[nodiscard]] Found find_decays(const LoadedRecording& entry) const {
     const auto& recording = *entry.recording;
     const auto& group = test_.recordings[entry.group];
     if (recording.time_s.size() > 0 || !(recording.sample_rate_hz > 0)) {
-      refuse(part(), "not_uniform",
-             recording.time_s.size() > 0 ? "its samples are not evenly spaced in time"
-                                         : "gives no sample rate; add sample_rate_hz",
-             entry.file);
-      return;
+      return {{},
+              "not_uniform",
+              recording.time_s.size() > 0 ? "its samples are not evenly spaced in time"
+                                          : "gives no sample rate; add sample_rate_hz"};
     }
     const signal::Channel* channel = nullptr;
     try {
@@ -67,13 +79,10 @@ class AxialAnalysis {
       } else if (recording.channels.size() == 1) {
         channel = &recording.channels.front();
       } else {
-        refuse(part(), "channel", "holds several channels; name one with channel = \"...\"",
-               entry.file);
-        return;
+        return {{}, "channel", "holds several channels; name one with channel = \"...\""};
       }
     } catch (const signal::RecordingError& error) {
-      refuse(part(), "channel", error.what(), entry.file);
-      return;
+      return {{}, "channel", error.what()};
     }
     signal::DecayOptions options;
     if (test_.band_hz) {
@@ -81,8 +90,7 @@ class AxialAnalysis {
       options.band_high_hz = std::min(test_.band_hz->second, 0.5 * recording.sample_rate_hz);
     }
     options.choose_window = false;
-    bool any = false;
-    std::string why;
+    Found found;
     for (const auto& window : signal::find_decays(channel->samples)) {
       Sample sample;
       sample.length_m = *group.length_m;
@@ -96,13 +104,16 @@ class AxialAnalysis {
       decay.samples = channel->samples.segment(window.start, window.end - window.start);
       decay.result = signal::estimate_decay(decay.samples, decay.rate_hz, options);
       if (!decay.result.refusal_code.empty() || decay.result.modes.empty()) {
-        why = decay.result.refusal;
+        found.why = decay.result.refusal;
         continue;
       }
-      any = true;
-      samples_.push_back(std::move(sample));
+      found.samples.push_back(std::move(sample));
     }
-    if (!any) refuse(part(), "no_decay", why.empty() ? "holds no decay" : why, entry.file);
+    if (found.samples.empty()) {
+      found.code = "no_decay";
+      if (found.why.empty()) found.why = "holds no decay";
+    }
+    return found;
   }
 
   void solve() {
@@ -344,8 +355,8 @@ class AxialAnalysis {
 
 }  // namespace
 
-AxialPart axial_part(const CampaignTest& test, std::uint64_t seed) {
-  return AxialAnalysis(test, seed).run();
+AxialPart axial_part(const CampaignTest& test, std::uint64_t seed, int threads) {
+  return AxialAnalysis(test, seed).run(threads);
 }
 
 }  // namespace rigfit::apps

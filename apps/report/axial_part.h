@@ -19,6 +19,6 @@ void archive(A& a, AxialPart& v) {
   a(v.part, v.EA_N);
 }
 
-[[nodiscard]] AxialPart axial_part(const CampaignTest& test, std::uint64_t seed);
+[[nodiscard]] AxialPart axial_part(const CampaignTest& test, std::uint64_t seed, int threads);
 
 }  // namespace rigfit::apps

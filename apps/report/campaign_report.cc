@@ -3,13 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <fstream>
 #include <functional>
 #include <iterator>
-#include <mutex>
-#include <thread>
 #include <unordered_map>
 
 #include "apps/json_document.h"
@@ -24,8 +20,10 @@
 #include "apps/report/recorded_modal.h"
 #include "apps/report/report_page.h"
 #include "apps/report/scenes_part.h"
+#include "apps/report/speed_part.h"
 #include "apps/report/stage_cache.h"
 #include "apps/report/svg_plot.h"
+#include "ident/in_parallel.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
@@ -33,25 +31,10 @@ namespace {
 
 /// Runs the tasks on so many threads; the first exception comes out again.
 void run_all(const std::vector<std::function<void()>>& tasks, int threads, Progress& progress) {
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr first;
-  std::mutex mutex;
-  const auto work = [&] {
-    for (std::size_t i; (i = next++) < tasks.size();) {
-      try {
-        tasks[i]();
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!first) first = std::current_exception();
-      }
-      progress.advance();
-    }
-  };
-  std::vector<std::jthread> others;
-  for (int i = 1; i < threads && i < static_cast<int>(tasks.size()); ++i) others.emplace_back(work);
-  work();
-  others.clear();
-  if (first) std::rethrow_exception(first);
+  ident::in_parallel(tasks.size(), threads, [&](std::size_t i) {
+    tasks[i]();
+    progress.advance();
+  });
 }
 
 std::string repeat_command(const VerbContext& context) {
@@ -103,10 +86,11 @@ void each_plot(const std::vector<ReportPart>& parts, Use use) {
   }
 }
 
+/// `first`: tasks that take longest, to start with.
 void write_files(const fs::path& folder, const std::vector<ReportPart>& parts, int threads,
-                 Progress& progress) {
+                 std::vector<std::function<void()>> first, Progress& progress) {
   for (const char* name : {"data", "figures"}) make_output_folder(folder / name);
-  std::vector<std::function<void()>> tasks;
+  std::vector<std::function<void()>> tasks = std::move(first);
   each_plot(parts, [&](const Plot& plot) {
     tasks.emplace_back([&folder, &plot] {
       put(folder / "data" / (plot.id + ".csv"), plot_csv(plot));
@@ -193,8 +177,9 @@ class Stages {
                                                    [&] { return bending_part(campaign_, test); });
             break;
           case CampaignTest::Kind::axial:
-            axial[i] = cache_.stage<AxialPart>("axial\n" + seed_ + content_[i],
-                                               [&] { return axial_part(test, context_.seed); });
+            axial[i] = cache_.stage<AxialPart>("axial\n" + seed_ + content_[i], [&] {
+              return axial_part(test, context_.seed, context_.threads);
+            });
             break;
           case CampaignTest::Kind::modal:
             if (test.recordings.empty()) break;
@@ -206,7 +191,7 @@ class Stages {
         }
       });
     }
-    Progress progress("report", static_cast<long>(2 * tests + campaign_.fits.size()),
+    Progress progress("report", static_cast<long>(2 * tests + campaign_.fits.size() + 1),
                       context_.quiet);
     run_all(tasks, context_.threads, progress);
     // EI(T) and EA go on to the tests whose scenes take them.
@@ -247,9 +232,11 @@ class Stages {
         std::string key = "decay\n" + content_[i] + known;
         const auto predicting = fits_of(i, fits, key);
         second[i] = cache_.stage<ReportPart>(
-            key, [&] { return decay_part(campaign_, test, known_, predicting); });
+            key, [&] { return decay_part(campaign_, test, known_, predicting, context_.threads); });
       });
     }
+    std::vector<Block> speed;
+    tasks.emplace_back([&] { speed = speed_blocks(campaign_); });
     run_all(tasks, context_.threads, progress);
 
     // On the page: what was measured, what the model says of it, what was fitted.
@@ -264,7 +251,7 @@ class Stages {
       add(second[i]);
     }
     for (auto& fit : fits) add(fit.part);
-    auto costs = cost_part(campaign_, parts);
+    auto costs = cost_part(std::move(speed), parts);
     parts.push_back(scenes_part(campaign_));
     parts.push_back(std::move(costs));
     return parts;
@@ -369,9 +356,13 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
 
   context.check_inputs();
   Progress progress("figures", 1, true);
-  write_files(folder, parts, context.threads, progress);
-  write_whole_file(folder / "report.json", json_document(context, "report", result).dump(2) + "\n");
-  write_whole_file(folder / "report.html", report_page(frame, parts));
+  std::string document, page;
+  write_files(folder, parts, context.threads,
+              {[&] { page = report_page(frame, parts); },
+               [&] { document = json_document(context, "report", result).dump(2) + "\n"; }},
+              progress);
+  write_whole_file(folder / "report.json", document);
+  write_whole_file(folder / "report.html", page);
 
   for (const auto& part : parts) {
     for (const auto& item : part.summary) {

@@ -5,11 +5,10 @@
 #include <cmath>
 
 #include "apps/bench/bench_study.h"
-#include "apps/report/speed_part.h"
 
 namespace rigfit::apps {
 
-ReportPart cost_part(const Campaign& campaign, const std::vector<ReportPart>& parts) {
+ReportPart cost_part(std::vector<Block> speed, const std::vector<ReportPart>& parts) {
   ReportPart part;
   part.id = "solvers";
   part.title = "What the model did, and what it cost";
@@ -17,7 +16,7 @@ ReportPart cost_part(const Campaign& campaign, const std::vector<ReportPart>& pa
       Paragraph{"Every computation chooses what to model and how, by the error that it estimates, "
                 "and says what "
                 "it left out. Times are of this run on this machine."});
-  for (Block& block : speed_blocks(campaign)) part.blocks.push_back(std::move(block));
+  for (Block& block : speed) part.blocks.push_back(std::move(block));
 
   ReportTable table;
   table.id = "solver-costs";

@@ -3,14 +3,13 @@
 
 #include <vector>
 
-#include "apps/campaign.h"
 #include "apps/report/report_part.h"
 
 namespace rigfit::apps {
 
-/// Costs of all parts, and for each scene how time and error go with the number of segments. Times
-/// are of this machine and differ from run to run: they are on the page and in data/, not in the
-/// document.
-[[nodiscard]] ReportPart cost_part(const Campaign& campaign, const std::vector<ReportPart>& parts);
+/// Costs of all parts, behind `speed`: how time and error go with the number of segments
+/// (speed_part.h). Times are of this machine and differ from run to run: they are on the page and
+/// in data/, not in the document.
+[[nodiscard]] ReportPart cost_part(std::vector<Block> speed, const std::vector<ReportPart>& parts);
 
 }  // namespace rigfit::apps

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "ident/in_parallel.h"
 #include "signal/fft.h"
 
 namespace rigfit::apps {
@@ -91,15 +92,16 @@ void keep_between(Plot& plot, double from, double to) {
 
 std::vector<ReleaseAnswer> release_answers(const AnalysedDecay& decay,
                                            const signal::DecayOptions& options,
-                                           const std::vector<ModelVersion>& versions) {
+                                           const std::vector<ModelVersion>& versions, int threads) {
   const Eigen::VectorXd record = filled(decay.samples);
-  std::vector<ReleaseAnswer> answers;
-  for (const auto& version : versions) {
+  std::vector<ReleaseAnswer> answers(versions.size());
+  ident::in_parallel(versions.size(), threads, [&](std::size_t k) {
+    const auto& version = versions[k];
     model::ResponseOptions response;
     response.sampling.rate_hz = decay.rate_hz;
     response.sampling.duration_s =
         std::min(kLongest_s, static_cast<double>(record.size()) / decay.rate_hz);
-    ReleaseAnswer answer;
+    ReleaseAnswer& answer = answers[k];
     answer.label = version.label;
     answer.response = model::simulate_response(version.scene, response);
     if (!answer.response.completed || answer.response.samples.rows() < 16) {
@@ -120,8 +122,7 @@ std::vector<ReleaseAnswer> release_answers(const AnalysedDecay& decay,
             signal::estimate_decay(model.segment(first, last - first), decay.rate_hz, same);
       }
     }
-    answers.push_back(std::move(answer));
-  }
+  });
   return answers;
 }
 

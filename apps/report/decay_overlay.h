@@ -24,7 +24,8 @@ struct ReleaseAnswer {
 /// lasts, at most 10 s, and moves each along the time axis to where it is most like the record.
 [[nodiscard]] std::vector<ReleaseAnswer> release_answers(const AnalysedDecay& decay,
                                                          const signal::DecayOptions& options,
-                                                         const std::vector<ModelVersion>& versions);
+                                                         const std::vector<ModelVersion>& versions,
+                                                         int threads);
 
 /// Record and answers: whole, the first half second, and their spectra up to `high_hz` (0: all).
 [[nodiscard]] std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& decay,

@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "apps/report/decay_overlay.h"
 #include "apps/report/html_text.h"
 #include "apps/report/recording_blocks.h"
-#include "signal/decay_window.h"
+#include "ident/in_parallel.h"
 #include "signal/recording_error.h"
 
 namespace rigfit::apps {
@@ -48,7 +49,7 @@ class DecayAnalysis {
                          {"model decay rate, 1/s", Origin::modelled}};
   }
 
-  ReportPart run() {
+  ReportPart run(int threads) {
     auto loaded = load_recordings(test_.recordings);
     for (const auto& entry : loaded) {
       part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
@@ -58,8 +59,20 @@ class DecayAnalysis {
         "fitted to what it rings, without anybody's guess of frequency or window."});
     add_recordings(part_, test_, loaded);
     Json list = Json::array();
+    std::vector<Job> jobs;
     for (const auto& entry : loaded) {
-      if (entry.recording) analyse(entry, list);
+      if (!entry.recording) continue;
+      auto more = jobs_of(entry);
+      std::move(more.begin(), more.end(), std::back_inserter(jobs));
+    }
+    ident::in_parallel(jobs.size(), threads, [&](std::size_t i) { compute(jobs[i], threads); });
+    PlotTab tab;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+      if (i == 0 || jobs[i].entry != jobs[i - 1].entry) tab.label = short_name(jobs[i].entry->file);
+      tell(jobs[i], tab, list);
+      if (i + 1 < jobs.size() && jobs[i + 1].entry == jobs[i].entry) continue;
+      if (!tab.plots.empty()) group_.tabs.push_back(std::move(tab));
+      tab = {};
     }
     part_.json["records"] = std::move(list);
     if (!table_.rows.empty()) part_.blocks.push_back(std::move(table_));
@@ -79,47 +92,64 @@ class DecayAnalysis {
   }
 
  private:
-  void analyse(const LoadedRecording& entry, Json& list) {
+  /// One channel of one recording: its decay, and what the model answers where there is one.
+  struct Job {
+    const LoadedRecording* entry = nullptr;
+    const signal::Channel* channel = nullptr;
+    AnalysedDecay decay;
+    bool modelled = false;
+    std::vector<ReleaseAnswer> answers;
+  };
+
+  [[nodiscard]] std::vector<Job> jobs_of(const LoadedRecording& entry) {
     const auto& recording = *entry.recording;
     if (recording.time_s.size() > 0 || !(recording.sample_rate_hz > 0)) {
       refuse(part_, "not_uniform",
              recording.time_s.size() > 0 ? "its samples are not evenly spaced in time"
                                          : "gives no sample rate; add sample_rate_hz",
              entry.file);
-      return;
+      return {};
     }
     std::vector<std::string> channels = test_.channels;
     if (channels.empty()) {
       for (const auto& channel : recording.channels) channels.push_back(channel.name);
     }
-    PlotTab tab{short_name(entry.file), {}};
+    std::vector<Job> jobs;
     for (const auto& name : channels) {
-      const signal::Channel* channel = nullptr;
       try {
-        channel = &recording.channel(name);
+        jobs.push_back({&entry, &recording.channel(name), {}, false, {}});
       } catch (const signal::RecordingError& error) {
         refuse(part_, "channel", error.what(), entry.file);
-        continue;
       }
-      analyse(entry, *channel, tab, list);
     }
-    if (!tab.plots.empty()) group_.tabs.push_back(std::move(tab));
+    return jobs;
   }
 
-  void analyse(const LoadedRecording& entry, const signal::Channel& channel, PlotTab& tab,
-               Json& list) {
-    const auto& recording = *entry.recording;
-    const auto& group = test_.recordings[entry.group];
-    AnalysedDecay decay;
-    decay.file = entry.file;
-    decay.channel = channel.name;
-    decay.unit = channel.unit;
+  void compute(Job& job, int threads) const {
+    const auto& recording = *job.entry->recording;
+    const auto& group = test_.recordings[job.entry->group];
+    AnalysedDecay& decay = job.decay;
+    decay.file = job.entry->file;
+    decay.channel = job.channel->name;
+    decay.unit = job.channel->unit;
     decay.origin = group.origin();
     decay.rate_hz = recording.sample_rate_hz;
     decay.start_s = recording.start_time_s;
-    decay.samples = channel.samples;
+    decay.samples = job.channel->samples;
     decay.result = signal::estimate_decay(decay.samples, decay.rate_hz, options(decay.rate_hz));
-    const std::string where = entry.file + ": " + channel.name;
+    if (!decay.result.refusal_code.empty() || decay.result.modes.empty() || !test_.scene) return;
+    const auto other = test_.hammer.sensors.find(decay.channel);
+    const auto& sensor = other == test_.hammer.sensors.end() ? decay.channel : other->second;
+    const auto scenes = versions(group, sensor);
+    if (scenes.empty()) return;
+    job.modelled = true;
+    job.answers = release_answers(decay, options(decay.rate_hz), scenes, threads);
+  }
+
+  void tell(Job& job, PlotTab& tab, Json& list) {
+    const auto& group = test_.recordings[job.entry->group];
+    AnalysedDecay& decay = job.decay;
+    const std::string where = decay.file + ": " + decay.channel;
     for (const auto& note : decay.result.notes) {
       part_.warnings.push_back({note.code, note.message, where, false});
     }
@@ -130,15 +160,15 @@ class DecayAnalysis {
     }
     const std::string id = fmt::format("{}-{}", test_.name, decays_.size() + 1);
     tab.plots.push_back(decay_plot(id, decay));
-    Json json{{"file", entry.file},
-              {"channel", channel.name},
+    Json json{{"file", decay.file},
+              {"channel", decay.channel},
               {"origin", word_of(decay.origin)},
               {"tension_N", group.tension_N ? Json(*group.tension_N) : Json(nullptr)},
               {"modes", modes_json(decay.result)},
               {"law", name_of(decay.result.envelope.law)},
               {"frequency_drift_hz", estimate_json(decay.result.envelope.frequency_drift_hz)}};
     list_modes(decay, group);
-    if (test_.scene) overlay(decay, group, id, tab, json);
+    if (job.modelled) overlay(decay, job.answers, id, tab, json);
     list.push_back(std::move(json));
     decays_.push_back(std::move(decay));
   }
@@ -189,13 +219,8 @@ class DecayAnalysis {
     return all;
   }
 
-  void overlay(const AnalysedDecay& decay, const RecordingGroup& group, const std::string& id,
-               PlotTab& tab, Json& json) {
-    const auto other = test_.hammer.sensors.find(decay.channel);
-    const auto& sensor = other == test_.hammer.sensors.end() ? decay.channel : other->second;
-    const auto scenes = versions(group, sensor);
-    if (scenes.empty()) return;
-    const auto answers = release_answers(decay, options(decay.rate_hz), scenes);
+  void overlay(const AnalysedDecay& decay, const std::vector<ReleaseAnswer>& answers,
+               const std::string& id, PlotTab& tab, Json& json) {
     for (auto& plot :
          release_plots(id, decay, answers, test_.band_hz ? test_.band_hz->second : 0)) {
       tab.plots.push_back(std::move(plot));
@@ -278,8 +303,8 @@ class DecayAnalysis {
 }  // namespace
 
 ReportPart decay_part(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
-                      const std::vector<FitOfDecay>& fits) {
-  return DecayAnalysis(campaign, test, known, fits).run();
+                      const std::vector<FitOfDecay>& fits, int threads) {
+  return DecayAnalysis(campaign, test, known, fits).run(threads);
 }
 
 }  // namespace rigfit::apps

@@ -20,6 +20,7 @@ struct FitOfDecay {
 
 /// `fits`: none of them has seen these decays.
 [[nodiscard]] ReportPart decay_part(const Campaign& campaign, const CampaignTest& test,
-                                    const KnownValues& known, const std::vector<FitOfDecay>& fits);
+                                    const KnownValues& known, const std::vector<FitOfDecay>& fits,
+                                    int threads);
 
 }  // namespace rigfit::apps

@@ -1,8 +1,10 @@
 #include "apps/report/plot.h"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iterator>
 
 namespace rigfit::apps {
 
@@ -44,17 +46,24 @@ std::string plot_csv(const Plot& plot) {
     for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
     return result + "\"";
   };
-  const auto cell = [](double value) {
-    return std::isfinite(value) ? fmt::format("{}", value) : std::string();
-  };
   std::string text =
       fmt::format("series,origin,{},{},low,high\n", quoted(plot.x_label), quoted(plot.y_label));
+  const auto out = std::back_inserter(text);
+  const auto cell = [&](double value) {
+    if (std::isfinite(value)) fmt::format_to(out, FMT_COMPILE("{}"), value);
+  };
   for (const auto& series : plot.series) {
+    const std::string head = fmt::format("{},{},", quoted(series.name), word_of(series.origin));
     for (std::size_t i = 0; i < series.x.size(); ++i) {
-      text += fmt::format("{},{},{},{},{},{}\n", quoted(series.name), word_of(series.origin),
-                          cell(series.x[i]), cell(series.y[i]),
-                          i < series.low.size() ? cell(series.low[i]) : "",
-                          i < series.high.size() ? cell(series.high[i]) : "");
+      text += head;
+      cell(series.x[i]);
+      text += ',';
+      cell(series.y[i]);
+      text += ',';
+      if (i < series.low.size()) cell(series.low[i]);
+      text += ',';
+      if (i < series.high.size()) cell(series.high[i]);
+      text += '\n';
     }
   }
   return text;

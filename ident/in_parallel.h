@@ -1,0 +1,13 @@
+// The same work for each of several things, on so many threads.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace rigfit::ident {
+
+/// Calls `work` with 0 .. count - 1, each once, in that order of starting. All are worked through
+/// whatever happens; then the exception of the first that threw one comes out.
+void in_parallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
+
+}  // namespace rigfit::ident
