@@ -300,20 +300,21 @@ void judge(AxialTestResult& result, const AxialSetup& setup, const AxialOptions&
           ? "the catalogue's"
           : fmt::format("what {:.0f} GPa on the metal of this mass per length gives",
                         options.rope_modulus_Pa / 1e9);
-  result.plausibility = fmt::format("EA = {:.4g} N is {:.0f} % of {:.3g} N, {}", result.EA_N.value,
-                                    100 * result.share_of_catalogue, result.catalogue_EA_N, origin);
+  result.plausibility =
+      fmt::format("EA = {:.4g} kN is {:.0f} % of {:.4g} kN, {}", 1e-3 * result.EA_N.value,
+                  100 * result.share_of_catalogue, 1e-3 * result.catalogue_EA_N, origin);
   if (result.share_of_catalogue < 0.5) {
     const double L = result.reference_length_m;
     const double missing = L / result.EA_N.value - L / result.catalogue_EA_N;
     result.plausibility += fmt::format(
         ": a strand this slack is seen at tensions far below its working load, or something in "
         "series "
-        "gives way by {:.2g} m/N",
-        missing);
+        "gives way by {:.2g} µm/N",
+        1e6 * missing);
     if (std::isfinite(s.value)) {
       result.plausibility += s.value + 2 * s.std < missing
-                                 ? fmt::format(" (the lengths allow {:.2g} m/N of it at most)",
-                                               std::max(0.0, s.value + 2 * s.std))
+                                 ? fmt::format(" (the lengths allow {:.2g} µm/N of it at most)",
+                                               1e6 * std::max(0.0, s.value + 2 * s.std))
                                  : " (which the lengths do not rule out)";
     }
     note("below_catalogue", result.plausibility);

@@ -184,18 +184,24 @@ std::vector<std::vector<double>> starts(LawKind kind, const Data& data,
   return several;
 }
 
+/// A term with its sign before it: "+ 0.04281", "- 0.2".
+std::string added(double value) {
+  return fmt::format("{} {:.5g}", value < 0 ? "-" : "+", std::abs(value));
+}
+
+/// EI in N m2, T in N.
 std::string formula_of(const FittedLaw& law) {
   const auto value = [&](std::size_t i) { return law.parameters[i].value; };
   switch (law.kind) {
     case LawKind::linear:
-      return fmt::format("EI = {:.5g} {:+.5g} T", value(0), value(1));
+      return fmt::format("EI = {:.5g} {} T", value(0), added(value(1)));
     case LawKind::square_root:
-      return fmt::format("EI = {:.5g} {:+.5g} sqrt(T)", value(0), value(1));
+      return fmt::format("EI = {:.5g} {} sqrt(T)", value(0), added(value(1)));
     case LawKind::power:
-      return fmt::format("EI = {:.5g} (T / {:.5g} N)^{:.4g}", value(0), law.reference_tension_N,
+      return fmt::format("EI = {:.5g} (T / {:.5g})^{:.4g}", value(0), law.reference_tension_N,
                          value(1));
     case LawKind::saturating:
-      return fmt::format("EI = {:.5g} {:+.5g} T / (T + {:.5g} N)", value(0), value(1) - value(0),
+      return fmt::format("EI = {:.5g} {} T / (T + {:.5g})", value(0), added(value(1) - value(0)),
                          value(2));
   }
   return {};

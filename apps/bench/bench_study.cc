@@ -1,6 +1,7 @@
 #include "apps/bench/bench_study.h"
 
 #include <fmt/format.h>
+#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,13 +12,20 @@ namespace {
 
 constexpr double kAsAccurate = 1.01;  // the same discretisation in other unknowns differs by less
 
-using BenchClock = std::chrono::steady_clock;
+double now_s(bool of_processor) {
+  if (!of_processor) {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    return std::chrono::duration<double>(now).count();
+  }
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
 
-double seconds_of(const std::function<void()>& work, long runs) {
-  const auto begin = BenchClock::now();
+double seconds_of(const std::function<void()>& work, long runs, bool of_processor) {
+  const double begin = now_s(of_processor);
   for (long i = 0; i < runs; ++i) work();
-  return std::chrono::duration<double>(BenchClock::now() - begin).count() /
-         static_cast<double>(runs);
+  return (now_s(of_processor) - begin) / static_cast<double>(runs);
 }
 
 std::string setting_words(const BenchRow& row) {
@@ -33,7 +41,7 @@ std::string setting_words(const BenchRow& row) {
 
 double median_time(const BenchBudget& budget, const std::function<void()>& work) {
   constexpr double kClock = 2e-4;  // s: a thousand times what the clock resolves
-  double first = seconds_of(work, 1);
+  double first = seconds_of(work, 1, budget.processor_time);
   if (first >= budget.row_s) return first;
   const long batch =
       first < kClock ? std::clamp(static_cast<long>(kClock / std::max(first, 1e-9)), 1L, 100'000L)
@@ -42,7 +50,7 @@ double median_time(const BenchBudget& budget, const std::function<void()>& work)
   if (batch == 1) times.push_back(first);
   double spent = first;
   while (static_cast<int>(times.size()) < budget.repeats && spent < budget.row_s) {
-    times.push_back(seconds_of(work, batch));
+    times.push_back(seconds_of(work, batch, budget.processor_time));
     spent += times.back() * static_cast<double>(batch);
   }
   std::sort(times.begin(), times.end());

@@ -48,9 +48,11 @@ struct BenchBudget {
   bool quick = false;
   int repeats = 15;    ///< of every row, at most
   double row_s = 0.2;  ///< no further repeat of a row that took this long
+  /// Processor time of the thread instead of wall time: on a machine that does other things too.
+  bool processor_time = false;
 };
 
-/// Median wall time of runs of `work`, seconds. What takes microseconds is run often enough for the
+/// Median time of runs of `work`, seconds. What takes microseconds is run often enough for the
 /// clock.
 [[nodiscard]] double median_time(const BenchBudget& budget, const std::function<void()>& work);
 

@@ -70,9 +70,7 @@ Plot law_plot(const CampaignTest& test, const std::vector<PlotSeries>& points,
   plot.title = "Bending stiffness against tension";
   plot.caption =
       "The tighter the strand is pulled, the more its wires hold on to each other and the stiffer "
-      "it bends. The band is the 95 % band of the law closest to the points; between the bounds "
-      "every strand must "
-      "lie (free slip below, no slip above).";
+      "it bends.";
   plot.x_label = "tension, N";
   plot.y_label = "EI, N m²";
   plot.log_y = bounds.has_value();
@@ -99,7 +97,7 @@ Plot law_plot(const CampaignTest& test, const std::vector<PlotSeries>& points,
     series.origin = Origin::modelled;
     series.variant = variant;
     for (int i = 0; i <= 80; ++i) {
-      const double tension = from + (to - from) * i / 80;
+      const double tension = from + (to - from) * i * i / 6400;  // laws bend most where slack
       const auto predicted = ident::predict(law, tension);
       series.x.push_back(tension);
       series.y.push_back(predicted.EI_Nm2);
@@ -112,10 +110,14 @@ Plot law_plot(const CampaignTest& test, const std::vector<PlotSeries>& points,
       series.low.clear();
       series.high.clear();
     }
+    if (!series.low.empty()) {
+      plot.caption += " The band is the 95 % band of the law closest to the points.";
+    }
     ++variant;
     plot.series.push_back(std::move(series));
   }
   if (bounds) {
+    plot.caption += " Between the bounds every strand must lie (free slip below, no slip above).";
     for (const auto& [name, value] : {std::pair{"EImin, wires slip", bounds->EI_min_Nm2},
                                       std::pair{"EImax, no slip", bounds->EI_max_Nm2}}) {
       PlotSeries series;
@@ -134,9 +136,11 @@ Plot law_plot(const CampaignTest& test, const std::vector<PlotSeries>& points,
 ReportTable law_table(const CampaignTest& test, const ident::StiffnessLaws& laws) {
   ReportTable table;
   table.id = test.name + "-laws";
-  table.caption =
-      "Laws for EI(T), best first: by AICc (lower is better) where it ranks them, else by "
-      "deviation.";
+  const bool ranked =
+      std::any_of(laws.laws.begin(), laws.laws.end(),
+                  [](const ident::FittedLaw& law) { return std::isfinite(law.akaike_weight); });
+  table.caption = ranked ? "Laws for EI(T), best first by AICc (lower is better)."
+                         : "Laws for EI(T), best first by their deviation from the points.";
   table.columns = {{"law", {}, false},
                    {"formula (EI in N m², T in N)", {}, false},
                    {"rms deviation", Origin::modelled},
@@ -146,7 +150,8 @@ ReportTable law_table(const CampaignTest& test, const ident::StiffnessLaws& laws
   for (const auto& law : laws.laws) {
     const double percent = 100 * law.rms_relative_error;
     table.rows.push_back({name_of(law.kind), law.formula, shown(percent, 2) + " %",
-                          shown(law.aicc, 4), shown(law.akaike_weight, 2), law.message});
+                          ranked ? shown(law.aicc, 4) : "",
+                          ranked ? shown(law.akaike_weight, 2) : "", law.message});
   }
   return table;
 }
@@ -229,7 +234,8 @@ Points published_points(const CampaignTest& test, ReportPart& part) {
   part.blocks.push_back(points_table(test, rows));
   part.json["tests"] = std::move(tests);
   part.json["round_trip_relative_error"] = worst;
-  found.remark = fmt::format("round trip within {:.0e}", std::max(worst, 1e-16));
+  found.remark =
+      fmt::format("the bending equation gives them back to {:.0e}", std::max(worst, 1e-16));
   found.series.push_back(std::move(series));
   return found;
 }

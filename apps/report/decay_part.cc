@@ -86,7 +86,8 @@ class DecayAnalysis {
     if (!damping.series.empty()) part_.blocks.push_back(std::move(damping));
     part_.summary.push_back(
         {test_.scene ? SummaryItem::Kind::error : SummaryItem::Kind::recorded, test_.title,
-         fmt::format("{} decays in {} recordings{}", decays_.size(), loaded.size(), best_),
+         fmt::format("{} in {}{}", counted(decays_.size(), "decay"),
+                     counted(loaded.size(), "recording"), best_),
          decays_.empty() ? std::optional<Origin>() : decays_.front().origin, part_.id});
     return std::move(part_);
   }

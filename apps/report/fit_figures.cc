@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -14,9 +15,8 @@ Plot error_by_mode_plot(const FitOutcome& of) {
   Plot plot;
   plot.id = of.fit.name + "-errors-by-mode";
   plot.title = "Model against test, mode by mode";
-  plot.caption =
-      "How far the model's frequency lies above the test's. Bars: the test's own 95 % interval. "
-      "Held out: predicted from the other states.";
+  plot.caption = "How far the model's frequency lies above the test's.";
+  if (!of.held.empty()) plot.caption += " Held out: predicted from the other states.";
   plot.x_label = "frequency of the test, Hz";
   plot.y_label = "model over test, %";
   const auto series_of = [&](const char* name, int variant) {
@@ -48,6 +48,9 @@ Plot error_by_mode_plot(const FitOutcome& of) {
   }
   for (const auto& one : of.held) {
     for (const auto& pair : one.pairs) add(held, pair);
+  }
+  if (std::any_of(after.low.begin(), after.low.end(), [](double v) { return std::isfinite(v); })) {
+    plot.caption += " Bars: the test's own 95 % interval.";
   }
   for (auto* series : {&before, &held, &after}) {
     if (!series->x.empty()) plot.series.push_back(std::move(*series));

@@ -121,13 +121,16 @@ class Fit {
       if (parameter.free.per_state) parameters += " (at each state its own)";
     }
     return fmt::format(
-        "Fitted: {}. To: {} modes in {} states of: {}. Each measured mode is paired with the one "
+        "Fitted: {}. To: {} in {} of: {}. Each measured mode is paired with the one "
         "of the model that it is, and the parameters move until the differences, weighed by their "
-        "uncertainties, are least; the model itself is allowed {} % in frequency. A model fitted "
+        "uncertainties, are least; {}. A model fitted "
         "to everything explains nothing: where states are "
         "held out, they are predicted from the others.",
-        parameters, measured_, of_.states.size(), tests,
-        shown(100 * options_.model_relative_std, 2));
+        parameters, counted(measured_, "mode"), counted(of_.states.size(), "state"), tests,
+        options_.model_relative_std < 1e-5
+            ? std::string("the model's own error is less than 0.001 % of a frequency")
+            : fmt::format("the model itself is allowed {} % in frequency",
+                          shown(100 * options_.model_relative_std, 2)));
   }
 
   void summary() {

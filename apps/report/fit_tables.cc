@@ -9,6 +9,7 @@
 #include "apps/json_document.h"
 #include "apps/report/html_text.h"
 #include "apps/report/modal_files.h"
+#include "apps/report/scenes_part.h"
 #include "signal/mac.h"
 
 namespace rigfit::apps {
@@ -25,6 +26,19 @@ double rms(const std::vector<ident::UpdatedPair>& pairs, int state) {
   return n > 0 ? std::sqrt(sum / n) : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// Of a free parameter, by the first scene that has it.
+std::string unit_of(const FitOutcome& of, const ident::FreeParameter* free) {
+  if (!free) return {};
+  const auto& name = free->targets.empty() ? free->name : free->targets.front();
+  for (const auto& update : of.updates) {
+    const auto names = model::parameter_names(update.scene);
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
+      return parameter_unit(update.scene, name);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string percent_words(double ratio) {
@@ -34,9 +48,13 @@ std::string percent_words(double ratio) {
 void add_parameters(ReportPart& part, const FitOutcome& of) {
   ReportTable table;
   table.id = of.fit.name + "-parameters";
-  table.caption =
-      "What was found, with 95 % intervals (SI units). Data alone: the standard uncertainty "
-      "without what was known before.";
+  const bool priors =
+      std::any_of(of.fit.parameters.begin(), of.fit.parameters.end(),
+                  [](const FitParameter& parameter) { return parameter.free.prior.has_value(); });
+  table.caption = "What was found, ± its standard uncertainty, with 95 % intervals.";
+  if (priors) {
+    table.caption += " Data alone: the standard uncertainty without what was known before.";
+  }
   table.columns = {{"parameter", {}, false},
                    {"state", {}, false},
                    {"start", Origin::modelled},
@@ -54,8 +72,12 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
     const std::string name = spec == of.fit.parameters.end() ? parameter.name : spec->free.name;
     const std::optional<double> reference =
         spec == of.fit.parameters.end() ? std::nullopt : spec->reference;
+    const std::string unit = unit_of(of, spec == of.fit.parameters.end() ? nullptr : &spec->free);
+    const std::string in_unit = unit.empty() ? "" : " " + unit;
     const bool known = parameter.identifiable && std::isfinite(parameter.std);
     const double half = of.result.coverage_factor * parameter.std;
+    const std::string interval = shown_bound(parameter.value - half, parameter.std) + " to " +
+                                 shown_bound(parameter.value + half, parameter.std);
     std::string remark;
     if (!parameter.identifiable) {
       remark = "these data cannot tell it";
@@ -66,13 +88,14 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
     Cell remark_cell(remark);
     remark_cell.doubtful = !remark.empty();
     table.rows.push_back(
-        {name, parameter.state < 0 ? "all" : of.name_of_state(parameter.state),
-         shown(parameter.start, 4),
+        {unit.empty() ? name : name + ", " + unit,
+         parameter.state < 0 ? "all" : of.name_of_state(parameter.state), shown(parameter.start, 4),
          Cell(known ? shown_estimate(parameter.value, parameter.std) : shown(parameter.value, 4),
               Origin::modelled),
-         known ? shown(parameter.value - half, 4) + " to " + shown(parameter.value + half, 4)
-               : std::string("–"),
-         std::isfinite(parameter.std_from_data) ? shown(parameter.std_from_data, 2) : "–",
+         known ? interval : std::string("–"),
+         !priors                                  ? ""
+         : std::isfinite(parameter.std_from_data) ? shown(parameter.std_from_data, 2)
+                                                  : "–",
          reference ? shown(*reference, 4) : std::string(), remark_cell});
     list.push_back({{"name", parameter.name},
                     {"start", parameter.start},
@@ -86,9 +109,8 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
     if (parameter.state >= 0) continue;
     part.summary.push_back(
         {SummaryItem::Kind::result, of.fit.title + ": " + name,
-         shown_estimate(parameter.value, parameter.std) +
-             fmt::format(" (95 %: {} to {})", shown(parameter.value - half, 4),
-                         shown(parameter.value + half, 4)) +
+         shown_estimate(parameter.value, parameter.std) + in_unit +
+             fmt::format(" (95 %: {})", interval) +
              (reference ? fmt::format("; {} {}", of.fit.reference_name, shown(*reference, 4)) : ""),
          Origin::modelled, part.id});
   }

@@ -69,7 +69,7 @@ TensionPlot tension_plot(const Campaign& campaign, const CampaignTest& test,
   plot.title = "Natural frequencies against tension";
   plot.caption =
       "Lines: the model, in plane (full) and out of plane (broken), each mode followed by its "
-      "shape. Where lines cross (+), the order of the modes changes, which is why rows of a table "
+      "shape. Where lines cross (×), the order of the modes changes, which is why rows of a table "
       "must not be compared by number.";
   plot.x_label = "tension, N";
   plot.y_label = "frequency, Hz";
@@ -117,8 +117,8 @@ Plot row_plot(const CampaignTest& test, const std::vector<ModalState>& states) {
   Plot plot;
   plot.id = test.name + "-frequency";
   plot.title = "Natural frequencies";
-  plot.caption = "Measured, published and modelled frequencies, one after the other.";
-  plot.x_label = "number";
+  plot.caption = "Measured, published and modelled frequencies, in the order of the table below.";
+  plot.x_label = "row of the table";
   plot.y_label = "frequency, Hz";
   plot.log_y = true;
   auto series = points_of("rigfit", Origin::modelled, 0);

@@ -97,4 +97,17 @@ std::string shown_estimate(double value, double std, int digits) {
   return text;
 }
 
+std::string counted(std::size_t number, std::string_view what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
+std::string shown_bound(double value, double std) {
+  if (!std::isfinite(value) || !(std::isfinite(std) && std > 0)) return shown(value);
+  const int decimals = std::max(0, 1 - static_cast<int>(std::floor(std::log10(std))));
+  if (decimals > 9 || std::abs(value) >= 1e7) return shown(value);
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  if (text.starts_with('-')) text.replace(0, 1, "−");
+  return text;
+}
+
 }  // namespace rigfit::apps

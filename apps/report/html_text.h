@@ -15,5 +15,9 @@ namespace rigfit::apps {
 [[nodiscard]] std::string shown_percent(double ratio);
 /// A value with its standard uncertainty, rounded to two digits of the latter: "0.4948 ± 0.0012".
 [[nodiscard]] std::string shown_estimate(double value, double std, int digits = 4);
+/// "1 state", "4 states".
+[[nodiscard]] std::string counted(std::size_t number, std::string_view what);
+/// A bound of an interval, to the decimals that `shown_estimate` gives the value.
+[[nodiscard]] std::string shown_bound(double value, double std);
 
 }  // namespace rigfit::apps

@@ -71,7 +71,7 @@ ReportTable equilibrium_table(const CampaignTest& test, const std::vector<ModalS
       table.rows.push_back({first ? label_of(state) : "",
                             first && state.EI_Nm2 ? shown(*state.EI_Nm2, 4) : "", member.member,
                             member.sag_m < 1e-9 ? std::string("0") : shown(1e3 * member.sag_m, 3),
-                            shown(member.tension_N, 5), fmt::format("{}", member.segments),
+                            shown(member.tension_N, 4), fmt::format("{}", member.segments),
                             first ? fmt::format("{:.0e}", equilibrium.residual) : "",
                             first ? fmt::format("{:.0e}", state.segments_error) : ""});
       first = false;

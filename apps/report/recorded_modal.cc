@@ -266,8 +266,9 @@ class RecordedModalAnalysis {
                ? Cell("refused")
                : Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
                       found.origin),
-           shown(mode.modal_phase_collinearity, 3), shown(100 * mode.reconstruction_error, 2),
-           fmt::format("{:.0f}", 100 * mode.presence), remark});
+           fmt::format("{:.3f}", mode.modal_phase_collinearity),
+           shown(100 * mode.reconstruction_error, 2), fmt::format("{:.0f}", 100 * mode.presence),
+           remark});
       first = false;
       if (mode.doubtful) {
         part().warnings.push_back(
@@ -351,12 +352,12 @@ class RecordedModalAnalysis {
     part().json["hits_rejected"] = rejected_;
     const auto origin =
         result_.states.empty() ? std::optional<Origin>() : result_.states.front().origin;
-    part().summary.push_back(
-        {SummaryItem::Kind::recorded, test_.title,
-         fmt::format("{} modes in {} states from {} recordings; {} of {} hits "
-                     "rejected",
-                     modes_found_, result_.states.size(), files, rejected_, all_hits_),
-         origin, part().id});
+    part().summary.push_back({SummaryItem::Kind::recorded, test_.title,
+                              fmt::format("{} in {} from {}; {} of {} hits rejected",
+                                          counted(static_cast<std::size_t>(modes_found_), "mode"),
+                                          counted(result_.states.size(), "state"),
+                                          counted(files, "recording"), rejected_, all_hits_),
+                              origin, part().id});
   }
 
   const CampaignTest& test_;

@@ -263,8 +263,11 @@ class PageWriter {
     if (!table.fold.empty()) {
       html_ += fmt::format("<details class=\"fold\"><summary>{}</summary>\n", escaped(table.fold));
     }
-    html_ += fmt::format("<div class=\"table\"><table id=\"{}\"><caption>{}</caption>\n<thead><tr>",
-                         escaped(table.id), escaped(table.caption));
+    // A short table stays on one page.
+    html_ +=
+        fmt::format("<div class=\"table\"><table id=\"{}\"{}><caption>{}</caption>\n<thead><tr>",
+                    escaped(table.id), table.rows.size() <= 12 ? " class=\"short\"" : "",
+                    escaped(table.caption));
     // A column with nothing in it says nothing: remarks where there are none.
     std::vector<bool> shown_column(table.columns.size(), table.rows.empty());
     for (const auto& row : table.rows) {
@@ -292,7 +295,7 @@ class PageWriter {
         if (i < table.columns.size() && table.columns[i].numeric) css += "n";
         if (row[i].origin) css += fmt::format(" o-{}", word_of(*row[i].origin));
         if (row[i].doubtful) css += " doubt";
-        if (row[i].shade) css += *row[i].shade > 0.6 ? " shade dark" : " shade";
+        if (row[i].shade) css += " shade";
         html_ += fmt::format(
             "<td{}{}>{}</td>", css.empty() ? "" : " class=\"" + css + "\"",
             row[i].shade ? fmt::format(" style=\"--shade:{:.0f}%\"", 100 * *row[i].shade) : "",
@@ -340,12 +343,13 @@ class PageWriter {
     SvgOptions options;
     options.standalone = false;
     html_ += fmt::format(
-        "<figure id=\"{0}\"><h{4}>{1}</h{4}>\n<div class=\"plot-tools\" role=\"group\" "
-        "aria-label=\"Series shown and view\"></div>\n<div class=\"plot\" "
+        "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{4} id=\"{0}-title\">{1}</h{4}>\n"
+        "<div class=\"plot-tools\" role=\"group\" aria-label=\"{1}: series shown and "
+        "view\"></div>\n<div class=\"plot\" "
         "data-plot=\"{0}\"></div>\n"
         "<div class=\"readout\" aria-live=\"polite\"></div>\n<div class=\"static\">{2}</div>\n"
-        "<figcaption>{3} <a href=\"figures/{0}.svg\">SVG</a>, <a href=\"data/{0}.csv\">CSV</a>"
-        "</figcaption>\n",
+        "<figcaption>{3} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a>, <a "
+        "href=\"data/{0}.csv\">CSV</a></span></figcaption>\n",
         escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption),
         heading_);
     values_table(plot);
@@ -356,12 +360,13 @@ class PageWriter {
     std::size_t all = 0;
     for (const auto& series : plot.series) all += series.x.size();
     html_ += fmt::format(
-        "<details class=\"values\"{}><summary>Values as a table</summary><div "
-        "class=\"table\"><table><thead><tr><th scope=\"col\">series</th><th "
+        "<details class=\"values\"{}><summary>Values as a table<span class=\"hidden\">: {}</span>"
+        "</summary><div class=\"table\"><table aria-label=\"{}: values\"><thead><tr><th "
+        "scope=\"col\">series</th><th "
         "scope=\"col\">origin</th><th scope=\"col\" class=\"n\">{}</th><th scope=\"col\" "
         "class=\"n\">{}</th><th scope=\"col\" class=\"n\">95 % interval</th></tr></thead><tbody>",
         all > kLongestTable ? fmt::format(" data-of=\"{}\"", escaped(plot.id)) : "",
-        escaped(plot.x_label), escaped(plot.y_label));
+        escaped(plot.title), escaped(plot.title), escaped(plot.x_label), escaped(plot.y_label));
     if (all <= kLongestTable) {
       html_ += "\n";
       for (const auto& series : plot.series) {
@@ -382,7 +387,9 @@ class PageWriter {
 
   void add(const ShapeViewer& viewer) {
     html_ += fmt::format(
-        "<figure id=\"{0}\" class=\"shapes\" data-shapes=\"{0}-data\"><h3>Mode shapes</h3>\n"
+        "<figure id=\"{0}\" class=\"shapes\" data-shapes=\"{0}-data\" "
+        "aria-labelledby=\"{0}-title\">"
+        "<h3 id=\"{0}-title\">Mode shapes</h3>\n"
         "<div class=\"plot-tools\"><label>State <select "
         "class=\"state\"></select></label><label>Mode "
         "<select class=\"mode\"></select></label><button type=\"button\" "

@@ -4,8 +4,31 @@
 
 #include "apps/report/html_text.h"
 #include "model/modal_analysis.h"
+#include "model/parameters.h"
 
 namespace rigfit::apps {
+namespace {
+
+/// As many digits as it was given with.
+std::string given_number(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.starts_with('-')) text.replace(0, 1, "−");
+  return text;
+}
+
+}  // namespace
+
+std::string parameter_unit(const model::Scene& scene, const std::string& name) {
+  std::string unit = model::parameters_named(scene, {name}).front().unit;
+  if (unit == "1") return {};
+  for (const auto& [plain, written] :
+       {std::pair<std::string, std::string>{"m2", "m²"}, {"s2", "s²"}, {"m3", "m³"}}) {
+    if (const auto at = unit.find(plain); at != std::string::npos) {
+      unit.replace(at, plain.size(), written);
+    }
+  }
+  return unit;
+}
 
 ReportPart scenes_part(const Campaign& campaign) {
   ReportPart part;
@@ -14,12 +37,9 @@ ReportPart scenes_part(const Campaign& campaign) {
   part.json_key = "scenes";
   ReportTable table;
   table.id = "scene-values";
-  table.caption = "Values of the scenes (SI units), and how each is known.";
-  table.columns = {{"scene", {}, false},
-                   {"value of", {}, false},
-                   {"value", {}, true},
-                   {"known", {}, false},
-                   {"how", {}, false}};
+  table.caption = "Values of the scenes, and how each is known.";
+  table.columns = {{"scene", {}, false}, {"value of", {}, false}, {"value", {}, true},
+                   {"unit", {}, false},  {"known", {}, false},    {"how", {}, false}};
   Json scenes = Json::array();
   int inferred = 0, assumed = 0;
   for (const auto& scene : campaign.scenes) {
@@ -32,8 +52,8 @@ ReportPart scenes_part(const Campaign& campaign) {
       Cell known = name_of(origin.kind);
       if (origin.kind == ValueOrigin::Kind::published) known.origin = Origin::published;
       known.doubtful = origin.kind == ValueOrigin::Kind::assumed;
-      table.rows.push_back(
-          {first ? scene.name : "", origin.parameter, shown(value, 5), known, origin.how});
+      table.rows.push_back({first ? scene.name : "", origin.parameter, given_number(value),
+                            parameter_unit(scene.scene, origin.parameter), known, origin.how});
       values.push_back({{"parameter", origin.parameter},
                         {"value", value},
                         {"known", name_of(origin.kind)},
@@ -52,9 +72,10 @@ ReportPart scenes_part(const Campaign& campaign) {
     part.summary.push_back(
         {SummaryItem::Kind::distrust,
          "Values of the model",
-         fmt::format(
-             "{} values are inferred and {} assumed, not measured; each is listed with how.",
-             inferred, assumed),
+         fmt::format("{} are not measured but inferred ({}) or assumed ({}); "
+                     "each is listed with how.",
+                     counted(static_cast<std::size_t>(inferred + assumed), "value"), inferred,
+                     assumed),
          {},
          part.id});
   }

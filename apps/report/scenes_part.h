@@ -8,4 +8,7 @@ namespace rigfit::apps {
 
 [[nodiscard]] ReportPart scenes_part(const Campaign& campaign);
 
+/// The unit of a scene's parameter as people write it, "N m²"; empty for a ratio.
+[[nodiscard]] std::string parameter_unit(const model::Scene& scene, const std::string& name);
+
 }  // namespace rigfit::apps

@@ -196,9 +196,9 @@ std::string marker(const PlotSeries& series, double x, double y) {
             word, x, y, colour);
       }
       return fmt::format(
-          "<path class=\"{}\" d=\"M{:.1f} {:.1f}h9m-4.5 -4.5v9\" fill=\"none\" stroke=\"{}\" "
+          "<path class=\"{}\" d=\"M{:.1f} {:.1f}h13m-6.5 -6.5v13\" fill=\"none\" stroke=\"{}\" "
           "stroke-width=\"2\"/>",
-          word, x - 4.5, y, colour);
+          word, x - 6.5, y, colour);
   }
   return "";
 }
@@ -357,6 +357,12 @@ std::string svg_plot(const Plot& plot, const SvgOptions& options) {
   y.to = top;
   x.ticks = axis_ticks(x.low, x.high, 8, x.logarithmic);
   y.ticks = axis_ticks(y.low, y.high, 6, y.logarithmic);
+  const auto whole = [](double value) { return value == std::round(value); };
+  if (std::all_of(plot.series.begin(), plot.series.end(), [&](const PlotSeries& series) {
+        return std::all_of(series.x.begin(), series.x.end(), whole);
+      })) {
+    std::erase_if(x.ticks, [&](double tick) { return !whole(tick); });  // what is counted
+  }
 
   std::string svg;
   if (options.standalone) svg += "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";

@@ -144,6 +144,40 @@ class ReportInBrowser(unittest.TestCase):
         shown = self.browser.run("return document.body.innerText;")
         self.assertNotRegex(shown, r"\b(nan|NaN|undefined|null|inf)\b")
 
+    def test_a_screen_reader_is_told_everything(self):
+        self.browser.run("document.querySelectorAll('details').forEach(d => { d.open = true; });"
+                         "await new Promise(r => setTimeout(r, 500));")
+        tree = self.browser.accessibility_tree()
+        plots = self.browser.run("return [...document.querySelectorAll('.plot')].filter(p => p.clientWidth).length;")
+        roles = [role for role, _, _ in tree]
+        self.assertEqual(roles.count("application"), plots)  # each drawn plot is one
+        self.assertGreaterEqual(roles.count("figure"), plots)
+        self.assertGreater(roles.count("table"), plots)  # its values besides
+        controls = ("button", "checkbox", "combobox", "link", "tab", "tablist", "tabpanel", "navigation")
+        named = controls + ("application", "figure", "image", "table", "heading", "region")
+        self.assertEqual([role for role, name, _ in tree if role in named and not name.strip()], [])
+        levels = [properties["level"] for role, _, properties in tree if role == "heading"]
+        self.assertEqual(levels[0], 1)
+        self.assertEqual(levels.count(1), 1)
+        jumps = [(a, b) for a, b in zip(levels, levels[1:]) if b > a + 1]
+        self.assertEqual(jumps, [])
+        self.assertEqual(roles.count("main"), 1)
+
+    def test_tab_key_goes_down_the_page(self):
+        # Positions in the page of what takes the focus one after the other, from the top on.
+        first = self.browser.run(
+            "const all = [...document.querySelectorAll('*')].filter(e => e.tabIndex >= 0 && e.getClientRects().length);"
+            "return [all.filter(e => e.tabIndex > 0).length, all.filter(e => e.closest('[aria-hidden=true]')).length, all.length];")
+        self.assertEqual(first[:2], [0, 0])
+        self.assertGreater(first[2], 20)
+        self.browser.run("window.scrollTo(0, 0); document.activeElement.blur();")
+        seen = []
+        for _ in range(25):
+            self.browser.key("\ue004")
+            seen.append(self.browser.run("const e = document.activeElement;"
+                                         "return [...document.querySelectorAll('*')].indexOf(e);"))
+        self.assertEqual(seen, sorted(set(seen)))
+
     def test_tabs_show_one_state_at_a_time(self):
         counts = self.browser.run(
             "return [...document.querySelectorAll('.tabs')].map(list => [...list.children].map(tab => { tab.click();"

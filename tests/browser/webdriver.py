@@ -104,6 +104,12 @@ class Browser:
                 move(from_x, 0), {"type": "pointerDown", "button": 0}, move((from_x + to_x) // 2, 60),
                 move(to_x, 60), {"type": "pointerUp", "button": 0}]}]})
 
+    def key(self, key):
+        """Presses and lets go of a key (WebDriver's code points: \\ue004 is Tab)."""
+        self._call("POST", self.session + "/actions", {"actions": [{
+            "type": "key", "id": "keyboard", "actions": [{"type": "keyDown", "value": key},
+                                                         {"type": "keyUp", "value": key}]}]})
+
     def screenshot(self, path, css=None):
         where = self.session + ("/element/%s/screenshot" % self.element(css) if css else "/screenshot")
         with open(path, "wb") as file:
@@ -116,8 +122,28 @@ class Browser:
 
     def media(self, name, value):
         """Pretends a media feature, such as prefers-color-scheme: dark."""
-        self._call("POST", self.session + "/goog/cdp/execute", {
-            "cmd": "Emulation.setEmulatedMedia", "params": {"features": [{"name": name, "value": value}]}})
+        self.devtools("Emulation.setEmulatedMedia", features=[{"name": name, "value": value}])
+
+    def devtools(self, command, **parameters):
+        """A command of the Chrome DevTools Protocol."""
+        return self._call("POST", self.session + "/goog/cdp/execute", {"cmd": command, "params": parameters})
+
+    def accessibility_tree(self):
+        """What a screen reader is told: (role, name, properties) of every node, in order of the page."""
+        nodes = self.devtools("Accessibility.getFullAXTree")["nodes"]
+        known, told = {node["nodeId"]: node for node in nodes}, []
+        value = lambda node, key: node.get(key, {}).get("value", "")
+
+        def tell(node):
+            if not node.get("ignored"):
+                told.append((value(node, "role"), value(node, "name"),
+                             {p["name"]: p["value"].get("value") for p in node.get("properties", [])}))
+            for child in node.get("childIds", []):
+                if child in known:
+                    tell(known[child])
+
+        tell(nodes[0])
+        return told
 
     def close(self):
         if hasattr(self, "session"):

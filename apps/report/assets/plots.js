@@ -73,7 +73,9 @@
     else if (kind.indexOf("synthetic") === 0) { ctx.moveTo(x, y - size); ctx.lineTo(x + size, y + size); ctx.lineTo(x - size, y + size); ctx.closePath(); }
     else if (kind === "modelled1") { ctx.moveTo(x - size, y - size); ctx.lineTo(x + size, y + size); ctx.moveTo(x - size, y + size); ctx.lineTo(x + size, y - size); }
     else if (kind === "modelled2") ctx.arc(x, y, size, 0, 2 * Math.PI);
-    else if (kind.indexOf("modelled") === 0) { ctx.moveTo(x - size, y); ctx.lineTo(x + size, y); ctx.moveTo(x, y - size); ctx.lineTo(x, y + size); }
+    else if (kind.indexOf("modelled") === 0) {  // reaches out of a point that it lies on
+      size *= 1.5; ctx.moveTo(x - size, y); ctx.lineTo(x + size, y); ctx.moveTo(x, y - size); ctx.lineTo(x, y + size);
+    }
     else ctx.arc(x, y, size, 0, 2 * Math.PI);
   }
 
@@ -102,6 +104,13 @@
     low = Math.min(low, least); high = Math.max(high, most);
     var margin = 0.06 * (high - low) || 0.1 * Math.abs(high) || 1;
     return log ? [Math.exp(low - margin), Math.exp(high + margin)] : [low - margin, high + margin];
+  }
+
+  // Ticks of an axis that counts.
+  function whole_numbers(from, to) {
+    var ticks = [];
+    for (var v = Math.ceil(from); v <= to; ++v) ticks.push({ v: v, label: String(v) });
+    return ticks;
   }
 
   function draw(host, plot) {
@@ -144,10 +153,11 @@
     // dygraphs pads a logarithmic abscissa below zero: its range is said.
     var whole = plot.log_x ? [low / Math.pow(high / low, 0.03), high * Math.pow(high / low, 0.03)] : [low - margin, high + margin];
     var readout = host.parentNode.querySelector(".readout"), y_whole = y_range(plot);
+    var counted = !plot.log_x && high - low <= 20 && xs.every(function (x) { return Number.isInteger(x); });
     var g = new Dygraph(host, data.rows, {
       labels: labels, series: options, customBars: data.banded, fillAlpha: 0.15,
       xlabel: plot.x_label, ylabel: plot.y_label, xLabelHeight: 18, yLabelWidth: 18,
-      axes: { x: { logscale: plot.log_x, axisLabelFormatter: tick, gridLineColor: colour("rule"), axisLineColor: colour("soft") },
+      axes: { x: { logscale: plot.log_x, axisLabelFormatter: tick, ticker: counted ? whole_numbers : undefined, gridLineColor: colour("rule"), axisLineColor: colour("soft") },
               y: { logscale: plot.log_y, axisLabelFormatter: tick, gridLineColor: colour("rule"), axisLineColor: colour("soft"), axisLabelWidth: 58 } },
       dateWindow: whole, valueRange: y_whole,
       legend: "never", includeZero: false, highlightSeriesOpts: null, xRangePad: plot.log_x ? 0 : 6, yRangePad: 12, labelsKMB: false,

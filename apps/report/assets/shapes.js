@@ -22,6 +22,7 @@
       mode.members.forEach(function (m) { m.rest.forEach(function (p) { for (var k = 0; k < 3; ++k) { low[k] = Math.min(low[k], p[k]); high[k] = Math.max(high[k], p[k]); } }); });
       box = { centre: low.map(function (l, k) { return (l + high[k]) / 2; }), size: Math.max(high[0] - low[0], high[1] - low[1], high[2] - low[2], 1e-6),
               wide: Math.hypot(high[0] - low[0], high[2] - low[2]), tall: high[1] - low[1] };
+      canvas.setAttribute("aria-label", "Moving mode shape, " + state.label + ", " + mode_list.options[mode_list.selectedIndex].text + "; arrow keys turn it");
       draw();
     }
     function project(p) {
