@@ -25,29 +25,19 @@ void fill_pole_columns(const Eigen::Ref<const Eigen::VectorXcd>& s, int power, i
   const Eigen::VectorXcd scale = s.unaryExpr([&](Complex value) {
                                     return integer_power(value, power);
                                   }).cwiseProduct(line_weight.cast<Complex>());
-  // In real parts: divisions and products of std::complex look for infinities that are none here.
-  const Eigen::ArrayXd s_re = s.real(), s_im = s.imag();
-  const Eigen::ArrayXd scale_re = scale.real(), scale_im = scale.imag();
   for (Index r = 0; r < poles.size(); ++r) {
-    const double p_re = poles[r].real(), p_im = poles[r].imag();
+    const Complex p = poles[r], q = std::conj(p);
     double* const re = &basis(0, 2 * r);
     double* const im = &basis(0, 2 * r + 1);
     for (Index i = 0; i < lines; ++i) {
-      const double x = s_re[i] - p_re, below = s_im[i] - p_im, above = s_im[i] + p_im;
-      const double f_size = 1 / (x * x + below * below), g_size = 1 / (x * x + above * above);
-      double f_re = x * f_size, f_im = -below * f_size;
-      double g_re = x * g_size, g_im = -above * g_size;
-      if (k == 2) {
-        const double f2 = f_re * f_re - f_im * f_im, g2 = g_re * g_re - g_im * g_im;
-        f_im *= 2 * f_re, g_im *= 2 * g_re;
-        f_re = f2, g_re = g2;
-      }
-      const double sum_re = f_re + g_re, sum_im = f_im + g_im;
-      const double difference_re = f_re - g_re, difference_im = f_im - g_im;
-      re[i] = scale_re[i] * sum_re - scale_im[i] * sum_im;
-      re[lines + i] = scale_re[i] * sum_im + scale_im[i] * sum_re;
-      im[i] = -(scale_re[i] * difference_im + scale_im[i] * difference_re);
-      im[lines + i] = scale_re[i] * difference_re - scale_im[i] * difference_im;
+      Complex f = 1.0 / (s[i] - p), g = 1.0 / (s[i] - q);
+      if (k == 2) f *= f, g *= g;
+      f *= scale[i], g *= scale[i];
+      const Complex sum = f + g, difference = f - g;
+      re[i] = sum.real();
+      re[lines + i] = sum.imag();
+      im[i] = -difference.imag();
+      im[lines + i] = difference.real();
     }
   }
 }

@@ -154,10 +154,12 @@
     var whole = plot.log_x ? [low / Math.pow(high / low, 0.03), high * Math.pow(high / low, 0.03)] : [low - margin, high + margin];
     var readout = host.parentNode.querySelector(".readout"), y_whole = y_range(plot);
     var counted = !plot.log_x && high - low <= 20 && xs.every(function (x) { return Number.isInteger(x); });
+    var x_axis = { logscale: plot.log_x, axisLabelFormatter: tick, gridLineColor: colour("rule"), axisLineColor: colour("soft") };
+    if (counted) x_axis.ticker = whole_numbers;
     var g = new Dygraph(host, data.rows, {
       labels: labels, series: options, customBars: data.banded, fillAlpha: 0.15,
       xlabel: plot.x_label, ylabel: plot.y_label, xLabelHeight: 18, yLabelWidth: 18,
-      axes: { x: { logscale: plot.log_x, axisLabelFormatter: tick, ticker: counted ? whole_numbers : undefined, gridLineColor: colour("rule"), axisLineColor: colour("soft") },
+      axes: { x: x_axis,
               y: { logscale: plot.log_y, axisLabelFormatter: tick, gridLineColor: colour("rule"), axisLineColor: colour("soft"), axisLabelWidth: 58 } },
       dateWindow: whole, valueRange: y_whole,
       legend: "never", includeZero: false, highlightSeriesOpts: null, xRangePad: plot.log_x ? 0 : 6, yRangePad: 12, labelsKMB: false,
