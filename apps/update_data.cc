@@ -114,12 +114,46 @@ class StateReader {
   void read_table(const std::string& path, std::size_t file) {
     const model::Scene scene = scene_for(file);
     context_.input(path);
+    if (is_universal_file(path)) {
+      read_uff_modes(path, file, scene);
+      return;
+    }
     std::vector<std::string> sensors;
     for (const auto& sensor : scene.sensors) sensors.push_back(sensor.name);
     for (const auto& row :
          read_measured_modes(path, data_.column, plane_of(file), sensors, data_.compare)) {
       add(state_at(scene_of(file), scene, row.tension_N), row.mode, row.compared);
     }
+  }
+
+  void read_uff_modes(const std::string& path, std::size_t file, const model::Scene& scene) {
+    if (!data_.column.empty() || !data_.compare.empty()) {
+      throw UsageError(path + " is a universal file: --column and --compare are of tables");
+    }
+    std::vector<NodeOfSensor> nodes;
+    try {
+      for (const auto& text : data_.nodes) nodes.push_back(node_of_sensor(text));
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(std::string("--node: ") + error.what());
+    }
+    for (const auto& one : nodes) {
+      const bool known = std::any_of(scene.sensors.begin(), scene.sensors.end(),
+                                     [&](const auto& s) { return s.name == one.sensor; });
+      if (!known) {
+        throw UsageError("--node: " + scene_of(file) + " has no sensor \"" + one.sensor + "\"");
+      }
+    }
+    std::vector<std::string> remarks;
+    const auto rows = read_uff_measured_modes(path, plane_of(file), scene, nodes, remarks);
+    for (const auto& remark : remarks) context_.warn("universal_file", remark, path);
+    const std::size_t before = taken_;
+    for (const auto& row : rows) {
+      const double f = row.mode.frequency_hz.value;
+      if (data_.band_hz && (f < data_.band_hz->first || f > data_.band_hz->second)) continue;
+      add(state_at(scene_of(file), scene, std::nullopt), row.mode, {});
+      ++taken_;
+    }
+    if (taken_ == before) throw UsageError(path + " has no mode within --band");
   }
 
   static double sign_of(int direction, const Eigen::Vector3d& along) {
@@ -304,7 +338,8 @@ class StateReader {
   const UpdateData& data_;
   VerbContext& context_;
   std::size_t files_ = 0;
-  bool several_ = false;  // scenes
+  std::size_t taken_ = 0;  // modes of universal files
+  bool several_ = false;   // scenes
   std::optional<ResultTable> stiffness_;
   UpdateStates result_;
 };

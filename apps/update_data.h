@@ -19,10 +19,11 @@ struct UpdateData {
   std::vector<std::string> planes;   ///< in, out, any: one for all or for each file
   std::string column;                ///< of the frequencies in tables
   std::vector<std::string> compare;  ///< further columns: frequencies of other models
+  std::vector<std::string> nodes;    ///< SENSOR=NODE[+X] of universal files of modes
   std::string decay_channel;
   std::string stiffness;  ///< table of tension_N, EI_Nm2, or the JSON result of a bending test
   int segments = 0;       ///< of every member while fitting; 0: the scene's
-  std::optional<std::pair<double, double>> band_hz;  ///< of FRFs and decays
+  std::optional<std::pair<double, double>> band_hz;  ///< of FRFs, decays, universal files
 };
 
 struct UpdateStates {

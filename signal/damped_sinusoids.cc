@@ -456,6 +456,17 @@ Eigen::VectorXd DampedSinusoidsFit::jacobian_column(Index k) const {
   return column;
 }
 
+double DampedSinusoidsFit::jacobian(Index sample, Index k) const {
+  const auto modes = static_cast<Index>(poles.size());
+  const auto j = static_cast<double>(sample);
+  if (k >= 4 * modes) return k == 4 * modes ? 1 : j / static_cast<double>(samples);
+  const auto m = static_cast<std::size_t>(k / 4);
+  const int which = static_cast<int>(k % 4);
+  const Complex factor =
+      (which % 2 ? Complex(0, 1) : Complex(1)) * (which < 2 ? 1.0 : amplitudes[m]);
+  return (which < 2 ? 1 : j) * (std::exp(poles[m] * j) * factor).real();
+}
+
 DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>& y,
                                         std::span<const Complex> poles,
                                         const DampedSinusoidsOptions& options,

@@ -17,6 +17,7 @@
 #include "signal/decay_search.h"
 #include "signal/decay_start.h"
 #include "signal/decay_window.h"
+#include "signal/detected_interval.h"
 #include "signal/log_decrement.h"
 #include "signal/numbers.h"
 #include "signal/profile_interval.h"
@@ -29,6 +30,10 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 // After this many time constants of the slowest mode a record holds nothing but noise.
 constexpr double kTailTimeConstants = 10;
+// Relative standard uncertainty of a frequency that says nothing any more. So wide that records are
+// refused for their noise first: to refuse by an estimate's own uncertainty, which grows with the
+// damping found, would leave those whose damping came out too small.
+constexpr double kWidestFrequency = 0.25;
 
 void refuse(DecayResult& result, std::string code, std::string message) {
   result.refusal_code = std::move(code);
@@ -94,8 +99,9 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
     return result;
   }
   bool moved_start = false;
+  std::vector<DecayCandidate> peaks;  // of the window, where they are known
   if (options.choose_window) {
-    const auto windows = find_decays(y);
+    const auto windows = find_decays(y, &peaks);
     result.decays_found = static_cast<Index>(windows.size());
     double most = -1;
     const DecayWindow* chosen = &windows.front();
@@ -105,6 +111,7 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
       if (energy > most) most = energy, chosen = &w;
     }
     result.start = chosen->start, result.end = chosen->end;
+    if (result.start > 0 || result.end < y.size()) peaks.clear();
     moved_start = chosen->after_impact;
     if (windows.size() > 1) {
       note(result, "several_decays",
@@ -135,7 +142,7 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
     note(result, "missing_samples", fmt::format("{} missing samples were left out", lost));
 
   const DecayModesOptions search{options.max_modes, options.false_alarm};
-  auto fit = find_decay_modes(samples, band, search);
+  auto fit = find_decay_modes(samples, band, search, peaks);
   if (fit && options.choose_window) {
     const Index clip = clipped_by_fit(samples, *fit, band, search);
     if (clip > 0) {
@@ -200,7 +207,8 @@ namespace {
 
 /// Intervals of the modes `kept`, and standard uncertainties and covariance that go with them.
 void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
-                         const DampedSinusoidsFit& fit, const Eigen::MatrixXd& covariance,
+                         const DampedSinusoidsFit& fit, const ResidualNoise& noise,
+                         const Eigen::MatrixXd& covariance, double false_alarm,
                          const std::vector<std::size_t>& kept, std::vector<DecayMode>& modes) {
   const double factor = result.coverage_factor_95;
   Eigen::VectorXd scale = Eigen::VectorXd::Ones(result.covariance.rows());
@@ -208,16 +216,21 @@ void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
   for (std::size_t i = 0; i < kept.size(); ++i) {
     DecayMode& mode = modes[kept[i]];
     const double width = std::max(-fit.poles[kept[i]].real(), 1 / static_cast<double>(fit.samples));
+    const double variance = noise.white_equivalent(fit.poles[kept[i]].imag() / kTwoPi);
+    const double detected =
+        factor_of_detected(energy_explained(fit, kept[i]) / std::max(variance, 1e-300),
+                           energy_needed(fit, false_alarm), factor);
     Interval* const intervals[] = {&mode.damping_ratio_interval_95, &mode.frequency_interval_95_hz};
     Estimate* const estimates[] = {&mode.damping_ratio, &mode.frequency_hz};
     for (Index part = 0; part < 2; ++part) {
       const auto k = static_cast<Index>(4 * kept[i]) + 2 + part;
       const double std = std::sqrt(covariance(k, k));
-      ProfileInterval profile;
+      ProfileInterval profile{detected / factor, detected / factor};
       // Under 2 % of the line's width the curvature of the likelihood is under 2 % too.
       if (std > 0.02 * width) {
         profile = profile_interval(samples.values, samples.missing, fit,
-                                   static_cast<Index>(2 * kept[i]) + part, std, factor);
+                                   static_cast<Index>(2 * kept[i]) + part, std, detected);
+        profile.below *= detected / factor, profile.above *= detected / factor;
       }
       bounded = bounded && profile.bounded;
       Estimate& estimate = *estimates[part];
@@ -326,11 +339,12 @@ void describe(DecayResult& result, const DecaySamples& samples, const DampedSinu
           of_modes.block<2, 2>(2 * static_cast<Index>(kept[i]), 2 * static_cast<Index>(kept[k]));
     }
   }
-  widen_by_likelihood(result, samples, fit, covariance, kept, all);
+  widen_by_likelihood(result, samples, fit, noise, covariance, options.false_alarm, kept, all);
+  const LineSpectrum spectrum = line_spectrum(fit.residual);
   for (std::size_t m : kept) {
     DecayMode& mode = all[m];
-    Eigen::VectorXd alone = fit.mode_signal(m) + fit.residual;
-    for (Index j : samples.missing) alone(j) = fit.mode_signal(m)(j);
+    Eigen::VectorXd alone = fit.mode_signal(m);
+    alone += fit.residual;  // zero where samples are missing
     const double left = fit.residual_sum_squares;
     const double spread = (alone.array() - alone.mean()).square().sum();
     mode.r_squared = spread > 0 ? 1 - left / spread : 0;
@@ -340,7 +354,7 @@ void describe(DecayResult& result, const DecaySamples& samples, const DampedSinu
     mode.damping_ratio_log_decrement = decrement.damping_ratio;
     mode.log_decrement_refusal = decrement.refusal;
     doubt_of(mode, alone, fit.residual, result.residual_order, options.false_alarm);
-    mode.company = leaves_company(fit.residual, fit.poles[m], options.false_alarm);
+    mode.company = leaves_company(spectrum, fit.poles[m], options.false_alarm);
     result.modes.push_back(mode);
   }
   if (std::all_of(result.modes.begin(), result.modes.end(),
@@ -367,7 +381,7 @@ void describe(DecayResult& result, const DecaySamples& samples, const DampedSinu
   DecaySearchOptions beside;
   beside.damped = false, beside.candidates = 1;
   beside.lowest = std::max(0.0, f - 0.05), beside.highest = std::min(0.5, f + 0.05);
-  const auto floor = search_decays(fit.residual, beside);
+  const auto floor = search_lines(spectrum, beside);
   result.envelope =
       mode_envelope(fit, main, rate, floor.empty() ? noise.variance : floor.front().noise_variance,
                     options.envelope);
@@ -378,13 +392,12 @@ void judge(DecayResult& result, double rate) {
   const DecayMode& mode = result.modes.front();
   const double f = mode.frequency_hz.value, zeta = mode.damping_ratio.value;
   const double seconds = static_cast<double>(result.end - result.start) / rate;
-  if (!(mode.frequency_hz.std < 0.05 * f) || !std::isfinite(mode.damping_ratio.std)) {
-    refuse(
-        result, "not_determined",
-        fmt::format(
-            "frequency ({:.4g} Hz) is uncertain by more than 5 %: the record holds {:.2g} cycles "
-            "at {:.3g} dB; more cycles or less noise are needed",
-            f, mode.cycles, result.signal_to_noise_db));
+  if (!(mode.frequency_hz.std < kWidestFrequency * f) || !std::isfinite(mode.damping_ratio.std)) {
+    refuse(result, "not_determined",
+           fmt::format(
+               "frequency ({:.4g} Hz) is uncertain by more than {:.0f} %: the record holds {:.2g} "
+               "cycles at {:.3g} dB; more cycles or less noise are needed",
+               f, 100 * kWidestFrequency, mode.cycles, result.signal_to_noise_db));
     return;
   }
   if (mode.cycles < 1) {
@@ -425,11 +438,11 @@ void judge(DecayResult& result, double rate) {
              each.damped_frequency_hz.value));
   }
   // Records in which noise hid such an oscillation were refused: of those left the noise made it
-  // larger.
+  // larger, which the interval knows (detected_interval.h) and the value does not.
   if (mode.detection < 2.5) {
     note(result, "near_noise",
-         fmt::format("too noisy to rely on: {:.2g} times the energy that noise alone may show; "
-                     "intervals hold the truth less often than 95 %",
+         fmt::format("near the noise: {:.2g} times the energy that noise alone may show; the "
+                     "interval allows for having passed for an oscillation, the values do not",
                      mode.detection));
   }
   if (mode.cycles < 3) {

@@ -14,15 +14,14 @@ namespace rigfit::signal {
 
 using Eigen::Index;
 
-bool leaves_company(const Eigen::VectorXd& residual, std::complex<double> pole,
-                    double false_alarm) {
-  const double f = pole.imag() / (2 * std::numbers::pi), n = static_cast<double>(residual.size());
+bool leaves_company(const LineSpectrum& residual, std::complex<double> pole, double false_alarm) {
+  const double f = pole.imag() / (2 * std::numbers::pi), n = static_cast<double>(residual.samples);
   const double reach = 2 / n - pole.real() / std::numbers::pi;
   DecaySearchOptions beside;
   beside.damped = false, beside.candidates = 1;
   beside.lowest = std::max(0.0, f - reach), beside.highest = std::min(0.5, f + reach);
-  beside.energy_over_noise = detection_threshold(residual.size(), false_alarm);
-  return !search_decays(residual, beside).empty();
+  beside.energy_over_noise = detection_threshold(residual.samples, false_alarm);
+  return !search_lines(residual, beside).empty();
 }
 
 void doubt_of(DecayMode& mode, const Eigen::VectorXd& alone, const Eigen::VectorXd& residual,

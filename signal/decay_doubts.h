@@ -5,11 +5,12 @@
 #include <complex>
 
 #include "signal/decay.h"
+#include "signal/decay_search.h"
 
 namespace rigfit::signal {
 
 /// Whether what one damped sinusoid leaves has a line beside it that noise would not show.
-[[nodiscard]] bool leaves_company(const Eigen::VectorXd& residual, std::complex<double> pole,
+[[nodiscard]] bool leaves_company(const LineSpectrum& residual, std::complex<double> pole,
                                   double false_alarm);
 
 /// Whether coloured noise passes for a mode: `alone`, what the other modes leave, is as well

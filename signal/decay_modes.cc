@@ -12,6 +12,7 @@
 #include "signal/least_squares.h"
 #include "signal/numbers.h"
 #include "signal/power_sums.h"
+#include "signal/scaled_gram.h"
 
 namespace rigfit::signal {
 namespace {
@@ -33,12 +34,13 @@ class DecayModeSearch {
       : samples_(samples), options_(options), n_(samples.values.size()) {}
 
   // The first mode, from several starts; nothing when no peak stands out of the noise.
-  std::optional<DampedSinusoidsFit> first(double lowest, double highest) {
+  std::optional<DampedSinusoidsFit> first(std::vector<DecayCandidate> peaks) {
     const Eigen::VectorXd x = trendless();
+    if (peaks.empty()) peaks = decay_peaks(x);
     DecaySearchOptions search;
-    search.lowest = lowest, search.highest = highest, search.candidates = 3;
+    search.candidates = 3;
     search.energy_over_noise = threshold();
-    const auto found = search_decays(x, search);
+    const auto found = distinct_decays(peaks, n_, search);
     std::vector<DecayCandidate> starts;
     for (const auto& c : found) {
       if (c.energy > 0.3 * found.front().energy) starts.push_back(c);
@@ -47,7 +49,7 @@ class DecayModeSearch {
     auto anywhere = found;
     if (found.empty()) {
       search.energy_over_noise = 0;
-      anywhere = search_decays(x, search);
+      anywhere = distinct_decays(peaks, n_, search);
     }
     if (!anywhere.empty() && samples_.missing.empty()) {
       const auto few = few_cycle_starts(samples_.values, anywhere.front(), search);
@@ -216,9 +218,10 @@ double mode_energy(const DampedSinusoidsFit& fit, std::size_t m) {
 
 std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
                                                    const DecayBand& band,
-                                                   const DecayModesOptions& options) {
+                                                   const DecayModesOptions& options,
+                                                   const std::vector<DecayCandidate>& peaks) {
   DecayModeSearch search(samples, options);
-  auto fit = search.first(0, 0.5);
+  auto fit = search.first(peaks);
   if (!fit) return fit;
   const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
   while (fit->poles.size() < limit * (band.all ? 1 : 2)) {
@@ -236,6 +239,39 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
     fit = std::move(more);
   }
   return fit;
+}
+
+double energy_needed(const DampedSinusoidsFit& fit, double false_alarm) {
+  const double cell = std::exp(-0.5 * detection_threshold(fit.samples, false_alarm));
+  const auto degrees = static_cast<double>(std::max<Index>(1, fit.degrees));
+  // From the limit of many degrees upward; GSL's own inverse does not always converge.
+  double low = gsl_cdf_chisq_Qinv(cell, 4) / 4, high = low;
+  while (gsl_cdf_fdist_Q(high, 4, degrees) > cell && high < 1e100) low = high, high *= 2;
+  while (high - low > 1e-6 * high) {
+    const double middle = 0.5 * (low + high);
+    (gsl_cdf_fdist_Q(middle, 4, degrees) > cell ? low : high) = middle;
+  }
+  return 4 * high;
+}
+
+double energy_explained(const DampedSinusoidsFit& fit, std::size_t m) {
+  const auto modes = static_cast<Index>(fit.poles.size());
+  const Index background = fit.jacobian_gram.rows() - 4 * modes;
+  std::vector<Index> linear;
+  for (Index k = 0; k < modes; ++k) linear.push_back(4 * k), linear.push_back(4 * k + 1);
+  for (Index b = 0; b < background; ++b) linear.push_back(4 * modes + b);
+  const ScaledGram gram(fit.jacobian_gram(linear, linear));
+  if (!gram.usable()) return 0;
+  const Eigen::MatrixXd inverse = gram.inverse();
+  const Eigen::Vector2d amplitude(fit.amplitudes[m].real(), fit.amplitudes[m].imag());
+  const auto at = static_cast<Index>(2 * m);
+  // amplitude' (its block of the inverse)^-1 amplitude, by Cramer's rule.
+  const Eigen::Matrix2d of = inverse.block<2, 2>(at, at);
+  const double determinant = of(0, 0) * of(1, 1) - of(0, 1) * of(1, 0);
+  const double scaled = of(1, 1) * amplitude[0] * amplitude[0] -
+                        (of(0, 1) + of(1, 0)) * amplitude[0] * amplitude[1] +
+                        of(0, 0) * amplitude[1] * amplitude[1];
+  return determinant > 0 ? std::max(0.0, scaled / determinant) : 0;
 }
 
 std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "signal/damped_sinusoids.h"
+#include "signal/decay_search.h"
 
 namespace rigfit::signal {
 
@@ -36,10 +37,17 @@ struct DecayModesOptions {
   double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
 };
 
-/// All modes that the samples support; nothing when there is none.
-[[nodiscard]] std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
-                                                                 const DecayBand& band,
-                                                                 const DecayModesOptions& options);
+/// All modes that the samples support; nothing when there is none. `peaks`: those of the samples
+/// without their trend (decay_search.h), where they are known already.
+[[nodiscard]] std::optional<DampedSinusoidsFit> find_decay_modes(
+    const DecaySamples& samples, const DecayBand& band, const DecayModesOptions& options,
+    const std::vector<DecayCandidate>& peaks = {});
+
+/// What the energy that a mode explains must exceed, in variances of the noise, to be taken:
+/// Fisher's test with four degrees at `false_alarm` over all cells of the search.
+[[nodiscard]] double energy_needed(const DampedSinusoidsFit& fit, double false_alarm);
+/// How far the sum of squares rises when mode `m` is left out and all other poles stay.
+[[nodiscard]] double energy_explained(const DampedSinusoidsFit& fit, std::size_t m);
 
 /// Energy of mode `m` over the samples, sum of squares.
 [[nodiscard]] double mode_energy(const DampedSinusoidsFit& fit, std::size_t m);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "signal/damped_sinusoids.h"
 #include "signal/fft.h"
@@ -59,57 +60,27 @@ Eigen::VectorXd without_trend(const Eigen::Ref<const Eigen::VectorXd>& y) {
   return out;
 }
 
-std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                          const DecaySearchOptions& options) {
-  const Index n = y.size();
-  std::vector<DecayCandidate> found;
-  if (n < 4) return found;
-  Eigen::VectorXd undamped;  // 2 |F|^2 / N
-  double undamped_lines_per_cycle = 0;
-  Eigen::VectorXd power;
-  std::vector<double> work;
-  double decays = 0;  // a N
-  const double total = y.squaredNorm();
-  while (true) {
-    const double a = decays / static_cast<double>(n);
-    if (a > 2) break;
-    const Index length =
-        a > 0 ? std::clamp<Index>(static_cast<Index>(std::ceil(kWindowTimeConstants / a)), 4, n)
-              : n;
-    RealFft fft(good_fft_length(length < kNoPaddingFrom ? 2 * length : length));
-    auto time = fft.time();
-    time.tail(time.size() - length).setZero();
-    double window_energy = 0;
-    if (a == 0) {
-      time.head(length) = y;
-      window_energy = static_cast<double>(length);
-    } else {
-      const double q = std::exp(-a);
-      double w = 1;
-      for (Index j = 0; j < length; ++j) {
-        time(j) = w * y(j);
-        window_energy += w * w;
-        w *= q;
-      }
-    }
-    fft.forward();
-    power = fft.spectrum().cwiseAbs2() * (2 / window_energy);
-    const double lines_per_cycle = static_cast<double>(fft.length());
-    if (a == 0) {
-      undamped = power;
-      undamped_lines_per_cycle = lines_per_cycle;
-    }
+namespace {
+
+// The strongest peaks of spectra, so many of them that what is distinct among them is enough.
+class PeakCollector {
+ public:
+  PeakCollector(const DecaySearchOptions& options, Index samples, double total)
+      : options_(options), n_(static_cast<double>(samples)), total_(total) {}
+
+  /// Peaks of the filter of decay rate a.
+  void add(const Eigen::VectorXd& power, double lines_per_cycle, double a) {
     // A pole with damping ratio over 0.9 or with under half a cycle in the record is no
     // oscillation.
-    const double lowest = std::max({options.lowest, a * 0.075, 0.5 / static_cast<double>(n)});
+    const double lowest = std::max({options_.lowest, a * 0.075, 0.5 / n_});
     const Index first = std::max<Index>(1, static_cast<Index>(std::ceil(lowest * lines_per_cycle)));
     const Index last = std::min<Index>(
-        power.size() - 1, static_cast<Index>(std::floor(options.highest * lines_per_cycle)));
-    // Only cells that explain something are worth the median of the noise around them.
+        power.size() - 1, static_cast<Index>(std::floor(options_.highest * lines_per_cycle)));
     for (Index k = first; k <= last; ++k) {
       const double p = power(k);
+      if (p < least_) continue;
       if ((k > first && power(k - 1) > p) || (k < last && power(k + 1) >= p)) continue;
-      if (p < 1e-16 * total) continue;
+      if (p < 1e-16 * total_) continue;
       double shift = 0, peak = p;
       if (k > 0 && k + 1 < power.size()) {
         const double left = power(k - 1), right = power(k + 1), bend = left - 2 * p + right;
@@ -121,48 +92,161 @@ std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd
       const double frequency =
           std::clamp((static_cast<double>(k) + shift) / lines_per_cycle, lowest, 0.5);
       found.push_back({Complex(-a, kTwoPi * frequency), peak, 0});
+      if (found.size() >= 4 * kKeep) keep_strongest();
     }
-    // Keep the strongest only, so that long records do not collect a peak for every other line.
-    const std::size_t keep = 64;
-    if (found.size() > keep) {
-      std::nth_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(keep),
-                       found.end(),
-                       [](const auto& l, const auto& r) { return l.energy > r.energy; });
-      found.resize(keep);
-    }
-    if (!options.damped) break;
-    decays = decays == 0 ? 1 : decays * 2.5;
+    keep_strongest();
   }
-  for (auto& c : found) {
+
+  std::vector<DecayCandidate> found;
+
+ private:
+  static constexpr std::size_t kKeep = 64;
+
+  // Long records would collect a peak for every third line. What is left out from here on is too
+  // weak for its parabola, which adds an eighth at most, to lift it among those that are kept.
+  void keep_strongest() {
+    if (found.size() <= kKeep) return;
+    const auto middle = found.begin() + static_cast<std::ptrdiff_t>(kKeep);
+    std::nth_element(found.begin(), middle, found.end(),
+                     [](const auto& l, const auto& r) { return l.energy > r.energy; });
+    found.resize(kKeep);
+    double weakest = found.front().energy;
+    for (const auto& c : found) weakest = std::min(weakest, c.energy);
+    least_ = std::max(least_, weakest / 1.125);
+  }
+
+  const DecaySearchOptions& options_;
+  double n_, total_, least_ = 0;
+};
+
+// White-equivalent noise beside each peak.
+void read_noise(std::vector<DecayCandidate>& peaks, const LineSpectrum& undamped) {
+  const auto n = static_cast<double>(undamped.samples);
+  std::vector<double> work;
+  for (auto& c : peaks) {
     const auto k =
-        static_cast<Index>(std::lround(c.pole.imag() / kTwoPi * undamped_lines_per_cycle));
+        static_cast<Index>(std::lround(c.pole.imag() / kTwoPi * undamped.lines_per_cycle));
     // Near enough to follow coloured noise, far enough to look past the line itself.
-    const double line = c.pole.imag() / kTwoPi * static_cast<double>(n);
-    const double lines = std::clamp(0.5 * line, 8.0, 64.0) -
-                         2 * c.pole.real() * static_cast<double>(n) / std::numbers::pi;
-    const auto reach =
-        static_cast<Index>(lines * undamped_lines_per_cycle / static_cast<double>(n));
+    const double line = c.pole.imag() / kTwoPi * n;
+    const double lines =
+        std::clamp(0.5 * line, 8.0, 64.0) - 2 * c.pole.real() * n / std::numbers::pi;
+    const auto reach = static_cast<Index>(lines * undamped.lines_per_cycle / n);
     // Median of an exponential distribution of mean 2 s^2 is 2 s^2 ln 2.
-    c.noise_variance = std::max(local_median(undamped, k, reach, work) / (2 * std::numbers::ln2),
-                                1e-30 * total / static_cast<double>(n));
+    c.noise_variance =
+        std::max(local_median(undamped.power, k, reach, work) / (2 * std::numbers::ln2),
+                 1e-30 * undamped.total / n);
   }
+}
+
+Index spectrum_length(Index samples) {
+  return good_fft_length(samples < kNoPaddingFrom ? 2 * samples : samples);
+}
+
+// The filter of decay rate a, by the first `length` samples.
+void filter(const Eigen::Ref<const Eigen::VectorXd>& y, Index length, double a, RealFft& fft,
+            Eigen::VectorXd& power) {
+  auto time = fft.time();
+  double window_energy = 0;
+  if (a == 0) {
+    time.head(length) = y.head(length);
+    window_energy = static_cast<double>(length);
+  } else {
+    const double q = std::exp(-a);
+    double w = 1;
+    for (Index j = 0; j < length; ++j) {
+      time(j) = w * y(j);
+      window_energy += w * w;
+      w *= q;
+    }
+  }
+  time.tail(time.size() - length).setZero();
+  fft.forward();
+  power = fft.spectrum().cwiseAbs2() * (2 / window_energy);
+}
+
+}  // namespace
+
+LineSpectrum line_spectrum(const Eigen::Ref<const Eigen::VectorXd>& y) {
+  LineSpectrum out;
+  out.samples = y.size();
+  if (y.size() < 4) return out;
+  RealFft fft(spectrum_length(y.size()));
+  filter(y, y.size(), 0, fft, out.power);
+  out.lines_per_cycle = static_cast<double>(fft.length());
+  out.total = y.squaredNorm();
+  return out;
+}
+
+std::vector<DecayCandidate> search_lines(const LineSpectrum& spectrum,
+                                         const DecaySearchOptions& options) {
+  if (spectrum.samples < 4) return {};
+  PeakCollector peaks(options, spectrum.samples, spectrum.total);
+  peaks.add(spectrum.power, spectrum.lines_per_cycle, 0);
+  read_noise(peaks.found, spectrum);
+  return distinct_decays(std::move(peaks.found), spectrum.samples, options);
+}
+
+namespace {
+
+std::vector<DecayCandidate> bank_peaks(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                       const DecaySearchOptions& options) {
+  const Index n = y.size();
+  if (n < 4) return {};
+  LineSpectrum undamped;
+  undamped.samples = n;
+  undamped.total = y.squaredNorm();
+  PeakCollector peaks(options, n, undamped.total);
+  std::optional<RealFft> fft;  // serves the rates whose window is the whole record
+  Eigen::VectorXd power;
+  for (double decays = 0; decays <= 2 * static_cast<double>(n);
+       decays = decays == 0 ? 1 : decays * 2.5) {
+    const double a = decays / static_cast<double>(n);
+    const Index length =
+        a > 0 ? std::clamp<Index>(static_cast<Index>(std::ceil(kWindowTimeConstants / a)), 4, n)
+              : n;
+    const Index wanted = spectrum_length(length);
+    if (!fft || fft->length() != wanted) fft.emplace(wanted);
+    filter(y, length, a, *fft, a == 0 ? undamped.power : power);
+    if (a == 0) undamped.lines_per_cycle = static_cast<double>(wanted);
+    peaks.add(a == 0 ? undamped.power : power, static_cast<double>(wanted), a);
+  }
+  fft.reset();
+  read_noise(peaks.found, undamped);
+  return std::move(peaks.found);
+}
+
+}  // namespace
+
+std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y) {
+  return bank_peaks(y, {});
+}
+
+std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks, Index samples,
+                                            const DecaySearchOptions& options) {
   // Strongest first: what is weaker may be no more than the spread skirt of what is stronger.
-  std::erase_if(found, [&](const DecayCandidate& c) {
+  std::erase_if(peaks, [&](const DecayCandidate& c) {
     return c.energy < options.energy_over_noise * c.noise_variance;
   });
-  std::sort(found.begin(), found.end(),
+  std::sort(peaks.begin(), peaks.end(),
             [](const auto& l, const auto& r) { return l.energy > r.energy; });
   // Distinct: further apart than the lines' own widths.
   std::vector<DecayCandidate> distinct;
-  for (const auto& c : found) {
+  for (const auto& c : peaks) {
     if (static_cast<int>(distinct.size()) >= options.candidates) break;
     const bool same = std::any_of(distinct.begin(), distinct.end(), [&](const DecayCandidate& d) {
-      const double width = kTwoPi / static_cast<double>(n) - 0.5 * (c.pole.real() + d.pole.real());
+      const double width =
+          kTwoPi / static_cast<double>(samples) - 0.5 * (c.pole.real() + d.pole.real());
       return std::abs(c.pole.imag() - d.pole.imag()) < 1.5 * width;
     });
     if (!same) distinct.push_back(c);
   }
   return distinct;
+}
+
+std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                          const DecaySearchOptions& options) {
+  if (!options.damped) return search_lines(line_spectrum(y), options);
+  return distinct_decays(bank_peaks(y, options), y.size(), options);
 }
 
 std::vector<DecayCandidate> few_cycle_starts(const Eigen::Ref<const Eigen::VectorXd>& y,

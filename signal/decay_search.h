@@ -28,9 +28,30 @@ struct DecayCandidate {
   double noise_variance = 0;  ///< white-equivalent, near that frequency
 };
 
+/// The undamped filter's output at all frequencies.
+struct LineSpectrum {
+  Eigen::VectorXd power;       ///< 2 |F|^2 / N
+  double lines_per_cycle = 0;  ///< of `power` in a frequency of one cycle per sample
+  Eigen::Index samples = 0;    ///< N
+  double total = 0;            ///< sum of squares of the samples
+};
+[[nodiscard]] LineSpectrum line_spectrum(const Eigen::Ref<const Eigen::VectorXd>& y);
+
 /// Strongest distinct peaks of the bank, by energy. `y` should have its offset and trend removed.
 [[nodiscard]] std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
                                                         const DecaySearchOptions& options = {});
+/// Those of the undamped filter alone.
+[[nodiscard]] std::vector<DecayCandidate> search_lines(const LineSpectrum& spectrum,
+                                                       const DecaySearchOptions& options = {});
+
+/// What `search_decays` chooses from: the strongest peaks of the damped bank at all frequencies,
+/// with their noise, in no order and not distinct.
+[[nodiscard]] std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y);
+/// Its choice among them for a record of so many samples; `lowest`, `highest` and `damped` of the
+/// options are not looked at.
+[[nodiscard]] std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks,
+                                                          Eigen::Index samples,
+                                                          const DecaySearchOptions& options = {});
 
 /// Starts for a pole near `candidate` that lives for a few cycles only, where the two halves of the
 /// spectrum and the background overlap and the bank misleads: the fit's own functional (offset and

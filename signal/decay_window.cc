@@ -241,7 +241,8 @@ Index clipped_until(const Eigen::Ref<const Eigen::VectorXd>& y, double cycles_pe
   return last;
 }
 
-std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y) {
+std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                     std::vector<DecayCandidate>* peaks) {
   const Index n = y.size();
   DecayWindow whole;
   whole.end = n;
@@ -254,7 +255,9 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y)
 
   DecaySearchOptions search;
   search.candidates = 4;
-  auto candidates = search_decays(x, search);
+  auto all = decay_peaks(x);
+  const auto candidates = distinct_decays(all, n, search);
+  if (peaks != nullptr) *peaks = std::move(all);
   if (candidates.empty()) return {whole};
 
   // The candidate that gains most by starting later tells where the event is; hum gains nothing.

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "signal/decay_search.h"
 #include "signal/recording.h"
 
 namespace rigfit::signal {
@@ -23,8 +24,9 @@ struct DecayWindow {
 };
 
 /// All decays of a record, in time. Never empty for a record that has samples. `y`: NaN where
-/// missing.
-[[nodiscard]] std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y);
+/// missing. `peaks`, when given, gets the peaks of the whole record (decay_search.h).
+[[nodiscard]] std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                                   std::vector<DecayCandidate>* peaks = nullptr);
 
 /// One past the last sample that sits on a rail: an extreme value with flat runs, longer than a
 /// sinusoid of that frequency sampled that coarsely shows, or one at which samples pile up

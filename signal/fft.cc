@@ -51,25 +51,31 @@ struct PlanCache {
   PlanCache& operator=(const PlanCache&) = delete;
   ~PlanCache() {
     for (auto& [length, pair] : plans) {
-      fftw_destroy_plan(pair.forward);
-      fftw_destroy_plan(pair.inverse);
+      if (pair.forward != nullptr) fftw_destroy_plan(pair.forward);
+      if (pair.inverse != nullptr) fftw_destroy_plan(pair.inverse);
     }
     fftw_cleanup();
   }
 };
 
 /// FFTW's planner is not thread-safe; executing a plan on other arrays of the same alignment is.
-FftPlans plans_of(Index length, FftBuffers& buffers) {
+/// The plan inverse is made when it is first wanted: its tables take as long as a transform.
+fftw_plan plan_of(Index length, FftBuffers& buffers, bool inverse) {
   static PlanCache cache;
   const std::lock_guard lock(cache.mutex);
   FftPlans& plans = cache.plans[length];
+  const int n = static_cast<int>(length);
+  if (inverse) {
+    if (plans.inverse == nullptr) {
+      plans.inverse = fftw_plan_dft_c2r_1d(n, buffers.spectrum, buffers.time, FFTW_ESTIMATE);
+    }
+    return plans.inverse;
+  }
   if (plans.forward == nullptr) {
-    const int n = static_cast<int>(length);
     plans.forward = fftw_plan_dft_r2c_1d(n, buffers.time, buffers.spectrum,
                                          FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
-    plans.inverse = fftw_plan_dft_c2r_1d(n, buffers.spectrum, buffers.time, FFTW_ESTIMATE);
   }
-  return plans;
+  return plans.forward;
 }
 
 bool has_small_factors(Index n) {
@@ -82,10 +88,10 @@ bool has_small_factors(Index n) {
 }  // namespace
 
 struct RealFft::State {
-  explicit State(Index n) : length(n), buffers(n), plans(plans_of(n, buffers)) {}
+  explicit State(Index n) : length(n), buffers(n) {}
   Index length;
   FftBuffers buffers;
-  FftPlans plans;
+  FftPlans plans;  // those that this object has used
 };
 
 RealFft::RealFft(Index length) {
@@ -107,11 +113,15 @@ Eigen::Map<Eigen::VectorXcd> RealFft::spectrum() {
 }
 
 void RealFft::forward() {
-  fftw_execute_dft_r2c(state_->plans.forward, state_->buffers.time, state_->buffers.spectrum);
+  fftw_plan& plan = state_->plans.forward;
+  if (plan == nullptr) plan = plan_of(state_->length, state_->buffers, false);
+  fftw_execute_dft_r2c(plan, state_->buffers.time, state_->buffers.spectrum);
 }
 
 void RealFft::inverse() {
-  fftw_execute_dft_c2r(state_->plans.inverse, state_->buffers.spectrum, state_->buffers.time);
+  fftw_plan& plan = state_->plans.inverse;
+  if (plan == nullptr) plan = plan_of(state_->length, state_->buffers, true);
+  fftw_execute_dft_c2r(plan, state_->buffers.spectrum, state_->buffers.time);
   time() /= static_cast<double>(state_->length);
 }
 

@@ -495,8 +495,12 @@ void add_update(CLI::App& program, Verbs& verbs) {
       ->check(CLI::ExistingFile);
   verb->add_option("--measured", options->data.modes,
                    "Tables of measured modes: frequency_hz, and where known std, damping_ratio, "
-                   "damping_std, plane, tension_N (a state each), shape:<sensor>")
+                   "damping_std, plane, tension_N (a state each), shape:<sensor>; or universal "
+                   "files of mode shapes (UFF 55, with 15 or 2411 for where the nodes are)")
       ->check(CLI::ExistingFile);
+  verb->add_option("--node", options->data.nodes,
+                   "SENSOR=NODE of universal files of mode shapes (SENSOR=NODE-Y: along the "
+                   "file's -y); without it a sensor's node is the one at its place in the scene");
   verb->add_option(
           "--frf", options->data.frfs,
           "FRFs (UFF 58), fitted line by line; names of inputs and responses are those of "
@@ -515,7 +519,8 @@ void add_update(CLI::App& program, Verbs& verbs) {
   verb->add_option("--tension", options->data.tensions,
                    "Of each --frf, --decay and --response, N: the cables' tension in that state")
       ->check(CLI::PositiveNumber);
-  verb->add_option("--band", options->band, "Lines and modes of FRFs and decays that count, Hz")
+  verb->add_option("--band", options->band,
+                   "Lines and modes of FRFs, decays and UFF 55 that count, Hz")
       ->expected(2)
       ->check(CLI::NonNegativeNumber);
   verb->add_option("--compare", options->data.compare,

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "signal/read_uff_modes.h"
 #include "signal/recording.h"
 #include "signal/recording_error.h"
 
@@ -30,6 +31,29 @@ inline void require_sound(const Recording& recording) {
       missing += std::isnan(x) ? 1 : 0;
     }
     require(missing == channel.missing_samples, "missing samples counted wrongly");
+  }
+}
+
+/// As above, of modes.
+inline void require_sound(const UffModes& file) {
+  const auto require = [](bool good, const char* what) {
+    if (!good) throw std::logic_error(what);
+  };
+  require(!file.modes.empty(), "a file without modes");
+  double before = 0;
+  for (const auto& mode : file.modes) {
+    require(std::isfinite(mode.frequency_hz) && mode.frequency_hz > 0, "frequency");
+    require(mode.frequency_hz >= before, "order of modes");
+    before = mode.frequency_hz;
+    require(!std::isinf(mode.damping_ratio) && mode.damping_ratio != 0, "damping ratio");
+    for (const auto& node : mode.shape) {
+      for (const auto& value : node.translation) {
+        require(std::isfinite(value.real()) && std::isfinite(value.imag()), "shape");
+      }
+    }
+  }
+  for (const auto& node : file.nodes) {
+    for (const double x : node.position_m) require(std::isfinite(x), "coordinate");
   }
 }
 

@@ -11,6 +11,7 @@
 #include "signal/read_csv.h"
 #include "signal/read_lvm.h"
 #include "signal/read_uff.h"
+#include "signal/read_uff_modes.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"
 
@@ -25,6 +26,7 @@ void read_with_all(const std::string& bytes) {
   read_or_refuse([&] { require_sound(read_uff(bytes, "x")); });
   read_or_refuse([&] { require_sound(read_uff_functions(bytes, "x")); });
   read_or_refuse([&] { (void)read_uff_frfs(bytes, "x"); });
+  read_or_refuse([&] { require_sound(read_uff_modes(bytes, "x")); });
 }
 
 const std::vector<std::string>& words() {
@@ -55,7 +57,7 @@ TEST_P(Malformed, SeedsAndMutationsGiveARecordingOrAReason) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Readers, Malformed, ::testing::Values("csv", "lvm", "uff"));
+INSTANTIATE_TEST_SUITE_P(Readers, Malformed, ::testing::Values("csv", "lvm", "uff", "uff_modes"));
 
 TEST(FuzzSeeds, LongFilesOfOddLineEndsAreReadInLinearTime) {
   // 2 MB with carriage returns only and a fault at the end: a search for the other line end from
@@ -79,6 +81,11 @@ TEST(FuzzSeeds, AreReadable) {
   for (const auto& seed : seeds_of("lvm")) {
     if (fs::exists(fs::path(RIGFIT_FUZZ) / "seeds" / "lvm" / seed.name)) {
       EXPECT_NO_THROW(require_sound(read_lvm(seed.bytes, seed.name))) << seed.name;
+    }
+  }
+  for (const auto& seed : seeds_of("uff_modes")) {
+    if (fs::exists(fs::path(RIGFIT_FUZZ) / "seeds" / "uff_modes" / seed.name)) {
+      EXPECT_NO_THROW(require_sound(read_uff_modes(seed.bytes, seed.name))) << seed.name;
     }
   }
   for (const auto& seed : seeds_of("uff")) {

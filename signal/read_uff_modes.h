@@ -1,0 +1,49 @@
+// Mode shapes that other programs wrote: datasets 55 of a universal file, with the points of 15 or
+// 2411 and the units of 164. FRFs and time histories beside them are passed over.
+//
+// Of dataset 55 ("data at nodes") the normal modes (analysis type 2: frequency in hertz, viscous
+// and hysteretic damping, the latter twice a damping ratio) and the complex ones (types 3 and 7:
+// eigenvalue p in rad/s, natural frequency |p| / 2 pi, damping ratio -Re p / |p|) are taken, real
+// or complex, with three or six values a node; of the conjugate pair the one of positive frequency.
+// Layout: SDRC Universal File Datasets 15, 55, 164, 2411.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rigfit::signal {
+
+struct UffNode {
+  int node = 0;
+  std::array<double, 3> position_m{0, 0, 0};
+  /// Of the axes that displacements there are given in; 0 and 1 are the global ones.
+  int displacement_system = 0;
+};
+
+struct UffNodeShape {
+  int node = 0;
+  std::array<std::complex<double>, 3> translation;  ///< along x, y, z
+};
+
+struct UffMode {
+  long line = 0;                    ///< of the dataset's number in the file
+  double frequency_hz = 0;          ///< undamped natural frequency, positive
+  double damping_ratio = 0;         ///< NaN: the file gives none (zero)
+  std::vector<UffNodeShape> shape;  ///< by node as written; empty: values without directions
+};
+
+struct UffModes {
+  std::vector<UffNode> nodes;
+  std::vector<UffMode> modes;        ///< by rising frequency
+  std::vector<std::string> remarks;  ///< what was left out, for a person
+};
+
+/// Throws RecordingError with the line for what cannot be read, and when there is no mode.
+[[nodiscard]] UffModes read_uff_modes(std::string_view bytes, const std::filesystem::path& path);
+[[nodiscard]] UffModes read_uff_modes(const std::filesystem::path& path);
+
+}  // namespace rigfit::signal
