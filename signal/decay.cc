@@ -442,7 +442,7 @@ void judge(DecayResult& result, double rate) {
   if (mode.detection < 2.5) {
     note(result, "near_noise",
          fmt::format("near the noise: {:.2g} times the energy that noise alone may show; the "
-                     "interval allows for having passed for an oscillation, the values do not",
+                     "intervals allow for having stood out of it, the amplitude does not",
                      mode.detection));
   }
   if (mode.cycles < 3) {

@@ -14,31 +14,76 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
+// Above this length the band's signal is evaluated only as often as the band needs it.
+constexpr Index kEverySampleTo = 1 << 16;
+
+struct BandSignal {
+  Eigen::VectorXcd values;  // at 0, step, 2 step ... samples
+  double step = 1;
+};
+
 // Analytic signal of `residual` in the band (cycles per sample), raised-cosine edges.
-Eigen::VectorXcd band_analytic(const Eigen::VectorXd& residual, double centre, double half_width) {
+BandSignal band_analytic(const Eigen::VectorXd& residual, double centre, double half_width) {
   const Index n = residual.size();
-  RealFft fft(good_fft_length(n + n / 4 + 16));
-  auto time = fft.time();
-  time.head(n) = residual;
-  time.tail(time.size() - n).setZero();
-  fft.forward();
-  Eigen::VectorXcd band = fft.spectrum();
-  for (Index k = 0; k < band.size(); ++k) {
-    const double x =
-        std::abs(static_cast<double>(k) / static_cast<double>(fft.length()) - centre) / half_width;
-    const double gain = x < 0.75 ? 1
-                        : x < 1  ? 0.5 * (1 + std::cos(std::numbers::pi * (x - 0.75) / 0.25))
-                                 : 0;
-    band(k) *= gain;
+  const Complex minus_i(0, -1);
+  const Index length = good_fft_length(n + n / 4 + 16);
+  const auto per_cycle = static_cast<double>(length);
+  const auto first =
+      std::max<Index>(0, static_cast<Index>(std::ceil((centre - half_width) * per_cycle)));
+  Eigen::VectorXcd band;  // lines from `first` on
+  const auto take = [&](RealFft& fft) {
+    fft.time().head(n) = residual;
+    fft.time().tail(length - n).setZero();
+    fft.forward();
+    const auto last = std::min(fft.lines() - 1,
+                               static_cast<Index>(std::floor((centre + half_width) * per_cycle)));
+    band = fft.spectrum().segment(first, std::max<Index>(0, last - first + 1));
+    for (Index k = 0; k < band.size(); ++k) {
+      const double x = std::abs(static_cast<double>(first + k) / per_cycle - centre) / half_width;
+      band(k) *= x < 0.75 ? 1
+                 : x < 1  ? 0.5 * (1 + std::cos(std::numbers::pi * (x - 0.75) / 0.25))
+                          : 0;
+    }
+  };
+  // Line first + k of the long transform is line at + k of the one that goes back: the same one, or
+  // a short one about frequency zero, turned up again afterwards.
+  const auto back = [&](RealFft& fft, Index at) {
+    Eigen::VectorXcd values(std::min(
+        fft.length(),
+        static_cast<Index>(
+            std::ceil(static_cast<double>(n) * static_cast<double>(fft.length()) / per_cycle))));
+    const auto part = [&](Complex factor) {
+      fft.spectrum().setZero();
+      fft.spectrum().segment(at, band.size()) = factor * band;
+      fft.inverse();
+      return fft.time().head(values.size()) * (static_cast<double>(fft.length()) / per_cycle);
+    };
+    values.real() = part(1);
+    values.imag() = part(minus_i);  // the Hilbert transform of the band
+    return values;
+  };
+  BandSignal out;
+  if (n <= kEverySampleTo) {
+    RealFft fft(length);
+    take(fft);
+    out.values = back(fft, first);
+    return out;
   }
-  Eigen::VectorXcd analytic(n);
-  fft.spectrum() = band;
-  fft.inverse();
-  analytic.real() = fft.time().head(n);
-  fft.spectrum() = Complex(0, -1) * band;  // the Hilbert transform of the band
-  fft.inverse();
-  analytic.imag() = fft.time().head(n);
-  return analytic;
+  {
+    RealFft fft(length);
+    take(fft);
+  }
+  // Twice the samples that a complex signal of that bandwidth needs; line 0 has no partner.
+  const Index fewer = good_fft_length(4 * (band.size() + 1));
+  RealFft fft(std::min(fewer, length));
+  const Index at = fewer < length ? 1 : first;
+  out.values = back(fft, at);
+  out.step = per_cycle / static_cast<double>(fft.length());
+  const double turn = kTwoPi * static_cast<double>(first - at) / static_cast<double>(fft.length());
+  for (Index j = 0; j < out.values.size(); ++j) {
+    out.values(j) *= std::polar(1.0, turn * static_cast<double>(j));
+  }
+  return out;
 }
 
 struct WeightedLine {
@@ -96,21 +141,23 @@ EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m, doubl
     }
   }
   half_width = std::max(half_width, 2.0 / static_cast<double>(n));
-  const Eigen::VectorXcd extra = band_analytic(fit.residual, frequency, half_width);
+  const BandSignal band = band_analytic(fit.residual, frequency, half_width);
+  const Eigen::VectorXcd& extra = band.values;
+  const Index points = extra.size();
   // E|analytic noise|^2 in a band of width W cycles per sample is 4 s^2 W.
   const double width = 2 * half_width * 0.875;
   const double noise_power = std::max(4 * noise_variance * width, 1e-300);
 
   // Rotated back by the fitted pole's frequency: slow amplitude and phase.
-  Eigen::VectorXd log_amplitude(n), phase(n);
+  Eigen::VectorXd log_amplitude(points), phase(points);
   double previous = 0, turns = 0;
-  Index clear = n;
+  Index clear = points;
   const double least = options.least_amplitude * options.least_amplitude * noise_power;
   // Loss of signal is judged over a cycle, so that one noisy sample does not end the decay.
-  const auto cycle = static_cast<Index>(std::max(1.0, std::ceil(1 / frequency)));
+  const auto cycle = static_cast<Index>(std::max(1.0, std::ceil(1 / (frequency * band.step))));
   Index below = 0;
-  for (Index j = 0; j < n; ++j) {
-    const double t = static_cast<double>(j);
+  for (Index j = 0; j < points; ++j) {
+    const double t = static_cast<double>(j) * band.step;
     const Complex u = fit.amplitudes[m] * std::exp(pole.real() * t) +
                       extra(j) * std::polar(1.0, -pole.imag() * t);
     const double power = std::norm(u);
@@ -128,8 +175,8 @@ EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m, doubl
     }
     previous = phase(j) = angle;
   }
-  result.clear_until_s = static_cast<double>(clear) / sample_rate_hz;
-  const double cycles = static_cast<double>(clear) * frequency;
+  result.clear_until_s = static_cast<double>(clear) * band.step / sample_rate_hz;
+  const double cycles = static_cast<double>(clear) * band.step * frequency;
   const int spans = std::min(options.points, static_cast<int>(cycles / options.least_cycles));
   std::vector<double> times, rates, rate_stds, logs, inverse, amplitudes, frequencies,
       frequency_stds;
@@ -138,13 +185,13 @@ EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m, doubl
     if (length < 8) break;
     double st = 0, sa = 0, sp = 0;
     for (Index j = from; j < from + length; ++j) {
-      st += static_cast<double>(j), sa += log_amplitude(j), sp += phase(j);
+      st += static_cast<double>(j) * band.step, sa += log_amplitude(j), sp += phase(j);
     }
     const double count = static_cast<double>(length);
     const double mt = st / count, ma = sa / count, mp = sp / count;
     double stt = 0, sta = 0, stp = 0;
     for (Index j = from; j < from + length; ++j) {
-      const double dt = static_cast<double>(j) - mt;
+      const double dt = static_cast<double>(j) * band.step - mt;
       stt += dt * dt, sta += dt * (log_amplitude(j) - ma), stp += dt * (phase(j) - mp);
     }
     const double rate = -sta / stt * sample_rate_hz;
@@ -152,9 +199,9 @@ EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m, doubl
     // ln|u| and arg u each carry half the band's noise power over |u|^2; a band of width W gives W
     // independent values a sample.
     const double amplitude = std::exp(ma);
-    const double slope_std =
-        std::sqrt(0.5 * noise_power / (amplitude * amplitude) / (std::min(1.0, width) * stt)) *
-        sample_rate_hz;
+    const double slope_std = std::sqrt(0.5 * noise_power / (amplitude * amplitude) /
+                                       (std::min(1.0, width * band.step) * stt)) *
+                             sample_rate_hz;
     const double w = kTwoPi * f;
     const double modulus = std::sqrt(rate * rate + w * w);
     EnvelopePoint point;

@@ -291,7 +291,7 @@ class TemporaryFile {
 
 void by_file(Study& study) {
   study.series(
-      "files", "CSV read, 6 channels", "bytes of file", whole_decades(1e6, 1e9), [](double size) {
+      "files", "CSV read, 6 channels", "bytes of file", {1e6, 1e7, 1e8, 1e9, 4e9}, [](double size) {
         const auto file = std::make_shared<TemporaryFile>("record.csv");
         std::string block;
         for (int k = 0; k < 4000; ++k) {

@@ -30,7 +30,7 @@ struct SizeSeries {
 };
 
 struct SizeLimits {
-  double seconds = 20;         ///< for one size
+  double seconds = 120;        ///< for one size
   double memory_share = 0.5;   ///< of what is free
   double largest_share = 1.0;  ///< of every series' largest size
 };

@@ -136,15 +136,14 @@ int main(int argc, char** argv) {
       "%d noise seeds a row; phase of every mode drawn anew; offset and drift on every record\n",
       seeds);
   head("The axial test: 50 Hz, 500 Hz sampling, damping 0.017, 1 s");
-  for (double snr : {10.0, 20.0, 30.0, 40.0, 50.0, 60.0}) {
-    row({"axial test", {{50, 0.017, 1}}, 500, 1, snr}, seeds);
+  for (double snr : {-3.0, 0.0, 3.0, 6.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0}) {
+    // At -3 dB nine in ten are refused.
+    row({"axial test", {{50, 0.017, 1}}, 500, 1, snr}, snr < 0 ? 5 * seeds : seeds);
   }
   head("From light to heavy damping, few to many cycles, few to many samples a cycle");
   const int fewer = std::max(2, seeds / 5);
   row({"axial, red noise (AR 0.9)", {{50, 0.017, 1}}, 500, 1, 20, 0.9}, fewer);
   row({"axial, blue noise (AR -0.6)", {{50, 0.017, 1}}, 500, 1, 20, -0.6}, fewer);
-  row({"axial", {{50, 0.017, 1}}, 500, 1, -3}, fewer);
-  row({"axial", {{50, 0.017, 1}}, 500, 1, 0}, fewer);
   row({"axial", {{50, 0.017, 1}}, 500, 1, 80}, fewer);
   row({"damping 1e-4, 50 cycles", {{50, 1e-4, 1}}, 500, 1, 40}, fewer);
   row({"damping 1e-4, 10000 cycles", {{50, 1e-4, 1}}, 500, 200, 20}, std::max(2, seeds / 50));
@@ -152,6 +151,8 @@ int main(int argc, char** argv) {
   row({"damping 0.1, 5 cycles", {{50, 0.1, 1}}, 500, 0.1, 40}, fewer);
   row({"damping 0.3, 3 cycles", {{50, 0.3, 1}}, 2000, 0.06, 40}, fewer);
   row({"damping 0.5, 2 cycles", {{50, 0.5, 1}}, 2000, 0.04, 60}, fewer);
+  row({"damping 0.3, 5 cycles", {{50, 0.3, 1}}, 2000, 0.1, 8}, fewer);
+  row({"damping 0.5, 10 cycles", {{50, 0.5, 1}}, 2000, 0.2, 20}, fewer);
   row({"damping 0.5, 10 cycles", {{50, 0.5, 1}}, 2000, 0.2, 40}, fewer);
   row({"damping 0.017, 2 cycles", {{50, 0.017, 1}}, 500, 0.04, 40}, fewer);
   row({"2.1 samples a cycle", {{50, 0.005, 1}}, 105, 4, 30}, fewer);
