@@ -34,6 +34,8 @@ constexpr double kTailTimeConstants = 10;
 // refused for their noise first: to refuse by an estimate's own uncertainty, which grows with the
 // damping found, would leave those whose damping came out too small.
 constexpr double kWidestFrequency = 0.25;
+// The same where an interval had to be cut: coloured noise looks so.
+constexpr double kWidestUnbounded = 0.05;
 
 void refuse(DecayResult& result, std::string code, std::string message) {
   result.refusal_code = std::move(code);
@@ -212,7 +214,6 @@ void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
                          const std::vector<std::size_t>& kept, std::vector<DecayMode>& modes) {
   const double factor = result.coverage_factor_95;
   Eigen::VectorXd scale = Eigen::VectorXd::Ones(result.covariance.rows());
-  bool bounded = true;
   for (std::size_t i = 0; i < kept.size(); ++i) {
     DecayMode& mode = modes[kept[i]];
     const double width = std::max(-fit.poles[kept[i]].real(), 1 / static_cast<double>(fit.samples));
@@ -232,7 +233,7 @@ void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
                                    static_cast<Index>(2 * kept[i]) + part, std, detected);
         profile.below *= detected / factor, profile.above *= detected / factor;
       }
-      bounded = bounded && profile.bounded;
+      mode.bounded = mode.bounded && profile.bounded;
       Estimate& estimate = *estimates[part];
       // More damping is a smaller real part.
       const double below = part == 0 ? profile.above : profile.below;
@@ -246,7 +247,7 @@ void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
     }
   }
   result.covariance = scale.asDiagonal() * result.covariance * scale.asDiagonal();
-  if (!bounded) {
+  if (std::any_of(kept.begin(), kept.end(), [&](std::size_t m) { return !modes[m].bounded; })) {
     note(
         result, "not_bounded",
         "the noise leaves frequency or damping without a bound on one side; the interval is cut at "
@@ -392,12 +393,13 @@ void judge(DecayResult& result, double rate) {
   const DecayMode& mode = result.modes.front();
   const double f = mode.frequency_hz.value, zeta = mode.damping_ratio.value;
   const double seconds = static_cast<double>(result.end - result.start) / rate;
-  if (!(mode.frequency_hz.std < kWidestFrequency * f) || !std::isfinite(mode.damping_ratio.std)) {
+  const double widest = mode.bounded ? kWidestFrequency : kWidestUnbounded;
+  if (!(mode.frequency_hz.std < widest * f) || !std::isfinite(mode.damping_ratio.std)) {
     refuse(result, "not_determined",
            fmt::format(
                "frequency ({:.4g} Hz) is uncertain by more than {:.0f} %: the record holds {:.2g} "
                "cycles at {:.3g} dB; more cycles or less noise are needed",
-               f, 100 * kWidestFrequency, mode.cycles, result.signal_to_noise_db));
+               f, 100 * widest, mode.cycles, result.signal_to_noise_db));
     return;
   }
   if (mode.cycles < 1) {

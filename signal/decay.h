@@ -38,6 +38,7 @@ struct DecayMode {
   /// From the likelihood (profile_interval.h): lopsided where noise makes the fit non-linear. The
   /// standard uncertainties above are half their lengths over `coverage_factor_95`.
   Interval frequency_interval_95_hz, damping_ratio_interval_95;
+  bool bounded = true;     ///< false: the data leave an interval open on one side, where it was cut
   double correlation = 0;  ///< between frequency_hz and damping_ratio
   double amplitude = 0;    ///< at the start of the window, the signal's unit
   double phase_rad = 0;    ///< of the cosine at the start of the window
