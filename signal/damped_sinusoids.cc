@@ -418,55 +418,6 @@ class Problem {
 
 }  // namespace
 
-Eigen::VectorXd DampedSinusoidsFit::mode_signal(std::size_t m) const {
-  Eigen::VectorXd signal(samples);
-  for (Index start = 0; start < samples; start += kBlock) {
-    Complex z = amplitudes[m] * std::exp(poles[m] * static_cast<double>(start));
-    const Complex q = std::exp(poles[m]);
-    for (Index j = start; j < std::min(samples, start + kBlock); ++j) {
-      signal(j) = z.real();
-      z = Complex(z.real() * q.real() - z.imag() * q.imag(),
-                  z.real() * q.imag() + z.imag() * q.real());
-    }
-  }
-  return signal;
-}
-
-Eigen::VectorXd DampedSinusoidsFit::jacobian_column(Index k) const {
-  const auto modes = static_cast<Index>(poles.size());
-  if (k >= 4 * modes) {
-    if (k == 4 * modes) return Eigen::VectorXd::Ones(samples);
-    return Eigen::VectorXd::LinSpaced(samples, 0, static_cast<double>(samples - 1)) /
-           static_cast<double>(samples);
-  }
-  const auto m = static_cast<std::size_t>(k / 4);
-  const int which = static_cast<int>(k % 4);
-  const Complex factor =
-      (which % 2 ? Complex(0, 1) : Complex(1)) * (which < 2 ? 1.0 : amplitudes[m]);
-  Eigen::VectorXd column(samples);
-  for (Index start = 0; start < samples; start += kBlock) {
-    Complex z = std::exp(poles[m] * static_cast<double>(start)) * factor;
-    const Complex q = std::exp(poles[m]);
-    for (Index j = start; j < std::min(samples, start + kBlock); ++j) {
-      column(j) = which < 2 ? z.real() : static_cast<double>(j) * z.real();
-      z = Complex(z.real() * q.real() - z.imag() * q.imag(),
-                  z.real() * q.imag() + z.imag() * q.real());
-    }
-  }
-  return column;
-}
-
-double DampedSinusoidsFit::jacobian(Index sample, Index k) const {
-  const auto modes = static_cast<Index>(poles.size());
-  const auto j = static_cast<double>(sample);
-  if (k >= 4 * modes) return k == 4 * modes ? 1 : j / static_cast<double>(samples);
-  const auto m = static_cast<std::size_t>(k / 4);
-  const int which = static_cast<int>(k % 4);
-  const Complex factor =
-      (which % 2 ? Complex(0, 1) : Complex(1)) * (which < 2 ? 1.0 : amplitudes[m]);
-  return (which < 2 ? 1 : j) * (std::exp(poles[m] * j) * factor).real();
-}
-
 DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>& y,
                                         std::span<const Complex> poles,
                                         const DampedSinusoidsOptions& options,

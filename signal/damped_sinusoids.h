@@ -4,10 +4,10 @@
 //
 // Variable projection: for given poles the complex amplitudes C and the background are linear and
 // solved exactly; the poles move by Gauss-Newton steps on the projected functional (Kaufman's
-// form), damped after Levenberg and Marquardt. Every Gram matrix is a sum of j^k q^j, evaluated by
-// doubling in O(log N); only the products with the data cost O(N). With white Gaussian noise this
-// is the maximum-likelihood estimate and reaches the Cramer-Rao bound.
-// Sources: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49;
+// form), after four of them by Newton's, damped after Levenberg and Marquardt. Every Gram matrix is
+// a sum of j^k q^j, evaluated by doubling in O(log N); only the products with the data cost O(N).
+// With white Gaussian noise this is the maximum-likelihood estimate and reaches the Cramer-Rao
+// bound. Sources: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49;
 // Ruhe and Wedin, SIAM Review 22 (1980) 318.
 #pragma once
 
@@ -21,7 +21,7 @@ namespace rigfit::signal {
 
 struct DampedSinusoidsOptions {
   int background_terms = 2;   ///< 0: none, 1: offset, 2: offset and drift
-  int max_iterations = 60;    ///< of Gauss-Newton steps, taken or refused
+  int max_iterations = 60;    ///< steps, taken or refused
   double step_in_std = 1e-3;  ///< stop when a step is this small against the standard uncertainties
   /// A part of a pole that keeps its starting value: 2 m the real, 2 m + 1 the imaginary part of
   /// pole m. Degrees of freedom and covariance are those of the free fit.
