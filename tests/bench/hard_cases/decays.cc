@@ -283,7 +283,8 @@ HardCase of_many(std::string name, std::string must, std::vector<Decays> kinds, 
 
 /// Those that noise lets through where most are refused are its luckiest: their intervals are those
 /// of the likelihood given that they passed (detected_interval.h). Coverage by profile is right but
-/// for terms of the order of one over the energy in variances of the noise, which is allowed.
+/// for terms of the order of one over the energy in variances of the noise. That much is allowed;
+/// its factor, 1, is taken, not derived, and without it the case at 0 dB fails.
 HardCase near_noise(std::string name, Decays decays, int records) {
   const Mode& mode = decays.modes.front();
   const double fall = 2 * std::numbers::pi * mode.frequency_hz / decays.rate_hz *
