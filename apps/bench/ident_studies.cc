@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/bench/bench_scenes.h"
-#include "apps/bench/model_studies.h"
+#include "apps/bench/cable_update.h"
+#include "apps/bench/exact_bending_ratio.h"
 #include "ident/bending_equation.h"
 #include "ident/model_update.h"
 
@@ -29,32 +29,6 @@ double bisected(double ratio, double tolerance) {
   return 0.5 * (low + high);
 }
 
-/// F in extended precision, by its series where its form cancels.
-long double exact_ratio(long double lambda) {
-  if (lambda < 0.5L) {
-    // 1 - 2 tanh(x) / (2 x), x = lambda / 2: x^2/3 - 2 x^4/15 + 17 x^6/315 - ..., terms from the
-    // recurrence of tanh's series t_n = -sum t_k t_(n-1-k) / (2 n + 1).
-    constexpr int kTerms = 24;
-    long double t[kTerms] = {1};
-    const long double x2 = lambda * lambda / 4;
-    long double power = 1, sum = 0;
-    for (int n = 1; n < kTerms; ++n) {
-      long double product = 0;
-      for (int k = 0; k < n; ++k) product += t[k] * t[n - 1 - k];
-      t[n] = -product / (2 * n + 1);
-      power *= x2;
-      sum -= t[n] * power;
-    }
-    return sum;
-  }
-  return 1 - 2 * std::tanh(lambda / 2) / lambda;
-}
-
-struct MeasuredState {
-  double tension;
-  std::vector<double> hz;  // out of plane
-};
-
 }  // namespace
 
 BenchStudy bending_study(const BenchBudget& budget) {
@@ -70,7 +44,7 @@ BenchStudy bending_study(const BenchBudget& budget) {
   for (int i = 0; i < kTests; ++i) {
     lambda[std::size_t(i)] = 0.3 * std::pow(25 / 0.3, double(i) / (kTests - 1));
     ratio[std::size_t(i)] =
-        static_cast<double>(exact_ratio(static_cast<long double>(lambda[std::size_t(i)])));
+        static_cast<double>(exact_bending_ratio(static_cast<long double>(lambda[std::size_t(i)])));
     // The ratio as a double is off by half a unit: d ln EI = -2 d ln lambda.
     const double slope = ident::bending_ratio_log_derivative(lambda[std::size_t(i)]);
     study.reference_error =
@@ -151,26 +125,6 @@ model::ModeSensitivities by_differences(const model::Scene& scene,
   return out;
 }
 
-model::Scene cable_at(double tension, int segments) {
-  model::Scene scene = with_segments(bench_cable(), segments);
-  model::set_parameter(scene, scene.members[0].name + ".tension", tension);
-  return scene;
-}
-
-/// Six out-of-plane frequencies of a fine cable.
-MeasuredState measured_state(double tension, int fine) {
-  MeasuredState state{tension, {}};
-  model::ModesOptions options;
-  options.count = 14;
-  options.shapes = options.error_estimate = false;
-  for (const auto& mode : model::analyse_modes(cable_at(tension, fine), options).modes) {
-    if (mode.plane == model::ModePlane::out && state.hz.size() < 6) {
-      state.hz.push_back(mode.frequency_hz);
-    }
-  }
-  return state;
-}
-
 }  // namespace
 
 BenchStudy update_study(const BenchBudget& budget) {
@@ -182,37 +136,7 @@ BenchStudy update_study(const BenchBudget& budget) {
       "the default starts from four places, so that a start off by three still ends in the best "
       "fit, and takes off what the segments do";
   const int fine = budget.quick ? 120 : 240;
-  std::vector<MeasuredState> states;
-  for (const double tension : {100.0, 200.0}) states.push_back(measured_state(tension, fine));
-  const double EI = bench_cable().members[0].EI[0];
-  ident::FreeParameter tension{"cable.tension"};
-  tension.per_state = true;
-  const std::vector<ident::FreeParameter> free{{"cable.EI"}, tension};
-  const auto fit = [&](int segments, const ident::UpdateOptions& options) {
-    std::vector<ident::UpdateState> updated;
-    for (const MeasuredState& state : states) {
-      ident::UpdateState one{
-          fmt::format("{:g} N", state.tension), cable_at(1.1 * state.tension, segments), {}};
-      one.scene.members[0].EI = {1.4 * EI, 1.4 * EI};
-      for (const double hz : state.hz) {
-        ident::MeasuredMode mode;
-        mode.frequency_hz = {hz, 1e-3 * hz};
-        mode.plane = model::ModePlane::out;
-        one.measured.push_back(mode);
-      }
-      updated.push_back(std::move(one));
-    }
-    return ident::update_model(updated, free, options);
-  };
-  const auto error_of = [&](const ident::UpdateResult& result) {
-    if (result.status != ident::UpdateStatus::converged || result.parameters.size() != 3)
-      return 1.0;
-    double error = std::abs(result.parameters[0].value / EI - 1);
-    for (std::size_t s = 0; s < states.size(); ++s) {
-      error = std::max(error, std::abs(result.parameters[s + 1].value / states[s].tension - 1));
-    }
-    return std::min(error, 1.0);
-  };
+  const CableUpdate problem(fine);
   const auto add = [&](const char* method, int segments, const ident::UpdateOptions& options,
                        bool is_default = false) {
     BenchRow row;
@@ -220,17 +144,16 @@ BenchStudy update_study(const BenchBudget& budget) {
     row.segments = segments;
     row.order = options.starts;
     row.is_default = is_default;
-    const ident::UpdateResult result = fit(segments, options);
-    row.relative_error = error_of(result);
+    const ident::UpdateResult result = problem.fit(segments, options);
+    row.relative_error = problem.error_of(result);
     if (row.relative_error == 1) row.note = result.message;
-    row.wall_s = median_time(budget, [&] { (void)fit(segments, options); });
+    row.wall_s = median_time(budget, [&] { (void)problem.fit(segments, options); });
     study.rows.push_back(std::move(row));
   };
   ident::UpdateOptions options;
   options.starts = 1;
   study.reference = fmt::format("the values the frequencies were computed with, {} segments", fine);
-  // What the frequencies' own segments do to the parameters is less than what two thirds do.
-  study.reference_error = error_of(fit(2 * fine / 3, options));
+  study.reference_error = problem.reference_error();
   for (const int n : {10, 20, 30, 60, 90}) {
     if (budget.quick && n != 30) continue;
     add("own sensitivities, starts", n, options);

@@ -8,29 +8,18 @@
 #include <stdexcept>
 #include <vector>
 
+#include "apps/bench/exact_bending_ratio.h"
+
 namespace rigfit::ident::bending_equation_test {
 namespace {
-
-// The same function in 64-bit mantissa from sinh and cosh: (x cosh x - sinh x) / (x cosh x) with
-// the numerator as its power series sum x^(2k+1) 2k / (2k+1)!, all terms positive.
-long double reference_ratio(long double lambda) {
-  const long double x = lambda / 2;
-  if (x > 20) return 1 - 1 / x;  // tanh is 1 to 2e-18
-  long double term = x, numerator = 0;
-  for (int k = 1; k < 200; ++k) {
-    term *= x * x / ((2.0L * k) * (2.0L * k + 1));
-    numerator += term * 2 * k;
-  }
-  return numerator / (x * std::cosh(x));
-}
 
 TEST(BendingRatio, HasTwelveDigitsOverTenDecades) {
   for (int i = 0; i <= 2000; ++i) {
     const double lambda = std::pow(10.0, -6 + 10.0 * i / 2000);
-    const auto expected = static_cast<double>(reference_ratio(lambda));
+    const auto expected = static_cast<double>(apps::exact_bending_ratio(lambda));
     // A few roundings of the double arithmetic; the continued fraction's remainder is below them.
     ASSERT_NEAR(bending_ratio(lambda), expected, 1e-15 * expected) << lambda;
-    const auto complement = static_cast<double>(1 - reference_ratio(lambda));
+    const auto complement = static_cast<double>(1 - apps::exact_bending_ratio(lambda));
     ASSERT_NEAR(bending_ratio_complement(lambda), complement, 1e-15 * complement) << lambda;
   }
 }

@@ -5,6 +5,7 @@
 #include <random>
 #include <string>
 
+#include "apps/bench/exact_bending_ratio.h"
 #include "ident/bending_equation.h"
 #include "tests/bench/hard_cases/hard_case.h"
 
@@ -16,26 +17,13 @@ using namespace ident;
 
 constexpr double kRounding = std::numeric_limits<double>::epsilon() / 2;
 
-/// F(lambda) in 64-bit mantissa: (x cosh x - sinh x) / (x cosh x), x = lambda / 2, the numerator by
-/// its power series of positive terms sum x^(2k+1) 2k / (2k+1)!.
-long double reference_ratio(long double lambda) {
-  const long double x = lambda / 2;
-  if (x > 25) return 1 - 1 / x;  // 1 - tanh x < 4e-22
-  long double term = x, numerator = 0;
-  for (int k = 1; k < 200; ++k) {
-    term *= x * x / ((2.0L * k) * (2.0L * k + 1));
-    numerator += term * 2 * k;
-  }
-  return numerator / (x * std::cosh(x));
-}
-
 Outcome ratio_over_ten_decades(bool) {
   Worst worst;
   for (int i = 0; i <= 2000; ++i) {
     const double lambda = std::pow(10.0, -6 + i / 200.0);
-    const auto truth = static_cast<double>(reference_ratio(lambda));
+    const auto truth = static_cast<double>(apps::exact_bending_ratio(lambda));
     worst.add(std::abs(bending_ratio(lambda) / truth - 1), 8 * kRounding);
-    const auto rest = static_cast<double>(1 - reference_ratio(lambda));
+    const auto rest = static_cast<double>(1 - apps::exact_bending_ratio(lambda));
     worst.add(std::abs(bending_ratio_complement(lambda) / rest - 1), 8 * kRounding);
   }
   return worst.outcome();

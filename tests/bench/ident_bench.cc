@@ -1,0 +1,165 @@
+// What is identified: time, and beside it the relative error against the truth that the data were
+// computed from. Exact data show what the method loses, records with noise what it says of itself
+// (`std`, relative, of the same value).
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "apps/bench/cable_update.h"
+#include "apps/bench/exact_bending_ratio.h"
+#include "ident/axial_test.h"
+#include "ident/bending_test.h"
+#include "ident/virtual_axial.h"
+#include "ident/virtual_bending.h"
+#include "signal/decay.h"
+
+namespace rigfit::ident {
+namespace {
+
+void count(benchmark::State& state, const signal::Estimate& found, double truth) {
+  state.counters["relative_error"] = std::abs(found.value / truth - 1);
+  state.counters["std"] = found.std / truth;
+}
+
+/// lambda from the bending equation's ratio, in EI: twice its error. The ratio as a double is off
+/// by half a unit in its last place, which is the reference's own error.
+void bending_equation(benchmark::State& state) {
+  const double lambda = 0.1 * static_cast<double>(state.range(0));
+  const auto ratio = static_cast<double>(apps::exact_bending_ratio(lambda));
+  LambdaSolution found;
+  for (auto _ : state) benchmark::DoNotOptimize(found = lambda_from_bending_ratio(ratio));
+  state.counters["relative_error"] = std::abs(std::pow(lambda / found.lambda, 2) - 1);
+  state.counters["reference_error"] =
+      std::numeric_limits<double>::epsilon() * ratio / bending_ratio_log_derivative(lambda);
+  state.counters["iterations"] = found.iterations;
+}
+BENCHMARK(bending_equation)->ArgName("tenths_of_lambda")->Arg(3)->Arg(20)->Arg(80)->Arg(250);
+
+/// The same with the interval, slope, tension and span known to 0.1 %.
+void bending_stiffness(benchmark::State& state) {
+  const double lambda = 0.1 * static_cast<double>(state.range(0)), tension = 100, span = 0.5;
+  const double EI = tension * span * span / (4 * lambda * lambda);
+  const auto slope = static_cast<double>(apps::exact_bending_ratio(lambda) * span / (4 * tension));
+  StiffnessFromBending found;
+  for (auto _ : state) {
+    found = stiffness_from_compliance(
+        {{slope, 1e-3 * slope}, {tension, 1e-3 * tension}, {span, 1e-3 * span}, 20});
+  }
+  count(state, found.EI_Nm2, EI);
+}
+BENCHMARK(bending_stiffness)
+    ->ArgName("tenths_of_lambda")
+    ->Arg(3)
+    ->Arg(20)
+    ->Arg(80)
+    ->Arg(250)
+    ->Unit(benchmark::kMicrosecond);
+
+/// A record with wire friction and noise: 2400 samples, two loadings and unloadings at 200 N.
+void bending_record(benchmark::State& state) {
+  VirtualBendingTest test;
+  test.EI_Nm2 = 0.5, test.tension_N = 200, test.span_m = 0.5;
+  test.friction_load_N = 0.1, test.friction_travel_m = 2e-4;
+  test.load_cell.noise_std = 0.01, test.lvdt.noise_std = 1e-6, test.tension_cell.noise_std = 0.1;
+  Random random = random_stream(1, 1);
+  const auto recording = virtual_bending_record(test, random);
+  const BendingRecord record{recording.channel("tension").samples,
+                             recording.channel("load").samples,
+                             recording.channel("deflection").samples};
+  BendingTestOptions options;
+  options.span_m = {0.5, 0};
+  BendingTestResult found;
+  for (auto _ : state) found = analyse_bending_test(record, options);
+  if (found.refused) return state.SkipWithError("refused");
+  count(state, found.stiffness.EI_Nm2, test.EI_Nm2);
+  state.counters["samples"] = static_cast<double>(record.load_N.size());
+}
+BENCHMARK(bending_record)->Unit(benchmark::kMillisecond);
+
+constexpr double kEA = 221780, kMassPerLength = 0.16667, kDamping = 0.017;
+
+AxialSetup axial_setup() {
+  AxialSetup setup;
+  setup.mass_kg = {2.2, 0.005};
+  setup.mass_per_length_kg_m = {kMassPerLength, 0.001};
+  setup.length_std_m = 0.002;
+  return setup;
+}
+
+VirtualAxialTest axial_tap(double length_m) {
+  VirtualAxialTest test;
+  test.EA_N = kEA, test.damping_ratio = kDamping;
+  test.hung_mass_kg = 2.2, test.mass_per_length_kg_m = kMassPerLength, test.length_m = length_m;
+  test.after_s = 1, test.before_s = 0.2;
+  test.load_cell.noise_std = 1, test.load_cell.offset_std = 1;
+  return test;
+}
+
+/// EA of fifteen decays at three lengths, the frequencies those of the continuous rod.
+void axial_EA(benchmark::State& state) {
+  std::vector<AxialDecay> decays;
+  for (const double length : {0.7, 1.0, 1.3}) {
+    const double hz = axial_truth(axial_tap(length)).frequency_hz;
+    for (int tap = 0; tap < 5; ++tap) {
+      decays.push_back({"tap", length, {hz, 1e-4 * hz}, {kDamping, 1e-3 * kDamping}});
+    }
+  }
+  AxialOptions options;
+  options.draws = static_cast<int>(state.range(0));
+  AxialTestResult found;
+  for (auto _ : state) found = axial_test(decays, axial_setup(), options);
+  count(state, found.EA_N, kEA);
+}
+BENCHMARK(axial_EA)->ArgName("draws")->Arg(0)->Arg(4000)->Arg(20000)->Unit(benchmark::kMicrosecond);
+
+/// From fifteen records of the load cell on.
+void axial_records(benchmark::State& state) {
+  Random random = random_stream(1, 2);
+  std::vector<std::pair<double, signal::Recording>> records;
+  for (const double length : {0.7, 1.0, 1.3}) {
+    for (int tap = 0; tap < 5; ++tap) {
+      records.emplace_back(length, virtual_axial_record(axial_tap(length), random));
+    }
+  }
+  AxialTestResult found;
+  for (auto _ : state) {
+    std::vector<AxialDecay> decays;
+    for (const auto& [length, record] : records) {
+      const auto decay = signal::estimate_decay(record.channels[0].samples, record.sample_rate_hz);
+      if (!decay.refusal.empty()) return state.SkipWithError("a decay was refused");
+      decays.push_back(
+          {"tap", length, decay.modes[0].damped_frequency_hz, decay.modes[0].damping_ratio});
+    }
+    found = axial_test(decays, axial_setup());
+  }
+  count(state, found.EA_N, kEA);
+  state.counters["damping_error"] = std::abs(found.damping_ratio.value / kDamping - 1);
+}
+BENCHMARK(axial_records)->Unit(benchmark::kMillisecond);
+
+/// EI and two tensions from six frequencies at each; 0 segments: "auto".
+void update_EI_and_tensions(benchmark::State& state) {
+  static const apps::CableUpdate problem(240);
+  UpdateOptions options;
+  options.starts = static_cast<int>(state.range(1));
+  UpdateResult found;
+  for (auto _ : state) found = problem.fit(static_cast<int>(state.range(0)), options);
+  state.counters["relative_error"] = problem.error_of(found);
+  state.counters["reference_error"] = problem.reference_error();
+  state.counters["models"] = found.model_evaluations;
+}
+BENCHMARK(update_EI_and_tensions)
+    ->ArgNames({"segments", "starts"})
+    ->Args({10, 1})
+    ->Args({30, 1})
+    ->Args({90, 1})
+    ->Args({30, 4})
+    ->Args({0, 1})
+    ->Args({0, 4})
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace rigfit::ident
