@@ -14,6 +14,7 @@ namespace {
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kStride = std::size_t{1} << 24;  // bytes between calls of `progress`
 constexpr std::size_t kLongestFooter = 1 << 16;
+constexpr int kNoDecimals = -400;  // below those of any number
 
 /// A line that is no row of the table.
 struct BadLine {
@@ -164,7 +165,7 @@ class BodyParser {
       text = trim_blanks(text.substr(1, text.size() - 2));
     }
     double value = kMissing;
-    int decimals = 0;
+    int decimals = kNoDecimals;
     if (!text.empty() && !parse_whole_number(text, decimal_, value)) {
       value = kMissing;
       const ColumnKind kind = layout_.columns[c].kind;
@@ -234,24 +235,51 @@ long bound_of_rows(std::string_view body) {
   return (lf > 0 ? lf : std::count(body.begin(), body.end(), '\r')) + 1;
 }
 
-/// Most decimals printed in the last lines of each wanted column.
-void find_decimals(std::string_view bytes, const CsvLayout& layout, CsvBody& body) {
-  constexpr std::size_t kTail = 1 << 13;
-  std::size_t at = layout.body;
-  if (bytes.size() - layout.body > kTail) {
-    at = next_line(bytes, line_end(bytes, bytes.size() - kTail));
-  }
+/// Most decimals printed in the lines from `at` to `end`, where it is more than before.
+void find_decimals(std::string_view bytes, std::size_t at, std::size_t end, const CsvLayout& layout,
+                   CsvBody& body) {
   std::vector<CsvField> fields;
   double value = 0;
-  while (at < bytes.size()) {
-    const std::size_t end = line_end(bytes, at);
-    split_fields(bytes.substr(at, end - at), layout.dialect, fields);
+  while (at < end) {
+    const std::size_t line = line_end(bytes, at);
+    split_fields(bytes.substr(at, line - at), layout.dialect, fields);
     for (std::size_t c = 0; c < std::min(fields.size(), body.decimals.size()); ++c) {
       if (!parse_whole_number(fields[c].text, layout.dialect.decimal, value)) continue;
       body.decimals[c] =
           std::max(body.decimals[c], printed_decimals(fields[c].text, layout.dialect.decimal));
     }
-    at = next_line(bytes, end);
+    at = next_line(bytes, line);
+  }
+}
+
+/// Most decimals printed in the last lines of each wanted column, in the first ones where the last
+/// hold no number.
+void find_decimals(std::string_view bytes, const CsvLayout& layout, const std::vector<bool>& wanted,
+                   CsvBody& body) {
+  constexpr std::size_t kBytes = 1 << 13;
+  constexpr long kLines = 32;  // of a wide table that is more
+  const std::size_t size = bytes.size();
+  std::size_t at = layout.body;
+  for (std::size_t tail = kBytes; size - layout.body > tail; tail *= 2) {
+    at = next_line(bytes, line_end(bytes, size - tail));
+    if (bound_of_rows(bytes.substr(at)) > kLines) break;
+    at = layout.body;
+  }
+  find_decimals(bytes, at, size, layout, body);
+  bool lacking = false;
+  for (std::size_t c = 0; c < wanted.size(); ++c) {
+    lacking = lacking || (wanted[c] && body.decimals[c] == kNoDecimals);
+  }
+  if (!lacking || at == layout.body) return;
+  std::size_t end = layout.body;
+  for (long k = 0; end < at && (k < kLines || end - layout.body < kBytes); ++k) {
+    end = next_line(bytes, line_end(bytes, end));
+  }
+  CsvBody head;
+  head.decimals.assign(body.decimals.size(), kNoDecimals);
+  find_decimals(bytes, layout.body, end, layout, head);
+  for (std::size_t c = 0; c < body.decimals.size(); ++c) {
+    if (body.decimals[c] == kNoDecimals) body.decimals[c] = head.decimals[c];
   }
 }
 
@@ -264,7 +292,7 @@ CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
   const std::size_t n = layout.columns.size();
   body.columns.resize(n);
   body.missing.assign(n, 0);
-  body.decimals.assign(n, -400);
+  body.decimals.assign(n, kNoDecimals);
   const std::string_view text = bytes.substr(layout.body);
   const long rows = bound_of_rows(text);
   const auto stored = static_cast<long>(std::count(wanted.begin(), wanted.end(), true));
@@ -276,7 +304,7 @@ CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
         "the lines hold far fewer fields than the widest has columns (" + std::to_string(n) + ")",
         "give a table whose lines all have the same columns");
   }
-  find_decimals(bytes, layout, body);
+  find_decimals(bytes, layout, wanted, body);
   BodyParser parser(layout, wanted, body);
   parser.reserve(rows);
 
@@ -343,6 +371,8 @@ CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
       }
     }
   }
+  // Numbers far from both ends only: taken to have all their digits.
+  std::replace(body.decimals.begin(), body.decimals.end(), kNoDecimals, -kNoDecimals);
   // Rows of nothing at the end (spreadsheets leave them).
   const auto all_missing = [&](Eigen::Index row) {
     for (std::size_t c = 0; c < n; ++c) {

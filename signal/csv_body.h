@@ -15,7 +15,9 @@ struct CsvBody {
   /// One per column of the layout; those not asked for are empty. NaN where there is no number.
   std::vector<Eigen::VectorXd> columns;
   std::vector<long> missing;  ///< NaN in each
-  std::vector<int> decimals;  ///< most digits behind the decimal sign, in the last lines
+  /// Most digits behind the decimal sign, in the last lines (the first ones where these hold no
+  /// number; 400 where neither do).
+  std::vector<int> decimals;
   Eigen::Index rows = 0;
   long short_rows = 0, first_short_line = 0;  ///< rows with fewer fields than columns
   long comment_lines = 0;

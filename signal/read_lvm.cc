@@ -1,5 +1,7 @@
 #include "signal/read_lvm.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -339,8 +341,9 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
     if (!axis.agrees_with_stated && axis.rate_hz > 0) {
       recording.notes.push_back(
           {"rate_disagrees",
-           "the X values give " + std::to_string(axis.rate_hz) + " Hz, Delta_X says " +
-               std::to_string(first_times.stated_rate_hz) + " Hz: the X values are taken",
+           fmt::format(
+               "the X values give {:.9g} Hz, Delta_X says {:.9g} Hz: the X values are taken",
+               axis.rate_hz, first_times.stated_rate_hz),
            ""});
     }
     if (!axis.uniform && axis.rate_hz > 0) {
@@ -364,10 +367,11 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
   if (options.sample_rate_hz > 0) {
     if (recording.sample_rate_hz > 0 &&
         std::abs(recording.sample_rate_hz / options.sample_rate_hz - 1) > 1e-4) {
-      recording.notes.push_back({"rate_overridden",
-                                 "the file gives " + std::to_string(recording.sample_rate_hz) +
-                                     " Hz; the rate asked for is taken",
-                                 ""});
+      recording.notes.push_back(
+          {"rate_overridden",
+           fmt::format("the file gives {:.9g} Hz; the rate asked for is taken",
+                       recording.sample_rate_hz),
+           ""});
       recording.time_s.resize(0);
     }
     recording.sample_rate_hz = options.sample_rate_hz;
@@ -435,10 +439,6 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
            channel.name});
     }
     recording.channels.push_back(std::move(channel));
-  }
-  if (recording.channels.empty()) {
-    throw RecordingError({file, first.layout.body_line, 0, "", ""}, "no channel can be kept",
-                         "record all channels at one rate");
   }
   if (!unitless.empty()) {
     recording.notes.push_back(

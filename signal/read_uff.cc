@@ -1,5 +1,7 @@
 #include "signal/read_uff.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -312,10 +314,11 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
   if (options.sample_rate_hz > 0) {
     if (recording.sample_rate_hz > 0 &&
         std::abs(recording.sample_rate_hz / options.sample_rate_hz - 1) > 1e-4) {
-      recording.notes.push_back({"rate_overridden",
-                                 "the file gives " + std::to_string(recording.sample_rate_hz) +
-                                     " Hz; the rate asked for is taken",
-                                 ""});
+      recording.notes.push_back(
+          {"rate_overridden",
+           fmt::format("the file gives {:.9g} Hz; the rate asked for is taken",
+                       recording.sample_rate_hz),
+           ""});
       recording.time_s.resize(0);
     }
     recording.sample_rate_hz = options.sample_rate_hz;

@@ -182,7 +182,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   std::vector<double> factors(static_cast<std::size_t>(columns), 1);
   const auto check_lines = [&](const Uff58& f) {
     const Eigen::VectorXd x = frequencies_of(f);
-    if (x.size() != lines ||
+    if (x.size() != lines || !x.allFinite() ||
         (x - frequencies_of(first)).cwiseAbs().maxCoeff() >
             1e-6 * std::max(1e-300, frequencies_of(first).cwiseAbs().maxCoeff())) {
       throw refuse(
@@ -236,7 +236,6 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
     set.frequency_hz = Eigen::VectorXd(set.frequency_hz.tail(lines - 1));
     set.notes.push_back({"line_left_out", "the line at 0 Hz is no number and is left out", ""});
   }
-  const Eigen::Index skipped = lines - set.H.rows();
   const auto fill = [&](const std::vector<Placed>& from, Eigen::MatrixXd& into, bool scaled,
                         const char* what) {
     if (from.empty()) return;
@@ -260,7 +259,6 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
       into.resize(0, 0);
     }
   };
-  (void)skipped;
   fill(coherences, set.coherence, false, "coherence");
   fill(deviations, set.H_std, true, "standard deviation");
   set.form = scale->form;

@@ -188,5 +188,58 @@ TEST(ReadCsv, ARateGivenByHandOverridesTheFilesAndSaysSo) {
               ::testing::Not(::testing::Contains("rate_overridden")));
 }
 
+TEST(ReadCsv, WideTablesAndRowsOfNothingLeaveTheTimesTheirDigits) {
+  // Lines of 10 kB, then 4000 lines of separators as spreadsheets leave them: 60 samples at 1234
+  // Hz, printed to 1 us, which over the whole record is 21 ppm of the rate; then one of them is
+  // lost.
+  for (const int channels : {2500, 2}) {
+    std::string text = "Time (s)";
+    for (int c = 0; c < channels; ++c) text += ",c" + std::to_string(c) + " (N)";
+    text += '\n';
+    for (int k = 0; k < 60; ++k) {
+      text += std::to_string(k / 1234.0);
+      for (int c = 0; c < channels; ++c) text += ",0.5";
+      text += '\n';
+    }
+    if (channels == 2) {
+      for (int k = 0; k < 4000; ++k) text += ",,\n";
+    }
+    const auto even = read(text);
+    EXPECT_NEAR(even.sample_rate_hz, 1234, 1234 * 1e-6 / (59 / 1234.0));
+    EXPECT_THAT(codes(even.notes), ::testing::Not(::testing::Contains("time_rounded")));
+    const std::size_t at = text.find("\n0.03079");  // sample 38
+    ASSERT_NE(at, std::string::npos);
+    text.erase(at, text.find('\n', at + 1) - at);
+    const auto gap = read(text);
+    EXPECT_EQ(gap.time_s.size(), 59);
+    EXPECT_THAT(codes(gap.notes), ::testing::Contains("time_gaps"));
+    EXPECT_NEAR(gap.sample_rate_hz, 1234, 1234 * 1e-6 / (59 / 1234.0));
+  }
+}
+
+TEST(ReadCsv, ATimeThatIsMissingAmongUnevenOnesSaysWhere) {
+  const auto error = error_of("Time (s),a\n0,1\n0.1,2\n,3\n0.3,4\n0.4,5\n0.9,6\n1.0,7\n");
+  EXPECT_EQ(error.where().line, 4);
+  EXPECT_EQ(error.where().channel, "Time");
+  EXPECT_THAT(error.remedy(), ::testing::HasSubstr("give the sample rate"));
+}
+
+TEST(ReadCsv, UnknownChannelsAreAnsweredByThoseThereAre) {
+  Recording r = read("t (s),a\n0,1\n1,2\n2,3\n");
+  for (int k = 0; k < 29; ++k) {
+    r.channels.push_back(r.channels[0]);
+    r.channels.back().name = "b" + std::to_string(k);
+  }
+  EXPECT_EQ(r.channel_index("#2"), 1);
+  try {
+    (void)r.channel_index("force");
+    FAIL();
+  } catch (const RecordingError& error) {
+    EXPECT_EQ(error.where().channel, "force");
+    EXPECT_THAT(error.remedy(), ::testing::HasSubstr("\"a\", \"b0\""));
+    EXPECT_THAT(error.remedy(), ::testing::HasSubstr("\"b18\", ... (30 in all)"));
+  }
+}
+
 }  // namespace
 }  // namespace rigfit::signal::read_csv_test
