@@ -2,8 +2,8 @@
 # Installs what of the named Debian packages is missing; quick and silent when nothing is.
 #   sh apps/install_packages.sh build        what building and running rigfit needs
 #   sh apps/install_packages.sh test         that, and what its tests need
-#   sh apps/install_packages.sh check       that, and the formatter and linter
 #   sh apps/install_packages.sh study       what apps/study needs besides the program (80 packages, 700 MB)
+#   sh apps/install_packages.sh check       what tests and study need, and the formatter and linter
 set -eu
 
 build="ca-certificates cmake g++ ninja-build pkg-config
@@ -11,14 +11,15 @@ build="ca-certificates cmake g++ ninja-build pkg-config
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev libjs-dygraphs"
 test="libgtest-dev libgmock-dev libbenchmark-dev python3 chromium chromium-driver poppler-utils
   calculix-ccx"
+study="snakemake"
 check="clang clang-format clang-tidy clang-tools"
 
 case "${1:-}" in
   build) wanted="$build" ;;
   test) wanted="$build $test" ;;
-  check) wanted="$build $test $check" ;;
-  study) wanted="snakemake" ;;
-  *) echo "usage: $0 build|test|check|study" >&2; exit 2 ;;
+  study) wanted="$study" ;;
+  check) wanted="$build $test $study $check" ;;
+  *) echo "usage: $0 build|test|study|check" >&2; exit 2 ;;
 esac
 
 missing=""
