@@ -17,10 +17,10 @@
 #include "signal/decay_search.h"
 #include "signal/decay_start.h"
 #include "signal/decay_window.h"
-#include "signal/detected_interval.h"
+#include "signal/detected_strength.h"
 #include "signal/log_decrement.h"
 #include "signal/numbers.h"
-#include "signal/profile_interval.h"
+#include "signal/pole_interval.h"
 #include "signal/residual_noise.h"
 
 namespace rigfit::signal {
@@ -218,29 +218,29 @@ void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
     DecayMode& mode = modes[kept[i]];
     const double width = std::max(-fit.poles[kept[i]].real(), 1 / static_cast<double>(fit.samples));
     const double variance = noise.white_equivalent(fit.poles[kept[i]].imag() / kTwoPi);
-    const double detected =
-        factor_of_detected(energy_explained(fit, kept[i]) / std::max(variance, 1e-300),
-                           energy_needed(fit, false_alarm), factor);
+    PoleEvidence evidence;
+    evidence.energy = energy_explained(fit, kept[i]) / std::max(variance, 1e-300);
+    evidence.strength = detected_strength(evidence.energy, energy_needed(fit, false_alarm));
     Interval* const intervals[] = {&mode.damping_ratio_interval_95, &mode.frequency_interval_95_hz};
     Estimate* const estimates[] = {&mode.damping_ratio, &mode.frequency_hz};
     for (Index part = 0; part < 2; ++part) {
       const auto k = static_cast<Index>(4 * kept[i]) + 2 + part;
       const double std = std::sqrt(covariance(k, k));
-      ProfileInterval profile{detected / factor, detected / factor};
+      PoleInterval around{factor, factor};
       // Under 2 % of the line's width the curvature of the likelihood is under 2 % too.
       if (std > 0.02 * width) {
-        profile = profile_interval(samples.values, samples.missing, fit,
-                                   static_cast<Index>(2 * kept[i]) + part, std, detected);
-        profile.below *= detected / factor, profile.above *= detected / factor;
+        evidence.std = std;
+        around = pole_interval(samples.values, samples.missing, fit,
+                               static_cast<Index>(2 * kept[i]) + part, evidence);
       }
-      mode.bounded = mode.bounded && profile.bounded;
+      mode.bounded = mode.bounded && around.bounded;
       Estimate& estimate = *estimates[part];
       // More damping is a smaller real part.
-      const double below = part == 0 ? profile.above : profile.below;
-      const double above = part == 0 ? profile.below : profile.above;
-      *intervals[part] = {estimate.value - factor * below * estimate.std,
-                          estimate.value + factor * above * estimate.std};
-      const double wider = 0.5 * (below + above);
+      const double below = part == 0 ? around.above : around.below;
+      const double above = part == 0 ? around.below : around.above;
+      *intervals[part] = {estimate.value - below * estimate.std,
+                          estimate.value + above * estimate.std};
+      const double wider = 0.5 * (below + above) / factor;
       estimate.std *= wider;
       if (part == 1) mode.damped_frequency_hz.std *= wider;
       scale[static_cast<Index>(2 * i) + 1 - part] = wider;
@@ -248,10 +248,11 @@ void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
   }
   result.covariance = scale.asDiagonal() * result.covariance * scale.asDiagonal();
   if (std::any_of(kept.begin(), kept.end(), [&](std::size_t m) { return !modes[m].bounded; })) {
-    note(
-        result, "not_bounded",
-        "the noise leaves frequency or damping without a bound on one side; the interval is cut at "
-        "four times that of a clear signal");
+    note(result, "not_bounded",
+         "the noise leaves frequency or damping without a bound on one side; the interval ends "
+         "where "
+         "the search for it did, 19 times the standard uncertainty of a clear signal away or where "
+         "nothing would oscillate");
   }
 }
 
@@ -440,7 +441,7 @@ void judge(DecayResult& result, double rate) {
              each.damped_frequency_hz.value));
   }
   // Records in which noise hid such an oscillation were refused: of those left the noise made it
-  // larger, which the interval knows (detected_interval.h) and the value does not.
+  // larger, which the interval knows (detected_strength.h) and the value does not.
   if (mode.detection < 2.5) {
     note(result, "near_noise",
          fmt::format("near the noise: {:.2g} times the energy that noise alone may show; the "

@@ -35,7 +35,7 @@ struct DecayMode {
   Estimate frequency_hz;  ///< undamped natural
   Estimate damped_frequency_hz;
   Estimate damping_ratio;
-  /// From the likelihood (profile_interval.h): lopsided where noise makes the fit non-linear. The
+  /// From the likelihood (pole_interval.h): lopsided where noise makes the fit non-linear. The
   /// standard uncertainties above are half their lengths over `coverage_factor_95`.
   Interval frequency_interval_95_hz, damping_ratio_interval_95;
   bool bounded = true;     ///< false: the data leave an interval open on one side, where it was cut
