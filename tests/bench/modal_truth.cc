@@ -82,6 +82,12 @@ void one_seed(const testing::TenModeTruth& truth, const Options& options, double
   const auto& modes = result.model.modes;
   if (modes.size() != 10) {
     ++(modes.size() < 10 ? study.fewer : study.more);
+    fmt::print("seed {}: {} modes:", seed, modes.size());
+    for (const auto& mode : modes) {
+      fmt::print(" {:.4g} Hz {:.3g} %{}", mode.frequency_hz.value, 100 * mode.damping_ratio.value,
+                 mode.doubtful ? " (doubtful)" : "");
+    }
+    fmt::print("\n");
     return;
   }
   ++study.right;
