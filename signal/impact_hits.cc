@@ -31,8 +31,7 @@ struct ChannelFacts {
   double rest = 0;
   ClipLevels levels;
   explicit ChannelFacts(const Channel& channel) : levels(clip_levels(channel.samples)) {
-    std::vector<double> values = finite_values(channel.samples);
-    rest = median(values);
+    rest = median(finite_values(channel.samples));
   }
   [[nodiscard]] bool clipped(const Channel& channel, Index first, Index last) const {
     return is_clipped(channel.samples, levels, rest, first, last, channel.nominal_range);

@@ -165,7 +165,9 @@ signal::Recording impact_recording(const TenModeTruth& truth, const std::vector<
   const auto add_pole = [&](Complex p, const Eigen::VectorXcd& residues) {
     z.setZero();
     for (const HammerHit& hit : hits) add_half_sine(p, hit, rate, z);
-    channels += z.real() * residues.real().transpose() - z.imag() * residues.imag().transpose();
+    for (Index c = 0; c < residues.size(); ++c) {
+      channels.col(c) += z.real() * residues[c].real() - z.imag() * residues[c].imag();
+    }
   };
   const Eigen::MatrixXcd psi = truth.residues();
   for (Index r = 0; r < modal.size(); ++r) {
