@@ -29,15 +29,19 @@ double passing_ratio(double mu, double threshold) {
   return six / four;
 }
 
+/// I_2(x) / I_1(x), by the recurrence but where it cancels.
+double bessel_ratio(double x) {
+  if (x < 1e-3) return 0.25 * x;
+  return gsl_sf_bessel_I0_scaled(x) / gsl_sf_bessel_I1_scaled(x) - 2 / x;
+}
+
 }  // namespace
 
 double detected_strength(double energy, double threshold) {
   const double r = std::sqrt(energy);
   if (energy <= 4 * passing_ratio(0, threshold)) return 0;
   const auto slope = [&](double mu) {
-    const double x = r * mu;
-    return r * gsl_sf_bessel_In_scaled(2, x) / gsl_sf_bessel_I1_scaled(x) -
-           mu * passing_ratio(mu, threshold);
+    return r * bessel_ratio(r * mu) - mu * passing_ratio(mu, threshold);
   };
   double low = 0, high = r;
   for (int k = 0; k < 60; ++k) {

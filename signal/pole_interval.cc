@@ -138,7 +138,7 @@ PoleInterval pole_interval(const Eigen::Ref<const Eigen::VectorXd>& y,
       gsl_interp_alloc(gsl_interp_steffen, at.size()), gsl_interp_free);
   gsl_interp_init(curve.get(), at.data(), slope.data(), at.size());
 
-  constexpr double kStep = 0.01;
+  constexpr double kStep = 0.02;
   const double low = at.front(), high = at.back();
   const auto steps = static_cast<std::size_t>(std::ceil((high - low) / kStep));
   const double step = (high - low) / static_cast<double>(steps);
