@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "apps/number_checks.h"
 #include "apps/recording_description.h"
 
 namespace rigfit::apps {
@@ -146,32 +147,32 @@ void add_impact_options(CLI::App& verb, ImpactCommand& c, bool with_files) {
   auto* rate = verb.add_option("--exponential-window", c.exponential_window,
                                "Decay rate of a window on force and responses, 1/s; its damping is "
                                "carried along and taken off the poles again")
-                   ->check(CLI::Range(0.0, 1e6))
+                   ->check(number_within(0.0, 1e6))
                    ->capture_default_str();
   verb.add_option("--exponential-end-level", c.exponential_end_level,
                   "The same, given as its level at the end of the block")
-      ->check(CLI::Range(1e-12, 1.0))
+      ->check(number_within(1e-12, 1.0))
       ->excludes(rate);
   verb.add_option("--band", c.band, "Band in which the force spectrum is asked for, Hz")
       ->expected(2)
       ->type_name("LO HI");
   verb.add_option("--sample-rate", c.sample_rate_hz, "Hz, for files that do not say")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb.add_option("--block", c.block_s, "Seconds analysed a hit [what uses most of the recordings]")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb.add_option("--pre-trigger", c.pre_trigger_s, "Seconds before the peak [1 % of the block]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   const std::string limits = "Limits on hits";
   verb.add_option("--pulse-sign", c.sign, "Side to which the force goes when hit")
       ->check(CLI::IsMember({"auto", "positive", "negative"}))
       ->capture_default_str()
       ->group(limits);
   verb.add_option("--trigger", c.trigger, "A hit exceeds this much of the largest force, %")
-      ->check(CLI::Range(0.1, 100.0))
+      ->check(number_within(0.1, 100.0))
       ->capture_default_str()
       ->group(limits);
   verb.add_option("--double-hit", c.double_hit, "Smallest second contact objected to, % of the hit")
-      ->check(CLI::Range(0.1, 100.0))
+      ->check(number_within(0.1, 100.0))
       ->capture_default_str()
       ->group(limits);
   verb.add_option("--min-pulse-samples", c.min_pulse_samples,
@@ -181,12 +182,12 @@ void add_impact_options(CLI::App& verb, ImpactCommand& c, bool with_files) {
       ->group(limits);
   verb.add_option("--max-spectrum-drop", c.max_spectrum_drop_db,
                   "Drop of the force spectrum within the band, dB (ISO 7626-5)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str()
       ->group(limits);
   verb.add_option("--ring-down-level", c.ring_down_level,
                   "A ring-down may be cut once it has fallen to this, % of its largest value")
-      ->check(CLI::Range(1e-6, 100.0))
+      ->check(number_within(1e-6, 100.0))
       ->capture_default_str()
       ->group(limits);
   verb.add_flag("--keep-outliers", c.keep_outliers, "No leave-one-out test")->group(limits);

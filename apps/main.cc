@@ -1,6 +1,7 @@
 // rigfit: one program, one verb a task. Parses the command line, runs the verb, writes its
 // document.
 #include <fmt/format.h>
+#include <glog/logging.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -108,6 +109,8 @@ extern "C" void input_vanished(int) {
 int main(int argc, char** argv) {
   using rigfit::apps::ExitCode;
   std::signal(SIGBUS, rigfit::apps::input_vanished);
+  // Ceres logs why it gave up even when told to be silent: how a fit ended is in its result.
+  FLAGS_minloglevel = google::FATAL;
   try {
     return rigfit::apps::run(argc, argv);
   } catch (const std::bad_alloc&) {

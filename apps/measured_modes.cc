@@ -50,6 +50,16 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
         fail(number, frequency, "there is no such column",
              "name the column of the frequencies with --column; there are: " + known);
       }
+      for (const auto& name : names) {
+        if (!name.starts_with("shape:") ||
+            std::find(sensors.begin(), sensors.end(), name.substr(6)) != sensors.end()) {
+          continue;
+        }
+        std::string known;
+        for (const auto& sensor : sensors) known += (known.empty() ? "" : ", ") + sensor;
+        fail(number, name, "the scene has no such sensor",
+             known.empty() ? "add one to the scene" : "there are: " + known);
+      }
       continue;
     }
     const auto cells = cells_of(line, separator);
@@ -81,6 +91,9 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
     if (!std::isfinite(row.mode.frequency_hz.value)) continue;  // a dash: not measured
     row.mode.frequency_hz.std = value("std", true);
     row.mode.damping_ratio.value = value("damping_ratio", true);
+    if (row.mode.damping_ratio.value >= 1) {
+      fail(number, "damping_ratio", "is not below 1", "give it as a fraction, not percent");
+    }
     row.mode.damping_ratio.std = value("damping_std", true);
     row.mode.plane = plane;
     const std::string word = cell("plane");

@@ -44,8 +44,13 @@ std::vector<StiffnessPoint> stiffness_points(const ResultTable& table) {
   const auto T = table.column("tension_N"), EI = table.column("EI_Nm2");
   const auto std = std::find(table.columns.begin(), table.columns.end(), "std");
   std::vector<StiffnessPoint> points;
-  for (const auto& row : table.rows) {
+  for (std::size_t k = 0; k < table.rows.size(); ++k) {
+    const auto& row = table.rows[k];
     if (!std::isfinite(row[T]) || !std::isfinite(row[EI])) continue;
+    if (row[T] < 0 || row[EI] <= 0) {
+      throw model::SceneError({table.file, table.lines[k], 0, row[T] < 0 ? "tension_N" : "EI_Nm2"},
+                              "is not positive", "mend or remove the row");
+    }
     points.push_back({row[T], row[EI],
                       std == table.columns.end()
                           ? std::numeric_limits<double>::quiet_NaN()

@@ -48,10 +48,28 @@ class StateReader {
     for (const auto& path : data_.frfs) read_frf(path, file++, tension_of(test++));
     for (const auto& path : data_.decays) read_decay(path, file++, tension_of(test++));
     for (const auto& path : data_.responses) read_response(path, file++, tension_of(test++));
+    check_compared();
+    const auto known = [](const auto& tension) { return tension.has_value(); };
+    if (stiffness_ && std::none_of(result_.tension.begin(), result_.tension.end(), known)) {
+      throw UsageError("--stiffness goes by tension: give a tension_N column or --tension");
+    }
     return std::move(result_);
   }
 
  private:
+  void check_compared() const {
+    for (std::size_t c = 0; c < data_.compare.size(); ++c) {
+      bool somewhere = false;
+      for (const auto& rows : result_.compared) {
+        for (const auto& row : rows) somewhere = somewhere || std::isfinite(row[c]);
+      }
+      if (!somewhere) {
+        throw UsageError("--compare: no table has a number in a column \"" + data_.compare[c] +
+                         "\"");
+      }
+    }
+  }
+
   std::optional<double> tension_of(std::size_t test) const {
     if (data_.tensions.empty()) return std::nullopt;
     return data_.tensions[test];
@@ -183,7 +201,13 @@ class StateReader {
     signal::ModalOptions options;
     if (data_.band_hz)
       options.low_hz = data_.band_hz->first, options.high_hz = data_.band_hz->second;
-    const auto modal = signal::identify_modes(set, options);
+    const auto modal = [&] {
+      try {
+        return signal::identify_modes(set, options);
+      } catch (const std::invalid_argument& error) {
+        throw Refused(path + ": " + error.what());
+      }
+    }();
     for (const auto& found : modal.model.modes) {
       // A mode that is there leads, however little is known of its damping.
       if (found.doubtful && !(found.significance >= 4 && found.presence >= 0.6)) continue;

@@ -287,28 +287,6 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
 }
 
 template <int D>
-double MotionKernel<D>::largest_slope(const Eigen::VectorXd& positions) const {
-  double largest = 0;
-  for (const MemberPlan& plan : members_) {
-    Eigen::Matrix<double, D, 1> chord, edge;
-    for (int c = 0; c < D; ++c) {
-      const int first = c * slots_ + plan.offset;
-      chord(c) = positions(first + plan.segments) - positions(first);
-    }
-    chord.normalize();
-    for (int i = 0; i < plan.segments; ++i) {
-      for (int c = 0; c < D; ++c) {
-        const int k = c * slots_ + plan.offset + i;
-        edge(c) = positions(k + 1) - positions(k);
-      }
-      edge.normalize();
-      largest = std::max(largest, (edge - chord * chord.dot(edge)).norm());
-    }
-  }
-  return largest;
-}
-
-template <int D>
 double MotionKernel<D>::potential(const Eigen::VectorXd& positions) {
   tangents(positions.data());
   turn_nodes();

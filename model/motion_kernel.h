@@ -59,8 +59,6 @@ class MotionKernel {
     mass_.slow_axial(kappa, positions.data());
   }
   [[nodiscard]] const SlotMass<D>& mass() const { return mass_; }
-  /// Largest sine of the angle between a segment and its member's chord.
-  [[nodiscard]] double largest_slope(const Eigen::VectorXd& positions) const;
   /// Potential energy, J; its zero is that of Assembly.
   [[nodiscard]] double potential(const Eigen::VectorXd& positions);
 
@@ -77,10 +75,6 @@ class MotionKernel {
   [[nodiscard]] Row row(const ChainPoint& point, const Eigen::Vector3d& direction) const;
   /// Axial force of a segment, N.
   [[nodiscard]] double axial_force(int segment, const double* positions) const;
-  /// First slot of a chain node, -1 when no member has it.
-  [[nodiscard]] int slot_of_node(int node) const {
-    return slot_of_node_[static_cast<std::size_t>(node)];
-  }
 
  private:
   struct MemberPlan {

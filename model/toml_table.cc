@@ -338,10 +338,6 @@ bool TomlTable::is_string(const std::string& key) const {
   const toml::node* node = node_->find(key);
   return node && node->is_string();
 }
-bool TomlTable::is_number(const std::string& key) const {
-  const toml::node* node = node_->find(key);
-  return node && node->is_number();
-}
 bool TomlTable::is_table(const std::string& key) const {
   const toml::node* node = node_->find(key);
   return node && node->is_table();

@@ -56,7 +56,6 @@ class TomlTable {
   TomlTable table(const std::string& key);
   std::vector<TomlTable> tables_or_empty(const std::string& key);
   [[nodiscard]] bool is_string(const std::string& key) const;
-  [[nodiscard]] bool is_number(const std::string& key) const;
   [[nodiscard]] bool is_table(const std::string& key) const;
   [[nodiscard]] bool is_array(const std::string& key) const;
   /// All keys of this table, in file order.

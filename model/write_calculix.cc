@@ -204,7 +204,7 @@ class DeckWriter {
               ++springs_;
               line(
                   fmt::format("*ELEMENT,TYPE=SPRING1,ELSET=S{0}\n{1},{2}\n*SPRING,ELSET=S{0}\n{3}\n"
-                              "{4:.12g}",
+                              "{4:.12e}",  // ccx takes no spring without a decimal point
                               springs_, next_element_++, number, axis + 1, stiffness));
             }
           }
@@ -213,26 +213,23 @@ class DeckWriter {
     }
   }
 
-  // A pinned end is free to turn but not about the member's own axis.
+  // A pinned end is free to turn but not about the member's own axis. Where no axis of the deck
+  // lies along it ccx has no way to say so: an equation between rotations does not hold them.
   void hold_twist(const std::string& node, int number) {
     for (const auto& member : scene_.members) {
       if (member.nodes[0] != node && member.nodes[1] != node) continue;
-      if (member.kind == Member::Kind::cable) {
-        notes_.push_back(node +
-                         ": free to twist, which gives the deck a spinning mode that the scene has "
-                         "not (ccx would hold a sagging end's other rotations too)");
-        return;
-      }
       const Eigen::Vector3d axis =
           (position(member.nodes[1]) - position(member.nodes[0])).normalized();
       Eigen::Index main = 0;
       axis.cwiseAbs().maxCoeff(&main);
-      if (std::abs(std::abs(axis[main]) - 1) < 1e-12) {
+      if (member.kind == Member::Kind::beam && std::abs(std::abs(axis[main]) - 1) < 1e-12) {
         line(fmt::format("*BOUNDARY\n{0},{1},{1}", number, main + 4));
       } else {
-        line(fmt::format("*EQUATION\n3\n{0},{1},{2:.12g},{0},{3},{4:.12g},{0},{5},{6:.12g}", number,
-                         main + 4, axis[main], (main + 1) % 3 + 4, axis[(main + 1) % 3],
-                         (main + 2) % 3 + 4, axis[(main + 2) % 3]));
+        notes_.push_back(
+            node + ": free to twist, which gives the deck a spinning mode that the scene has not" +
+            (member.kind == Member::Kind::cable
+                 ? " (ccx would hold a sagging end's other rotations too)"
+                 : ""));
       }
       return;
     }

@@ -78,12 +78,19 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
                  (options.band_high_hz > 0 ? std::min(options.band_high_hz, nyquist) : nyquist) /
                      sample_rate_hz,
                  !banded};
-  if (band.low < 0 || !(band.low < band.high)) {
-    throw std::invalid_argument(fmt::format(
-        "decay: the band must lie below half the sample rate ({} Hz) and rise", nyquist));
+  if (!(band.low >= 0) ||
+      (banded && options.band_high_hz > 0 && !(options.band_low_hz < options.band_high_hz))) {
+    throw std::invalid_argument("decay: the band must rise from zero or above");
   }
   DecayResult result;
   result.end = y.size();
+  if (!(band.low < band.high)) {
+    refuse(result, "band_not_sampled",
+           fmt::format("the band begins at {:.6g} Hz, above half the sample rate, {:.6g} Hz: give "
+                       "a lower one or sample faster",
+                       options.band_low_hz, nyquist));
+    return result;
+  }
   const Index finite = static_cast<Index>(
       std::count_if(y.data(), y.data() + y.size(), [](double v) { return std::isfinite(v); }));
   if (finite < 7) {

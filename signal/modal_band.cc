@@ -39,8 +39,8 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
                      ""});
   }
   if (rows.size() < 8) {
-    throw std::invalid_argument(fmt::format(
-        "identify_modes: {} usable lines in the band, at least 8 are needed", rows.size()));
+    throw std::invalid_argument(
+        fmt::format("{} usable lines in the band, at least 8 are needed", rows.size()));
   }
   ModalBand band;
   const auto count = static_cast<Index>(rows.size());

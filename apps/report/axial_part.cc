@@ -87,7 +87,7 @@ class AxialAnalysis {
     signal::DecayOptions options;
     if (test_.band_hz) {
       options.band_low_hz = test_.band_hz->first;
-      options.band_high_hz = std::min(test_.band_hz->second, 0.5 * recording.sample_rate_hz);
+      options.band_high_hz = test_.band_hz->second;
     }
     options.choose_window = false;
     Found found;

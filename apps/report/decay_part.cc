@@ -137,14 +137,14 @@ class DecayAnalysis {
     decay.rate_hz = recording.sample_rate_hz;
     decay.start_s = recording.start_time_s;
     decay.samples = job.channel->samples;
-    decay.result = signal::estimate_decay(decay.samples, decay.rate_hz, options(decay.rate_hz));
+    decay.result = signal::estimate_decay(decay.samples, decay.rate_hz, options());
     if (!decay.result.refusal_code.empty() || decay.result.modes.empty() || !test_.scene) return;
     const auto other = test_.hammer.sensors.find(decay.channel);
     const auto& sensor = other == test_.hammer.sensors.end() ? decay.channel : other->second;
     const auto scenes = versions(group, sensor);
     if (scenes.empty()) return;
     job.modelled = true;
-    job.answers = release_answers(decay, options(decay.rate_hz), scenes, threads);
+    job.answers = release_answers(decay, options(), scenes, threads);
   }
 
   void tell(Job& job, PlotTab& tab, Json& list) {
@@ -174,11 +174,11 @@ class DecayAnalysis {
     decays_.push_back(std::move(decay));
   }
 
-  [[nodiscard]] signal::DecayOptions options(double rate_hz) const {
+  [[nodiscard]] signal::DecayOptions options() const {
     signal::DecayOptions options;
     if (test_.band_hz) {
       options.band_low_hz = test_.band_hz->first;
-      options.band_high_hz = std::min(test_.band_hz->second, 0.5 * rate_hz);
+      options.band_high_hz = test_.band_hz->second;
     }
     return options;
   }

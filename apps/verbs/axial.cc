@@ -7,6 +7,7 @@
 
 #include "apps/exit_code.h"
 #include "apps/json_document.h"
+#include "apps/number_checks.h"
 #include "apps/recording_description.h"
 #include "apps/verbs/all.h"
 #include "ident/axial_test.h"
@@ -267,39 +268,39 @@ void add_axial(CLI::App& program, Verbs& verbs) {
       ->type_name("FILE");
   app->add_option("--mass", c->mass, "Hung mass, adapter and clamp included, kg")
       ->required()
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("M");
   app->add_option("--length", c->lengths,
                   "Cable length, m: for all, each file, or each group of files")
       ->required()
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("L");
   app->add_option("--channel", c->channel, "Name or #number")->type_name("C");
   app->add_option("--mass-per-length", c->mass_per_length, "Of the cable, kg/m")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   app->add_option("--mass-std", c->mass_std, "Standard uncertainty, kg")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   app->add_option("--length-std", c->length_std, "Standard uncertainty of each length, m")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   app->add_option("--mass-per-length-std", c->mass_per_length_std, "Standard uncertainty, kg/m")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   app->add_option("--adapter-stiffness", c->adapter,
                   "In series with the cable, N/m (default: rigid)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   app->add_option("--adapter-stiffness-std", c->adapter_std, "Standard uncertainty, N/m")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   app->add_option("--adapter-bar", c->adapter_bar,
                   "Adapter as a bar: modulus Pa, area m2, length m")
       ->expected(3)
       ->type_name("E A l");
   app->add_option("--catalogue-EA", c->catalogue,
                   "What EA should be, N (default: 80 GPa on the metal of the mass per length)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   app->add_option("--band", c->band, "Where the axial frequency is, Hz")
       ->expected(2)
       ->type_name("HZ");
   app->add_option("--sample-rate", c->sample_rate_hz, "Where a file gives none, Hz")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   app->add_option("--draws", c->draws, "Monte Carlo draws, 0 for none")
       ->check(CLI::Range(0, 10000000))
       ->capture_default_str();

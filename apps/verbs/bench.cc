@@ -12,6 +12,7 @@
 #include "apps/bench/response_studies.h"
 #include "apps/bench/signal_studies.h"
 #include "apps/bench/size_study.h"
+#include "apps/number_checks.h"
 #include "apps/output_file.h"
 #include "apps/progress.h"
 #include "apps/verbs/all.h"
@@ -317,7 +318,7 @@ void add_bench(CLI::App& program, Verbs& verbs) {
       ->check(CLI::IsMember(all_tasks));
   verb->add_option("--duration", options->duration_s, "Seconds of motion in the response tasks")
       ->type_name("S")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(number_within(0.01, 1000.0))
       ->capture_default_str();
   verb->add_flag("--quick", options->quick,
                  "Few repeats, coarser references, short motions: seconds instead of a minute");

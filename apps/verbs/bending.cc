@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "apps/json_document.h"
+#include "apps/number_checks.h"
 #include "apps/recording_description.h"
 #include "apps/verbs/all.h"
 #include "ident/bending_test.h"
@@ -413,38 +414,37 @@ void add_bending(CLI::App& program, Verbs& verbs) {
       ->required()
       ->check(CLI::ExistingFile);
   verb->add_option("--span", options->span, "Clear length between the clamps, m")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb->add_option("--span-std", options->span_std, "Its standard uncertainty, m")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   verb->add_option("--tension", options->tension, "Name of the tension column");
   verb->add_option("--load", options->load, "Name of the load column");
   verb->add_option("--deflection", options->deflection, "Name of the deflection column");
   verb->add_option("--load-calibration", options->load_calibration,
                    "Relative standard uncertainty of the load cell's calibration")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_within(0.0, 1.0));
   verb->add_option("--deflection-calibration", options->deflection_calibration,
                    "The same of the deflection sensor")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_within(0.0, 1.0));
   verb->add_option("--tension-zero-std", options->tension_zero_std,
                    "Standard uncertainty of the tension cell's zero, N (offset and drift)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   verb->add_option("--tension-calibration", options->tension_calibration,
                    "The same of the tension cell")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_within(0.0, 1.0));
   verb->add_option("--strand", options->strand,
                    "Young's modulus (Pa), number of wires, wire diameter (m), strand diameter (m): "
                    "bounds on EI")
       ->expected(4)
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb->add_option("--relative-std", options->relative_std,
                    "Relative standard uncertainty of EI values that come without one")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_within(0.0, 1.0));
   verb->add_option("--EA", options->EA,
                    "Axial rigidity, N: with --mass-per-length, the equivalent "
                    "solid cylinder at each tension")
-      ->check(CLI::PositiveNumber);
-  verb->add_option("--mass-per-length", options->mass_per_length, "kg/m")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
+  verb->add_option("--mass-per-length", options->mass_per_length, "kg/m")->check(positive_number());
   verb->footer(
       "Example:\n  printf 'tension_N,EI_Nm2\\n25,0.2549\\n100,0.4948\\n200,0.5972\\n300,0.8283\\n' "
       "> "

@@ -12,6 +12,7 @@
 
 #include "apps/exit_code.h"
 #include "apps/json_document.h"
+#include "apps/number_checks.h"
 #include "apps/recording_description.h"
 #include "apps/verbs/all.h"
 
@@ -152,7 +153,8 @@ Json run(const DecayCommand& command, VerbContext& context) {
   const Index from = command.start_s ? sample_at(recording, *command.start_s, true) : 0;
   const Index to =
       command.end_s ? sample_at(recording, *command.end_s, false) : recording.samples();
-  if (from >= to) {
+  if (from >= to || std::isnan(command.start_s.value_or(0)) ||
+      std::isnan(command.end_s.value_or(0))) {
     throw UsageError(
         fmt::format("nothing between --start and --end: the record lasts from {} s to {} s",
                     recording.start_time_s, recording.start_time_s + recording.duration_s()));
@@ -210,7 +212,7 @@ void add_decay(CLI::App& program, Verbs& verbs) {
       ->check(CLI::Range(1, 12))
       ->capture_default_str();
   app->add_option("--sample-rate", command->sample_rate_hz, "Where the file gives none, Hz")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("HZ");
   verbs.push_back({app, [command](VerbContext& context) { return run(*command, context); }});
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "apps/number_checks.h"
 #include "apps/recording_description.h"
 #include "apps/verbs/all.h"
 #include "signal/mapped_file.h"
@@ -158,7 +159,7 @@ void add_inspect(CLI::App& program, Verbs& verbs) {
   app->add_option("FILE", options->files, "Recordings: CSV, UFF 58, LabVIEW .lvm")->required();
   app->add_option("--sample-rate", options->sample_rate_hz,
                   "Sample rate in Hz of files that give none")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("HZ");
   app->footer(kInspectExample);
   verbs.push_back({app, [options](VerbContext& context) { return inspect(*options, context); }});

@@ -7,6 +7,7 @@
 
 #include "apps/impact_command.h"
 #include "apps/json_document.h"
+#include "apps/number_checks.h"
 #include "apps/verbs/all.h"
 #include "signal/modal_identification.h"
 #include "signal/modal_synthesis.h"
@@ -242,7 +243,7 @@ void add_modal(CLI::App& program, Verbs& verbs) {
       ->capture_default_str();
   verb->add_option("--max-damping", options->max_damping,
                    "Largest damping ratio that is taken for a mode")
-      ->check(CLI::Range(1e-6, 0.99))
+      ->check(number_within(1e-6, 0.99))
       ->capture_default_str();
   verb->add_option("--out", options->out, "Modes as UFF 55")->type_name("F.uff");
   verb->add_option("--synthesis", options->synthesis,

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <memory>
 
+#include "apps/number_checks.h"
 #include "apps/verbs/all.h"
 #include "model/read_scene.h"
 #include "model/response.h"
@@ -65,7 +66,10 @@ model::ForceHistory read_force(const model::Scene& scene, std::size_t index) {
   const signal::Recording recording = signal::read_recording(load.file);
   const signal::Channel* force = nullptr;
   for (const signal::Channel& channel : recording.channels) {
-    const bool fits = channel.quantity == signal::Quantity::force || recording.channels.size() == 1;
+    // A channel alone without a unit is in N; one in another unit is no force.
+    const bool fits =
+        channel.quantity == signal::Quantity::force ||
+        (recording.channels.size() == 1 && channel.quantity == signal::Quantity::unknown);
     if (!fits) continue;
     if (force) throw error("has more than one force", "leave one channel in the file");
     force = &channel;
@@ -175,6 +179,9 @@ Json run_respond(VerbContext& context, const RespondCommand& options) {
   const double rows = options.duration_s * options.rate_hz;
   if (!(rows >= 1)) throw UsageError("--duration times --rate must give at least one sample");
   if (rows > 5e7) throw UsageError("more than 50 million samples: lower --rate or --duration");
+  if (options.step_s > 0 && options.duration_s / options.step_s > 1e10) {
+    throw UsageError("more than 1e10 steps: raise --step or lower --duration");
+  }
   context.input(options.scene);
   const model::Scene scene = model::read_scene(options.scene);
   if (scene.sensors.empty()) {
@@ -295,11 +302,11 @@ void add_respond(CLI::App& program, Verbs& verbs) {
   verb->add_option("scene", options->scene, "Scene file (TOML)")->required()->type_name("SCENE");
   verb->add_option("--duration", options->duration_s, "Seconds to simulate")
       ->required()
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("S");
   verb->add_option("--rate", options->rate_hz, "Samples a second")
       ->required()
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("HZ");
   verb->add_option("--out", options->out, "CSV: time_s, then one column a sensor")
       ->required()
@@ -326,9 +333,9 @@ void add_respond(CLI::App& program, Verbs& verbs) {
       ->check(CLI::Range(2, 10000));
   verb->add_option("--step", options->step_s,
                    "Largest step of the explicit and implicit solvers, s")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb->add_option("--tolerance", options->tolerance, "Relative tolerance of the CVODE solvers")
-      ->check(CLI::Range(1e-13, 1e-1))
+      ->check(number_within(1e-13, 1e-1))
       ->capture_default_str();
   verb->footer(
       "Example:\n"

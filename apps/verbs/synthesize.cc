@@ -8,6 +8,7 @@
 #include <random>
 
 #include "apps/json_document.h"
+#include "apps/number_checks.h"
 #include "apps/output_file.h"
 #include "apps/progress.h"
 #include "apps/stiffness_table.h"
@@ -256,6 +257,9 @@ Json run(const SynthesizeOptions& options, VerbContext& context) {
                      ": nothing to test: give the scene a load and a sensor, or ask for "
                      "--bending-span or --axial-length");
   }
+  if (!options.stiffness.empty() && options.tensions.empty()) {
+    throw UsageError("--stiffness goes by tension: give --tension");
+  }
   const auto states = states_of(options, scene, context);
   make_output_folder(options.out);
   Writer writer(options, scene, context);
@@ -321,10 +325,10 @@ void add_synthesize(CLI::App& program, Verbs& verbs) {
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   app->add_option("--record", options->rig.record_s, "Length of a record, s")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   app->add_option("--rate", options->rig.sample_rate_hz, "Sample rate, Hz")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   app->add_option("--finer", options->rig.finer, "Segments of the tested rig over the scene's")
       ->check(CLI::Range(1, 100))
@@ -332,10 +336,10 @@ void add_synthesize(CLI::App& program, Verbs& verbs) {
   app->add_option("--tension", options->tensions,
                   "Tensions that the cables are set to, N, one row of tests each (default: the "
                   "scene's)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   app->add_option("--tension-std", options->tension_std,
                   "Relative error with which a person sets them")
-      ->check(CLI::Range(0.0, 0.5))
+      ->check(number_within(0.0, 0.5))
       ->capture_default_str();
   app->add_option("--stiffness", options->stiffness,
                   "Table of tension_N, EI_Nm2: the cables' EI at each of them")
@@ -346,27 +350,27 @@ void add_synthesize(CLI::App& program, Verbs& verbs) {
       ->capture_default_str();
   app->add_option("--accelerometer-mass", options->rig.accelerometer_mass_kg,
                   "Mass of an accelerometer, kg, where the scene has none at its place")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative_number())
       ->capture_default_str();
   app->add_option("--bending-span", options->bending_span,
                   "Also the bending test of the scene's first cable, span in m")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   app->add_option("--bending-load", options->bending_peak_load, "Its largest load, N")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   app->add_option("--axial-length", options->axial_lengths,
                   "Also the hanging-mass test of that cable, lengths in m")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   app->add_option("--axial-length-std", options->axial_length_std,
                   "Error with which they were cut, m")
-      ->check(CLI::Range(0.0, 0.1))
+      ->check(number_within(0.0, 0.1))
       ->capture_default_str();
   app->add_option("--axial-mass", options->axial_mass, "Mass hung there, kg")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   app->add_option("--axial-damping", options->axial_damping_ratio,
                   "Damping ratio of its oscillation")
-      ->check(CLI::Range(0.0, 0.99))
+      ->check(number_within(0.0, 0.99))
       ->capture_default_str();
   app->add_option("--taps", options->taps, "Taps at every length")
       ->check(CLI::Range(1, 1000))

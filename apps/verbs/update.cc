@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "apps/json_document.h"
+#include "apps/number_checks.h"
 #include "apps/progress.h"
 #include "apps/update_data.h"
 #include "apps/update_inputs.h"
@@ -233,6 +234,9 @@ Json run_update(VerbContext& context, UpdateCommand options) {
     options.data.band_hz = {options.band[0], options.band[1]};
   }
   UpdateStates states = read_update_states(options.data, context);
+  if (options.hold_out && states.states.size() < 2) {
+    throw UsageError("--hold-out needs several states: a tension_N column or several scenes");
+  }
   const auto free = free_parameters(options, states.states.front().scene);
   ident::UpdateOptions update;
   update.assumed_relative_std = options.assumed_std;
@@ -347,9 +351,6 @@ Json run_update(VerbContext& context, UpdateCommand options) {
   }
   std::vector<ident::HeldOut> held;
   if (options.hold_out) {
-    if (states.states.size() < 2) {
-      throw UsageError("--hold-out needs several states: a tension_N column or several scenes");
-    }
     json["hold_out"] = hold_out_json(states, free, update, held, context);
   }
   if (!options.data.compare.empty()) {
@@ -401,11 +402,11 @@ void add_update(CLI::App& program, Verbs& verbs) {
   verb->add_option("--channel", options->data.decay_channel, "Channel of the decays");
   verb->add_option("--tension", options->data.tensions,
                    "Of each --frf, --decay and --response, N: the cables' tension in that state")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb->add_option("--band", options->band,
                    "Lines and modes of FRFs, decays and UFF 55 that count, Hz")
       ->expected(2)
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative_number());
   verb->add_option("--compare", options->data.compare,
                    "Further columns of the tables: frequencies of other models, shown beside");
   verb->add_option("--free", options->free,
@@ -422,7 +423,7 @@ void add_update(CLI::App& program, Verbs& verbs) {
       ->check(CLI::ExistingFile);
   verb->add_option("--stiffness-std", options->stiffness_common_std,
                    "Relative uncertainty of that EI that all its tests share")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_within(0.0, 1.0));
   verb->add_option("--axial", options->axial,
                    "JSON result of rigfit axial: EA of all cables, with its uncertainty")
       ->check(CLI::ExistingFile);
@@ -439,21 +440,21 @@ void add_update(CLI::App& program, Verbs& verbs) {
                  "Also 95 % intervals by profile (of data and priors alone)");
   verb->add_option("--assumed-std", options->assumed_std,
                    "Relative standard uncertainty of frequencies that come without one")
-      ->check(CLI::Range(1e-9, 1.0))
+      ->check(number_within(1e-9, 1.0))
       ->capture_default_str();
   verb->add_option("--model-std", options->model_std,
                    "Relative error in frequency that the model itself is allowed")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_within(0.0, 1.0))
       ->capture_default_str();
   verb->add_option("--frf-model-std", options->frf_model_std,
                    "Relative error in FRFs that the model itself is allowed")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(number_within(0.0, 10.0))
       ->capture_default_str();
   verb->add_option(
           "--shape-std", options->shape_std,
           "Uncertainty of a component of a unit shape: shapes are fitted too (0: they only "
           "help to pair)")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_within(0.0, 1.0))
       ->capture_default_str();
   verb->add_option("--segments", options->data.segments,
                    "Of every member while fitting (default: the scene's); fewer are faster")
@@ -463,7 +464,7 @@ void add_update(CLI::App& program, Verbs& verbs) {
       ->capture_default_str();
   verb->add_option("--start-spread", options->start_spread,
                    "Factor by which the other starts are off at most")
-      ->check(CLI::Range(1.0, 100.0))
+      ->check(number_within(1.0, 100.0))
       ->capture_default_str();
   verb->add_flag("--hold-out", options->hold_out,
                  "Also leave out each state in turn and predict it from the others");

@@ -134,5 +134,33 @@ TEST(ModesVerb, ExampleOfTheHelpWorks) {
   EXPECT_THAT(run.out, HasSubstr("Sturm"));
 }
 
+TEST(ModesVerb, OptionsOfTheModel) {
+  const TemporaryFolder folder;
+  const std::string cable =
+      folder.write("cable.toml", replaced(kCable, "segments = \"auto\"", "segments = 30"));
+  const auto first = [&](const char* inertia) {
+    const auto run = run_program({"modes", cable, "--rotary-inertia", inertia, "--json", "-"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return parsed(run.out)["modes"][0]["frequency_hz"].get<double>();
+  };
+  // Rigid rods' mass (l/3, l/6) is that of linear elements: a string's frequency + (k l)^2 / 24.
+  EXPECT_NEAR(first("rigid_rod") / first("accurate") - 1, std::pow(M_PI / 30, 2) / 24, 2e-5);
+
+  const auto empty = run_program({"modes", cable, "--band", "1", "2", "--json", "-"});
+  EXPECT_EQ(empty.exit_code, 0) << empty.err;
+  const auto json = parsed(empty.out);
+  EXPECT_TRUE(json["modes"].empty());
+  ASSERT_GE(json["warnings"].size(), 1u);
+  EXPECT_EQ(json["warnings"][0]["code"], "empty_band");
+
+  const auto twisting = run_program(
+      {"modes",
+       folder.write("twist.toml", replaced(replaced(kCable, "segments = \"auto\"", "segments = 12"),
+                                           "EI = 0.5972", "EI = 0.5972\nGJ = 0.1")),
+       "--torsion", "on", "--shapes", "--json", "-"});
+  ASSERT_EQ(twisting.exit_code, 0) << twisting.err;
+  EXPECT_EQ(parsed(twisting.out)["modes"][0]["shape"][0]["twist"].size(), 12u);
+}
+
 }  // namespace
 }  // namespace rigfit::apps::modes_test

@@ -108,6 +108,20 @@ TEST(UpdateModel, FindsTheTruthFromStartsOffByAFactorOfThree) {
   }
 }
 
+// A mass that the scene has none of: no logarithm and no relative step to begin with.
+TEST(UpdateModel, FindsAMassThatStartsAtZero) {
+  auto random = seeded(5);
+  UpdateState state{"beam", beam(2.1, 0.3, 0.0),
+                    measured(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 0, random)};
+  for (auto& mode : state.measured) mode.frequency_hz.std = 1e-3 * mode.frequency_hz.value;
+  const auto result = update_model({state}, {{"tip.mass"}});
+  ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+  EXPECT_EQ(result.parameters[0].start, 0);
+  EXPECT_NEAR(result.parameters[0].value, 0.02, 1e-3 * 0.02);
+  EXPECT_GT(result.parameters[0].std, 0);
+  EXPECT_TRUE(result.parameters[0].identifiable);
+}
+
 // Without gravity and tip mass only EI / m acts: both together cannot be had, and are named.
 TEST(UpdateModel, WhatTheDataCannotSeparateIsNamed) {
   auto random = seeded(2);

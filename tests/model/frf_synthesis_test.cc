@@ -85,9 +85,7 @@ TEST(FrfSynthesis, StaticLineIsTheTautStringsCompliance) {
   EXPECT_EQ(frfs.H[0](1, 0), std::complex<double>(0, 0));
 }
 
-TEST(FrfSynthesis, JointDampersHoldTheResonanceFinite) {
-  Scene scene = instrumented(testing::paper_cable(200, 0.5972, 12));
-  scene.members[0].damping = {200, 0.05, 0};
+void expect_finite_resonance(const Scene& scene) {
   ModesOptions options;
   options.count = 2;
   const ModalAnalysis analysis = analyse_modes(scene, options);
@@ -101,6 +99,28 @@ TEST(FrfSynthesis, JointDampersHoldTheResonanceFinite) {
       mode.sensor_shape[0] * mode.load_shape[0] / (2 * mode.damping_ratio * omega * omega);
   // One mode's peak; the others add their static part, a share of about 2 zeta.
   EXPECT_NEAR(-frfs.H[0](0, 0).imag() / peak, 1, 0.02);
+}
+
+TEST(FrfSynthesis, JointDampersHoldTheResonanceFinite) {
+  Scene scene = instrumented(testing::paper_cable(200, 0.5972, 12));
+  scene.members[0].damping = {200, 0.05, 0};
+  expect_finite_resonance(scene);
+}
+
+TEST(FrfSynthesis, JointDampersAndDampingRatiosSideBySide) {
+  // Half the cable has the ones, half the others: both kinds of damping in one matrix.
+  Scene scene = instrumented(testing::paper_cable(200, 0.5972, 12));
+  scene.nodes.push_back(scene.nodes[0]);
+  scene.nodes[2].name = "middle";
+  scene.nodes[2].position << 1.2, 0, 0;
+  scene.nodes[2].support.kind = Support::Kind::free;
+  scene.members.push_back(scene.members[0]);
+  scene.members[0].nodes = {"left", "middle"};
+  scene.members[1].name = "other";
+  scene.members[1].nodes = {"middle", "right"};
+  scene.members[0].damping = {200, 0.05, 0};
+  scene.members[1].damping_ratio = 0.01;
+  expect_finite_resonance(scene);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "model/closed_forms.h"
@@ -282,6 +283,29 @@ TEST(ModalAnalysis, TorsionalAndAxialModesOfABeam) {
       ++seen;
   }
   EXPECT_EQ(seen, 2);
+}
+
+/// Torsion left out where it acts: what that costs stands in the result.
+TEST(ModalAnalysis, TorsionLeftOutIsPriced) {
+  Scene scene = testing::cable_beam_rig(200, 0.5972, 12);
+  scene.members[0].EI = {2.1, 2.1};   // two that differ need the section's attitude
+  scene.nodes[3].position.z() = 0.3;  // the cables pull the beam's tip round
+  ModesOptions options;
+  options.count = 6;
+  const ModalAnalysis whole = analyse_modes(scene, options);
+  options.torsion = false;
+  const ModalAnalysis without = analyse_modes(scene, options);
+  ASSERT_EQ(without.modes.size(), whole.modes.size());
+  double worst = 0;
+  for (std::size_t i = 0; i < whole.modes.size(); ++i) {
+    worst =
+        std::max(worst, std::abs(whole.modes[i].frequency_hz / without.modes[i].frequency_hz - 1));
+  }
+  EXPECT_GT(worst, 0);
+  const auto torsion = std::find_if(without.left_out.begin(), without.left_out.end(),
+                                    [](const auto& left) { return left.what == "torsion"; });
+  ASSERT_NE(torsion, without.left_out.end());
+  EXPECT_NEAR(torsion->relative_error, worst, 1e-6 * worst);
 }
 
 /// "auto" meets the accuracy, and says honestly how well.

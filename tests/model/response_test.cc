@@ -32,6 +32,12 @@ double relative_difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, i
   return (a.col(column) - b.col(column)).norm() / b.col(column).norm();
 }
 
+/// Of a column that varies about a large mean, such as a tension.
+double changes_apart(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, int column) {
+  const Eigen::VectorXd change = b.col(column).array() - b.col(column).mean();
+  return (a.col(column) - b.col(column)).norm() / change.norm();
+}
+
 TEST(LoadedState, StringUnderAWeightIsInBalance) {
   // Two straight halves (EI = 0, no gravity): 2 T(u) sin = F, T = EA (stretched/unstretched - 1).
   Scene scene = testing::released_cable(30);
@@ -134,6 +140,7 @@ TEST(Response, ThreeIntegratorsAgreeOnTheRelease) {
 TEST(Response, DampedReleaseAgreesBetweenIntegratorsAndItsAccountCloses) {
   for (bool joints : {false, true}) {
     Scene scene = testing::released_cable(10);
+    scene.sensors.push_back(testing::sensor("cable", 0.35, Sensor::Quantity::force));
     if (joints) {
       scene.members[0].damping = {.axial = 30, .bending = 0.05, .torsion = 0};
     } else {
@@ -149,6 +156,26 @@ TEST(Response, DampedReleaseAgreesBetweenIntegratorsAndItsAccountCloses) {
     EXPECT_LT(own.energy_drift, 1e-5);
     // Strang splitting over a sample's time: zeta (omega H)^2/24 of the fastest waves.
     EXPECT_LT(relative_difference(own.samples, adams.samples, 0), 2e-3);
+    const ResponseResult banded = respond(scene, ResponseSolver::cvode_banded, 0.3, 500, 1e-7);
+    EXPECT_LT(relative_difference(banded.samples, adams.samples, 0), 1e-4);
+    EXPECT_LT(changes_apart(banded.samples, adams.samples, 2), 1e-3);
+    EXPECT_LT(changes_apart(own.samples, adams.samples, 2), 2e-2);
+    // The implicit scheme is of second order, joint dampers included.
+    ResponseOptions options;
+    options.sampling = {.duration_s = 0.3, .rate_hz = 500, .energy_samples = 50};
+    options.solver = ResponseSolver::implicit_motion;
+    double apart[2];
+    for (int k = 0; k < 2; ++k) {
+      options.step_s = k == 0 ? 0.0004 : 0.0002;
+      const ResponseResult implicit = simulate_response(scene, options);
+      ASSERT_TRUE(implicit.completed) << implicit.reason;
+      apart[k] = relative_difference(implicit.samples, adams.samples, 0);
+      EXPECT_LT(changes_apart(implicit.samples, adams.samples, 2), 0.2);
+      EXPECT_NEAR(implicit.energy.dissipated.back() / adams.energy.dissipated.back(), 1, 0.05);
+    }
+    EXPECT_LT(apart[1], 1e-2);
+    EXPECT_GT(apart[0] / apart[1], 3.2);
+    EXPECT_LT(apart[0] / apart[1], 4.8);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 
 #include "model/scene_error.h"
 
@@ -113,12 +114,68 @@ TEST(WriteCalculix, CantileverWithTipMassAgrees) {
   expect_agreement(scene, 2, 1e-3, 40, false);
 }
 
+TEST(WriteCalculix, InclinedBeamOnAHingeAndASpringWithAMassAgrees) {
+  for (const bool inclined : {false, true}) {
+    Scene scene;
+    scene.gravity.setZero();
+    scene.nodes.resize(2);
+    scene.nodes[0].name = "foot";
+    scene.nodes[0].support.kind = Support::Kind::pinned;
+    scene.nodes[1].name = "tip";
+    if (inclined) {
+      scene.nodes[1].position << 0.6, 0.45, 0;
+    } else {
+      scene.nodes[1].position << 0, 0.75, 0;
+    }
+    scene.nodes[1].support.kind = Support::Kind::elastic;
+    scene.nodes[1].support.translational << 2e3, 2e3, std::numeric_limits<double>::infinity();
+    Member beam;
+    beam.name = "beam";
+    beam.kind = Member::Kind::beam;
+    beam.nodes = {"foot", "tip"};
+    beam.segments = 60;
+    beam.mass_per_length = 0.295;
+    beam.EA = 7e6;
+    beam.EI = {2.1, 250};
+    beam.GJ = 3;
+    beam.masses = {{0.5, 0.03}};
+    scene.members = {beam};
+    expect_agreement(scene, 3, 1e-3, 40, inclined);
+    ModesOptions options;
+    options.count = 1;
+    scene.members[0].masses[0].position = 0.503;
+    const auto deck = calculix_deck(scene, analyse_modes(scene, options).equilibrium);
+    ASSERT_EQ(deck.notes.size(), inclined ? 2u : 1u);
+    EXPECT_NE(deck.notes[0].find("a mass at 0.5030 was put at the nearest node, 0.5000"),
+              std::string::npos)
+        << deck.notes[0];
+    if (inclined) {
+      EXPECT_NE(deck.notes[1].find("foot: free to twist"), std::string::npos) << deck.notes[1];
+    }
+  }
+}
+
 TEST(WriteCalculix, SaysWhatItCannotWrite) {
   Scene scene = cable(200, 0);
   EXPECT_THROW((void)calculix_deck(scene, {}), SceneError);
   scene = cable(200, 0.5);
   scene.members[0].taper = 0.5;
   EXPECT_THROW((void)calculix_deck(scene, {}), SceneError);
+  const auto refused = [](const Scene& wrong) {
+    try {
+      (void)calculix_deck(wrong, {});
+    } catch (const SceneError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  scene = cable(200, 0.5);
+  scene.members[0].joint[1] = Member::Joint::pinned;
+  EXPECT_NE(refused(scene).find("a released joint"), std::string::npos);
+  scene = cable(200, 0.5);
+  scene.nodes[1].support.kind = Support::Kind::elastic;
+  scene.nodes[1].support.rotational << 0, 5, 0;
+  EXPECT_NE(refused(scene).find("a rotational spring"), std::string::npos);
 }
 
 }  // namespace

@@ -314,6 +314,11 @@ TEST(Decay, ABandChoosesTheModeWithoutFilteringTheRecord) {
   EXPECT_NEAR(result.modes[0].frequency_hz.value, 90, 5 * result.modes[0].frequency_hz.std);
   EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.02, 5 * result.modes[0].damping_ratio.std);
   options.band_low_hz = 600, options.band_high_hz = 700;
+  const auto beyond = estimate_decay(y, 1000, options);
+  EXPECT_EQ(beyond.refusal_code, "band_not_sampled");
+  EXPECT_NE(beyond.refusal.find("begins at 600 Hz, above half the sample rate, 500 Hz"),
+            std::string::npos);
+  options.band_low_hz = 120, options.band_high_hz = 60;
   EXPECT_THROW((void)estimate_decay(y, 1000, options), std::invalid_argument);
 }
 

@@ -1,0 +1,424 @@
+// Command lines and campaigns that make no sense: each ends with its exit code and a message that
+// says what is wrong and what would be right, within a second, and writes nothing.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "apps/campaign.h"
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::refusals_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+const char* const kRig = R"([[node]]
+name = "left"
+position = [0.0, 0.0, 0.0]
+support = "pinned"
+[[node]]
+name = "right"
+position = [2.4, 0.0, 0.0]
+support = "pinned"
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "right"]
+segments = 12
+mass_per_length = 0.16667
+EA = 221780.0
+EI = 0.5972
+GJ = 0.1
+tension = 200.0
+damping_ratio = 0.005
+)";
+const char* const kHit = R"([[load]]
+name = "hammer"
+kind = "impact"
+member = "cable"
+position = 0.25
+direction = [0.0, -1.0, 0.0]
+peak = 100.0
+duration = 0.002
+[[sensor]]
+name = "mid"
+member = "cable"
+position = 0.5
+direction = [0.0, 1.0, 0.0]
+quantity = "acceleration"
+)";
+
+const char* const kShaker = R"([[load]]
+name = "shaker"
+kind = "record"
+member = "cable"
+position = 0.25
+direction = [0.0, -1.0, 0.0]
+file = "FILE"
+)";
+
+/// The folder that the commands below name their files in.
+struct Files {
+  TemporaryFolder folder;
+  Files() {
+    folder.write("bare.toml", kRig);
+    folder.write("scene.toml", std::string(kRig) + kHit);
+    folder.write("modes.csv", "frequency_hz,plane\n7.36,in\n14.5,in\n21.8,in\n");
+    folder.write("damped.csv", "frequency_hz,damping_ratio\n7.36,0.5\n14.5,1.7\n");
+    folder.write("shaped.csv", "frequency_hz,shape:mdi\n7.36,1\n");
+    folder.write("negative.csv", "frequency_hz\n-7.36\n");
+    folder.write("ragged.csv", "frequency_hz,plane\n7.36,in,3\n");
+    folder.write("sideways.csv", "frequency_hz,plane\n7.36,up\n");
+    folder.write("blank.csv", "frequency_hz\n");
+    folder.write("table.csv", "tension_N,load_N,deflection_mm\n100,10,1\n100,20,2\n100,30,3\n");
+    folder.write("gaps.csv", "tension_N,EI_Nm2\n100,0.4\n-200,0.5\n");
+    folder.write("stiffness.csv", "tension_N,EI_Nm2\n100,0.4\n200,0.5\n");
+    folder.write("other.json", "{\"EA_N\": 3}");
+    std::string one = "t (s),a (m/s2)\n", two = "t (s),F (N),a (m/s2)\n", none = "a (m/s2)\n";
+    for (int k = 0; k < 500; ++k) {
+      const double t = k / 500.0;
+      const std::string a = std::to_string(std::exp(-2 * t) * std::cos(40 * M_PI * t));
+      const std::string time = std::to_string(t);
+      one += time + "," + a + "\n";
+      two += time + ",0.5," + a + "\n";
+      none += a + "\n";
+    }
+    const std::pair<const char*, const char*> forces[] = {
+        {"forces", "t (s),F (N),G (N)\n0,1,2\n0.1,2,3\n0.2,3,4\n"},
+        {"no_force", "t (s),a (m/s2)\n0,1\n0.1,2\n0.2,3\n"},
+        {"missing", "t (s),F (N)\n0,1\n0.1,\n0.2,3\n0.3,3\n"},
+        {"timeless", "F (N)\n1\n2\n3\n"}};
+    for (const auto& [name, text] : forces) {
+      folder.write(std::string(name) + ".csv", text);
+      std::string load = kShaker;
+      load.replace(load.find("FILE"), 4, std::string(name) + ".csv");
+      const std::string hit = kHit;
+      folder.write(std::string(name) + "_scene.toml",
+                   kRig + load + hit.substr(hit.find("[[sensor]]")));
+    }
+    folder.write("decay.csv", one);
+    folder.write("two.csv", two);
+    std::string uneven = "t (s),a (m/s2)\n", stiff = "tension_N,load_mm,deflection_mm\n";
+    for (int k = 0; k < 100; ++k) {
+      uneven += std::to_string(k / 500.0 + (k > 50 ? 0.05 : 0)) + ",1." + std::to_string(k) + "\n";
+      stiff += "100," + std::to_string(0.5 * k) + "," + std::to_string(0.005 * k) + "\n";
+    }
+    folder.write("uneven.csv", uneven);
+    folder.write("millimetres.csv", stiff);
+    folder.write("norate.csv", none);
+  }
+};
+
+struct Wrong {
+  std::string command;  ///< words apart by blanks; "@x" is a file of the folder, "''" nothing
+  int code;
+  std::string says;
+};
+
+void expect_refused(const Files& files, const std::vector<Wrong>& all) {
+  for (const Wrong& wrong : all) {
+    SCOPED_TRACE(wrong.command);
+    std::istringstream words(wrong.command);
+    std::vector<std::string> arguments;
+    for (std::string word; words >> word;) {
+      if (word[0] == '@') word = (files.folder.path() / word.substr(1)).string();
+      arguments.push_back(word == "''" ? "" : word);
+    }
+    const auto run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, wrong.code) << run.out << run.err;
+    EXPECT_THAT(run.err, HasSubstr(wrong.says));
+    EXPECT_FALSE(std::filesystem::exists(files.folder.path() / "out"));
+  }
+}
+
+TEST(Refusals, OfOptionsThatAreNoNumbersOrOutOfRange) {
+  const Files files;
+  expect_refused(
+      files,
+      {{"axial @decay.csv --mass nan --length 1", 2, "--mass: \"nan\" is no positive number"},
+       {"axial @decay.csv --mass -1 --length 1", 2, "--mass: \"-1\" is no positive number"},
+       {"axial @decay.csv --mass 2.2 --length 1 --mass-std inf", 2, "no number from zero up"},
+       {"bending @table.csv --span nan", 2, "--span: \"nan\" is no positive number"},
+       {"bending @table.csv --span 1 --relative-std 2", 2, "\"2\" is no number from 0 to 1"},
+       {"decay @decay.csv --sample-rate nan", 2, "no positive number"},
+       {"decay @decay.csv --start nan", 2, "nothing between --start and --end"},
+       {"inspect @decay.csv --sample-rate 5Hz", 2, "\"5Hz\" is no positive number"},
+       {"respond @scene.toml --duration nan --rate 100 --out @out", 2, "no positive number"},
+       {"respond @scene.toml --duration 1 --rate 100 --tolerance nan --out @out", 2,
+        "no number from 1e-13 to 0.1"},
+       {"synthesize @bare.toml --out @out --bending-span nan", 2, "no positive number"},
+       {"update @scene.toml --measured @modes.csv --model-std nan", 2, "no number from 0 to 1"},
+       {"update @scene.toml --decay @decay.csv --tension nan", 2, "no positive number"},
+       {"frf @two.csv --force F --exponential-window nan", 2, "no number from 0 to 1e+06"}});
+}
+
+TEST(Refusals, OfBands) {
+  const Files files;
+  expect_refused(
+      files,
+      {{"update @scene.toml --measured @modes.csv --band 5 3", 2, "--band must rise"},
+       {"modes @scene.toml --band 50 5", 2, "--band needs two rising frequencies"},
+       {"modes @scene.toml --band 0 nan", 2, "--band needs two rising frequencies"},
+       {"decay @decay.csv --band 50 20", 2, "must rise and begin below half the sample rate"},
+       {"axial @decay.csv --mass 2.2 --length 1 --band 5 3", 2, "--band must rise"},
+       {"frf @two.csv --force F --band 5 3", 2,
+        "--band needs two frequencies, the lower one first"},
+       {"modal @two.csv --force F --band 5 3", 2,
+        "--band needs two frequencies, the lower one first"}});
+}
+
+TEST(Refusals, OfARecordingTooSlowForItsBandLeavesTheRestOfTheReport) {
+  const Files files;
+  std::string campaign = "title = \"rig\"\n";
+  const auto add = [&](const char* name, const char* kind, const char* band, const char* length) {
+    campaign += std::string("[[test]]\nname = \"") + name + "\"\nkind = " + kind +
+                "\nband = " + band + "\n[[test.recording]]\nfiles = \"decay.csv\"\n" + length;
+  };
+  for (const bool slow : {false, true}) {
+    const char* const band = slow ? "[300, 400]" : "[5, 100]";
+    add(slow ? "slow" : "ring", "\"decay\"", band, "");
+    add(slow ? "slow_drop" : "drop", "\"axial\"\nmass = 2.2", band, "length = 1.0\n");
+  }
+  const auto out = files.folder.path() / "out";
+  const auto run = run_program(
+      {"report", files.folder.write("campaign.toml", campaign), "--out", out.string(), "--quiet"});
+  EXPECT_EQ(run.exit_code, 4) << run.err;
+  const auto report = parsed(files.folder.read("out/report.json"));
+  EXPECT_EQ(report["decays"].size(), 2u);
+  EXPECT_EQ(report["axial"].size(), 2u);
+  int told = 0;
+  for (const auto& warning : report["warnings"]) {
+    const std::string message = warning["message"];
+    told += message.find("above half the sample rate, 250 Hz") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GE(told, 2);
+}
+
+TEST(Refusals, OfUpdate) {
+  const Files files;
+  const std::string modes = "update @scene.toml --out @out --measured @modes.csv ";
+  const std::string table = "update @scene.toml --out @out --measured ";
+  expect_refused(
+      files,
+      {{"update @scene.toml", 2, "nothing to fit to"},
+       {"update @scene.toml @scene.toml --measured @modes.csv", 2, "with several scenes"},
+       {modes + "--plane in out", 2, "--plane: one for all, or one for each file"},
+       {modes + "--tension 100", 2, "--tension: one for each --frf"},
+       {modes + "--free ''", 2, "a parameter without a name"},
+       {modes + "--free x=cable.EI,,cable.EA", 2, "an empty name in \"x=cable.EI,,cable.EA\""},
+       {modes + "--free cable.XX", 3, "no parameter \"cable.XX\"; use one of: cable.EI"},
+       {modes + "--prior cable.EI", 2, "write NAME=VALUE,STD, not \"cable.EI\""},
+       {modes + "--prior cable.EI=1,x", 2, "\"x\" is no number"},
+       {modes + "--prior cable.EI=1,0", 2, "the uncertainty must be positive"},
+       {modes + "--prior cable.EA=1,1", 2, "cable.EA is not among --free"},
+       {modes + "--input cable.EI", 2, "has no \"=\""},
+       {modes + "--input cable.EI=-1", 2, "its uncertainty is no positive number"},
+       {modes + "--input =1", 2, "an empty name"},
+       {modes + "--input cable.XX=1", 3, "no parameter \"cable.XX\""},
+       {modes + "--aim hammer", 2, "is not understood; write LOAD=METRES,DEGREES"},
+       {modes + "--aim hammer=0.1,90", 2, "\"90\" is no number from 0 to 45"},
+       {modes + "--aim stick=0.1,1", 2, "no such load; there are: hammer"},
+       {modes + "--stiffness-std 0.1", 2, "of the --stiffness table, and there is none"},
+       {modes + "--hold-out", 2, "--hold-out needs several states"},
+       {modes + "--compare other_hz", 2, "no table has a number in a column \"other_hz\""},
+       {modes + "--axial @other.json", 3, "is no result of the axial test"},
+       {modes + "--stiffness @other.json", 3, "is no result of a bending test"},
+       {modes + "--stiffness @gaps.csv", 3, "gaps.csv:3: tension_N: is not positive; mend"},
+       {modes + "--stiffness @stiffness.csv", 2, "--stiffness goes by tension: give"},
+       {modes + "--column zz", 3, "there is no such column; name the column"},
+       {table + "@damped.csv", 3, "damped.csv:3: damping_ratio: is not below 1"},
+       {table + "@shaped.csv", 3, "shaped.csv:1: shape:mdi: the scene has no such sensor"},
+       {table + "@negative.csv", 3, "\"-7.36\" is no positive number"},
+       {table + "@ragged.csv", 3, "ragged.csv:2: 3 cells under 2 columns"},
+       {table + "@sideways.csv", 3, "\"up\" is no plane; write in, out"},
+       {table + "@blank.csv", 3, "no mode is listed; one line a mode"},
+       {"update @scene.toml --decay @norate.csv", 2, "norate.csv gives no sample rate"},
+       {"update @scene.toml --decay @two.csv", 2, "several channels: name one with --channel"},
+       {"update @scene.toml --response @norate.csv", 2, "norate.csv gives no sample rate"},
+       {"update @scene.toml --response @decay.csv", 2, "no channel called like a sensor of"},
+       {"update @scene.toml --decay @decay.csv --band 300 400", 4, "above half the sample rate"}});
+  // A fit that does not get on says so itself: what its solver logs is not for people.
+  const auto path = [&](const char* name) { return (files.folder.path() / name).string(); };
+  const auto run = run_program({"update", path("scene.toml"), "--measured", path("modes.csv"),
+                                "--out", path("out"), "--prior", "cable.EI=0.5,1e-300"});
+  EXPECT_EQ(run.exit_code, 5);
+  EXPECT_THAT(run.err, HasSubstr("had not settled"));
+  EXPECT_THAT(run.err, ::testing::Not(HasSubstr("minimizer")));
+}
+
+TEST(Refusals, OfWhatTheModelIsAskedFor) {
+  const Files files;
+  expect_refused(
+      files,
+      {{"respond @scene.toml --duration 0.001 --rate 100 --out @out", 2, "at least one sample"},
+       {"respond @scene.toml --duration 1e6 --rate 1e6 --out @out", 2, "more than 50 million"},
+       {"respond @scene.toml --duration 1 --rate 10 --step 1e-12 --out @out", 2, "raise --step"},
+       {"respond @forces_scene.toml --duration 1 --rate 9 --out @out", 3, "more than one force"},
+       {"respond @no_force_scene.toml --duration 1 --rate 9 --out @out", 3, "has no force channel"},
+       {"respond @missing_scene.toml --duration 1 --rate 9 --out @out", 3, "has missing samples"},
+       {"respond @timeless_scene.toml --duration 1 --rate 9 --out @out", 3, "add a time column"},
+       {"respond @bare.toml --duration 1 --rate 100 --out @out", 3, "add a [[sensor]]"},
+       {"bench @scene.toml --size", 2, "--size has its own data: leave SCENE out"},
+       {"bench --size --task update", 2, "--size --task takes segments"},
+       {"bench @scene.toml --task frf", 2, "has its own data: leave SCENE out"},
+       {"bench --task channels", 2, "belongs to --size"},
+       {"synthesize @bare.toml --out @out", 2, "nothing to test: give the scene a load"},
+       {"synthesize @scene.toml --out @scene.toml", 2, "cannot make the output folder"},
+       {"synthesize @bare.toml --out @out --bending-span 1 --stiffness @stiffness.csv", 2,
+        "--stiffness goes by tension: give --tension"},
+       {"synthesize @bare.toml --out @out --bending-span 1 --stiffness @gaps.csv --tension 100", 3,
+        "gaps.csv:3: tension_N: is not positive"},
+       {"export @none.toml --calculix @out", 3, "there is no such file"},
+       {"new @scene.toml", 2, "cannot make the output folder"}});
+}
+
+TEST(Refusals, OfRecordings) {
+  const Files files;
+  expect_refused(
+      files,
+      {{"decay @norate.csv", 2, "gives no sample rate: say it with --sample-rate"},
+       {"decay @decay.csv --start 5 --end 6", 2, "the record lasts from 0 s to 1 s"},
+       {"decay @decay.csv --start 0.5 --end 0.504", 4, "refused: "},
+       {"axial @norate.csv --mass 2.2 --length 1", 2, "say it with --sample-rate"},
+       {"axial @decay.csv --mass 2.2 --length 1 --adapter-bar 1 2 0", 2, "all positive"},
+       {"axial @decay.csv --mass 2 --length 1 --adapter-stiffness 1 --adapter-bar 1 2 3", 2,
+        "say the same: give one"},
+       {"axial @uneven.csv --mass 2 --length 1", 4, "samples are not evenly spaced in time"},
+       {"decay @uneven.csv", 4, "not evenly spaced in time; resample the recording first"},
+       {"decay @two.csv", 2, "name the channel with --channel; there are: F, a"},
+       {"bending @millimetres.csv --span 0.5", 3, "its unit is not one of force (\"m\")"},
+       {"axial @decay.csv @two.csv --mass 2.2 --length 1 2 3", 2, "2 files and 3 lengths"},
+       {"bending @table.csv", 2, "--span is needed for load-deflection records"},
+       {"bending @table.csv --span 1 --tension zz", 3, "no such column; name it with --tension"},
+       {"bending @table.csv --span 1", 4, "at least 4 are needed"},
+       {"bending @gaps.csv", 3, "gaps.csv"},
+       {"frf @two.csv --force F --response F", 2, "\"F\" is the force: it cannot be a response"},
+       {"frf @two.csv --force F --force-window x", 2, "--force-window is off, auto or a time"},
+       {"frf @two.csv --force F --struck a b", 2, "--struck names 2 points for 1 file"},
+       {"frf @two.csv --force F --response a", 4, "no hit in \"F\""},
+       {"modal @decay.csv --force a", 4, "has no channel besides the force"},
+       {"modal @decay.csv", 3, "holds no dataset"},
+       {"inspect @none.csv", 3, "cannot be opened: No such file"}});
+}
+
+const char* const kCampaign = R"(title = "rig"
+[[scene]]
+name = "cable"
+file = "scene.toml"
+
+[[test]]
+name = "hits"
+kind = "modal"
+scene = "cable"
+tension_of = "cable.tension"
+force = "F"
+exponential_window = 0.05
+band = [5, 100]
+direction = [0, 0, 1]
+[test.sensors]
+a = "mid"
+[[test.recording]]
+files = ["two.csv"]
+tension = 200
+[[test.recording.channel]]
+source = "F"
+sensitivity = 2.27
+sensitivity_unit = "mV/N"
+[[test.recording.channel]]
+source = "a"
+unit = "g"
+scale = 0.1
+direction = [0, 1, 0]
+
+[[test]]
+name = "ring"
+kind = "decay"
+scene = "cable"
+[[test.recording]]
+files = ["decay.csv"]
+
+[[test]]
+name = "drop"
+kind = "axial"
+mass = 2.2
+[[test.recording]]
+files = "decay.csv"
+length = 1.0
+
+[[test]]
+name = "bend"
+kind = "bending"
+span = 1.0
+[[test.recording]]
+files = ["table.csv"]
+
+[[fit]]
+name = "fit"
+tests = "hits"
+predicts = "ring"
+[[fit.parameter]]
+name = "cable.EI"
+low = 0.1
+high = 2.0
+prior = 0.5
+prior_std = 0.1
+)";
+
+TEST(Refusals, OfCampaignsWithRecordingsAndFits) {
+  const Files files;
+  EXPECT_NO_THROW(static_cast<void>(read_campaign(files.folder.write("campaign.toml", kCampaign))));
+  struct Mistake {
+    std::string from, to, says;
+  };
+  const std::vector<Mistake> all{
+      {"[5, 100]", "[100, 5]", "test[0].band: does not rise"},
+      {"exponential_window = 0.05", "exponential_window = 5",
+       "test[0].exponential_window: is not below 1"},
+      {"direction = [0, 0, 1]", "direction = [0, 0, 0]", "test[0].direction: is zero"},
+      {"a = \"mid\"", "a = \"mdi\"", "test[0].sensors.a: the scene has no sensor \"mdi\"; did you"},
+      {"files = [\"two.csv\"]", "files = []", "test[0].recording[0].files: is empty; name"},
+      {"sensitivity = 2.27", "sensitivity = 0", "channel[0].sensitivity: is zero"},
+      {"\"mV/N\"", "\"mV\"", "sensitivity_unit: is not a quotient of two units"},
+      {"sensitivity = 2.27", "sensitivity = 2.27\nscale = 2", "scale: stands beside a sensitivity"},
+      {"sensitivity = 2.27", "sensitivity = 2.27\nunit = \"N\"", "the unit follows from"},
+      {"unit = \"g\"", "unit = \"furlong\"", "\"furlong\" is no unit we know; write it like"},
+      {"scale = 0.1", "scale = 0", "channel[1].scale: is zero"},
+      {"[0, 1, 0]", "[0, 0, 0]", "channel[1].direction: is zero"},
+      {"tension = 200\n", "", "test[0].tension_of: is given although the recordings have no"},
+      {"tension_of = \"cable.tension\"\n", "", "tension_of: is missing although the recordings go"},
+      {"[[test]]\nname = \"ring\"", "[[test.recording]]\nfiles = \"x\"\n[[test]]\nname = \"ring\"",
+       "test[0].recording: some recordings have a tension and some have none"},
+      {"kind = \"decay\"", "kind = \"decay\"\nload = \"hamer\"",
+       "test[1].load: the scene has no load \"hamer\"; did you mean \"hammer\""},
+      {"length = 1.0\n", "", "test[2].recording: a recording of an axial test has no length"},
+      {"span = 1.0", "span = 1.0\ntable = { file = \"gaps.csv\" }",
+       "test[3].table: is given beside recordings; keep one"},
+      {"tests = \"hits\"", "tests = []", "fit[0].tests: is empty; name at least one"},
+      {"tests = \"hits\"", "tests = \"ring\"", "fit[0].tests: there is no modal test \"ring\""},
+      {"predicts = \"ring\"", "predicts = \"hits\"", "no decay test \"hits\" with a scene"},
+      {"high = 2.0", "high = 0.05", "fit[0].parameter[0].high: is not above low"},
+      {"prior_std = 0.1\n", "", "fit[0].parameter[0].prior: stands alone"},
+      {"name = \"cable.EI\"", "name = \"cable.EJ\"", "no parameter \"cable.EJ\"; did you mean"},
+      {"[[fit.parameter]]", "[[fit.unknown]]", "fit[0].parameter: is missing"},
+  };
+  for (const Mistake& mistake : all) {
+    SCOPED_TRACE(mistake.from + " -> " + mistake.to);
+    std::string text = kCampaign;
+    const auto at = text.find(mistake.from);
+    ASSERT_NE(at, std::string::npos);
+    text.replace(at, mistake.from.size(), mistake.to);
+    const std::string out = (files.folder.path() / "out").string();
+    const auto run =
+        run_program({"report", files.folder.write("campaign.toml", text), "--out", out});
+    EXPECT_EQ(run.exit_code, 3) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("campaign.toml:"));
+    EXPECT_THAT(run.err, HasSubstr(mistake.says));
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+}
+
+}  // namespace
+}  // namespace rigfit::apps::refusals_test

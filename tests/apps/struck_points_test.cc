@@ -1,0 +1,98 @@
+// A rig struck at several points: the report joins them into FRFs of several inputs. The verb
+// `modal` does so by another way (roving_hammer.h), and finds the same modes to the last digit.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::struck_points_test {
+namespace {
+
+std::string scene() {
+  std::string text = R"([[node]]
+name = "left"
+position = [0.0, 0.0, 0.0]
+support = "pinned"
+[[node]]
+name = "right"
+position = [2.4, 0.0, 0.0]
+support = "pinned"
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "right"]
+segments = 12
+mass_per_length = 0.16667
+EA = 221780.0
+EI = 0.5972
+tension = 200.0
+damping_ratio = 0.005
+)";
+  for (const auto& [name, place] : {std::pair{"quarter", "0.25"}, std::pair{"middle", "0.4"}}) {
+    text += std::string("[[load]]\nname = \"") + name + "\"\nposition = " + place +
+            "\nkind = \"impact\"\nmember = \"cable\"\ndirection = [0.0, -1.0, 0.0]\npeak = 5.0\n"
+            "duration = 0.006\n";
+  }
+  for (const auto& [name, place] : {std::pair{"a", "0.5"}, std::pair{"b", "0.33"}}) {
+    text += std::string("[[sensor]]\nname = \"") + name + "\"\nposition = " + place +
+            "\nmember = \"cable\"\nquantity = \"acceleration\"\ndirection = [0.0, 1.0, 0.0]\n";
+  }
+  return text;
+}
+
+TEST(StruckPoints, AreJoinedByTheReportAsByTheVerb) {
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return (folder.path() / name).string(); };
+  const std::string rig = folder.write("rig.toml", scene());
+  ASSERT_EQ(run_program({"synthesize", rig, "--out", path("lab"), "--seed", "3", "--rate", "1024",
+                         "--record", "4", "--hits", "2", "--double-hits", "0"})
+                .exit_code,
+            0);
+  folder.write("campaign.toml", R"(title = "rig"
+[[scene]]
+name = "cable"
+file = "rig.toml"
+[[test]]
+name = "hits"
+kind = "modal"
+scene = "cable"
+planes = "in"
+force = "force"
+band = [4, 60]
+[[test.recording]]
+files = "lab/rig/quarter-hit*.csv"
+load = "quarter"
+[[test.recording]]
+files = "lab/rig/middle-hit*.csv"
+load = "middle"
+)");
+  const auto reported = run_program({"report", path("campaign.toml"), "--out", path("out")});
+  ASSERT_EQ(reported.exit_code, 0) << reported.err;
+  const auto report = parsed(folder.read("out/report.json"));
+  const auto& state = report["recorded_modal"][0]["states"][0];
+
+  std::vector<std::string> call{"modal"};
+  for (const char* hit : {"quarter-hit1", "quarter-hit2", "middle-hit1", "middle-hit2"}) {
+    call.push_back(path("lab/rig/") + std::string(hit) + ".csv");
+  }
+  for (const char* more : {"--force", "force", "--band", "4", "60", "--json", "-", "--struck",
+                           "quarter", "quarter", "middle", "middle"}) {
+    call.emplace_back(more);
+  }
+  const auto run = run_program(call);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto verb = parsed(run.out);
+  EXPECT_EQ(verb["input_points"].size(), 2u);
+  EXPECT_THAT(state["responses"], ::testing::ElementsAre("a", "b"));
+  EXPECT_GE(verb["modes"].size(), 5u);
+  ASSERT_EQ(state["modes"].size(), verb["modes"].size());
+  for (std::size_t k = 0; k < verb["modes"].size(); ++k) {
+    EXPECT_EQ(state["modes"][k]["frequency_hz"], verb["modes"][k]["frequency_hz"]);
+    EXPECT_EQ(state["modes"][k]["damping_ratio"], verb["modes"][k]["damping_ratio"]);
+  }
+}
+
+}  // namespace
+}  // namespace rigfit::apps::struck_points_test
