@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 #include "model/bracketed_root.h"
+#include "tests/model/dense_eigen.h"
 
 namespace rigfit::model::closed_forms_test {
 namespace {
@@ -49,11 +49,10 @@ std::vector<double> finite_element_frequencies(const UniformBeam& beam, Ends end
   }
   const Eigen::MatrixXd Kf = K(keep, keep), Mf = M(keep, keep);
   // Inverted (M x = mu K x): the low frequencies are then the large eigenvalues, found accurately.
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(Mf, Kf,
-                                                                         Eigen::EigenvaluesOnly);
+  const Eigen::VectorXd mu = testing::symmetric_eigenvalues(Mf, Kf);
   std::vector<double> result;
   for (int i = 0; i < count; ++i) {
-    result.push_back(1 / std::sqrt(solver.eigenvalues()(Kf.rows() - 1 - i)) / (2 * pi));
+    result.push_back(1 / std::sqrt(mu[Kf.rows() - 1 - i]) / (2 * pi));
   }
   return result;
 }
@@ -181,8 +180,7 @@ TEST(ClosedForms, IrvineLimitsAndCrossover) {
       K(i, j) += cable.EA_N / Le * std::pow(w / H, 2) * (2 / ki) * (2 / kj) * 2 / (m * L);
     }
   }
-  const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = testing::symmetric_eigenvalues(K);
   const auto f = irvine_symmetric_frequencies(cable, 3);
   // The truncated rest of the sum over 1/k^4 is of order 1/n^3.
   for (int i = 0; i < 3; ++i) {

@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "model/general_eigen.h"
 #include "tests/model/test_scenes.h"
 
 namespace rigfit::model::damped_modes_test {
@@ -21,9 +22,9 @@ std::vector<std::complex<double>> dense_poles(const MotionModes& motion, const C
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n), b = a;
   a << d, m, m, Eigen::MatrixXd::Zero(n, n);
   b << -k, Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), m;
-  const Eigen::EigenSolver<Eigen::MatrixXd> eigen(b.partialPivLu().solve(a));  // 1 / s
   std::vector<std::complex<double>> poles;
-  for (const auto& inverse : eigen.eigenvalues()) {
+  const Eigen::VectorXcd inverses = general_eigenpairs(b.partialPivLu().solve(a), {}).values;
+  for (const auto& inverse : inverses) {  // 1 / s
     if (inverse.imag() < 0 && std::abs(inverse) > 1e-9) poles.push_back(1.0 / inverse);
   }
   std::sort(poles.begin(), poles.end(),

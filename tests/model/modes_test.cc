@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "model/closed_forms.h"
 #include "model/eigenpairs.h"
 #include "tests/expect_matrix.h"
+#include "tests/model/dense_eigen.h"
 #include "tests/model/test_scenes.h"
 
 namespace rigfit::model::modes_test {
@@ -173,9 +173,8 @@ TEST(Modes, AgreeWithDenseAlgebra) {
     std::vector<double> dense;
     for (const MotionModes& motion : modes.motions) {
       // M v = nu K v has the finite modes as nu > 0, the unknowns without inertia as nu = 0.
-      const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-          motion.mass.dense(), motion.stiffness.dense());
-      for (const double nu : eigen.eigenvalues()) {
+      for (const double nu :
+           testing::symmetric_eigenvalues(motion.mass.dense(), motion.stiffness.dense())) {
         if (nu > 1e-14) dense.push_back(1 / nu);
       }
       for (Eigen::Index i = 0; i < motion.omega2.size(); ++i) {

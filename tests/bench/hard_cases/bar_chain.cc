@@ -1,8 +1,9 @@
 #include "tests/bench/hard_cases/bar_chain.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "tests/model/dense_eigen.h"
 
 namespace rigfit::hard_cases {
 namespace {
@@ -37,10 +38,9 @@ std::vector<double> frequencies_of_bars(const ElasticCatenary& cable, const Cate
       }
     }
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(K, M,
-                                                                        Eigen::EigenvaluesOnly);
+  const Eigen::VectorXd omega2 = model::testing::symmetric_eigenvalues(K, M);
   std::vector<double> out;
-  for (int i = 0; i < count; ++i) out.push_back(std::sqrt(eigen.eigenvalues()[i]) / (2 * M_PI));
+  for (int i = 0; i < count; ++i) out.push_back(std::sqrt(omega2[i]) / (2 * M_PI));
   return out;
 }
 
