@@ -16,9 +16,6 @@ Complex integer_power(Complex s, int power) {
   return result;
 }
 
-/// 1 / z without the library's care for what over- or underflows, which lines near a pole never do.
-Complex reciprocal(Complex z) { return std::conj(z) / std::norm(z); }
-
 /// Columns 2r and 2r + 1: f + g and i (f - g), f = scale / (s - p)^k, g = scale / (s - conj p)^k.
 void fill_pole_columns(const Eigen::Ref<const Eigen::VectorXcd>& s, int power, int k,
                        const Eigen::Ref<const Eigen::VectorXcd>& poles,
@@ -33,7 +30,7 @@ void fill_pole_columns(const Eigen::Ref<const Eigen::VectorXcd>& s, int power, i
     double* const re = &basis(0, 2 * r);
     double* const im = &basis(0, 2 * r + 1);
     for (Index i = 0; i < lines; ++i) {
-      Complex f = reciprocal(s[i] - p), g = reciprocal(s[i] - q);
+      Complex f = 1.0 / (s[i] - p), g = 1.0 / (s[i] - q);
       if (k == 2) f *= f, g *= g;
       f *= scale[i], g *= scale[i];
       const Complex sum = f + g, difference = f - g;
