@@ -69,6 +69,7 @@ class Lanczos {
     return v_.leftCols(done_) * eigen_.eigenvectors().col(order_[std::size_t(i)]);
   }
   int done() const { return done_; }
+  Eigen::Index rows() const { return v_.rows(); }
   bool exhausted() const { return exhausted_; }
   /// Continue from a random vector: finds what the first start could not see.
   void renew() { renew_ = true; }
@@ -170,11 +171,11 @@ Eigenpairs collect(const Lanczos& lanczos, std::vector<int> chosen) {
   Eigenpairs out;
   const auto n = static_cast<Eigen::Index>(chosen.size());
   out.values.resize(n);
+  out.vectors.resize(lanczos.rows(), n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const int k = chosen[std::size_t(i)];
     out.values[i] = lanczos.lambda(k);
     const Eigen::VectorXd x = lanczos.vector(k);
-    if (i == 0) out.vectors.resize(x.size(), n);
     // The sign: first large entry positive.
     const double large = 0.5 * x.cwiseAbs().maxCoeff();
     Eigen::Index first = 0;
@@ -317,6 +318,7 @@ int count_below(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double mu) {
 
 Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, int count) {
   Eigenpairs none;
+  none.vectors.resize(k.size(), 0);
   none.complete = none.exhausted = true;
   if (k.size() == 0 || count <= 0) return none;
   Lanczos lanczos(k, m, 0);
@@ -390,6 +392,7 @@ Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, i
 Eigenpairs eigenpairs_between(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double low,
                               double high) {
   Eigenpairs none;
+  none.vectors.resize(k.size(), 0);
   none.complete = none.exhausted = true;
   if (k.size() == 0) return none;
   const int wanted =
