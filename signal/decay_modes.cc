@@ -22,12 +22,6 @@ using Eigen::Index;
 constexpr double kHighestDamping = 0.9;
 constexpr Index kFewDegrees = 200;
 
-bool plausible(Complex pole, Index n) {
-  const double cycles = pole.imag() / kTwoPi * static_cast<double>(n);
-  return damping_ratio_of(pole) < kHighestDamping && cycles > 0.3 &&
-         pole.real() * static_cast<double>(n) < 2.9;
-}
-
 class DecayModeSearch {
  public:
   DecayModeSearch(const DecaySamples& samples, const DecayModesOptions& options)
@@ -61,7 +55,7 @@ class DecayModeSearch {
     for (const auto& start : starts) {
       auto fit =
           fit_damped_sinusoids(samples_.values, std::span(&start.pole, 1), {}, samples_.missing);
-      if (!plausible(fit.poles[0], n_) || fit.unit_covariance.size() == 0) continue;
+      if (!plausible_decay(fit.poles[0], n_) || fit.unit_covariance.size() == 0) continue;
       if (!oscillates(fit)) continue;
       if (!passes_fisher(x.squaredNorm() - fit.residual_sum_squares, fit)) continue;
       if (!best || fit.residual_sum_squares < best->residual_sum_squares) best = std::move(fit);
@@ -104,7 +98,7 @@ class DecayModeSearch {
     if (more.degrees < kFewDegrees && !passes_fisher(gain, more)) return false;
     const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
     for (std::size_t m = 0; m < more.poles.size(); ++m) {
-      if (!plausible(more.poles[m], n_)) return false;
+      if (!plausible_decay(more.poles[m], n_)) return false;
       const auto k = static_cast<Index>(4 * m);
       const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
       const double w_std = std::sqrt(white * more.unit_covariance(k + 3, k + 3));
@@ -206,6 +200,12 @@ DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y, Index sta
 bool DecayBand::contains(Complex pole) const {
   const double f = std::abs(pole) / kTwoPi;
   return all || (f >= low && f <= high);
+}
+
+bool plausible_decay(Complex pole, Index samples) {
+  const double cycles = pole.imag() / kTwoPi * static_cast<double>(samples);
+  return damping_ratio_of(pole) < kHighestDamping && cycles > 0.3 &&
+         pole.real() * static_cast<double>(samples) < 2.9;
 }
 
 double damping_ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }

@@ -53,6 +53,9 @@ struct DecayModesOptions {
 [[nodiscard]] double mode_energy(const DampedSinusoidsFit& fit, std::size_t m);
 /// The mode of most energy in the band.
 [[nodiscard]] std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band);
+/// Whether a pole may be that of an oscillation in so many samples: damping ratio under 0.9, 0.3
+/// cycles and more, growing by e^2.9 at most.
+[[nodiscard]] bool plausible_decay(std::complex<double> pole, Eigen::Index samples);
 /// -Re p / |p|.
 [[nodiscard]] double damping_ratio_of(std::complex<double> pole);
 

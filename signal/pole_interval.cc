@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "signal/decay_modes.h"
 #include "signal/numbers.h"
 
 namespace rigfit::signal {
@@ -23,7 +24,6 @@ using Eigen::Index;
 constexpr std::array kLooks = {0.75, 1.5, 2.5, 4.0, 6.0, 9.0, 13.0, 19.0};
 // Under exp(-9) of the density's top there is nothing more to see.
 constexpr double kSpent = 9;
-constexpr double kHighestDamping = 0.9;  // as for what passes for a mode
 constexpr double kTail = 0.025;
 
 /// 1 / (4 sinh^2(x / 2)) - 1 / x^2: under 1e-9 where the series is taken.
@@ -60,7 +60,7 @@ class HeldPole {
       Complex& pole = poles[mode_];
       const double value = centre() + sign * distance * evidence_.std;
       pole = real() ? Complex(value, pole.imag()) : Complex(pole.real(), value);
-      if (!oscillates(pole)) break;
+      if (!plausible_decay(pole, fit_.samples) || pole.imag() > 0.5 * kTwoPi) break;
       const DampedSinusoidsFit at = fit_damped_sinusoids(y_, poles, held, missing_);
       const double rise = (at.residual_sum_squares - fit_.residual_sum_squares) / variance_;
       if (!std::isfinite(rise)) break;
@@ -94,10 +94,6 @@ class HeldPole {
     if (!real()) return 0;
     const double a = -centre(), at = a - distance * evidence_.std;
     return std::log(index_variance(2 * at, fit_.samples) / index_variance(at + a, fit_.samples));
-  }
-  bool oscillates(Complex pole) const {
-    return -pole.real() < kHighestDamping * std::abs(pole) && pole.imag() > 0 &&
-           pole.imag() < 0.5 * kTwoPi && pole.real() * static_cast<double>(fit_.samples) < 2.9;
   }
 
   const Eigen::Ref<const Eigen::VectorXd>& y_;
