@@ -7,7 +7,7 @@
 set -eu
 
 build="ca-certificates cmake g++ ninja-build pkg-config
-  libeigen3-dev libceres-dev libfftw3-dev libgsl-dev libsundials-dev libspectra-dev
+  libeigen3-dev libceres-dev libfftw3-dev libgsl-dev libsundials-dev
   libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev libjs-dygraphs"
 test="libgtest-dev libgmock-dev libbenchmark-dev python3 chromium chromium-driver poppler-utils
   calculix-ccx"

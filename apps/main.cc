@@ -13,9 +13,9 @@
 #include <streambuf>
 #include <thread>
 
-#include "apps/exit_code.h"
-#include "apps/json_document.h"
-#include "apps/verb.h"
+#include "apps/cli/exit_code.h"
+#include "apps/cli/json_document.h"
+#include "apps/cli/verb.h"
 
 namespace rigfit::apps {
 namespace {

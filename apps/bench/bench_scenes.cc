@@ -3,7 +3,7 @@
 #include <string>
 
 #include "apps/report/assets.h"
-#include "model/read_scene.h"
+#include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 

@@ -2,7 +2,7 @@
 // testdata/jalali2021/scenes.
 #pragma once
 
-#include "model/scene.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::apps {
 

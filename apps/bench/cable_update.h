@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/model_update.h"
+#include "ident/update/model_update.h"
 
 namespace rigfit::apps {
 

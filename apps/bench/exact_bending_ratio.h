@@ -1,5 +1,5 @@
-// The bending equation's F(lambda) (ident/bending_equation.h) with a mantissa of 64 bits: what the
-// library's is compared with.
+// The bending equation's F(lambda) (ident/bending/bending_equation.h) with a mantissa of 64 bits:
+// what the library's is compared with.
 //
 //   F = 1 - 2 tanh(lambda / 2) / lambda = (x cosh x - sinh x) / (x cosh x),   x = lambda / 2
 //

@@ -8,8 +8,8 @@
 
 #include "apps/bench/cable_update.h"
 #include "apps/bench/exact_bending_ratio.h"
-#include "ident/bending_equation.h"
-#include "ident/model_update.h"
+#include "ident/bending/bending_equation.h"
+#include "ident/update/model_update.h"
 
 namespace rigfit::apps {
 namespace {

@@ -6,12 +6,12 @@
 #include <complex>
 #include <numeric>
 
-#include "model/assembly.h"
-#include "model/eigenpairs.h"
-#include "model/equilibrium.h"
-#include "model/frf_synthesis.h"
-#include "model/modes.h"
-#include "model/segment_choice.h"
+#include "model/algebra/eigenpairs.h"
+#include "model/chain/assembly.h"
+#include "model/linear/frf_synthesis.h"
+#include "model/linear/modes.h"
+#include "model/linear/segment_choice.h"
+#include "model/statics/equilibrium.h"
 
 namespace rigfit::apps {
 namespace {

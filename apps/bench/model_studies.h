@@ -7,7 +7,7 @@
 #pragma once
 
 #include "apps/bench/bench_study.h"
-#include "model/scene.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::apps {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/bench/model_studies.h"
-#include "model/response.h"
+#include "model/response/response.h"
 
 namespace rigfit::apps {
 namespace {

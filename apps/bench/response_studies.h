@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "apps/bench/bench_study.h"
-#include "model/force_history.h"
-#include "model/scene.h"
+#include "model/scene/force_history.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::apps {
 

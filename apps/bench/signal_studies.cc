@@ -9,12 +9,12 @@
 #include <random>
 
 #include "apps/bench/ten_modes.h"
-#include "signal/damped_sinusoids.h"
-#include "signal/decay.h"
-#include "signal/frf.h"
-#include "signal/log_decrement.h"
-#include "signal/lscf.h"
-#include "signal/modal_identification.h"
+#include "signal/decay/decay.h"
+#include "signal/decay/log_decrement.h"
+#include "signal/modal/modal_identification.h"
+#include "signal/poles/lscf.h"
+#include "signal/sinusoids/damped_sinusoids.h"
+#include "signal/spectra/frf.h"
 
 namespace rigfit::apps {
 namespace {

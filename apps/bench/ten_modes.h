@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "signal/frf_set.h"
+#include "signal/spectra/frf_set.h"
 
 namespace rigfit::apps {
 

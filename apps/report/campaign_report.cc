@@ -8,22 +8,22 @@
 #include <iterator>
 #include <unordered_map>
 
-#include "apps/json_document.h"
-#include "apps/output_file.h"
-#include "apps/progress.h"
-#include "apps/report/axial_part.h"
-#include "apps/report/bending_part.h"
-#include "apps/report/cost_part.h"
-#include "apps/report/decay_part.h"
-#include "apps/report/fit_part.h"
-#include "apps/report/modal_part.h"
-#include "apps/report/recorded_modal.h"
+#include "apps/cli/json_document.h"
+#include "apps/cli/output_file.h"
+#include "apps/cli/progress.h"
+#include "apps/report/figures/svg_plot.h"
+#include "apps/report/fit/fit_part.h"
+#include "apps/report/modal/modal_part.h"
+#include "apps/report/modal/recorded_modal.h"
+#include "apps/report/parts/axial_part.h"
+#include "apps/report/parts/bending_part.h"
+#include "apps/report/parts/cost_part.h"
+#include "apps/report/parts/decay_part.h"
+#include "apps/report/parts/scenes_part.h"
+#include "apps/report/parts/speed_part.h"
 #include "apps/report/report_page.h"
-#include "apps/report/scenes_part.h"
-#include "apps/report/speed_part.h"
 #include "apps/report/stage_cache.h"
-#include "apps/report/svg_plot.h"
-#include "ident/in_parallel.h"
+#include "ident/statistics/in_parallel.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;

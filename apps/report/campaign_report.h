@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "apps/campaign.h"
-#include "apps/verb.h"
+#include "apps/campaign_file/campaign.h"
+#include "apps/cli/verb.h"
 
 namespace rigfit::apps {
 

@@ -4,9 +4,9 @@
 
 #include "apps/report/archive.h"
 #include "apps/report/report_part.h"
-#include "signal/estimate.h"
-#include "signal/frf_set.h"
-#include "signal/modal_model.h"
+#include "signal/modal/modal_model.h"
+#include "signal/numerics/estimate.h"
+#include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
 

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "apps/report/assets.h"
+#include "apps/report/figures/svg_plot.h"
 #include "apps/report/html_text.h"
-#include "apps/report/svg_plot.h"
 
 namespace rigfit::apps {
 namespace {

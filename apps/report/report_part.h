@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "apps/report/plot.h"
+#include "apps/report/figures/plot.h"
 
 namespace rigfit::apps {
 

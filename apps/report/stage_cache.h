@@ -12,8 +12,8 @@
 #include <set>
 #include <string>
 
+#include "apps/cli/sha256.h"
 #include "apps/report/part_archive.h"
-#include "apps/sha256.h"
 
 namespace rigfit::apps {
 

@@ -16,9 +16,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "apps/exit_code.h"
-#include "apps/sha256.h"
-#include "apps/verb_context.h"
+#include "apps/cli/exit_code.h"
+#include "apps/cli/sha256.h"
+#include "apps/cli/verb_context.h"
 #include "tests/apps/run_program.h"
 
 namespace rigfit::apps::faults_test {

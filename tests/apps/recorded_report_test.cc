@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "signal/read_recording.h"
-#include "signal/read_uff.h"
-#include "signal/write_csv.h"
+#include "signal/readers/read_recording.h"
+#include "signal/readers/uff/read_uff.h"
+#include "signal/writers/write_csv.h"
 #include "tests/apps/json_schema.h"
 #include "tests/apps/run_program.h"
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "apps/campaign.h"
+#include "apps/campaign_file/campaign.h"
 #include "tests/apps/run_program.h"
 
 namespace rigfit::apps::refusals_test {

@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "ident/axial_test.h"
-#include "ident/virtual_axial.h"
-#include "signal/decay.h"
+#include "ident/axial/axial_test.h"
+#include "ident/virtual_rig/virtual_axial.h"
+#include "signal/decay/decay.h"
 
 namespace {
 

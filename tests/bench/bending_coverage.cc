@@ -9,9 +9,9 @@
 #include <tuple>
 #include <vector>
 
-#include "ident/bending_test.h"
-#include "ident/virtual_bending.h"
-#include "ident/virtual_laboratory.h"
+#include "ident/bending/bending_test.h"
+#include "ident/virtual_rig/virtual_bending.h"
+#include "ident/virtual_rig/virtual_laboratory.h"
 
 namespace {
 

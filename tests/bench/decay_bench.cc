@@ -8,8 +8,8 @@
 #include <numbers>
 #include <random>
 
-#include "signal/damped_sinusoids.h"
-#include "signal/decay.h"
+#include "signal/decay/decay.h"
+#include "signal/sinusoids/damped_sinusoids.h"
 
 namespace {
 

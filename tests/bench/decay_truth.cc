@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "signal/damped_sinusoids.h"
-#include "signal/decay.h"
+#include "signal/decay/decay.h"
+#include "signal/sinusoids/damped_sinusoids.h"
 
 namespace {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "signal/fft.h"
-#include "signal/frf.h"
-#include "signal/impact_test.h"
-#include "tests/signal/ten_mode_truth.h"
+#include "signal/impact/impact_test.h"
+#include "signal/spectra/fft.h"
+#include "signal/spectra/frf.h"
+#include "tests/reference/ten_mode_truth.h"
 
 namespace {
 using namespace rigfit;

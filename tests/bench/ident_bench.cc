@@ -10,11 +10,11 @@
 
 #include "apps/bench/cable_update.h"
 #include "apps/bench/exact_bending_ratio.h"
-#include "ident/axial_test.h"
-#include "ident/bending_test.h"
-#include "ident/virtual_axial.h"
-#include "ident/virtual_bending.h"
-#include "signal/decay.h"
+#include "ident/axial/axial_test.h"
+#include "ident/bending/bending_test.h"
+#include "ident/virtual_rig/virtual_axial.h"
+#include "ident/virtual_rig/virtual_bending.h"
+#include "signal/decay/decay.h"
 
 namespace rigfit::ident {
 namespace {

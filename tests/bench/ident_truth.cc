@@ -8,13 +8,13 @@
 #include <cmath>
 #include <random>
 
-#include "ident/axial_test.h"
-#include "ident/bending_test.h"
-#include "ident/model_update.h"
-#include "ident/virtual_axial.h"
-#include "ident/virtual_bending.h"
-#include "model/read_scene.h"
-#include "signal/decay.h"
+#include "ident/axial/axial_test.h"
+#include "ident/bending/bending_test.h"
+#include "ident/update/model_update.h"
+#include "ident/virtual_rig/virtual_axial.h"
+#include "ident/virtual_rig/virtual_bending.h"
+#include "model/scene/read_scene.h"
+#include "signal/decay/decay.h"
 
 namespace {
 

@@ -5,9 +5,9 @@
 #include <complex>
 #include <random>
 
-#include "signal/lscf.h"
-#include "signal/modal_identification.h"
-#include "tests/signal/ten_mode_truth.h"
+#include "signal/modal/modal_identification.h"
+#include "signal/poles/lscf.h"
+#include "tests/reference/ten_mode_truth.h"
 
 namespace rigfit {
 namespace {

@@ -16,10 +16,10 @@
 #include <thread>
 #include <vector>
 
-#include "signal/impact_test.h"
-#include "signal/mac.h"
-#include "signal/modal_identification.h"
-#include "tests/signal/ten_mode_truth.h"
+#include "signal/impact/impact_test.h"
+#include "signal/modal/mac.h"
+#include "signal/modal/modal_identification.h"
+#include "tests/reference/ten_mode_truth.h"
 
 namespace rigfit {
 namespace {

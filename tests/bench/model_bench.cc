@@ -4,14 +4,14 @@
 
 #include <cmath>
 
-#include "apps/bench/pole_line.h"
-#include "model/closed_forms.h"
-#include "model/equilibrium.h"
-#include "model/frf_sensitivities.h"
-#include "model/modal_analysis.h"
-#include "model/modes.h"
+#include "apps/bench/utility_line.h"
+#include "model/linear/frf_sensitivities.h"
+#include "model/linear/modal_analysis.h"
+#include "model/linear/modes.h"
+#include "model/statics/equilibrium.h"
 #include "tests/model/motion_scenes.h"
 #include "tests/model/test_scenes.h"
+#include "tests/reference/closed_forms.h"
 
 namespace rigfit::model {
 namespace {

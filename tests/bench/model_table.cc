@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "apps/bench/pole_line.h"
-#include "model/closed_forms.h"
-#include "model/modes.h"
-#include "model/segment_choice.h"
+#include "apps/bench/utility_line.h"
+#include "model/linear/modes.h"
+#include "model/linear/segment_choice.h"
 #include "tests/model/test_scenes.h"
+#include "tests/reference/closed_forms.h"
 
 namespace {
 

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <string>
 
-#include "signal/quality.h"
-#include "signal/read_recording.h"
-#include "signal/write_uff.h"
+#include "signal/readers/read_recording.h"
+#include "signal/recording/quality.h"
+#include "signal/writers/write_uff.h"
 
 namespace {
 namespace fs = std::filesystem;

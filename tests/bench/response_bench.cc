@@ -4,7 +4,7 @@
 // recurrence loses), motions at a twelfth of the natural step.
 #include <benchmark/benchmark.h>
 
-#include "model/response.h"
+#include "model/response/response.h"
 #include "tests/model/motion_scenes.h"
 
 namespace rigfit::model {

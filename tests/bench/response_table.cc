@@ -16,7 +16,7 @@
 #include <ctime>
 #include <vector>
 
-#include "model/response.h"
+#include "model/response/response.h"
 #include "tests/model/motion_scenes.h"
 
 using namespace rigfit::model;

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ident/strand.h"
-#include "model/scene.h"
-#include "signal/recording.h"
+#include "ident/bending/strand.h"
+#include "model/scene/scene.h"
+#include "signal/recording/recording.h"
 
 int main() {
   rigfit::model::Scene scene;

@@ -1,7 +1,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "signal/read_uff_modes.h"
+#include "signal/readers/uff/read_uff_modes.h"
 #include "tests/fuzz/require_sound.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

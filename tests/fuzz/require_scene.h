@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "model/modal_analysis.h"
-#include "model/read_scene.h"
-#include "model/scene_error.h"
+#include "model/linear/modal_analysis.h"
+#include "model/scene/read_scene.h"
+#include "model/scene/scene_error.h"
 
 namespace rigfit::model {
 

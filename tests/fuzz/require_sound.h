@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "signal/read_uff_modes.h"
-#include "signal/recording.h"
-#include "signal/recording_error.h"
+#include "signal/readers/uff/read_uff_modes.h"
+#include "signal/recording/recording.h"
+#include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {
 

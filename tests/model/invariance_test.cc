@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/frf_synthesis.h"
-#include "model/response.h"
+#include "model/linear/frf_synthesis.h"
+#include "model/response/response.h"
 #include "tests/model/test_scenes.h"
 
 namespace rigfit::model::invariance_test {

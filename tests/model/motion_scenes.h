@@ -1,7 +1,7 @@
 // Scenes that the tests of motions share.
 #pragma once
 
-#include "model/scene.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::model::testing {
 

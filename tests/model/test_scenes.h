@@ -1,7 +1,7 @@
 // The paper's rig, built in memory: what the model's tests share.
 #pragma once
 
-#include "model/scene.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::model::testing {
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <memory>
 
-#include "signal/impact_test.h"
-#include "signal/modal_identification.h"
-#include "tests/signal/ten_mode_truth.h"
+#include "signal/impact/impact_test.h"
+#include "signal/modal/modal_identification.h"
+#include "tests/reference/ten_mode_truth.h"
 
 namespace rigfit::signal::signal_invariance_test {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/model/dense_eigen.h"
+#include "tests/reference/dense_eigen.h"
 
 namespace rigfit::hard_cases {
 namespace {

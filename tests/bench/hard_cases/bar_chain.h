@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "model/closed_forms.h"
+#include "tests/reference/closed_forms.h"
 
 namespace rigfit::hard_cases {
 

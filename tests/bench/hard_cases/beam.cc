@@ -2,10 +2,10 @@
 #include <cmath>
 #include <string>
 
-#include "model/closed_forms.h"
-#include "model/modal_analysis.h"
+#include "model/linear/modal_analysis.h"
 #include "tests/bench/hard_cases/hard_case.h"
 #include "tests/model/test_scenes.h"
+#include "tests/reference/closed_forms.h"
 
 namespace rigfit::hard_cases {
 namespace beam_area {

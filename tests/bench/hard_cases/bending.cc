@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apps/bench/exact_bending_ratio.h"
-#include "ident/bending_equation.h"
+#include "ident/bending/bending_equation.h"
 #include "tests/bench/hard_cases/hard_case.h"
 
 namespace rigfit::hard_cases {

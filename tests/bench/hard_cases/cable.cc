@@ -6,11 +6,11 @@
 #include <cmath>
 #include <string>
 
-#include "model/closed_forms.h"
-#include "model/modal_analysis.h"
+#include "model/linear/modal_analysis.h"
 #include "tests/bench/hard_cases/bar_chain.h"
 #include "tests/bench/hard_cases/hard_case.h"
 #include "tests/model/test_scenes.h"
+#include "tests/reference/closed_forms.h"
 
 namespace rigfit::hard_cases {
 namespace cable_area {

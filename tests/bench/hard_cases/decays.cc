@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/decay.h"
+#include "signal/decay/decay.h"
 #include "tests/bench/hard_cases/hard_case.h"
 
 namespace rigfit::hard_cases {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "ident/axial_test.h"
-#include "ident/model_update.h"
-#include "model/modal_analysis.h"
+#include "ident/axial/axial_test.h"
+#include "ident/update/model_update.h"
+#include "model/linear/modal_analysis.h"
 #include "tests/bench/hard_cases/hard_case.h"
 #include "tests/model/test_scenes.h"
 

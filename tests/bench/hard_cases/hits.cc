@@ -1,7 +1,7 @@
 // Impact tests from recordings to modes where hits, sensors and logger are not as one wishes:
 // pulses of one sample, double hits, hum, gaps, saturation, a single hit, modes closer than their
 // bandwidth, modes a thousand times weaker than others. The rig is small and known exactly
-// (tests/signal/ten_mode_truth.h); hits, noise and their times are drawn anew for each test.
+// (tests/reference/ten_mode_truth.h); hits, noise and their times are drawn anew for each test.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "signal/impact_test.h"
-#include "signal/modal_identification.h"
+#include "signal/impact/impact_test.h"
+#include "signal/modal/modal_identification.h"
 #include "tests/bench/hard_cases/hard_case.h"
-#include "tests/signal/ten_mode_truth.h"
+#include "tests/reference/ten_mode_truth.h"
 
 namespace rigfit::hard_cases {
 namespace hits {

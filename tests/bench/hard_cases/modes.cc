@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "ident/mode_pairing.h"
-#include "model/closed_forms.h"
-#include "model/modal_analysis.h"
+#include "ident/update/mode_pairing.h"
+#include "model/linear/modal_analysis.h"
 #include "tests/bench/hard_cases/bar_chain.h"
 #include "tests/bench/hard_cases/hard_case.h"
 #include "tests/model/test_scenes.h"
+#include "tests/reference/closed_forms.h"
 
 namespace rigfit::hard_cases {
 namespace modes_area {

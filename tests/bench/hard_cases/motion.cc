@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "model/assembly.h"
-#include "model/cvode_response.h"
-#include "model/equilibrium.h"
-#include "model/explicit_motion.h"
-#include "model/implicit_motion.h"
-#include "model/loaded_state.h"
-#include "model/modes.h"
-#include "model/response.h"
+#include "model/chain/assembly.h"
+#include "model/linear/modes.h"
+#include "model/motion/cvode_response.h"
+#include "model/motion/explicit_motion.h"
+#include "model/motion/implicit_motion.h"
+#include "model/response/response.h"
+#include "model/statics/equilibrium.h"
+#include "model/statics/loaded_state.h"
 #include "tests/bench/hard_cases/hard_case.h"
 #include "tests/model/motion_scenes.h"
 #include "tests/model/test_scenes.h"

@@ -4,8 +4,8 @@
 #include <random>
 #include <string>
 
-#include "ident/bending_test.h"
-#include "ident/stiffness_law.h"
+#include "ident/bending/bending_test.h"
+#include "ident/bending/stiffness_law.h"
 #include "tests/bench/hard_cases/hard_case.h"
 
 namespace rigfit::hard_cases {

@@ -1,0 +1,59 @@
+// Measured modes as people keep them: a table with one mode a line.
+//
+//   frequency_hz, std, damping_ratio, damping_std, plane, tension_N, shape:<sensor> ...
+//
+// Only the frequency is needed; blank: not measured. `plane` is in or out (of the test). Other
+// tables are read too by naming their frequency column ("test_Hz"). Lines that start with # are
+// remarks.
+//
+// Or as other programs keep them: universal files with datasets 55, and 15 or 2411 for where their
+// nodes are (signal/readers/uff/read_uff_modes.h).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/update/model_update.h"
+
+namespace rigfit::apps {
+
+struct MeasuredTableRow {
+  ident::MeasuredMode mode;
+  std::optional<double> tension_N;
+  std::vector<double> compared;  ///< of the columns asked for, NaN where blank
+};
+
+/// `column`: of the frequency; empty: "frequency_hz". `plane`: for rows that name none. `sensors`:
+/// the scene's, in the order that shapes are wanted. `compare`: further columns of frequencies;
+/// a table may lack them. Throws model::SceneError with file and line.
+[[nodiscard]] std::vector<MeasuredTableRow> read_measured_modes(
+    const std::filesystem::path& path, const std::string& column,
+    std::optional<model::ModePlane> plane, const std::vector<std::string>& sensors,
+    const std::vector<std::string>& compare = {});
+
+/// Whether the file begins as a universal file does.
+[[nodiscard]] bool is_universal_file(const std::filesystem::path& path);
+
+/// A sensor of the scene and the node of a file that it is at, "tip=12": its shape is what the node
+/// moves along the sensor's direction; "tip=12-Y": what it moves along the file's -y.
+struct NodeOfSensor {
+  std::string sensor;
+  int node = 0;
+  int direction = 0;  ///< +-1 x, +-2 y, +-3 z; 0: the sensor's own
+};
+
+/// Throws std::invalid_argument for what is no such text.
+[[nodiscard]] NodeOfSensor node_of_sensor(const std::string& text);
+
+/// Modes of datasets 55. Sensors that `nodes` does not name are at the node of the file that is
+/// where they are in the scene (within 1/1000 of its extent; the coordinates of both must agree).
+/// Shapes are taken where every sensor has a node; `remarks` says where not, and what the reader
+/// left out. Throws signal::RecordingError.
+[[nodiscard]] std::vector<MeasuredTableRow> read_uff_measured_modes(
+    const std::filesystem::path& path, std::optional<model::ModePlane> plane,
+    const model::Scene& scene, const std::vector<NodeOfSensor>& nodes,
+    std::vector<std::string>& remarks);
+
+}  // namespace rigfit::apps

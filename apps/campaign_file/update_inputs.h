@@ -1,0 +1,31 @@
+// What `update` takes as known, with its uncertainty: readings, lengths, masses, and what the tests
+// before gave (EI over tension, EA).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/campaign_file/update_data.h"
+#include "ident/update/model_update.h"
+
+namespace rigfit::apps {
+
+/// Inputs of `--input`, one a text: "TARGET[,-TARGET...]=STD", STD a number or, with "%", relative
+/// to the first target's value; "@each" at its end: independent in every state. TARGET is a scene
+/// parameter, or `tension`: that of all cables, as a load cell reads it, with the EI that the
+/// stiffness table gives there. Then a stiffness table's points, where it has their std, each by
+/// itself, and a common part that all share. Throws UsageError, model::SceneError.
+[[nodiscard]] std::vector<ident::UncertainInput> uncertain_inputs(
+    const std::vector<std::string>& texts, double stiffness_common_std, const UpdateStates& states);
+
+/// Inputs of `--aim`, one a text: "LOAD=METRES,DEGREES", how exactly a load of the scene struck
+/// where and along what the scene says: its place along the member, and its direction to either
+/// side of two, all independent of each other and in every state. Throws UsageError.
+[[nodiscard]] std::vector<ident::UncertainInput> aim_inputs(const std::vector<std::string>& texts,
+                                                            const UpdateStates& states);
+
+/// Puts the EA of a result of `rigfit axial` (JSON) into all cables of all states; the input that
+/// it is. Throws model::SceneError for what is no such result.
+[[nodiscard]] ident::UncertainInput axial_input(const std::string& path, UpdateStates& states);
+
+}  // namespace rigfit::apps

@@ -1,0 +1,64 @@
+// The options of an impact test on the command line, shared by the verbs that begin with one, and
+// the way from them to FRFs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/cli/verb.h"
+#include "signal/impact/impact_test.h"
+#include "signal/impact/roving_hammer.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::apps {
+
+struct ImpactCommand {
+  std::vector<std::string> files;
+  std::string force;
+  std::vector<std::string> responses;  ///< empty: every other channel
+  std::string driving_point;
+  std::vector<std::string> struck;  ///< point struck in each file; empty: one point in all
+  std::string estimator = "h1";
+  std::string force_window = "off";  ///< "off", "auto" or seconds
+  double exponential_window = 0;     ///< 1/s
+  double exponential_end_level = 0;  ///< 0..1; 0: not used
+  std::vector<double> band;          ///< Hz, two or none
+  double sample_rate_hz = 0;
+  std::string sign = "auto";
+  double trigger = 0, double_hit = 0, max_spectrum_drop_db = 0, ring_down_level = 0;
+  double block_s = 0, pre_trigger_s = -1;
+  int min_pulse_samples = 0;
+  bool keep_outliers = false;
+  bool frequencies_only = false;
+  long error_smoothing_lines = 10;
+  ImpactCommand();
+};
+
+/// Binds them to a verb; `files` only when asked (as the verb's positional argument).
+void add_impact_options(CLI::App& verb, ImpactCommand& command, bool with_files);
+
+struct ImpactRun {
+  std::string force;  ///< the channel's name
+  std::string force_unit;
+  /// The points struck and the files of each; one without a name unless the hammer roves.
+  std::vector<std::string> points;
+  std::vector<std::vector<signal::Recording>> recordings;
+  std::vector<signal::ImpactTest> tests;  ///< one a point
+  signal::FrfSet frfs;                    ///< of all points; no lines when no hit was accepted
+  bool amplitudes = true;  ///< false: pulses were not resolved; only frequencies mean something
+  double usable_hz = 0;    ///< least of the accepted hits'
+  std::vector<signal::DrivingPoint> driving_points;
+  std::vector<signal::ReciprocityCheck> reciprocity;
+
+  [[nodiscard]] std::size_t hits() const;
+};
+
+/// Loads the files, finds the hits, averages. Every note becomes a warning. Throws UsageError for
+/// options that make no sense, Refused when there is no hit at all; when all hits were rejected the
+/// FRFs are empty and `context.refuse` has said why and what can be had.
+[[nodiscard]] ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command);
+
+/// `hits[]`, as `frf` gives them; each with the point `struck` when the hammer roves.
+[[nodiscard]] Json hits_json(const ImpactRun& run);
+
+}  // namespace rigfit::apps

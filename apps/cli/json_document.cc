@@ -1,0 +1,45 @@
+#include "apps/cli/json_document.h"
+
+#include <cmath>
+
+namespace rigfit::apps {
+namespace {
+
+void replace_non_finite(Json& value) {
+  if (value.is_number_float() && !std::isfinite(value.get<double>())) {
+    value = nullptr;
+  } else if (value.is_structured()) {
+    for (auto& child : value) replace_non_finite(child);
+  }
+}
+
+}  // namespace
+
+Json json_document(const VerbContext& context, const std::string& verb, Json result) {
+  Json document;
+  document["rigfit"] = RIGFIT_VERSION;
+  document["command"] = verb;
+  Json inputs = Json::array();
+  context.check_inputs();
+  for (const auto& input : context.inputs()) {
+    inputs.push_back({{"path", input.path}, {"sha256", input.sha256}});
+  }
+  document["inputs"] = std::move(inputs);
+  Json warnings = Json::array();
+  for (const auto& warning : context.warnings()) {
+    warnings.push_back(
+        {{"code", warning.code}, {"message", warning.message}, {"where", warning.where}});
+  }
+  document["warnings"] = std::move(warnings);
+  replace_non_finite(result);
+  for (auto& [key, value] : result.items()) document[key] = std::move(value);
+  return document;
+}
+
+Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json json_estimate(double value, double std) {
+  return {{"value", json_number(value)}, {"std", json_number(std)}};
+}
+
+}  // namespace rigfit::apps

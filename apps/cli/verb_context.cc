@@ -1,0 +1,87 @@
+#include "apps/cli/verb_context.h"
+
+#include <sys/stat.h>
+
+#include <iostream>
+#include <system_error>
+
+#include "apps/cli/output_file.h"
+#include "apps/cli/sha256.h"
+
+namespace rigfit::apps {
+namespace {
+
+/// Size, time and identity of a file; zeros when there is none.
+Input stamp_of(const std::string& path) {
+  Input input;
+  input.path = path;
+  struct stat file {};
+  if (::stat(path.c_str(), &file) != 0) return input;
+  input.size = file.st_size;
+  input.changed_ns = file.st_mtim.tv_sec * 1'000'000'000LL + file.st_mtim.tv_nsec;
+  input.file_id = file.st_ino;
+  return input;
+}
+
+}  // namespace
+
+void VerbContext::warn(std::string code, std::string message, std::string where) {
+  if (!quiet) {
+    std::cerr << "warning: " << (where.empty() ? "" : where + ": ") << message << '\n';
+  }
+  warnings_.push_back({std::move(code), std::move(message), std::move(where)});
+}
+
+void VerbContext::refuse(std::string code, std::string message, std::string where) {
+  std::cerr << "refused: " << (where.empty() ? "" : where + ": ") << message << '\n';
+  warnings_.push_back({std::move(code), std::move(message), std::move(where)});
+  exit_code = ExitCode::refused;
+}
+
+void VerbContext::input(const std::string& path) {
+  if (!known_.insert(path).second) return;
+  Input input;
+  input.path = path;
+  if (hashes_inputs) {
+    input = stamp_of(path);
+    try {
+      input.sha256 = sha256_of_file(path);
+    } catch (const std::system_error&) {
+      // Whoever reads it says why it cannot be read.
+    }
+  }
+  inputs_.push_back(std::move(input));
+}
+
+void VerbContext::check_inputs() const {
+  if (!hashes_inputs) return;
+  for (const auto& input : inputs_) {
+    const Input now = stamp_of(input.path);
+    if (now.size == input.size && now.changed_ns == input.changed_ns &&
+        now.file_id == input.file_id) {
+      continue;
+    }
+    std::string sha256;
+    try {
+      sha256 = sha256_of_file(input.path);
+    } catch (const std::system_error&) {
+    }
+    if (sha256 == input.sha256) continue;
+    throw InputChanged(input.path + ": " + (sha256.empty() ? "was removed" : "changed") +
+                       " while it was being used; run again when nothing writes to it");
+  }
+}
+
+void VerbContext::write(const std::filesystem::path& path, std::string_view content) const {
+  check_inputs();
+  for (const auto& input : inputs_) {
+    std::error_code none;
+    if (std::filesystem::equivalent(path, input.path, none)) {
+      throw UsageError(path.string() + " is an input of this run, which stays as it is; name " +
+                       "another file to write to");
+    }
+  }
+  write_whole_file(path, content);
+}
+
+}  // namespace rigfit::apps

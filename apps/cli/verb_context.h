@@ -1,0 +1,65 @@
+// What every verb gets from the common options, and what it leaves behind besides its result.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+#include <vector>
+
+#include "apps/cli/exit_code.h"
+
+namespace rigfit::apps {
+
+struct Warning {
+  std::string code;  ///< stable, for programs
+  std::string message;
+  std::string where;  ///< file, channel, member ...
+};
+
+/// A file read by a run, as it was when the run met it.
+struct Input {
+  std::string path;
+  std::string sha256;           ///< empty: could not be read then
+  std::int64_t size = 0;        ///< bytes
+  std::int64_t changed_ns = 0;  ///< of its content, by the file system's clock
+  std::uint64_t file_id = 0;    ///< inode
+};
+
+class VerbContext {
+ public:
+  explicit VerbContext(std::ostream& out_stream) : out(out_stream) {}
+
+  std::ostream& out;  ///< for people; a sink when JSON goes to standard output or with --quiet
+  bool quiet = false;
+  int threads = 1;
+  std::uint64_t seed = 1;
+  bool hashes_inputs = true;         ///< false: their names are enough
+  std::vector<std::string> command;  ///< as typed, for provenance
+
+  ExitCode exit_code = ExitCode::done;
+
+  /// Recorded in the document and, unless quiet, said on standard error.
+  void warn(std::string code, std::string message, std::string where = "");
+  /// A warning that also ends the run with exit code 4: part of what was asked cannot be had.
+  void refuse(std::string code, std::string message, std::string where = "");
+  /// Names a file as an input of this run, before it is read: hashed now, and again at the end if
+  /// it was touched meanwhile.
+  void input(const std::string& path);
+  /// Throws InputChanged when the content of an input is not what it was.
+  void check_inputs() const;
+  /// A file of results, whole or not at all; none from inputs that changed.
+  void write(const std::filesystem::path& path, std::string_view content) const;
+
+  const std::vector<Warning>& warnings() const { return warnings_; }
+  const std::vector<Input>& inputs() const { return inputs_; }
+
+ private:
+  std::vector<Warning> warnings_;
+  std::vector<Input> inputs_;
+  std::unordered_set<std::string> known_;
+};
+
+}  // namespace rigfit::apps

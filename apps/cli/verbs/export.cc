@@ -1,0 +1,69 @@
+// rigfit export: a scene as the input of other programs.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "apps/cli/output_file.h"
+#include "apps/cli/verbs/all.h"
+#include "model/export/write_calculix.h"
+#include "model/linear/modal_analysis.h"
+#include "model/scene/read_scene.h"
+
+namespace rigfit::apps {
+namespace {
+
+struct ExportOptions {
+  std::string scene;
+  std::string calculix;
+  model::CalculixOptions deck;
+};
+
+Json run(const ExportOptions& options, VerbContext& context) {
+  context.input(options.scene);
+  const model::Scene scene = model::read_scene(options.scene);
+  model::ModesOptions modes;
+  modes.count = 1;
+  modes.shapes = false;
+  const auto analysis = model::analyse_modes(scene, modes);
+  if (analysis.equilibrium.status != model::EquilibriumStatus::converged) {
+    throw NotConverged(options.scene +
+                       ": no equilibrium to export: " + analysis.equilibrium.reason);
+  }
+  const auto deck = model::calculix_deck(scene, analysis.equilibrium, options.deck);
+  for (const auto& note : deck.notes) context.warn("not_exported_exactly", note, options.scene);
+  make_output_folder(options.calculix);
+  const std::filesystem::path path =
+      std::filesystem::path(options.calculix) /
+      (std::filesystem::path(options.scene).stem().string() + ".inp");
+  context.write(path, deck.text);
+  context.out << fmt::format("wrote {}\nrun it there with: ccx {}\n", path.string(),
+                             path.stem().string());
+  Json result;
+  result["files"] = Json::array({path.string()});
+  return result;
+}
+
+}  // namespace
+
+void add_export(CLI::App& program, Verbs& verbs) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* app =
+      program.add_subcommand("export", "Write a scene as input of another program (CalculiX)");
+  app->add_option("scene", options->scene, "Scene file (TOML)")->required()->type_name("SCENE");
+  app->add_option("--calculix", options->calculix,
+                  "Write a CalculiX deck (prestress, sag, frequencies) to this folder")
+      ->required()
+      ->type_name("DIR");
+  app->add_option("--elements", options->deck.elements_per_member, "Beam elements a member")
+      ->check(CLI::Range(2, 2000))
+      ->capture_default_str();
+  app->add_option("--count", options->deck.frequencies, "Natural frequencies to ask for")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app->footer(
+      "Example:\n  rigfit export testdata/jalali2021/scenes/cable.toml --calculix build/ccx");
+  verbs.push_back({app, [options](VerbContext& context) { return run(*options, context); }});
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,223 @@
+// rigfit frf: hammer hits to averaged FRFs with coherence and error bars.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+
+#include "apps/cli/impact_command.h"
+#include "apps/cli/verbs/all.h"
+#include "signal/writers/write_uff.h"
+
+namespace rigfit::apps {
+namespace {
+using Eigen::Index;
+
+struct FrfCommand {
+  ImpactCommand impact;
+  std::string out, csv;
+  std::string encoding = "binary";
+};
+
+/// Median over the lines of the usable band of |H_std / H| of one response.
+double relative_error(const signal::FrfSet& frfs, Index column, double low, double high) {
+  std::vector<double> ratios;
+  if (frfs.H_std.size() == 0) return std::numeric_limits<double>::quiet_NaN();
+  for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
+    const double f = frfs.frequency_hz[k], size = std::abs(frfs.H(k, column));
+    if (f > low && f <= high && size > 0) ratios.push_back(frfs.H_std(k, column) / size);
+  }
+  if (ratios.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return *middle;
+}
+
+double mean_coherence(const signal::FrfSet& frfs, Index column, double low, double high) {
+  double sum = 0, count = 0;
+  if (frfs.coherence.size() == 0) return std::numeric_limits<double>::quiet_NaN();
+  for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
+    if (frfs.frequency_hz[k] <= low || frfs.frequency_hz[k] > high) continue;
+    sum += frfs.coherence(k, column), ++count;
+  }
+  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string csv_quoted(const std::string& name) {
+  std::string text = "\"";
+  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + "\"";
+}
+
+/// One line a frequency: then, per response and point struck, real, imaginary, std of each,
+/// coherence.
+std::string csv_of(const signal::FrfSet& frfs) {
+  fmt::memory_buffer text;
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "frequency (Hz)");
+  const std::string unit = frfs.unit.empty() ? "" : " (" + frfs.unit + ")";
+  for (const auto& response : frfs.responses) {
+    for (const auto& input : frfs.inputs) {
+      const std::string name =
+          frfs.inputs.size() > 1 ? response.name + " by " + input.name : response.name;
+      for (const char* what : {" real", " imag", " std"}) {
+        fmt::format_to(out, ",{}", csv_quoted(name + what + unit));
+      }
+      fmt::format_to(out, ",{}", csv_quoted(name + " coherence"));
+    }
+  }
+  fmt::format_to(out, "\n");
+  for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
+    fmt::format_to(out, "{:.10g}", frfs.frequency_hz[k]);
+    for (Index c = 0; c < frfs.H.cols(); ++c) {
+      fmt::format_to(out, ",{:.9g},{:.9g},", frfs.H(k, c).real(), frfs.H(k, c).imag());
+      if (frfs.H_std.size() > 0) fmt::format_to(out, "{:.4g}", frfs.H_std(k, c));
+      fmt::format_to(out, ",");
+      if (frfs.coherence.size() > 0) fmt::format_to(out, "{:.6g}", frfs.coherence(k, c));
+    }
+    fmt::format_to(out, "\n");
+  }
+  return fmt::to_string(text);
+}
+
+void print_hits(std::ostream& out, const ImpactRun& run, std::size_t point) {
+  const signal::ImpactTest& test = run.tests[point];
+  const std::string& unit = run.force_unit;
+  if (!run.points[point].empty()) out << "struck at " << run.points[point] << '\n';
+  out << fmt::format("{:>4} {:>12} {:>14} {:>10}  {}\n", "hit", "time, s",
+                     unit.empty() ? "peak" : "peak, " + unit, "pulse, ms", "");
+  for (std::size_t i = 0; i < test.search.hits.size(); ++i) {
+    const signal::Hit& hit = test.search.hits[i];
+    out << fmt::format("{:>4} {:>12.4f} {:>14.5g} {:>10.3g}  {}\n", i + 1, hit.time_s, hit.peak,
+                       1e3 * hit.pulse_duration_s,
+                       hit.accepted ? (hit.reason.empty() ? "accepted" : "kept: " + hit.reason)
+                                    : "rejected: " + hit.reason);
+  }
+  if (test.frfs.averages == 0) return;
+  out << fmt::format(
+      "{} of {} hits averaged, blocks of {} samples ({:.4g} Hz a line), force usable to {:.4g} "
+      "Hz\n",
+      test.frfs.averages, test.search.hits.size(), test.search.block_samples,
+      test.search.sample_rate_hz / static_cast<double>(test.search.block_samples), test.usable_hz);
+}
+
+void print(std::ostream& out, const ImpactRun& run) {
+  for (std::size_t p = 0; p < run.tests.size(); ++p) print_hits(out, run, p);
+  for (const signal::DrivingPoint& driving : run.driving_points) {
+    out << fmt::format("driving point {}: {}\n",
+                       run.frfs.responses[static_cast<std::size_t>(driving.response)].name,
+                       name_of(driving.check.verdict));
+  }
+  for (const signal::ReciprocityCheck& pair : run.reciprocity) {
+    out << fmt::format("{} and {}: FRFs both ways differ by {:.2g} % (noise {:.2g} %)\n", pair.a,
+                       pair.b, 100 * pair.difference, 100 * pair.from_noise);
+  }
+}
+
+Json driving_json(const signal::DrivingPointCheck& check) {
+  return {{"verdict", name_of(check.verdict)},
+          {"wrong_sign_share", check.wrong_sign_share},
+          {"resonances", check.resonances},
+          {"missing_antiresonances", check.missing_antiresonances}};
+}
+
+Json run_frf(VerbContext& context, const FrfCommand& options) {
+  const ImpactRun run = run_impact_test(context, options.impact);
+  const signal::FrfSet& frfs = run.frfs;
+  const bool roving = !options.impact.struck.empty();
+  print(context.out, run);
+
+  // Blocks are as long for all points; a point without hits has none.
+  const auto measured = std::find_if(run.tests.begin(), run.tests.end(),
+                                     [](const auto& test) { return !test.search.hits.empty(); });
+  const signal::HitSearch& search = measured->search;
+  Json result{{"hits", hits_json(run)},
+              {"averages", frfs.averages},
+              {"frequency_resolution_hz",
+               search.sample_rate_hz / static_cast<double>(search.block_samples)},
+              {"sample_rate_hz", search.sample_rate_hz},
+              {"block_samples", search.block_samples},
+              {"exponential_decay_rate_1_s", frfs.exponential_decay_rate_1_s},
+              {"frf_form", name_of(frfs.form)},
+              {"units", frfs.unit},
+              {"amplitudes", frfs.averages > 0 && run.amplitudes},
+              {"estimator", options.impact.estimator},
+              {"force", run.force}};
+  if (frfs.averages == 0) return result;
+  result["usable_hz"] = run.usable_hz;
+  double incoherence = 0;
+  for (const signal::ImpactTest& test : run.tests) {
+    incoherence = std::max(incoherence, test.incoherence);
+  }
+  result["incoherent_part"] = frfs.averages > 2 ? Json(incoherence) : Json(nullptr);
+  const double low = options.impact.band.empty() ? 0 : options.impact.band[0];
+  const double high = options.impact.band.empty() ? run.usable_hz : options.impact.band[1];
+  Json responses = Json::array();
+  for (std::size_t r = 0; r < frfs.responses.size(); ++r) {
+    for (std::size_t i = 0; i < frfs.inputs.size(); ++i) {
+      const Index c = frfs.column(static_cast<Index>(r), static_cast<Index>(i));
+      Json one{{"name", frfs.responses[r].name},
+               {"mean_coherence", mean_coherence(frfs, c, low, high)},
+               {"median_relative_error", relative_error(frfs, c, low, high)}};
+      if (roving) one["struck"] = frfs.inputs[i].name;
+      responses.push_back(std::move(one));
+    }
+  }
+  result["responses"] = std::move(responses);
+  if (roving) {
+    Json points = Json::array(), pairs = Json::array(), struck = Json::array();
+    for (const auto& input : frfs.inputs) struck.push_back(input.name);
+    for (const signal::DrivingPoint& driving : run.driving_points) {
+      Json one = driving_json(driving.check);
+      one["point"] = frfs.inputs[static_cast<std::size_t>(driving.input)].name;
+      points.push_back(std::move(one));
+    }
+    for (const signal::ReciprocityCheck& pair : run.reciprocity) {
+      pairs.push_back({{"points", {pair.a, pair.b}},
+                       {"difference", pair.difference},
+                       {"from_noise", pair.from_noise}});
+    }
+    result["struck"] = std::move(struck);
+    result["driving_points"] = std::move(points);
+    result["reciprocity"] = std::move(pairs);
+  } else if (!run.driving_points.empty()) {
+    result["driving_point"] = driving_json(run.driving_points.front().check);
+  }
+  if (!options.out.empty()) {
+    const auto encoding =
+        options.encoding == "ascii" ? signal::UffEncoding::ascii : signal::UffEncoding::binary;
+    context.write(options.out, signal::uff_text(frfs, encoding));
+    result["out"] = options.out;
+    context.out << "FRFs, coherence and error bars: " << options.out << '\n';
+  }
+  if (!options.csv.empty()) {
+    context.write(options.csv, csv_of(frfs));
+    result["csv"] = options.csv;
+    context.out << "the same as a table: " << options.csv << '\n';
+  }
+  return result;
+}
+
+}  // namespace
+
+void add_frf(CLI::App& program, Verbs& verbs) {
+  const auto options = std::make_shared<FrfCommand>();
+  CLI::App* verb = program.add_subcommand(
+      "frf", "Hammer hits found and judged, averaged FRFs with coherence and error bars");
+  add_impact_options(*verb, options->impact, true);
+  verb->add_option("--out", options->out, "FRFs with coherence and error bars as UFF 58")
+      ->type_name("F.uff");
+  verb->add_option("--encoding", options->encoding, "Of the UFF file")
+      ->check(CLI::IsMember({"binary", "ascii"}))
+      ->capture_default_str();
+  verb->add_option("--csv", options->csv, "FRFs with standard deviations and coherence as CSV")
+      ->type_name("F");
+  verb->footer(
+      "Example:\n  rigfit frf hits.csv --force hammer --response a1 a2 --out frf.uff --json -\n"
+      "  rigfit frf p1.csv p2.csv --struck a1 a2 --force hammer --response a1 a2 --out frf.uff\n"
+      "Exit code 4: no hit can be used; the hits and their reasons are given all the same.");
+  verbs.push_back({verb, [options](VerbContext& context) { return run_frf(context, *options); }});
+}
+
+}  // namespace rigfit::apps

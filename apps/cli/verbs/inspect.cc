@@ -1,0 +1,168 @@
+// rigfit inspect: what recordings hold and whether they are fit for use.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "apps/campaign_file/recording_description.h"
+#include "apps/cli/number_checks.h"
+#include "apps/cli/verbs/all.h"
+#include "signal/readers/mapped_file.h"
+#include "signal/readers/read_recording.h"
+#include "signal/readers/uff/read_uff.h"
+#include "signal/recording/quality.h"
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::apps {
+namespace {
+
+struct InspectOptions {
+  std::vector<std::string> files;
+  double sample_rate_hz = 0;
+};
+
+constexpr const char* kInspectExample = R"(Example:
+  rigfit inspect hits.csv
+  rigfit inspect --json report.json hits.csv decay.uff run.lvm
+A file without times needs its rate:
+  rigfit inspect --sample-rate 500 force.csv
+A TOML file beside a recording (hits.csv -> hits.toml) names, scales and orients its channels.)";
+
+/// What the file holds: a recording, or functions that are not over time.
+signal::Recording load(const std::string& path, VerbContext& context, double rate) {
+  context.input(path);
+  {
+    const signal::MappedFile file(path);
+    if (signal::format_of(file.bytes()) == signal::RecordingFormat::uff) {
+      signal::Recording functions = signal::read_uff_functions(file.bytes(), path);
+      bool over_time = true;
+      for (const auto& note : functions.notes) over_time &= note.code != "not_a_time_history";
+      if (!over_time) {
+        for (const auto& note : functions.notes) {
+          context.warn(note.code, note.message,
+                       note.where.empty() ? path : path + ": " + note.where);
+        }
+        return functions;
+      }
+    }
+  }
+  signal::ReadOptions options;
+  options.sample_rate_hz = rate;
+  return load_recording(path, context, options);
+}
+
+Json json_of(const signal::Recording& recording, const signal::QualityResult& quality) {
+  Json out;
+  out["path"] = recording.path.string();
+  out["format"] = recording.format;
+  out["sample_rate_hz"] =
+      recording.sample_rate_hz > 0 ? Json(recording.sample_rate_hz) : Json(nullptr);
+  out["samples"] = recording.samples();
+  out["duration_s"] = recording.sample_rate_hz > 0 ? Json(recording.duration_s()) : Json(nullptr);
+  out["start_time_s"] = recording.start_time_s;
+  out["time_jitter_s"] = recording.time_jitter_s;
+  out["uniform"] = recording.time_s.size() == 0;
+  Json channels = Json::array();
+  for (std::size_t k = 0; k < recording.channels.size(); ++k) {
+    const auto& channel = recording.channels[k];
+    const auto& q = quality.channels[k];
+    Json entry;
+    entry["name"] = channel.name;
+    entry["unit"] = channel.unit;
+    entry["source_unit"] = channel.source_unit;
+    entry["quantity"] = signal::name_of(channel.quantity);
+    entry["min"] = q.min;
+    entry["max"] = q.max;
+    entry["mean"] = q.mean;
+    entry["rms"] = q.rms;
+    entry["clipped_samples"] = q.clipped_samples;
+    entry["missing_samples"] = q.missing_samples;
+    entry["stuck_samples"] = q.stuck_samples;
+    entry["nominal_range"] =
+        channel.nominal_range > 0 ? Json(channel.nominal_range) : Json(nullptr);
+    entry["quantum"] = q.quantum;
+    entry["noise_floor"] = q.noise_floor;
+    entry["drift"] = q.drift;
+    entry["mains_hz"] = q.mains_hz > 0 ? Json(q.mains_hz) : Json(nullptr);
+    entry["mains_rms"] = q.mains_rms;
+    entry["findings"] = Json::array();
+    for (const auto& finding : q.findings) {
+      entry["findings"].push_back(
+          {{"code", finding.code}, {"message", finding.message}, {"samples", finding.samples}});
+    }
+    channels.push_back(std::move(entry));
+  }
+  out["channels"] = std::move(channels);
+  return out;
+}
+
+std::string clipped_text(const std::string& text, std::size_t width) {
+  std::size_t columns = 0, at = 0;
+  while (at < text.size() && columns < width) {
+    ++at;
+    while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80) ++at;
+    ++columns;
+  }
+  return text.substr(0, at) + std::string(width - columns, ' ');
+}
+
+void print(std::ostream& out, const signal::Recording& recording,
+           const signal::QualityResult& quality) {
+  out << fmt::format("{} ({}): {} samples", recording.path.string(), recording.format,
+                     recording.samples());
+  if (recording.sample_rate_hz > 0) {
+    out << fmt::format(" at {:.9g} Hz, {:.6g} s", recording.sample_rate_hz, recording.duration_s());
+  }
+  out << fmt::format("\n  {} {:<8} {:>11} {:>11} {:>11} {:>11} {:>7} {:>7}\n",
+                     clipped_text("channel", 20), "unit", "min", "max", "mean", "rms", "clipped",
+                     "missing");
+  for (std::size_t k = 0; k < recording.channels.size(); ++k) {
+    const auto& channel = recording.channels[k];
+    const auto& q = quality.channels[k];
+    out << fmt::format("  {} {:<8} {:>11.4g} {:>11.4g} {:>11.4g} {:>11.4g} {:>7} {:>7}\n",
+                       clipped_text(channel.name, 20), channel.unit.empty() ? "-" : channel.unit,
+                       q.min, q.max, q.mean, q.rms, q.clipped_samples, q.missing_samples);
+  }
+}
+
+Json inspect(const InspectOptions& options, VerbContext& context) {
+  Json result;
+  result["recordings"] = Json::array();
+  for (const auto& path : options.files) {
+    const signal::Recording recording = load(path, context, options.sample_rate_hz);
+    const signal::QualityResult quality = signal::check_quality(recording);
+    const bool over_time =
+        std::none_of(recording.notes.begin(), recording.notes.end(),
+                     [](const auto& note) { return note.code == "not_a_time_history"; });
+    for (const auto& channel : quality.channels) {
+      for (const auto& finding : channel.findings) {
+        // Spectra neither drift nor clip; what is missing there is missing all the same.
+        if (!over_time && finding.code != "missing") continue;
+        context.warn(finding.code, finding.message, path + ": " + channel.channel);
+      }
+    }
+    print(context.out, recording, quality);
+    result["recordings"].push_back(json_of(recording, quality));
+  }
+  return result;
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& program, Verbs& verbs) {
+  auto options = std::make_shared<InspectOptions>();
+  auto* app = program.add_subcommand(
+      "inspect",
+      "Read recordings and check their quality: rate, channels, units, clipping, "
+      "dropouts, missing samples, offset, drift, noise, hum, quantisation");
+  app->add_option("FILE", options->files, "Recordings: CSV, UFF 58, LabVIEW .lvm")->required();
+  app->add_option("--sample-rate", options->sample_rate_hz,
+                  "Sample rate in Hz of files that give none")
+      ->check(positive_number())
+      ->type_name("HZ");
+  app->footer(kInspectExample);
+  verbs.push_back({app, [options](VerbContext& context) { return inspect(*options, context); }});
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,264 @@
+// rigfit modal: poles, shapes and damping with error bars from FRFs, or from recordings of hits.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <complex>
+#include <memory>
+
+#include "apps/cli/impact_command.h"
+#include "apps/cli/json_document.h"
+#include "apps/cli/number_checks.h"
+#include "apps/cli/verbs/all.h"
+#include "signal/modal/modal_identification.h"
+#include "signal/modal/modal_synthesis.h"
+#include "signal/readers/uff/read_uff.h"
+#include "signal/writers/write_uff.h"
+
+namespace rigfit::apps {
+namespace {
+using Eigen::Index;
+
+struct ModalCommand {
+  std::vector<std::string> files;
+  ImpactCommand impact;
+  int order = signal::LscfOptions().max_order;
+  double max_damping = signal::LscfOptions().max_damping_ratio;
+  std::string out, synthesis;
+};
+
+struct Measured {
+  signal::FrfSet frfs;
+  double usable_hz = 0;    ///< 0: to the last line
+  bool amplitudes = true;  ///< false: only frequencies and damping mean something
+  Json hits;               ///< null when the FRFs came from a file
+};
+
+Measured frfs_of(VerbContext& context, ModalCommand& options) {
+  Measured measured;
+  if (!options.impact.force.empty()) {
+    options.impact.files = options.files;
+    ImpactRun run = run_impact_test(context, options.impact);
+    measured.hits = hits_json(run);
+    measured.usable_hz = run.usable_hz;
+    measured.amplitudes = run.amplitudes;
+    measured.frfs = std::move(run.frfs);
+    return measured;
+  }
+  if (options.files.size() > 1) {
+    throw UsageError("FRFs come from one UFF file; recordings of hits need --force C");
+  }
+  context.input(options.files.front());
+  measured.frfs = signal::read_uff_frfs(options.files.front());
+  for (const signal::Note& note : measured.frfs.notes) {
+    context.warn(note.code, note.message, note.where);
+  }
+  return measured;
+}
+
+Json complex_json(std::complex<double> value) {
+  return {{"re", value.real()}, {"im", value.imag()}};
+}
+
+Json number_json(double value) { return value; }
+Json number_json(std::complex<double> value) { return complex_json(value); }
+
+template <typename Matrix>
+Json matrix_json(const Matrix& matrix) {
+  Json rows = Json::array();
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    Json row = Json::array();
+    for (Index j = 0; j < matrix.cols(); ++j) row.push_back(number_json(matrix(i, j)));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json points_json(const std::vector<signal::MeasuredPoint>& points) {
+  Json list = Json::array();
+  for (const auto& point : points) {
+    list.push_back({{"name", point.name}, {"node", point.node}, {"direction", point.direction}});
+  }
+  return list;
+}
+
+Json mode_json(const signal::IdentifiedMode& mode) {
+  const bool refused = mode.damping_dominated_by_window;
+  Json shape = Json::array(), participation = Json::array();
+  for (Index o = 0; o < mode.shape.size(); ++o) {
+    shape.push_back({{"re", mode.shape[o].real()},
+                     {"im", mode.shape[o].imag()},
+                     {"std_re", mode.shape_std(o, 0)},
+                     {"std_im", mode.shape_std(o, 1)}});
+  }
+  for (const auto& value : mode.participation) participation.push_back(complex_json(value));
+  const double nothing = std::numeric_limits<double>::quiet_NaN();  // null in the document
+  return {{"frequency_hz", json_estimate(mode.frequency_hz.value, mode.frequency_hz.std)},
+          {"damping_ratio", json_estimate(refused ? nothing : mode.damping_ratio.value,
+                                          refused ? nothing : mode.damping_ratio.std)},
+          {"damping_ratio_with_window", mode.damping_ratio_with_window},
+          {"damping_refused", refused},
+          {"pole_rad_s", complex_json(mode.pole_rad_s)},
+          {"shape", std::move(shape)},
+          {"participation", std::move(participation)},
+          {"modal_phase_collinearity", mode.modal_phase_collinearity},
+          {"reconstruction_error", mode.reconstruction_error},
+          {"presence", mode.presence},
+          {"significance", mode.significance},
+          {"doubtful", mode.doubtful},
+          {"doubt", mode.doubt}};
+}
+
+Json stabilisation_json(const signal::LscfResult& diagram) {
+  Json poles = Json::array();
+  for (const auto& pole : diagram.poles) {
+    poles.push_back({{"order", pole.order},
+                     {"frequency_hz", pole.frequency_hz},
+                     {"damping_ratio", pole.damping_ratio},
+                     {"stable_frequency", pole.stable_frequency},
+                     {"stable_damping", pole.stable_damping}});
+  }
+  return {{"highest_order", diagram.orders_solved}, {"poles", std::move(poles)}};
+}
+
+void print(std::ostream& out, const signal::ModalResult& result) {
+  out << fmt::format("{:>4} {:>12} {:>10} {:>11} {:>10} {:>6} {:>8}\n", "mode", "f, Hz", "+-",
+                     "damping, %", "+-", "MPC", "misfit");
+  for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
+    const auto& mode = result.model.modes[r];
+    const std::string damping = mode.damping_dominated_by_window
+                                    ? "refused"
+                                    : fmt::format("{:.4f}", 100 * mode.damping_ratio.value);
+    const std::string std =
+        mode.damping_dominated_by_window ? "" : fmt::format("{:.2g}", 100 * mode.damping_ratio.std);
+    out << fmt::format("{:>4} {:>12.6g} {:>10.2g} {:>11} {:>10} {:>6.3f} {:>7.2f}%  {}\n", r + 1,
+                       mode.frequency_hz.value, mode.frequency_hz.std, damping, std,
+                       mode.modal_phase_collinearity, 100 * mode.reconstruction_error,
+                       mode.doubtful ? "doubtful: " + mode.doubt : "");
+  }
+  out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", result.low_hz,
+                     result.high_hz, result.lines_used, result.stabilisation.orders_solved);
+  if (result.misfit_over_error_bars) {
+    out << fmt::format("; misfit {:.2f} of the FRFs' error bars", *result.misfit_over_error_bars);
+  }
+  out << '\n';
+}
+
+signal::ModalResult identify(const Measured& measured, const ModalCommand& options) {
+  signal::ModalOptions modal;
+  if (!options.impact.band.empty()) {
+    modal.low_hz = options.impact.band[0];
+    modal.high_hz = options.impact.band[1];
+  } else {
+    modal.high_hz = measured.usable_hz;
+  }
+  modal.lscf.max_order = options.order;
+  modal.lscf.max_damping_ratio = options.max_damping;
+  try {
+    return identify_modes(measured.frfs, modal);
+  } catch (const std::invalid_argument& error) {
+    throw Refused(error.what());
+  }
+}
+
+Json run_modal(VerbContext& context, ModalCommand options) {
+  const auto& band = options.impact.band;
+  if (!band.empty() && !(band[0] >= 0 && band[1] > band[0])) {
+    throw UsageError("--band needs two frequencies, the lower one first");
+  }
+  const Measured measured = frfs_of(context, options);
+  Json result{{"modes", Json::array()}};
+  if (!measured.hits.is_null()) result["hits"] = measured.hits;
+  if (measured.frfs.frequency_hz.size() == 0) return result;  // refused, and said why
+
+  const signal::ModalResult found = identify(measured, options);
+  const signal::ModalModel& model = found.model;
+  for (const signal::Note& note : model.notes) {
+    if (note.code == "no_modes" || note.code == "rank_deficient") {
+      context.refuse(note.code, note.message, note.where);
+    } else {
+      context.warn(note.code, note.message, note.where);
+    }
+  }
+  for (const signal::IdentifiedMode& mode : model.modes) {
+    const std::string where = fmt::format("{:.4g} Hz", mode.frequency_hz.value);
+    if (mode.damping_dominated_by_window) {
+      context.refuse("window_damping", mode.doubt, where);
+    } else if (mode.doubtful) {
+      context.warn("doubtful_mode", mode.doubt, where);
+    }
+    result["modes"].push_back(mode_json(mode));
+  }
+  if (found.end != signal::RefineEnd::converged && !model.modes.empty()) {
+    context.warn("not_converged",
+                 fmt::format("the refinement ended by {} after {} iterations: frequencies and "
+                             "damping are near, not at, the best fit",
+                             name_of(found.end), found.iterations));
+    context.exit_code = ExitCode::not_converged;
+  }
+  print(context.out, found);
+
+  result["responses"] = points_json(model.responses);
+  result["input_points"] = points_json(model.inputs);
+  result["amplitudes"] = measured.amplitudes;
+  result["frf_form"] = name_of(model.fitted_form);
+  result["band_hz"] = {found.low_hz, found.high_hz};
+  result["lines"] = found.lines_used;
+  result["exponential_decay_rate_1_s"] = model.exponential_decay_rate_1_s;
+  result["misfit_over_error_bars"] =
+      found.misfit_over_error_bars ? Json(*found.misfit_over_error_bars) : Json(nullptr);
+  result["fit"] = {{"end", name_of(found.end)}, {"iterations", found.iterations}};
+  result["frf_error"] = matrix_json(model.frf_error);
+  result["auto_mac"] = matrix_json(found.auto_mac);
+  result["pole_covariance"] = matrix_json(model.pole_covariance);
+  result["lower_residual"] = matrix_json(model.lower_residual);
+  result["upper_residual"] = matrix_json(model.upper_residual);
+  result["stabilisation"] = stabilisation_json(found.stabilisation);
+
+  if (!options.out.empty()) {
+    context.write(options.out, signal::uff_text(model));
+    result["out"] = options.out;
+    context.out << "modes (UFF 55): " << options.out << '\n';
+  }
+  if (!options.synthesis.empty()) {
+    const signal::FrfSet again = synthesised(model, measured.frfs.frequency_hz, model.fitted_form,
+                                             model.exponential_decay_rate_1_s);
+    context.write(options.synthesis, signal::uff_text(again, signal::UffEncoding::binary));
+    result["synthesis"] = options.synthesis;
+    context.out << "FRFs rebuilt from the modes (UFF 58): " << options.synthesis << '\n';
+  }
+  return result;
+}
+
+}  // namespace
+
+void add_modal(CLI::App& program, Verbs& verbs) {
+  const auto options = std::make_shared<ModalCommand>();
+  CLI::App* verb = program.add_subcommand(
+      "modal", "Natural frequencies, damping and shapes with error bars from FRFs or hits");
+  verb->add_option("FILE", options->files,
+                   "A UFF file of FRFs; or, with --force, recordings (CSV, LVM, UFF 58) of hits")
+      ->required();
+  verb->add_option("--order", options->order, "Highest model order of the stabilisation diagram")
+      ->check(CLI::Range(2, 400))
+      ->capture_default_str();
+  verb->add_option("--max-damping", options->max_damping,
+                   "Largest damping ratio that is taken for a mode")
+      ->check(number_within(1e-6, 0.99))
+      ->capture_default_str();
+  verb->add_option("--out", options->out, "Modes as UFF 55")->type_name("F.uff");
+  verb->add_option("--synthesis", options->synthesis,
+                   "FRFs rebuilt from the modes, at the measured lines, as UFF 58")
+      ->type_name("F.uff");
+  add_impact_options(*verb, options->impact, false);
+  verb->get_option("--band")->description(
+      "Band to look for modes in (and for the force spectrum of hits), Hz");
+  verb->footer(
+      "Examples:\n"
+      "  rigfit modal frf.uff --band 5 1400 --out modes.uff --json -\n"
+      "  rigfit modal hits.csv --force hammer --exponential-window 1\n"
+      "Exit code 4: no mode stands out, or a window's damping dominates that of a mode (the\n"
+      "frequency is given all the same).");
+  verbs.push_back({verb, [options](VerbContext& context) { return run_modal(context, *options); }});
+}
+
+}  // namespace rigfit::apps

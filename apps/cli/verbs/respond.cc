@@ -1,0 +1,348 @@
+// rigfit respond: the time response of a scene at its sensors.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <memory>
+
+#include "apps/cli/number_checks.h"
+#include "apps/cli/verbs/all.h"
+#include "model/response/response.h"
+#include "model/scene/read_scene.h"
+#include "model/scene/scene_error.h"
+#include "signal/readers/read_recording.h"
+
+namespace rigfit::apps {
+namespace {
+
+using model::ResponseSolver;
+
+struct RespondCommand {
+  std::string scene, out, energy;
+  double duration_s = 0, rate_hz = 0;
+  std::string solver = "auto";
+  std::string plane = "auto", torsion = "auto", axial = "auto";
+  int segments = 0;
+  double step_s = 0;
+  double tolerance = 1e-6;
+};
+
+const std::vector<std::pair<std::string, ResponseSolver>> kSolvers{
+    {"auto", ResponseSolver::automatic},
+    {"modal", ResponseSolver::modal},
+    {"large-motion", ResponseSolver::large_motion},
+    {"explicit", ResponseSolver::explicit_motion},
+    {"implicit", ResponseSolver::implicit_motion},
+    {"cvode-adams", ResponseSolver::cvode_adams},
+    {"cvode-banded", ResponseSolver::cvode_banded},
+};
+
+std::optional<bool> forced(const std::string& word) {
+  if (word == "auto") return std::nullopt;
+  return word == "on";
+}
+
+const char* unit_of(model::Sensor::Quantity quantity) {
+  switch (quantity) {
+    case model::Sensor::Quantity::acceleration:
+      return "m/s^2";
+    case model::Sensor::Quantity::velocity:
+      return "m/s";
+    case model::Sensor::Quantity::displacement:
+      return "m";
+    case model::Sensor::Quantity::force:
+      return "N";
+  }
+  return "";
+}
+
+/// The force of a recorded load: the file's only channel, or the one that is a force.
+model::ForceHistory read_force(const model::Scene& scene, std::size_t index) {
+  const model::Load& load = scene.loads[index];
+  const auto error = [&](const std::string& problem, const std::string& remedy) {
+    return model::SceneError({scene.file, 0, 0, fmt::format("load[{}].file", index)},
+                             load.file + ": " + problem, remedy);
+  };
+  const signal::Recording recording = signal::read_recording(load.file);
+  const signal::Channel* force = nullptr;
+  for (const signal::Channel& channel : recording.channels) {
+    // A channel alone without a unit is in N; one in another unit is no force.
+    const bool fits =
+        channel.quantity == signal::Quantity::force ||
+        (recording.channels.size() == 1 && channel.quantity == signal::Quantity::unknown);
+    if (!fits) continue;
+    if (force) throw error("has more than one force", "leave one channel in the file");
+    force = &channel;
+  }
+  if (!force) throw error("has no force channel", "give one channel a force unit such as (N)");
+  if (force->missing_samples > 0 || !force->samples.allFinite()) {
+    throw error("has missing samples", "fill or cut them");
+  }
+  model::ForceHistory history;
+  const Eigen::Index count = force->samples.size();
+  if (recording.time_s.size() == 0 && !(recording.sample_rate_hz > 0)) {
+    throw error("has neither a time column nor a rate", "add a time column");
+  }
+  for (Eigen::Index i = 0; i < count; ++i) {
+    history.time_s.push_back(recording.time_s.size() > 0
+                                 ? recording.time_s(i)
+                                 : recording.start_time_s +
+                                       static_cast<double>(i) / recording.sample_rate_hz);
+    history.force_N.push_back(force->samples(i));
+  }
+  if (count == 0) throw error("has no samples", "record a force");
+  return history;
+}
+
+std::string csv_cell(const std::string& name) {
+  if (name.find_first_of(",\"\n") == std::string::npos) return name;
+  std::string text = "\"";
+  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + "\"";
+}
+
+std::string samples_csv(const model::Scene& scene, const model::ResponseResult& response) {
+  fmt::memory_buffer text;
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "time_s");
+  for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
+    fmt::format_to(out, ",{}",
+                   csv_cell(response.sensors[s] + " (" + unit_of(scene.sensors[s].quantity) + ")"));
+  }
+  fmt::format_to(out, "\n");
+  for (Eigen::Index row = 0; row < response.samples.rows(); ++row) {
+    fmt::format_to(out, "{:.10g}", static_cast<double>(row) / response.rate_hz);
+    for (Eigen::Index s = 0; s < response.samples.cols(); ++s) {
+      fmt::format_to(out, ",{:.9g}", response.samples(row, s));
+    }
+    fmt::format_to(out, "\n");
+  }
+  return fmt::to_string(text);
+}
+
+std::string energy_csv(const model::ResponseResult& response) {
+  fmt::memory_buffer text;
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "time_s");
+  std::vector<std::string> names = response.members;
+  names.push_back("nodes");
+  for (const std::string& name : names) {
+    for (const char* kind : {"kinetic", "axial", "bending", "torsion", "gravity"}) {
+      fmt::format_to(out, ",{}", csv_cell(name + " " + kind + " (J)"));
+    }
+  }
+  fmt::format_to(out, ",supplied (J),dissipated (J)\n");
+  const auto write = [&](const model::Energy& e) {
+    fmt::format_to(out, ",{:.12g},{:.12g},{:.12g},{:.12g},{:.12g}", e.kinetic, e.axial, e.bending,
+                   e.torsion, e.gravity);
+  };
+  for (std::size_t i = 0; i < response.energy.time_s.size(); ++i) {
+    fmt::format_to(out, "{:.10g}", response.energy.time_s[i]);
+    for (const model::Energy& member : response.energy.account[i].members) write(member);
+    write(response.energy.account[i].nodes);
+    fmt::format_to(out, ",{:.12g},{:.12g}\n", response.energy.supplied[i],
+                   response.energy.dissipated[i]);
+  }
+  return fmt::to_string(text);
+}
+
+Json energy_json(const model::Energy& now, const model::Energy& start) {
+  return {{"kinetic", now.kinetic},
+          {"axial", now.axial - start.axial},
+          {"bending", now.bending - start.bending},
+          {"torsion", now.torsion - start.torsion},
+          {"gravity", now.gravity - start.gravity}};
+}
+
+/// At the start and at the end: changes against the start, J.
+Json account_json(const model::ResponseResult& response) {
+  const model::EnergyHistory& energy = response.energy;
+  if (energy.time_s.empty()) return nullptr;
+  const model::EnergyAccount &first = energy.account.front(), &last = energy.account.back();
+  Json members = Json::array();
+  for (std::size_t m = 0; m < response.members.size(); ++m) {
+    Json entry{{"member", response.members[m]}};
+    entry["change_J"] = energy_json(last.members[m], first.members[m]);
+    members.push_back(std::move(entry));
+  }
+  double largest = 0;
+  for (const auto& account : energy.account) largest = std::max(largest, account.sum().kinetic);
+  return {{"time_s", energy.time_s.back()},
+          {"members", std::move(members)},
+          {"nodes", {{"change_J", energy_json(last.nodes, first.nodes)}}},
+          {"largest_kinetic_J", largest},
+          {"supplied_J", energy.supplied.back()},
+          {"dissipated_J", energy.dissipated.back()}};
+}
+
+Json run_respond(VerbContext& context, const RespondCommand& options) {
+  const double rows = options.duration_s * options.rate_hz;
+  if (!(rows >= 1)) throw UsageError("--duration times --rate must give at least one sample");
+  if (rows > 5e7) throw UsageError("more than 50 million samples: lower --rate or --duration");
+  if (options.step_s > 0 && options.duration_s / options.step_s > 1e10) {
+    throw UsageError("more than 1e10 steps: raise --step or lower --duration");
+  }
+  context.input(options.scene);
+  const model::Scene scene = model::read_scene(options.scene);
+  if (scene.sensors.empty()) {
+    throw model::SceneError({scene.file, 0, 0, "sensor"}, "the scene has no sensor",
+                            "add a [[sensor]] with the member and position to look at");
+  }
+  model::ResponseOptions wanted;
+  wanted.sampling.duration_s = options.duration_s;
+  wanted.sampling.rate_hz = options.rate_hz;
+  for (const auto& [name, solver] : kSolvers) {
+    if (name == options.solver) wanted.solver = solver;
+  }
+  wanted.plane = forced(options.plane);
+  wanted.torsion = forced(options.torsion);
+  wanted.axial = forced(options.axial);
+  wanted.resolution_estimate = true;
+  // At the start, at the end and in between for the drift; over time only where it is written.
+  wanted.sampling.energy_samples = options.energy.empty() ? 20 : 200;
+  if (options.segments > 0) wanted.segments = options.segments;
+  if (options.step_s > 0) wanted.step_s = options.step_s;
+  wanted.relative_tolerance = options.tolerance;
+  wanted.records.resize(scene.loads.size());
+  for (std::size_t l = 0; l < scene.loads.size(); ++l) {
+    if (scene.loads[l].kind != model::Load::Kind::record) continue;
+    context.input(scene.loads[l].file);
+    wanted.records[l] = read_force(scene, l);
+  }
+  if (scene.loads.empty()) {
+    context.warn("no-load", "the scene has no load: it stays at rest", options.scene);
+  }
+
+  const model::ResponseResult response = model::simulate_response(scene, wanted);
+  if (response.equilibrium.status != model::EquilibriumStatus::converged) {
+    throw NotConverged(fmt::format("{}: no static equilibrium ({}): {}", options.scene,
+                                   name_of(response.equilibrium.status), response.reason));
+  }
+  if (response.impossible) {
+    throw Refused(fmt::format("{}: {}", options.scene, response.reason));
+  }
+  if (!response.completed) {
+    throw NotConverged(
+        fmt::format("{}: {}: {}", options.scene, name_of(response.solver), response.reason));
+  }
+
+  Json left_out = Json::array();
+  for (const model::LeftOut& what : response.left_out) {
+    left_out.push_back(
+        {{"what", what.what}, {"relative_error", what.relative_error}, {"of", what.of}});
+  }
+  Json segments = Json::array();
+  for (std::size_t m = 0; m < response.segments.size(); ++m) {
+    segments.push_back({{"member", response.members[m]}, {"segments", response.segments[m]}});
+  }
+  Json sensors = Json::array();
+  for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
+    const auto column = response.samples.col(static_cast<Eigen::Index>(s));
+    sensors.push_back(
+        {{"name", response.sensors[s]},
+         {"unit", unit_of(scene.sensors[s].quantity)},
+         {"min", column.minCoeff()},
+         {"max", column.maxCoeff()},
+         {"rms", std::sqrt(column.squaredNorm() / static_cast<double>(column.size()))}});
+  }
+  Json result{{"solver", name_of(response.solver)},
+              {"nonlinear", response.nonlinear},
+              {"frequency_shift", response.frequency_shift},
+              {"frequency_at_rest_hz", response.frequency_at_rest_hz},
+              {"frequency_moving_hz", response.frequency_moving_hz},
+              {"steps", response.steps},
+              {"step_s", response.step_s},
+              {"wall_s", response.wall_s},
+              {"energy_drift", response.energy_drift},
+              {"energy", account_json(response)},
+              {"samples", response.samples.rows()},
+              {"sample_rate_hz", response.rate_hz},
+              {"sensors", std::move(sensors)},
+              {"modelled",
+               {{"motion", response.motion},
+                {"unknowns", response.unknowns},
+                {"segments", std::move(segments)},
+                {"resolution_error", response.resolution_error},
+                {"kept", response.kept},
+                {"left_out", std::move(left_out)}}}};
+  context.out << fmt::format("{}: {} s at {} Hz by {}, {} unknowns in {}, {} steps, {:.3g} s\n",
+                             scene.title, options.duration_s, options.rate_hz,
+                             name_of(response.solver), response.unknowns, response.motion,
+                             response.steps, response.wall_s);
+  context.out << fmt::format(
+      "{}: {:.4f} Hz at rest, about {:.4f} Hz in motion (shift {:.2g}, accuracy asked {:.2g})\n",
+      response.nonlinear ? "non-linear" : "linear", response.frequency_at_rest_hz,
+      response.frequency_moving_hz, response.frequency_shift, scene.accuracy);
+  if (!response.energy.time_s.empty()) {
+    context.out << fmt::format("energy: supplied {:.4g} J, dissipated {:.4g} J, drift {:.2g}\n",
+                               response.energy.supplied.back(), response.energy.dissipated.back(),
+                               response.energy_drift);
+  }
+  for (const model::LeftOut& what : response.left_out) {
+    context.out << fmt::format("left out: {}: about {:.2g} in {}\n", what.what, what.relative_error,
+                               what.of);
+  }
+  context.write(options.out, samples_csv(scene, response));
+  result["out"] = options.out;
+  context.out << "response: " << options.out << '\n';
+  if (!options.energy.empty()) {
+    context.write(options.energy, energy_csv(response));
+    result["energy_out"] = options.energy;
+    context.out << "energy account: " << options.energy << '\n';
+  }
+  return result;
+}
+
+}  // namespace
+
+void add_respond(CLI::App& program, Verbs& verbs) {
+  auto options = std::make_shared<RespondCommand>();
+  CLI::App* verb = program.add_subcommand(
+      "respond", "Time response of a scene at its sensors: linear or geometrically exact by need");
+  verb->add_option("scene", options->scene, "Scene file (TOML)")->required()->type_name("SCENE");
+  verb->add_option("--duration", options->duration_s, "Seconds to simulate")
+      ->required()
+      ->check(positive_number())
+      ->type_name("S");
+  verb->add_option("--rate", options->rate_hz, "Samples a second")
+      ->required()
+      ->check(positive_number())
+      ->type_name("HZ");
+  verb->add_option("--out", options->out, "CSV: time_s, then one column a sensor")
+      ->required()
+      ->type_name("F.csv");
+  verb->add_option("--energy", options->energy, "CSV of the energy by member and kind over time")
+      ->type_name("F.csv");
+  std::vector<std::string> names;
+  for (const auto& [name, solver] : kSolvers) names.push_back(name);
+  verb->add_option("--solver", options->solver,
+                   "auto: modal when the estimated frequency shift is within the scene's accuracy")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  verb->add_option("--plane", options->plane, "Move in the plane of symmetry only")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  verb->add_option("--torsion", options->torsion, "Model torsion")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  verb->add_option("--axial", options->axial,
+                   "Axial waves at their own speed; off: followed at once (modal) or slowed")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  verb->add_option("--segments", options->segments, "Segments of every member, over the scene's")
+      ->check(CLI::Range(2, 10000));
+  verb->add_option("--step", options->step_s,
+                   "Largest step of the explicit and implicit solvers, s")
+      ->check(positive_number());
+  verb->add_option("--tolerance", options->tolerance, "Relative tolerance of the CVODE solvers")
+      ->check(number_within(1e-13, 1e-1))
+      ->capture_default_str();
+  verb->footer(
+      "Example:\n"
+      "  rigfit respond testdata/scenes/cable-release.toml --duration 10 --rate 2000 "
+      "--out response.csv --energy energy.csv");
+  verbs.push_back(
+      {verb, [options](VerbContext& context) { return run_respond(context, *options); }});
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,384 @@
+// rigfit synthesize: a virtual laboratory. What it writes is synthetic and says so in every file.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <random>
+
+#include "apps/campaign_file/stiffness_table.h"
+#include "apps/cli/json_document.h"
+#include "apps/cli/number_checks.h"
+#include "apps/cli/output_file.h"
+#include "apps/cli/progress.h"
+#include "apps/cli/verbs/all.h"
+#include "ident/virtual_rig/virtual_axial.h"
+#include "ident/virtual_rig/virtual_bending.h"
+#include "ident/virtual_rig/virtual_rig.h"
+#include "model/linear/modal_analysis.h"
+#include "model/response/response.h"
+#include "model/scene/read_scene.h"
+#include "model/scene/scene_error.h"
+#include "signal/writers/write_csv.h"
+#include "signal/writers/write_uff.h"
+
+namespace rigfit::apps {
+namespace {
+namespace fs = std::filesystem;
+
+struct SynthesizeOptions {
+  std::string scene;
+  std::string out;
+  std::vector<double> tensions;
+  double tension_std = 0;
+  std::string stiffness;
+  std::string format = "csv";
+  ident::VirtualRigOptions rig;
+  double bending_span = 0;
+  double bending_peak_load = 10;
+  std::vector<double> axial_lengths;
+  double axial_length_std = 0;
+  double axial_mass = 2.2;
+  double axial_damping_ratio = 0.017;
+  int taps = 5;
+};
+
+using Header = std::vector<std::pair<std::string, std::string>>;
+
+// The rig as it was set up for one row of tests.
+struct State {
+  model::Scene scene;
+  std::string prefix;        // of file names: "T100N-", or nothing
+  std::uint64_t stream = 0;  // added to the seed
+  std::optional<double> meant_N;
+};
+
+class Writer {
+ public:
+  Writer(const SynthesizeOptions& options, const model::Scene& scene, VerbContext& context)
+      : options_(options), scene_(scene), context_(context) {}
+
+  /// Returns the file's name: `name` with the extension of its format.
+  std::string write(std::string name, const std::string& test, const signal::Recording& recording,
+                    bool uff) {
+    name += uff ? ".uff" : ".csv";
+    const fs::path path = fs::path(options_.out) / name;
+    make_output_folder(path.parent_path());
+    files_.push_back(path.string());
+    if (uff) {
+      context_.write(path, uff_text(recording, signal::UffEncoding::binary_single,
+                                    fmt::format("synthetic (virtual laboratory), {}, seed {}",
+                                                scene_.title, context_.seed)));
+      return name;
+    }
+    const Header header{{"Data", "synthetic (virtual laboratory)"},
+                        {"Test", test},
+                        {"Scene", scene_.title},
+                        {"Seed", std::to_string(context_.seed)},
+                        {"Sampling Rate(Hz)", fmt::format("{:g}", recording.sample_rate_hz)}};
+    context_.write(path, csv_text(recording, header));
+    return name;
+  }
+
+  void write_text(const std::string& name, const std::string& text) {
+    const fs::path path = fs::path(options_.out) / name;
+    context_.write(path, text);
+    files_.push_back(path.string());
+  }
+
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  const SynthesizeOptions& options_;
+  const model::Scene& scene_;
+  VerbContext& context_;
+  std::vector<std::string> files_;
+};
+
+const model::Member& cable_of(const model::Scene& scene, const std::string& file) {
+  for (const auto& member : scene.members) {
+    if (member.kind == model::Member::Kind::cable) return member;
+  }
+  throw model::SceneError({file, 0, 0, "member"}, "has no cable to bend or to hang a mass on",
+                          "leave out --bending-span and --axial-length");
+}
+
+Json truth_of_rig(const model::Scene& scene, const ident::VirtualRigOptions& options) {
+  const model::Scene fine = ident::finer_scene(
+      ident::scene_with_accelerometers(scene, options.accelerometer_mass_kg), options.finer);
+  model::ModesOptions modes;
+  modes.count = 12;
+  modes.shapes = false;
+  const auto analysis = model::analyse_modes(fine, modes);
+  if (analysis.equilibrium.status != model::EquilibriumStatus::converged) {
+    throw NotConverged("no equilibrium to test: " + analysis.equilibrium.reason);
+  }
+  Json list = Json::array();
+  for (const auto& mode : analysis.modes) {
+    list.push_back({{"frequency_hz", mode.frequency_hz},
+                    {"damping_ratio", mode.damping_ratio},
+                    {"plane", model::name_of(mode.plane)},
+                    {"family", model::name_of(mode.family)}});
+  }
+  Json parameters;
+  for (const auto& name : model::parameter_names(scene)) {
+    parameters[name] = model::parameter(scene, name);
+  }
+  return {{"parameters", std::move(parameters)},
+          {"segments_times", options.finer},
+          {"accelerometer_mass_kg", options.accelerometer_mass_kg},
+          {"modes", std::move(list)}};
+}
+
+// Tests of one state; appends to `records`.
+Json synthesize_rig(const SynthesizeOptions& options, const State& state, VerbContext& context,
+                    Writer& writer, Progress& progress) {
+  const ident::Simulate simulate = [&](const model::Scene& tested, double duration, double rate) {
+    model::ResponseOptions response;
+    response.sampling.duration_s = duration;
+    response.sampling.rate_hz = rate;
+    auto result = model::simulate_response(tested, response);
+    if (!result.completed) throw NotConverged("virtual rig: " + result.reason);
+    return std::move(result.samples);
+  };
+  const auto records = ident::virtual_rig_records(
+      state.scene, options.rig, simulate, context.seed + state.stream, [&] { progress.advance(); });
+  Json list = Json::array();
+  for (const auto& record : records) {
+    const std::string name = writer.write(
+        record.hit > 0 ? fmt::format("rig/{}{}-hit{}", state.prefix, record.load, record.hit)
+                       : fmt::format("rig/{}{}", state.prefix, record.load),
+        record.hit > 0 ? "hammer" : "release", record.recording, options.format == "uff");
+    Json entry{{"file", name}, {"load", record.load}};
+    if (record.hit > 0) {
+      entry["peak_N"] = record.peak_N;
+      entry["double_hit"] = record.double_hit;
+      if (record.double_hit) {
+        entry["second_peak_N"] = record.second_peak_N;
+        entry["second_after_s"] = record.second_after_s;
+      }
+    }
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+Json synthesize_bending(const SynthesizeOptions& options, const State& state, VerbContext& context,
+                        Writer& writer) {
+  const model::Member& cable = cable_of(state.scene, options.scene);
+  ident::VirtualBendingTest test;
+  test.EI_Nm2 = cable.EI[0];
+  test.span_m = options.bending_span;
+  test.tension_N = cable.tension.value_or(0);
+  test.peak_load_N = options.bending_peak_load;
+  test.tension_cell = options.rig.instruments.tension_cell;
+  test.load_cell = options.rig.instruments.load_cell;
+  test.lvdt = options.rig.instruments.lvdt;
+  ident::Random random = ident::random_stream(context.seed + state.stream, 2'000'000);
+  const std::string name =
+      writer.write(fmt::format("bending/T{:g}N", state.meant_N.value_or(test.tension_N)),
+                   fmt::format("bending, span {:g} m", test.span_m),
+                   ident::virtual_bending_record(test, random), false);
+  return {{"file", name},
+          {"EI_Nm2", test.EI_Nm2},
+          {"span_m", test.span_m},
+          {"tension_N", test.tension_N},
+          {"friction_load_N", test.friction_load_N},
+          {"friction_travel_m", test.friction_travel_m}};
+}
+
+Json synthesize_axial(const SynthesizeOptions& options, const model::Member& cable,
+                      VerbContext& context, Writer& writer) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < options.axial_lengths.size(); ++i) {
+    ident::VirtualAxialTest test;
+    test.EA_N = cable.EA;
+    test.mass_per_length_kg_m = cable.mass_per_length;
+    ident::Random cut = ident::random_stream(context.seed, 2'900'000 + i);
+    test.length_m = options.axial_lengths[i] +
+                    options.axial_length_std * std::normal_distribution<double>()(cut);
+    test.hung_mass_kg = options.axial_mass;
+    test.damping_ratio = options.axial_damping_ratio;
+    test.load_cell = options.rig.instruments.tension_cell;
+    const auto truth = ident::axial_truth(test);
+    for (int tap = 1; tap <= options.taps; ++tap) {
+      ident::Random random =
+          ident::random_stream(context.seed, 3'000'000 + 1000 * i + static_cast<unsigned>(tap));
+      const std::string name =
+          writer.write(fmt::format("axial/L{:g}m-{}", options.axial_lengths[i], tap),
+                       fmt::format("axial, length {:g} m, mass {:g} kg", options.axial_lengths[i],
+                                   test.hung_mass_kg),
+                       ident::virtual_axial_record(test, random), false);
+      list.push_back({{"file", name},
+                      {"length_m", test.length_m},
+                      {"mass_kg", test.hung_mass_kg},
+                      {"EA_N", test.EA_N},
+                      {"frequency_hz", truth.frequency_hz},
+                      {"damping_ratio", truth.damping_ratio}});
+    }
+  }
+  return list;
+}
+
+std::vector<State> states_of(const SynthesizeOptions& options, const model::Scene& scene,
+                             VerbContext& context) {
+  if (options.tensions.empty()) return {{scene, "", 0, std::nullopt}};
+  (void)cable_of(scene, options.scene);
+  std::optional<ResultTable> stiffness;
+  if (!options.stiffness.empty()) {
+    context.input(options.stiffness);
+    stiffness = read_result_table(options.stiffness);
+  }
+  std::vector<State> states;
+  for (const double tension : options.tensions) {
+    State state{scene, fmt::format("T{:g}N-", tension), 10'000'019 * states.size(), tension};
+    ident::Random random = ident::random_stream(context.seed + state.stream, 4'000'000);
+    // Cables that meet pull alike: one error for all of them.
+    const double error = options.tension_std * std::normal_distribution<double>()(random);
+    for (const auto& member : scene.members) {
+      if (member.kind != model::Member::Kind::cable) continue;
+      model::set_parameter(state.scene, member.name + ".tension", tension * (1 + error));
+      if (!stiffness) continue;
+      model::set_parameter(state.scene, member.name + ".EI",
+                           stiffness_at(*stiffness, tension, context));
+    }
+    states.push_back(std::move(state));
+  }
+  return states;
+}
+
+Json run(const SynthesizeOptions& options, VerbContext& context) {
+  context.input(options.scene);
+  const model::Scene scene = model::read_scene(options.scene);
+  const bool rig = !scene.loads.empty() && !scene.sensors.empty();
+  if (!rig && options.bending_span <= 0 && options.axial_lengths.empty()) {
+    throw UsageError(options.scene +
+                     ": nothing to test: give the scene a load and a sensor, or ask for "
+                     "--bending-span or --axial-length");
+  }
+  if (!options.stiffness.empty() && options.tensions.empty()) {
+    throw UsageError("--stiffness goes by tension: give --tension");
+  }
+  const auto states = states_of(options, scene, context);
+  make_output_folder(options.out);
+  Writer writer(options, scene, context);
+  Json truth;
+  truth["data"] = "synthetic";
+  truth["scene"] = scene.title;
+  std::string command = "rigfit";
+  for (std::size_t i = 1; i < context.command.size(); ++i) command += " " + context.command[i];
+  truth["command"] = command;
+  truth["seed"] = context.seed;
+  if (rig) {
+    long total = 0;
+    for (const auto& load : scene.loads) {
+      total += load.kind == model::Load::Kind::impact ? options.rig.hits : 1;
+    }
+    Progress progress("Virtual rig", total * static_cast<long>(states.size()), context.quiet);
+    Json tested = Json::array();
+    for (const auto& state : states) {
+      Json entry = truth_of_rig(state.scene, options.rig);
+      if (state.meant_N) entry["tension_meant_N"] = *state.meant_N;
+      entry["records"] = synthesize_rig(options, state, context, writer, progress);
+      tested.push_back(std::move(entry));
+    }
+    truth["rig"] = std::move(tested);
+  }
+  if (options.bending_span > 0) {
+    truth["bending"] = Json::array();
+    for (const auto& state : states) {
+      truth["bending"].push_back(synthesize_bending(options, state, context, writer));
+    }
+  }
+  if (!options.axial_lengths.empty()) {
+    truth["axial"] = synthesize_axial(options, cable_of(scene, options.scene), context, writer);
+  }
+  // The scene as it was tested, and what is true of it, beside the recordings.
+  if (options.tensions.empty()) {
+    writer.write_text("scene.toml", model::scene_text(ident::scene_with_accelerometers(
+                                        scene, options.rig.accelerometer_mass_kg)));
+  }
+  writer.write_text("truth.json", truth.dump(2) + "\n");
+  context.out << fmt::format("wrote {} files to {} (synthetic, seed {}; truth in truth.json)\n",
+                             writer.files().size(), options.out, context.seed);
+  Json result;
+  result["data"] = "synthetic";
+  result["files"] = writer.files();
+  return result;
+}
+
+}  // namespace
+
+void add_synthesize(CLI::App& program, Verbs& verbs) {
+  auto options = std::make_shared<SynthesizeOptions>();
+  CLI::App* app = program.add_subcommand(
+      "synthesize", "Virtual laboratory: recordings a rig like this would give, with their truth");
+  app->add_option("scene", options->scene, "Scene file (TOML); its loads are the tests")
+      ->required()
+      ->type_name("SCENE");
+  app->add_option("--out", options->out, "Folder to write to")->required()->type_name("DIR");
+  app->add_option("--hits", options->rig.hits, "Hits of every impact")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app->add_option("--double-hits", options->rig.double_hits, "Of these, how many are double")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  app->add_option("--record", options->rig.record_s, "Length of a record, s")
+      ->check(positive_number())
+      ->capture_default_str();
+  app->add_option("--rate", options->rig.sample_rate_hz, "Sample rate, Hz")
+      ->check(positive_number())
+      ->capture_default_str();
+  app->add_option("--finer", options->rig.finer, "Segments of the tested rig over the scene's")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  app->add_option("--tension", options->tensions,
+                  "Tensions that the cables are set to, N, one row of tests each (default: the "
+                  "scene's)")
+      ->check(positive_number());
+  app->add_option("--tension-std", options->tension_std,
+                  "Relative error with which a person sets them")
+      ->check(number_within(0.0, 0.5))
+      ->capture_default_str();
+  app->add_option("--stiffness", options->stiffness,
+                  "Table of tension_N, EI_Nm2: the cables' EI at each of them")
+      ->check(CLI::ExistingFile);
+  app->add_option("--format", options->format,
+                  "Of hammer and release recordings: csv, or uff (58, binary, single precision)")
+      ->check(CLI::IsMember({"csv", "uff"}))
+      ->capture_default_str();
+  app->add_option("--accelerometer-mass", options->rig.accelerometer_mass_kg,
+                  "Mass of an accelerometer, kg, where the scene has none at its place")
+      ->check(not_negative_number())
+      ->capture_default_str();
+  app->add_option("--bending-span", options->bending_span,
+                  "Also the bending test of the scene's first cable, span in m")
+      ->check(positive_number());
+  app->add_option("--bending-load", options->bending_peak_load, "Its largest load, N")
+      ->check(positive_number())
+      ->capture_default_str();
+  app->add_option("--axial-length", options->axial_lengths,
+                  "Also the hanging-mass test of that cable, lengths in m")
+      ->check(positive_number());
+  app->add_option("--axial-length-std", options->axial_length_std,
+                  "Error with which they were cut, m")
+      ->check(number_within(0.0, 0.1))
+      ->capture_default_str();
+  app->add_option("--axial-mass", options->axial_mass, "Mass hung there, kg")
+      ->check(positive_number())
+      ->capture_default_str();
+  app->add_option("--axial-damping", options->axial_damping_ratio,
+                  "Damping ratio of its oscillation")
+      ->check(number_within(0.0, 0.99))
+      ->capture_default_str();
+  app->add_option("--taps", options->taps, "Taps at every length")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app->footer(
+      "Example:\n  rigfit synthesize testdata/jalali2021/scenes/cable.toml --out build/virtual "
+      "--seed 7\n      --bending-span 1 --axial-length 0.7 1.0 1.3");
+  verbs.push_back({app, [options](VerbContext& context) { return run(*options, context); }});
+}
+
+}  // namespace rigfit::apps

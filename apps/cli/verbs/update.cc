@@ -1,0 +1,487 @@
+// rigfit update: a scene's uncertain parameters fitted to measured modes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "apps/campaign_file/update_data.h"
+#include "apps/campaign_file/update_inputs.h"
+#include "apps/cli/json_document.h"
+#include "apps/cli/number_checks.h"
+#include "apps/cli/progress.h"
+#include "apps/cli/update_result.h"
+#include "apps/cli/verbs/all.h"
+#include "ident/update/model_update.h"
+#include "model/scene/read_scene.h"
+
+namespace rigfit::apps {
+namespace {
+
+struct UpdateCommand {
+  UpdateData data;
+  std::vector<double> band;
+  std::vector<std::string> free, priors, inputs, aims;
+  std::string out, axial;
+  bool hold_out = false, profile = false;
+  int monte_carlo = 0, starts = 4;
+  double start_spread = 3, assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
+  double stiffness_common_std = 0;
+};
+
+double number_of(const std::string& text, const std::string& option) {
+  try {
+    std::size_t used = 0;
+    const double value = std::stod(text, &used);
+    if (used == text.size() && std::isfinite(value)) return value;
+  } catch (const std::exception&) {
+  }
+  throw UsageError(fmt::format("{}: \"{}\" is no number", option, text));
+}
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0;;) {
+    const auto end = text.find(at, begin);
+    parts.push_back(text.substr(begin, end - begin));
+    if (end == std::string::npos) return parts;
+    begin = end + 1;
+  }
+}
+
+// "name", "name@each", "name=target,target,-target", any with "@each" at its end.
+ident::FreeParameter free_parameter(std::string text) {
+  ident::FreeParameter parameter;
+  if (text.ends_with("@each")) {
+    parameter.per_state = true;
+    text.resize(text.size() - 5);
+  }
+  const auto equals = text.find('=');
+  parameter.name = text.substr(0, equals);
+  if (equals != std::string::npos) {
+    for (std::string target : split(text.substr(equals + 1), ',')) {
+      const bool minus = target.starts_with("-");
+      if (minus) target.erase(0, 1);
+      if (target.empty()) throw UsageError("--free: an empty name in \"" + text + "\"");
+      parameter.targets.push_back(target);
+      parameter.factors.push_back(minus ? -1 : 1);
+    }
+  }
+  if (parameter.name.empty()) throw UsageError("--free: a parameter without a name");
+  return parameter;
+}
+
+std::vector<ident::FreeParameter> free_parameters(const UpdateCommand& options,
+                                                  const model::Scene& scene) {
+  std::vector<ident::FreeParameter> free;
+  for (const auto& text : options.free) free.push_back(free_parameter(text));
+  if (free.empty()) {  // what is least known of a rig: its bending stiffnesses
+    for (const auto& member : scene.members) {
+      const std::string name = member.name + (member.EI[0] == member.EI[1] ? ".EI" : ".EI_z");
+      free.push_back(free_parameter(name));
+    }
+  }
+  for (const auto& text : options.priors) {
+    const auto equals = text.find('=');
+    const auto values = equals == std::string::npos ? std::vector<std::string>{}
+                                                    : split(text.substr(equals + 1), ',');
+    if (values.size() != 2) {
+      throw UsageError("--prior: write NAME=VALUE,STD, not \"" + text + "\"");
+    }
+    const std::string name = text.substr(0, equals);
+    auto known = std::find_if(free.begin(), free.end(),
+                              [&](const auto& parameter) { return parameter.name == name; });
+    if (known == free.end()) throw UsageError("--prior: " + name + " is not among --free");
+    known->prior =
+        signal::Estimate{number_of(values[0], "--prior"), number_of(values[1], "--prior")};
+    if (!(known->prior->std > 0)) throw UsageError("--prior: the uncertainty must be positive");
+  }
+  return free;
+}
+
+// Paired errors of the model before, fitted and held out, and of other models in the same rows.
+Json comparison_json(const UpdateCommand& options, const UpdateStates& states,
+                     const ident::UpdateResult& result, const std::vector<ident::HeldOut>& held,
+                     VerbContext& context) {
+  const auto error_of = [](const std::vector<ident::UpdatedPair>& pairs, int state, int measured) {
+    for (const auto& pair : pairs) {
+      if (pair.state == state && pair.measured == measured && !pair.cross_plane) {
+        return pair.relative_error;
+      }
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  };
+  std::vector<std::string> names{"before", "fitted"};
+  if (!held.empty()) names.emplace_back("held out");
+  for (const auto& column : options.data.compare) names.push_back(column);
+  struct Sum {
+    double squares = 0;
+    int count = 0;
+    void add(double error) {
+      if (std::isfinite(error)) squares += error * error, ++count;
+    }
+    double rms() const { return count > 0 ? std::sqrt(squares / count) : std::nan(""); }
+  };
+  std::vector<Sum> all(names.size());
+  const auto shown = [](double error) {
+    return std::isfinite(error) ? fmt::format("{:+.2f} %", 100 * error) : std::string("-");
+  };
+  auto& out = context.out;
+  out << fmt::format("\n{:<24} {:>12}", "relative errors", "measured, Hz");
+  for (const auto& name : names) out << fmt::format(" {:>14}", name);
+  out << '\n';
+  Json rows = Json::array();
+  for (std::size_t s = 0; s < states.states.size(); ++s) {
+    std::vector<Sum> sums(names.size());
+    for (std::size_t m = 0; m < states.states[s].measured.size(); ++m) {
+      const double measured = states.states[s].measured[m].frequency_hz.value;
+      const int state = static_cast<int>(s), index = static_cast<int>(m);
+      std::vector<double> errors{error_of(result.pairs_before, state, index),
+                                 error_of(result.pairs, state, index)};
+      if (!held.empty()) errors.push_back(error_of(held[s].pairs, state, index));
+      for (const double other : states.compared[s][m]) errors.push_back(other / measured - 1);
+      out << fmt::format("{:<24} {:>12.4f}", states.states[s].name, measured);
+      Json row{{"state", states.states[s].name}, {"measured_hz", measured}};
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        out << fmt::format(" {:>14}", shown(errors[i]));
+        row[names[i]] = json_number(errors[i]);
+        sums[i].add(errors[i]);
+        all[i].add(errors[i]);
+      }
+      out << '\n';
+      rows.push_back(std::move(row));
+    }
+    if (states.states.size() == 1) continue;
+    out << fmt::format("{:<24} {:>12}", states.states[s].name, "rms");
+    for (const auto& sum : sums) {
+      out << fmt::format(" {:>14}", sum.count > 0 ? fmt::format("{:.2f} %", 100 * sum.rms()) : "-");
+    }
+    out << '\n';
+  }
+  Json rms;
+  out << fmt::format("{:<24} {:>12}", "all", "rms");
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    out << fmt::format(" {:>14}",
+                       all[i].count > 0 ? fmt::format("{:.2f} %", 100 * all[i].rms()) : "-");
+    rms[names[i]] = {{"rms_relative_error", json_number(all[i].rms())}, {"modes", all[i].count}};
+  }
+  out << '\n';
+  return {{"rms", std::move(rms)}, {"rows", std::move(rows)}};
+}
+
+Json hold_out_json(const UpdateStates& states, const std::vector<ident::FreeParameter>& free,
+                   const ident::UpdateOptions& options, std::vector<ident::HeldOut>& held,
+                   VerbContext& context) {
+  Json json = Json::array();
+  held = ident::hold_out_each(states.states, free, options);
+  context.out << fmt::format("{:<24} {:>10} {:>12} {:>12}\n", "held out", "before", "others fitted",
+                             "predicted");
+  for (const auto& one : held) {
+    const auto& name = states.states[static_cast<std::size_t>(one.state)].name;
+    context.out << fmt::format("{:<24} {:>10} {:>12} {:>12}\n", name, percent(one.rms_before),
+                               percent(one.rms_fitted), percent(one.rms_predicted));
+    Json pairs = Json::array();
+    for (const auto& pair : one.pairs) pairs.push_back(pair_json(pair, states));
+    json.push_back({{"state", name},
+                    {"status", ident::name_of(one.status)},
+                    {"rms_relative_error_before", json_number(one.rms_before)},
+                    {"rms_relative_error_fitted", json_number(one.rms_fitted)},
+                    {"rms_relative_error_predicted", json_number(one.rms_predicted)},
+                    {"rms_log_frf_error_before", json_number(one.frf_before)},
+                    {"rms_log_frf_error_fitted", json_number(one.frf_fitted)},
+                    {"rms_log_frf_error_predicted", json_number(one.frf_predicted)},
+                    {"pairs", std::move(pairs)}});
+  }
+  return json;
+}
+
+Json write_scenes(const UpdateCommand& options, const UpdateStates& states,
+                  const ident::UpdateResult& result, VerbContext& context) {
+  Json files = Json::array();
+  for (std::size_t s = 0; s < result.scenes.size(); ++s) {
+    std::filesystem::path path =
+        options.out.empty()
+            ? std::filesystem::path(std::filesystem::path(states.scene_files[s]).stem().string() +
+                                    ".updated.toml")
+            : std::filesystem::path(options.out);
+    if (result.scenes.size() > 1) {
+      const std::string tension =
+          states.tension[s] ? fmt::format("-{:g}N", *states.tension[s]) : "";
+      const std::string number = options.data.scenes.size() > 1 ? fmt::format("-{}", s + 1) : "";
+      path.replace_filename(path.stem().string() + number + tension + path.extension().string());
+    }
+    model::Scene scene = result.scenes[s];
+    for (std::size_t m = 0; m < scene.members.size(); ++m) {
+      scene.members[m].segments = states.segments[s][m];
+    }
+    context.write(path, model::scene_text(scene));
+    context.out << "updated scene: " << path.string() << '\n';
+    files.push_back(path.string());
+  }
+  return files;
+}
+
+Json run_update(VerbContext& context, UpdateCommand options) {
+  if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty() &&
+      options.data.responses.empty()) {
+    throw UsageError("nothing to fit to: give --measured, --frf, --decay or --response");
+  }
+  if (!options.band.empty()) {
+    if (!(options.band[0] < options.band[1])) throw UsageError("--band must rise");
+    options.data.band_hz = {options.band[0], options.band[1]};
+  }
+  UpdateStates states = read_update_states(options.data, context);
+  if (options.hold_out && states.states.size() < 2) {
+    throw UsageError("--hold-out needs several states: a tension_N column or several scenes");
+  }
+  const auto free = free_parameters(options, states.states.front().scene);
+  ident::UpdateOptions update;
+  update.assumed_relative_std = options.assumed_std;
+  update.model_relative_std = options.model_std;
+  update.frf_model_relative_std = options.frf_model_std;
+  update.shape_std = options.shape_std;
+  update.starts = options.starts;
+  update.start_spread = options.start_spread;
+  update.seed = context.seed;
+  update.threads = context.threads;
+  if (!options.axial.empty()) {
+    context.input(options.axial);
+    update.inputs.push_back(axial_input(options.axial, states));
+  }
+  if (options.stiffness_common_std > 0 && states.stiffness.empty()) {
+    throw UsageError("--stiffness-std is of the --stiffness table, and there is none");
+  }
+  for (auto& input : uncertain_inputs(options.inputs, options.stiffness_common_std, states)) {
+    update.inputs.push_back(std::move(input));
+  }
+  for (auto& input : aim_inputs(options.aims, states)) update.inputs.push_back(std::move(input));
+  const auto result = ident::update_model(states.states, free, update);
+  if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
+
+  print_update(context.out, result, states);
+  if (result.status == ident::UpdateStatus::not_converged) {
+    context.warn("not_converged", result.message);
+    context.exit_code = ExitCode::not_converged;
+  } else if (!result.message.empty()) {
+    context.warn("doubtful", result.message);
+  }
+  for (const auto& open : result.open) context.refuse("not_identifiable", open);
+  for (const auto& p : result.parameters) {
+    if (p.at_bound) context.warn("at_bound", "ended at its bound", p.name);
+    if (p.identifiable && std::abs(p.segment_shift) > 0.5 * p.std) {
+      context.warn("segments",
+                   fmt::format("is about {:.2g} off for want of segments, which is most of its "
+                               "uncertainty: more segments, or \"auto\", make it smaller",
+                               p.segment_shift),
+                   p.name);
+    }
+    if (p.identifiable && !std::isfinite(p.std_from_data)) {
+      context.warn("from_prior", "is known from its prior only, not from these data", p.name);
+    }
+  }
+  if (result.starts > 1 && result.starts_agreeing < result.starts) {
+    context.warn("starts_differ", fmt::format("{} of {} starts ended in this answer, the others in "
+                                              "worse ones",
+                                              result.starts_agreeing, result.starts));
+  }
+
+  Json json{{"status", ident::name_of(result.status)}, {"parameters", Json::array()}};
+  for (const auto& p : result.parameters) {
+    json["parameters"].push_back({{"name", p.name},
+                                  {"start", p.start},
+                                  {"value", p.value},
+                                  {"std", json_number(p.std)},
+                                  {"identifiable", p.identifiable},
+                                  {"std_from_data", json_number(p.std_from_data)},
+                                  {"at_bound", p.at_bound},
+                                  {"segment_shift", json_number(p.segment_shift)},
+                                  {"segments_taken_off", json_number(p.segments_taken_off)},
+                                  {"budget", Json::array()}});
+    for (const auto& term : p.budget) {
+      json["parameters"].back()["budget"].push_back({{"source", term.source}, {"std", term.std}});
+    }
+  }
+  Json correlation = Json::array();
+  const auto& known = result.identifiability;
+  for (Eigen::Index i = 0; i < result.correlation.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < result.correlation.cols(); ++j) {
+      row.push_back(json_number(result.correlation(i, j)));
+    }
+    correlation.push_back(std::move(row));
+  }
+  json["correlation"] = std::move(correlation);
+  json["rank"] = known.rank;
+  json["condition"] = json_number(known.condition);
+  json["not_identifiable"] = result.open;
+  json["pairs"] = pairs_json(result, states);
+  json["rms_relative_error"] = json_number(result.rms_relative_error);
+  json["rms_relative_error_before"] = json_number(result.rms_relative_error_before);
+  json["chi_squared"] = result.chi_squared;
+  json["degrees_of_freedom"] = result.degrees_of_freedom;
+  json["coverage_factor"] = result.coverage_factor;
+  json["starts"] = result.starts;
+  json["starts_agreeing"] = result.starts_agreeing;
+  json["model_evaluations"] = result.model_evaluations;
+  json["auto_segments"] = result.auto_segments;
+  if (result.frf_lines > 0) {
+    json["frf_lines"] = result.frf_lines;
+    json["rms_log_frf_error"] = json_number(result.rms_log_frf_error);
+    json["rms_log_frf_error_before"] = json_number(result.rms_log_frf_error_before);
+  }
+  if (std::isfinite(result.history_error)) {
+    json["history_error"] = result.history_error;
+    json["history_error_before"] = json_number(result.history_error_before);
+  }
+  if (options.profile) {
+    const auto intervals = ident::profile_intervals(result, states.states, free, update);
+    for (std::size_t p = 0; p < intervals.size(); ++p) {
+      const auto& interval = intervals[p];
+      json["parameters"][p]["profile"] = {{"low", json_number(interval.low)},
+                                          {"high", json_number(interval.high)}};
+      const auto end = [](double value) {
+        return std::isfinite(value) ? fmt::format("{:.5g}", value) : "open";
+      };
+      context.out << fmt::format("{:<34} 95 % by profile: {} .. {}\n", result.parameters[p].name,
+                                 end(interval.low), end(interval.high));
+    }
+  }
+  std::vector<ident::HeldOut> held;
+  if (options.hold_out) {
+    json["hold_out"] = hold_out_json(states, free, update, held, context);
+  }
+  if (!options.data.compare.empty()) {
+    json["comparison"] = comparison_json(options, states, result, held, context);
+  }
+  if (options.monte_carlo > 0) {
+    Progress progress("Monte Carlo", options.monte_carlo, context.quiet);
+    const auto study = ident::update_monte_carlo(result, states.states, free, update,
+                                                 options.monte_carlo, [&] { progress.advance(); });
+    json["monte_carlo"] = monte_carlo_json(result, states, study);
+    context.out << fmt::format("Monte Carlo: {} samples, {} failed\n", study.samples, study.failed);
+  }
+  json["scenes"] = write_scenes(options, states, result, context);
+  return json;
+}
+
+}  // namespace
+
+void add_update(CLI::App& program, Verbs& verbs) {
+  const auto options = std::make_shared<UpdateCommand>();
+  CLI::App* verb =
+      program.add_subcommand("update", "A scene's uncertain parameters fitted to measured modes");
+  verb->add_option("SCENE", options->data.scenes,
+                   "Scene files (several: one for each file of data)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  verb->add_option("--measured", options->data.modes,
+                   "Tables of measured modes: frequency_hz, and where known std, damping_ratio, "
+                   "damping_std, plane, tension_N (a state each), shape:<sensor>; or universal "
+                   "files of mode shapes (UFF 55, with 15 or 2411 for where the nodes are)")
+      ->check(CLI::ExistingFile);
+  verb->add_option("--node", options->data.nodes,
+                   "SENSOR=NODE of universal files of mode shapes (SENSOR=NODE-Y: along the "
+                   "file's -y); without it a sensor's node is the one at its place in the scene");
+  verb->add_option(
+          "--frf", options->data.frfs,
+          "FRFs (UFF 58), fitted line by line; names of inputs and responses are those of "
+          "the scene's loads and sensors. Their modes lead the fit near. An exponential window in "
+          "them is part of the model then, not of its damping")
+      ->check(CLI::ExistingFile);
+  verb->add_option("--decay", options->data.decays,
+                   "Recordings of free decays: their frequencies and damping ratios")
+      ->check(CLI::ExistingFile);
+  verb->add_option(
+          "--response", options->data.responses,
+          "Recordings of the response to the scene's own loads from t = 0 on, fitted sample "
+          "by sample; channels are called like the scene's sensors")
+      ->check(CLI::ExistingFile);
+  verb->add_option("--channel", options->data.decay_channel, "Channel of the decays");
+  verb->add_option("--tension", options->data.tensions,
+                   "Of each --frf, --decay and --response, N: the cables' tension in that state")
+      ->check(positive_number());
+  verb->add_option("--band", options->band,
+                   "Lines and modes of FRFs, decays and UFF 55 that count, Hz")
+      ->expected(2)
+      ->check(not_negative_number());
+  verb->add_option("--compare", options->data.compare,
+                   "Further columns of the tables: frequencies of other models, shown beside");
+  verb->add_option("--free", options->free,
+                   "Scene parameters to fit: NAME, NAME=TARGET,-TARGET (several that share a "
+                   "value), NAME@each (one value a state). Default: every member's EI");
+  verb->add_option("--prior", options->priors,
+                   "NAME=VALUE,STD of a free parameter, from other tests");
+  verb->add_option("--column", options->data.column, "Name of the frequency column");
+  verb->add_option("--plane", options->data.planes, "Plane of each file: in, out or any")
+      ->check(CLI::IsMember({"in", "out", "any"}));
+  verb->add_option("--stiffness", options->data.stiffness,
+                   "Table of tension_N, EI_Nm2 and, where known, std, or the JSON result of rigfit "
+                   "bending: the cables' EI in each state")
+      ->check(CLI::ExistingFile);
+  verb->add_option("--stiffness-std", options->stiffness_common_std,
+                   "Relative uncertainty of that EI that all its tests share")
+      ->check(number_within(0.0, 1.0));
+  verb->add_option("--axial", options->axial,
+                   "JSON result of rigfit axial: EA of all cables, with its uncertainty")
+      ->check(CLI::ExistingFile);
+  verb->add_option("--input", options->inputs,
+                   "Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets "
+                   "with commas (-TARGET: opposite), `tension` for the cables' reading, @each at "
+                   "the end: independent in each state. Carried into the parameters, the "
+                   "predictions and --monte-carlo");
+  verb->add_option("--aim", options->aims,
+                   "How exactly a load of the scene struck, LOAD=METRES,DEGREES (standard "
+                   "uncertainties of its place along the member and of its direction, of the mean "
+                   "of the hits): carried on like every --input. With --frf and --response");
+  verb->add_flag("--profile", options->profile,
+                 "Also 95 % intervals by profile (of data and priors alone)");
+  verb->add_option("--assumed-std", options->assumed_std,
+                   "Relative standard uncertainty of frequencies that come without one")
+      ->check(number_within(1e-9, 1.0))
+      ->capture_default_str();
+  verb->add_option("--model-std", options->model_std,
+                   "Relative error in frequency that the model itself is allowed")
+      ->check(number_within(0.0, 1.0))
+      ->capture_default_str();
+  verb->add_option("--frf-model-std", options->frf_model_std,
+                   "Relative error in FRFs that the model itself is allowed")
+      ->check(number_within(0.0, 10.0))
+      ->capture_default_str();
+  verb->add_option(
+          "--shape-std", options->shape_std,
+          "Uncertainty of a component of a unit shape: shapes are fitted too (0: they only "
+          "help to pair)")
+      ->check(number_within(0.0, 1.0))
+      ->capture_default_str();
+  verb->add_option("--segments", options->data.segments,
+                   "Of every member while fitting (default: the scene's); fewer are faster")
+      ->check(CLI::Range(2, 10000));
+  verb->add_option("--starts", options->starts, "Starts, the first at the scene's own values")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  verb->add_option("--start-spread", options->start_spread,
+                   "Factor by which the other starts are off at most")
+      ->check(number_within(1.0, 100.0))
+      ->capture_default_str();
+  verb->add_flag("--hold-out", options->hold_out,
+                 "Also leave out each state in turn and predict it from the others");
+  verb->add_option(
+          "--monte-carlo", options->monte_carlo,
+          "Refits with measured frequencies, damping ratios, FRFs and time histories, priors, the "
+          "stiffness table, EA, every --input and --aim drawn anew")
+      ->check(CLI::Range(0, 1000000));
+  verb->add_option("--out", options->out,
+                   "Updated scene (default: SCENE's name with .updated.toml, in this folder)");
+  verb->footer(
+      "Example:\n"
+      "  rigfit update testdata/jalali2021/scenes/beam.toml \\\n"
+      "    --measured testdata/jalali2021/table2_beam_frequencies.csv --column bond_graph_Hz \\\n"
+      "    --plane in --free beam.EI_z tip.mass --out beam.updated.toml --json fit.json");
+  verbs.push_back(
+      {verb, [options](VerbContext& context) { return run_update(context, *options); }});
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,182 @@
+#include "apps/report/figures/frf_plots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace rigfit::apps {
+namespace {
+
+using Eigen::Index;
+constexpr double kNormal95 = 1.959963984540054;  // two-sided 95 % of a normal distribution
+// A band whose lower end is not positive is drawn down to this share of the line: a logarithmic
+// axis has no zero.
+constexpr double kLowestShown = 0.05;
+
+template <class Value>
+PlotSeries series_of(const signal::FrfSet& frfs, const LineRange& range, Index response,
+                     Index input, Origin origin, Value value) {
+  PlotSeries series;
+  series.name = frf_name(frfs, response, input);
+  series.origin = origin;
+  series.variant = static_cast<int>(frfs.column(response, input));
+  for (Index k = range.first; k <= range.last; ++k) {
+    series.x.push_back(frfs.frequency_hz[k]);
+    series.y.push_back(value(k, frfs.column(response, input)));
+  }
+  return series;
+}
+
+template <class Add>
+void each_frf(const signal::FrfSet& frfs, Add add) {
+  for (Index r = 0; r < static_cast<Index>(frfs.responses.size()); ++r) {
+    for (Index i = 0; i < static_cast<Index>(frfs.inputs.size()); ++i) add(r, i);
+  }
+}
+
+}  // namespace
+
+std::string frf_name(const signal::FrfSet& frfs, Index response, Index input) {
+  const auto& name = frfs.responses[static_cast<std::size_t>(response)].name;
+  if (frfs.inputs.size() < 2) return name;
+  return name + " / " + frfs.inputs[static_cast<std::size_t>(input)].name;
+}
+
+std::string magnitude_label(const std::string& unit) {
+  std::string text = unit;
+  if (const auto at = text.find("^2"); at != std::string::npos) text.replace(at, 2, "²");
+  return text.empty() ? "|H|" : "|H|, " + text;
+}
+
+LineRange lines_between(const signal::FrfSet& frfs, double low_hz, double high_hz) {
+  LineRange range;
+  const auto& f = frfs.frequency_hz;
+  while (range.first < f.size() && (f[range.first] < low_hz || f[range.first] <= 0)) ++range.first;
+  range.last = range.first - 1;
+  while (range.last + 1 < f.size() && f[range.last + 1] <= high_hz) ++range.last;
+  return range;
+}
+
+Plot magnitude_plot(const std::string& id, const signal::FrfSet& frfs, const LineRange& range,
+                    Origin origin, const signal::FrfSet* rebuilt) {
+  Plot plot;
+  plot.id = id;
+  plot.title = "Frequency response, magnitude";
+  plot.caption =
+      "Response per newton of the hammer, averaged over the accepted hits. The band holds the true "
+      "average with 95 %; broken: rebuilt from the modes that were identified.";
+  plot.x_label = "frequency, Hz";
+  plot.y_label = magnitude_label(frfs.unit);
+  plot.log_y = true;
+  each_frf(frfs, [&](Index r, Index i) {
+    auto series = series_of(frfs, range, r, i, origin,
+                            [&](Index k, Index c) { return std::abs(frfs.H(k, c)); });
+    if (frfs.H_std.size() > 0) {
+      for (Index k = range.first; k <= range.last; ++k) {
+        const Index c = frfs.column(r, i);
+        const double size = std::abs(frfs.H(k, c)), half = kNormal95 * frfs.H_std(k, c);
+        series.low.push_back(std::max(size - half, kLowestShown * size));
+        series.high.push_back(size + half);
+      }
+    }
+    plot.series.push_back(std::move(series));
+  });
+  if (rebuilt) {
+    each_frf(*rebuilt, [&](Index r, Index i) {
+      PlotSeries series;
+      series.name = frf_name(*rebuilt, r, i) + ", from modes";
+      series.group = "rebuilt from modes";
+      series.origin = Origin::modelled;
+      series.style = PlotSeries::Style::dashed;
+      for (Index k = 0; k < rebuilt->frequency_hz.size(); ++k) {
+        series.x.push_back(rebuilt->frequency_hz[k]);
+        series.y.push_back(std::abs(rebuilt->H(k, rebuilt->column(r, i))));
+      }
+      plot.series.push_back(std::move(series));
+    });
+  }
+  return plot;
+}
+
+Plot phase_plot(const std::string& id, const signal::FrfSet& frfs, const LineRange& range,
+                Origin origin) {
+  Plot plot;
+  plot.id = id;
+  plot.title = "Frequency response, phase";
+  plot.caption = "By how much the response leads the force. It turns by 180° at every mode.";
+  plot.x_label = "frequency, Hz";
+  plot.y_label = "phase, degrees";
+  each_frf(frfs, [&](Index r, Index i) {
+    plot.series.push_back(series_of(frfs, range, r, i, origin, [&](Index k, Index c) {
+      return std::arg(frfs.H(k, c)) * 180 / std::numbers::pi;
+    }));
+  });
+  return plot;
+}
+
+Plot coherence_plot(const std::string& id, const signal::FrfSet& frfs, const LineRange& range,
+                    Origin origin) {
+  Plot plot;
+  plot.id = id;
+  plot.title = "Coherence";
+  plot.caption =
+      "The part of the response that the hammer explains, hit for hit alike. It falls where "
+      "there is little force, little response, or something else shakes the rig.";
+  plot.x_label = "frequency, Hz";
+  plot.y_label = "coherence";
+  each_frf(frfs, [&](Index r, Index i) {
+    plot.series.push_back(series_of(frfs, range, r, i, origin,
+                                    [&](Index k, Index c) { return frfs.coherence(k, c); }));
+  });
+  return plot;
+}
+
+Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found, Origin origin) {
+  Plot plot;
+  plot.id = id;
+  plot.title = "Stabilisation diagram";
+  plot.caption =
+      "Poles found with models of rising order. A mode of the rig shows as a column of poles that "
+      "stay; what wanders is noise. Modes are chosen from the columns without anybody's guess.";
+  plot.x_label = "frequency, Hz";
+  plot.y_label = "model order";
+  PlotSeries stable, other;
+  stable.name = "stays in frequency and damping";
+  other.name = "wanders";
+  stable.origin = other.origin = origin;
+  stable.style = other.style = PlotSeries::Style::points;
+  other.variant = 1;
+  for (const auto& pole : found.stabilisation.poles) {
+    auto& series = pole.stable_frequency && pole.stable_damping ? stable : other;
+    series.x.push_back(pole.frequency_hz);
+    series.y.push_back(pole.order);
+  }
+  const double highest = found.stabilisation.orders_solved;
+  PlotSeries chosen;
+  chosen.name = "modes identified";
+  chosen.origin = Origin::modelled;
+  for (const auto& mode : found.model.modes) {
+    const double f = mode.frequency_hz.value;
+    chosen.x.insert(chosen.x.end(), {f, f, f});
+    chosen.y.insert(chosen.y.end(), {0.0, highest, std::numeric_limits<double>::quiet_NaN()});
+  }
+  PlotSeries rejected;
+  rejected.name = "columns rejected (listed below)";
+  rejected.origin = origin;
+  rejected.style = PlotSeries::Style::dashed;
+  rejected.variant = 2;
+  for (const auto& column : found.rejected) {
+    const double f = column.frequency_hz;
+    rejected.x.insert(rejected.x.end(), {f, f, f});
+    rejected.y.insert(rejected.y.end(), {0.0, highest, std::numeric_limits<double>::quiet_NaN()});
+  }
+  for (auto* series : {&other, &stable, &rejected, &chosen}) {
+    if (!series->x.empty()) plot.series.push_back(std::move(*series));
+  }
+  return plot;
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,193 @@
+#include "apps/report/fit/fit_part.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "apps/report/fit/fit_figures.h"
+#include "apps/report/fit/fit_tables.h"
+#include "apps/report/html_text.h"
+#include "apps/report/parts/recording_blocks.h"
+
+namespace rigfit::apps {
+namespace {
+
+class Fit {
+ public:
+  Fit(const Campaign& campaign, const CampaignFit& fit, const KnownValues& known,
+      const std::vector<std::vector<RecordedModalState>>& recorded, int threads, std::uint64_t seed)
+      : of_{campaign, fit} {
+    part_.id = fit.name;
+    part_.title = fit.title;
+    part_.json_key = "fits";
+    part_.json["fit"] = fit.name;
+    options_.starts = fit.starts;
+    options_.seed = seed;
+    options_.threads = threads;
+    for (const auto& parameter : fit.parameters) free_.push_back(parameter.free);
+    for (const std::size_t test : fit.tests) {
+      for (auto& modal : modal_states(campaign, campaign.tests[test], known, recorded[test])) {
+        // What the number of segments costs, as the model itself estimates it, is part of what the
+        // model cannot reach.
+        segments_error_ = std::max(segments_error_, modal.segments_error);
+        add_state(test, std::move(modal));
+      }
+    }
+    options_.model_relative_std = std::hypot(fit.model_std, segments_error_);
+    options_.segment_uncertainty = false;  // as it is in there
+  }
+
+  FitPart run() {
+    const std::string what = describe();
+    part_.blocks.push_back(Paragraph{what});
+    if (of_.states.empty()) {
+      refuse(part_, "nothing_to_fit", "none of its tests gave a mode to fit to", of_.fit.name);
+      return finished();
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    of_.result = ident::update_model(of_.updates, free_, options_);
+    const double wall =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    part_.costs.push_back({of_.fit.title + ": fit",
+                           fmt::format("{} model evaluations, {} starts",
+                                       of_.result.model_evaluations, of_.result.starts),
+                           fmt::format("pairs settled after {} rounds", of_.result.pairings), wall,
+                           std::numeric_limits<double>::quiet_NaN()});
+    part_.json["status"] = ident::name_of(of_.result.status);
+    if (of_.result.status != ident::UpdateStatus::converged) {
+      refuse(part_, "not_converged",
+             of_.result.message.empty() ? ident::name_of(of_.result.status) : of_.result.message,
+             of_.fit.name);
+      if (of_.result.scenes.empty() || of_.result.pairs.empty()) return finished();
+    } else if (!of_.result.message.empty()) {
+      part_.warnings.push_back({"doubtful", of_.result.message, of_.fit.name, false});
+    }
+    for (const auto& open : of_.result.open) {
+      part_.warnings.push_back({"not_identifiable", open, of_.fit.name, false});
+      part_.summary.push_back({SummaryItem::Kind::distrust, of_.fit.title, open, {}, part_.id});
+    }
+    if (of_.fit.hold_out && of_.states.size() > 1) {
+      auto options = options_;
+      options.starts = 1;  // from the scene's own values: the fit above has looked around
+      of_.held = ident::hold_out_each(of_.updates, free_, options);
+    }
+    add_parameters(part_, of_);
+    held_rms_ = add_errors(part_, of_);
+    if (auto plot = error_by_mode_plot(of_); !plot.series.empty()) {
+      part_.blocks.push_back(std::move(plot));
+    }
+    add_pairs(part_, of_);
+    add_shapes(part_, of_);
+    if (auto group = fit_overlays(of_, part_.costs); !group.tabs.empty()) {
+      part_.blocks.push_back(std::move(group));
+    }
+    summary();
+    return finished();
+  }
+
+ private:
+  void add_state(std::size_t test, ModalState modal) {
+    FittedState state{test, {}};
+    ident::UpdateState update;
+    update.name = of_.campaign.tests[test].name + ", " + state_label(modal.tension_N);
+    update.scene = modal.rig.scene;
+    const Origin origin = modal.recorded ? modal.recorded->origin : Origin::published;
+    for (const auto& row : modal.rows) {
+      if (!std::isfinite(row.measured_hz) || row.origin != origin) continue;
+      ident::MeasuredMode mode;
+      mode.frequency_hz = {row.measured_hz, row.std_hz};
+      mode.damping_ratio = {row.damping, row.damping_std};
+      mode.plane = of_.campaign.tests[test].plane();
+      mode.shape = row.shape;
+      update.measured.push_back(std::move(mode));
+    }
+    if (update.measured.empty()) return;
+    measured_ += update.measured.size();
+    state.modal = std::move(modal);
+    of_.states.push_back(std::move(state));
+    of_.updates.push_back(std::move(update));
+  }
+
+  [[nodiscard]] std::string describe() const {
+    std::string tests, parameters;
+    for (const std::size_t test : of_.fit.tests) {
+      tests += (tests.empty() ? "" : "; ") + of_.campaign.tests[test].title;
+    }
+    for (const auto& parameter : of_.fit.parameters) {
+      parameters += (parameters.empty() ? "" : ", ") + parameter.free.name;
+      if (parameter.free.per_state) parameters += " (at each state its own)";
+    }
+    return fmt::format(
+        "Fitted: {}. To: {} in {} of: {}. Each measured mode is paired with the one "
+        "of the model that it is, and the parameters move until the differences, weighed by their "
+        "uncertainties, are least; {}. A model fitted "
+        "to everything explains nothing: where states are "
+        "held out, they are predicted from the others.",
+        parameters, counted(measured_, "mode"), counted(of_.states.size(), "state"), tests,
+        options_.model_relative_std < 1e-5
+            ? std::string("the model's own error is less than 0.001 % of a frequency")
+            : fmt::format("the model itself is allowed {} % in frequency",
+                          shown(100 * options_.model_relative_std, 2)));
+  }
+
+  void summary() {
+    std::string text =
+        fmt::format("{} before, {} fitted", percent_words(of_.result.rms_relative_error_before),
+                    percent_words(of_.result.rms_relative_error));
+    if (std::isfinite(held_rms_)) text += fmt::format(", {} held out", percent_words(held_rms_));
+    part_.summary.push_back({SummaryItem::Kind::error, of_.fit.title + ", rms error", text,
+                             Origin::modelled, part_.id});
+    // An error held out that is much larger than the fitted one: too much freedom.
+    if (std::isfinite(held_rms_) && held_rms_ > 3 * of_.result.rms_relative_error &&
+        held_rms_ > 0.005) {
+      part_.summary.push_back(
+          {SummaryItem::Kind::distrust, of_.fit.title,
+           fmt::format("predicts states that it has not seen {:.1f} times worse than those it was "
+                       "fitted to",
+                       held_rms_ / of_.result.rms_relative_error),
+           Origin::modelled, part_.id});
+    }
+  }
+
+  /// What was found goes on to the tests that ask for it.
+  FitPart finished() {
+    FitPart result;
+    if (of_.result.status == ident::UpdateStatus::converged) {
+      for (std::size_t s = 0; s < of_.result.scenes.size(); ++s) {
+        FittedValues values;
+        values.tension_N = of_.states[s].modal.tension_N;
+        for (const auto& parameter : of_.fit.parameters) {
+          const auto& targets = parameter.free.targets;
+          for (const auto& name : targets.empty() ? std::vector{parameter.free.name} : targets) {
+            values.values.push_back(
+                {name, model::parameter(of_.result.scenes[s], name), !parameter.free.per_state});
+          }
+        }
+        result.values.push_back(std::move(values));
+      }
+    }
+    result.part = std::move(part_);
+    return result;
+  }
+
+  FitOutcome of_;
+  ReportPart part_;
+  ident::UpdateOptions options_;
+  std::vector<ident::FreeParameter> free_;
+  std::size_t measured_ = 0;
+  double segments_error_ = 0;
+  double held_rms_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+}  // namespace
+
+FitPart fit_part(const Campaign& campaign, const CampaignFit& fit, const KnownValues& known,
+                 const std::vector<std::vector<RecordedModalState>>& recorded, int threads,
+                 std::uint64_t seed) {
+  return Fit(campaign, fit, known, recorded, threads, seed).run();
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,286 @@
+#include "apps/report/fit/fit_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/cli/json_document.h"
+#include "apps/report/html_text.h"
+#include "apps/report/modal/modal_files.h"
+#include "apps/report/parts/scenes_part.h"
+#include "signal/modal/mac.h"
+
+namespace rigfit::apps {
+namespace {
+
+double rms(const std::vector<ident::UpdatedPair>& pairs, int state) {
+  double sum = 0;
+  int n = 0;
+  for (const auto& pair : pairs) {
+    if (pair.state != state || pair.cross_plane) continue;
+    sum += pair.relative_error * pair.relative_error;
+    ++n;
+  }
+  return n > 0 ? std::sqrt(sum / n) : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Of a free parameter, by the first scene that has it.
+std::string unit_of(const FitOutcome& of, const ident::FreeParameter* free) {
+  if (!free) return {};
+  const auto& name = free->targets.empty() ? free->name : free->targets.front();
+  for (const auto& update : of.updates) {
+    const auto names = model::parameter_names(update.scene);
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
+      return parameter_unit(update.scene, name);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string percent_words(double ratio) {
+  return std::isfinite(ratio) ? shown(100 * ratio, 3) + " %" : std::string("–");
+}
+
+void add_parameters(ReportPart& part, const FitOutcome& of) {
+  ReportTable table;
+  table.id = of.fit.name + "-parameters";
+  const bool priors =
+      std::any_of(of.fit.parameters.begin(), of.fit.parameters.end(),
+                  [](const FitParameter& parameter) { return parameter.free.prior.has_value(); });
+  table.caption = "What was found, ± its standard uncertainty, with 95 % intervals.";
+  if (priors) {
+    table.caption += " Data alone: the standard uncertainty without what was known before.";
+  }
+  table.columns = {{"parameter", {}, false},
+                   {"state", {}, false},
+                   {"start", Origin::modelled},
+                   {"found", Origin::modelled},
+                   {"95 % interval", Origin::modelled},
+                   {"data alone ±", Origin::modelled},
+                   {of.fit.reference_name, {}, true},
+                   {"remark", {}, false}};
+  Json list = Json::array();
+  for (const auto& parameter : of.result.parameters) {
+    const auto spec = std::find_if(
+        of.fit.parameters.begin(), of.fit.parameters.end(), [&](const FitParameter& p) {
+          return parameter.name == p.free.name || parameter.name.starts_with(p.free.name + " [");
+        });
+    const std::string name = spec == of.fit.parameters.end() ? parameter.name : spec->free.name;
+    const std::optional<double> reference =
+        spec == of.fit.parameters.end() ? std::nullopt : spec->reference;
+    const std::string unit = unit_of(of, spec == of.fit.parameters.end() ? nullptr : &spec->free);
+    const std::string in_unit = unit.empty() ? "" : " " + unit;
+    const bool known = parameter.identifiable && std::isfinite(parameter.std);
+    const double half = of.result.coverage_factor * parameter.std;
+    const std::string interval = shown_bound(parameter.value - half, parameter.std) + " to " +
+                                 shown_bound(parameter.value + half, parameter.std);
+    std::string remark;
+    if (!parameter.identifiable) {
+      remark = "these data cannot tell it";
+    } else if (!std::isfinite(parameter.std_from_data)) {
+      remark = "known from before only, not from these data";
+    }
+    if (parameter.at_bound) remark += std::string(remark.empty() ? "" : "; ") + "at its bound";
+    Cell remark_cell(remark);
+    remark_cell.doubtful = !remark.empty();
+    table.rows.push_back(
+        {unit.empty() ? name : name + ", " + unit,
+         parameter.state < 0 ? "all" : of.name_of_state(parameter.state), shown(parameter.start, 4),
+         Cell(known ? shown_estimate(parameter.value, parameter.std) : shown(parameter.value, 4),
+              Origin::modelled),
+         known ? interval : std::string("–"),
+         !priors                                  ? ""
+         : std::isfinite(parameter.std_from_data) ? shown(parameter.std_from_data, 2)
+                                                  : "–",
+         reference ? shown(*reference, 4) : std::string(), remark_cell});
+    list.push_back({{"name", parameter.name},
+                    {"start", parameter.start},
+                    {"value", parameter.value},
+                    {"std", json_number(parameter.std)},
+                    {"identifiable", parameter.identifiable},
+                    {"std_from_data", json_number(parameter.std_from_data)},
+                    {"at_bound", parameter.at_bound},
+                    {"reference", reference ? Json(*reference) : Json(nullptr)}});
+    if (!known) continue;
+    if (parameter.state >= 0) continue;
+    part.summary.push_back(
+        {SummaryItem::Kind::result, of.fit.title + ": " + name,
+         shown_estimate(parameter.value, parameter.std) + in_unit +
+             fmt::format(" (95 %: {})", interval) +
+             (reference ? fmt::format("; {} {}", of.fit.reference_name, shown(*reference, 4)) : ""),
+         Origin::modelled, part.id});
+  }
+  part.json["parameters"] = std::move(list);
+  part.blocks.push_back(std::move(table));
+  if (of.result.starts > 1) {
+    part.blocks.push_back(Paragraph{
+        fmt::format("{} of {} starts, spread widely about the first values, ended in this answer.",
+                    of.result.starts_agreeing, of.result.starts),
+        of.result.starts_agreeing == of.result.starts ? Paragraph::Kind::plain
+                                                      : Paragraph::Kind::note});
+  }
+}
+
+double add_errors(ReportPart& part, const FitOutcome& of) {
+  ReportTable table;
+  table.id = of.fit.name + "-errors";
+  table.caption = "Root-mean-square relative error in frequency.";
+  table.columns = {
+      {"state", {}, false}, {"before", Origin::modelled}, {"fitted", Origin::modelled}};
+  if (!of.held.empty()) table.columns.push_back({"held out, predicted", Origin::modelled});
+  Json list = Json::array();
+  double held_sum = 0;
+  int held_count = 0;
+  for (std::size_t s = 0; s < of.states.size(); ++s) {
+    const int state = static_cast<int>(s);
+    const double before = rms(of.result.pairs_before, state), after = rms(of.result.pairs, state);
+    std::vector<Cell> cells{of.updates[s].name, percent_words(before), percent_words(after)};
+    Json json{{"state", of.updates[s].name},
+              {"rms_relative_error_before", json_number(before)},
+              {"rms_relative_error", json_number(after)}};
+    for (const auto& held : of.held) {
+      if (held.state != state) continue;
+      cells.emplace_back(held.status == ident::UpdateStatus::converged
+                             ? percent_words(held.rms_predicted)
+                             : std::string(ident::name_of(held.status)));
+      json["rms_relative_error_held_out"] = json_number(held.rms_predicted);
+      for (const auto& pair : held.pairs) {
+        if (pair.cross_plane) continue;
+        held_sum += pair.relative_error * pair.relative_error;
+        ++held_count;
+      }
+    }
+    table.rows.push_back(std::move(cells));
+    list.push_back(std::move(json));
+  }
+  const double held_rms =
+      held_count > 0 ? std::sqrt(held_sum / held_count) : std::numeric_limits<double>::quiet_NaN();
+  std::vector<Cell> all{"all", percent_words(of.result.rms_relative_error_before),
+                        percent_words(of.result.rms_relative_error)};
+  if (!of.held.empty()) all.emplace_back(percent_words(held_rms));
+  table.rows.push_back(std::move(all));
+  part.json["states"] = std::move(list);
+  part.json["rms_relative_error_before"] = json_number(of.result.rms_relative_error_before);
+  part.json["rms_relative_error"] = json_number(of.result.rms_relative_error);
+  part.json["rms_relative_error_held_out"] = json_number(held_rms);
+  part.blocks.push_back(std::move(table));
+  return held_rms;
+}
+
+void add_pairs(ReportPart& part, const FitOutcome& of) {
+  ReportTable table;
+  table.id = of.fit.name + "-pairs";
+  table.caption = "Every measured mode and the model's, before and after.";
+  table.columns = {{"state", {}, false},
+                   {"test, Hz", {}, true},
+                   {"mode", {}, false},
+                   {"before", Origin::modelled},
+                   {"fitted, Hz", Origin::modelled},
+                   {"error", Origin::modelled},
+                   {"MAC", Origin::modelled},
+                   {"remark", {}, false}};
+  Json list = Json::array();
+  for (std::size_t s = 0; s < of.updates.size(); ++s) {
+    const int state = static_cast<int>(s);
+    bool first = true;
+    for (std::size_t m = 0; m < of.updates[s].measured.size(); ++m) {
+      const auto& mode = of.updates[s].measured[m];
+      const auto find = [&](const std::vector<ident::UpdatedPair>& pairs) {
+        return std::find_if(pairs.begin(), pairs.end(), [&](const auto& pair) {
+          return pair.state == state && pair.measured == static_cast<int>(m);
+        });
+      };
+      const auto before = find(of.result.pairs_before), after = find(of.result.pairs);
+      const bool was = before != of.result.pairs_before.end(), is = after != of.result.pairs.end();
+      Json json{{"state", of.updates[s].name},
+                {"measured_hz", mode.frequency_hz.value},
+                {"model_hz", is ? Json(after->model_hz) : Json(nullptr)},
+                {"relative_error", is ? Json(after->relative_error) : Json(nullptr)},
+                {"relative_error_before", was ? Json(before->relative_error) : Json(nullptr)},
+                {"mac", is ? json_number(after->mac) : Json(nullptr)},
+                {"leakage", is && after->cross_plane}};
+      list.push_back(std::move(json));
+      Cell remark(
+          is ? (after->cross_plane ? "of the other plane: leaked into the test, not fitted" : "")
+             : "no mode of the model is near");
+      remark.doubtful = !remark.text.empty();
+      table.rows.push_back(
+          {first ? of.updates[s].name : "",
+           Cell(std::isfinite(mode.frequency_hz.std)
+                    ? shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std)
+                    : shown(mode.frequency_hz.value, 4),
+                of.origin_of(s)),
+           is ? fmt::format("{} {}", model::name_of(after->plane), after->order + 1) : "",
+           was ? shown_percent(before->relative_error) : "–", is ? shown(after->model_hz, 5) : "–",
+           is ? shown_percent(after->relative_error) : "–",
+           is && std::isfinite(after->mac) ? shown(after->mac, 3) : "", remark});
+      first = false;
+    }
+  }
+  for (const auto& lone : of.result.unpaired) {
+    if (lone.measured) continue;
+    list.push_back({{"state", of.name_of_state(lone.state)},
+                    {"measured_hz", nullptr},
+                    {"model_hz", lone.frequency_hz},
+                    {"reason", lone.reason}});
+  }
+  if (table.rows.size() > 16) table.fold = fmt::format("All {} pairs", table.rows.size());
+  part.json["pairs"] = std::move(list);
+  part.blocks.push_back(std::move(table));
+}
+
+void add_shapes(ReportPart& part, const FitOutcome& of) {
+  for (std::size_t s = 0; s < of.states.size(); ++s) {
+    if (of.states[s].modal.rig.response.size() < 2) continue;
+    double highest = 0;
+    for (const auto& mode : of.updates[s].measured) {
+      highest = std::max(highest, mode.frequency_hz.value);
+    }
+    model::ModesOptions options;
+    options.band_hz = {{0.0, 1.15 * highest}};
+    options.error_estimate = false;
+    const auto analysis = model::analyse_modes(of.result.scenes[s], options);
+    ReportTable table;
+    table.id = fmt::format("{}-mac-{}", of.fit.name, s + 1);
+    table.caption = fmt::format(
+        "{}: likeness of shapes (MAC, 1: the same) at the {} sensors, measured modes in rows, "
+        "fitted model's in columns. Few sensors cannot tell every shape from every other.",
+        of.updates[s].name, of.states[s].modal.rig.response.size());
+    table.columns = {{"test \\ model, Hz", {}, false}};
+    std::vector<const model::NaturalMode*> columns;
+    const auto plane = of.campaign.tests[of.states[s].test].plane();
+    for (const auto& mode : analysis.modes) {
+      if (!(mode.frequency_hz > 0) || (plane && mode.plane != *plane)) continue;
+      columns.push_back(&mode);
+      table.columns.push_back({shown(mode.frequency_hz, 4), Origin::modelled});
+    }
+    Json matrix = Json::array();
+    for (const auto& mode : of.updates[s].measured) {
+      if (mode.shape.size() == 0) continue;
+      std::vector<Cell> row{Cell(shown(mode.frequency_hz.value, 4), of.origin_of(s))};
+      Json json = Json::array();
+      for (const auto* natural : columns) {
+        const double value =
+            signal::mac(mode.shape, natural->sensor_shape.cast<std::complex<double>>());
+        Cell cell(fmt::format("{:.2f}", value));
+        cell.shade = value;
+        row.push_back(std::move(cell));
+        json.push_back(value);
+      }
+      table.rows.push_back(std::move(row));
+      matrix.push_back(std::move(json));
+    }
+    if (table.rows.empty() || columns.empty()) continue;
+    part.json["mac"].push_back({{"state", of.updates[s].name}, {"matrix", std::move(matrix)}});
+    part.blocks.push_back(std::move(table));
+    part.files.push_back(
+        {fmt::format("uff/{}-model-{}.uff", of.fit.name, file_word(of.updates[s].name)),
+         model_mode_file(analysis)});
+  }
+}
+
+}  // namespace rigfit::apps

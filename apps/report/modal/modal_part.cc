@@ -1,0 +1,256 @@
+#include "apps/report/modal/modal_part.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/report/figures/frequency_plots.h"
+#include "apps/report/html_text.h"
+#include "apps/report/modal/modal_states.h"
+#include "apps/report/modal/modal_tables.h"
+
+namespace rigfit::apps {
+namespace {
+
+Json points_json(const Eigen::Matrix3Xd& points, double scale, int digits) {
+  const double unit = std::pow(10, digits);
+  Json list = Json::array();
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    Json point = Json::array();
+    for (int k = 0; k < 3; ++k) point.push_back(std::round(scale * points(k, i) * unit) / unit);
+    list.push_back(std::move(point));
+  }
+  return list;
+}
+
+ShapeViewer shape_viewer(const CampaignTest& test, const std::vector<ModalState>& states) {
+  ShapeViewer viewer;
+  viewer.id = test.name + "-shapes";
+  viewer.caption =
+      "Mode shapes about the hanging equilibrium, displacements enlarged. Drag or use the arrow "
+      "keys to turn; the colour says what moves: cable, beam or both (hybrid).";
+  viewer.states = Json::array();
+  for (const auto& state : states) {
+    Json modes = Json::array();
+    for (std::size_t i = 0; i < state.analysis.modes.size(); ++i) {
+      const auto& mode = state.analysis.modes[i];
+      double largest = 0;
+      for (const auto& shape : mode.shape) {
+        if (shape.displacement.size() > 0) {
+          largest = std::max(largest, shape.displacement.colwise().norm().maxCoeff());
+        }
+      }
+      if (!(largest > 0)) continue;
+      Json members = Json::array();
+      for (std::size_t k = 0; k < mode.shape.size(); ++k) {
+        members.push_back(
+            {{"name", mode.shape[k].member},
+             {"rest", points_json(state.analysis.equilibrium.members[k].positions, 1, 4)},
+             {"shape", points_json(mode.shape[k].displacement, 1 / largest, 3)}});
+      }
+      modes.push_back({{"label", mode_name(state.analysis, i)},
+                       {"frequency_hz", std::round(1e4 * mode.frequency_hz) / 1e4},
+                       {"plane", name_of(mode.plane)},
+                       {"family", name_of(mode.family)},
+                       {"members", std::move(members)}});
+    }
+    if (!modes.empty()) {
+      viewer.states.push_back({{"label", label_of(state)}, {"modes", std::move(modes)}});
+    }
+  }
+  return viewer;
+}
+
+Json state_json(const CampaignTest& test, const ModalState& state) {
+  const auto& analysis = state.analysis;
+  Json json;
+  json["tension_N"] = state.tension_N ? Json(*state.tension_N) : Json(nullptr);
+  json["EI_Nm2"] = state.EI_Nm2 ? Json(*state.EI_Nm2) : Json(nullptr);
+  Json members = Json::array();
+  for (const auto& member : analysis.equilibrium.members) {
+    members.push_back({{"member", member.member},
+                       {"sag_m", member.sag_m},
+                       {"tension_N", member.tension_N},
+                       {"unstretched_length_m", member.unstretched_length_m},
+                       {"segments", member.segments}});
+  }
+  json["equilibrium"] = {{"status", name_of(analysis.equilibrium.status)},
+                         {"reason", analysis.equilibrium.reason},
+                         {"residual", analysis.equilibrium.residual},
+                         {"members", std::move(members)}};
+  Json modes = Json::array();
+  for (const auto& mode : analysis.modes) {
+    modes.push_back({{"frequency_hz", mode.frequency_hz},
+                     {"damping_ratio", mode.damping_ratio},
+                     {"plane", name_of(mode.plane)},
+                     {"family", name_of(mode.family)}});
+  }
+  json["modes"] = std::move(modes);
+  json["relative_error_estimate"] = analysis.relative_error_estimate;
+  json["complete"] = analysis.complete;
+  Json pairs = Json::array();
+  for (const auto& row : state.rows) {
+    Json pair;
+    pair["origin"] = word_of(row.origin);
+    pair["measured_hz"] = row.measured_hz;
+    pair["measured_std_hz"] = row.std_hz;
+    pair["measured_damping_ratio"] = row.damping;
+    if (row.mode) {
+      const auto& mode = analysis.modes[*row.mode];
+      pair["model_hz"] = mode.frequency_hz;
+      pair["relative_error"] = mode.frequency_hz / row.measured_hz - 1;
+      pair["plane"] = name_of(mode.plane);
+      pair["family"] = name_of(mode.family);
+      pair["other_plane"] = row.other_plane;
+      pair["mac"] = row.mac;
+    } else {
+      pair["model_hz"] = nullptr;
+      pair["relative_error"] = nullptr;
+    }
+    Json published = Json::object();
+    for (std::size_t k = 0; k < std::min(row.models_hz.size(), published_models(test).size());
+         ++k) {
+      published[published_models(test)[k].first] = row.models_hz[k];
+    }
+    pair["published_hz"] = std::move(published);
+    pairs.push_back(std::move(pair));
+  }
+  json["pairs"] = std::move(pairs);
+  return json;
+}
+
+void add_summary(ReportPart& part, const CampaignTest& test,
+                 const std::vector<ModalState>& states) {
+  const RmsError ours = rms_of_model(states);
+  std::string text = ours.rows > 0 ? fmt::format("rigfit {} % over {} paired rows",
+                                                 shown(100 * ours.value, 3), ours.rows)
+                                   : std::string("no row could be paired");
+  for (std::size_t k = 0; k < published_models(test).size(); ++k) {
+    const RmsError theirs = rms_of_published(states, k);
+    if (theirs.rows == 0) continue;
+    text += fmt::format("; published {} {} % over {}", published_models(test)[k].first,
+                        shown(100 * theirs.value, 3), theirs.rows);
+  }
+  part.summary.push_back(
+      {SummaryItem::Kind::error, test.title + ", rms error", text, Origin::modelled, part.id});
+
+  std::string leaked, lonely;
+  for (const auto& state : states) {
+    for (const auto& row : state.rows) {
+      if (!std::isfinite(row.measured_hz)) continue;
+      std::string& list = row.mode ? leaked : lonely;
+      if (row.mode && !row.other_plane) continue;
+      list += fmt::format("{}{} Hz ({})", list.empty() ? "" : ", ", shown(row.measured_hz, 4),
+                          label_of(state));
+    }
+  }
+  if (!leaked.empty()) {
+    part.summary.push_back({SummaryItem::Kind::distrust,
+                            test.title,
+                            "rows that lie at a mode of the other plane, probably leaked into the "
+                            "test: " +
+                                leaked,
+                            {},
+                            part.id});
+    part.warnings.push_back(
+        {"cross-plane", "measured rows at modes of the other plane: " + leaked, test.name, false});
+  }
+  if (!lonely.empty()) {
+    part.summary.push_back({SummaryItem::Kind::distrust,
+                            test.title,
+                            "measured modes without a mode of the model near them: " + lonely,
+                            {},
+                            part.id});
+    part.warnings.push_back(
+        {"unpaired", "measured rows without a modelled mode: " + lonely, test.name, false});
+  }
+}
+
+}  // namespace
+
+ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
+                      const std::vector<RecordedModalState>& recorded) {
+  ReportPart part;
+  part.id = test.name;
+  part.title = test.title;
+  part.json_key = "modal";
+  const auto states = modal_states(campaign, test, known, recorded);
+  bool any = false;
+  for (const auto& state : states) {
+    const auto& equilibrium = state.analysis.equilibrium;
+    any = any || !state.analysis.modes.empty();
+    if (equilibrium.status != model::EquilibriumStatus::converged) {
+      part.warnings.push_back({"equilibrium",
+                               fmt::format("{}: {} ({})", label_of(state),
+                                           name_of(equilibrium.status), equilibrium.reason),
+                               test.name, true});
+    }
+  }
+  // A tenth of what a good test resolves (about 1 %) is all that segments may cost.
+  double worst = 0;
+  for (const auto& state : states) worst = std::max(worst, state.segments_error);
+  if (worst > 1e-3) {
+    const std::string message = fmt::format(
+        "the number of segments costs an estimated {} % in frequency; give the "
+        "scene's members more, or segments = \"auto\"",
+        shown(100 * worst, 2));
+    part.warnings.push_back({"segments", message, test.name, false});
+    part.summary.push_back(
+        {SummaryItem::Kind::distrust, test.title, message, Origin::modelled, part.id});
+  }
+  for (const auto& state : states) {
+    std::string left;
+    for (const auto& one : state.analysis.left_out) {
+      left += fmt::format("{}left out: {} ({:.0e})", left.empty() ? "" : "; ", one.what,
+                          one.relative_error);
+    }
+    part.costs.push_back({fmt::format("{}, {}: equilibrium and {} modes", test.title,
+                                      label_of(state), state.analysis.modes.size()),
+                          fmt::format("{} unknowns", state.analysis.unknowns),
+                          left.empty() ? "nothing left out" : left, state.wall_s,
+                          state.segments_error});
+  }
+  const std::string planes = test.in_plane && test.out_of_plane
+                                 ? "in and out of the plane of gravity"
+                             : test.in_plane ? "in the plane of gravity"
+                                             : "out of the plane of gravity";
+  part.blocks.push_back(
+      Paragraph{fmt::format("Hammer test, {}; scene \"{}\". The values of the model are those "
+                            "given for the scene, nothing "
+                            "was fitted to these frequencies here.",
+                            planes, campaign.scenes[*test.scene].name)});
+  part.blocks.push_back(error_table(test, states));
+  if (any) {
+    if (states.front().tension_N && states.size() > 1) {
+      auto lines = tension_plot(campaign, test, known, states);
+      part.blocks.push_back(std::move(lines.plot));
+      part.json["crossings"] = std::move(lines.crossings);
+    } else {
+      part.blocks.push_back(row_plot(test, states));
+    }
+  }
+  part.blocks.push_back(pairs_table(test, states));
+  part.blocks.push_back(equilibrium_table(test, states));
+  if (any) part.blocks.push_back(shape_viewer(test, states));
+  add_summary(part, test, states);
+
+  part.json["test"] = test.name;
+  part.json["scene"] = campaign.scenes[*test.scene].name;
+  Json list = Json::array();
+  for (const auto& state : states) list.push_back(state_json(test, state));
+  part.json["states"] = std::move(list);
+  const RmsError ours = rms_of_model(states);
+  part.json["rms_relative_error"] = ours.value;
+  part.json["paired_rows"] = ours.rows;
+  Json published = Json::object();
+  for (std::size_t k = 0; k < published_models(test).size(); ++k) {
+    const RmsError theirs = rms_of_published(states, k);
+    published[published_models(test)[k].first] = {{"rms_relative_error", theirs.value},
+                                                  {"rows", theirs.rows}};
+  }
+  part.json["published_models"] = std::move(published);
+  return part;
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,36 @@
+// The model laid over a hammer test: FRFs, and the answer in time to a hit as it was recorded.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/report/modal/modal_states.h"
+#include "apps/report/report_part.h"
+#include "model/response/response.h"
+
+namespace rigfit::apps {
+
+/// One version of the model: as given, fitted, ...
+struct ModelVersion {
+  std::string label;
+  model::Scene scene;  ///< instrumented as the test was
+};
+
+/// Magnitudes of the test with their band, and of every version; empty series when nothing could be
+/// computed.
+[[nodiscard]] Plot frf_overlay_plot(const std::string& id, const RecordedModalState& recorded,
+                                    const Instrumented& rig,
+                                    const std::vector<ModelVersion>& versions);
+
+/// The recorded hit and what every version answers to its force: whole, and the first moments.
+/// Adds what each computation took to `costs`.
+[[nodiscard]] std::vector<Plot> hit_overlay_plots(const std::string& id,
+                                                  const RecordedModalState& recorded,
+                                                  const Instrumented& rig,
+                                                  const std::vector<ModelVersion>& versions,
+                                                  std::vector<ModelCost>& costs);
+
+/// What a response computation did and left out, in words.
+[[nodiscard]] ModelCost response_cost(const std::string& what, const model::ResponseResult& result);
+
+}  // namespace rigfit::apps

@@ -1,0 +1,24 @@
+// The hanging-mass test of a campaign: EA, damping and damper from its recordings, length by
+// length, with the uncertainty budget.
+#pragma once
+
+#include <optional>
+
+#include "apps/campaign_file/campaign.h"
+#include "apps/report/report_part.h"
+
+namespace rigfit::apps {
+
+struct AxialPart {
+  ReportPart part;
+  std::optional<double> EA_N;
+};
+
+template <class A>
+void archive(A& a, AxialPart& v) {
+  a(v.part, v.EA_N);
+}
+
+[[nodiscard]] AxialPart axial_part(const CampaignTest& test, std::uint64_t seed, int threads);
+
+}  // namespace rigfit::apps

@@ -1,0 +1,311 @@
+#include "apps/report/parts/decay_part.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include "apps/report/figures/decay_overlay.h"
+#include "apps/report/html_text.h"
+#include "apps/report/parts/recording_blocks.h"
+#include "ident/statistics/in_parallel.h"
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::apps {
+namespace {
+
+Json estimate_json(const signal::Estimate& e) {
+  return {{"value", std::isfinite(e.value) ? Json(e.value) : Json(nullptr)},
+          {"std", std::isfinite(e.std) ? Json(e.std) : Json(nullptr)}};
+}
+
+class DecayAnalysis {
+ public:
+  DecayAnalysis(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
+                const std::vector<FitOfDecay>& fits)
+      : campaign_(campaign), test_(test), known_(known), fits_(fits) {
+    part_.id = test.name;
+    part_.title = test.title;
+    part_.json_key = "decays";
+    part_.json["test"] = test.name;
+    table_.id = test.name + "-modes";
+    table_.caption =
+        "Oscillations found in each record, strongest first, with standard uncertainties.";
+    compared_.id = test.name + "-compared";
+    compared_.caption =
+        "The same oscillations in the model's answer, by the same estimator over the same time. "
+        "Decay rate: damping "
+        "ratio times angular frequency, how fast the oscillation dies away.";
+    compared_.columns = {{"record", {}, false},
+                         {"model", {}, false},
+                         {"test, Hz", {}, true},
+                         {"model, Hz", Origin::modelled},
+                         {"error", Origin::modelled},
+                         {"test damping, %", {}, true},
+                         {"model damping, %", Origin::modelled},
+                         {"test decay rate, 1/s", {}, true},
+                         {"model decay rate, 1/s", Origin::modelled}};
+  }
+
+  ReportPart run(int threads) {
+    auto loaded = load_recordings(test_.recordings);
+    for (const auto& entry : loaded) {
+      part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
+    }
+    part_.blocks.push_back(Paragraph{
+        "The rig is set free (a string is cut, or it is tapped) and rings. Damped oscillations are "
+        "fitted to what it rings, without anybody's guess of frequency or window."});
+    add_recordings(part_, test_, loaded);
+    Json list = Json::array();
+    std::vector<Job> jobs;
+    for (const auto& entry : loaded) {
+      if (!entry.recording) continue;
+      auto more = jobs_of(entry);
+      std::move(more.begin(), more.end(), std::back_inserter(jobs));
+    }
+    ident::in_parallel(jobs.size(), threads, [&](std::size_t i) { compute(jobs[i], threads); });
+    PlotTab tab;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+      if (i == 0 || jobs[i].entry != jobs[i - 1].entry) tab.label = short_name(jobs[i].entry->file);
+      tell(jobs[i], tab, list);
+      if (i + 1 < jobs.size() && jobs[i + 1].entry == jobs[i].entry) continue;
+      if (!tab.plots.empty()) group_.tabs.push_back(std::move(tab));
+      tab = {};
+    }
+    part_.json["records"] = std::move(list);
+    if (!table_.rows.empty()) part_.blocks.push_back(std::move(table_));
+    if (!compared_.rows.empty()) part_.blocks.push_back(std::move(compared_));
+    if (!group_.tabs.empty()) {
+      group_.id = test_.name + "-decays";
+      group_.title = "Decays";
+      part_.blocks.push_back(std::move(group_));
+    }
+    auto damping = damping_plot(test_.name + "-damping", decays_);
+    if (!damping.series.empty()) part_.blocks.push_back(std::move(damping));
+    part_.summary.push_back(
+        {test_.scene ? SummaryItem::Kind::error : SummaryItem::Kind::recorded, test_.title,
+         fmt::format("{} in {}{}", counted(decays_.size(), "decay"),
+                     counted(loaded.size(), "recording"), best_),
+         decays_.empty() ? std::optional<Origin>() : decays_.front().origin, part_.id});
+    return std::move(part_);
+  }
+
+ private:
+  /// One channel of one recording: its decay, and what the model answers where there is one.
+  struct Job {
+    const LoadedRecording* entry = nullptr;
+    const signal::Channel* channel = nullptr;
+    AnalysedDecay decay;
+    bool modelled = false;
+    std::vector<ReleaseAnswer> answers;
+  };
+
+  [[nodiscard]] std::vector<Job> jobs_of(const LoadedRecording& entry) {
+    const auto& recording = *entry.recording;
+    if (recording.time_s.size() > 0 || !(recording.sample_rate_hz > 0)) {
+      refuse(part_, "not_uniform",
+             recording.time_s.size() > 0 ? "its samples are not evenly spaced in time"
+                                         : "gives no sample rate; add sample_rate_hz",
+             entry.file);
+      return {};
+    }
+    std::vector<std::string> channels = test_.channels;
+    if (channels.empty()) {
+      for (const auto& channel : recording.channels) channels.push_back(channel.name);
+    }
+    std::vector<Job> jobs;
+    for (const auto& name : channels) {
+      try {
+        jobs.push_back({&entry, &recording.channel(name), {}, false, {}});
+      } catch (const signal::RecordingError& error) {
+        refuse(part_, "channel", error.what(), entry.file);
+      }
+    }
+    return jobs;
+  }
+
+  void compute(Job& job, int threads) const {
+    const auto& recording = *job.entry->recording;
+    const auto& group = test_.recordings[job.entry->group];
+    AnalysedDecay& decay = job.decay;
+    decay.file = job.entry->file;
+    decay.channel = job.channel->name;
+    decay.unit = job.channel->unit;
+    decay.origin = group.origin();
+    decay.rate_hz = recording.sample_rate_hz;
+    decay.start_s = recording.start_time_s;
+    decay.samples = job.channel->samples;
+    decay.result = signal::estimate_decay(decay.samples, decay.rate_hz, options());
+    if (!decay.result.refusal_code.empty() || decay.result.modes.empty() || !test_.scene) return;
+    const auto other = test_.hammer.sensors.find(decay.channel);
+    const auto& sensor = other == test_.hammer.sensors.end() ? decay.channel : other->second;
+    const auto scenes = versions(group, sensor);
+    if (scenes.empty()) return;
+    job.modelled = true;
+    job.answers = release_answers(decay, options(), scenes, threads);
+  }
+
+  void tell(Job& job, PlotTab& tab, Json& list) {
+    const auto& group = test_.recordings[job.entry->group];
+    AnalysedDecay& decay = job.decay;
+    const std::string where = decay.file + ": " + decay.channel;
+    for (const auto& note : decay.result.notes) {
+      part_.warnings.push_back({note.code, note.message, where, false});
+    }
+    if (!decay.result.refusal_code.empty() || decay.result.modes.empty()) {
+      refuse(part_, decay.result.refusal_code.empty() ? "no_decay" : decay.result.refusal_code,
+             decay.result.refusal.empty() ? "holds no decay" : decay.result.refusal, where);
+      return;
+    }
+    const std::string id = fmt::format("{}-{}", test_.name, decays_.size() + 1);
+    tab.plots.push_back(decay_plot(id, decay));
+    Json json{{"file", decay.file},
+              {"channel", decay.channel},
+              {"origin", word_of(decay.origin)},
+              {"tension_N", group.tension_N ? Json(*group.tension_N) : Json(nullptr)},
+              {"modes", modes_json(decay.result)},
+              {"law", name_of(decay.result.envelope.law)},
+              {"frequency_drift_hz", estimate_json(decay.result.envelope.frequency_drift_hz)}};
+    list_modes(decay, group);
+    if (job.modelled) overlay(decay, job.answers, id, tab, json);
+    list.push_back(std::move(json));
+    decays_.push_back(std::move(decay));
+  }
+
+  [[nodiscard]] signal::DecayOptions options() const {
+    signal::DecayOptions options;
+    if (test_.band_hz) {
+      options.band_low_hz = test_.band_hz->first;
+      options.band_high_hz = test_.band_hz->second;
+    }
+    return options;
+  }
+
+  static Json modes_json(const signal::DecayResult& result) {
+    Json modes = Json::array();
+    for (const auto& mode : result.modes) {
+      modes.push_back({{"frequency_hz", estimate_json(mode.frequency_hz)},
+                       {"damping_ratio", estimate_json(mode.damping_ratio)},
+                       {"amplitude", mode.amplitude},
+                       {"cycles", mode.cycles},
+                       {"r_squared", mode.r_squared}});
+    }
+    return modes;
+  }
+
+  /// As given, and with what each fit found: its state at this tension, else what its states share.
+  [[nodiscard]] std::vector<ModelVersion> versions(const RecordingGroup& group,
+                                                   const std::string& sensor) const {
+    model::Scene scene = scene_at(campaign_, test_, known_, group.tension_N);
+    std::erase_if(scene.sensors, [&](const auto& one) { return one.name != sensor; });
+    std::erase_if(scene.loads, [&](const auto& load) { return load.name != test_.hammer.load; });
+    if (scene.sensors.empty() || scene.loads.empty()) return {};
+    std::vector<ModelVersion> all{{"as given", scene}};
+    for (const auto& fit : fits_) {
+      const FittedValues* state = nullptr;
+      for (const auto& one : fit.values) {
+        if (one.tension_N == group.tension_N) state = &one;
+      }
+      const bool own = state != nullptr;
+      if (!own && !fit.values.empty()) state = &fit.values.front();
+      if (!state) continue;
+      model::Scene fitted = scene;
+      for (const auto& value : state->values) {
+        if (own || value.shared) model::set_parameter(fitted, value.parameter, value.value);
+      }
+      all.push_back({fit.title, std::move(fitted)});
+    }
+    return all;
+  }
+
+  void overlay(const AnalysedDecay& decay, const std::vector<ReleaseAnswer>& answers,
+               const std::string& id, PlotTab& tab, Json& json) {
+    for (auto& plot :
+         release_plots(id, decay, answers, test_.band_hz ? test_.band_hz->second : 0)) {
+      tab.plots.push_back(std::move(plot));
+    }
+    Json list = Json::array();
+    for (const auto& answer : answers) {
+      const std::string what =
+          fmt::format("{}: {}, {}", test_.title, short_name(decay.file), answer.label);
+      if (!answer.failure.empty()) {
+        refuse(part_, "no_model", answer.failure, what);
+        continue;
+      }
+      part_.costs.push_back(response_cost(what, answer.response));
+      compare(decay, answer);
+      list.push_back({{"version", answer.label},
+                      {"solver", name_of(answer.response.solver)},
+                      {"nonlinear", answer.response.nonlinear},
+                      {"frequency_shift", answer.response.frequency_shift},
+                      {"modes", modes_json(answer.found)}});
+    }
+    json["models"] = std::move(list);
+  }
+
+  void compare(const AnalysedDecay& decay, const ReleaseAnswer& answer) {
+    bool first = true;
+    for (const auto& mode : decay.result.modes) {
+      const auto rate = [](const signal::DecayMode& m) {
+        return 2 * std::numbers::pi * m.frequency_hz.value * m.damping_ratio.value;
+      };
+      const auto* same = same_oscillation(mode, answer);
+      const double error = same ? same->frequency_hz.value / mode.frequency_hz.value - 1 : 0;
+      compared_.rows.push_back(
+          {first ? short_name(decay.file) : "", first ? answer.label : "",
+           Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), decay.origin),
+           same ? shown(same->frequency_hz.value, 5) : "–", same ? shown_percent(error) : "–",
+           Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
+                decay.origin),
+           same ? shown(100 * same->damping_ratio.value, 3) : "–",
+           Cell(shown(rate(mode), 3), decay.origin), same ? shown(rate(*same), 3) : "–"});
+      if (same && first) {
+        last_best_ = fmt::format("; strongest {} Hz, {} {} Hz", shown(mode.frequency_hz.value, 5),
+                                 answer.label, shown(same->frequency_hz.value, 5));
+      }
+      first = false;
+    }
+    if (best_.empty() || decays_.empty()) best_ = last_best_;
+  }
+
+  void list_modes(const AnalysedDecay& decay, const RecordingGroup& group) {
+    if (table_.columns.empty()) {
+      table_.columns = {{"record", {}, false},        {"channel", {}, false},
+                        {"taken at", {}, false},      {"frequency, Hz", decay.origin},
+                        {"damping, %", decay.origin}, {"R²", decay.origin},
+                        {"cycles", decay.origin}};
+    }
+    bool first = true;
+    for (const auto& mode : decay.result.modes) {
+      table_.rows.push_back(
+          {first ? short_name(decay.file) : "", first ? decay.channel : "",
+           first && group.tension_N ? fmt::format("{:g} N", *group.tension_N) : "",
+           Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), decay.origin),
+           Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
+                decay.origin),
+           shown(mode.r_squared, 4), shown(mode.cycles, 3)});
+      first = false;
+    }
+  }
+
+  const Campaign& campaign_;
+  const CampaignTest& test_;
+  const KnownValues& known_;
+  const std::vector<FitOfDecay>& fits_;
+  ReportPart part_;
+  ReportTable table_, compared_;
+  PlotGroup group_;
+  std::vector<AnalysedDecay> decays_;
+  std::string best_, last_best_;
+};
+
+}  // namespace
+
+ReportPart decay_part(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
+                      const std::vector<FitOfDecay>& fits, int threads) {
+  return DecayAnalysis(campaign, test, known, fits).run(threads);
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,115 @@
+// EA and axial damping of a cable from hanging-mass tests: a mass M on a length lc of cable,
+// struck, its damped frequency and damping ratio read from the tension's decay.
+//
+//   omega^2 = wd^2 / (1 - zeta^2)       undamped
+//   kc = EA / lc from omega, M, the cable's own mass and the adapter km in series (rod_stiffness.h;
+//   to first order kc = omega^2 (M + m lc / 3) for a rigid adapter),   c = 2 zeta sqrt(k M)
+// Source: Jalali and Rideout 2021, axial test; the cable's inertia without its approximation.
+//
+// Lengths are pooled with a random effect (random_effects.h): lengths which disagree beyond their
+// own uncertainty widen the answer instead of vanishing in it. Cochran's Q tests whether EA is the
+// same. Uncertainty by the GUM (JCGM 100), with a budget, and by Monte Carlo on the same model
+// (JCGM 101).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "signal/numerics/estimate.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::ident {
+
+struct AxialDecay {
+  std::string name;  ///< of the record, for messages
+  double length_m = 0;
+  signal::Estimate damped_frequency_hz, damping_ratio;
+};
+
+struct AxialSetup {
+  signal::Estimate mass_kg{0, 0};               ///< hung, adapter and clamp included; one for all
+  signal::Estimate mass_per_length_kg_m{0, 0};  ///< of cable; 0: massless
+  /// Standard uncertainty of a length, m; independent from length to length (cut and measured
+  /// anew).
+  double length_std_m = 0;
+  signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series; 0: rigid
+  /// What EA should about be; 0: metallic area from the mass per length times the modulus below.
+  double catalogue_EA_N = 0;
+};
+
+struct AxialOptions {
+  double steel_density_kg_m3 = 7850;
+  /// Of a stranded rope on its metallic area; makers give 60 to 100 GPa for 7x19.
+  double rope_modulus_Pa = 80e9;
+  double coverage = 0.95;
+  int draws = 20000;  ///< of the Monte Carlo; 0: none
+  std::uint64_t seed = 1;
+};
+
+struct AxialSample {
+  std::string name;
+  double length_m = 0;
+  double stiffness_N_m = 0;        ///< k, static, adapter included
+  double cable_stiffness_N_m = 0;  ///< kc
+  signal::Estimate EA_N;           ///< its std: of the record alone
+  signal::Estimate damping_ratio;
+  double damping_Ns_m = 0;
+};
+
+struct AxialLength {
+  double length_m = 0;
+  int records = 0;
+  signal::Estimate EA_N;  ///< std: repeats and this length's own uncertainty, not what all share
+  signal::Estimate damping_ratio;
+  double damping_Ns_m = 0;
+};
+
+struct BudgetRow {
+  std::string source;
+  std::string unit;
+  double value = 0, std = 0;      ///< of the input; NaN where it is no single number
+  double sensitivity = 0;         ///< d EA / d input, N per unit
+  double contribution_N = 0;      ///< |sensitivity| std
+  double share = 0;               ///< of the variance of EA
+  double degrees_of_freedom = 0;  ///< 0: taken as known (type B)
+  char type = 'B';
+};
+
+struct AxialTestResult {
+  signal::Estimate EA_N;
+  double EA_low_N = 0, EA_high_N = 0;  ///< `coverage` interval
+  double coverage_factor = 0;
+  double degrees_of_freedom = 0;  ///< effective (Welch and Satterthwaite); 0: normal
+  signal::Estimate damping_ratio;
+  double damping_low = 0, damping_high = 0;
+  signal::Estimate damping_Ns_m;  ///< at `reference_length_m`
+  double reference_length_m = 0;  ///< mean of the lengths
+  std::vector<AxialSample> samples;
+  std::vector<AxialLength> lengths;
+  std::vector<BudgetRow> budget;  ///< of EA, largest first
+
+  double between_lengths_std_N = 0;  ///< tau
+  double cochran_Q = 0;
+  double homogeneity_p = 1;  ///< chance of such disagreement when EA is the same; 1 for one length
+
+  int draws = 0;
+  signal::Estimate monte_carlo_EA_N;
+  double monte_carlo_low_N = 0, monte_carlo_high_N = 0;
+
+  /// Compliance in series that the lengths show: 1/kc = L / EA + s. NaN under two lengths.
+  signal::Estimate series_compliance_m_N;
+  double EA_without_series_N = 0;  ///< EA of that line; NaN under two lengths
+  double catalogue_EA_N = 0;       ///< given or from the mass per length; 0: neither
+  double share_of_catalogue = 0;   ///< EA over it
+  std::string plausibility;        ///< a sentence, empty without a catalogue value
+  std::vector<signal::Note> notes;
+};
+
+/// Throws std::invalid_argument, naming the record, for values that are not positive and finite,
+/// and when an adapter is softer than the whole chain that was measured.
+[[nodiscard]] AxialTestResult axial_test(std::span<const AxialDecay> decays,
+                                         const AxialSetup& setup, const AxialOptions& options = {});
+
+}  // namespace rigfit::ident

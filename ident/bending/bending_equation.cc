@@ -1,0 +1,270 @@
+#include "ident/bending/bending_equation.h"
+
+#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_qrng.h>
+#include <gsl/gsl_roots.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+namespace rigfit::ident {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// c in tanh(x) / x = 1 / (1 + c): x^2 / (3 + x^2 / (5 + ...)). Nine levels leave less than 1e-17 at
+// x = 1: each level k divides the remainder by about (2 k + 1)^2 / x^2.
+double lambert_fraction(double x) {
+  const double square = x * x;
+  double denominator = 21;
+  for (int odd = 19; odd >= 3; odd -= 2) denominator = odd + square / denominator;
+  return square / denominator;
+}
+
+// 12 F(lambda) / lambda^2, which is 1 at zero: what P takes off a beam's compliance.
+double tension_factor(double lambda) {
+  if (lambda < 2) {
+    const double x = lambda / 2, square = x * x;
+    double denominator = 21;
+    for (int odd = 19; odd >= 3; odd -= 2) denominator = odd + square / denominator;
+    return 3 / denominator / (1 + square / denominator);
+  }
+  return 12 * bending_ratio(lambda) / lambda / lambda;
+}
+
+bool positive_finite(double value) { return std::isfinite(value) && value > 0; }
+
+struct Equation {
+  double log_odds;  // ln(F / (1 - F)) asked for
+};
+
+void odds_fdf(double log_lambda, void* data, double* value, double* slope) {
+  const double lambda = std::exp(log_lambda);
+  const double ratio = bending_ratio(lambda), complement = bending_ratio_complement(lambda);
+  *value = std::log(ratio) - std::log(complement) - static_cast<Equation*>(data)->log_odds;
+  *slope = bending_ratio_log_derivative(lambda) / (ratio * complement);
+}
+double odds_f(double log_lambda, void* data) {
+  double value, slope;
+  odds_fdf(log_lambda, data, &value, &slope);
+  return value;
+}
+double odds_df(double log_lambda, void* data) {
+  double value, slope;
+  odds_fdf(log_lambda, data, &value, &slope);
+  return slope;
+}
+
+// EI of one draw; 0 where it is softer than a string, infinite where it does not yield at all.
+double EI_of_draw(double compliance, double tension, double span) {
+  if (!(span > 0)) return 0;
+  if (!(compliance > 0)) return kInfinity;
+  if (!(tension > 0)) return span * span * span / (192 * compliance);
+  const double ratio = 4 * tension * compliance / span;
+  if (ratio >= 1) return 0;
+  const double lambda = lambda_from_bending_ratio(ratio).lambda;
+  return tension * span * span / (4 * lambda * lambda);
+}
+
+std::vector<double> sorted_draws(const ComplianceMeasurement& measured) {
+  constexpr int kDraws = 4096;
+  const std::unique_ptr<gsl_qrng, void (*)(gsl_qrng*)> points(gsl_qrng_alloc(gsl_qrng_sobol, 3),
+                                                              gsl_qrng_free);
+  std::vector<double> draws(kDraws);
+  for (double& draw : draws) {
+    std::array<double, 3> u;
+    gsl_qrng_get(points.get(), u.data());
+    const double slope_score = measured.degrees_of_freedom > 0
+                                   ? gsl_cdf_tdist_Pinv(u[0], measured.degrees_of_freedom)
+                                   : gsl_cdf_ugaussian_Pinv(u[0]);
+    draw =
+        EI_of_draw(measured.compliance_m_N.value + measured.compliance_m_N.std * slope_score,
+                   measured.tension_N.value + measured.tension_N.std * gsl_cdf_ugaussian_Pinv(u[1]),
+                   measured.span_m.value + measured.span_m.std * gsl_cdf_ugaussian_Pinv(u[2]));
+  }
+  std::sort(draws.begin(), draws.end());
+  return draws;
+}
+
+double quantile(const std::vector<double>& sorted, double p) {
+  const double place = p * static_cast<double>(sorted.size()) - 0.5;
+  const auto below = static_cast<std::size_t>(
+      std::clamp(std::floor(place), 0.0, static_cast<double>(sorted.size() - 2)));
+  const double weight = std::clamp(place - static_cast<double>(below), 0.0, 1.0);
+  if (weight == 0) return sorted[below];
+  return (1 - weight) * sorted[below] + weight * sorted[below + 1];
+}
+
+}  // namespace
+
+const char* name_of(BendingStatus status) {
+  switch (status) {
+    case BendingStatus::solved:
+      return "solved";
+    case BendingStatus::not_positive:
+      return "not positive";
+    case BendingStatus::string_like:
+      return "string-like";
+    case BendingStatus::upper_bound_only:
+      return "upper bound only";
+    case BendingStatus::not_converged:
+      return "not converged";
+  }
+  return "not converged";
+}
+
+double bending_ratio(double lambda) {
+  if (lambda < 2) {
+    const double c = lambert_fraction(lambda / 2);
+    return c / (1 + c);
+  }
+  return 1 - bending_ratio_complement(lambda);
+}
+
+double bending_ratio_complement(double lambda) {
+  if (lambda < 2) return 1 / (1 + lambert_fraction(lambda / 2));
+  // tanh(lambda/2) = (1 - e^-lambda) / (1 + e^-lambda)
+  return -std::expm1(-lambda) / (1 + std::exp(-lambda)) * 2 / lambda;
+}
+
+// d F / d ln x = tanh(x)/x - 1 + tanh^2 x = tanh^2 x - F, x = lambda/2; for large x rather
+// tanh(x)/x - 1/cosh^2 x. Neither cancels more than a factor of two.
+double bending_ratio_log_derivative(double lambda) {
+  if (lambda < 2) {
+    const double tanh = std::tanh(lambda / 2);
+    return tanh * tanh - bending_ratio(lambda);
+  }
+  const double decay = std::exp(-lambda);
+  return bending_ratio_complement(lambda) - 4 * decay / ((1 + decay) * (1 + decay));
+}
+
+LambdaSolution lambda_from_bending_ratio(double ratio) {
+  if (!(ratio > 0 && ratio < 1)) {
+    throw std::invalid_argument("the ratio 4 P d / (Q l) must lie between 0 and 1");
+  }
+  // F < lambda^2 / 12 and 1 - F < 2 / lambda hold for every lambda.
+  double low = 0.5 * std::log(12 * ratio), high = std::log(2 / (1 - ratio) + 2);
+  Equation equation{std::log(ratio) - std::log1p(-ratio)};
+  gsl_function_fdf function{odds_f, odds_df, odds_fdf, &equation};
+  const std::unique_ptr<gsl_root_fdfsolver, void (*)(gsl_root_fdfsolver*)> solver(
+      gsl_root_fdfsolver_alloc(gsl_root_fdfsolver_newton), gsl_root_fdfsolver_free);
+  // The small-lambda end is a straight line of slope 2 through `low`, the other of slope 1.
+  double guess = ratio < 0.5 ? low + 0.1 * ratio : std::log(2 / (1 - ratio));
+  guess = std::clamp(guess, low, high);
+  gsl_root_fdfsolver_set(solver.get(), &function, guess);
+  LambdaSolution solution;
+  constexpr int kMaxIterations = 100;  // bisection alone would need some 60
+  for (; solution.iterations < kMaxIterations; ++solution.iterations) {
+    const double before = gsl_root_fdfsolver_root(solver.get());
+    (odds_f(before, &equation) < 0 ? low : high) = before;
+    double next = before;
+    if (gsl_root_fdfsolver_iterate(solver.get()) == GSL_SUCCESS) {
+      next = gsl_root_fdfsolver_root(solver.get());
+    }
+    if (!(next >= low && next <= high)) {
+      next = 0.5 * (low + high);
+      gsl_root_fdfsolver_set(solver.get(), &function, next);
+    }
+    // Newton's next step would be of the order of this one squared: below rounding.
+    if (std::abs(next - before) <= 1e-8) {
+      solution.converged = true;
+      break;
+    }
+  }
+  solution.lambda = std::exp(gsl_root_fdfsolver_root(solver.get()));
+  return solution;
+}
+
+double midspan_compliance(double EI_Nm2, double tension_N, double span_m) {
+  if (!positive_finite(EI_Nm2) || !positive_finite(span_m) || !std::isfinite(tension_N) ||
+      tension_N < 0) {
+    throw std::invalid_argument(
+        "mid-span compliance: EI and span must be positive, the tension not negative");
+  }
+  const double lambda = span_m / 2 * std::sqrt(tension_N / EI_Nm2);
+  return span_m * span_m * span_m / (192 * EI_Nm2) * tension_factor(lambda);
+}
+
+StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& measured) {
+  StiffnessFromBending result;
+  const double slope = measured.compliance_m_N.value, tension = measured.tension_N.value,
+               span = measured.span_m.value;
+  if (!positive_finite(slope) || !positive_finite(span) || !std::isfinite(tension) || tension < 0) {
+    result.status = BendingStatus::not_positive;
+    result.reason = fmt::format(
+        "the slope d/Q ({:.4g} m/N) and the span ({:.4g} m) must be positive and the tension "
+        "({:.4g} N) not negative; check signs and zero of the channels",
+        slope, span, tension);
+    return result;
+  }
+  result.ratio = 4 * tension * slope / span;
+  const bool interval = std::isfinite(measured.compliance_m_N.std) &&
+                        std::isfinite(measured.tension_N.std) && std::isfinite(measured.span_m.std);
+  std::vector<double> draws;
+  if (interval) {
+    draws = sorted_draws(measured);
+    result.low = quantile(draws, 0.025);
+    result.high = quantile(draws, 0.975);
+  }
+  if (result.ratio >= 1) {
+    result.status = BendingStatus::string_like;
+    result.reason = fmt::format(
+        "4 P d / (Q l) = {:.5f} is not below 1: the cable yields as much as a string without "
+        "bending stiffness would, so these data hold no EI{}; check the span, the calibration of "
+        "tension and load, and slip in the clamps",
+        result.ratio,
+        interval && result.high > 0 && std::isfinite(result.high)
+            ? fmt::format(" (97.5 % of what the uncertainties allow lies below {:.3g} N m2)",
+                          result.high)
+            : std::string());
+    return result;
+  }
+
+  double k = 1;  // 2 F / (dF / d ln lambda)
+  if (result.ratio > 0) {
+    const LambdaSolution solution = lambda_from_bending_ratio(result.ratio);
+    if (!solution.converged) {
+      result.reason = fmt::format("no lambda found for 4 P d / (Q l) = {:.17g}", result.ratio);
+      return result;
+    }
+    result.lambda = solution.lambda;
+    result.EI_Nm2.value = tension * span * span / (4 * solution.lambda * solution.lambda);
+    k = 2 * result.ratio / bending_ratio_log_derivative(solution.lambda);
+  } else {
+    result.lambda = 0;
+    result.EI_Nm2.value = span * span * span / (192 * slope);
+  }
+  result.log_sensitivity_compliance = -k;
+  result.log_sensitivity_tension = 1 - k;
+  result.log_sensitivity_span = 2 + k;
+  result.status = BendingStatus::solved;
+  if (!interval) return result;
+
+  result.EI_Nm2.std = 0.5 * (quantile(draws, 0.841344746) - quantile(draws, 0.158655254));
+  if (!std::isfinite(result.high)) {
+    result.status = BendingStatus::not_positive;
+    result.reason = fmt::format(
+        "the slope d/Q = {:.4g} +- {:.2g} m/N is not known to be positive, so EI has no upper "
+        "bound; load further or average more loadings",
+        slope, measured.compliance_m_N.std);
+    result.EI_Nm2.std = std::numeric_limits<double>::quiet_NaN();
+    result.high = std::numeric_limits<double>::quiet_NaN();
+  } else if (result.low <= 0) {
+    result.status = BendingStatus::upper_bound_only;
+    result.low = 0;
+    result.reason = fmt::format(
+        "4 P d / (Q l) = {:.5f} is too near to 1 for its uncertainty: a string without bending "
+        "stiffness is within the 95 % interval, only EI < {:.3g} N m2 can be said; shorten the "
+        "span or lower the tension",
+        result.ratio, result.high);
+  }
+  return result;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,83 @@
+// Flexural rigidity EI of a clamped, tensioned span from its mid-span compliance d/Q.
+//
+//   4 P d / (Q l) = F(lambda) = 1 - 2 tanh(lambda / 2) / lambda,   lambda = sqrt(P l^2 / (4 EI))
+//
+// P tension, l clear span between the clamps, Q load at mid-span, d deflection there; small
+// deflections, Euler-Bernoulli. F -> lambda^2 / 12 (d = Q l^3 / (192 EI)) for small lambda and
+// F -> 1 (a string, which says nothing about EI) for large lambda.
+// Source: Jalali and Rideout 2021, eqs. (17)-(19); there in a form that cancels and overflows.
+//
+// F is evaluated without cancellation by the continued fraction of tanh (Lambert; Abramowitz and
+// Stegun 4.5.70) below lambda = 2 and by 1 - tanh above; both are good to a few units in the last
+// place for every positive lambda.
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "signal/numerics/estimate.h"
+
+namespace rigfit::ident {
+
+/// F(lambda), in (0, 1), for lambda > 0; 0 at 0.
+[[nodiscard]] double bending_ratio(double lambda);
+/// 1 - F(lambda) without cancellation for large lambda.
+[[nodiscard]] double bending_ratio_complement(double lambda);
+/// d F / d ln(lambda).
+[[nodiscard]] double bending_ratio_log_derivative(double lambda);
+
+struct LambdaSolution {
+  double lambda = std::numeric_limits<double>::quiet_NaN();
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Inverts F for a ratio in (0, 1) (throws std::invalid_argument otherwise): Newton on
+/// ln(F / (1 - F)) over ln(lambda), which is nearly straight, inside the bracket
+/// sqrt(12 F) < lambda < 2 / (1 - F) + 2.
+[[nodiscard]] LambdaSolution lambda_from_bending_ratio(double ratio);
+
+/// Deflection at mid-span per unit load, m/N. Tension zero is allowed. Throws
+/// std::invalid_argument for EI or span not positive, a negative tension, or what is not finite.
+[[nodiscard]] double midspan_compliance(double EI_Nm2, double tension_N, double span_m);
+
+/// What was measured at one tension. A standard uncertainty of zero means exactly known; one that
+/// is not finite means that it is not known, and no interval is given then.
+struct ComplianceMeasurement {
+  signal::Estimate compliance_m_N;  ///< slope d/Q
+  signal::Estimate tension_N;
+  signal::Estimate span_m;
+  double degrees_of_freedom = 0;  ///< of the slope's uncertainty (Student's t); 0: normal
+};
+
+enum class BendingStatus {
+  solved,
+  not_positive,      ///< the slope, the tension or the span
+  string_like,       ///< 4 P d / (Q l) >= 1: softer than a string without any EI
+  upper_bound_only,  ///< solved, but the 95 % interval reaches EI = 0
+  not_converged,
+};
+[[nodiscard]] const char* name_of(BendingStatus status);
+
+struct StiffnessFromBending {
+  BendingStatus status = BendingStatus::not_converged;
+  std::string reason;                                       ///< for a person; empty when solved
+  double ratio = std::numeric_limits<double>::quiet_NaN();  ///< 4 P d / (Q l)
+  double lambda = std::numeric_limits<double>::quiet_NaN();
+  /// std is half of the central 68.27 % interval, which is the linear formula's where that holds.
+  signal::Estimate EI_Nm2;
+  double low = std::numeric_limits<double>::quiet_NaN();   ///< N m^2, 95 % interval
+  double high = std::numeric_limits<double>::quiet_NaN();  ///< N m^2; given also for string_like
+  /// Relative change of EI per relative change of each; the first is -1 for a beam without tension
+  /// and falls without bound as the ratio approaches 1.
+  double log_sensitivity_compliance = std::numeric_limits<double>::quiet_NaN();
+  double log_sensitivity_tension = std::numeric_limits<double>::quiet_NaN();
+  double log_sensitivity_span = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// EI with its interval. The interval comes from the distributions of slope, tension and span
+/// pushed through the equation (4096 Sobol points, the same in every run), so it is right where a
+/// linear formula is not; draws that are softer than a string count as EI = 0.
+[[nodiscard]] StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& measured);
+
+}  // namespace rigfit::ident

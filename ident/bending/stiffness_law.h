@@ -1,0 +1,101 @@
+// Laws for a strand's flexural rigidity over its tension, EI(T), fitted to bending tests.
+//
+//   linear       EI = a + b T
+//   square root  EI = a + b sqrt(T)
+//   power        EI = a (T / T0)^b,  T0 the geometric mean of the tested tensions
+//   saturating   EI = EImin + (EImax - EImin) T / (T + Th): free slip at rest, no slip at T >> Th;
+//                EImin and EImax are fixed where the strand's geometry gives them, else fitted
+//
+// Weighted least squares (Ceres, analytic derivatives). A point's weight comes from its 95 %
+// interval, each side by itself; without intervals all points are taken as equally good relative
+// to their value and the scatter itself gives the variance. Ranking: AICc (Burnham and Anderson,
+// Model Selection and Multimodel Inference, 2002, 2.4), chi^2 + 2 k + 2 k (k + 1) / (n - k - 1)
+// with known weights, n ln(RSS / n) + ... with one parameter more without.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/bending/strand.h"
+
+namespace rigfit::ident {
+
+enum class LawKind { linear, square_root, power, saturating };
+[[nodiscard]] const char* name_of(LawKind kind);
+
+/// One bending test's result. Without an interval: `std`, `low` and `high` NaN.
+struct StiffnessPoint {
+  double tension_N = 0;
+  double EI_Nm2 = 0;
+  double std = std::numeric_limits<double>::quiet_NaN();
+  double low = std::numeric_limits<double>::quiet_NaN();
+  double high = std::numeric_limits<double>::quiet_NaN();
+};
+
+struct StiffnessLawOptions {
+  std::vector<LawKind> laws{LawKind::linear, LawKind::square_root, LawKind::power,
+                            LawKind::saturating};
+  std::optional<StiffnessBounds> bounds =
+      std::nullopt;  ///< of the strand; fixes the saturating law's ends
+  /// Uncertainty that all points share (span, calibration), relative to EI: not a weight, added to
+  /// every band.
+  double common_relative_std = 0;
+  /// Used for points without an interval instead of their scatter; 0: the scatter is used.
+  double assumed_relative_std = 0;
+};
+
+struct LawParameter {
+  std::string name;
+  double value = 0;
+  double std = 0;  ///< NaN when the points do not determine it
+  std::string unit;
+  bool fixed = false;  ///< by the strand's geometry
+};
+
+struct FittedLaw {
+  LawKind kind = LawKind::linear;
+  std::string formula;  ///< with numbers
+  std::vector<LawParameter> parameters;
+  Eigen::MatrixXd covariance;      ///< of the free parameters in their order
+  double reference_tension_N = 1;  ///< T0 of the power law
+  bool converged = false;
+  std::string message;     ///< when it has not, or a parameter is not determined
+  double chi_squared = 0;  ///< weighted sum of squares (of relative errors without weights)
+  double degrees_of_freedom = 0;
+  double rms_relative_error = 0;  ///< of the points about the law
+  /// NaN when there are too few points for it (n <= k + 1).
+  double aicc = std::numeric_limits<double>::quiet_NaN();
+  /// Among the laws that AICc ranks; NaN when it ranks fewer than two of several.
+  double akaike_weight = std::numeric_limits<double>::quiet_NaN();
+
+  double scatter_relative_std = 0;  ///< of a new test about the law, relative
+  double common_relative_std = 0;
+  double coverage_factor = 1.96;  ///< for 95 %
+};
+
+struct StiffnessPrediction {
+  double EI_Nm2 = 0;
+  double std = 0;                      ///< of the law
+  double low = 0, high = 0;            ///< 95 % band of the law
+  double test_low = 0, test_high = 0;  ///< 95 % band of a new test
+};
+
+/// EI by a law at a tension > 0, with its bands. NaN bands where a parameter is not determined.
+[[nodiscard]] StiffnessPrediction predict(const FittedLaw& law, double tension_N);
+
+struct StiffnessLaws {
+  std::vector<FittedLaw> laws;  ///< best first
+  bool decided = false;         ///< the points favour the first one clearly
+  std::string sentence;         ///< what the points say about the choice, for a person
+  bool weighted = false;        ///< the points' own intervals were used
+};
+
+/// Throws std::invalid_argument for fewer than two points, or values that are not positive and
+/// finite. A law with more parameters than points is left out and named in the sentence.
+[[nodiscard]] StiffnessLaws fit_stiffness_laws(const std::vector<StiffnessPoint>& points,
+                                               const StiffnessLawOptions& options = {});
+
+}  // namespace rigfit::ident

@@ -1,0 +1,168 @@
+// FRFs as data of the update: residuals in their logarithm.
+#include <cmath>
+#include <limits>
+
+#include "ident/update/update_problem.h"
+
+namespace rigfit::ident {
+namespace {
+
+bool solved_together(const MeasuredFrf& a, const MeasuredFrf& b) {
+  return a.decay_rate_1_s == b.decay_rate_1_s && a.frequency_hz == b.frequency_hz;
+}
+
+}  // namespace
+
+double lines_per_independent(double decay_rate_1_s, double line_spacing_hz) {
+  const double half = 0.5 * decay_rate_1_s / line_spacing_hz;
+  return half > 1e-6 && std::isfinite(half) ? half / std::tanh(half) : 1;
+}
+
+UpdateProblem::FrfLines UpdateProblem::lines_of(const MeasuredFrf& frf) const {
+  FrfLines lines;
+  for (Eigen::Index k = 0; k < frf.H.size(); ++k) {
+    const double size = std::abs(frf.H[k]);
+    if (!(size > 0) || !std::isfinite(size)) continue;
+    double own = options_.assumed_frf_relative_std;
+    if (frf.std.size() > 0) {
+      own = frf.std[k] / size;
+      if (!std::isfinite(own)) continue;
+    }
+    if (own > options_.frf_max_relative_std) continue;
+    const double relative = std::hypot(own, options_.frf_model_relative_std);
+    if (!(relative > 0)) continue;  // exact lines have no weight beside others
+    lines.line.push_back(k);
+    lines.relative_std.push_back(relative * std::sqrt(frf.lines_per_independent));
+  }
+  return lines;
+}
+
+Eigen::Index UpdateProblem::frf_lines() const {
+  Eigen::Index count = 0;
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    if (!takes_part(s)) continue;
+    for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
+      count += static_cast<Eigen::Index>(lines_of(frf).line.size());
+    }
+  }
+  return count;
+}
+
+double UpdateProblem::shared_residuals() const {
+  double shared = 0;
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    if (!takes_part(s)) continue;
+    for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
+      shared +=
+          2 * static_cast<double>(lines_of(frf).line.size()) * (1 - 1 / frf.lines_per_independent);
+    }
+  }
+  return shared;
+}
+
+bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+                                  Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
+  const auto& frfs = states_[static_cast<std::size_t>(state)].frfs;
+  if (frfs.empty()) return true;
+  model::Scene scene;
+  std::string failure;
+  if (!fixed_scene(state, q, scene, failure)) return false;
+  const auto [targets, owner] = jacobian != nullptr ? targets_of(state) : Targets{};
+  for (std::size_t f = 0; f < frfs.size(); ++f) {
+    // FRFs of one test share their lines: solved once for all of them.
+    bool before = false;
+    for (std::size_t g = 0; g < f; ++g) before = before || solved_together(frfs[g], frfs[f]);
+    if (before) continue;
+    ++shared_->evaluations;
+    const auto solved =
+        options_.frf_solver(scene, frfs[f].frequency_hz, targets, frfs[f].decay_rate_1_s);
+    if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
+    for (std::size_t g = f; g < frfs.size(); ++g) {
+      const MeasuredFrf& frf = frfs[g];
+      if (g != f && !solved_together(frf, frfs[f])) continue;
+      const FrfLines lines = lines_of(frf);
+      const auto sensor = static_cast<Eigen::Index>(frf.sensor);
+      const auto load = static_cast<Eigen::Index>(frf.load);
+      for (std::size_t i = 0; i < lines.line.size(); ++i) {
+        const auto k = static_cast<std::size_t>(lines.line[i]);
+        const std::complex<double> H = solved.frfs.H[k](sensor, load);
+        const std::complex<double> log = std::log(H / frf.H[lines.line[i]]);
+        const double std = lines.relative_std[i];
+        r[row] = log.real() / std;
+        r[row + 1] = log.imag() / std;
+        if (jacobian != nullptr) {
+          for (std::size_t t = 0; t < targets.size(); ++t) {
+            const auto [j, factor] = owner[t];
+            const double by = factor * coordinates_[static_cast<std::size_t>(j)].derivative(q[j]);
+            const std::complex<double> slope = by * solved.rate[t][k](sensor, load) / H;
+            (*jacobian)(row, j) += slope.real() / std;
+            (*jacobian)(row + 1, j) += slope.imag() / std;
+          }
+        }
+        row += 2;
+      }
+    }
+  }
+  return true;
+}
+
+double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) const {
+  double squares = 0;
+  Eigen::Index count = 0;
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    if (only >= 0 ? s != only : !takes_part(s)) continue;
+    Eigen::Index lines = 0;
+    std::vector<double> std;
+    for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
+      lines += static_cast<Eigen::Index>(lines_of(frf).line.size());
+    }
+    if (lines == 0) continue;
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(2 * lines);
+    Eigen::Index row = 0;
+    if (!frf_residuals(s, q, row, r, nullptr)) return std::numeric_limits<double>::quiet_NaN();
+    // In the order in which frf_residuals goes through them.
+    row = 0;
+    const auto& frfs = states_[static_cast<std::size_t>(s)].frfs;
+    std::vector<bool> done(frfs.size(), false);
+    for (std::size_t f = 0; f < frfs.size(); ++f) {
+      for (std::size_t g = f; g < frfs.size(); ++g) {
+        if (done[g] || !solved_together(frfs[g], frfs[f])) continue;
+        done[g] = true;
+        for (const double relative : lines_of(frfs[g]).relative_std) {
+          squares += r.segment(row, 2).squaredNorm() * relative * relative;
+          row += 2;
+        }
+      }
+    }
+    count += lines;
+  }
+  return count > 0 ? std::sqrt(squares / static_cast<double>(count))
+                   : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool UpdateProblem::redraw_frfs(const Eigen::VectorXd& q, double spread,
+                                const std::function<double()>& normal) {
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    auto& frfs = states_[static_cast<std::size_t>(s)].frfs;
+    if (frfs.empty()) continue;
+    model::Scene scene;
+    std::string failure;
+    if (!fixed_scene(s, q, scene, failure)) return false;
+    for (auto& frf : frfs) {
+      const auto solved = options_.frf_solver(scene, frf.frequency_hz, {}, frf.decay_rate_1_s);
+      if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
+      const FrfLines lines = lines_of(frf);
+      for (std::size_t i = 0; i < lines.line.size(); ++i) {
+        const double std = spread * lines.relative_std[i];
+        const double amplitude = std * normal(), phase = std * normal();
+        frf.H[lines.line[i]] =
+            solved.frfs.H[static_cast<std::size_t>(lines.line[i])](
+                static_cast<Eigen::Index>(frf.sensor), static_cast<Eigen::Index>(frf.load)) *
+            std::polar(std::exp(amplitude), phase);
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace rigfit::ident

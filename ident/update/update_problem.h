@@ -1,0 +1,215 @@
+// The least-squares problem behind `update_model`: coordinates of the unknowns, the modes of every
+// state with their derivatives by them, pairs, residuals. For the fit and its checks, not for
+// users.
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "ident/update/model_update.h"
+
+namespace rigfit::ident {
+
+/// A frequency, damping ratio or standard uncertainty that was given.
+[[nodiscard]] inline bool known(double value) { return std::isfinite(value) && value > 0; }
+
+/// One unknown as it is fitted: q = ln(value) where the value is positive by nature, else
+/// value / scale.
+struct UpdateCoordinate {
+  int parameter = 0;  ///< index into the free parameters
+  int state = -1;     ///< -1: shared
+  bool logarithmic = true;
+  double scale = 1;
+  double start = 0, low = 0, high = 0;  ///< q
+  double prior = 0, prior_std = 0;      ///< q; prior_std 0: none
+
+  [[nodiscard]] double value(double q) const;
+  [[nodiscard]] double derivative(double q) const;  ///< d value / d q
+  [[nodiscard]] double coordinate(double value) const;
+};
+
+struct UpdateModelMode {
+  double frequency_hz = 0, damping_ratio = 0;
+  model::ModePlane plane = model::ModePlane::in;
+  int order = 0;  ///< among those of its plane
+  Eigen::VectorXcd shape;
+  Eigen::VectorXd dlog_frequency, dlog_damping;  ///< by coordinate
+  Eigen::MatrixXd dshape;                        ///< sensors x coordinates; empty: not asked for
+};
+
+struct UpdateStateModes {
+  std::string failure;  ///< empty: there are modes
+  std::vector<UpdateModelMode> modes;
+  [[nodiscard]] const UpdateModelMode* find(model::ModePlane plane, int order) const;
+};
+
+/// A measured mode and the modelled one it is fitted to.
+struct UpdateMatch {
+  int state = 0, measured = 0;
+  model::ModePlane plane = model::ModePlane::in;
+  int order = 0;
+  double mac = 0;
+  bool cross_plane = false;  ///< listed, not fitted
+  bool operator==(const UpdateMatch& other) const {
+    return state == other.state && measured == other.measured && plane == other.plane &&
+           order == other.order && cross_plane == other.cross_plane;
+  }
+};
+
+struct UpdateMatches {
+  std::vector<UpdateMatch> matches;
+  std::vector<UpdatedUnpaired> unpaired;
+  int unpaired_measured = 0;
+};
+
+/// What counts as data: first the modes alone, then everything (modes that only lead drop out).
+enum class UpdateStage { lead, full };
+
+class UpdateProblem {
+ public:
+  /// `held_out`: a state that takes no part; -1: none.
+  UpdateProblem(const std::vector<UpdateState>& states, const std::vector<FreeParameter>& free,
+                const UpdateOptions& options, int held_out = -1);
+
+  [[nodiscard]] const std::vector<UpdateCoordinate>& coordinates() const { return coordinates_; }
+  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(coordinates_.size()); }
+  [[nodiscard]] Eigen::VectorXd start() const;
+  [[nodiscard]] std::vector<std::string> names() const;
+  [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
+  [[nodiscard]] bool takes_part(int state) const { return state != held_out_; }
+  /// The same with that many times the segments (at least 8, where there are as many).
+  [[nodiscard]] UpdateProblem with_segments(double factor) const;
+  /// The same with that many segments where the scene says "auto".
+  [[nodiscard]] UpdateProblem with_auto_segments(int segments) const;
+  [[nodiscard]] bool has_auto_segments() const;
+  /// The same with the error of "auto" segments, as it is at q, taken off the frequencies that
+  /// count as data (update_segments.h); `with_segments(2)` of it then differs by what may be left
+  /// of it.
+  [[nodiscard]] UpdateProblem with_segment_errors_off(const Eigen::VectorXd& q) const;
+  [[nodiscard]] bool takes_errors_off() const;  ///< of any mode
+  /// The same with nothing taken off.
+  [[nodiscard]] UpdateProblem with_segment_errors() const;
+  /// What is left in these pairs' frequencies over the accuracy that their scenes ask for, largest.
+  [[nodiscard]] double left_over_accuracy(const std::vector<UpdateMatch>& matches) const;
+  /// The same with its inputs off by so many standard uncertainties each.
+  [[nodiscard]] UpdateProblem with_inputs(const Eigen::VectorXd& off) const;
+  [[nodiscard]] int fewest_segments() const;  ///< of any member
+  [[nodiscard]] model::Scene scene_at(int state, const Eigen::VectorXd& q) const;
+  /// `matches`: modes are asked for that these need; null: all that may pair.
+  [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives,
+                                       const std::vector<UpdateMatch>* matches = nullptr) const;
+
+  /// Pairs every state that takes part (or `only` that one); `failure` says why there are none.
+  [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, double common_factor_range,
+                                    std::string& failure, int only = -1) const;
+
+  /// Residuals over their standard deviations: frequencies, dampings and shapes of the fitted pairs
+  /// in order, FRFs, then priors. False when some state has no modes or a pair's mode is gone.
+  [[nodiscard]] bool residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
+                               UpdateStage stage, Eigen::VectorXd& residuals,
+                               Eigen::MatrixXd* jacobian) const;
+  [[nodiscard]] Eigen::Index residual_count(const std::vector<UpdateMatch>& matches,
+                                            UpdateStage stage) const;
+  [[nodiscard]] bool has_modes() const;
+  [[nodiscard]] bool has_frfs() const;
+  [[nodiscard]] bool has_histories() const;
+  /// Model less measured over measured, rms; NaN without histories or without a model.
+  [[nodiscard]] double history_error(const Eigen::VectorXd& q) const;
+  /// Rms of |ln(H_model / H_measured)| over the fitted lines of the states that take part (or
+  /// `only` that one); NaN without any or without a model.
+  [[nodiscard]] double rms_log_frf_error(const Eigen::VectorXd& q, int only = -1) const;
+  [[nodiscard]] Eigen::Index frf_lines() const;
+  /// Residuals of FRF lines that share their noise with others, and say nothing of their own.
+  [[nodiscard]] double shared_residuals() const;
+  [[nodiscard]] Eigen::Index prior_count() const { return priors_; }
+  [[nodiscard]] std::vector<UpdatedPair> pairs(const Eigen::VectorXd& q,
+                                               const std::vector<UpdateMatch>& matches) const;
+
+  [[nodiscard]] double relative_std(int state, int measured) const;
+  [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
+  [[nodiscard]] int evaluations() const { return shared_->evaluations; }
+
+  /// Replaces what was measured and the priors' centres (for Monte Carlo).
+  void set_measured(int state, int measured, double frequency_hz, double damping_ratio);
+  /// Draws every FRF anew about the model's at q, by its own relative uncertainty times `spread`.
+  /// False when there is no model there.
+  [[nodiscard]] bool redraw_frfs(const Eigen::VectorXd& q, double spread,
+                                 const std::function<double()>& normal);
+  /// The same of every sample of a time history.
+  [[nodiscard]] bool redraw_histories(const Eigen::VectorXd& q, double spread,
+                                      const std::function<double()>& normal);
+  void set_prior(Eigen::Index coordinate, double q) {
+    coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
+  }
+
+ private:
+  // Lines of one FRF that are fitted, with their relative uncertainty.
+  struct FrfLines {
+    std::vector<Eigen::Index> line;
+    std::vector<double> relative_std;
+  };
+  struct Targets {
+    std::vector<std::string> names;
+    std::vector<std::pair<Eigen::Index, double>> owner;  // coordinate, factor
+  };
+
+  // Asked of the model for fixed pairs; `plane` empty and count 0: everything.
+  struct ModeNeed {
+    std::optional<model::ModePlane> plane;
+    int count = 0;
+  };
+  [[nodiscard]] ModeNeed need_of(int state, const std::vector<UpdateMatch>* matches) const;
+  [[nodiscard]] UpdateStateModes modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
+                                             const ModeNeed& need) const;
+  [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
+  [[nodiscard]] bool shape_fitted(const MeasuredMode& mode) const;
+  [[nodiscard]] bool counts(int state, UpdateStage stage) const;
+  [[nodiscard]] Targets targets_of(int state) const;
+  [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
+                                 std::string& failure) const;
+  [[nodiscard]] Eigen::Index history_samples() const;
+  [[nodiscard]] bool history_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+                                       Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
+  [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
+  [[nodiscard]] bool frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+                                   Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
+
+  std::vector<UpdateState> states_;
+  std::vector<FreeParameter> free_;
+  UpdateOptions options_;
+  int held_out_;
+  std::vector<UpdateCoordinate> coordinates_;
+  std::vector<std::set<std::string>> present_;  // parameters of each state's scene
+  std::vector<bool> joint_dampers_;             // by state: in its scene, or to be found
+  Eigen::Index priors_ = 0;
+  bool uncertainties_known_ = true, damping_ = false;
+  double segment_factor_ = 1;
+  // Of ln f, by state; with as many segments as there are, and with twice as many.
+  struct ModeError {
+    model::ModePlane plane;
+    int order;
+    double here, twice;
+    double left;  // what may be left, not negative
+  };
+  using ModeErrors = std::vector<std::vector<ModeError>>;
+  [[nodiscard]] static const ModeError* find(const std::vector<ModeError>& errors,
+                                             model::ModePlane plane, int order);
+  void take_errors_off(int state, std::vector<UpdateModelMode>& modes) const;
+  std::shared_ptr<const ModeErrors> mode_errors_;  // null: nothing is taken off
+  Eigen::VectorXd inputs_off_;                     // empty: none
+  struct Shared {                                  // by copies of a problem too
+    std::atomic<int> evaluations{0};
+    std::atomic<bool> narrow{true};  // asking for the paired modes alone has not failed yet
+  };
+  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+};
+
+/// Root mean square of the relative errors of pairs that are no leakage; NaN without any.
+[[nodiscard]] double rms_of_pairs(const std::vector<UpdatedPair>& pairs);
+
+}  // namespace rigfit::ident

@@ -1,0 +1,114 @@
+// Residuals of the update: frequencies, damping ratios and shapes of pairs, then what
+// update_frfs.cc and update_histories.cc add, then priors.
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "ident/update/update_problem.h"
+
+namespace rigfit::ident {
+namespace {}  // namespace
+
+bool UpdateProblem::counts(int state, UpdateStage stage) const {
+  return stage == UpdateStage::lead || !states_[static_cast<std::size_t>(state)].modes_lead_only;
+}
+
+bool UpdateProblem::has_modes() const {
+  return std::any_of(states_.begin(), states_.end(),
+                     [](const auto& state) { return !state.measured.empty(); });
+}
+
+bool UpdateProblem::has_frfs() const {
+  return std::any_of(states_.begin(), states_.end(),
+                     [](const auto& state) { return !state.frfs.empty(); });
+}
+
+bool UpdateProblem::shape_fitted(const MeasuredMode& mode) const {
+  return options_.shape_std > 0 && mode.shape.size() > 1 && mode.shape.allFinite() &&
+         mode.shape.norm() > 0;
+}
+
+Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches,
+                                           UpdateStage stage) const {
+  Eigen::Index count = priors_;
+  for (const auto& match : matches) {
+    if (match.cross_plane || !counts(match.state, stage)) continue;
+    const auto& mode = states_[static_cast<std::size_t>(match.state)]
+                           .measured[static_cast<std::size_t>(match.measured)];
+    count += damping_fitted(mode) ? 2 : 1;
+    if (shape_fitted(mode)) count += mode.shape.size();
+  }
+  if (stage == UpdateStage::full) count += 2 * frf_lines() + history_samples();
+  return count;
+}
+
+bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
+                              UpdateStage stage, Eigen::VectorXd& r,
+                              Eigen::MatrixXd* jacobian) const {
+  r.setZero(residual_count(matches, stage));
+  if (jacobian != nullptr) jacobian->setZero(r.size(), size());
+  Eigen::Index row = 0;
+  int current = -1;
+  UpdateStateModes modelled;
+  for (const auto& match : matches) {  // ordered by state
+    if (match.cross_plane || !counts(match.state, stage)) continue;
+    if (match.state != current) {
+      modelled = modes(match.state, q, jacobian != nullptr, &matches);
+      if (!modelled.failure.empty()) return false;
+      current = match.state;
+    }
+    const UpdateModelMode* mode = modelled.find(match.plane, match.order);
+    if (mode == nullptr) return false;
+    const auto& measured = states_[static_cast<std::size_t>(match.state)]
+                               .measured[static_cast<std::size_t>(match.measured)];
+    const double std = relative_std(match.state, match.measured);
+    r[row] = std::log(mode->frequency_hz / measured.frequency_hz.value) / std;
+    if (jacobian != nullptr) jacobian->row(row) = mode->dlog_frequency / std;
+    ++row;
+    if (damping_fitted(measured)) {
+      if (!known(mode->damping_ratio)) return false;
+      const double damping_std = known(measured.damping_ratio.std)
+                                     ? measured.damping_ratio.std / measured.damping_ratio.value
+                                     : options_.assumed_damping_relative_std;
+      r[row] = std::log(mode->damping_ratio / measured.damping_ratio.value) / damping_std;
+      if (jacobian != nullptr) jacobian->row(row) = mode->dlog_damping / damping_std;
+      ++row;
+    }
+    if (shape_fitted(measured)) {
+      // The measured shape turned to be as real as it can be; the model's has its sign.
+      const Eigen::VectorXcd turned =
+          measured.shape *
+          std::polar(1.0, -0.5 * std::arg((measured.shape.array() * measured.shape.array()).sum()));
+      const Eigen::VectorXd wanted = turned.real().normalized();
+      const Eigen::VectorXd shape = mode->shape.real();
+      const double length = shape.norm();
+      if (shape.size() != wanted.size() || !(length > 0)) return false;
+      const Eigen::VectorXd unit = shape / length;
+      const double sign = unit.dot(wanted) < 0 ? -1 : 1;
+      r.segment(row, wanted.size()) = (sign * unit - wanted) / options_.shape_std;
+      if (jacobian != nullptr && mode->dshape.size() > 0) {
+        jacobian->middleRows(row, wanted.size()) =
+            sign / (length * options_.shape_std) *
+            (mode->dshape - unit * (unit.transpose() * mode->dshape));
+      }
+      row += wanted.size();
+    }
+  }
+  if (stage == UpdateStage::full) {
+    for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+      if (!takes_part(s)) continue;
+      if (!frf_residuals(s, q, row, r, jacobian)) return false;
+      if (!history_residuals(s, q, row, r, jacobian)) return false;
+    }
+  }
+  for (Eigen::Index j = 0; j < size(); ++j) {
+    const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+    if (coordinate.prior_std <= 0) continue;
+    r[row] = (q[j] - coordinate.prior) / coordinate.prior_std;
+    if (jacobian != nullptr) (*jacobian)(row, j) = 1 / coordinate.prior_std;
+    ++row;
+  }
+  return r.allFinite() && (jacobian == nullptr || jacobian->allFinite());
+}
+
+}  // namespace rigfit::ident

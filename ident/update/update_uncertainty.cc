@@ -1,0 +1,272 @@
+#include "ident/update/update_uncertainty.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "signal/numerics/numbers.h"
+
+namespace rigfit::ident {
+namespace {
+
+using signal::kNaN;
+constexpr double kRichardson = 4.0 / 3;  // of the difference between n and 2 n segments
+constexpr double kInputStep = 0.5;       // standard uncertainties, to either side
+
+// Residuals at q of the problem with each shared source moved: what one standard uncertainty of it
+// (the whole estimated error of the segments) adds. False when there is no model there.
+using Changed = std::function<bool(const UpdateProblem&, Eigen::VectorXd&)>;
+
+bool change_by_segments(const UpdateProblem& problem, const Changed& value,
+                        Eigen::VectorXd& change) {
+  Eigen::VectorXd here, fine;
+  if (!value(problem, here) || !value(problem.with_segments(2), fine)) return false;
+  change = kRichardson * (here - fine);
+  return true;
+}
+
+bool change_by_input(const UpdateProblem& problem, Eigen::Index inputs, Eigen::Index input,
+                     const Changed& value, Eigen::VectorXd& change) {
+  Eigen::VectorXd off = Eigen::VectorXd::Zero(inputs), up, down;
+  off[input] = kInputStep;
+  if (!value(problem.with_inputs(off), up) || !value(problem.with_inputs(-off), down)) return false;
+  change = (up - down) / (2 * kInputStep);
+  return true;
+}
+
+// Huber's weights of the data's residuals, as factors of their rows; one for priors.
+Eigen::VectorXd weights_of(const UpdateProblem& problem, const UpdateOptions& options,
+                           const Eigen::VectorXd& r) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(r.size());
+  for (Eigen::Index i = 0; i < r.size() - problem.prior_count(); ++i) {
+    weights[i] =
+        std::min(1.0, std::sqrt(options.huber_threshold / std::max(std::abs(r[i]), 1e-300)));
+  }
+  return weights;
+}
+
+void state_variance_factor(const UpdateProblem& problem, UpdateResult& result) {
+  const double reduced =
+      result.degrees_of_freedom > 0 ? result.chi_squared / result.degrees_of_freedom : kNaN;
+  // Stated uncertainties are trusted unless the scatter contradicts them; assumed ones are not.
+  const bool stated = problem.uncertainties_known();
+  if (stated) {
+    result.variance_factor = reduced > 1 ? reduced : 1;
+    if (reduced > 9) {
+      result.message += fmt::format(
+          "the misfit is {:.1f} times what the stated uncertainties allow: the model, a pair or an "
+          "uncertainty is wrong; ",
+          std::sqrt(reduced));
+    }
+  } else {
+    result.variance_factor = std::isfinite(reduced) ? reduced : 1;
+  }
+  const bool from_scatter = !stated && std::isfinite(reduced);
+  result.coverage_factor = coverage_factor(0.95, from_scatter ? result.degrees_of_freedom : 0);
+  if (!stated && !std::isfinite(reduced)) {
+    result.message +=
+        "no more data than unknowns: uncertainties rest on the assumed one of the "
+        "frequencies; ";
+  }
+}
+
+// By coordinate: what each prior adds to its standard uncertainty, one a column.
+Eigen::MatrixXd prior_parts(const UpdateProblem& problem, const Eigen::MatrixXd& J,
+                            const Identifiability& known, const IdentifiabilityOptions& limits) {
+  Eigen::MatrixXd parts(J.cols(), problem.prior_count());
+  for (Eigen::Index i = 0; i < parts.cols(); ++i) {
+    Eigen::VectorXd unit = Eigen::VectorXd::Zero(J.rows());
+    unit[J.rows() - parts.cols() + i] = std::sqrt(limits.variance_factor);
+    parts.col(i) = known.shift_by(J, unit, limits);
+  }
+  return parts;
+}
+
+void state_shifts(const UpdateProblem& problem, const UpdateOptions& options,
+                  const std::vector<UpdateMatch>& matches, const Eigen::VectorXd& weights,
+                  const Eigen::MatrixXd& J, const IdentifiabilityOptions& limits,
+                  UpdateResult& result) {
+  const auto inputs = static_cast<Eigen::Index>(options.inputs.size());
+  const Changed residuals = [&](const UpdateProblem& moved, Eigen::VectorXd& r) {
+    return moved.residuals(result.coordinates, matches, UpdateStage::full, r, nullptr);
+  };
+  std::vector<Eigen::VectorXd> shifts;
+  const auto add = [&](const std::string& source, const Eigen::VectorXd& change) {
+    result.shift_sources.push_back(source);
+    shifts.push_back(result.identifiability.shift_by(J, weights.cwiseProduct(change), limits));
+  };
+  Eigen::VectorXd change;
+  if (options.segment_uncertainty) {
+    if (change_by_segments(problem, residuals, change)) {
+      add("segments", change);
+    } else {
+      result.message += "what the segments cost is not known: no model with twice as many; ";
+    }
+  }
+  for (Eigen::Index i = 0; i < inputs; ++i) {
+    const auto& name = options.inputs[static_cast<std::size_t>(i)].name;
+    if (change_by_input(problem, inputs, i, residuals, change)) {
+      add(name, change);
+    } else {
+      result.message += fmt::format(
+          "{} is not in the uncertainties: no model within half of its standard uncertainty; ",
+          name);
+    }
+  }
+  result.shifts.resize(problem.size(), static_cast<Eigen::Index>(shifts.size()));
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    result.shifts.col(static_cast<Eigen::Index>(i)) = shifts[i];
+  }
+}
+
+}  // namespace
+
+void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
+                       const std::vector<UpdateMatch>& matches, UpdateResult& result) {
+  const Eigen::Index n = problem.size();
+  const Eigen::VectorXd& q = result.coordinates;
+  result.covariance = result.correlation = Eigen::MatrixXd::Constant(n, n, kNaN);
+  Eigen::VectorXd r;
+  Eigen::MatrixXd J;
+  if (!problem.residuals(q, matches, UpdateStage::full, r, &J)) return;
+  const Eigen::VectorXd weights = weights_of(problem, options, r);
+  r = r.cwiseProduct(weights).eval();
+  J = weights.asDiagonal() * J;
+  result.chi_squared = r.squaredNorm();
+  result.degrees_of_freedom = static_cast<double>(r.size() - n) - problem.shared_residuals();
+  state_variance_factor(problem, result);
+
+  Eigen::VectorXd scales = Eigen::VectorXd::Ones(n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    if (!problem.coordinates()[static_cast<std::size_t>(j)].logarithmic) {
+      scales[j] = std::max(1.0, std::abs(q[j]));
+    }
+  }
+  IdentifiabilityOptions limits;
+  limits.relative_rank_tolerance = 1e-8;
+  limits.variance_factor = std::max(result.variance_factor, 1e-12);
+  const auto names = problem.names();
+  result.identifiability = identifiability(J, scales, names, limits);
+  const Identifiability& known = result.identifiability;
+  Eigen::VectorXd off = Eigen::VectorXd::Zero(n);  // what the segments would have done
+  if (Eigen::VectorXd with;
+      problem.takes_errors_off() &&
+      problem.with_segment_errors().residuals(q, matches, UpdateStage::full, with, nullptr)) {
+    off = known.shift_by(J, weights.cwiseProduct(with) - r, limits);
+  }
+  const auto alone =
+      identifiability(J.topRows(r.size() - problem.prior_count()), scales, names, limits);
+  for (const auto& open : known.open) result.open.push_back(open.message);
+  state_shifts(problem, options, matches, weights, J, limits, result);
+  const Eigen::MatrixXd priors = prior_parts(problem, J, known, limits);
+  std::vector<std::string> prior_names;
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    if (problem.coordinates()[j].prior_std > 0) prior_names.push_back("prior of " + names[j]);
+  }
+
+  Eigen::VectorXd by(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    by[i] = problem.coordinates()[static_cast<std::size_t>(i)].derivative(q[i]);
+  }
+  result.covariance = by.asDiagonal() *
+                      (known.covariance + result.shifts * result.shifts.transpose()) *
+                      by.asDiagonal();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
+    auto& parameter = result.parameters[static_cast<std::size_t>(i)];
+    parameter.identifiable = known.identifiable[static_cast<std::size_t>(i)];
+    parameter.segments_taken_off = by[i] * off[i];
+    parameter.std = std::sqrt(result.covariance(i, i));
+    parameter.std_from_data = std::abs(by[i]) * alone.std[i];
+    parameter.at_bound = q[i] <= coordinate.low + 1e-9 || q[i] >= coordinate.high - 1e-9;
+    if (!parameter.identifiable) continue;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      result.correlation(i, j) =
+          result.covariance(i, j) / std::sqrt(result.covariance(i, i) * result.covariance(j, j));
+    }
+    const double by_data =
+        known.std[i] * known.std[i] - (priors.cols() > 0 ? priors.row(i).squaredNorm() : 0);
+    parameter.budget.push_back({"data", std::abs(by[i]) * std::sqrt(std::max(by_data, 0.0))});
+    for (Eigen::Index k = 0; k < priors.cols(); ++k) {
+      parameter.budget.push_back(
+          {prior_names[static_cast<std::size_t>(k)], std::abs(by[i] * priors(i, k))});
+    }
+    for (Eigen::Index k = 0; k < result.shifts.cols(); ++k) {
+      const auto& source = result.shift_sources[static_cast<std::size_t>(k)];
+      parameter.budget.push_back({source, std::abs(by[i] * result.shifts(i, k))});
+      if (k == 0 && options.segment_uncertainty && source == "segments") {
+        parameter.segment_shift = by[i] * result.shifts(i, k);
+      }
+    }
+  }
+  state_prediction_uncertainty(problem, options, result, q, -1, result.pairs);
+}
+
+void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
+                                  const UpdateResult& result, const Eigen::VectorXd& q,
+                                  int held_out, std::vector<UpdatedPair>& pairs) {
+  if (result.identifiability.directions.size() == 0) return;
+  std::vector<int> states;
+  for (const auto& pair : pairs) {
+    if (states.empty() || states.back() != pair.state) states.push_back(pair.state);
+  }
+  const auto inputs = static_cast<Eigen::Index>(options.inputs.size());
+  for (const int state : states) {
+    std::vector<UpdateMatch> matches;
+    std::vector<UpdatedPair*> here;
+    for (auto& pair : pairs) {
+      if (pair.state != state || pair.cross_plane) continue;
+      matches.push_back({pair.state, pair.measured, pair.plane, pair.order, pair.mac, false});
+      here.push_back(&pair);
+    }
+    const Changed log_frequencies = [&](const UpdateProblem& moved, Eigen::VectorXd& logs) {
+      const auto modelled = moved.modes(state, q, false, &matches);
+      logs.resize(static_cast<Eigen::Index>(matches.size()));
+      for (std::size_t i = 0; i < matches.size(); ++i) {
+        const auto* mode = modelled.find(matches[i].plane, matches[i].order);
+        if (mode == nullptr) return false;
+        logs[static_cast<Eigen::Index>(i)] = std::log(mode->frequency_hz);
+      }
+      return true;
+    };
+    // The shared sources' own effect on these frequencies, beside that by the fitted values.
+    Eigen::MatrixXd own =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(matches.size()), result.shifts.cols());
+    bool complete = true;
+    for (Eigen::Index k = 0; k < own.cols(); ++k) {
+      const auto& source = result.shift_sources[static_cast<std::size_t>(k)];
+      Eigen::VectorXd change;
+      bool found = false;
+      if (k == 0 && options.segment_uncertainty && source == "segments") {
+        found = change_by_segments(problem, log_frequencies, change);
+      } else {
+        for (Eigen::Index i = 0; i < inputs && !found; ++i) {
+          if (options.inputs[static_cast<std::size_t>(i)].name != source) continue;
+          found = change_by_input(problem, inputs, i, log_frequencies, change);
+        }
+      }
+      complete = complete && found;
+      if (found) own.col(k) = change;
+    }
+    const auto modelled = problem.modes(state, q, true, &matches);
+    for (std::size_t i = 0; i < matches.size() && complete; ++i) {
+      const auto* mode = modelled.find(matches[i].plane, matches[i].order);
+      if (mode == nullptr) continue;
+      Eigen::VectorXd gradient = mode->dlog_frequency;
+      for (Eigen::Index j = 0; j < gradient.size(); ++j) {
+        const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+        if (coordinate.state == held_out && held_out >= 0 && !(coordinate.prior_std > 0)) {
+          gradient[j] = 0;
+        }
+      }
+      const double by_parameters = result.identifiability.std_of(gradient);
+      Eigen::VectorXd shared = own.row(static_cast<Eigen::Index>(i));
+      shared += result.shifts.transpose() * gradient;
+      here[i]->model_std_hz = here[i]->model_hz * std::hypot(by_parameters, shared.norm());
+    }
+  }
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,106 @@
+#include "ident/virtual_rig/virtual_axial.h"
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <stdexcept>
+
+namespace rigfit::ident {
+namespace {
+
+void demand(bool good, const char* what) {
+  if (!good) throw std::invalid_argument(what);
+}
+
+void check(const VirtualAxialTest& test) {
+  for (double value : {test.EA_N, test.mass_per_length_kg_m, test.length_m, test.hung_mass_kg,
+                       test.sample_rate_hz, test.after_s, test.gravity_m_s2}) {
+    demand(std::isfinite(value) && value > 0, "axial test: values must be positive and finite");
+  }
+  demand(test.adapter_stiffness_N_m >= 0 && test.before_s >= 0, "axial test: negative value");
+  demand(test.damping_ratio >= 0 && test.damping_ratio < 1, "axial test: damping ratio in [0, 1)");
+}
+
+// w^2 M - k(w) for the undamped system, k the dynamic stiffness that the mass sees: the rod's end
+// stiffness EA b cot(b L) in series with the adapter, which is taken as massless.
+double frequency_equation(const VirtualAxialTest& test, double omega) {
+  const double b = omega * std::sqrt(test.mass_per_length_kg_m / test.EA_N);
+  const double rod = test.EA_N * b / std::tan(b * test.length_m);
+  const double series = test.adapter_stiffness_N_m > 0
+                            ? rod * test.adapter_stiffness_N_m / (rod + test.adapter_stiffness_N_m)
+                            : rod;
+  return omega * omega * test.hung_mass_kg - series;
+}
+
+// Undamped circular frequency: the root lies below the one without the cable's mass.
+double natural_omega(const VirtualAxialTest& test) {
+  double k = test.EA_N / test.length_m;
+  if (test.adapter_stiffness_N_m > 0) {
+    k = k * test.adapter_stiffness_N_m / (k + test.adapter_stiffness_N_m);
+  }
+  const double clamped_rod =
+      std::numbers::pi / 2 / test.length_m * std::sqrt(test.EA_N / test.mass_per_length_kg_m);
+  double low = 0;
+  double high = std::min(std::sqrt(k / test.hung_mass_kg), clamped_rod);
+  for (int i = 0; i < 200 && high - low > 1e-15 * high; ++i) {
+    const double middle = 0.5 * (low + high);
+    (frequency_equation(test, middle) < 0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+AxialTruth axial_truth(const VirtualAxialTest& test) {
+  check(test);
+  const double omega = natural_omega(test);
+  return {.frequency_hz = omega * std::sqrt(1 - test.damping_ratio * test.damping_ratio) /
+                          (2 * std::numbers::pi),
+          .damping_ratio = test.damping_ratio};
+}
+
+signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& random) {
+  check(test);
+  const double omega = natural_omega(test);
+  const double decay = test.damping_ratio * omega;
+  const double omega_d = omega * std::sqrt(1 - test.damping_ratio * test.damping_ratio);
+  std::normal_distribution<double> normal;
+  const double impulse = test.tap_N_s * std::max(0.1, 1 + test.tap_scatter * normal(random));
+  const double velocity = impulse / test.hung_mass_kg;
+  const double weight = test.hung_mass_kg * test.gravity_m_s2;
+  const double swing_omega = std::sqrt(test.gravity_m_s2 / test.length_m);
+  const double swing_phase = 2 * std::numbers::pi * std::uniform_real_distribution<>()(random);
+
+  // The tap falls between two samples, as it does in a laboratory.
+  const double dt = 1 / test.sample_rate_hz;
+  const double tap_time = test.before_s + dt * std::uniform_real_distribution<>()(random);
+  const auto samples =
+      static_cast<Eigen::Index>(std::floor((test.before_s + test.after_s) * test.sample_rate_hz));
+  Eigen::VectorXd tension(samples);
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    const double t = static_cast<double>(i) * dt;
+    // T = M g (cos a + a'^2 L / g), to second order in the swing's amplitude.
+    tension[i] = weight * (1 + test.swing_rad * test.swing_rad *
+                                   (0.25 - 0.75 * std::cos(2 * (swing_omega * t + swing_phase))));
+    const double s = t - tap_time;
+    if (s > 0) {
+      // Force through the cell is M (g - x''); x = v/wd exp(-d s) sin(wd s).
+      const double e = std::exp(-decay * s) * velocity / omega_d;
+      const double acceleration = e * ((decay * decay - omega_d * omega_d) * std::sin(omega_d * s) -
+                                       2 * decay * omega_d * std::cos(omega_d * s));
+      tension[i] -= test.hung_mass_kg * acceleration;
+    }
+  }
+  signal::Recording recording;
+  recording.format = "synthetic";
+  recording.sample_rate_hz = test.sample_rate_hz;
+  signal::Channel channel;
+  channel.name = "tension";
+  channel.unit = channel.source_unit = "N";
+  channel.quantity = signal::Quantity::force;
+  channel.samples = recorded(tension, Eigen::VectorXd(), dt, test.load_cell, random);
+  recording.channels.push_back(std::move(channel));
+  return recording;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,35 @@
+// The bending test of a virtual laboratory: a clamped cable under tension, loaded at mid-span and
+// unloaded again, with load cells for tension and load and an LVDT for the deflection. Synthetic.
+//
+// Finer than the straight-line slope that is fitted: the elastic deflection follows eq. (17) with
+// the tension of the moment, which grows with the deflection (P = P0 + k_frame * 2 d^2 / l), and
+// wire friction adds a hysteretic load (Dahl 1968: dq/dd = (q_f / d_f) (1 - q/q_f sign(dd))^i), so
+// that loading starts steeper than it goes on and unloading lies below it.
+#pragma once
+
+#include "ident/virtual_rig/sensor_model.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::ident {
+
+struct VirtualBendingTest {
+  double EI_Nm2 = 0;  ///< with the wires slipping: the truth
+  double span_m = 0;
+  double tension_N = 0;  ///< before loading
+  double peak_load_N = 10;
+  double frame_stiffness_N_m = 2e4;  ///< tension gained per metre that the cable shortens its ends
+  double friction_load_N = 0.02;     ///< q_f, hysteresis half width
+  double friction_travel_m = 5e-5;   ///< d_f, over which it builds up
+  double friction_exponent = 1;      ///< i of Dahl's law: 0 bilinear, 1 exponential, 2 long tail
+  int cycles = 2;                    ///< loading and unloading
+  double cycle_s = 60;
+  double sample_rate_hz = 20;
+  SensorModel tension_cell, load_cell, lvdt;
+};
+
+/// Channels "tension" (N), "load" (N), "deflection" (m). Throws std::invalid_argument for values
+/// that are not positive and finite.
+[[nodiscard]] signal::Recording virtual_bending_record(const VirtualBendingTest& test,
+                                                       Random& random);
+
+}  // namespace rigfit::ident

@@ -1,0 +1,293 @@
+#include "ident/virtual_rig/virtual_rig.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace rigfit::ident {
+namespace {
+
+constexpr int kOversampling = 4;
+
+// A unit vector normal to v.
+Eigen::Vector3d normal_to(const Eigen::Vector3d& v) {
+  Eigen::Index smallest = 0;
+  v.cwiseAbs().minCoeff(&smallest);
+  return v.cross(Eigen::Vector3d::Unit(smallest)).normalized();
+}
+
+double member_length(const model::Scene& scene, const std::string& name) {
+  std::array<Eigen::Vector3d, 2> end{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  for (const auto& member : scene.members) {
+    if (member.name != name) continue;
+    for (const auto& node : scene.nodes) {
+      for (int i = 0; i < 2; ++i) {
+        if (node.name == member.nodes[i]) end[i] = node.position;
+      }
+    }
+  }
+  return (end[1] - end[0]).norm();
+}
+
+// A blow as a person strikes it: a little off in place, direction, strength and hardness.
+model::Load struck(const model::Scene& scene, const model::Load& meant,
+                   const VirtualRigOptions& options, Random& random) {
+  std::normal_distribution<double> normal;
+  model::Load load = meant;
+  load.peak *= std::max(0.3, 1 + options.peak_scatter * normal(random));
+  load.duration *= std::max(0.5, 1 + options.duration_scatter * normal(random));
+  load.start = options.pre_trigger_s;
+  const double angle = options.direction_scatter_rad * normal(random);
+  const double around = 2 * std::numbers::pi * std::uniform_real_distribution<>()(random);
+  const Eigen::Vector3d off =
+      Eigen::AngleAxisd(around, meant.direction) * normal_to(meant.direction);
+  load.direction = (std::cos(angle) * meant.direction + std::sin(angle) * off).normalized();
+  const double length = member_length(scene, load.place.member);
+  const double shift = options.position_scatter_m * normal(random);
+  if (load.place.node.empty() && length > 0) {
+    load.place.position = std::clamp(load.place.position + shift / length, 0.001, 0.999);
+  }
+  return load;
+}
+
+// Half-sine pulses of the loads, sampled.
+Eigen::VectorXd hammer_force(const std::vector<model::Load>& loads, const Eigen::Vector3d& meant,
+                             double dt, Eigen::Index rows) {
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(rows);
+  for (const auto& load : loads) {
+    // The load cell sits along the hammer: it reads the blow, whatever its direction.
+    const double sign = load.direction.dot(meant) < 0 ? -1 : 1;
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const double t = static_cast<double>(i) * dt - load.start;
+      if (t > 0 && t < load.duration) {
+        force[i] += sign * load.peak * std::sin(std::numbers::pi * t / load.duration);
+      }
+    }
+  }
+  return force;
+}
+
+signal::Channel channel(std::string name, const char* unit, signal::Quantity quantity,
+                        const Eigen::Vector3d& direction, Eigen::VectorXd samples) {
+  signal::Channel result;
+  result.name = std::move(name);
+  result.unit = result.source_unit = unit;
+  result.quantity = quantity;
+  result.direction = {direction.x(), direction.y(), direction.z()};
+  result.samples = std::move(samples);
+  return result;
+}
+
+class Laboratory {
+ public:
+  Laboratory(const model::Scene& scene, const VirtualRigOptions& options, const Simulate& simulate,
+             std::uint64_t seed)
+      : scene_(finer_scene(scene_with_accelerometers(scene, options.accelerometer_mass_kg),
+                           options.finer)),
+        options_(options),
+        simulate_(simulate),
+        seed_(seed),
+        sensors_(scene.sensors) {
+    scene_.loads.clear();
+    scene_.sensors.clear();
+    Random random = random_stream(seed, 0);
+    for (const auto& sensor : sensors_) {
+      // Each accelerometer is most sensitive, beside its axis, to one direction across it.
+      model::Sensor across = sensor;
+      const double around = 2 * std::numbers::pi * std::uniform_real_distribution<>()(random);
+      across.direction = Eigen::AngleAxisd(around, sensor.direction) * normal_to(sensor.direction);
+      across.name += " across";
+      scene_.sensors.push_back(sensor);
+      scene_.sensors.push_back(across);
+    }
+  }
+
+  VirtualRigRecord impact(const model::Load& meant, int number, int hit, bool twice) {
+    Random random = stream(number, hit);
+    VirtualRigRecord record;
+    record.hit = hit;
+    record.double_hit = twice;
+    scene_.loads = {struck(scene_, meant, options_, random)};
+    record.peak_N = scene_.loads[0].peak;
+    if (twice) {
+      model::Load bounce = scene_.loads[0];
+      record.second_after_s = std::uniform_real_distribution<>(0.008, 0.03)(random);
+      bounce.peak *= std::uniform_real_distribution<>(0.1, 0.4)(random);
+      bounce.start += record.second_after_s;
+      record.second_peak_N = bounce.peak;
+      scene_.loads.push_back(std::move(bounce));
+    }
+    run(record, &meant, random);
+    return record;
+  }
+
+  VirtualRigRecord release(const model::Load& load, int number) {
+    Random random = stream(number, 0);
+    VirtualRigRecord record;
+    scene_.loads = {load};
+    run(record, nullptr, random);
+    return record;
+  }
+
+ private:
+  Random stream(int number, int hit) const {
+    return random_stream(
+        seed_, 1000ull * static_cast<std::uint64_t>(number) + static_cast<std::uint64_t>(hit) + 1);
+  }
+
+  void run(VirtualRigRecord& record, const model::Load* hammer, Random& random) {
+    const double rate = options_.sample_rate_hz * kOversampling;
+    const double dt = 1 / options_.sample_rate_hz;
+    const Eigen::MatrixXd response = simulate_(scene_, options_.record_s, rate);
+    auto& recording = record.recording;
+    recording.format = "synthetic";
+    recording.sample_rate_hz = options_.sample_rate_hz;
+    if (hammer) {
+      const Eigen::VectorXd force = decimated(
+          hammer_force(scene_.loads, hammer->direction, 1 / rate, response.rows()), kOversampling);
+      recording.channels.push_back(
+          channel("force", "N", signal::Quantity::force, hammer->direction,
+                  recorded(force, Eigen::VectorXd(), dt, options_.instruments.hammer, random)));
+    }
+    for (std::size_t i = 0; i < sensors_.size(); ++i) {
+      const auto column = static_cast<Eigen::Index>(2 * i);
+      add_sensor(recording, sensors_[i], decimated(response.col(column), kOversampling),
+                 decimated(response.col(column + 1), kOversampling), random);
+    }
+  }
+
+  void add_sensor(signal::Recording& recording, const model::Sensor& sensor,
+                  const Eigen::VectorXd& along, const Eigen::VectorXd& across,
+                  Random& random) const {
+    const double dt = 1 / options_.sample_rate_hz;
+    const auto& instruments = options_.instruments;
+    switch (sensor.quantity) {
+      case model::Sensor::Quantity::acceleration:
+        recording.channels.push_back(
+            channel(sensor.name, "m/s^2", signal::Quantity::acceleration, sensor.direction,
+                    recorded(along, across, dt, instruments.accelerometer, random)));
+        return;
+      case model::Sensor::Quantity::force:
+        recording.channels.push_back(
+            channel(sensor.name, "N", signal::Quantity::force, sensor.direction,
+                    recorded(along, Eigen::VectorXd(), dt, instruments.tension_cell, random)));
+        return;
+      case model::Sensor::Quantity::displacement:
+        recording.channels.push_back(
+            channel(sensor.name, "m", signal::Quantity::displacement, sensor.direction,
+                    recorded(along, Eigen::VectorXd(), dt, instruments.lvdt, random)));
+        return;
+      case model::Sensor::Quantity::velocity:
+        recording.channels.push_back(
+            channel(sensor.name, "m/s", signal::Quantity::velocity, sensor.direction, along));
+        return;
+    }
+  }
+
+  model::Scene scene_;
+  const VirtualRigOptions& options_;
+  const Simulate& simulate_;
+  std::uint64_t seed_;
+  std::vector<model::Sensor> sensors_;
+};
+
+}  // namespace
+
+model::Scene finer_scene(const model::Scene& scene, int finer) {
+  model::Scene fine = scene;
+  for (auto& member : fine.members) {
+    member.segments = finer * (member.segments > 0 ? member.segments : 30);
+  }
+  return fine;
+}
+
+model::Scene scene_with_accelerometers(model::Scene scene, double accelerometer_mass_kg) {
+  if (!(accelerometer_mass_kg > 0)) return scene;
+  for (const auto& sensor : scene.sensors) {
+    if (sensor.quantity != model::Sensor::Quantity::acceleration) continue;
+    for (auto& node : scene.nodes) {
+      if (node.name == sensor.place.node && node.mass == 0) node.mass = accelerometer_mass_kg;
+    }
+    for (auto& member : scene.members) {
+      if (!sensor.place.node.empty() || member.name != sensor.place.member) continue;
+      const bool there = std::any_of(
+          member.masses.begin(), member.masses.end(),
+          [&](const auto& mass) { return std::abs(mass.position - sensor.place.position) < 1e-6; });
+      if (!there) member.masses.push_back({sensor.place.position, accelerometer_mass_kg});
+    }
+  }
+  return scene;
+}
+
+Eigen::VectorXd decimated(const Eigen::Ref<const Eigen::VectorXd>& x, int factor) {
+  // Kaiser's formulas: 80 dB of attenuation, transition from 0.8 to 1 of the new Nyquist frequency.
+  constexpr double kBeta = 0.1102 * (80 - 8.7);
+  const double transition = 0.2 * std::numbers::pi / factor;  // rad/sample
+  const int half = static_cast<int>(std::ceil((80 - 7.95) / (2.285 * transition) / 2));
+  const double cut = 0.9 * std::numbers::pi / factor;
+  Eigen::VectorXd taps(half + 1);
+  for (int k = 0; k <= half; ++k) {
+    const double r = static_cast<double>(k) / (half + 1);
+    const double window =
+        std::cyl_bessel_i(0.0, kBeta * std::sqrt(1 - r * r)) / std::cyl_bessel_i(0.0, kBeta);
+    taps[k] =
+        window * (k == 0 ? cut / std::numbers::pi : std::sin(cut * k) / (std::numbers::pi * k));
+  }
+  taps /= taps[0] + 2 * taps.tail(half).sum();
+
+  const Eigen::Index size = x.size();
+  const auto sample = [&](Eigen::Index i) { return x[std::clamp<Eigen::Index>(i, 0, size - 1)]; };
+  Eigen::VectorXd out((size + factor - 1) / factor);
+  for (Eigen::Index j = 0; j < out.size(); ++j) {
+    const Eigen::Index i = j * factor;
+    double sum = taps[0] * sample(i);
+    for (int k = 1; k <= half; ++k) sum += taps[k] * (sample(i - k) + sample(i + k));
+    out[j] = sum;
+  }
+  return out;
+}
+
+std::vector<VirtualRigRecord> virtual_rig_records(const model::Scene& scene,
+                                                  const VirtualRigOptions& options,
+                                                  const Simulate& simulate, std::uint64_t seed,
+                                                  const std::function<void()>& advance) {
+  if (scene.loads.empty() || scene.sensors.empty()) {
+    throw std::invalid_argument("the scene needs a load and a sensor to be tested");
+  }
+  if (options.hits < 1 || options.double_hits < 0 || options.double_hits > options.hits ||
+      options.finer < 1 || !(options.accelerometer_mass_kg >= 0) || !(options.sample_rate_hz > 0) ||
+      !(options.record_s > 0) ||
+      !(options.pre_trigger_s >= 0 && options.pre_trigger_s < options.record_s)) {
+    throw std::invalid_argument("virtual rig: option out of range");
+  }
+  Laboratory laboratory(scene, options, simulate, seed);
+  std::vector<VirtualRigRecord> records;
+  for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+    const auto& load = scene.loads[i];
+    const int number = static_cast<int>(i) + 1;
+    const auto keep = [&](VirtualRigRecord record) {
+      record.load = load.name.empty() ? fmt::format("load{}", number) : load.name;
+      records.push_back(std::move(record));
+      if (advance) advance();
+    };
+    if (load.kind == model::Load::Kind::release) {
+      keep(laboratory.release(load, number));
+    } else if (load.kind == model::Load::Kind::impact) {
+      // Which of the hits bounce is the seed's choice.
+      Random random = random_stream(seed, 500'000ull + i);
+      std::vector<bool> twice(static_cast<std::size_t>(options.hits), false);
+      std::fill_n(twice.begin(), options.double_hits, true);
+      std::shuffle(twice.begin(), twice.end(), random);
+      for (int hit = 1; hit <= options.hits; ++hit) {
+        keep(laboratory.impact(load, number, hit, twice[static_cast<std::size_t>(hit - 1)]));
+      }
+    }
+  }
+  return records;
+}
+
+}  // namespace rigfit::ident

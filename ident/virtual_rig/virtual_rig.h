@@ -1,0 +1,70 @@
+// Hammer hits and cut strings on a virtual rig, as its logger would write them. Synthetic.
+//
+// Every load of the scene is a test: an impact is struck `hits` times, each hit a triggered record
+// of its own with the hammer's force; a release is recorded once. The rig that is simulated is
+// finer than the one that is fitted (`finer` times the segments, the accelerometers' masses), the
+// person with the hammer hits a little off in place, direction, strength and hardness, and some
+// hits are double. The logger's anti-aliasing filter (linear phase, -80 dB) acts on all channels
+// alike.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ident/virtual_rig/virtual_laboratory.h"
+#include "model/scene/scene.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::ident {
+
+struct VirtualRigOptions {
+  int hits = 5;         ///< of every impact
+  int double_hits = 1;  ///< of these
+  double record_s = 8;
+  double pre_trigger_s = 0.05;
+  double sample_rate_hz = 1024;
+  int finer = 4;                   ///< times the scene's segments (30 where it says "auto")
+  double peak_scatter = 0.2;       ///< relative standard deviation from hit to hit
+  double duration_scatter = 0.05;  ///< relative
+  double position_scatter_m = 0.003;
+  double direction_scatter_rad = 0.03;
+  /// Of each accelerometer (4.8 g: data sheet of the paper's B&K 4507), on the rig wherever the
+  /// scene has no mass at its place yet.
+  double accelerometer_mass_kg = 4.8e-3;
+  VirtualInstruments instruments;
+};
+
+struct VirtualRigRecord {
+  std::string load;  ///< name of the scene's load, or "load<k>" by its number from 1
+  int hit = 0;       ///< 1-based; 0: a release
+  bool double_hit = false;
+  double peak_N = 0;         ///< of the first blow
+  double second_peak_N = 0;  ///< of the bounce, zero: none
+  double second_after_s = 0;
+  signal::Recording recording;  ///< force (impacts only), then one channel a sensor
+};
+
+/// Response of a scene at its sensors: rows = duration * rate, columns = sensors. Loads act as the
+/// scene says, sensors read SI.
+using Simulate =
+    std::function<Eigen::MatrixXd(const model::Scene& scene, double duration_s, double rate_hz)>;
+
+/// Throws std::invalid_argument for a scene without loads or sensors and for options out of range.
+/// `advance` (may be empty) is called after each record.
+[[nodiscard]] std::vector<VirtualRigRecord> virtual_rig_records(
+    const model::Scene& scene, const VirtualRigOptions& options, const Simulate& simulate,
+    std::uint64_t seed, const std::function<void()>& advance = {});
+
+/// The scene with `finer` times the segments.
+[[nodiscard]] model::Scene finer_scene(const model::Scene& scene, int finer);
+
+/// The scene with its accelerometers' masses: what hangs in the laboratory.
+[[nodiscard]] model::Scene scene_with_accelerometers(model::Scene scene,
+                                                     double accelerometer_mass_kg);
+
+/// Every `factor`-th sample of a zero-phase low-pass of x (Kaiser window, stop band -80 dB from the
+/// new Nyquist frequency on, pass band up to 0.8 of it); the ends repeat their last value.
+[[nodiscard]] Eigen::VectorXd decimated(const Eigen::Ref<const Eigen::VectorXd>& x, int factor);
+
+}  // namespace rigfit::ident

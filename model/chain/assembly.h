@@ -1,0 +1,116 @@
+// Energy, internal forces, tangent stiffness, mass and damping of a chain in a given state, in the
+// unknowns of one of its motions.
+//
+// A scene whose x, y plane (chain axes) is one of symmetry moves in it (two displacements a node,
+// one rotation) and, to first order, out of it independently (one displacement a node, the twists,
+// two rotations). Space has them all. The tangent is the second derivative of the energy for
+// increments of the state as `advance` applies them: displacements; the twist of a segment after
+// parallel transport of its frame; the rotation vector of a node (spatial). It is symmetric.
+//
+// An Assembly is const while states are evaluated; it holds a reference to the chain, whose lengths
+// and rest directors may change in between. Evaluation allocates nothing.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "model/algebra/envelope_matrix.h"
+#include "model/chain/chain.h"
+
+namespace rigfit::model {
+
+enum class Motion { in_plane, out_of_plane, space };
+
+/// Unknowns by what they are; -1: not an unknown of this motion. Numbered along the chain so that
+/// coupled unknowns have near numbers.
+struct Numbering {
+  Motion motion = Motion::space;
+  int size = 0;
+  Eigen::Matrix3Xi displacement;  ///< 3 x nodes
+  Eigen::VectorXi twist;          ///< segments
+  Eigen::Matrix3Xi rotation;      ///< 3 x rotating nodes
+  std::shared_ptr<const Envelope> envelope;
+};
+
+/// J, per member; `nodes` holds the scene's nodes (supports' springs count as axial, point masses
+/// and their gravity).
+struct Energy {
+  double axial = 0, bending = 0, torsion = 0, gravity = 0, kinetic = 0;
+  [[nodiscard]] double potential() const { return axial + bending + torsion + gravity; }
+  [[nodiscard]] double total() const { return potential() + kinetic; }
+  Energy& operator+=(const Energy& other);
+};
+struct EnergyAccount {
+  std::vector<Energy> members;
+  Energy nodes;
+  [[nodiscard]] Energy sum() const;
+};
+
+class Assembly {
+ public:
+  Assembly(const Chain& chain, Motion motion);
+
+  [[nodiscard]] const Chain& chain() const { return *chain_; }
+  [[nodiscard]] const Numbering& numbering() const { return numbering_; }
+  [[nodiscard]] int size() const { return numbering_.size; }
+  [[nodiscard]] EnvelopeMatrix matrix() const { return EnvelopeMatrix(numbering_.envelope); }
+
+  /// force = d(elastic + gravity energy)/dq, N: zero in equilibrium without other loads. `force`
+  /// must have the size of the unknowns.
+  void force(const ChainState& state, Eigen::VectorXd& force) const;
+  /// The same and its derivative. `axial_force` (N, by segment; may be null) replaces the axial
+  /// force in the geometric stiffness N P / |e| only: with the force extrapolated linearly from
+  /// the last step, Newton's method on stiff chains takes large steps without trouble.
+  void force_and_tangent(const ChainState& state, Eigen::VectorXd& force, EnvelopeMatrix& tangent,
+                         const Eigen::VectorXd* axial_force = nullptr) const;
+  /// Constant; the rotations of nodes, and twists without polar inertia, have none.
+  void mass(EnvelopeMatrix& mass) const;
+  /// Joint dampers at this state: C with force C qdot, symmetric and non-negative.
+  void damping(const ChainState& state, EnvelopeMatrix& damping) const;
+
+  /// state advanced by increments: out = state (+) factor * increment. `out` may be `state`.
+  void advance(const ChainState& state, const Eigen::VectorXd& increment, double factor,
+               ChainState& out) const;
+
+  /// Velocity empty: no kinetic energy.
+  [[nodiscard]] EnergyAccount energy(const ChainState& state,
+                                     const Eigen::VectorXd& velocity = {}) const;
+  /// q_r' K_m q_r / 2 of each member m (rows; the last: supports) and each column q_r: the tangent
+  /// stiffness' share of energy, tension included.
+  [[nodiscard]] Eigen::MatrixXd stiffness_energy(const ChainState& state,
+                                                 const Eigen::MatrixXd& q) const;
+
+  /// EA/l (|e| - l) of every segment, N.
+  void axial_forces(const ChainState& state, Eigen::VectorXd& forces) const;
+  /// d force / d (unstretched length of a member), at fixed state.
+  void length_derivative(const ChainState& state, int member, Eigen::VectorXd& derivative) const;
+  /// The same added to what is there: only the member's unknowns are touched.
+  void add_length_derivative(const ChainState& state, int member,
+                             Eigen::VectorXd& derivative) const;
+  /// The member's tension, N: component along its tension direction of the internal force (axial
+  /// and shear) of its middle segment; and its derivatives.
+  [[nodiscard]] double tension(const ChainState& state, int member) const;
+  /// `gradient` by the unknowns (skipped unless it has their size), `by_length` by the member's
+  /// unstretched length; `value` may be null. Exact for
+  /// members without a frame; with one the product of torque and curvature is left out.
+  void tension_gradient(const ChainState& state, int member, Eigen::VectorXd& gradient,
+                        double& by_length, double* value = nullptr) const;
+  /// The same, the gradient added to what is there.
+  void add_tension_gradient(const ChainState& state, int member, Eigen::VectorXd& gradient,
+                            double& by_length, double* value = nullptr) const;
+
+  /// Weights of a point's motion along a direction: displacement = row . q. Also the generalised
+  /// force of a unit load there.
+  [[nodiscard]] Eigen::VectorXd row_of(const ChainPoint& point,
+                                       const Eigen::Vector3d& direction) const;
+
+ private:
+  const Chain* chain_;
+  Numbering numbering_;
+};
+
+/// Unknowns of a motion of a chain, as `Assembly` numbers them.
+[[nodiscard]] Numbering number_unknowns(const Chain& chain, Motion motion);
+
+}  // namespace rigfit::model

@@ -1,0 +1,122 @@
+// How the tension of cables whose unstretched length is sought goes with the unknowns and with that
+// length.
+#include "model/chain/assembly_scatter.h"
+
+namespace rigfit::model {
+
+void Assembly::length_derivative(const ChainState& state, int index,
+                                 Eigen::VectorXd& derivative) const {
+  derivative.setZero(size());
+  add_length_derivative(state, index, derivative);
+}
+
+void Assembly::add_length_derivative(const ChainState& state, int index,
+                                     Eigen::VectorXd& derivative) const {
+  // Axial force EA (|e| / l - 1): -EA |e| / l^2 by l = L / n; joints go with 1 / L, gravity with L.
+  const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
+  const double by_length = 1 / member.unstretched_length;
+  ForceSink sink{&derivative};
+  Scatter<ForceSink> scatter(*chain_, numbering_, sink);
+  for (int i = 0; i < member.segments; ++i) {
+    const int k = member.first_segment + i;
+    const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
+    const Directed here = directed(*chain_, state, k);
+    const Eigen::Vector3d t = here.directors.col(0);
+    scatter.edge_force<3>(s, -s.EA * here.length / s.length * by_length * t);
+    const Eigen::Vector3d weight = -s.mass / 2 * by_length * chain_->gravity;
+    scatter.node_force<3>(s.a, weight);
+    scatter.node_force<3>(s.b, weight);
+    if (i == 0) continue;
+    const JointSprings& springs =
+        chain_->inner_joints[static_cast<std::size_t>(member.first_joint + i - 1)].springs;
+    const Directed before = directed(*chain_, state, k - 1);
+    const Eigen::Vector3d g =
+        -by_length *
+        joint_derivatives(before.directors, here.directors,
+                          director_weights(springs.about_1, springs.about_2, springs.torsion))
+            .gradient_b;
+    const Vector4 ga = -segment_rotation(before.directors.col(0), before.length).transpose() * g;
+    const Vector4 gb = segment_rotation(t, here.length).transpose() * g;
+    scatter.edge_force<3>(chain_->segments[static_cast<std::size_t>(k - 1)], ga.head<3>());
+    scatter.edge_force<3>(s, gb.head<3>());
+    scatter.single_force(numbering_.twist[k - 1], ga[3]);
+    scatter.single_force(numbering_.twist[k], gb[3]);
+  }
+  for (const int e : member.end_joint) {
+    if (e < 0) continue;
+    const EndJoint& joint = chain_->end_joints[static_cast<std::size_t>(e)];
+    const JointSprings springs = acting(*chain_, joint);
+    const Directed b = directed(*chain_, state, joint.segment);
+    const Eigen::Vector3d g =
+        -by_length *
+        joint_derivatives(node_side(joint, state), b.directors,
+                          director_weights(springs.about_1, springs.about_2, springs.torsion))
+            .gradient_b;
+    const Vector4 gb = segment_rotation(b.directors.col(0), b.length).transpose() * g;
+    scatter.edge_force<3>(chain_->segments[static_cast<std::size_t>(joint.segment)], gb.head<3>());
+    scatter.single_force(numbering_.twist[joint.segment], gb[3]);
+    scatter.rotation_force(joint.rotation, -g);
+  }
+}
+
+double Assembly::tension(const ChainState& state, int member) const {
+  Eigen::VectorXd unused;
+  double by_length = 0;
+  double value = 0;
+  tension_gradient(state, member, unused, by_length, &value);
+  return value;
+}
+
+void Assembly::tension_gradient(const ChainState& state, int index, Eigen::VectorXd& gradient,
+                                double& by_length, double* value) const {
+  if (gradient.size() == size()) gradient.setZero();
+  add_tension_gradient(state, index, gradient, by_length, value);
+}
+
+void Assembly::add_tension_gradient(const ChainState& state, int index, Eigen::VectorXd& gradient,
+                                    double& by_length, double* value) const {
+  const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
+  const Eigen::Vector3d h = member.tension_direction;
+  const int middle = member.segments / 2;
+  const int k = member.first_segment + middle;
+  const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
+  const Directed here = directed(*chain_, state, k);
+  const Eigen::Vector3d t = here.directors.col(0);
+  const double force = s.EA * (here.length / s.length - 1);
+  double tension = force * t.dot(h);
+  by_length = -s.EA * here.length / s.length / member.unstretched_length * t.dot(h);
+  // d (h . internal force) / de of the segment and of its neighbours.
+  Eigen::Vector3d own =
+      h * (force / here.length) + t * (t.dot(h) * (s.EA / s.length - force / here.length));
+  const bool wanted = gradient.size() == size();
+  ForceSink sink{&gradient};
+  Scatter<ForceSink> scatter(*chain_, numbering_, sink);
+  for (int side = 0; side < 2; ++side) {
+    const int joint_index = middle - 1 + side;  // inner joint before, after
+    if (joint_index < 0 || joint_index + 1 >= member.segments) continue;
+    const InnerJoint& joint =
+        chain_->inner_joints[static_cast<std::size_t>(member.first_joint + joint_index)];
+    const int other = side == 0 ? k - 1 : k + 1;
+    const Directed there = directed(*chain_, state, other);
+    const RotationDerivatives d = joint_derivatives(
+        there.directors, here.directors,
+        director_weights(joint.springs.about_1, joint.springs.about_2, joint.springs.torsion));
+    const auto jb = segment_rotation(t, here.length);
+    const auto ja = segment_rotation(there.directors.col(0), there.length);
+    const double shear = (jb.transpose() * d.gradient_b).head<3>().dot(h);
+    tension += shear;
+    by_length -= shear / member.unstretched_length;
+    if (!wanted) continue;
+    Matrix4 bb = jb.transpose() * d.same * jb;
+    add_second_order(d.gradient_b, t, here.length, bb);
+    const Matrix4 ab = ja.transpose() * d.cross * jb;
+    own += bb.topLeftCorner<3, 3>() * h;
+    scatter.single_force(numbering_.twist[k], bb.bottomLeftCorner<1, 3>().dot(h.transpose()));
+    scatter.edge_force<3>(chain_->segments[static_cast<std::size_t>(other)],
+                          ab.topLeftCorner<3, 3>() * h);
+    scatter.single_force(numbering_.twist[other], ab.bottomLeftCorner<1, 3>().dot(h.transpose()));
+  }
+  if (wanted) scatter.edge_force<3>(s, own);
+  if (value) *value = tension;
+}
+}  // namespace rigfit::model

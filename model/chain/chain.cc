@@ -1,0 +1,475 @@
+#include "model/chain/chain.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "model/chain/segment_lumping.h"
+#include "model/response/model_reduction.h"
+#include "model/scene/scene_error.h"
+
+namespace rigfit::model {
+namespace {
+
+constexpr int kDefaultSegments = 30;        // the paper's
+constexpr double kClampedAxial = 14.0 / 9;  // (1/12 + 5/108) / (1/12), segment_lumping.h
+
+double power(double x, int n) {
+  double y = 1;
+  for (int k = 0; k < n; ++k) y *= x;
+  return y;
+}
+
+/// The segment-wise numbers of a member of unstretched length L, tapered.
+class Sections {
+ public:
+  Sections(const Member& member, int n, double length) : member_(member), n_(n), l_(length / n) {}
+
+  double diameter(double s) const { return 1 + (member_.taper - 1) * s; }  // over the first
+  double segment_mass(int i) const {
+    const double d0 = diameter(double(i) / n_), d1 = diameter(double(i + 1) / n_);
+    return member_.mass_per_length * l_ * (d0 * d0 + d0 * d1 + d1 * d1) / 3;
+  }
+  double EA(int i) const { return member_.EA * power(diameter((i + 0.5) / n_), 2); }
+  double polar(int i) const {
+    return member_.polar_inertia * l_ * power(diameter((i + 0.5) / n_), 4);
+  }
+  /// Of a joint at s (0..1) of a flexibility in l / EI there; torsion over `share` segments.
+  /// `axial` N, of a beam (segment_lumping.h).
+  JointSprings springs(double s, double flexibility, double share, bool framed,
+                       double axial) const {
+    const double f = power(diameter(s), 4) / l_, stiffened = -axial * l_ / 12;
+    const auto bent = [&](double EI) {
+      return EI > 0 ? std::max(EI * f + stiffened, 0.5 * EI * f) / flexibility : 0;
+    };
+    JointSprings springs;
+    springs.about_1 = bent(member_.EI[0]);
+    springs.about_2 = bent(member_.EI[1]);
+    springs.torsion = framed ? member_.GJ * f / share : 0;
+    springs.bending_damping = member_.damping.bending / (flexibility * l_);
+    springs.torsion_damping = framed ? member_.damping.torsion / (share * l_) : 0;
+    return springs;
+  }
+  /// T l^2 / EI of the softer bending at s.
+  double layers(double tension, double s) const {
+    const double EI = std::min(member_.EI[0], member_.EI[1]) * power(diameter(s), 4);
+    if (!(tension > 0)) return 0;
+    return EI > 0 ? tension * l_ * l_ / EI : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  const Member& member_;
+  int n_;
+  double l_;
+};
+
+/// Of every joint of a member, ends included, in l / EI (segment_lumping.h).
+std::vector<double> joint_flexibilities(const Sections& sections, int n, double tension,
+                                        bool accurate, const std::array<bool, 2>& bent) {
+  std::vector<double> out(static_cast<std::size_t>(n) + 1, 1.0);
+  out.front() = out.back() = ClampFlexibility{}.end;
+  if (!accurate) return out;
+  std::array<ClampFlexibility, 2> clamp;
+  for (std::size_t e = 0; e < 2; ++e) {
+    clamp[e] = clamp_flexibility(sections.layers(tension, double(e)));
+    out[e == 0 ? 0 : std::size_t(n)] = clamp[e].end;
+  }
+  for (std::size_t e = 0; e < 2; ++e) {
+    if (!bent[e]) continue;
+    out[std::size_t(e == 0 ? 1 : n - 1)] += clamp[e].next;
+    out[std::size_t(e == 0 ? 2 : n - 2)] += clamp[e].second;
+  }
+  return out;
+}
+
+/// What pulls a member, for its joints' flexibility.
+double tension_about(const Chain& chain, const ChainMember& out, const Member& member,
+                     const Eigen::Vector3d& chord) {
+  const double length = chord.norm();
+  const Eigen::Vector3d t = chord / length;
+  const double across = (chain.gravity - t * t.dot(chain.gravity)).norm();
+  return nominal_tension(member, length, out.tension_direction.dot(t),
+                         member.mass_per_length * across);
+}
+
+ChainPoint point_on(const ChainMember& member, double s) {
+  ChainPoint point;
+  const int n = member.segments;
+  const double x = std::clamp(s, 0.0, 1.0) * n;
+  const int segment = std::min(static_cast<int>(x), n - 1);
+  point.segment = member.first_segment + segment;
+  const double nearest = std::round(x);
+  if (std::abs(x - nearest) < 1e-9) {
+    point.node[0] = member.nodes[static_cast<std::size_t>(nearest)];
+    point.weight[0] = 1;
+    point.count = 1;
+    return point;
+  }
+  const int count = n >= 3 ? 4 : 2;
+  const int begin = count == 2 ? segment : std::clamp(segment - 1, 0, n - 3);
+  point.count = count;
+  for (int i = 0; i < count; ++i) {  // Lagrange's weights
+    double weight = 1;
+    for (int j = 0; j < count; ++j) {
+      if (j != i) weight *= (x - (begin + j)) / double(i - j);
+    }
+    const auto k = static_cast<std::size_t>(i);
+    point.node[k] = member.nodes[static_cast<std::size_t>(begin + i)];
+    point.weight[k] = weight;
+  }
+  return point;
+}
+
+Eigen::Matrix3d permute(const Eigen::Matrix3d& axes, const Eigen::Vector3d& diagonal) {
+  Eigen::Matrix3d out = Eigen::Matrix3d::Zero();
+  for (int row = 0; row < 3; ++row) {
+    for (int col = 0; col < 3; ++col) {
+      // axes is a permutation wherever a support is elastic and the plane is not the scene's z.
+      if (std::abs(axes(row, col)) > 0.5) out(row, row) = diagonal[col];
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
+  const auto ends = member_nodes(scene);
+  const SceneNeeds needs = needs_of(scene, options.torsion);
+  Chain chain;
+  chain.axes = needs.axes;
+  chain.gravity = chain.axes * scene.gravity;
+  chain.planar = needs.planar;
+  chain.rotary_inertia = options.rotary_inertia;
+
+  // Nodes: the scene's, then those inside each member.
+  const auto scene_nodes = static_cast<int>(scene.nodes.size());
+  std::vector<int> counts(scene.members.size());
+  int nodes = scene_nodes, segment_count = 0;
+  for (std::size_t m = 0; m < counts.size(); ++m) {
+    const int asked = m < options.segments.size() ? options.segments[m] : 0;
+    const int own = scene.members[m].segments > 0 ? scene.members[m].segments : kDefaultSegments;
+    counts[m] = std::max(2, asked > 0 ? asked : own);
+    nodes += counts[m] - 1;
+    segment_count += counts[m];
+  }
+  chain.nodes = nodes;
+  chain.drawn.resize(3, nodes);
+  chain.fixed.setConstant(3, nodes, false);
+  chain.segments.reserve(static_cast<std::size_t>(segment_count));
+
+  std::vector<bool> used(scene.nodes.size(), false);
+  for (const auto& pair : ends) {
+    used[static_cast<std::size_t>(pair[0])] = used[static_cast<std::size_t>(pair[1])] = true;
+  }
+  std::vector<int> rotation_of(scene.nodes.size(), -1);
+  for (int k = 0; k < scene_nodes; ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    const SceneNode& node = scene.nodes[index];
+    chain.scene_node.push_back(k);
+    chain.drawn.col(k) = chain.axes * node.position;
+    if (node.support.kind == Support::Kind::clamped || node.support.kind == Support::Kind::pinned ||
+        !used[index]) {
+      chain.fixed.col(k).setConstant(true);
+    }
+    if (node.mass > 0) chain.masses.push_back({{k, k}, 0, node.mass, -1});
+    NodeSupport support;
+    support.node = k;
+    if (needs.attitude[index] == NodeAttitude::turning) {
+      rotation_of[index] = support.rotation = static_cast<int>(chain.rotating_node.size());
+      chain.rotating_node.push_back(k);
+    }
+    if (node.support.kind == Support::Kind::elastic && used[index]) {
+      Eigen::Matrix3d translational = permute(chain.axes, node.support.translational);
+      Eigen::Vector3d rotational = permute(chain.axes, node.support.rotational).diagonal();
+      for (int axis = 0; axis < 3; ++axis) {
+        if (std::isinf(translational(axis, axis))) {
+          chain.fixed(axis, k) = true;
+          translational(axis, axis) = 0;
+        }
+      }
+      support.translational = translational;
+      support.rotational = support.rotation >= 0 ? rotational : Eigen::Vector3d::Zero();
+      chain.supports.push_back(support);
+    }
+  }
+
+  int next_node = scene_nodes;
+  for (std::size_t m = 0; m < scene.members.size(); ++m) {
+    const Member& member = scene.members[m];
+    const int n = counts[m];
+    ChainMember out;
+    out.scene_member = static_cast<int>(m);
+    out.cable = member.kind == Member::Kind::cable;
+    out.first_segment = static_cast<int>(chain.segments.size());
+    out.first_joint = static_cast<int>(chain.inner_joints.size());
+    out.segments = n;
+    const Eigen::Vector3d from = chain.drawn.col(ends[m][0]), to = chain.drawn.col(ends[m][1]);
+    const Eigen::Vector3d chord = to - from;
+    if (!(chord.norm() > 0)) {
+      throw SceneError({scene.file, 0, 0, "member \"" + member.name + "\".nodes"},
+                       "both nodes are at the same place", "give the nodes different positions");
+    }
+    out.unstretched_length = chord.norm();
+    if (out.cable) {
+      if (member.unstretched_length) out.unstretched_length = *member.unstretched_length;
+      if (member.stretch) out.unstretched_length = chord.norm() - *member.stretch;
+      out.target_tension = member.tension;
+    }
+    if (!(out.unstretched_length > 0)) {
+      throw SceneError({scene.file, 0, 0, "member \"" + member.name + "\".stretch"},
+                       "no unstretched length is left",
+                       "give a stretch smaller than the distance of the nodes");
+    }
+    // Horizontal part of the chord; the chord itself where it is within 5 degrees of vertical.
+    out.tension_direction = chord.normalized();
+    if (chain.gravity.norm() > 0) {
+      const Eigen::Vector3d up = chain.gravity.normalized();
+      const Eigen::Vector3d level = chord - up * up.dot(chord);
+      if (level.norm() > 0.0872 * chord.norm()) out.tension_direction = level.normalized();
+    }
+
+    const bool framed = needs.torsion[m];
+    const Eigen::Matrix3d axes = chain.axes * material_axes(chain.axes.transpose() * chord);
+    const Sections sections(member, n, out.unstretched_length);
+    const bool accurate = options.rotary_inertia == RotaryInertia::accurate;
+    const double tension = accurate ? tension_about(chain, out, member, chord) : 0;
+    const AxialForce axial = accurate ? nominal_axial_force(scene, ends, m) : AxialForce{};
+    std::array<bool, 2> bent{false, false};  // ends that bear a moment
+    for (std::size_t e = 0; e < 2; ++e) {
+      bent[e] = member.joint[e] == Member::Joint::rigid &&
+                needs.attitude[static_cast<std::size_t>(ends[m][e])] != NodeAttitude::released;
+    }
+    const std::vector<double> flexibility =
+        joint_flexibilities(sections, n, tension, accurate, bent);
+    out.nodes.push_back(ends[m][0]);
+    for (int i = 1; i < n; ++i) {
+      chain.drawn.col(next_node) = from + chord * (double(i) / n);
+      out.nodes.push_back(next_node++);
+    }
+    out.nodes.push_back(ends[m][1]);
+    for (int i = 0; i < n; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      Segment segment;
+      segment.a = out.nodes[k];
+      segment.b = out.nodes[k + 1];
+      segment.member = static_cast<int>(m);
+      segment.frame = framed ? chain.frames++ : -1;
+      segment.length = out.unstretched_length / n;
+      segment.EA = sections.EA(i);
+      segment.mass = sections.segment_mass(i);
+      segment.polar = framed ? sections.polar(i) : 0;
+      segment.coupling = accurate && out.cable ? 1.0 / 12 : 1.0 / 6;
+      segment.axial_damping = member.damping.axial / segment.length;
+      chain.segments.push_back(segment);
+      if (i > 0) {
+        const int here = out.first_segment + i;
+        chain.inner_joints.push_back(
+            {{here - 1, here},
+             sections.springs(double(i) / n, flexibility[k], 1, framed, axial.at(double(i) / n))});
+      }
+    }
+    chain.drawn_director.conservativeResize(3, chain.frames);
+    if (framed) chain.drawn_director.rightCols(n).colwise() = axes.col(1);
+    chain.torsion = chain.torsion || framed;
+
+    for (int end = 0; end < 2; ++end) {
+      const auto e = static_cast<std::size_t>(end);
+      if (member.joint[e] == Member::Joint::pinned) continue;
+      const auto node = static_cast<std::size_t>(ends[m][e]);
+      EndJoint joint;
+      joint.end = end;
+      joint.segment = end == 0 ? out.first_segment : out.first_segment + n - 1;
+      // The paper's joint is in the middle of its half segment.
+      const double place = accurate ? 0 : 0.25 / n;
+      joint.springs =
+          sections.springs(end == 0 ? place : 1 - place, flexibility[end == 0 ? 0 : std::size_t(n)],
+                           0.5, framed, axial.at(end) * kClampedAxial);
+      joint.directors = axes;
+      joint.made_at_rest = out.cable && member.assembled == Member::Assembled::hanging;
+      if (needs.attitude[node] == NodeAttitude::released) {
+        // Only a pinned support's hold on the twist.
+        if (scene.nodes[node].support.kind != Support::Kind::pinned || !framed) continue;
+        joint.springs.about_1 = joint.springs.about_2 = joint.springs.bending_damping = 0;
+      }
+      joint.rotation = rotation_of[node];
+      const JointSprings& k = joint.springs;
+      if (k.about_1 + k.about_2 + k.torsion + k.bending_damping + k.torsion_damping == 0) continue;
+      out.end_joint[e] = static_cast<int>(chain.end_joints.size());
+      chain.end_joints.push_back(joint);
+    }
+    for (const AttachedMass& mass : member.masses) {
+      const double x = std::clamp(mass.position, 0.0, 1.0) * n;
+      const int i = std::min(static_cast<int>(x), n - 1);
+      const auto k = static_cast<std::size_t>(i);
+      chain.masses.push_back(
+          {{out.nodes[k], out.nodes[k + 1]}, x - i, mass.mass, static_cast<int>(m)});
+    }
+    chain.members.push_back(std::move(out));
+  }
+
+  // Axes of each turning node, by its rotational stiffness as drawn.
+  const auto rotations = static_cast<Eigen::Index>(chain.rotating_node.size());
+  chain.rotation_basis.assign(chain.rotating_node.size(), Eigen::Matrix3d::Identity());
+  chain.rotation_fixed.setConstant(3, rotations, false);
+  std::vector<Eigen::Matrix3d> stiffness(chain.rotating_node.size(), Eigen::Matrix3d::Zero());
+  for (const EndJoint& joint : chain.end_joints) {
+    if (joint.rotation < 0) continue;
+    const Eigen::Vector3d k(joint.springs.torsion, joint.springs.about_1, joint.springs.about_2);
+    stiffness[static_cast<std::size_t>(joint.rotation)] +=
+        joint.directors * k.asDiagonal() * joint.directors.transpose();
+  }
+  for (const NodeSupport& support : chain.supports) {
+    if (support.rotation < 0) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      stiffness[static_cast<std::size_t>(support.rotation)](axis, axis) +=
+          std::isinf(support.rotational[axis]) ? 0.0 : support.rotational[axis];
+    }
+  }
+  for (Eigen::Index r = 0; r < rotations; ++r) {
+    const auto k = static_cast<std::size_t>(r);
+    bool held_axis = false;
+    for (NodeSupport& support : chain.supports) {
+      if (support.rotation != r) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!std::isinf(support.rotational[axis])) continue;
+        chain.rotation_fixed(axis, r) = held_axis = true;
+        support.rotational[axis] = 0;
+      }
+    }
+    if (held_axis) continue;  // about coordinate axes
+    // The plane's normal stays an axis; the solver returns rising eigenvalues.
+    Eigen::Vector3d values;
+    if (chain.planar) {
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+      eigen.computeDirect(stiffness[k].topLeftCorner<2, 2>());
+      chain.rotation_basis[k].topLeftCorner<2, 2>() = eigen.eigenvectors();
+      values << eigen.eigenvalues(), stiffness[k](2, 2);
+    } else {
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(stiffness[k]);
+      chain.rotation_basis[k] = eigen.eigenvectors();
+      values = eigen.eigenvalues();
+    }
+    const double largest = values.maxCoeff();
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(values[axis] > 1e-12 * largest)) chain.rotation_fixed(axis, r) = true;
+    }
+  }
+
+  for (const Load& load : scene.loads) {
+    chain.load_direction.push_back(chain.axes * load.direction);
+  }
+  for (const Sensor& sensor : scene.sensors) {
+    chain.sensor_direction.push_back(chain.axes * sensor.direction);
+  }
+  const auto locate = [&](const Place& place, const std::string& what) {
+    if (!place.member.empty()) {
+      for (std::size_t m = 0; m < scene.members.size(); ++m) {
+        if (scene.members[m].name == place.member) {
+          return point_on(chain.members[m], place.position);
+        }
+      }
+      throw SceneError({scene.file, 0, 0, what + ".member"},
+                       "there is no member \"" + place.member + "\"",
+                       "name a member that the scene has");
+    }
+    for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+      if (scene.nodes[k].name != place.node) continue;
+      ChainPoint point;
+      point.node[0] = static_cast<int>(k);
+      point.weight[0] = 1;
+      point.count = 1;
+      for (std::size_t s = 0; s < chain.segments.size() && point.segment < 0; ++s) {
+        if (chain.segments[s].a == int(k) || chain.segments[s].b == int(k)) {
+          point.segment = static_cast<int>(s);
+        }
+      }
+      return point;
+    }
+    throw SceneError({scene.file, 0, 0, what + ".node"}, "there is no node \"" + place.node + "\"",
+                     "name a node that the scene has");
+  };
+  for (const Load& load : scene.loads) {
+    chain.loads.push_back(locate(load.place, "load \"" + load.name + "\""));
+  }
+  for (const Sensor& sensor : scene.sensors) {
+    chain.sensors.push_back(locate(sensor.place, "sensor \"" + sensor.name + "\""));
+  }
+  return chain;
+}
+
+void Chain::set_unstretched_length(int index, double length) {
+  ChainMember& member = members[static_cast<std::size_t>(index)];
+  const double ratio = length / member.unstretched_length;
+  if (ratio == 1) return;
+  member.unstretched_length = length;
+  for (int i = 0; i < member.segments; ++i) {
+    Segment& segment = segments[static_cast<std::size_t>(member.first_segment + i)];
+    segment.length = length / member.segments;
+    segment.mass *= ratio;
+    segment.polar *= ratio;
+    segment.axial_damping /= ratio;
+  }
+  const auto rescale = [ratio](JointSprings& springs) {
+    springs.about_1 /= ratio;
+    springs.about_2 /= ratio;
+    springs.torsion /= ratio;
+    springs.bending_damping /= ratio;
+    springs.torsion_damping /= ratio;
+  };
+  for (int i = 0; i + 1 < member.segments; ++i) {
+    rescale(inner_joints[static_cast<std::size_t>(member.first_joint + i)].springs);
+  }
+  for (const int joint : member.end_joint) {
+    if (joint >= 0) rescale(end_joints[static_cast<std::size_t>(joint)].springs);
+  }
+}
+
+void settle(Chain& chain, const ChainState& state) {
+  for (EndJoint& joint : chain.end_joints) {
+    if (!joint.made_at_rest) continue;
+    Eigen::Matrix3d directors;
+    double length = 0;
+    directors_of(chain, state, joint.segment, directors, length);
+    if (joint.rotation >= 0) {
+      directors = state.rotation[static_cast<std::size_t>(joint.rotation)].transpose() * directors;
+    }
+    joint.directors = directors;
+  }
+  chain.settled = true;
+}
+
+void directors_of(const Chain& chain, const ChainState& state, int segment,
+                  Eigen::Matrix3d& directors, double& length) {
+  const Segment& s = chain.segments[static_cast<std::size_t>(segment)];
+  const Eigen::Vector3d e = state.position.col(s.b) - state.position.col(s.a);
+  length = e.norm();
+  directors.col(0) = e / length;
+  if (s.frame >= 0) {
+    directors.col(1) = state.director.col(s.frame);
+    directors.col(2) = directors.col(0).cross(directors.col(1));
+  } else {
+    directors.rightCols<2>().setZero();
+  }
+}
+
+ChainState drawn_state(const Chain& chain) {
+  ChainState state;
+  state.position = chain.drawn;
+  state.director = chain.drawn_director;
+  state.rotation.assign(chain.rotating_node.size(), Eigen::Matrix3d::Identity());
+  return state;
+}
+
+Eigen::Vector3d position_of(const ChainPoint& point, const Eigen::Matrix3Xd& position) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int k = 0; k < point.count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    sum += point.weight[i] * position.col(point.node[i]);
+  }
+  return sum;
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,101 @@
+#include "model/chain/segment_lumping.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigfit::model {
+namespace {
+
+/// x^n / n! taken out of the rest of an exponential series from there on: 1 + x / (n + 1) + ...
+/// (stride 1) or, by x^2, of a hyperbolic one (stride 2); without cancellation.
+double tail(double x, int next, int stride) {
+  double term = 1, sum = 1;
+  for (int n = next; std::abs(term) > 1e-17 * sum && n < 200; n += stride) {
+    for (int k = 0; k < stride; ++k) term /= n + k;
+    term *= x;
+    sum += term;
+  }
+  return sum;
+}
+
+}  // namespace
+
+ClampFlexibility clamp_flexibility(double q2) {
+  if (!(q2 > 0)) return {3.0 / 8, 1.0 / 6, -1.0 / 24};
+  // Beyond 1e8 a joint's moment is nothing beside what tension does.
+  q2 = std::min(q2, 1e8);
+  const double q = std::sqrt(q2);
+  const double p = 2 * std::asinh(q / 2), m = std::exp(-p);
+  const double sinh = std::sinh(p), cosh = std::cosh(p);
+  const double sinh_less = p < 1 ? p * p * p / 6 * tail(p * p, 4, 2) : sinh - p;
+  const double exp_less = p < 1 ? p * p / 2 * tail(p, 3, 1) : std::exp(p) - 1 - p;
+  const double next = sinh_less * cosh / sinh, second = -sinh_less / (4 * sinh * cosh);
+  // 1 + s: the moment at the clamp over that one segment away. q - 1 + 1 / (1 + s) without
+  // cancellation: (q s - (s - q)) / (1 + s), and q - p = q^3 / 24 - ... from asinh's series.
+  const double q_less = q < 0.1 ? q * q2 / 24 * (1 - 9 * q2 / 80 + 75 * q2 * q2 / 4480) : q - p;
+  const double excess = exp_less + next + second * m * m / (1 + second * m) - q_less;  // s - q
+  const double s = q + excess;
+  return {(q * s - excess) / (1 + s) / q2, next / q2, second / q2};
+}
+
+double nominal_tension(const Member& member, double chord, double level_part, double weight) {
+  if (member.kind != Member::Kind::cable) return 0;
+  if (member.tension) return *member.tension / level_part;
+  const double length = member.unstretched_length ? *member.unstretched_length
+                        : member.stretch          ? chord - *member.stretch
+                                                  : chord;
+  // T / EA - (w L / T)^2 / 24 = chord / length - 1: rises with T.
+  const double strain = chord / length - 1, pull = weight * chord;
+  if (!(pull > 0)) return std::max(0.0, member.EA * strain);
+  const auto excess = [&](double tension) {
+    return tension / member.EA - pull * pull / (24 * tension * tension) - strain;
+  };
+  double low = 1e-12 * member.EA, high = member.EA * (1 + std::abs(strain)) + pull;
+  for (int i = 0; i < 200 && high - low > 1e-14 * high; ++i) {
+    const double middle = high > 4 * low ? std::sqrt(low * high) : 0.5 * (low + high);
+    (excess(middle) > 0 ? high : low) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+AxialForce nominal_axial_force(const Scene& scene, const std::vector<std::array<int, 2>>& ends,
+                               std::size_t member) {
+  const Member& beam = scene.members[member];
+  const auto node = [&](int k) -> const SceneNode& { return scene.nodes[std::size_t(k)]; };
+  const auto mass_per_length = [](const Member& m) {  // mean of a tapered one
+    return m.mass_per_length * (1 + m.taper + m.taper * m.taper) / 3;
+  };
+  const auto held = [&](int k) { return node(k).support.kind != Support::Kind::free; };
+  const auto [first, second] = ends[member];
+  if (beam.kind == Member::Kind::cable || held(first) == held(second)) return {};
+  const int tip = held(first) ? second : first, foot = held(first) ? first : second;
+  Eigen::Vector3d force = node(tip).mass * scene.gravity;
+  for (std::size_t m = 0; m < ends.size(); ++m) {
+    if (m == member || (ends[m][0] != tip && ends[m][1] != tip)) continue;
+    const Member& other = scene.members[m];
+    const int far = ends[m][0] == tip ? ends[m][1] : ends[m][0];
+    const Eigen::Vector3d chord = node(far).position - node(tip).position;
+    const double length = chord.norm();
+    if (!(length > 0)) continue;
+    force += 0.5 * mass_per_length(other) * length * scene.gravity;
+    if (other.kind != Member::Kind::cable) continue;
+    const Eigen::Vector3d along = chord / length;
+    double level_part = 1;
+    if (scene.gravity.norm() > 0) {
+      const Eigen::Vector3d up = scene.gravity.normalized();
+      const double level = (along - up * up.dot(along)).norm();
+      if (level > 0.0872) level_part = level;
+    }
+    const double weight =
+        mass_per_length(other) * (scene.gravity - along * along.dot(scene.gravity)).norm();
+    force += nominal_tension(other, length, level_part, weight) * along;
+  }
+  const Eigen::Vector3d axis = node(tip).position - node(foot).position;
+  const double length = axis.norm();
+  if (!(length > 0)) return {};
+  const double at_tip = force.dot(axis) / length;
+  const double at_foot = at_tip + mass_per_length(beam) * scene.gravity.dot(axis);
+  return held(first) ? AxialForce{at_foot, at_tip} : AxialForce{at_tip, at_foot};
+}
+
+}  // namespace rigfit::model

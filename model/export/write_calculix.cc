@@ -1,0 +1,294 @@
+#include "model/export/write_calculix.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <sstream>
+
+#include "model/scene/scene_error.h"
+
+namespace rigfit::model {
+namespace {
+
+constexpr double kTightStrain = 2e-3;  // cooling of the first step, beyond the final thermal strain
+// The unit of the deck's temperatures: ccx 2.20 starts a step's iteration far off when they are of
+// order one.
+constexpr double kDegree = 1e-3;
+
+SceneError cannot(const Scene& scene, const std::string& key, const std::string& problem) {
+  return SceneError({scene.file, 0, 0, key}, problem + " cannot be written for CalculiX",
+                    "take it out of the scene that is exported");
+}
+
+class DeckWriter {
+ public:
+  DeckWriter(const Scene& scene, const Equilibrium& equilibrium, const CalculixOptions& options)
+      : scene_(scene), equilibrium_(equilibrium), options_(options) {}
+
+  CalculixDeck write() {
+    check();
+    line("*HEADING");
+    line(scene_.title.empty() ? "rigfit scene" : scene_.title);
+    write_nodes_and_elements();
+    write_supports();
+    line("*INITIAL CONDITIONS,TYPE=TEMPERATURE");
+    line("ALL,0.");
+    write_static_step(kDegree, "0.1,1.");
+    write_static_step(2 * kDegree, "0.05,1.,1e-6,0.2");
+    line("*STEP,PERTURBATION");
+    line("*FREQUENCY");
+    line(fmt::format("{}", options_.frequencies));
+    line("*END STEP");
+    return {std::move(text_), std::move(notes_)};
+  }
+
+ private:
+  void line(std::string_view content) {
+    text_ += content;
+    text_ += '\n';
+  }
+
+  void check() const {
+    for (const auto& member : scene_.members) {
+      if (!(member.EI[0] > 0 && member.EI[1] > 0)) {
+        throw cannot(scene_, member.name + ".EI", "a member without bending stiffness");
+      }
+      if (member.taper != 1) throw cannot(scene_, member.name + ".taper", "a tapered member");
+      if (member.joint[0] == Member::Joint::pinned || member.joint[1] == Member::Joint::pinned) {
+        throw cannot(scene_, member.name + ".joint", "a released joint");
+      }
+    }
+    for (const auto& node : scene_.nodes) {
+      if (node.support.kind == Support::Kind::elastic && node.support.rotational.maxCoeff() > 0) {
+        throw cannot(scene_, node.name + ".support", "a rotational spring");
+      }
+    }
+  }
+
+  Eigen::Vector3d position(const std::string& node) const {
+    for (const auto& candidate : scene_.nodes) {
+      if (candidate.name == node) return candidate.position;
+    }
+    return Eigen::Vector3d::Zero();  // the reader has made sure that it exists
+  }
+
+  int node_number(const std::string& node) {
+    const auto [entry, fresh] = numbers_.try_emplace(node, next_node_);
+    if (fresh) add_node(position(node));
+    return entry->second;
+  }
+
+  int add_node(const Eigen::Vector3d& at) {
+    nodes_ += fmt::format("{},{:.12g},{:.12g},{:.12g}\n", next_node_, at.x(), at.y(), at.z());
+    return next_node_++;
+  }
+
+  void write_nodes_and_elements() {
+    std::string elements, sections;
+    for (std::size_t i = 0; i < scene_.members.size(); ++i) {
+      const Member& member = scene_.members[i];
+      const Eigen::Vector3d from = position(member.nodes[0]);
+      const Eigen::Vector3d span = position(member.nodes[1]) - from;
+      const int steps = 2 * options_.elements_per_member;
+      std::vector<int> line_nodes{node_number(member.nodes[0])};
+      for (int k = 1; k < steps; ++k) line_nodes.push_back(add_node(from + span * k / steps));
+      line_nodes.push_back(node_number(member.nodes[1]));
+      elements += fmt::format("*ELEMENT,TYPE=B32R,ELSET=M{}\n", i + 1);
+      for (int k = 0; k < options_.elements_per_member; ++k) {
+        elements += fmt::format("{},{},{},{}\n", next_element_++, line_nodes[2 * k],
+                                line_nodes[2 * k + 1], line_nodes[2 * k + 2]);
+      }
+      sections += section(member, i, span);
+      add_point_masses(member, line_nodes, elements);
+    }
+    for (const auto& node : scene_.nodes) {
+      if (node.mass > 0) elements += point_mass(node_number(node.name), node.mass);
+    }
+    text_ += "*NODE,NSET=ALL\n" + nodes_ + elements;
+    text_ += sections;
+  }
+
+  // Local direction 1 of the section is the horizontal one across the member (z for the rig's
+  // plane), about which EI[0] bends.
+  std::string section(const Member& member, std::size_t i, const Eigen::Vector3d& span) const {
+    const double total_mass = member.mass_per_length * unstretched_of(member);
+    const double height = std::sqrt(12 * member.EI[0] / member.EA);
+    const double width = std::sqrt(12 * member.EI[1] / member.EA);
+    // ccx measures Green's strain from the deck's straight length L and Kirchhoff's stress, the
+    // scene force and strain e per unstretched length L0: E A (L0 / L)^3 (1 + e)(1 + e / 2) e for
+    // EA e. The modulus makes the force at rest the scene's.
+    const double ratio = span.norm() / unstretched_of(member), e = strain_of(member);
+    const double modulus =
+        member.EA * ratio * ratio * ratio / ((1 + e) * (1 + e / 2)) / (height * width);
+    const double density = total_mass / (height * width * span.norm());
+    const Eigen::Vector3d axis = span.normalized();
+    Eigen::Vector3d across = Eigen::Vector3d::UnitZ() - axis.z() * axis;
+    if (across.norm() < 1e-6) across = Eigen::Vector3d::UnitX();
+    across.normalize();
+    return fmt::format(
+        "*MATERIAL,NAME=MAT{0}\n*ELASTIC\n{1:.12g},{2:.12g}\n*DENSITY\n{3:.12g}\n"
+        "{9}"
+        "*BEAM SECTION,ELSET=M{0},MATERIAL=MAT{0},SECTION=RECT\n{4:.12g},{5:.12g}\n"
+        "{6:.12g},{7:.12g},{8:.12g}\n",
+        i + 1, modulus, options_.poisson_ratio, density, width, height, across.x(), across.y(),
+        across.z(), expansion(member, span.norm()));
+  }
+
+  // One temperature serves all cables: strain = alpha(t) t is tight at t = 1 and as the scene asks
+  // at t = 2.
+  std::string expansion(const Member& member, double length) const {
+    if (member.kind != Member::Kind::cable) return "";
+    const double stretch = unstretched_of(member) / length;
+    const double strain = (stretch * stretch - 1) / 2;  // Green's
+    return fmt::format("*EXPANSION\n{:.12g},{}\n{:.12g},{}\n", (strain - kTightStrain) / kDegree,
+                       kDegree, strain / (2 * kDegree), 2 * kDegree);
+  }
+
+  double strain_of(const Member& member) const {
+    for (const auto& result : equilibrium_.members) {
+      if (result.member == member.name) return result.tension_N / member.EA;
+    }
+    return 0;
+  }
+
+  double unstretched_of(const Member& member) const {
+    for (const auto& result : equilibrium_.members) {
+      if (result.member == member.name) return result.unstretched_length_m;
+    }
+    return 0;
+  }
+
+  void add_point_masses(const Member& member, const std::vector<int>& line_nodes,
+                        std::string& elements) {
+    for (const auto& attached : member.masses) {
+      const double place = attached.position * static_cast<double>(line_nodes.size() - 1);
+      const auto nearest = static_cast<std::size_t>(std::lround(place));
+      if (std::abs(place - static_cast<double>(nearest)) > 1e-6) {
+        notes_.push_back(
+            fmt::format("{}: a mass at {:.4f} was put at the nearest node, {:.4f}", member.name,
+                        attached.position,
+                        static_cast<double>(nearest) / static_cast<double>(line_nodes.size() - 1)));
+      }
+      elements += point_mass(line_nodes[nearest], attached.mass);
+    }
+  }
+
+  std::string point_mass(int node, double mass) {
+    ++point_masses_;
+    return fmt::format("*ELEMENT,TYPE=MASS,ELSET=P{0}\n{1},{2}\n*MASS,ELSET=P{0}\n{3:.12g}\n",
+                       point_masses_, next_element_++, node, mass);
+  }
+
+  void write_supports() {
+    for (const auto& node : scene_.nodes) {
+      const int number = node_number(node.name);
+      switch (node.support.kind) {
+        case Support::Kind::free:
+          break;
+        case Support::Kind::clamped:
+          line(fmt::format("*BOUNDARY\n{},1,6", number));
+          break;
+        case Support::Kind::pinned:
+          line(fmt::format("*BOUNDARY\n{},1,3", number));
+          hold_twist(node.name, number);
+          break;
+        case Support::Kind::elastic:
+          for (int axis = 0; axis < 3; ++axis) {
+            const double stiffness = node.support.translational[axis];
+            if (std::isinf(stiffness)) {
+              line(fmt::format("*BOUNDARY\n{},{},{}", number, axis + 1, axis + 1));
+            } else if (stiffness > 0) {
+              ++springs_;
+              line(
+                  fmt::format("*ELEMENT,TYPE=SPRING1,ELSET=S{0}\n{1},{2}\n*SPRING,ELSET=S{0}\n{3}\n"
+                              "{4:.12e}",  // ccx takes no spring without a decimal point
+                              springs_, next_element_++, number, axis + 1, stiffness));
+            }
+          }
+          break;
+      }
+    }
+  }
+
+  // A pinned end is free to turn but not about the member's own axis. Where no axis of the deck
+  // lies along it ccx has no way to say so: an equation between rotations does not hold them.
+  void hold_twist(const std::string& node, int number) {
+    for (const auto& member : scene_.members) {
+      if (member.nodes[0] != node && member.nodes[1] != node) continue;
+      const Eigen::Vector3d axis =
+          (position(member.nodes[1]) - position(member.nodes[0])).normalized();
+      Eigen::Index main = 0;
+      axis.cwiseAbs().maxCoeff(&main);
+      if (member.kind == Member::Kind::beam && std::abs(std::abs(axis[main]) - 1) < 1e-12) {
+        line(fmt::format("*BOUNDARY\n{0},{1},{1}", number, main + 4));
+      } else {
+        notes_.push_back(
+            node + ": free to twist, which gives the deck a spinning mode that the scene has not" +
+            (member.kind == Member::Kind::cable
+                 ? " (ccx would hold a sagging end's other rotations too)"
+                 : ""));
+      }
+      return;
+    }
+  }
+
+  void write_static_step(double temperature, const char* increments) {
+    line("*STEP,NLGEOM,INC=500");
+    line("*STATIC");
+    line(increments);
+    line("*TEMPERATURE");
+    line(fmt::format("ALL,{}", temperature));
+    const double gravity = scene_.gravity.norm();
+    if (gravity > 0) {
+      line("*DLOAD");
+      const Eigen::Vector3d down = scene_.gravity / gravity;
+      for (std::size_t i = 0; i < scene_.members.size(); ++i) {
+        line(fmt::format("M{},GRAV,{:.12g},{:.12g},{:.12g},{:.12g}", i + 1, gravity, down.x(),
+                         down.y(), down.z()));
+      }
+      for (int i = 1; i <= point_masses_; ++i) {
+        line(fmt::format("P{},GRAV,{:.12g},{:.12g},{:.12g},{:.12g}", i, gravity, down.x(), down.y(),
+                         down.z()));
+      }
+    }
+    line("*END STEP");
+  }
+
+  const Scene& scene_;
+  const Equilibrium& equilibrium_;
+  const CalculixOptions& options_;
+  std::string text_, nodes_;
+  std::vector<std::string> notes_;
+  std::map<std::string, int> numbers_;
+  int next_node_ = 1;
+  int next_element_ = 1;
+  int point_masses_ = 0;
+  int springs_ = 0;
+};
+
+}  // namespace
+
+CalculixDeck calculix_deck(const Scene& scene, const Equilibrium& equilibrium,
+                           const CalculixOptions& options) {
+  return DeckWriter(scene, equilibrium, options).write();
+}
+
+std::vector<double> calculix_frequencies(const std::string& dat_text) {
+  std::vector<double> frequencies;
+  const auto table = dat_text.find("E I G E N V A L U E   O U T P U T");
+  if (table == std::string::npos) return frequencies;
+  std::istringstream lines(dat_text.substr(table));
+  std::string text;
+  while (std::getline(lines, text) && text.find("P A R T I C I P A T I O N") == std::string::npos) {
+    std::istringstream row(text);
+    int mode = 0;
+    double eigenvalue = 0, omega = 0, hertz = 0;
+    if (row >> mode >> eigenvalue >> omega >> hertz) frequencies.push_back(hertz);
+  }
+  return frequencies;
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,173 @@
+#include "model/linear/damped_modes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/algebra/general_eigen.h"
+
+namespace rigfit::model {
+namespace {
+
+using Complex = std::complex<double>;
+
+Complex form(const EnvelopeMatrix& a, const Eigen::VectorXcd& u) {
+  // u' A u without conjugation, A real.
+  const Eigen::VectorXd re = u.real(), im = u.imag();
+  const Eigen::VectorXd a_re = a * re, a_im = a * im;
+  return {re.dot(a_re) - im.dot(a_im), re.dot(a_im) + im.dot(a_re)};
+}
+
+}  // namespace
+
+bool has_joint_dampers(const Scene& scene) {
+  return std::any_of(scene.members.begin(), scene.members.end(), [](const Member& m) {
+    return m.damping.axial > 0 || m.damping.bending > 0 || m.damping.torsion > 0;
+  });
+}
+
+double damping_ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }
+
+Eigen::VectorXd modal_ratios(const MotionModes& motion, const ChainState& state,
+                             const Scene& scene) {
+  return modal_ratios(*motion.assembly, motion.shapes, state, scene);
+}
+
+Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& shapes,
+                             const ChainState& state, const Scene& scene) {
+  const Eigen::Index modes = shapes.cols();
+  Eigen::VectorXd ratios = Eigen::VectorXd::Zero(modes);
+  double first = -1;
+  bool any = false, same = true;
+  for (const Member& member : scene.members) {
+    const double ratio = member.damping_ratio.value_or(0);
+    any = any || ratio > 0;
+    if (first < 0) first = ratio;
+    same = same && ratio == first;
+  }
+  if (!any || modes == 0) return ratios;
+  const Eigen::MatrixXd energy = assembly.stiffness_energy(state, shapes);
+  for (Eigen::Index i = 0; i < modes; ++i) {
+    double sum = 0, weighted = 0;
+    for (Eigen::Index m = 0; m < energy.rows(); ++m) {
+      // A part that softens (a compressed beam's) stores nothing that could be lost.
+      const double part = std::max(0.0, energy(m, i));
+      sum += part;
+      if (m + 1 < energy.rows()) {
+        weighted += part * scene.members[static_cast<std::size_t>(m)].damping_ratio.value_or(0);
+      }
+    }
+    ratios[i] = sum > 0 ? weighted / sum : 0;
+  }
+  return ratios;
+}
+
+DampedModes damped_modes(const MotionModes& motion, const ChainState& state, const Scene& scene) {
+  DampedModes out;
+  const Eigen::Index modes = motion.omega2.size();
+  const Eigen::VectorXd ratios = modal_ratios(motion, state, scene);
+  out.poles.resize(modes);
+  out.converged.assign(static_cast<std::size_t>(modes), true);
+  const Eigen::VectorXd omega = motion.omega2.cwiseSqrt();
+  if (!has_joint_dampers(scene) || modes == 0) {
+    for (Eigen::Index i = 0; i < modes; ++i) {
+      const double z = ratios[i];
+      out.poles[i] = omega[i] * Complex(-z, std::sqrt(std::max(0.0, 1 - z * z)));
+    }
+    out.shapes = motion.shapes.cast<Complex>();
+    return out;
+  }
+  out.dampers = true;
+  EnvelopeMatrix c = motion.assembly->matrix();
+  motion.assembly->damping(state, c);
+
+  // The quadratic problem among the modes asked for, as a first-order one.
+  Eigen::MatrixXd modal(modes, modes);
+  for (Eigen::Index i = 0; i < modes; ++i) {
+    modal.col(i).noalias() =
+        motion.shapes.transpose() * (c * Eigen::VectorXd(motion.shapes.col(i)));
+  }
+  Eigen::MatrixXd first_order = Eigen::MatrixXd::Zero(2 * modes, 2 * modes);
+  first_order.topRightCorner(modes, modes).setIdentity();
+  first_order.bottomLeftCorner(modes, modes).diagonal() = -motion.omega2;
+  first_order.bottomRightCorner(modes, modes) = -modal;
+  const GeneralEigenpairs eigen = general_eigenpairs(first_order, {});
+  const Eigen::MatrixXcd& vectors = eigen.vectors;
+  std::vector<bool> taken(static_cast<std::size_t>(2 * modes), false);
+  out.shapes.resize(motion.shapes.rows(), modes);
+  for (Eigen::Index i = 0; i < modes; ++i) {
+    // The root with the largest part of this undamped mode, of those above the real axis.
+    Eigen::Index best = -1;
+    double most = -1;
+    for (Eigen::Index r = 0; r < 2 * modes; ++r) {
+      const Complex s = eigen.values[r];
+      if (taken[static_cast<std::size_t>(r)] || s.imag() < 0) continue;
+      const auto v = vectors.col(r).head(modes);
+      double part = std::norm(v[i]) / v.squaredNorm();
+      if (s.imag() == 0) part *= 1 + 1e-6 / (1 + std::abs(s));  // the slower of a real pair
+      if (part > most) most = part, best = r;
+    }
+    if (best < 0) {
+      out.converged[static_cast<std::size_t>(i)] = false;
+      out.poles[i] = Complex(0, omega[i]);
+      out.shapes.col(i) = motion.shapes.col(i).cast<Complex>();
+      continue;
+    }
+    taken[static_cast<std::size_t>(best)] = true;
+    out.poles[i] = eigen.values[best];
+    out.shapes.col(i) = motion.shapes.cast<Complex>() * vectors.col(best).head(modes);
+  }
+
+  ComplexEnvelopeMatrix dynamic(motion.stiffness.envelope());
+  ComplexEnvelopeFactor factor;
+  for (Eigen::Index i = 0; i < modes; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!out.converged[k]) continue;
+    Complex s = out.poles[i];
+    Eigen::VectorXcd u = out.shapes.col(i);
+    u /= u.norm();
+    Eigen::VectorXcd right(u.size());
+    bool converged = false;
+    for (int iteration = 0; iteration < 30 && !converged; ++iteration) {
+      const Complex s2 = s * s;
+      for (Eigen::Index e = 0; e < dynamic.values().size(); ++e) {
+        dynamic.values()[e] =
+            s2 * motion.mass.values()[e] + s * c.values()[e] + motion.stiffness.values()[e];
+      }
+      factor.factor(dynamic, 1e-15);
+      // Newton's right-hand side: the derivative of the matrix by s, times the vector.
+      const Eigen::VectorXd re = u.real(), im = u.imag();
+      const Eigen::VectorXd m_re = motion.mass * re, m_im = motion.mass * im;
+      const Eigen::VectorXd c_re = c * re, c_im = c * im;
+      for (Eigen::Index r = 0; r < u.size(); ++r) {
+        right[r] = 2.0 * s * Complex(m_re[r], m_im[r]) + Complex(c_re[r], c_im[r]);
+      }
+      factor.solve_in_place(right);
+      const double size = right.norm();
+      if (!(size > 0) || !std::isfinite(size)) break;
+      u = right / size;
+      const Complex mass = form(motion.mass, u), damp = form(c, u),
+                    stiff = form(motion.stiffness, u);
+      // The root of the Rayleigh functional nearer to the last value.
+      const Complex root = std::sqrt(damp * damp - 4.0 * mass * stiff);
+      const Complex plus = (-damp + root) / (2.0 * mass), minus = (-damp - root) / (2.0 * mass);
+      const Complex next = std::abs(plus - s) < std::abs(minus - s) ? plus : minus;
+      if (!std::isfinite(next.real()) || !std::isfinite(next.imag())) break;
+      converged = std::abs(next - s) <= 1e-12 * std::abs(next);
+      s = next;
+    }
+    out.converged[k] = converged;
+    if (!converged) s = out.poles[i];
+    // Modal ratios of other members come on top.
+    const Complex scale = 2.0 * s * form(motion.mass, u) + form(c, u);
+    if (std::abs(scale) > 0) u /= std::sqrt(scale);
+    out.shapes.col(i) = u;
+    if (ratios[i] > 0) {
+      const double size = std::abs(s), z = std::min(1.0, damping_ratio_of(s) + ratios[i]);
+      s = size * Complex(-z, std::sqrt(1 - z * z));
+    }
+    out.poles[i] = s;
+  }
+  return out;
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,68 @@
+// The damped equations of one motion at a line of a frequency response function, with its loads,
+// sensors and modal dampers: shared by the functions and their sensitivities.
+//
+//   D = K + s C + s^2 M + s sum_r g_r (M phi_r)(M phi_r)',  g_r = 2 zeta_r omega_r,
+//
+// s = i omega + a, a the decay rate of an exponential window shared by force and response (0:
+// none); the sum (modal damping ratios) over the modes the motion carries. Without joint dampers
+// these modes answer each for itself, by 1 / (s^2 + s g_r + omega_r^2), and what lies outside of
+// them without damping, of real matrices where a = 0; with joint dampers the sum is inverted by
+// Woodbury's formula.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+
+#include "model/linear/modes.h"
+
+namespace rigfit::model {
+
+struct FrfEquations {
+  const MotionModes* motion = nullptr;
+  EnvelopeMatrix damping;          ///< of the joints
+  Eigen::MatrixXd sensors, loads;  ///< unknowns x sensors, unknowns x loads
+  Eigen::MatrixXd dampers;         ///< M phi_r: unknowns x modes; empty without modal ratios
+  Eigen::VectorXd zeta;            ///< modal ratio of each damper
+};
+
+/// `motion` must outlive the result.
+[[nodiscard]] FrfEquations frf_equations(const MotionModes& motion, const ChainState& state,
+                                         const Scene& scene);
+
+/// D^-1 of given right sides, line by line.
+class FrfSolver {
+ public:
+  FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right);
+  /// unknowns x right sides; valid until the next call.
+  [[nodiscard]] const Eigen::MatrixXcd& solve(std::complex<double> s);
+
+ private:
+  void solve_jointly(std::complex<double> s);
+  void solve_by_modes(std::complex<double> s);
+
+  const FrfEquations& equations_;
+  Eigen::Index wanted_;
+  bool joint_;  ///< there are joint dampers
+  Eigen::MatrixXcd right_, solution_, small_;
+  ComplexEnvelopeMatrix dynamic_;
+  ComplexEnvelopeFactor factor_;
+  Eigen::VectorXcd gain_;
+  // Of the right sides: along the damped modes, and the rest.
+  Eigen::MatrixXd modal_, outside_, answer_;
+  EnvelopeMatrix real_dynamic_;
+  EnvelopeFactor real_factor_;
+};
+
+/// The rig at rest with what its FRFs at these lines need: its motions' matrices and, where a
+/// member has a modal damping ratio, all modes up to twice the highest line.
+[[nodiscard]] ChainModes frf_modes(const Scene& scene, const Eigen::VectorXd& frequency_hz,
+                                   const ModesOptions& options);
+
+/// From displacement (or force) to a sensor's quantity.
+[[nodiscard]] std::complex<double> quantity_factor(Sensor::Quantity quantity,
+                                                   std::complex<double> s);
+
+/// i omega + a of a line, 1/s.
+[[nodiscard]] std::complex<double> laplace_variable(double frequency_hz, double decay_rate_1_s);
+
+}  // namespace rigfit::model

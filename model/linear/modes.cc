@@ -1,0 +1,161 @@
+#include "model/linear/modes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/algebra/eigenpairs.h"
+
+namespace rigfit::model {
+namespace {
+
+double squared_omega(double frequency_hz) {
+  const double omega = 2 * M_PI * frequency_hz;
+  return omega * omega;
+}
+
+void solve(MotionModes& motion, int count) {
+  Eigenpairs pairs = lowest_eigenpairs(motion.stiffness, motion.mass, count);
+  motion.omega2 = std::move(pairs.values);
+  motion.shapes = std::move(pairs.vectors);
+  motion.complete = pairs.complete;
+}
+
+std::optional<Motion> only_motion(const ModesOptions& options) {
+  if (options.plane == ModePlane::in) return Motion::in_plane;
+  if (options.plane == ModePlane::out) return Motion::out_of_plane;
+  return std::nullopt;
+}
+
+}  // namespace
+
+double ChainModes::frequency_hz(std::size_t i) const {
+  const Which& which = order[i];
+  return std::sqrt(motions[std::size_t(which.motion)].omega2[which.mode]) / (2 * M_PI);
+}
+
+bool ChainModes::complete() const {
+  return !motions.empty() && std::all_of(motions.begin(), motions.end(),
+                                         [](const MotionModes& m) { return m.complete; });
+}
+
+ChainModes prepare_motions(const Scene& scene, const ModesOptions& options,
+                           const std::vector<int>& segments) {
+  ChainModes out;
+  ChainOptions chain_options;
+  chain_options.segments = segments;
+  chain_options.rotary_inertia = options.rotary_inertia;
+  chain_options.torsion = options.torsion;
+  out.chain = std::make_unique<Chain>(Chain::from_scene(scene, chain_options));
+  out.equilibrium = find_equilibrium(*out.chain, scene);
+  if (out.equilibrium.status != EquilibriumStatus::converged) return out;
+
+  const std::vector<Motion> motions =
+      out.chain->planar ? std::vector<Motion>{Motion::in_plane, Motion::out_of_plane}
+                        : std::vector<Motion>{Motion::space};
+  for (const Motion kind : motions) {
+    MotionModes motion;
+    motion.motion = kind;
+    motion.assembly = std::make_unique<Assembly>(*out.chain, kind);
+    if (motion.assembly->size() == 0) continue;
+    motion.stiffness = motion.assembly->matrix();
+    motion.mass = motion.assembly->matrix();
+    Eigen::VectorXd force(motion.assembly->size());
+    motion.assembly->force_and_tangent(out.equilibrium.state, force, motion.stiffness);
+    motion.assembly->mass(motion.mass);
+    out.motions.push_back(std::move(motion));
+  }
+  return out;
+}
+
+ChainModes find_modes(const Scene& scene, const ModesOptions& options,
+                      const std::vector<int>& segments) {
+  ChainModes out = prepare_motions(scene, options, segments);
+  if (out.equilibrium.status != EquilibriumStatus::converged) return out;
+  if (options.band_hz) {
+    for (MotionModes& motion : out.motions) {
+      Eigenpairs pairs =
+          eigenpairs_between(motion.stiffness, motion.mass, squared_omega(options.band_hz->first),
+                             squared_omega(options.band_hz->second));
+      motion.omega2 = std::move(pairs.values);
+      motion.shapes = std::move(pairs.vectors);
+      motion.complete = pairs.complete;
+    }
+  } else if (out.motions.size() == 1) {
+    solve(out.motions[0], options.count);
+  } else if (const auto only = only_motion(options)) {
+    for (MotionModes& motion : out.motions) {
+      if (motion.motion == *only) {
+        solve(motion, options.count);
+      } else {
+        motion.shapes.resize(motion.assembly->size(), 0);
+        motion.complete = true;
+      }
+    }
+  } else {
+    // Half of them in each motion, one more, then what is lacking where the highest lies too low.
+    std::vector<int> asked(out.motions.size(), std::min(options.count, options.count / 2 + 1));
+    for (std::size_t k = 0; k < out.motions.size(); ++k) solve(out.motions[k], asked[k]);
+    for (;;) {
+      std::vector<double> all;
+      for (const auto& motion : out.motions) {
+        all.insert(all.end(), motion.omega2.data(), motion.omega2.data() + motion.omega2.size());
+      }
+      std::sort(all.begin(), all.end());
+      const auto wanted = static_cast<std::size_t>(options.count);
+      const double top =
+          all.size() >= wanted ? all[wanted - 1] : std::numeric_limits<double>::infinity();
+      bool again = false;
+      for (std::size_t k = 0; k < out.motions.size(); ++k) {
+        MotionModes& motion = out.motions[k];
+        if (motion.omega2.size() < asked[k]) continue;  // it has no more
+        if (asked[k] >= options.count || motion.omega2[asked[k] - 1] >= top) continue;
+        asked[k] = std::min(options.count, 2 * asked[k]);
+        solve(motion, asked[k]);
+        again = true;
+      }
+      if (!again) break;
+    }
+  }
+  for (std::size_t k = 0; k < out.motions.size(); ++k) {
+    for (Eigen::Index i = 0; i < out.motions[k].omega2.size(); ++i) {
+      out.order.push_back({static_cast<int>(k), static_cast<int>(i)});
+    }
+  }
+  std::stable_sort(out.order.begin(), out.order.end(),
+                   [&](const ChainModes::Which& a, const ChainModes::Which& b) {
+                     return out.motions[std::size_t(a.motion)].omega2[a.mode] <
+                            out.motions[std::size_t(b.motion)].omega2[b.mode];
+                   });
+  if (!options.band_hz && out.order.size() > static_cast<std::size_t>(options.count)) {
+    out.order.resize(static_cast<std::size_t>(options.count));
+  }
+  return out;
+}
+
+Eigen::VectorXd sensor_row(const Assembly& assembly, const ChainState& state, const Scene& scene,
+                           int sensor) {
+  const auto k = static_cast<std::size_t>(sensor);
+  const Chain& chain = assembly.chain();
+  const ChainPoint& point = chain.sensors[k];
+  if (scene.sensors[k].quantity != Sensor::Quantity::force) {
+    return assembly.row_of(point, chain.sensor_direction[k]);
+  }
+  Eigen::VectorXd row = Eigen::VectorXd::Zero(assembly.size());
+  if (point.segment < 0) return row;
+  const Segment& s = chain.segments[static_cast<std::size_t>(point.segment)];
+  const Eigen::Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
+  for (int axis = 0; axis < 3; ++axis) {
+    const int a = assembly.numbering().displacement(axis, s.a);
+    const int b = assembly.numbering().displacement(axis, s.b);
+    if (a >= 0) row[a] -= s.EA / s.length * t[axis];
+    if (b >= 0) row[b] += s.EA / s.length * t[axis];
+  }
+  return row;
+}
+
+Eigen::VectorXd load_row(const Assembly& assembly, int load) {
+  const auto k = static_cast<std::size_t>(load);
+  return assembly.row_of(assembly.chain().loads[k], assembly.chain().load_direction[k]);
+}
+
+}  // namespace rigfit::model

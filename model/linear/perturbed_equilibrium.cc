@@ -1,0 +1,216 @@
+#include "model/linear/perturbed_equilibrium.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "model/algebra/least_change.h"
+
+namespace rigfit::model {
+namespace {
+
+// Relative: central differences err by its square, rounding of positions by its inverse.
+constexpr double kStep = 1e-4;
+constexpr double kFarthest = 1e-5;  // of the extent, that a step may move the rig
+constexpr int kCorrections = 8;
+
+/// The equilibrium's positions, held displacements where this rig's nodes are drawn; frames follow
+/// their segments.
+void place(const ChainState& rest, MovedRig& rig) {
+  rig.state = rest;
+  for (int node = 0; node < rig.chain.nodes; ++node) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (rig.chain.fixed(axis, node)) {
+        rig.state.position(axis, node) = rig.chain.drawn(axis, node);
+      }
+    }
+  }
+  for (const Segment& s : rig.chain.segments) {
+    if (s.frame < 0) continue;
+    const Eigen::Vector3d t = (rest.position.col(s.b) - rest.position.col(s.a)).normalized();
+    const Eigen::Vector3d after =
+        (rig.state.position.col(s.b) - rig.state.position.col(s.a)).normalized();
+    const Eigen::Vector3d d = rest.director.col(s.frame);
+    rig.state.director.col(s.frame) = d - d.dot(after) / (1 + t.dot(after)) * (t + after);
+  }
+}
+
+}  // namespace
+
+ParameterStep parameter_step(const ParameterAccess& access, const Scene& scene, double extent) {
+  ParameterStep step;
+  step.value = access.get(scene);
+  const bool place = access.unit == "m";
+  // Lengths along a cable strain it: a hundredth of what moves a node.
+  const bool along = place && (access.name.ends_with("stretch") || access.name.ends_with("length"));
+  double size = step.value != 0 ? kStep * std::abs(step.value) : 1e-6;
+  if (place) size = (along ? 1e-3 : 0.1) * kStep * extent;
+  step.low = !place && step.value == 0 ? 0 : step.value - size;
+  step.high = step.value + size;
+  return step;
+}
+
+/// The tangent of displacements bordered by the unknown lengths.
+struct RigMover::Bordered {
+  std::vector<int> targets;  // members whose tension is given
+  EnvelopeFactor factor;
+  Eigen::MatrixXd border, gradient;
+  LeastChange small;
+
+  /// Displacements and lengths that undo an unbalanced force and a mismatch of tension.
+  void solve(Eigen::VectorXd& q, Eigen::VectorXd& lengths) const {
+    q = -q;
+    factor.solve_in_place(q);
+    if (lengths.size() == 0) return;
+    lengths = small.solve(-lengths - gradient.transpose() * q);
+    q -= border * lengths;
+  }
+};
+
+RigMover::RigMover(const Scene& scene, const ChainModes& modes)
+    : scene_(scene), modes_(modes), loose_(*modes.chain), bordered_(std::make_unique<Bordered>()) {
+  loose_.settled = false;
+  assembly_ = std::make_unique<Assembly>(loose_, loose_.planar ? Motion::in_plane : Motion::space);
+  const int n = assembly_->size();
+  std::vector<int>& targets = bordered_->targets;
+  for (std::size_t m = 0; m < loose_.members.size(); ++m) {
+    if (loose_.members[m].target_tension) targets.push_back(static_cast<int>(m));
+  }
+  const auto k = static_cast<Eigen::Index>(targets.size());
+  Eigen::VectorXd force(n), column(n);
+  EnvelopeMatrix tangent = assembly_->matrix();
+  assembly_->force_and_tangent(modes.equilibrium.state, force, tangent);
+  // Rotations that nothing bears while the joints are not settled keep their place.
+  for (int i = 0; i < n; ++i) {
+    if (tangent.at(i, i) == 0) tangent.add(i, i, 1);
+  }
+  bordered_->factor.factor(tangent);
+  bordered_->border.resize(n, k);
+  bordered_->gradient.resize(n, k);
+  Eigen::MatrixXd small = Eigen::MatrixXd::Zero(k, k);
+  for (Eigen::Index i = 0; i < k; ++i) {
+    double by_length = 0;
+    assembly_->tension_gradient(modes.equilibrium.state, targets[std::size_t(i)], column,
+                                by_length);
+    bordered_->gradient.col(i) = column;
+    small(i, i) = by_length;
+    assembly_->length_derivative(modes.equilibrium.state, targets[std::size_t(i)], column);
+    bordered_->border.col(i) = column;
+  }
+  bordered_->factor.solve_in_place(bordered_->border);
+  small -= bordered_->gradient.transpose() * bordered_->border;
+  if (k > 0) bordered_->small.compute(small);
+}
+
+RigMover::~RigMover() = default;
+
+bool RigMover::beside(const ParameterAccess& access, const std::array<double, 2>& points,
+                      std::array<MovedRig, 2>& rigs) const {
+  for (std::size_t s = 0; s < 2; ++s) {
+    MovedRig& rig = rigs[s];
+    rig.scene = scene_;
+    access.set(rig.scene, points[s]);
+    ChainOptions options;
+    for (const ChainMember& member : modes_.chain->members) {
+      options.segments.push_back(member.segments);
+    }
+    options.rotary_inertia = modes_.chain->rotary_inertia;
+    options.torsion = modes_.chain->torsion;
+    rig.chain = Chain::from_scene(rig.scene, options);
+    if (rig.chain.planar != loose_.planar || !rig.chain.axes.isApprox(loose_.axes, 1e-12) ||
+        rig.chain.frames != loose_.frames ||
+        rig.chain.end_joints.size() != loose_.end_joints.size() ||
+        rig.chain.rotating_node != loose_.rotating_node) {
+      return false;
+    }
+    for (const int m : bordered_->targets) {
+      rig.chain.set_unstretched_length(m, modes_.chain->members[std::size_t(m)].unstretched_length);
+    }
+    place(modes_.equilibrium.state, rig);
+  }
+  return true;
+}
+
+bool RigMover::unbalanced(const MovedRig& rig, Eigen::VectorXd& force,
+                          Eigen::VectorXd& tension) const {
+  const std::vector<int>& targets = bordered_->targets;
+  const Assembly assembly(rig.chain, assembly_->numbering().motion);
+  if (assembly.size() != assembly_->size()) return false;
+  force.resize(assembly.size());
+  assembly.force(rig.state, force);
+  tension.resize(static_cast<Eigen::Index>(targets.size()));
+  for (Eigen::Index i = 0; i < tension.size(); ++i) {
+    const int m = targets[std::size_t(i)];
+    tension[i] = assembly.tension(rig.state, m) - *rig.chain.members[std::size_t(m)].target_tension;
+  }
+  return true;
+}
+
+void RigMover::advance(MovedRig& rig, const Eigen::VectorXd& by, const Eigen::VectorXd& by_length,
+                       double factor) const {
+  const Assembly assembly(rig.chain, assembly_->numbering().motion);
+  assembly.advance(rig.state, by, factor, rig.state);
+  for (Eigen::Index i = 0; i < by_length.size(); ++i) {
+    const int m = bordered_->targets[std::size_t(i)];
+    rig.chain.set_unstretched_length(
+        m, rig.chain.members[std::size_t(m)].unstretched_length + factor * by_length[i]);
+  }
+}
+
+bool RigMover::move(const ParameterAccess& access, ParameterStep& step,
+                    std::array<MovedRig, 2>& rigs) const {
+  double extent = 0;
+  for (const ChainMember& member : modes_.chain->members) {
+    extent = std::max(extent, member.unstretched_length);
+  }
+  // To first order along the parameter; a step that moves the rig too far is made smaller.
+  Eigen::VectorXd q, lengths;
+  for (;;) {
+    if (!beside(access, {step.low, step.high}, rigs)) return false;
+    std::array<Eigen::VectorXd, 2> force, tension;
+    for (std::size_t s = 0; s < 2; ++s) {
+      if (!unbalanced(rigs[s], force[s], tension[s])) return false;
+    }
+    q = (force[1] - force[0]) / step.width();
+    lengths = (tension[1] - tension[0]) / step.width();
+    bordered_->solve(q, lengths);
+    const double moves = step.width() / 2 * q.cwiseAbs().maxCoeff();
+    if (!(moves > 1.5 * kFarthest * extent)) break;
+    const double part = kFarthest * extent / moves;
+    step.low = step.value + part * (step.low - step.value);
+    step.high = step.value + part * (step.high - step.value);
+  }
+  // Then by corrections with the same tangent to rest.
+  const double points[2] = {step.low, step.high};
+  for (std::size_t s = 0; s < 2; ++s) {
+    MovedRig& rig = rigs[s];
+    advance(rig, q, lengths, points[s] - step.value);
+    const double first = std::abs(points[s] - step.value) * q.cwiseAbs().maxCoeff();
+    double last = first;
+    for (int correction = 0; correction < kCorrections; ++correction) {
+      Eigen::VectorXd by, by_length;
+      if (!unbalanced(rig, by, by_length)) return false;
+      bordered_->solve(by, by_length);
+      const double size = by.cwiseAbs().maxCoeff();
+      if (!(size < 0.5 * last) || !(size > 1e-12 * first)) break;  // what rounding leaves
+      last = size;
+      advance(rig, by, by_length, 1);
+    }
+    settle(rig.chain, rig.state);
+  }
+  return true;
+}
+
+MotionModes motion_of(const MovedRig& rig, Motion motion) {
+  MotionModes out;
+  out.motion = motion;
+  out.assembly = std::make_unique<Assembly>(rig.chain, motion);
+  out.stiffness = out.assembly->matrix();
+  out.mass = out.assembly->matrix();
+  Eigen::VectorXd force(out.assembly->size());
+  out.assembly->force_and_tangent(rig.state, force, out.stiffness);
+  out.assembly->mass(out.mass);
+  return out;
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,183 @@
+#include "model/linear/segment_choice.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "model/algebra/eigenpairs.h"
+
+namespace rigfit::model {
+namespace {
+
+constexpr int kFewest = 4, kMost = 2000;
+constexpr int kAsymptotic = 6;  // from here on errors fall by their leading order
+
+double total(const std::vector<int>& segments) {
+  return std::accumulate(segments.begin(), segments.end(), 0.0);
+}
+
+/// The lowest omega^2 of each motion, as many as asked; empty when there is no equilibrium.
+std::vector<Eigen::VectorXd> lowest(const Scene& scene, const ModesOptions& options,
+                                    const std::vector<int>& segments,
+                                    const std::vector<int>& counts) {
+  const ChainModes prepared = prepare_motions(scene, options, segments);
+  std::vector<Eigen::VectorXd> out;
+  if (prepared.motions.size() != counts.size()) return out;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    out.push_back(
+        lowest_eigenpairs(prepared.motions[k].stiffness, prepared.motions[k].mass, counts[k])
+            .values);
+  }
+  return out;
+}
+
+/// Wave number of a wave of omega: EI k^4 + T k^2 = m omega^2.
+double wave_number(const Member& member, double tension, double omega) {
+  const double EI = std::max(member.EI[0], member.EI[1]);
+  const double inertia = member.mass_per_length * omega * omega;
+  tension = std::max(tension, 0.0);
+  if (!(EI > 0)) return tension > 0 ? std::sqrt(inertia / tension) : 0;
+  // (-T + sqrt(T^2 + 4 EI m omega^2)) / (2 EI), without cancellation.
+  const double root = std::sqrt(tension * tension + 4 * EI * inertia);
+  return std::sqrt(2 * inertia / (tension + root));
+}
+
+}  // namespace
+
+ResolutionError resolution_error(const Scene& scene, const ModesOptions& options,
+                                 const ChainModes& modes, const std::vector<int>& segments) {
+  ResolutionError out;
+  const std::size_t asked = modes.order.size();
+  for (std::size_t i = 0; i < asked; ++i) out.extrapolated_hz.push_back(modes.frequency_hz(i));
+  if (asked == 0) {
+    out.known = true;
+    return out;
+  }
+  // Where each motion's modes stand among its lowest ones.
+  std::vector<int> offset(modes.motions.size(), 0), counts(modes.motions.size(), 0);
+  for (const auto& which : modes.order) {
+    int& count = counts[std::size_t(which.motion)];
+    count = std::max(count, which.mode + 1);
+  }
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    const MotionModes& motion = modes.motions[k];
+    if (options.band_hz && options.band_hz->first > 0 && counts[k] > 0) {
+      offset[k] = count_below(motion.stiffness, motion.mass, motion.omega2[0] * (1 - 1e-9));
+    }
+    if (counts[k] > 0) counts[k] += offset[k];
+  }
+  std::vector<std::vector<Eigen::VectorXd>> others;
+  Eigen::Matrix3d powers;
+  powers.row(0).setOnes();
+  // Very short chains are not yet on the asymptote: those twice and four times as long are.
+  const bool few = *std::min_element(segments.begin(), segments.end()) < kAsymptotic;
+  for (int level = 1; level <= 2; ++level) {
+    const double factor = few ? 2 * level : 1 + 0.5 * level;
+    std::vector<int> changed;
+    for (const int n : segments) {
+      changed.push_back(std::max(3, static_cast<int>(std::lround(n * factor))));
+    }
+    const double h = total(segments) / total(changed);
+    powers.row(level) << 1, h * h, h * h * h * h;
+    others.push_back(lowest(scene, options, changed, counts));
+    if (others.back().size() != counts.size()) return out;
+  }
+  out.known = true;
+  const Eigen::PartialPivLU<Eigen::Matrix3d> fit(powers);
+  for (std::size_t i = 0; i < asked; ++i) {
+    const auto& which = modes.order[i];
+    const auto k = std::size_t(which.motion);
+    const Eigen::Index row = which.mode + offset[k];
+    if (others[0][k].size() <= row || others[1][k].size() <= row) {
+      out.known = false;
+      continue;
+    }
+    const Eigen::Vector3d f(std::sqrt(modes.motions[k].omega2[which.mode]),
+                            std::sqrt(others[0][k][row]), std::sqrt(others[1][k][row]));
+    const double limit = fit.solve(f)[0];
+    out.extrapolated_hz[i] = limit / (2 * M_PI);
+    out.relative = std::max(out.relative, std::abs(f[0] / limit - 1));
+  }
+  return out;
+}
+
+SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
+  SegmentChoice choice;
+  const std::size_t members = scene.members.size();
+  std::vector<bool> free(members, false);
+  choice.segments.resize(members);
+  bool any = false;
+  for (std::size_t m = 0; m < members; ++m) {
+    choice.segments[m] = options.segments ? *options.segments : scene.members[m].segments;
+    free[m] = choice.segments[m] <= 0;
+    any = any || free[m];
+  }
+  // What stands only just may have buckled when cut coarsely.
+  for (const int n : {12, 48, 192}) {
+    for (std::size_t m = 0; m < members; ++m) {
+      if (free[m]) choice.segments[m] = n;
+    }
+    choice.modes = find_modes(scene, options, choice.segments);
+    if (!any || choice.modes.equilibrium.status != EquilibriumStatus::buckled) break;
+  }
+  if (!any || choice.modes.order.empty()) {
+    if (options.error_estimate) {
+      choice.error = resolution_error(scene, options, choice.modes, choice.segments);
+    }
+    return choice;
+  }
+
+  // Shares by the phase of the highest wave asked for.
+  const Equilibrium rest = describe(*choice.modes.chain, choice.modes.equilibrium, scene);
+  const double omega = 2 * M_PI * choice.modes.frequency_hz(choice.modes.order.size() - 1);
+  std::vector<double> phase(members, 0);
+  double largest = 0;
+  for (std::size_t m = 0; m < members; ++m) {
+    if (!free[m]) continue;
+    phase[m] = rest.members[m].unstretched_length_m *
+               wave_number(scene.members[m], rest.members[m].tension_N, omega);
+    largest = std::max(largest, phase[m]);
+  }
+  const auto share_out = [&](int n) {
+    std::vector<int> segments = choice.segments;
+    for (std::size_t m = 0; m < members; ++m) {
+      if (!free[m]) continue;
+      const double part = largest > 0 ? std::max(0.25, phase[m] / largest) : 1;
+      segments[m] = std::max(kFewest, static_cast<int>(std::ceil(n * part)));
+    }
+    return segments;
+  };
+  // Smallest n whose estimate meets the accuracy: bracketed, guessed by the order seen so far.
+  int low = kFewest - 1, high = kMost + 1, n = 16, last_n = 0;
+  double order = 3, last_error = 0;
+  SegmentChoice best;
+  for (int round = 0; round < 16; ++round) {
+    SegmentChoice trial;
+    trial.segments = share_out(n);
+    trial.modes = find_modes(scene, options, trial.segments);
+    if (trial.modes.order.size() < choice.modes.order.size()) {
+      low = std::max(low, n);
+      trial.error.relative = 1;
+    } else {
+      trial.error = resolution_error(scene, options, trial.modes, trial.segments);
+      if (!trial.error.known) trial.error.relative = 1;
+      (trial.error.relative <= scene.accuracy ? high : low) = n;
+    }
+    const double error = trial.error.relative;
+    if (error <= scene.accuracy || best.segments.empty() ||
+        (best.error.relative > scene.accuracy && error < best.error.relative)) {
+      best = std::move(trial);
+    }
+    if (high - low <= std::max(1, high / 20) || low == kMost) break;
+    if (last_n > 0 && n != last_n && error > 0 && last_error > 0) {
+      order = std::clamp(std::log(last_error / error) / std::log(double(n) / last_n), 1.5, 6.0);
+    }
+    last_n = n, last_error = error;
+    const double guess = n * std::clamp(std::pow(error / scene.accuracy, 1 / order), 0.2, 5.0);
+    n = std::clamp(static_cast<int>(std::ceil(guess)), low + 1, std::min(high - 1, kMost));
+  }
+  return best;
+}
+
+}  // namespace rigfit::model

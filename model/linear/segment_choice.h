@@ -1,0 +1,37 @@
+// How many segments a scene needs, and what a given number costs: the error of natural frequencies
+// from three numbers of segments.
+//
+// A frequency's error is a h^2 + b h^4 in the segment length h (second order where tension and
+// bending share, fourth in a beam). One and a half times and twice as many segments (below six of
+// them twice and four times) give f(0), a, b: the estimate is |f(h) - f(0)|. Finer chains are asked
+// rather than coarser ones, as the estimate is then within a tenth for any order from two to six.
+#pragma once
+
+#include <vector>
+
+#include "model/linear/modes.h"
+
+namespace rigfit::model {
+
+struct ResolutionError {
+  double relative = 0;                  ///< largest of all modes of `modes`
+  std::vector<double> extrapolated_hz;  ///< by ChainModes::order
+  bool known = false;  ///< false: a finer chain found no equilibrium or fewer modes
+};
+
+/// `segments` by member: those of `modes`.
+[[nodiscard]] ResolutionError resolution_error(const Scene& scene, const ModesOptions& options,
+                                               const ChainModes& modes,
+                                               const std::vector<int>& segments);
+
+struct SegmentChoice {
+  std::vector<int> segments;  ///< by member
+  ChainModes modes;
+  ResolutionError error;
+};
+
+/// Members that say "auto" get what the scene's accuracy asks for, shared out by the phase a wave
+/// of the highest asked frequency runs through on each; others keep their number.
+[[nodiscard]] SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options);
+
+}  // namespace rigfit::model

@@ -1,0 +1,185 @@
+// d omega^2 / dp = phi' (dK/dp - omega^2 dM/dp) phi with the change of the equilibrium with p in
+// dK/dp (moved_rig.h): no eigenvalue problem and no equilibrium is solved again. Shapes follow by
+// Nelson's method (R. B. Nelson, AIAA Journal 14, 1976).
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "model/linear/damped_modes.h"
+#include "model/linear/modal_analysis.h"
+#include "model/linear/perturbed_equilibrium.h"
+#include "model/linear/segment_choice.h"
+
+namespace rigfit::model {
+namespace {
+
+/// Rates of one motion's modes, by the matrices' rates.
+struct ModeRates {
+  Eigen::VectorXd omega2;
+  Eigen::MatrixXd shapes;
+};
+
+/// The rates of a motion's modes by any parameter: what does not depend on it is found once.
+class ModeRateFinder {
+ public:
+  explicit ModeRateFinder(const MotionModes& motion)
+      : motion_(motion), factors_(static_cast<std::size_t>(motion.omega2.size())) {
+    mass_shapes_.resize(motion.shapes.rows(), motion.shapes.cols());
+    for (Eigen::Index i = 0; i < mass_shapes_.cols(); ++i) {
+      mass_shapes_.col(i) = motion.mass * Eigen::VectorXd(motion.shapes.col(i));
+    }
+  }
+
+  ModeRates find(const EnvelopeMatrix& dk, const EnvelopeMatrix& dm, bool shapes) {
+    ModeRates rates;
+    const Eigen::Index count = motion_.omega2.size();
+    rates.omega2.setZero(count);
+    rates.shapes.setZero(motion_.shapes.rows(), count);
+    if (dk.values().isZero(0) && dm.values().isZero(0)) return rates;  // such as a damping ratio
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Eigen::VectorXd phi = motion_.shapes.col(i);
+      const Eigen::VectorXd dk_phi = dk * phi, dm_phi = dm * phi;
+      rates.omega2[i] = phi.dot(dk_phi) - motion_.omega2[i] * phi.dot(dm_phi);
+      if (!shapes) continue;
+      const auto m_phi = mass_shapes_.col(i);
+      Eigen::VectorXd v = -(dk_phi - motion_.omega2[i] * dm_phi) + rates.omega2[i] * m_phi;
+      factor(i).solve_in_place(v);
+      rates.shapes.col(i) = v - (m_phi.dot(v) + 0.5 * phi.dot(dm_phi)) * phi;
+    }
+    return rates;
+  }
+
+ private:
+  /// (K - omega^2 M) v = right, with v = 0 where phi is largest: any stiffness added there makes
+  /// the matrix regular and, the right side being normal to phi, changes nothing.
+  const EnvelopeFactor& factor(Eigen::Index i) {
+    auto& found = factors_[static_cast<std::size_t>(i)];
+    if (found) return *found;
+    EnvelopeMatrix shifted = motion_.stiffness;
+    shifted.values() -= motion_.omega2[i] * motion_.mass.values();
+    Eigen::Index largest = 0;
+    mass_shapes_.col(i).cwiseAbs().maxCoeff(&largest);
+    shifted.add(int(largest), int(largest), motion_.stiffness.at(int(largest), int(largest)));
+    found.emplace().factor(shifted);
+    return *found;
+  }
+
+  const MotionModes& motion_;
+  Eigen::MatrixXd mass_shapes_;
+  std::vector<std::optional<EnvelopeFactor>> factors_;
+};
+
+/// Where the matrices of both sides do not compare: a node leaves the plane of symmetry, to either
+/// side alike, so that frequencies and damping are even in p; anything else is left to differences
+/// of modes found anew.
+void difference_anew(const Scene& scene, const ParameterAccess& access, const ParameterStep& step,
+                     const ChainModes& modes, const ModesOptions& options, Eigen::Index p,
+                     ModeSensitivities& out) {
+  std::vector<int> segments;
+  for (const auto& member : modes.chain->members) segments.push_back(member.segments);
+  const auto at = [&](double value) {
+    Scene moved = scene;
+    access.set(moved, value);
+    return find_modes(moved, options, segments);
+  };
+  // Wider than the step at fixed unknowns: eigenvalues are found to 1e-10.
+  const double reach = 10;
+  const double low = step.value + reach * (step.low - step.value);
+  const double high = step.value + reach * (step.high - step.value);
+  const ChainModes below = at(low), above = at(high);
+  for (Eigen::Index i = 0; i < out.frequency.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (below.order.size() > k && above.order.size() > k) {
+      out.frequency(i, p) = (above.frequency_hz(k) - below.frequency_hz(k)) / (high - low);
+    }
+  }
+}
+
+}  // namespace
+
+ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
+                                             const std::vector<std::string>& parameters,
+                                             const ModesOptions& options) {
+  const std::vector<ParameterAccess> wanted = parameters_named(scene, parameters);
+  ModeSensitivities out;
+  const SegmentChoice choice = choose_segments(scene, options);
+  const ChainModes& modes = choice.modes;
+  out.analysis.equilibrium = describe(*modes.chain, modes.equilibrium, scene);
+  out.analysis.relative_error_estimate = choice.error.relative;
+  const auto count = static_cast<Eigen::Index>(modes.order.size());
+  const auto columns = static_cast<Eigen::Index>(wanted.size());
+  out.frequency.setZero(count, columns);
+  out.damping_ratio.setZero(count, columns);
+  out.sensor_shape.assign(
+      wanted.size(), Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(scene.sensors.size()), count));
+  if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
+  out.analysis.modes = natural_modes(modes, scene, options);
+  out.analysis.complete = modes.complete();
+  for (const MotionModes& motion : modes.motions) out.analysis.unknowns += motion.assembly->size();
+
+  const RigMover mover(scene, modes);
+  double extent = 0;
+  for (const auto& member : out.analysis.equilibrium.members) {
+    extent = std::max(extent, member.unstretched_length_m);
+  }
+  std::vector<ModeRateFinder> finders(modes.motions.begin(), modes.motions.end());
+  for (Eigen::Index p = 0; p < columns; ++p) {
+    const ParameterAccess& access = wanted[std::size_t(p)];
+    ParameterStep step = parameter_step(access, scene, extent);
+    std::array<MovedRig, 2> rigs;
+    if (!mover.move(access, step, rigs)) {
+      difference_anew(scene, access, step, modes, options, p, out);
+      continue;
+    }
+    for (std::size_t m = 0; m < modes.motions.size(); ++m) {
+      const MotionModes& motion = modes.motions[m];
+      if (motion.omega2.size() == 0) continue;
+      MotionModes below = motion_of(rigs[0], motion.motion);
+      MotionModes above = motion_of(rigs[1], motion.motion);
+      EnvelopeMatrix dk = above.stiffness, dm = above.mass;
+      if (dk.values().size() != below.stiffness.values().size()) continue;
+      dk.values() = (above.stiffness.values() - below.stiffness.values()) / step.width();
+      dm.values() = (above.mass.values() - below.mass.values()) / step.width();
+      const ModeRates rates = finders[m].find(dk, dm, options.damped || !scene.sensors.empty());
+
+      // Damping and sensors: the shapes move too.
+      below.omega2 = motion.omega2 + (step.low - step.value) * rates.omega2;
+      above.omega2 = motion.omega2 + (step.high - step.value) * rates.omega2;
+      below.shapes = motion.shapes + (step.low - step.value) * rates.shapes;
+      above.shapes = motion.shapes + (step.high - step.value) * rates.shapes;
+      Eigen::VectorXd damping_rate = Eigen::VectorXd::Zero(motion.omega2.size());
+      if (options.damped) {
+        const DampedModes d0 = damped_modes(below, rigs[0].state, rigs[0].scene);
+        const DampedModes d1 = damped_modes(above, rigs[1].state, rigs[1].scene);
+        for (Eigen::Index i = 0; i < damping_rate.size(); ++i) {
+          damping_rate[i] =
+              (damping_ratio_of(d1.poles[i]) - damping_ratio_of(d0.poles[i])) / step.width();
+        }
+      }
+      for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
+        const Eigen::VectorXd row0 =
+            sensor_row(*below.assembly, rigs[0].state, rigs[0].scene, int(s));
+        const Eigen::VectorXd row1 =
+            sensor_row(*above.assembly, rigs[1].state, rigs[1].scene, int(s));
+        for (Eigen::Index i = 0; i < count; ++i) {
+          const auto& which = modes.order[std::size_t(i)];
+          if (which.motion != int(m)) continue;
+          out.sensor_shape[std::size_t(p)](Eigen::Index(s), i) =
+              (row1.dot(above.shapes.col(which.mode)) - row0.dot(below.shapes.col(which.mode))) /
+              step.width();
+        }
+      }
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const auto& which = modes.order[std::size_t(i)];
+        if (which.motion != int(m)) continue;
+        const double omega = std::sqrt(motion.omega2[which.mode]);
+        out.frequency(i, p) = rates.omega2[which.mode] / (4 * M_PI * omega);
+        out.damping_ratio(i, p) = damping_rate[which.mode];
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,383 @@
+#include "model/motion/explicit_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/motion/motion_damper.h"
+#include "model/motion/motion_kernel.h"
+#include "model/motion/segment_loops.h"
+#include "model/motion/step_forces.h"
+
+namespace rigfit::model {
+namespace {
+
+constexpr double kSlowing = 1.0 / 8;  // kappa / h^2
+
+// Dampers act at least every four steps, or once in the interval asked for; the steps of a sample
+// are a multiple of the pieces between.
+long damping_pieces(long substeps, double interval_s, const ExplicitOptions& options) {
+  const double step = interval_s / static_cast<double>(substeps);
+  const long together = std::max(4L, static_cast<long>(options.damper_interval_s / step));
+  return (substeps + together - 1) / together;
+}
+
+template <int D>
+class ExplicitRun {
+ public:
+  ExplicitRun(const MotionProblem& problem, const ExplicitOptions& options, double step,
+              long substeps, double kappa)
+      : problem_(problem),
+        options_(options),
+        kernel_(*problem.chain),
+        assembly_(*problem.chain, problem.motion),
+        damper_(problem, kernel_),
+        h_(step),
+        substeps_(substeps),
+        piece_(substeps / damping_pieces(substeps, step * static_cast<double>(substeps), options)),
+        damped_(damper_.active()) {
+    const int n = kernel_.size();
+    q_ = kernel_.positions(problem.start);
+    rest_ = kernel_.positions(problem.rest);
+    if (kappa > 0) kernel_.slow_axial(kappa, rest_);
+    v_ = problem.start_velocity.size() > 0
+             ? kernel_.slot_values(problem.start_velocity, assembly_.numbering())
+             : Eigen::VectorXd::Zero(n);
+    a_ = first_ = ahead_ = vp_ = rate_ = other_ = scratch_ = v_before_ = Eigen::VectorXd::Zero(n);
+    external_ = Eigen::VectorXd::Zero(n);
+    const Chain& chain = *problem.chain;
+    for (std::size_t l = 0; l < chain.loads.size(); ++l) {
+      load_rows_.push_back(kernel_.row(chain.loads[l], chain.load_direction[l]));
+    }
+    for (std::size_t s = 0; s < chain.sensors.size(); ++s) {
+      sensor_rows_.push_back(kernel_.row(chain.sensors[s], chain.sensor_direction[s]));
+    }
+    for (const auto quantity : problem_.quantities) {
+      velocity_wanted_ = velocity_wanted_ || quantity == Sensor::Quantity::velocity;
+    }
+  }
+
+  MotionOutput run() {
+    const long rows = options_.sampling.rows();
+    const long stride = options_.sampling.energy_stride();
+    // Steps that slow waves are unstable where the chain turns too far: nothing of that may stay.
+    const double growth = kernel_.mass().kappa() > 0 ? 0.003 : 0.1;
+    MotionOutput out;
+    out.step_s = h_;
+    out.axial_slowing_s2 = kernel_.mass().kappa();
+    out.samples.resize(rows, static_cast<Eigen::Index>(sensor_rows_.size()));
+    const StepForces forces(problem_, h_, (rows - 1) * substeps_);
+    preprocess();
+    double start_energy = 0, moving = 0;
+    load(forces, 0);
+    evaluate();
+    const double span = h_ * static_cast<double>(substeps_);
+    const double piece = h_ * static_cast<double>(piece_);
+    for (long row = 0; row < rows; ++row) {
+      const bool account =
+          options_.sampling.energy_samples > 0 && (row % stride == 0 || row == rows - 1);
+      const bool watch = account || row % 16 == 0;
+      // The dampers' two halves around a sample are one where nobody looks at the velocity between.
+      const bool between = watch || velocity_wanted_;
+      if (damped_) {
+        v_before_ = v_;
+        if (row > 0 && between) damp(piece / 2);
+      }
+      if (watch) {
+        processed_velocity();
+        const double kinetic = kernel_.mass().slowed_product(vp_.data(), vp_.data()) / 2;
+        const double energy =
+            kernel_.potential(options_.verlet ? q_ : ahead_) + kinetic - supplied_ + dissipated_;
+        if (row == 0) {
+          start_energy = energy;
+          moving = std::abs(energy - kernel_.potential(rest_));
+        }
+        moving = std::max({moving, kinetic, std::abs(supplied_)});
+        // Reversible steps keep the energy to a small fraction; beyond this they are unstable. What
+        // dampers take is only counted for an account: without one, less energy says nothing.
+        const bool closed = !damped_ || options_.sampling.energy_samples > 0;
+        const double change = energy - start_energy;
+        if (!std::isfinite(energy) || (closed ? std::abs(change) : change) >
+                                          growth * moving + 1e-9 * std::abs(start_energy)) {
+          out.reason = "the energy grew without a load";
+          return out;
+        }
+        if (account) record(out, static_cast<double>(row) * span);
+      } else if (velocity_wanted_) {
+        processed_velocity();
+      }
+      sample(out, row);
+      if (row + 1 == rows) break;
+      if (damped_) {
+        damp(between || row == 0 ? piece / 2 : piece);
+        add_damping(out, row, row > 0 ? piece : piece / 2);
+      }
+      for (long i = 0; i < substeps_; ++i) {
+        if (damped_ && i > 0 && i % piece_ == 0) damp(piece);
+        step(forces, row * substeps_ + i);
+      }
+      out.steps += substeps_;
+    }
+    out.evaluations = evaluations_;
+    out.completed = out.samples.allFinite();
+    if (!out.completed) out.reason = "the motion is not finite";
+    return out;
+  }
+
+ private:
+  void step(const StepForces& forces, long number) {
+    const int n = kernel_.size();
+    const double half = h_ / 2;
+    const bool loaded = forces.active(number) || forces.active(number + 1);
+    if (loaded) supplied_ += half * work(forces, number, half);
+    kick_and_drift(n, half, h_, a_.data(), v_.data(), q_.data());
+    if (loaded) load(forces, number + 1);
+    evaluate();
+    if (loaded) supplied_ += half * work(forces, number + 1, half);
+    add_multiple(n, v_.data(), half, a_.data(), v_.data());
+  }
+
+  void evaluate() {
+    const double* external = loaded_ ? external_.data() : nullptr;
+    if (options_.verlet) {
+      kernel_.acceleration(q_.data(), external, a_.data());
+      ++evaluations_;
+      return;
+    }
+    kernel_.acceleration(q_.data(), external, first_.data());
+    add_multiple(kernel_.size(), q_.data(), h_ * h_ / 12, first_.data(), ahead_.data());
+    kernel_.acceleration(ahead_.data(), external, a_.data());
+    evaluations_ += 2;
+  }
+
+  void load(const StepForces& forces, long step) {
+    loaded_ = forces.active(step);
+    if (!loaded_) return;
+    external_.setZero();
+    for (std::size_t l = 0; l < forces.count(); ++l) {
+      const double f = forces.at(l, step);
+      for (std::size_t i = 0; i < load_rows_[l].index.size(); ++i) {
+        external_(load_rows_[l].index[i]) += load_rows_[l].weight[i] * f;
+      }
+    }
+  }
+  // Force times mean velocity of the kick v -> v + half a: the power, whose product with `half` is
+  // the work.
+  double work(const StepForces& forces, long step, double half) const {
+    double sum = 0;
+    for (std::size_t l = 0; l < forces.count(); ++l) {
+      const double f = forces.at(l, step);
+      if (f == 0) continue;
+      sum += f * (load_rows_[l].dot(v_.data()) + half / 2 * load_rows_[l].dot(a_.data()));
+    }
+    return sum;
+  }
+
+  // The scheme's own variables for the start: q - h^2/12 a(q), v + h^2/12 da/dt.
+  void preprocess() {
+    if (options_.verlet) return;
+    const Eigen::VectorXd start = q_;
+    for (int i = 0; i < 3; ++i) {
+      kernel_.acceleration(q_.data(), nullptr, first_.data());
+      q_ = start - h_ * h_ / 12 * first_;
+    }
+    if (v_.isZero(0)) return;
+    acceleration_rate();
+    v_ += h_ * h_ / 12 * rate_;
+  }
+  // d a(q)/dt along v, central difference over two steps.
+  void acceleration_rate() {
+    const int n = kernel_.size();
+    add_multiple(n, q_.data(), h_, v_.data(), scratch_.data());
+    kernel_.acceleration(scratch_.data(), nullptr, rate_.data());
+    add_multiple(n, q_.data(), -h_, v_.data(), scratch_.data());
+    kernel_.acceleration(scratch_.data(), nullptr, other_.data());
+    rate_ = (rate_ - other_) / (2 * h_);
+    evaluations_ += 2;
+  }
+  void processed_velocity() {
+    if (options_.verlet) {
+      vp_ = v_;
+      return;
+    }
+    acceleration_rate();
+    vp_ = v_ - h_ * h_ / 12 * rate_;
+  }
+
+  // The dampers alone for `time`; what they take from the kinetic energy of processed velocities,
+  // (v' - v) P (v' + v) / 2 with P = (1 + h^2/12 da/dq)' M (1 + h^2/12 da/dq), if it is asked for.
+  void damp(double time) {
+    const bool counted = options_.sampling.energy_samples > 0;
+    if (counted) change_ = v_;
+    damper_.apply(time, options_.verlet ? q_ : ahead_, v_);
+    if (!counted) return;
+    sum_ = v_ + change_;
+    change_ = v_ - change_;
+    if (!options_.verlet) {
+      processed(change_);
+      processed(sum_);
+    }
+    dissipated_ -= kernel_.mass().slowed_product(change_.data(), sum_.data()) / 2;
+  }
+  // w - h^2/12 (da/dq) w, by a difference from a(q) of the last step; loads do not change with q.
+  void processed(Eigen::VectorXd& w) {
+    const double* external = loaded_ ? external_.data() : nullptr;
+    const int n = kernel_.size();
+    add_multiple(n, q_.data(), h_, w.data(), scratch_.data());
+    kernel_.acceleration(scratch_.data(), external, other_.data());
+    ++evaluations_;
+    add_multiple(n, other_.data(), -1, first_.data(), other_.data());
+    add_multiple(n, w.data(), -h_ / 12, other_.data(), w.data());
+  }
+  // The dampers' part of accelerations at a sample, of which they act half before and half after.
+  void add_damping(MotionOutput& out, long row, double time) const {
+    for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
+      if (problem_.quantities[s] != Sensor::Quantity::acceleration) continue;
+      out.samples(row, static_cast<Eigen::Index>(s)) +=
+          (sensor_rows_[s].dot(v_.data()) - sensor_rows_[s].dot(v_before_.data())) / time;
+    }
+  }
+
+  void sample(MotionOutput& out, long row) const {
+    const double* p = (options_.verlet ? q_ : ahead_).data();
+    for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
+      const auto column = static_cast<Eigen::Index>(s);
+      switch (problem_.quantities[s]) {
+        case Sensor::Quantity::displacement:
+          out.samples(row, column) = sensor_rows_[s].dot(p) - sensor_rows_[s].dot(rest_.data());
+          break;
+        case Sensor::Quantity::velocity:
+          out.samples(row, column) = sensor_rows_[s].dot(vp_.data());
+          break;
+        case Sensor::Quantity::acceleration:
+          out.samples(row, column) = sensor_rows_[s].dot(a_.data());
+          break;
+        case Sensor::Quantity::force:
+          out.samples(row, column) = kernel_.axial_force(problem_.chain->sensors[s].segment, p);
+          break;
+      }
+    }
+  }
+
+  void record(MotionOutput& out, double time) {
+    const ChainState state = kernel_.state(options_.verlet ? q_ : ahead_);
+    out.energy.time_s.push_back(time);
+    out.energy.account.push_back(
+        assembly_.energy(state, kernel_.unknowns(vp_, assembly_.numbering())));
+    out.energy.supplied.push_back(supplied_);
+    out.energy.dissipated.push_back(dissipated_);
+  }
+
+  const MotionProblem& problem_;
+  const ExplicitOptions& options_;
+  MotionKernel<D> kernel_;
+  Assembly assembly_;
+  MotionDamper<D> damper_;
+  double h_;
+  long substeps_, piece_;
+  long evaluations_ = 0;
+  double supplied_ = 0, dissipated_ = 0;
+  bool loaded_ = false, damped_ = false, velocity_wanted_ = false;
+  Eigen::VectorXd q_, v_, a_, first_, ahead_, external_, rest_, vp_, rate_, other_, scratch_,
+      v_before_, change_, sum_;
+  std::vector<typename MotionKernel<D>::Row> load_rows_, sensor_rows_;
+};
+
+template <int D>
+double power_method(MotionKernel<D>& kernel, const ChainState& state) {
+  const Eigen::VectorXd q = kernel.positions(state);
+  Eigen::VectorXd x(q.size()), plus(q.size()), minus(q.size());
+  // Neighbouring nodes against each other: near the highest axial mode of every member.
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    x(i) = (i % 2 == 0 ? 1 : -1) * (1 + 0.3 * std::sin(1.7 * static_cast<double>(i)));
+  }
+  double lambda = 0;
+  // Small against a segment, large against rounding of positions.
+  const double size = 1e-6 * (q.maxCoeff() - q.minCoeff());
+  for (int i = 0; i < 80; ++i) {
+    const double factor = size / x.cwiseAbs().maxCoeff();
+    const Eigen::VectorXd up = q + factor * x, down = q - factor * x;
+    kernel.acceleration(up.data(), nullptr, plus.data());
+    kernel.acceleration(down.data(), nullptr, minus.data());
+    const Eigen::VectorXd next = (minus - plus) / (2 * factor);
+    const double norm = kernel.mass().slowed_product(next.data(), next.data());
+    const double own = kernel.mass().slowed_product(next.data(), x.data());
+    if (!(norm > 0) || !(own > 0)) break;
+    // |K x|_M^2 / (x K x): a Rayleigh quotient one half-step ahead. The first few x have parts in
+    // directions that are held.
+    lambda = norm / own;
+    x = next;
+  }
+  return std::sqrt(lambda);
+}
+
+// Steps of a sample: a multiple of the pieces between which dampers act.
+long whole_pieces(long substeps, const ExplicitOptions& options) {
+  const double interval = 1 / options.sampling.rate_hz;
+  while (substeps % damping_pieces(substeps, interval, options) != 0) ++substeps;
+  return substeps;
+}
+
+template <int D>
+MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& options) {
+  const double sample = 1 / options.sampling.rate_hz;
+  const double limit = options.verlet ? options.stability / std::sqrt(3) : options.stability;
+  MotionKernel<D> kernel(*problem.chain);
+  const Eigen::VectorXd rest = kernel.positions(problem.rest);
+  const auto highest = [&](double kappa) {
+    kernel.slow_axial(kappa, rest);
+    return std::max(power_method<D>(kernel, problem.start), power_method<D>(kernel, problem.rest));
+  };
+  const auto steps_for = [&](double largest) {
+    return std::max(1L, static_cast<long>(std::ceil(sample / largest * (1 - 1e-12))));
+  };
+  long substeps = 1, own_steps = 1;
+  double slowing = 0;
+  if (options.step_s) {
+    substeps = steps_for(*options.step_s);
+  } else {
+    const double own = highest(0);
+    substeps = own_steps = own > 0 ? steps_for(limit / own) : 1;
+    // Fewer, with axial waves slowed, where that is enough for stability.
+    if (options.slowed_step_s > 0 && !options.verlet) {
+      for (long fewer = steps_for(options.slowed_step_s); fewer < substeps; ++fewer) {
+        const double h = sample / static_cast<double>(whole_pieces(fewer, options));
+        if (highest(kSlowing * h * h) * h > limit) continue;
+        substeps = fewer;
+        slowing = kSlowing;
+        break;
+      }
+    }
+  }
+  MotionOutput out;
+  for (int attempt = 0; attempt < 5; ++attempt, substeps *= 2) {
+    substeps = whole_pieces(substeps, options);
+    const double h = sample / static_cast<double>(substeps);
+    out = ExplicitRun<D>(problem, options, h, substeps, slowing * h * h).run();
+    const bool closes =
+        !options.drift || options.step_s || attempt == 4 || out.energy.drift() <= *options.drift;
+    if (out.completed && closes) return out;
+    if (attempt == 1 && slowing > 0) {  // the chain turns too far for it
+      slowing = 0;
+      substeps = std::max(substeps, (own_steps + 1) / 2);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+double highest_frequency(const Chain& chain, Motion motion, const ChainState& state) {
+  if (motion == Motion::in_plane) {
+    MotionKernel<2> kernel(chain);
+    return power_method<2>(kernel, state);
+  }
+  MotionKernel<3> kernel(chain);
+  return power_method<3>(kernel, state);
+}
+
+MotionOutput explicit_motion(const MotionProblem& problem, const ExplicitOptions& options) {
+  return problem.motion == Motion::in_plane ? run_explicit<2>(problem, options)
+                                            : run_explicit<3>(problem, options);
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,151 @@
+#include "model/motion/motion_damper.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rigfit::model {
+namespace {
+
+constexpr double kGamma = 1 - std::numbers::sqrt2 / 2;
+constexpr double kTurn = 2e-3;  // of a segment, rad
+
+}  // namespace
+
+template <int D>
+MotionDamper<D>::MotionDamper(const MotionProblem& problem, const MotionKernel<D>& kernel)
+    : problem_(problem),
+      kernel_(kernel),
+      assembly_(*problem.chain, problem.motion),
+      mass_(assembly_.matrix()),
+      joints_(problem.joint_damping),
+      modal_(!problem.modal_damping.none()) {
+  if (!active()) return;
+  const int n = assembly_.size();
+  u_.setZero(n);
+  w_.setZero(n);
+  // Which unknown each slot holds, found by numbers carried there.
+  const Eigen::VectorXd marks =
+      kernel.slot_values(Eigen::VectorXd::LinSpaced(n, 1, n), assembly_.numbering());
+  unknown_of_slot_.assign(static_cast<std::size_t>(kernel.size()), -1);
+  slot_of_unknown_.assign(static_cast<std::size_t>(n), -1);
+  for (int s = 0; s < kernel.size(); ++s) {
+    const int unknown = static_cast<int>(std::lround(marks(s))) - 1;
+    unknown_of_slot_[static_cast<std::size_t>(s)] = unknown;
+    if (unknown >= 0) slot_of_unknown_[static_cast<std::size_t>(unknown)] = s;
+  }
+  assembly_.mass(mass_);
+  if (modal_) {
+    const ModalDamping& damping = problem.modal_damping;
+    momentum_.resize(n, damping.shapes.cols());
+    for (Eigen::Index r = 0; r < momentum_.cols(); ++r) {
+      mass_.multiply(damping.shapes.col(r), w_);
+      momentum_.col(r) = w_;
+    }
+  }
+  if (joints_) damping_ = system_ = assembly_.matrix();
+}
+
+template <int D>
+void MotionDamper<D>::gather(const Eigen::VectorXd& slots) {
+  for (Eigen::Index k = 0; k < u_.size(); ++k) {
+    const int slot = slot_of_unknown_[static_cast<std::size_t>(k)];
+    u_(k) = slot >= 0 ? slots(slot) : 0;
+  }
+}
+
+template <int D>
+void MotionDamper<D>::scatter(const Eigen::VectorXd& unknowns, Eigen::VectorXd& slots) const {
+  for (Eigen::Index s = 0; s < slots.size(); ++s) {
+    const int unknown = unknown_of_slot_[static_cast<std::size_t>(s)];
+    if (unknown >= 0) slots(s) = unknowns(unknown);
+  }
+}
+
+template <int D>
+const Eigen::MatrixXd& MotionDamper<D>::decay(double time) {
+  for (const Decay& known : decays_) {
+    if (known.time == time) return known.matrix;
+  }
+  const ModalDamping& damping = problem_.modal_damping;
+  Eigen::VectorXd lost(damping.rate.size());
+  for (Eigen::Index r = 0; r < lost.size(); ++r) lost(r) = std::expm1(-damping.rate(r) * time);
+  decays_.push_back({time, damping.shapes * lost.asDiagonal() * momentum_.transpose()});
+  return decays_.back().matrix;
+}
+
+template <int D>
+void MotionDamper<D>::apply(double time, const Eigen::VectorXd& positions,
+                            Eigen::VectorXd& velocities) {
+  if (modal_) {
+    gather(velocities);
+    const Eigen::MatrixXd& matrix = decay(time);
+    w_ = u_;
+    add_product(static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols()), matrix.data(),
+                u_.data(), w_.data());
+    scatter(w_, velocities);
+  }
+  if (joints_) damp_joints(time, positions, velocities);
+}
+
+// Largest angle between a segment's directions in two places of the chain: the difference of its
+// nodes' moves over its length.
+template <int D>
+double MotionDamper<D>::turn(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+  const int slots = kernel_.slots();
+  double largest = 0;
+  for (int i = 0; i + 1 < slots; ++i) {
+    double length = 0, moved = 0;
+    for (int c = 0; c < D; ++c) {
+      const int k = c * slots + i;
+      const double now = to(k + 1) - to(k), then = from(k + 1) - from(k);
+      length += now * now;
+      moved += (now - then) * (now - then);
+    }
+    if (moved > largest * length && length > 0) largest = moved / length;
+  }
+  return std::sqrt(largest);
+}
+
+template <int D>
+void MotionDamper<D>::damp_joints(double time, const Eigen::VectorXd& positions,
+                                  Eigen::VectorXd& velocities) {
+  if (damped_at_.size() == 0 || turn(damped_at_, positions) > kTurn) {
+    // In the middle of the way that it will be used on: its errors before and after cancel.
+    damped_at_ = positions + time * velocities;
+    const double ahead = turn(positions, damped_at_);
+    const double steps = ahead > 0 ? std::min(20.0, 0.9 * kTurn / ahead) : 0;
+    damped_at_ = positions + steps * time * velocities;
+    assembly_.damping(kernel_.state(damped_at_), damping_);
+    factors_.clear();
+  }
+  const EnvelopeFactor* factor = nullptr;
+  for (const Factor& known : factors_) {
+    if (known.time == time) factor = &known.factor;
+  }
+  if (!factor) {
+    system_.values() = mass_.values() + kGamma * time * damping_.values();
+    // Turning nodes without dampers have neither mass nor damping: they follow freely.
+    double largest = 0;
+    for (int i = 0; i < system_.size(); ++i) largest = std::max(largest, system_.at(i, i));
+    for (int i = 0; i < system_.size(); ++i) {
+      if (system_.at(i, i) == 0) system_.add(i, i, largest * 1e-12);
+    }
+    factors_.push_back({time, {}});
+    factors_.back().factor.factor(system_);
+    factor = &factors_.back().factor;
+  }
+  gather(velocities);
+  mass_.multiply(u_, w_);
+  factor->solve_in_place(w_);
+  // (w - v)/(gamma time) is the first stage's slope.
+  u_ += (1 - kGamma) / kGamma * (w_ - u_);
+  mass_.multiply(u_, w_);
+  factor->solve_in_place(w_);
+  scatter(w_, velocities);
+}
+
+template class MotionDamper<2>;
+template class MotionDamper<3>;
+
+}  // namespace rigfit::model

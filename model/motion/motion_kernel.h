@@ -1,0 +1,130 @@
+// Accelerations of a chain whose only inertia is that of its nodes, fast enough for a million
+// evaluations a second: what explicit time integration spends its time on.
+//
+// The same energies as Assembly's (chain.h), written for two or three components (D) over arrays in
+// which every member's nodes lie one after the other ("slots"; a node that members share has a slot
+// in each). A joint between directions t_i, t_j stores K (1 - t_i . t_j), so with e_i the segment's
+// vector and L its length
+//   dV/de_i = EA/l (L - l) t_i - (I - t_i t_i') g_i / L,   g_i = sum over its joints of K t_other
+// without any angle. A node's rotation has no inertia and follows: in the plane it is the argument
+// of sum K t conj(d) over the members (and the ground's spring) joined there. The mass is constant
+// (slot_mass.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "model/chain/assembly.h"
+#include "model/chain/chain.h"
+#include "model/motion/node_mass.h"
+
+namespace rigfit::model {
+
+/// In the plane (2) always, unless the plane is not one of symmetry; in space (3) for chains
+/// without torsion and without turning nodes.
+[[nodiscard]] bool kernel_supports(const Chain& chain, int dimensions);
+
+template <int D>
+class MotionKernel {
+ public:
+  /// The chain must be supported and settled (its equilibrium found).
+  explicit MotionKernel(const Chain& chain);
+
+  /// Length of the arrays below: D times the slots, component after component.
+  [[nodiscard]] int size() const { return D * slots_; }
+  [[nodiscard]] int slots() const { return slots_; }
+
+  [[nodiscard]] Eigen::VectorXd positions(const ChainState& state) const;
+  /// The state with these positions; rotations as they follow.
+  [[nodiscard]] ChainState state(const Eigen::VectorXd& positions) const;
+  /// Rates of Assembly's unknowns for velocities of the slots (those of turning nodes zero).
+  [[nodiscard]] Eigen::VectorXd unknowns(const Eigen::VectorXd& slots,
+                                         const Numbering& numbering) const;
+  /// The way back: slots from Assembly's unknowns.
+  [[nodiscard]] Eigen::VectorXd slot_values(const Eigen::VectorXd& unknowns,
+                                            const Numbering& numbering) const;
+
+  /// acceleration = M^-1 (external - dV/dx), zero where held. Slots' arrays; `external` (N, may be
+  /// null) is given in any one of a shared node's slots or split among them. Not thread-safe: uses
+  /// the kernel's own scratch space.
+  void acceleration(const double* positions, const double* external, double* acceleration);
+
+  /// x . (M y) for two arrays of slots (momentum, kinetic energy).
+  [[nodiscard]] double mass_product(const Eigen::VectorXd& x, const Eigen::VectorXd& y) const {
+    return mass_.product(x.data(), y.data());
+  }
+  /// From here on accelerations are those of a mass that slows axial waves (slot_mass.h) along the
+  /// members' chords in the given positions; zero gives all waves their own speed again.
+  void slow_axial(double kappa, const Eigen::VectorXd& positions) {
+    mass_.slow_axial(kappa, positions.data());
+  }
+  [[nodiscard]] const SlotMass<D>& mass() const { return mass_; }
+  /// Potential energy, J; its zero is that of Assembly.
+  [[nodiscard]] double potential(const Eigen::VectorXd& positions);
+
+  /// Sparse weights of a point's motion along a direction: displacement = sum weight * x[index].
+  struct Row {
+    std::vector<int> index;
+    std::vector<double> weight;
+    [[nodiscard]] double dot(const double* x) const {
+      double sum = 0;
+      for (std::size_t i = 0; i < index.size(); ++i) sum += weight[i] * x[index[i]];
+      return sum;
+    }
+  };
+  [[nodiscard]] Row row(const ChainPoint& point, const Eigen::Vector3d& direction) const;
+  /// Axial force of a segment, N.
+  [[nodiscard]] double axial_force(int segment, const double* positions) const;
+
+ private:
+  struct MemberPlan {
+    int offset = 0, segments = 0, scratch = 0;
+    int shared[2] = {-1, -1};    // index of the end nodes in shared_
+    std::vector<double> axial;   // EA / l, N/m
+    std::vector<double> length;  // m
+    std::vector<double> joint;   // segments + 1: N m / rad, the first and last are end joints
+    Eigen::Matrix<double, 3, 2> end_direction;  // the node's side of the end joints, unturned
+    int rotation[2] = {-1, -1};
+  };
+  struct SharedNode {
+    int node = 0;
+    std::vector<int> slots;
+    bool held[3] = {false, false, false};
+    bool free = false;  // in some component
+    Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d spring = Eigen::Matrix3d::Zero();  // to the ground
+    Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
+  };
+  struct Turning {
+    struct End {
+      int member, end;
+      double stiffness;
+    };
+    std::vector<End> ends;
+    double spring = 0;  // N m / rad, to the ground: K (1 - cos)
+    bool held = false;
+    double cosine = 1, sine = 0;  // of its angle
+  };
+
+  void make_members(std::vector<typename SlotMass<D>::Member>& masses);
+  void add_masses(std::vector<typename SlotMass<D>::Member>& masses);
+  void tangents(const double* positions);
+  void turn_nodes();
+
+  const Chain* chain_;
+  int slots_ = 0;
+  std::vector<MemberPlan> members_;
+  std::vector<SharedNode> shared_;
+  std::vector<Turning> turning_;
+  std::vector<int> slot_of_node_;
+  std::vector<int> slot_of_segment_;
+  std::vector<double> gravity_;  // D x slots, inner slots only
+  SlotMass<D> mass_;
+  // Scratch: directions with room for the node's side before and behind, 1/L, axial force.
+  std::vector<double> direction_[D], inverse_length_, axial_force_, force_[D];
+};
+
+extern template class MotionKernel<2>;
+extern template class MotionKernel<3>;
+
+}  // namespace rigfit::model

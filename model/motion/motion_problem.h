@@ -1,0 +1,71 @@
+// A chain set in motion from a given state, and what came of it: shared by every integrator of the
+// geometrically exact equations
+//   M q'' + C(q) q' + D q' + dV/dq = sum of load rows x forces,
+// C from the joint dampers, D = sum over modes of M phi 2 zeta omega phi' M from modal ratios.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "model/chain/assembly.h"
+#include "model/chain/chain.h"
+#include "model/scene/force_history.h"
+
+namespace rigfit::model {
+
+/// Modal ratios as a viscous force: each mode's velocity decays at `rate`.
+struct ModalDamping {
+  Eigen::MatrixXd shapes;  ///< unknowns (of the problem's motion) x modes, mass-normalised
+  Eigen::VectorXd rate;    ///< 2 zeta omega, 1/s
+  [[nodiscard]] bool none() const { return rate.size() == 0 || rate.isZero(0); }
+};
+
+struct MotionProblem {
+  const Chain* chain = nullptr;      ///< settled
+  Motion motion = Motion::in_plane;  ///< in_plane or space
+  ChainState rest;                   ///< equilibrium; displacements are counted from here
+  ChainState start;
+  Eigen::VectorXd start_velocity;            ///< of the motion's unknowns; empty: at rest
+  std::vector<Load> loads;                   ///< in the order of the chain's loads
+  std::vector<const ForceHistory*> records;  ///< one a load, null where it has none
+  std::vector<Sensor::Quantity> quantities;  ///< one a sensor of the chain
+  bool joint_damping = false;
+  ModalDamping modal_damping;
+};
+
+/// Where the energy was over time: J, by member and kind.
+struct EnergyHistory {
+  std::vector<double> time_s;
+  std::vector<EnergyAccount> account;
+  std::vector<double> supplied;    ///< by loads since t = 0
+  std::vector<double> dissipated;  ///< by dampers since t = 0
+
+  /// Largest |E(t) - E(0) - supplied + dissipated| over the energy that was in motion: the largest
+  /// kinetic energy there was. Zero for a history without motion.
+  [[nodiscard]] double drift() const;
+};
+
+struct MotionOutput {
+  Eigen::MatrixXd samples;  ///< rows x sensors, at 0, 1/rate, ...
+  EnergyHistory energy;
+  double step_s = 0;
+  double axial_slowing_s2 = 0;  ///< kappa of slot_mass.h; 0: axial waves at their own speed
+  long steps = 0;
+  long evaluations = 0;    ///< of the forces
+  bool completed = false;  ///< false: diverged or did not converge, samples are not to be used
+  std::string reason;      ///< for a person, when not completed
+};
+
+struct SamplingOptions {
+  double duration_s = 1;
+  double rate_hz = 1000;
+  int energy_samples = 200;         ///< instants of the energy account besides the first; 0: none
+  [[nodiscard]] long rows() const;  ///< samples at 0, 1/rate, ... up to the duration
+  /// Rows between two entries of the energy account.
+  [[nodiscard]] long energy_stride() const;
+};
+
+/// A value linear in the chain's motion that a sensor reads (see Sensor::Quantity).
+[[nodiscard]] bool any_joint_damping(const Chain& chain);
+
+}  // namespace rigfit::model

@@ -1,0 +1,92 @@
+// The constant mass of a chain whose only inertia is that of its nodes, and its inverse, over
+// "slots": every member's nodes one after the other, component after component, a node that members
+// share having a slot in each.
+//
+// A member's mass is tridiagonal, the same in every component; its inner nodes are eliminated, the
+// nodes at members' ends remain in a small matrix that is inverted once.
+//
+// Axial waves can be slowed ("selective mass scaling", L. Olovsson, K. Simonsson and M. Unosson,
+// Int. J. Numer. Meth. Engng 63 (2005) 1436-1445): kappa times the axial stiffness EA/l along each
+// member's chord is added to the mass, so that a wave of frequency omega along it has omega^2 /
+// (1 + kappa omega^2) instead of omega^2: what is slow against 1 / sqrt(kappa) keeps its speed and
+// what is fast no longer sets the step.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "model/motion/segment_loops.h"
+
+namespace rigfit::model {
+
+template <int D>
+class SlotMass {
+ public:
+  struct Member {
+    int offset = 0, segments = 0;
+    int shared[2] = {-1, -1};           ///< index of the end nodes
+    std::vector<double> diagonal, off;  ///< of segments + 1 nodes, between them, kg
+    std::vector<double> axial;          ///< EA / l of the segments, N / m
+  };
+  struct Shared {
+    std::vector<int> slots;
+    bool held[3] = {false, false, false};
+  };
+
+  SlotMass() = default;
+  SlotMass(std::vector<Member> members, std::vector<Shared> shared, int slots);
+
+  /// `kappa` in s^2, zero: all waves at their own speed. `positions`: slots, gives the chords.
+  void slow_axial(double kappa, const double* positions);
+  [[nodiscard]] double kappa() const { return kappa_; }
+
+  /// Forces to accelerations, in place. A shared node's force stands in its first slot; its
+  /// acceleration is put in all of them, zero where held. Not thread-safe (own scratch space).
+  void solve(double* values);
+
+  /// x . (M y), the mass itself.
+  [[nodiscard]] double product(const double* x, const double* y) const;
+  /// The same with what slowing the axial waves adds.
+  [[nodiscard]] double slowed_product(const double* x, const double* y) const;
+
+ private:
+  // Factors of a member's inner nodes, and what they take from and give to the end nodes.
+  struct Inner {
+    std::vector<double> toward, inverse;
+    std::vector<double> from_first, from_last;     // M_ii^-1 times the coupling to the end nodes
+    double first_off = 0, last_off = 0;            // coupling to the inner neighbours
+    double own_first = 0, own_last = 0, both = 0;  // reduced mass of the end nodes
+    int middle = 0;
+    [[nodiscard]] TwistedFactors factors(int segments) const {
+      return {segments - 1, middle, toward.data(), inverse.data()};
+    }
+  };
+  struct Plan {
+    Inner plain, slowed;
+    int along = -1;        // component that takes the slowed mass; -1: none
+    bool rotated = false;  // solved in `axes`, whose first column is the chord
+    Eigen::Matrix<double, D, D> axes;
+  };
+  struct Free {
+    int node, component;
+  };
+
+  static Inner factor(const Member& member, double kappa);
+  void reduce();
+  void rotate(const Plan& plan, const Member& member, bool back, double* values) const;
+
+  std::vector<Member> members_;
+  std::vector<Shared> shared_;
+  std::vector<Plan> plans_;
+  int slots_ = 0;
+  double kappa_ = 0;
+  std::vector<Free> free_;       // components of shared nodes that move, node by node
+  std::vector<int> first_free_;  // of each shared node; -1: held altogether
+  Eigen::MatrixXd inverse_;      // of their reduced mass
+  std::vector<double> force_, motion_;
+};
+
+extern template class SlotMass<2>;
+extern template class SlotMass<3>;
+
+}  // namespace rigfit::model

@@ -1,0 +1,45 @@
+// A scene's linear motion about its equilibrium, as poles: all its natural modes with modal ratios
+// (diagonal) or joint dampers (coupled: eigenvalues of the state matrix in modal coordinates).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "model/linear/modes.h"
+#include "model/response/modal_response.h"
+#include "model/scene/scene.h"
+
+namespace rigfit::model {
+
+struct LinearAnswer {
+  PoleModel sensors;                    ///< output: the scene's sensors
+  PoleModel modal;                      ///< the same poles; output: each mode's coordinate
+  bool coupled = false;                 ///< joint dampers couple the modes
+  Eigen::VectorXd omega;                ///< rad/s, modes of all motions one after the other
+  Eigen::VectorXd ratio;                ///< from the members' damping ratios alone
+  std::vector<ChainModes::Which> mode;  ///< motion and mode of each
+  Eigen::MatrixXd damping;              ///< coupled only: q'' + D q' + omega^2 q = ...
+  bool truncated = false;               ///< not all modes of the chain are in it
+};
+
+struct LinearAnswerOptions {
+  bool axial = true;    ///< false: modes that move mostly along their members follow without delay
+  bool planar = false;  ///< true: modes out of the plane of symmetry are left out
+};
+
+[[nodiscard]] LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene,
+                                         const LinearAnswerOptions& options = {});
+
+/// Share of a shape's kinetic energy that is motion along the segments' own axes, or twist.
+[[nodiscard]] double axial_share(const Assembly& assembly, const ChainState& state,
+                                 const Eigen::VectorXd& shape);
+[[nodiscard]] double twist_share(const Assembly& assembly, const Eigen::VectorXd& shape);
+
+/// Weight of the mass hung by a release, N along the load's direction.
+[[nodiscard]] double hung_weight(const Scene& scene, const Load& load);
+
+/// Increments of one numbering's unknowns as another's; what the other lacks is left out.
+[[nodiscard]] Eigen::VectorXd renumbered(const Eigen::VectorXd& x, const Numbering& from,
+                                         const Numbering& to);
+
+}  // namespace rigfit::model

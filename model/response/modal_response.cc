@@ -1,0 +1,251 @@
+#include "model/response/modal_response.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+namespace rigfit::model {
+namespace {
+
+using Complex = std::complex<double>;
+using std::numbers::pi;
+
+// (e^x - 1)/x and (e^x - 1 - x)/x^2, by their series where the closed forms cancel.
+Complex phi1(Complex x) {
+  if (std::abs(x) > 0.5) return (std::exp(x) - 1.0) / x;
+  Complex sum = 1, term = 1;
+  for (int k = 2; k < 16; ++k) sum += (term *= x / static_cast<double>(k));
+  return sum;
+}
+Complex phi2(Complex x) {
+  if (std::abs(x) > 0.5) return (std::exp(x) - 1.0 - x) / (x * x);
+  Complex sum = 0.5, term = 0.5;
+  for (int k = 3; k < 17; ++k) sum += (term *= x / static_cast<double>(k));
+  return sum;
+}
+
+// int_0^T e^{s (T - tau)} sin(Omega (a + tau)) dtau
+Complex sine_integral(Complex s, double Omega, double a, double T) {
+  const Complex i(0, 1), decay = std::exp(s * T);
+  const Complex plus = std::exp(i * Omega * a) * decay * T * phi1((i * Omega - s) * T);
+  const Complex minus = std::exp(-i * Omega * a) * decay * T * phi1((-i * Omega - s) * T);
+  return (plus - minus) / (2.0 * i);
+}
+
+// Samples of a system left to itself: y_n = Re sum_r w_r z_r lambda_r^n, all sensors, `z` its state
+// at the first row.
+void free_samples(const PoleModel& model, const Eigen::MatrixXcd& weights, double step,
+                  const Eigen::VectorXcd& z, Eigen::Ref<Eigen::MatrixXd> out) {
+  constexpr Eigen::Index kBlock = 64, kRestart = 64;
+  const Eigen::Index sensors = weights.rows(), rows = out.rows();
+  if (sensors == 0 || rows == 0) return;
+  // Poles that no sensor sees are left out: together less than 1e-13 of what there is.
+  std::vector<Eigen::Index> seen;
+  const Eigen::MatrixXd size = weights.cwiseAbs() * z.cwiseAbs().asDiagonal();
+  const Eigen::VectorXd all = size.rowwise().sum();
+  for (Eigen::Index r = 0; r < z.size(); ++r) {
+    const double share = 1e-13 / static_cast<double>(z.size());
+    if ((size.col(r).array() > share * all.array()).any()) seen.push_back(r);
+  }
+  const auto poles = static_cast<Eigen::Index>(seen.size());
+  const Eigen::Index blocks = (rows + kBlock - 1) / kBlock;
+  Eigen::MatrixXd powers(kBlock * sensors, 2 * poles), states(2 * poles, blocks);
+  for (Eigen::Index p = 0; p < poles; ++p) {
+    const Eigen::Index r = seen[static_cast<std::size_t>(p)];
+    const Complex lambda = std::exp(model.poles(r) * step);
+    Complex power = 1;
+    for (Eigen::Index k = 0; k < kBlock; ++k, power *= lambda) {
+      for (Eigen::Index s = 0; s < sensors; ++s) {
+        const Complex value = weights(s, r) * power;
+        powers(s * kBlock + k, 2 * p) = value.real();
+        powers(s * kBlock + k, 2 * p + 1) = -value.imag();
+      }
+    }
+    // The recurrence rounds once a block; restarted from the closed form it stays within a few
+    // roundings however long the response.
+    const double span = step * static_cast<double>(kBlock);
+    const Complex jump = std::exp(model.poles(r) * span);
+    Complex state = z(r);
+    for (Eigen::Index j = 0; j < blocks; ++j, state *= jump) {
+      if (j % kRestart == 0) state = z(r) * std::exp(model.poles(r) * (span * double(j)));
+      states(2 * p, j) = state.real();
+      states(2 * p + 1, j) = state.imag();
+    }
+  }
+  const Eigen::MatrixXd samples = powers * states;
+  for (Eigen::Index j = 0; j < blocks; ++j) {
+    const Eigen::Index count = std::min(kBlock, rows - j * kBlock);
+    for (Eigen::Index s = 0; s < sensors; ++s) {
+      out.col(s).segment(j * kBlock, count) = samples.col(j).segment(s * kBlock, count);
+    }
+  }
+}
+
+}  // namespace
+
+PoleModel pole_model(const Eigen::VectorXd& omega, const Eigen::VectorXd& damping_ratio,
+                     const Eigen::MatrixXd& load_shape, const Eigen::MatrixXd& sensor_shape,
+                     const Eigen::VectorXd& displacement) {
+  const Eigen::Index modes = omega.size();
+  assert(load_shape.rows() == modes && sensor_shape.cols() == modes);
+  assert(displacement.size() == 0 || displacement.size() == modes);
+  Eigen::Index poles = 0;
+  for (Eigen::Index r = 0; r < modes; ++r) poles += damping_ratio(r) < 1 ? 1 : 2;
+  PoleModel model;
+  model.poles.resize(poles);
+  model.input.resize(poles, load_shape.cols());
+  model.output.resize(sensor_shape.rows(), poles);
+  model.initial = Eigen::VectorXcd::Zero(poles);
+  const auto start = [&](Eigen::Index r) {
+    return displacement.size() == 0 ? 0.0 : displacement(r);
+  };
+  Eigen::Index p = 0;
+  for (Eigen::Index r = 0; r < modes; ++r) {
+    const double w = omega(r);
+    double zeta = damping_ratio(r);
+    // Two equal poles have no such expansion; 1e-8 beside them the response differs by as much.
+    if (std::abs(zeta - 1) < 1e-8) zeta = zeta < 1 ? 1 - 1e-8 : 1 + 1e-8;
+    if (zeta < 1) {
+      const double wd = w * std::sqrt((1 - zeta) * (1 + zeta));
+      model.poles(p) = {-zeta * w, wd};
+      model.input.row(p) = load_shape.row(r).cast<Complex>();
+      model.output.col(p) = sensor_shape.col(r).cast<Complex>() * Complex(0, -1 / wd);
+      model.initial(p) = Complex(zeta * w, wd) * start(r);
+      ++p;
+    } else {
+      const double root = w * std::sqrt((zeta - 1) * (zeta + 1));
+      const double fast = -zeta * w - root, slow = w * w / fast;
+      for (int k = 0; k < 2; ++k) {
+        const double own = k == 0 ? slow : fast, other = k == 0 ? fast : slow;
+        model.poles(p) = own;
+        model.input.row(p) = load_shape.row(r).cast<Complex>();
+        model.output.col(p) = sensor_shape.col(r).cast<Complex>() / (own - other);
+        model.initial(p) = -other * start(r);
+        ++p;
+      }
+    }
+  }
+  return model;
+}
+
+ModalPropagator::ModalPropagator(const PoleModel& model, const std::vector<Load>& loads,
+                                 const std::vector<const ForceHistory*>& records)
+    : model_(model), loads_(loads), records_(records) {
+  assert(model.input.cols() == static_cast<Eigen::Index>(loads.size()));
+  assert(records.size() == loads.size());
+  for (std::size_t l = 0; l < loads.size(); ++l) {
+    forces_.emplace_back(loads[l], records[l]);
+    last_force_ = std::max(last_force_, forces_.back().end_s());
+  }
+}
+
+Eigen::VectorXcd ModalPropagator::initial() const {
+  if (model_.initial.size() > 0) return model_.initial;
+  return Eigen::VectorXcd::Zero(model_.poles.size());
+}
+
+void ModalPropagator::advance(Eigen::VectorXcd& z, double t0, double t1) const {
+  const double h = t1 - t0;
+  if (!(h > 0)) return;
+  const Eigen::Index poles = model_.poles.size();
+  for (Eigen::Index r = 0; r < poles; ++r) z(r) *= std::exp(model_.poles(r) * h);
+  for (std::size_t l = 0; l < loads_.size(); ++l) {
+    const Load& load = loads_[l];
+    const auto column = static_cast<Eigen::Index>(l);
+    if (load.kind == Load::Kind::impact) {
+      const double from = std::max(t0, load.start);
+      const double to = std::min(t1, load.start + load.duration);
+      if (!(to > from)) continue;
+      const double Omega = pi / load.duration;
+      for (Eigen::Index r = 0; r < poles; ++r) {
+        const Complex s = model_.poles(r);
+        z(r) += model_.input(r, column) * load.peak * std::exp(s * (t1 - to)) *
+                sine_integral(s, Omega, from - load.start, to - from);
+      }
+    } else if (load.kind == Load::Kind::record) {
+      add_record(z, *records_[l], column, t0, t1);
+    }
+  }
+}
+
+void ModalPropagator::add_record(Eigen::VectorXcd& z, const ForceHistory& record,
+                                 Eigen::Index column, double t0, double t1) const {
+  const auto& t = record.time_s;
+  const auto& f = record.force_N;
+  if (t1 <= t.front() || t0 >= t.back()) return;
+  auto i = static_cast<std::size_t>(
+      std::max<std::ptrdiff_t>(1, std::upper_bound(t.begin(), t.end(), t0) - t.begin()));
+  for (; i < t.size() && t[i - 1] < t1; ++i) {
+    const double from = std::max(t0, t[i - 1]), to = std::min(t1, t[i]), h = to - from;
+    if (!(h > 0)) continue;
+    const double slope = (f[i] - f[i - 1]) / (t[i] - t[i - 1]);
+    const double f0 = f[i - 1] + slope * (from - t[i - 1]), rise = slope * h;
+    for (Eigen::Index r = 0; r < model_.poles.size(); ++r) {
+      const Complex s = model_.poles(r), x = s * h;
+      z(r) +=
+          model_.input(r, column) * std::exp(s * (t1 - to)) * h * (phi1(x) * f0 + phi2(x) * rise);
+    }
+  }
+}
+
+Eigen::MatrixXd modal_response(const PoleModel& model,
+                               const std::vector<Sensor::Quantity>& quantities,
+                               const std::vector<Load>& loads,
+                               const std::vector<const ForceHistory*>& records, double step_s,
+                               Eigen::Index rows) {
+  const Eigen::Index sensors = model.output.rows(), poles = model.poles.size();
+  assert(static_cast<Eigen::Index>(quantities.size()) == sensors && step_s > 0);
+  const ModalPropagator propagator(model, loads, records);
+
+  // Derivatives of Re(c z): Re(c s z) + Re(c b) f, and so on; the first feed-through vanishes for
+  // displacements, the second is the unit force's acceleration.
+  Eigen::MatrixXcd weights = model.output;
+  Eigen::MatrixXd direct = Eigen::MatrixXd::Zero(sensors, model.input.cols());
+  for (Eigen::Index k = 0; k < sensors; ++k) {
+    const auto quantity = quantities[static_cast<std::size_t>(k)];
+    const bool acceleration = quantity == Sensor::Quantity::acceleration;
+    if (!acceleration && quantity != Sensor::Quantity::velocity) {
+      if (model.direct.size() > 0) direct.row(k) = model.direct.row(k);
+      continue;
+    }
+    weights.row(k) = weights.row(k).cwiseProduct(model.poles.transpose());
+    if (acceleration) {
+      if (poles > 0) direct.row(k) = (weights.row(k) * model.input).real();
+      weights.row(k) = weights.row(k).cwiseProduct(model.poles.transpose());
+    }
+  }
+
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows, sensors);
+  Eigen::VectorXcd z = propagator.initial();
+  Eigen::Index row = 0;
+  // Sample by sample while any force acts, then freely.
+  const double last_force = propagator.last_force_s();
+  for (double t = 0; row < rows && t < last_force; ++row, t = step_s * static_cast<double>(row)) {
+    if (row > 0) propagator.advance(z, step_s * static_cast<double>(row - 1), t);
+    for (Eigen::Index k = 0; k < sensors; ++k) out(row, k) = (weights.row(k) * z).real().value();
+    for (std::size_t l = 0; l < loads.size(); ++l) {
+      const double f = propagator.force(l).at(t);
+      if (f != 0) out.row(row) += f * direct.col(static_cast<Eigen::Index>(l)).transpose();
+    }
+  }
+  if (row < rows) {
+    const double t = step_s * static_cast<double>(row);
+    if (row > 0) propagator.advance(z, step_s * static_cast<double>(row - 1), t);
+    free_samples(model, weights, step_s, z, out.bottomRows(rows - row));
+  }
+  if (model.offset.size() > 0) out.rowwise() += model.offset.transpose();
+  return out;
+}
+
+Eigen::VectorXcd modal_state(const PoleModel& model, const std::vector<Load>& loads,
+                             const std::vector<const ForceHistory*>& records, double time_s) {
+  const ModalPropagator propagator(model, loads, records);
+  Eigen::VectorXcd z = propagator.initial();
+  propagator.advance(z, 0, time_s);
+  return z;
+}
+
+}  // namespace rigfit::model

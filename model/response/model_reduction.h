@@ -1,0 +1,41 @@
+// What a scene's model needs and what can be left out without loss: the plane of symmetry, torsion.
+//
+// Torsion is kept in a member with GJ > 0 where torque can enter: its bending stiffnesses differ,
+// it has polar inertia (torsional modes), or an end is rigidly joined to a node that turns with
+// something that does not lie along it. Elsewhere a straight segment chain with equal bending
+// stiffnesses bends without torque and its twist decouples exactly.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "model/scene/scene.h"
+
+namespace rigfit::model {
+
+/// Per scene node: what happens to rotation there.
+enum class NodeAttitude {
+  released,  ///< no moment passes
+  held,      ///< clamped
+  turning    ///< a rotation of its own, common to the members rigidly joined there
+};
+
+struct SceneNeeds {
+  std::vector<NodeAttitude> attitude;  ///< by node
+  std::vector<bool> torsion;           ///< by member
+  bool torsion_left_out = false;       ///< some member has GJ or polar inertia that is not modelled
+  /// Chain axes in scene axes (rows): the third is the normal of the plane of symmetry if `planar`.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  bool planar = false;
+};
+
+/// Index of each member's two nodes. Throws SceneError when one is missing.
+[[nodiscard]] std::vector<std::array<int, 2>> member_nodes(const Scene& scene);
+[[nodiscard]] SceneNeeds needs_of(const Scene& scene, std::optional<bool> torsion = std::nullopt);
+
+/// Material axes of a straight member: columns tangent, "about z" (z made normal to the tangent; x
+/// for a member along z), and their product ("about the horizontal in-plane axis"). Scene axes.
+[[nodiscard]] Eigen::Matrix3d material_axes(const Eigen::Vector3d& chord);
+
+}  // namespace rigfit::model

@@ -1,0 +1,158 @@
+#include "model/response/nonlinearity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "model/algebra/eigenpairs.h"
+
+namespace rigfit::model {
+namespace {
+
+constexpr std::size_t kCompared = 6;  // modes whose shift is looked at
+
+// The eigenvalues of K x = lambda M x whose vectors are nearest to the given mass-normalised
+// shapes; empty when K is not positive definite. Among the lowest: as many again and more, because
+// a motion in space has modes between that no load drives.
+Eigen::VectorXd nearest_eigenvalues(const EnvelopeMatrix& stiffness, const EnvelopeMatrix& mass,
+                                    const Eigen::MatrixXd& shapes) {
+  EnvelopeFactor factor;
+  if (!factor.factor(stiffness) || factor.negative_pivots() > 0) return {};
+  const Eigenpairs pairs =
+      lowest_eigenpairs(stiffness, mass, 2 * static_cast<int>(shapes.cols()) + 4);
+  if (pairs.values.size() == 0) return {};
+  Eigen::VectorXd values(shapes.cols()), momentum(shapes.rows());
+  for (Eigen::Index i = 0; i < shapes.cols(); ++i) {
+    mass.multiply(shapes.col(i), momentum);
+    Eigen::Index nearest = 0;
+    (pairs.vectors.transpose() * momentum).cwiseAbs().maxCoeff(&nearest);
+    values(i) = pairs.values(nearest);
+  }
+  return values;
+}
+
+}  // namespace
+
+Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& answer,
+                                   const Scene& scene,
+                                   const std::vector<const ForceHistory*>& records,
+                                   double duration_s, const Assembly& assembly) {
+  Nonlinearity out;
+  const Eigen::Index count = answer.omega.size();
+  if (count == 0) return out;
+  double last_force = 0;
+  for (std::size_t l = 0; l < scene.loads.size(); ++l) {
+    last_force = std::max(last_force, LoadForce(scene.loads[l], records[l]).end_s());
+  }
+
+  // Modal coordinates where the strain energy is greatest. A hung mass' own state is the start.
+  const ModalPropagator propagator(answer.modal, scene.loads, records);
+  Eigen::VectorXcd z = propagator.initial();
+  const auto coordinates = [&]() -> Eigen::VectorXd {
+    if (answer.coupled) return (answer.modal.output * z).real();
+    Eigen::VectorXd q = Eigen::VectorXd::Zero(count);
+    for (Eigen::Index p = 0, r = 0; p < z.size(); ++p) {
+      while (r < count && answer.modal.output(r, p) == std::complex<double>(0)) ++r;
+      if (r == count) break;
+      q(r) += (answer.modal.output(r, p) * z(p)).real();
+    }
+    return q;
+  };
+  const auto energies = [&](const Eigen::VectorXd& q) -> Eigen::VectorXd {
+    return 0.5 * (answer.omega.cwiseProduct(q)).cwiseAbs2();
+  };
+  Eigen::VectorXd q = coordinates();
+  double greatest = energies(q).sum();
+  if (last_force > 0) {
+    const double lowest = answer.omega.minCoeff();
+    const double end =
+        std::min(duration_s, last_force + 4 * std::numbers::pi / std::max(lowest, 1e-3));
+    const int instants = 80;
+    for (int i = 1; i <= instants; ++i) {
+      const double t = end * i / instants;
+      propagator.advance(z, end * (i - 1) / instants, t);
+      const Eigen::VectorXd here = coordinates();
+      const double energy = energies(here).sum();
+      if (energy > greatest) greatest = energy, q = here, out.time_s = t;
+    }
+  }
+  out.energy_J = greatest;
+  if (!(greatest > 0)) return out;
+  const Eigen::VectorXd share = energies(q) / greatest;
+
+  std::vector<Eigen::Index> rising(static_cast<std::size_t>(count));
+  for (Eigen::Index i = 0; i < count; ++i) rising[static_cast<std::size_t>(i)] = i;
+  std::sort(rising.begin(), rising.end(),
+            [&](Eigen::Index a, Eigen::Index b) { return answer.omega(a) < answer.omega(b); });
+  double held = 0;
+  for (Eigen::Index i : rising) {
+    held += share(i);
+    out.upper_frequency_hz = answer.omega(i) / (2 * std::numbers::pi);
+    if (held >= 0.99) break;
+  }
+
+  // Elastic forces of the linear answer in the motion's unknowns, and its lowest shapes.
+  const Numbering& to = assembly.numbering();
+  EnvelopeMatrix stiffness = assembly.matrix(), mass = assembly.matrix();
+  Eigen::VectorXd force(assembly.size());
+  assembly.force_and_tangent(modes.equilibrium.state, force, stiffness);
+  assembly.mass(mass);
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(assembly.size());
+  std::vector<Eigen::Index> lowest;
+  Eigen::MatrixXd shapes(assembly.size(), 0);
+  for (Eigen::Index i : rising) {
+    const auto [m, k] = answer.mode[static_cast<std::size_t>(i)];
+    const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
+    const Eigen::VectorXd shape =
+        renumbered(motion.shapes.col(k), motion.assembly->numbering(), to);
+    if (q(i) != 0) u += q(i) * shape;
+    if (lowest.size() < kCompared && !shape.isZero(0)) {
+      lowest.push_back(i);
+      shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
+      shapes.rightCols(1) = shape;
+    }
+  }
+  Eigen::VectorXd load(assembly.size());
+  if (last_force > 0 || answer.truncated) {
+    stiffness.multiply(u, load);
+  }
+  if (last_force == 0) {  // the hung masses themselves
+    load.setZero();
+    for (std::size_t l = 0; l < scene.loads.size(); ++l) {
+      load += hung_weight(scene, scene.loads[l]) * load_row(assembly, static_cast<int>(l));
+    }
+  }
+  if (lowest.empty()) return out;
+  // Eigenvalues in both extremes; one alone when there is no equilibrium the other way.
+  Eigen::VectorXd values[2];
+  for (int side = 0; side < 2; ++side) {
+    const LoadedState loaded =
+        loaded_state(assembly, modes.equilibrium.state, side == 0 ? load : Eigen::VectorXd(-load));
+    if (!loaded.converged) continue;
+    assembly.force_and_tangent(loaded.state, force, stiffness);
+    values[side] = nearest_eigenvalues(stiffness, mass, shapes);
+  }
+  if (values[0].size() == 0 || values[1].size() == 0) {
+    out.frequency_shift = 1;
+    return out;
+  }
+  double weighted = 0, weight = 0, most = -1;
+  const auto compared = static_cast<Eigen::Index>(lowest.size());
+  for (Eigen::Index i = 0; i < std::min({compared, values[0].size(), values[1].size()}); ++i) {
+    const Eigen::Index mode = lowest[static_cast<std::size_t>(i)];
+    const double rest = answer.omega(mode) * answer.omega(mode);
+    const double even = ((values[0](i) + values[1](i)) / (2 * rest) - 1) / 8;
+    const double half = (values[0](i) - values[1](i)) / (2 * rest), odd = 5 * half * half / 48;
+    weighted += share(mode) * (std::abs(even) + odd);
+    weight += share(mode);
+    if (share(mode) > most) {
+      most = share(mode);
+      out.frequency_at_rest_hz = answer.omega(mode) / (2 * std::numbers::pi);
+      out.frequency_moving_hz = out.frequency_at_rest_hz * (1 + even - odd);
+    }
+  }
+  out.frequency_shift = weight > 0 ? weighted / weight : 0;
+  return out;
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,394 @@
+#include "model/response/response.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "model/motion/cvode_response.h"
+#include "model/motion/explicit_motion.h"
+#include "model/motion/implicit_motion.h"
+#include "model/motion/motion_kernel.h"
+#include "model/response/linear_account.h"
+#include "model/response/linear_answer.h"
+#include "model/response/model_reduction.h"
+#include "model/response/nonlinearity.h"
+#include "model/response/response_estimates.h"
+#include "model/response/response_modes.h"
+#include "model/scene/scene_error.h"
+#include "model/statics/loaded_state.h"
+
+namespace rigfit::model {
+namespace {
+
+std::vector<const ForceHistory*> records_of(const Scene& scene, const ResponseOptions& options) {
+  std::vector<const ForceHistory*> records(scene.loads.size(), nullptr);
+  for (std::size_t l = 0; l < scene.loads.size(); ++l) {
+    if (scene.loads[l].kind != Load::Kind::record) continue;
+    const std::string key = "load[" + std::to_string(l) + "].file";
+    if (l >= options.records.size() || options.records[l].time_s.empty()) {
+      throw SceneError({scene.file, 0, 0, key}, "the force history was not read",
+                       "hand its samples in with the response's options");
+    }
+    const ForceHistory& record = options.records[l];
+    bool good = record.time_s.size() == record.force_N.size();
+    for (std::size_t i = 0; good && i < record.time_s.size(); ++i) {
+      good = std::isfinite(record.time_s[i]) && std::isfinite(record.force_N[i]) &&
+             (i == 0 || record.time_s[i] > record.time_s[i - 1]);
+    }
+    if (!good) {
+      throw SceneError({scene.file, 0, 0, key}, "its times do not rise or a value is missing",
+                       "give finite forces at strictly rising times");
+    }
+    records[l] = &record;
+  }
+  return records;
+}
+
+// Nothing pushes the scene out of its plane.
+bool plane_is_enough(const Chain& chain) {
+  if (!chain.planar) return false;
+  return std::all_of(
+      chain.load_direction.begin(), chain.load_direction.end(),
+      [](const Eigen::Vector3d& direction) { return std::abs(direction.z()) <= 1e-12; });
+}
+
+ModalDamping modal_damping(const ChainModes& modes, const LinearAnswer& answer,
+                           const Assembly& assembly) {
+  ModalDamping damping;
+  if (answer.ratio.isZero(0)) return damping;
+  std::vector<Eigen::VectorXd> shapes;
+  std::vector<double> rates;
+  for (std::size_t i = 0; i < answer.mode.size(); ++i) {
+    const auto r = static_cast<Eigen::Index>(i);
+    const MotionModes& motion = modes.motions[static_cast<std::size_t>(answer.mode[i].motion)];
+    if (answer.ratio(r) == 0) continue;
+    Eigen::VectorXd shape = renumbered(motion.shapes.col(answer.mode[i].mode),
+                                       motion.assembly->numbering(), assembly.numbering());
+    if (shape.isZero(0)) continue;
+    shapes.push_back(std::move(shape));
+    rates.push_back(2 * answer.ratio(r) * answer.omega(r));
+  }
+  damping.shapes.resize(assembly.size(), static_cast<Eigen::Index>(shapes.size()));
+  damping.rate.resize(static_cast<Eigen::Index>(shapes.size()));
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    damping.shapes.col(static_cast<Eigen::Index>(i)) = shapes[i];
+    damping.rate(static_cast<Eigen::Index>(i)) = rates[i];
+  }
+  return damping;
+}
+
+// Forces an explicit run evaluates a second, against what an implicit one does in the same units: a
+// Newton iteration (three forces, at times a tangent and its factors) costs some twenty of them.
+ResponseSolver cheaper(const MotionProblem& problem, double upper_frequency_hz, double accuracy,
+                       double rate_hz) {
+  if (!kernel_supports(*problem.chain, problem.motion == Motion::in_plane ? 2 : 3)) {
+    return ResponseSolver::implicit_motion;
+  }
+  const double highest = highest_frequency(*problem.chain, problem.motion, problem.start);
+  const double explicit_work = 2 * std::max(rate_hz, highest / 3.2);
+  const double steps =
+      std::max(rate_hz, 2 * std::numbers::pi * upper_frequency_hz / std::sqrt(12 * accuracy));
+  return explicit_work > 60 * steps ? ResponseSolver::implicit_motion
+                                    : ResponseSolver::explicit_motion;
+}
+
+}  // namespace
+
+const char* name_of(ResponseSolver solver) {
+  switch (solver) {
+    case ResponseSolver::automatic:
+      return "auto";
+    case ResponseSolver::modal:
+      return "modal";
+    case ResponseSolver::large_motion:
+      return "large-motion";
+    case ResponseSolver::explicit_motion:
+      return "explicit";
+    case ResponseSolver::implicit_motion:
+      return "implicit";
+    case ResponseSolver::cvode_adams:
+      return "cvode-adams";
+    case ResponseSolver::cvode_banded:
+      return "cvode-banded";
+  }
+  return "";
+}
+
+namespace {
+
+// One simulation, step by step: what is decided in one is needed by the next.
+class Simulation {
+ public:
+  Simulation(const Scene& scene, const ResponseOptions& options)
+      : scene_(scene), options_(options), records_(records_of(scene, options)) {}
+
+  ResponseResult run() {
+    const auto started = std::chrono::steady_clock::now();
+    const bool good = find_modes() && choose() && (linear() ? run_modal() : run_exact());
+    out_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    if (!good) return std::move(out_);
+    out_.completed = out_.samples.allFinite();
+    if (!out_.completed) out_.reason = "the motion is not finite";
+    if (linear()) {
+      out_.energy = linear_account(modes_, answer_, scene_, records_, options_.sampling);
+    }
+    out_.energy_drift = out_.energy.drift();
+    say_what_was_left_out();
+    return std::move(out_);
+  }
+
+ private:
+  bool find_modes() {
+    out_.rate_hz = options_.sampling.rate_hz;
+    for (const Sensor& sensor : scene_.sensors) out_.sensors.push_back(sensor.name);
+    for (const Member& member : scene_.members) out_.members.push_back(member.name);
+    wanted_.torsion = options_.torsion;
+    wanted_.modes = options_.modes;
+    const bool any_auto = std::any_of(scene_.members.begin(), scene_.members.end(),
+                                      [](const Member& m) { return m.segments <= 0; });
+    if (any_auto && !options_.segments) {
+      ResponseResolution choice =
+          choose_response_segments(scene_, wanted_, records_, options_.sampling.duration_s);
+      modes_ = std::move(choice.modes);
+      answer_ = std::move(choice.answer);
+      out_.resolution_error = choice.relative_error;
+      wanted_.segments = choice.segments;
+    } else {
+      if (options_.segments) wanted_.segments.assign(scene_.members.size(), *options_.segments);
+      modes_ = response_modes(scene_, wanted_);
+    }
+    out_.equilibrium = describe(*modes_.chain, modes_.equilibrium, scene_);
+    if (modes_.equilibrium.status != EquilibriumStatus::converged || modes_.motions.empty()) {
+      out_.reason = modes_.equilibrium.reason;
+      return false;
+    }
+    for (const ChainMember& member : modes_.chain->members) {
+      out_.segments.push_back(member.segments);
+    }
+    if (answer_.omega.size() == 0) answer_ = linear_answer(modes_, scene_);
+    weights_ = mode_weights(answer_, scene_, records_, options_.sampling.duration_s);
+    return true;
+  }
+
+  bool choose() {
+    const Chain& chain = *modes_.chain;
+    if (options_.plane.value_or(false) && !chain.planar) {
+      out_.impossible = true;
+      out_.reason = "the scene has no plane of symmetry to stay in";
+      return false;
+    }
+    plane_ = options_.plane.value_or(plane_is_enough(chain)) && chain.planar;
+    problem_.motion = plane_ ? Motion::in_plane : Motion::space;
+    out_.motion = plane_ ? "plane" : "space";
+    const MotionModes* own = nullptr;
+    for (const MotionModes& motion : modes_.motions) {
+      if (motion.motion == problem_.motion) own = &motion;
+    }
+    if (!own) made_ = std::make_unique<Assembly>(chain, problem_.motion);
+    assembly_ = own ? own->assembly.get() : made_.get();
+    out_.unknowns = assembly_->size();
+
+    shift_ = estimate_nonlinearity(modes_, answer_, scene_, records_, options_.sampling.duration_s,
+                                   *assembly_);
+    out_.frequency_shift = shift_.frequency_shift;
+    out_.frequency_at_rest_hz = shift_.frequency_at_rest_hz;
+    out_.frequency_moving_hz = shift_.frequency_moving_hz;
+    out_.nonlinear = shift_.frequency_shift > scene_.accuracy;
+    out_.solver = options_.solver;
+    if (out_.solver == ResponseSolver::automatic) {
+      out_.solver = out_.nonlinear ? ResponseSolver::large_motion : ResponseSolver::modal;
+    }
+    for (const Sensor& sensor : scene_.sensors) problem_.quantities.push_back(sensor.quantity);
+    return true;
+  }
+  [[nodiscard]] bool linear() const { return out_.solver == ResponseSolver::modal; }
+
+  bool run_modal() {
+    if (!options_.axial.value_or(true) || plane_) {
+      LinearAnswerOptions less{options_.axial.value_or(true), plane_};
+      const LinearAnswer all = std::move(answer_);
+      answer_ = linear_answer(modes_, scene_, less);
+      if (!less.axial) {
+        axial_ = axial_part(modes_, all, weights_);
+      }
+      out_of_plane_ = plane_ ? out_of_plane_part(modes_, all, weights_) : 0;
+      truncated_ = truncated_part(all, weights_, scene_);
+      full_ = std::move(all);
+    } else {
+      truncated_ = truncated_part(answer_, weights_, scene_);
+    }
+    out_.step_s = 1 / options_.sampling.rate_hz;
+    const auto rows = static_cast<Eigen::Index>(options_.sampling.rows());
+    out_.samples = modal_response(answer_.sensors, problem_.quantities, scene_.loads, records_,
+                                  out_.step_s, rows);
+    out_.steps = static_cast<long>(rows) - 1;
+    return true;
+  }
+
+  bool run_exact() {
+    const Chain& chain = *modes_.chain;
+    const ChainState& rest = modes_.equilibrium.state;
+    problem_.chain = &chain;
+    problem_.rest = problem_.start = rest;
+    problem_.loads = scene_.loads;
+    problem_.records = records_;
+    problem_.joint_damping = any_joint_damping(chain);
+    problem_.modal_damping = modal_damping(modes_, answer_, *assembly_);
+    Eigen::VectorXd weight = Eigen::VectorXd::Zero(assembly_->size());
+    for (std::size_t l = 0; l < scene_.loads.size(); ++l) {
+      const double force = hung_weight(scene_, scene_.loads[l]);
+      if (force != 0) weight += force * load_row(*assembly_, static_cast<int>(l));
+    }
+    LoadedState loaded = loaded_state(*assembly_, rest, weight);
+    if (!loaded.converged) {
+      out_.reason = "no equilibrium was found with the hung mass on";
+      return false;
+    }
+    problem_.start = std::move(loaded.state);
+    if (out_.solver == ResponseSolver::large_motion) {
+      out_.solver =
+          cheaper(problem_, shift_.upper_frequency_hz, scene_.accuracy, options_.sampling.rate_hz);
+    }
+    if (!kernel_supports(chain, plane_ ? 2 : 3) && out_.solver != ResponseSolver::implicit_motion) {
+      out_.impossible = true;
+      out_.reason = std::string("the solver ") + name_of(out_.solver) +
+                    " takes neither torsion nor, in space, nodes that turn; use implicit";
+      return false;
+    }
+    MotionOutput motion = integrate();
+    out_.samples = std::move(motion.samples);
+    out_.energy = std::move(motion.energy);
+    out_.steps = motion.steps;
+    out_.step_s = motion.step_s;
+    out_.reason = motion.reason;
+    slowing_s2_ = motion.axial_slowing_s2;
+    return motion.completed;
+  }
+
+  MotionOutput integrate() {
+    switch (out_.solver) {
+      case ResponseSolver::implicit_motion: {
+        ImplicitOptions run;
+        run.sampling = options_.sampling;
+        run.step_s = options_.step_s;
+        run.frequency_hz = shift_.upper_frequency_hz;
+        run.accuracy = scene_.accuracy;
+        return implicit_motion(problem_, run);
+      }
+      case ResponseSolver::cvode_adams:
+      case ResponseSolver::cvode_banded: {
+        CvodeOptions run;
+        run.sampling = options_.sampling;
+        run.method = out_.solver == ResponseSolver::cvode_adams ? CvodeMethod::adams_fixed_point
+                                                                : CvodeMethod::bdf_banded;
+        run.relative_tolerance = options_.relative_tolerance;
+        run.absolute_displacement_m = 1e-3 * options_.relative_tolerance;
+        run.absolute_velocity_m_s = options_.relative_tolerance;
+        return cvode_response(problem_, run);
+      }
+      default: {
+        ExplicitOptions run;
+        run.sampling = options_.sampling;
+        run.step_s = options_.step_s;
+        // (2 pi / 16)^2 / 24: within a per cent of the damping of the fastest mode that matters.
+        run.damper_interval_s = 1 / (16 * std::max(shift_.upper_frequency_hz, 1e-3));
+        // A step that is asked for is meant for the dampers too: they converge with it.
+        if (options_.step_s) {
+          run.damper_interval_s = std::min(run.damper_interval_s, 4 * *options_.step_s);
+        }
+        const double interval = 1 / options_.sampling.rate_hz;
+        // Waves slowed because they were told to may cost energy; nothing else may.
+        if (options_.axial.value_or(true)) run.drift = scene_.accuracy;
+        if (options_.axial) {
+          run.slowed_step_s = *options_.axial ? 0 : interval;
+        } else if (shift_.frequency_shift < 1) {
+          // A third of what is asked for: the number of segments and the estimates take theirs.
+          run.slowed_step_s = slowed_step(modes_, answer_, weights_, shift_.frequency_shift,
+                                          interval, scene_.accuracy / 3);
+        }
+        return explicit_motion(problem_, run);
+      }
+    }
+  }
+
+  void say_what_was_left_out() {
+    const auto leave_out = [&](std::string what, double error, const char* of = "frequency") {
+      out_.left_out.push_back({std::move(what), error, of});
+    };
+    const Chain& chain = *modes_.chain;
+    const LinearAnswer& answer = full_.omega.size() > 0 ? full_ : answer_;
+    if (linear()) {
+      leave_out("change of stiffness with motion", shift_.frequency_shift);
+      if (answer.truncated) leave_out("modes above those found", truncated_, "response");
+    } else {
+      out_.kept.push_back("geometrically exact stiffness");
+    }
+    if (linear() && !options_.axial.value_or(true)) {
+      leave_out("axial dynamics: stretch follows at once", axial_, "response");
+    } else if (slowing_s2_ > 0) {
+      const StepErrors errors = explicit_step_errors(
+          modes_, answer, weights_, shift_.frequency_shift, out_.step_s, slowing_s2_);
+      // kappa omega^2 / 2 = 1 %
+      const double at_hz = std::sqrt(0.02 / slowing_s2_) / (2 * std::numbers::pi);
+      std::ostringstream what;
+      what.precision(3);
+      what << "axial waves at their own speed (1 % slow at " << at_hz << " Hz)";
+      leave_out(what.str(), errors.slowed_axial);
+    } else {
+      out_.kept.push_back("axial dynamics");
+    }
+    if (out_.solver == ResponseSolver::explicit_motion) {
+      leave_out(
+          "what happens within a step",
+          explicit_step_errors(modes_, answer, weights_, shift_.frequency_shift, out_.step_s, 0)
+              .scheme);
+    } else if (out_.solver == ResponseSolver::implicit_motion) {
+      leave_out("what happens within a step", implicit_step_error(answer, weights_, out_.step_s));
+    }
+    if (chain.torsion) {
+      out_.kept.push_back("torsion");
+    } else if (std::any_of(scene_.members.begin(), scene_.members.end(),
+                           [](const Member& m) { return m.GJ > 0; })) {
+      // Where no torque enters it is zero to first order, and exactly so in the plane.
+      const bool forced = !plane_ && needs_of(scene_, options_.torsion).torsion_left_out;
+      leave_out("torsion", forced ? torsion_shift(scene_, wanted_, modes_, answer, weights_) : 0);
+    }
+    if (plane_) {
+      if (!linear()) out_of_plane_ = out_of_plane_part(modes_, answer, weights_);
+      leave_out("motion out of the plane of symmetry", out_of_plane_, "response");
+    } else {
+      out_.kept.push_back("motion out of the plane");
+    }
+    if (out_.resolution_error < 0 && options_.resolution_estimate) {
+      out_.resolution_error = resolution_error(scene_, wanted_, modes_, answer, weights_);
+    }
+    if (out_.resolution_error >= 0) {
+      leave_out("bending within segments", out_.resolution_error);
+    }
+  }
+
+  const Scene& scene_;
+  const ResponseOptions& options_;
+  const std::vector<const ForceHistory*> records_;
+  ResponseResult out_;
+  ResponseModesOptions wanted_;
+  ChainModes modes_;
+  LinearAnswer answer_, full_;
+  ModeWeights weights_;
+  Nonlinearity shift_;
+  MotionProblem problem_;
+  std::unique_ptr<Assembly> made_;
+  const Assembly* assembly_ = nullptr;
+  bool plane_ = false;
+  double axial_ = 0, out_of_plane_ = 0, truncated_ = 0, slowing_s2_ = 0;
+};
+
+}  // namespace
+
+ResponseResult simulate_response(const Scene& scene, const ResponseOptions& options) {
+  return Simulation(scene, options).run();
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,141 @@
+#include "model/response/response_estimates.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigfit::model {
+namespace {
+
+// Share of axial stretching in a mode's strain energy, phi' K_axial phi / omega^2.
+double stretching(const ChainModes& modes, const LinearAnswer& answer, int mode) {
+  const auto [m, k] = answer.mode[static_cast<std::size_t>(mode)];
+  const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
+  const Chain& chain = *modes.chain;
+  const ChainState& rest = modes.equilibrium.state;
+  const Numbering& numbering = motion.assembly->numbering();
+  const auto shape = motion.shapes.col(k);
+  double sum = 0;
+  for (const Segment& s : chain.segments) {
+    const Eigen::Vector3d t = (rest.position.col(s.b) - rest.position.col(s.a)).normalized();
+    double stretch = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int a = numbering.displacement(axis, s.a), b = numbering.displacement(axis, s.b);
+      stretch += t[axis] * ((b >= 0 ? shape(b) : 0) - (a >= 0 ? shape(a) : 0));
+    }
+    sum += s.EA / s.length * stretch * stretch;
+  }
+  const double omega2 = motion.omega2(k);
+  return omega2 > 0 ? std::min(1.0, sum / omega2) : 0;
+}
+
+double root_part(double part, double all) { return all > 0 ? std::sqrt(part / all) : 0; }
+
+}  // namespace
+
+StepErrors explicit_step_errors(const ChainModes& modes, const LinearAnswer& answer,
+                                const ModeWeights& weights, double shift, double step_s,
+                                double kappa) {
+  StepErrors out;
+  for (Eigen::Index p = 0; p < weights.sensors.size(); ++p) {
+    const double weight = weights.sensors(p);
+    if (!(weight > 1e-12)) continue;
+    const double omega2 = std::norm(answer.modal.poles(p)), x = omega2 * step_s * step_s;
+    out.scheme += weight * std::min(1.0, x * x / 1440);
+    if (!(kappa > 0)) continue;
+    const double axial =
+        stretching(modes, answer, weights.mode_of_pole[static_cast<std::size_t>(p)]);
+    const double moving = 2 * shift * std::max(omega2, weights.mean_omega2);
+    out.slowed_axial += weight * std::min(1.0, kappa * (omega2 * axial / 2 + moving));
+  }
+  return out;
+}
+
+double implicit_step_error(const LinearAnswer& answer, const ModeWeights& weights, double step_s) {
+  double error = 0;
+  for (Eigen::Index p = 0; p < weights.sensors.size(); ++p) {
+    error +=
+        weights.sensors(p) * std::min(1.0, std::norm(answer.modal.poles(p)) * step_s * step_s / 12);
+  }
+  return error;
+}
+
+double slowed_step(const ChainModes& modes, const LinearAnswer& answer, const ModeWeights& weights,
+                   double shift, double interval_s, double accuracy) {
+  for (int n = 1; n <= 64; ++n) {
+    const double h = interval_s / n;
+    const StepErrors errors = explicit_step_errors(modes, answer, weights, shift, h, h * h / 8);
+    if (errors.scheme + errors.slowed_axial <= accuracy) return h;
+  }
+  return 0;
+}
+
+double out_of_plane_part(const ChainModes& modes, const LinearAnswer& answer,
+                         const ModeWeights& weights) {
+  double part = 0;
+  for (Eigen::Index p = 0; p < weights.sensors.size(); ++p) {
+    const auto mode = static_cast<std::size_t>(weights.mode_of_pole[static_cast<std::size_t>(p)]);
+    const auto motion = static_cast<std::size_t>(answer.mode[mode].motion);
+    if (modes.motions[motion].motion == Motion::out_of_plane) part += weights.sensors(p);
+  }
+  return root_part(part, weights.sensors.sum());
+}
+
+double axial_part(const ChainModes& modes, const LinearAnswer& answer, const ModeWeights& weights) {
+  double part = 0;
+  for (Eigen::Index p = 0; p < weights.sensors.size(); ++p) {
+    const auto mode = static_cast<std::size_t>(weights.mode_of_pole[static_cast<std::size_t>(p)]);
+    const auto [m, k] = answer.mode[mode];
+    const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
+    if (axial_share(*motion.assembly, modes.equilibrium.state, motion.shapes.col(k)) > 0.5) {
+      part += weights.sensors(p);
+    }
+  }
+  return root_part(part, weights.sensors.sum());
+}
+
+double truncated_part(const LinearAnswer& answer, const ModeWeights& weights, const Scene& scene) {
+  if (!answer.truncated) return 0;
+  const double top = answer.modal.poles.cwiseAbs().maxCoeff();
+  double upper = 0;
+  for (Eigen::Index p = 0; p < weights.sensors.size(); ++p) {
+    if (std::abs(answer.modal.poles(p)) > top / 2) upper += weights.sensors(p);
+  }
+  // Mean squares per mode fall by r^-4, -2, 0 in displacement, velocity, acceleration: beyond the
+  // top there is 1/7 of what its upper half holds, as much, or no end.
+  double factor = 1.0 / 7;
+  for (const Sensor& sensor : scene.sensors) {
+    if (sensor.quantity == Sensor::Quantity::velocity) factor = std::max(factor, 1.0);
+    if (sensor.quantity == Sensor::Quantity::acceleration) return upper > 0 ? 1 : 0;
+  }
+  return root_part(factor * upper, weights.sensors.sum());
+}
+
+double torsion_shift(const Scene& scene, const ResponseModesOptions& options,
+                     const ChainModes& modes, const LinearAnswer& answer,
+                     const ModeWeights& weights) {
+  ResponseModesOptions with = options;
+  with.torsion = true;
+  const ChainModes full = response_modes(scene, with);
+  if (full.motions.size() != modes.motions.size()) return 1;
+  double shift = 0;
+  for (std::size_t k = 0; k < full.motions.size(); ++k) {
+    // Torsional modes have no counterpart.
+    std::vector<double> others;
+    for (Eigen::Index i = 0; i < full.motions[k].omega2.size(); ++i) {
+      if (twist_share(*full.motions[k].assembly, full.motions[k].shapes.col(i)) > 0.5) continue;
+      others.push_back(std::sqrt(std::max(full.motions[k].omega2(i), 0.0)));
+    }
+    std::size_t place = 0;
+    for (std::size_t i = 0; i < answer.mode.size(); ++i) {
+      if (answer.mode[i].motion != static_cast<int>(k)) continue;
+      const auto mode = static_cast<Eigen::Index>(i);
+      if (place < others.size() && others[place] > 0) {
+        shift += weights.energy(mode) * std::abs(answer.omega(mode) / others[place] - 1);
+      }
+      ++place;
+    }
+  }
+  return shift;
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,184 @@
+#include "model/response/response_modes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/algebra/eigenpairs.h"
+
+namespace rigfit::model {
+namespace {
+
+constexpr int kAllModes = 400;  // unknowns of a motion up to which all modes are taken
+constexpr int kSomeModes = 200;
+constexpr int kUsualSegments = 30, kFewestAutoSegments = 8, kMostAutoSegments = 400;
+
+ModesOptions options_for(const ResponseModesOptions& options) {
+  ModesOptions out;
+  out.torsion = options.torsion;
+  return out;
+}
+
+bool driven(const MotionModes& motion) {
+  const auto loads = static_cast<int>(motion.assembly->chain().loads.size());
+  for (int l = 0; l < loads; ++l) {
+    if (!load_row(*motion.assembly, l).isZero(1e-12)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+ChainModes response_modes(const Scene& scene, const ResponseModesOptions& options) {
+  ChainModes out = prepare_motions(scene, options_for(options), options.segments);
+  bool any = false;
+  for (const MotionModes& motion : out.motions) any = any || driven(motion);
+  for (std::size_t k = 0; k < out.motions.size(); ++k) {
+    MotionModes& motion = out.motions[k];
+    const int n = motion.assembly->size();
+    motion.shapes.resize(n, 0);
+    motion.complete = true;
+    if (any ? !driven(motion) : k > 0) continue;
+    const int count = options.modes > 0 ? options.modes : n <= kAllModes ? n : kSomeModes;
+    Eigenpairs pairs = lowest_eigenpairs(motion.stiffness, motion.mass, std::min(n, count));
+    motion.omega2 = std::move(pairs.values);
+    motion.shapes = std::move(pairs.vectors);
+    motion.complete = pairs.complete;
+    for (Eigen::Index i = 0; i < motion.omega2.size(); ++i) {
+      out.order.push_back({static_cast<int>(k), static_cast<int>(i)});
+    }
+  }
+  return out;
+}
+
+ModeWeights mode_weights(const LinearAnswer& answer, const Scene& scene,
+                         const std::vector<const ForceHistory*>& records, double duration_s) {
+  ModeWeights out;
+  const PoleModel& model = answer.modal;
+  const Eigen::Index modes = answer.omega.size(), poles = model.poles.size();
+  out.energy = Eigen::VectorXd::Zero(modes);
+  out.sensors = Eigen::VectorXd::Zero(poles);
+  out.mode_of_pole.assign(static_cast<std::size_t>(poles), 0);
+  if (poles == 0) return out;
+  const ModalPropagator propagator(model, scene.loads, records);
+  Eigen::VectorXcd z = propagator.initial();
+  const double begin = std::min(duration_s, propagator.last_force_s());
+  propagator.advance(z, 0, begin);
+
+  const double span = std::max(duration_s - begin, 1e-9);
+  const auto mean_decay = [&](Eigen::Index p) {
+    const double decay = -2 * model.poles(p).real() * span;
+    return decay > 1e-9 ? -std::expm1(-decay) / decay : 1;
+  };
+  double all = 0;
+  for (Eigen::Index p = 0; p < poles; ++p) {
+    Eigen::Index mode = 0;
+    model.output.col(p).cwiseAbs().cwiseProduct(answer.omega).maxCoeff(&mode);
+    out.mode_of_pole[static_cast<std::size_t>(p)] = static_cast<int>(mode);
+    // Amplitude, not the displacement of the moment.
+    const double omega2 = std::norm(model.poles(p));
+    const double energy = std::norm(model.output(mode, p) * z(p)) * omega2 / 2;
+    out.energy(mode) += energy;
+    out.mean_omega2 += energy * mean_decay(p) * omega2;
+    all += energy;
+  }
+  if (all > 0) out.mean_omega2 /= all;
+  if (out.energy.sum() > 0) out.energy /= out.energy.sum();
+
+  for (Eigen::Index s = 0; s < answer.sensors.output.rows(); ++s) {
+    const auto quantity = scene.sensors[static_cast<std::size_t>(s)].quantity;
+    const int derivatives = quantity == Sensor::Quantity::acceleration ? 2
+                            : quantity == Sensor::Quantity::velocity   ? 1
+                                                                       : 0;
+    Eigen::VectorXd own(poles);
+    for (Eigen::Index p = 0; p < poles; ++p) {
+      own(p) = std::norm(answer.sensors.output(s, p) * z(p)) *
+               std::pow(std::norm(model.poles(p)), derivatives) * mean_decay(p);
+    }
+    if (own.sum() > 0) out.sensors += own / own.sum();
+  }
+  if (out.sensors.sum() > 0) out.sensors /= out.sensors.sum();
+  return out;
+}
+
+double resolution_error(const Scene& scene, const ResponseModesOptions& options,
+                        const ChainModes& modes, const LinearAnswer& answer,
+                        const ModeWeights& weights) {
+  ResponseModesOptions finer = options;
+  finer.segments.clear();
+  for (const ChainMember& member : modes.chain->members) {
+    finer.segments.push_back(2 * member.segments);
+  }
+  const ChainModes fine = prepare_motions(scene, options_for(finer), finer.segments);
+  if (fine.motions.size() != modes.motions.size()) return 1;
+  double error = 0;
+  for (std::size_t k = 0; k < modes.motions.size(); ++k) {
+    // The lowest modes that hold all but a thousandth of this motion's energy.
+    std::vector<std::size_t> own;
+    double all = 0;
+    for (std::size_t i = 0; i < answer.mode.size(); ++i) {
+      if (answer.mode[i].motion != static_cast<int>(k)) continue;
+      own.push_back(i);
+      all += weights.energy(static_cast<Eigen::Index>(i));
+    }
+    std::size_t count = 0;
+    for (double held = 0; count < own.size() && held < 0.999 * all; ++count) {
+      held += weights.energy(static_cast<Eigen::Index>(own[count]));
+    }
+    if (count == 0) continue;
+    const int top = answer.mode[own[count - 1]].mode + 1;
+    const Eigen::VectorXd values =
+        lowest_eigenpairs(fine.motions[k].stiffness, fine.motions[k].mass, top).values;
+    if (values.size() < top) return 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto mode = static_cast<Eigen::Index>(own[i]);
+      const double other = std::sqrt(std::max(values(answer.mode[own[i]].mode), 0.0));
+      if (!(other > 0)) continue;
+      error += weights.energy(mode) * std::abs(answer.omega(mode) / other - 1) * 4 / 3;
+    }
+  }
+  return error;
+}
+
+ResponseResolution choose_response_segments(const Scene& scene, const ResponseModesOptions& options,
+                                            const std::vector<const ForceHistory*>& records,
+                                            double duration_s) {
+  ResponseResolution best;
+  const auto chosen = [&](int n) {
+    std::vector<int> segments;
+    for (const Member& member : scene.members) {
+      segments.push_back(member.segments > 0 ? member.segments : n);
+    }
+    return segments;
+  };
+  int low = kFewestAutoSegments - 1, high = kMostAutoSegments + 1, n = kUsualSegments;
+  for (int round = 0; round < 8; ++round) {
+    ResponseModesOptions trial = options;
+    trial.segments = chosen(n);
+    ResponseResolution now;
+    now.segments = trial.segments;
+    now.modes = response_modes(scene, trial);
+    if (now.modes.equilibrium.status != EquilibriumStatus::converged) {
+      // Nothing to choose from; another number of segments may still find it.
+      if (round > 0) break;
+      best = std::move(now);
+      break;
+    }
+    now.answer = linear_answer(now.modes, scene);
+    const ModeWeights weights = mode_weights(now.answer, scene, records, duration_s);
+    now.relative_error = resolution_error(scene, trial, now.modes, now.answer, weights);
+    const double ratio = now.relative_error / scene.accuracy;
+    (ratio <= 1 ? high : low) = n;
+    // The first, the smallest that is good enough, or the best there is.
+    if (best.segments.empty() || ratio <= 1 ||
+        (best.relative_error > scene.accuracy && now.relative_error < best.relative_error)) {
+      best = std::move(now);
+    }
+    if (high - low <= std::max(1, high / 12) || low >= kMostAutoSegments) break;
+    const double guess = 1.03 * n * std::clamp(std::sqrt(ratio), 0.3, 4.0);
+    n = std::clamp(static_cast<int>(std::ceil(guess)), low + 1,
+                   std::min(high - 1, kMostAutoSegments));
+  }
+  return best;
+}
+
+}  // namespace rigfit::model

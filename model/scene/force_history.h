@@ -1,0 +1,35 @@
+// A force over time as a load gives it: a half-sine pulse, straight lines between samples, or none.
+#pragma once
+
+#include <vector>
+
+#include "model/scene/scene.h"
+
+namespace rigfit::model {
+
+/// Zero outside its samples, linear between them.
+struct ForceHistory {
+  std::vector<double> time_s;  ///< strictly rising
+  std::vector<double> force_N;
+};
+
+class LoadForce {
+ public:
+  /// `record` is used (and must be there) for a load of kind `record`; it must outlive this object.
+  /// A release has no force after t = 0.
+  LoadForce(const Load& load, const ForceHistory* record);
+
+  /// N along the load's direction.
+  [[nodiscard]] double at(double time_s) const;
+  /// Times where the force or its slope jumps (a pulse's ends, a record's samples), rising.
+  [[nodiscard]] std::vector<double> corners() const;
+  /// The last time at which it is not zero; 0 when it never is.
+  [[nodiscard]] double end_s() const;
+
+ private:
+  Load::Kind kind_;
+  double peak_, duration_, start_;
+  const ForceHistory* record_;
+};
+
+}  // namespace rigfit::model

@@ -1,0 +1,476 @@
+#include "model/scene/read_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "model/scene/scene_repeat.h"
+#include "model/scene/toml_table.h"
+
+namespace rigfit::model {
+namespace {
+
+constexpr int kMostSegments = 10000;
+
+Eigen::Vector3d vector3(TomlTable& table, const std::string& key, const std::string& unit) {
+  const auto v = table.numbers(key, 3, 3, Bound::any, unit);
+  return {v[0], v[1], v[2]};
+}
+
+Eigen::Vector3d unit_vector(TomlTable& table, const std::string& key,
+                            const Eigen::Vector3d& fallback) {
+  if (!table.has(key)) return fallback;
+  const Eigen::Vector3d direction = vector3(table, key, "");
+  const double length = direction.stableNorm();
+  if (!(length > 0)) {
+    throw table.error(key, "has no length", "give a direction such as [0, -1, 0] (down)");
+  }
+  // A unit vector stays as written, so that a scene reads back to the same numbers.
+  return std::abs(length - 1) < 1e-14 ? direction : Eigen::Vector3d(direction / length);
+}
+
+std::string name_in(TomlTable& table, const std::string& fallback) {
+  if (!table.has("name") && !fallback.empty()) return fallback;
+  std::string name = table.string("name");
+  if (name.empty()) throw table.error("name", "is empty", "give each one a name of its own");
+  return name;
+}
+
+Support support_of(TomlTable& node) {
+  Support support;
+  if (node.is_table("support")) {
+    TomlTable table = node.table("support");
+    support.kind = Support::Kind::elastic;
+    for (const auto& [key, unit, target] :
+         {std::tuple{"translational", "N/m", &support.translational},
+          std::tuple{"rotational", "N m/rad", &support.rotational}}) {
+      if (!table.has(key)) continue;
+      const auto v = table.numbers(key, 3, 3, Bound::not_negative, unit, true);
+      *target = {v[0], v[1], v[2]};
+    }
+    table.finish();
+    return support;
+  }
+  if (!node.has("support")) return support;
+  if (!node.is_string("support")) {
+    throw node.error("support", "must be a word or a table of stiffnesses",
+                     "write \"free\", \"clamped\", \"pinned\" or { translational = [x, y, z], "
+                     "rotational = [x, y, z] } in N/m and N m/rad (inf: fixed)");
+  }
+  const std::string word = node.choice_or("support", {"free", "clamped", "pinned"}, "free");
+  support.kind = word == "free"      ? Support::Kind::free
+                 : word == "clamped" ? Support::Kind::clamped
+                                     : Support::Kind::pinned;
+  return support;
+}
+
+SceneNode read_node(TomlTable& table) {
+  SceneNode node;
+  node.name = name_in(table, "");
+  node.position = vector3(table, "position", "m");
+  node.support = support_of(table);
+  node.mass = table.number_or("mass", Bound::not_negative, "kg", 0);
+  table.finish();
+  return node;
+}
+
+int segments_of(TomlTable& table) {
+  if (!table.is_string("segments")) {
+    return table.has("segments") ? table.integer_or("segments", 2, kMostSegments, 0) : 0;
+  }
+  static_cast<void>(table.choice_or("segments", {"auto"}, "auto"));
+  return 0;
+}
+
+std::array<double, 2> bending_stiffness(TomlTable& table, Member::Kind kind) {
+  if (!table.is_array("EI")) {
+    const double EI = table.number("EI", Bound::not_negative, "N m2");
+    return {EI, EI};
+  }
+  const auto EI = table.numbers("EI", 2, 2, Bound::not_negative, "N m2");
+  if (kind == Member::Kind::cable && EI[0] != EI[1]) {
+    throw table.error("EI", "gives a cable two bending stiffnesses",
+                      "give one number, or make it kind = \"beam\"");
+  }
+  return {EI[0], EI[1]};
+}
+
+void read_initial_state(TomlTable& table, Member& member) {
+  member.tension = table.optional_number("tension", Bound::positive, "N");
+  member.unstretched_length = table.optional_number("unstretched_length", Bound::positive, "m");
+  member.stretch = table.optional_number("stretch", Bound::not_negative, "m");
+  const int given = member.tension.has_value() + member.unstretched_length.has_value() +
+                    member.stretch.has_value();
+  if (member.kind == Member::Kind::beam && given > 0) {
+    const char* key = member.tension              ? "tension"
+                      : member.unstretched_length ? "unstretched_length"
+                                                  : "stretch";
+    throw table.error(key, "is given for a beam, which is stress-free as drawn",
+                      "leave it out, or make the member kind = \"cable\"");
+  }
+  if (member.kind == Member::Kind::cable && given == 0) {
+    throw table.error("tension", "is missing",
+                      "a cable needs one of tension (N), unstretched_length (m) or stretch (m)");
+  }
+  if (given > 1) {
+    throw table.error(member.stretch ? "stretch" : "unstretched_length",
+                      "says a second time how the cable is tensioned",
+                      "keep only one of tension, unstretched_length and stretch");
+  }
+}
+
+void read_damping(TomlTable& table, Member& member) {
+  member.damping_ratio = table.optional_number("damping_ratio", Bound::not_negative, "");
+  if (member.damping_ratio && *member.damping_ratio >= 1) {
+    throw table.error("damping_ratio",
+                      fmt::format("must be below 1, got {}", *member.damping_ratio),
+                      "give the ratio to critical damping, such as 0.005 (not percent)");
+  }
+  if (!table.has("damping")) return;
+  if (member.damping_ratio) {
+    throw table.error("damping", "is given beside damping_ratio",
+                      "keep one: joint dampers or a modal ratio");
+  }
+  TomlTable damping = table.table("damping");
+  member.damping.axial = damping.number_or("axial", Bound::not_negative, "N s", 0);
+  member.damping.bending = damping.number_or("bending", Bound::not_negative, "N m2 s", 0);
+  member.damping.torsion = damping.number_or("torsion", Bound::not_negative, "N m2 s", 0);
+  damping.finish();
+}
+
+void read_joints(TomlTable& table, Member& member) {
+  if (!table.has("joint")) return;
+  auto words = table.string_or_strings("joint");
+  if (words.size() == 1) words.push_back(words[0]);
+  if (words.size() != 2) {
+    throw table.error("joint", fmt::format("has {} values", words.size()),
+                      "give one word for both ends, or two: [\"rigid\", \"pinned\"]");
+  }
+  for (std::size_t end = 0; end < 2; ++end) {
+    if (words[end] != "rigid" && words[end] != "pinned") {
+      throw table.error("joint", "does not know \"" + words[end] + "\"",
+                        "it must be \"rigid\" or \"pinned\"");
+    }
+    member.joint[end] = words[end] == "pinned" ? Member::Joint::pinned : Member::Joint::rigid;
+  }
+}
+
+double position_of(TomlTable& table) {
+  const double position = table.number("position", Bound::any, "");
+  if (position < 0 || position > 1) {
+    throw table.error("position", fmt::format("must be from 0 to 1, got {}", position),
+                      "give the fraction of the member's length from its first node");
+  }
+  return position;
+}
+
+Member read_member(TomlTable& table) {
+  Member member;
+  member.name = name_in(table, "");
+  static_cast<void>(table.string("kind"));
+  member.kind = table.choice_or("kind", {"cable", "beam"}, "") == "beam" ? Member::Kind::beam
+                                                                         : Member::Kind::cable;
+  const auto nodes = table.strings("nodes");
+  if (nodes.size() != 2) {
+    throw table.error("nodes", fmt::format("names {} nodes", nodes.size()),
+                      "name the two nodes it joins: [\"left\", \"right\"]");
+  }
+  member.nodes = {nodes[0], nodes[1]};
+  member.segments = segments_of(table);
+  member.mass_per_length = table.number("mass_per_length", Bound::positive, "kg/m");
+  member.EA = table.number("EA", Bound::positive, "N");
+  member.EI = bending_stiffness(table, member.kind);
+  member.GJ = table.number_or("GJ", Bound::not_negative, "N m2", 0);
+  member.polar_inertia = table.number_or("polar_inertia", Bound::not_negative, "kg m", 0);
+  member.taper = table.number_or("taper", Bound::positive, "", 1);
+  read_initial_state(table, member);
+  member.assembled = table.choice_or("assembled", {"hanging", "straight"}, "hanging") == "straight"
+                         ? Member::Assembled::straight
+                         : Member::Assembled::hanging;
+  read_damping(table, member);
+  read_joints(table, member);
+  for (TomlTable& mass : table.tables_or_empty("mass")) {
+    AttachedMass attached;
+    attached.position = position_of(mass);
+    attached.mass = mass.number("mass", Bound::positive, "kg");
+    mass.finish();
+    member.masses.push_back(attached);
+  }
+  table.finish();
+  return member;
+}
+
+Place read_place(TomlTable& table) {
+  Place place;
+  if (table.has("node") && table.has("member")) {
+    throw table.error("node", "is given beside a member",
+                      "keep one: a node, or member and position");
+  }
+  if (table.has("node")) {
+    place.node = table.string("node");
+    if (table.has("position")) {
+      throw table.error("position", "is given for a node", "leave it out, or name a member");
+    }
+    return place;
+  }
+  if (!table.has("member")) {
+    throw table.error("member", "is missing", "say where: node, or member and position (0..1)");
+  }
+  place.member = table.string("member");
+  place.position = position_of(table);
+  return place;
+}
+
+Load read_load(TomlTable& table, std::size_t index, const std::filesystem::path& folder,
+               const Eigen::Vector3d& gravity) {
+  Load load;
+  load.name = name_in(table, fmt::format("load-{}", index + 1));
+  static_cast<void>(table.string("kind"));
+  const std::string kind = table.choice_or("kind", {"impact", "release", "record"}, "");
+  load.place = read_place(table);
+  if (kind == "release") {
+    load.kind = Load::Kind::release;
+    load.mass = table.number("mass", Bound::positive, "kg");
+    if (gravity.isZero()) {
+      throw table.error("kind", "hangs a mass where there is no gravity",
+                        "give the scene a gravity, or use an impact");
+    }
+    if (table.has("direction")) {
+      throw table.error("direction", "is given for a release, whose mass hangs along gravity",
+                        "leave it out");
+    }
+    load.direction = gravity.normalized();
+  } else {
+    load.direction = unit_vector(table, "direction", {0, -1, 0});
+  }
+  if (kind == "impact") {
+    load.kind = Load::Kind::impact;
+    load.peak = table.number("peak", Bound::positive, "N");
+    load.duration = table.number("duration", Bound::positive, "s");
+    load.start = table.number_or("start", Bound::not_negative, "s", 0);
+  } else if (kind == "record") {
+    load.kind = Load::Kind::record;
+    const std::filesystem::path file = folder / table.string("file");
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) {
+      throw table.error("file", "there is no file " + file.string(),
+                        "name a CSV of time and force; the path starts at the scene's folder");
+    }
+    load.file = file.string();
+  }
+  table.finish();
+  return load;
+}
+
+Sensor read_sensor(TomlTable& table, std::size_t index) {
+  Sensor sensor;
+  sensor.name = name_in(table, fmt::format("sensor-{}", index + 1));
+  sensor.place = read_place(table);
+  sensor.direction = unit_vector(table, "direction", {0, 1, 0});
+  const std::string word = table.choice_or(
+      "quantity", {"acceleration", "velocity", "displacement", "force"}, "acceleration");
+  sensor.quantity = word == "acceleration"   ? Sensor::Quantity::acceleration
+                    : word == "velocity"     ? Sensor::Quantity::velocity
+                    : word == "displacement" ? Sensor::Quantity::displacement
+                                             : Sensor::Quantity::force;
+  if (sensor.quantity == Sensor::Quantity::force && !sensor.place.node.empty()) {
+    throw table.error("node", "cannot carry a force sensor: tension belongs to a member",
+                      "name a member and a position");
+  }
+  table.finish();
+  return sensor;
+}
+
+/// Refuses a name that was given before (nodes, members and loads share one set of names, as
+/// parameters are called "<name>.<quantity>").
+void claim(std::set<std::string>& names, const std::string& name, const TomlTable& table) {
+  if (!names.insert(name).second) {
+    throw table.error("name", "\"" + name + "\" is used twice",
+                      "give nodes, members and loads names of their own");
+  }
+}
+
+std::string missing(const std::string& name, const std::vector<std::string>& known) {
+  const auto nearest = nearest_word(name, known);
+  if (nearest) return "did you mean \"" + *nearest + "\"?";
+  std::string list;
+  for (const auto& word : known) list += (list.empty() ? "\"" : ", \"") + word + "\"";
+  return list.empty() ? "there are none yet" : "there are " + list;
+}
+
+class Reader {
+ public:
+  Reader(TomlTable root, const std::string& file) : root_(std::move(root)) { scene_.file = file; }
+
+  Scene read() {
+    read_tables();
+    const auto node_names = names(scene_.nodes), member_names = names(scene_.members);
+    check_members(node_names);
+    for (std::size_t i = 0; i < scene_.loads.size(); ++i) {
+      check_place(scene_.loads[i].place, load_tables_[i], node_names, member_names);
+    }
+    for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
+      check_place(scene_.sensors[i].place, sensor_tables_[i], node_names, member_names);
+    }
+    check_connected();
+    return std::move(scene_);
+  }
+
+ private:
+  template <class T>
+  static std::vector<std::string> names(const std::vector<T>& things) {
+    std::vector<std::string> result;
+    for (const auto& thing : things) result.push_back(thing.name);
+    return result;
+  }
+
+  void read_tables() {
+    scene_.title = root_.string_or("title", "");
+    if (root_.is_array("gravity")) {
+      scene_.gravity = vector3(root_, "gravity", "m/s2");
+    } else {
+      scene_.gravity = {
+          0, -root_.number_or("gravity", Bound::not_negative, "m/s2", kStandardGravity), 0};
+    }
+    scene_.accuracy = root_.number_or("accuracy", Bound::positive, "", scene_.accuracy);
+    if (scene_.accuracy > 0.1) {
+      throw root_.error("accuracy", fmt::format("must be at most 0.1, got {}", scene_.accuracy),
+                        "give a relative error in frequency, such as 1e-4");
+    }
+    std::set<std::string> taken, sensors_taken;
+    for (TomlTable& table : root_.tables_or_empty("node")) {
+      scene_.nodes.push_back(read_node(table));
+      claim(taken, scene_.nodes.back().name, table);
+      node_tables_.push_back(table);
+    }
+    for (TomlTable& table : root_.tables_or_empty("member")) {
+      scene_.members.push_back(read_member(table));
+      claim(taken, scene_.members.back().name, table);
+      member_tables_.push_back(table);
+    }
+    if (scene_.members.empty()) {
+      throw root_.error("member", "is missing", "a scene needs at least one [[member]]");
+    }
+    for (TomlTable& table : root_.tables_or_empty("repeat")) {
+      repeat(scene_, table);
+      // Copies answer for the line of their [[repeat]].
+      node_tables_.resize(scene_.nodes.size(), table);
+      member_tables_.resize(scene_.members.size(), table);
+      for (const auto& name : names(scene_.nodes)) taken.insert(name);
+      for (const auto& name : names(scene_.members)) taken.insert(name);
+    }
+    const auto folder = std::filesystem::path(scene_.file).parent_path();
+    for (TomlTable& table : root_.tables_or_empty("load")) {
+      scene_.loads.push_back(read_load(table, scene_.loads.size(), folder, scene_.gravity));
+      claim(taken, scene_.loads.back().name, table);
+      load_tables_.push_back(table);
+    }
+    for (TomlTable& table : root_.tables_or_empty("sensor")) {
+      scene_.sensors.push_back(read_sensor(table, scene_.sensors.size()));
+      if (!sensors_taken.insert(scene_.sensors.back().name).second) {
+        throw table.error("name", "\"" + scene_.sensors.back().name + "\" is used twice",
+                          "give each sensor a name of its own");
+      }
+      sensor_tables_.push_back(table);
+    }
+    root_.finish();
+  }
+
+  void check_members(const std::vector<std::string>& node_names) {
+    std::map<std::string, std::size_t> index;
+    for (std::size_t i = 0; i < node_names.size(); ++i) index[node_names[i]] = i;
+    std::vector<bool> used(node_names.size(), false);
+    for (std::size_t m = 0; m < scene_.members.size(); ++m) {
+      const Member& member = scene_.members[m];
+      const TomlTable& table = member_tables_[m];
+      for (const auto& name : member.nodes) {
+        if (!index.contains(name)) {
+          throw table.error("nodes", "there is no node \"" + name + "\"",
+                            missing(name, node_names));
+        }
+        used[index[name]] = true;
+      }
+      const Eigen::Vector3d chord = scene_.nodes[index[member.nodes[1]]].position -
+                                    scene_.nodes[index[member.nodes[0]]].position;
+      if (member.nodes[0] == member.nodes[1] || !(chord.stableNorm() > 0)) {
+        throw table.error("nodes", "\"" + member.name + "\" has no length: its ends coincide",
+                          "join two nodes at different positions");
+      }
+      if (member.stretch && *member.stretch >= chord.stableNorm()) {
+        throw table.error("stretch",
+                          fmt::format("is {} m, as long as the {} m between its nodes or longer",
+                                      *member.stretch, chord.stableNorm()),
+                          "give the displacement of the end by which the cable was tensioned");
+      }
+    }
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      if (!used[i]) {
+        throw node_tables_[i].error("name", "no member ends at node \"" + node_names[i] + "\"",
+                                    "name it in a member's nodes, or delete it");
+      }
+    }
+  }
+
+  static void check_place(const Place& place, const TomlTable& table,
+                          const std::vector<std::string>& node_names,
+                          const std::vector<std::string>& member_names) {
+    const bool at_node = !place.node.empty();
+    const auto& known = at_node ? node_names : member_names;
+    const auto& name = at_node ? place.node : place.member;
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      throw table.error(at_node ? "node" : "member",
+                        fmt::format("there is no {} \"{}\"", at_node ? "node" : "member", name),
+                        missing(name, known));
+    }
+  }
+
+  /// All members hang together, and something holds them.
+  void check_connected() {
+    std::set<std::string> reached{scene_.members[0].nodes[0]};
+    for (bool grew = true; grew;) {
+      grew = false;
+      for (const auto& member : scene_.members) {
+        const bool first = reached.contains(member.nodes[0]),
+                   second = reached.contains(member.nodes[1]);
+        if (first == second) continue;
+        reached.insert(member.nodes[first ? 1 : 0]);
+        grew = true;
+      }
+    }
+    for (std::size_t m = 0; m < scene_.members.size(); ++m) {
+      if (!reached.contains(scene_.members[m].nodes[0])) {
+        throw member_tables_[m].error("nodes",
+                                      fmt::format("\"{}\" is not connected to \"{}\"",
+                                                  scene_.members[m].name, scene_.members[0].name),
+                                      "let them share a node, or make two scenes of them");
+      }
+    }
+    const bool held = std::any_of(scene_.nodes.begin(), scene_.nodes.end(), [](const auto& node) {
+      return node.support.kind != Support::Kind::free;
+    });
+    if (!held && !scene_.gravity.isZero()) {
+      throw root_.error("node", "nothing holds the rig: no node has a support",
+                        "give at least one node support = \"clamped\" or \"pinned\", or set "
+                        "gravity = 0 for a free one");
+    }
+  }
+
+  TomlTable root_;
+  Scene scene_;
+  std::vector<TomlTable> node_tables_, member_tables_, load_tables_, sensor_tables_;
+};
+
+}  // namespace
+
+Scene read_scene(const std::filesystem::path& path) {
+  return Reader(TomlTable::read_file(path), path.string()).read();
+}
+
+Scene parse_scene(std::string_view text, const std::string& file) {
+  return Reader(TomlTable::parse(text, file), file).read();
+}
+
+}  // namespace rigfit::model

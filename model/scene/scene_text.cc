@@ -1,0 +1,177 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "model/scene/read_scene.h"
+
+namespace rigfit::model {
+namespace {
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += '\\';
+      result += c;
+    } else if (c == '\n') {
+      result += "\\n";
+    } else if (c == '\t') {
+      result += "\\t";
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      result += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + "\"";
+}
+
+/// Shortest text that reads back to the same double, always a TOML number.
+std::string number(double value) {
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  if (value == 0) return std::signbit(value) ? "-0.0" : "0";  // -0 would be a whole number: 0
+  return fmt::format("{}", value);
+}
+
+std::string vector(const Eigen::Vector3d& v) {
+  return fmt::format("[{}, {}, {}]", number(v[0]), number(v[1]), number(v[2]));
+}
+
+std::string node_text(const SceneNode& node) {
+  std::string text = fmt::format("\n[[node]]\nname = {}\nposition = {}  # m\n", quoted(node.name),
+                                 vector(node.position));
+  switch (node.support.kind) {
+    case Support::Kind::free:
+      break;
+    case Support::Kind::pinned:
+      text += "support = \"pinned\"\n";
+      break;
+    case Support::Kind::clamped:
+      text += "support = \"clamped\"\n";
+      break;
+    case Support::Kind::elastic:
+      text += fmt::format("support = {{ translational = {}, rotational = {} }}  # N/m, N m/rad\n",
+                          vector(node.support.translational), vector(node.support.rotational));
+      break;
+  }
+  if (node.mass != 0) text += fmt::format("mass = {}  # kg\n", number(node.mass));
+  return text;
+}
+
+std::string member_text(const Member& member) {
+  const bool cable = member.kind == Member::Kind::cable;
+  std::string text =
+      fmt::format("\n[[member]]\nname = {}\nkind = \"{}\"\nnodes = [{}, {}]\n", quoted(member.name),
+                  cable ? "cable" : "beam", quoted(member.nodes[0]), quoted(member.nodes[1]));
+  const auto line = [&](const char* key, double value, const char* unit) {
+    text += fmt::format("{} = {}  # {}\n", key, number(value), unit);
+  };
+  text += member.segments > 0 ? fmt::format("segments = {}\n", member.segments)
+                              : std::string("segments = \"auto\"\n");
+  line("mass_per_length", member.mass_per_length, "kg/m");
+  line("EA", member.EA, "N");
+  if (member.EI[0] == member.EI[1]) {
+    line("EI", member.EI[0], "N m2");
+  } else {
+    text += fmt::format("EI = [{}, {}]  # N m2, about z and about the horizontal in-plane axis\n",
+                        number(member.EI[0]), number(member.EI[1]));
+  }
+  if (member.GJ != 0) line("GJ", member.GJ, "N m2");
+  if (member.polar_inertia != 0) line("polar_inertia", member.polar_inertia, "kg m");
+  if (member.taper != 1) line("taper", member.taper, "diameter at the second node over the first");
+  if (member.tension) line("tension", *member.tension, "N, horizontal, in the sagged equilibrium");
+  if (member.unstretched_length) line("unstretched_length", *member.unstretched_length, "m");
+  if (member.stretch) line("stretch", *member.stretch, "m");
+  if (member.assembled == Member::Assembled::straight) text += "assembled = \"straight\"\n";
+  const auto joint = [](Member::Joint j) {
+    return j == Member::Joint::pinned ? "\"pinned\"" : "\"rigid\"";
+  };
+  if (member.joint[0] != Member::Joint::rigid || member.joint[1] != Member::Joint::rigid) {
+    text += fmt::format("joint = [{}, {}]\n", joint(member.joint[0]), joint(member.joint[1]));
+  }
+  const auto& damping = member.damping;
+  if (member.damping_ratio) {
+    text += fmt::format("damping_ratio = {}\n", number(*member.damping_ratio));
+  } else if (damping.axial != 0 || damping.bending != 0 || damping.torsion != 0) {
+    text += fmt::format(
+        "damping = {{ axial = {}, bending = {}, torsion = {} }}  # N s, N m2 s, N m2 s\n",
+        number(damping.axial), number(damping.bending), number(damping.torsion));
+  }
+  for (const auto& mass : member.masses) {
+    text += fmt::format("\n[[member.mass]]\nposition = {}\nmass = {}  # kg\n",
+                        number(mass.position), number(mass.mass));
+  }
+  return text;
+}
+
+std::string place_text(const Place& place) {
+  return place.node.empty() ? fmt::format("member = {}\nposition = {}\n", quoted(place.member),
+                                          number(place.position))
+                            : fmt::format("node = {}\n", quoted(place.node));
+}
+
+std::string load_text(const Load& load, const std::string& scene_file) {
+  std::string text = fmt::format("\n[[load]]\nname = {}\n", quoted(load.name));
+  switch (load.kind) {
+    case Load::Kind::impact:
+      text += fmt::format(
+          "kind = \"impact\"\n{}direction = {}\npeak = {}  # N\nduration = {}  # s\n",
+          place_text(load.place), vector(load.direction), number(load.peak), number(load.duration));
+      if (load.start != 0) text += fmt::format("start = {}  # s\n", number(load.start));
+      break;
+    case Load::Kind::release:
+      text += fmt::format("kind = \"release\"\n{}mass = {}  # kg\n", place_text(load.place),
+                          number(load.mass));
+      break;
+    case Load::Kind::record: {
+      const auto folder = std::filesystem::path(scene_file).parent_path();
+      auto file =
+          std::filesystem::path(load.file).lexically_relative(folder.empty() ? "." : folder);
+      if (file.empty()) file = load.file;
+      text += fmt::format("kind = \"record\"\n{}direction = {}\nfile = {}\n",
+                          place_text(load.place), vector(load.direction), quoted(file.string()));
+      break;
+    }
+  }
+  return text;
+}
+
+std::string sensor_text(const Sensor& sensor) {
+  const char* quantity = "acceleration";
+  switch (sensor.quantity) {
+    case Sensor::Quantity::acceleration:
+      break;
+    case Sensor::Quantity::velocity:
+      quantity = "velocity";
+      break;
+    case Sensor::Quantity::displacement:
+      quantity = "displacement";
+      break;
+    case Sensor::Quantity::force:
+      quantity = "force";
+      break;
+  }
+  return fmt::format("\n[[sensor]]\nname = {}\n{}direction = {}\nquantity = \"{}\"\n",
+                     quoted(sensor.name), place_text(sensor.place), vector(sensor.direction),
+                     quantity);
+}
+
+}  // namespace
+
+std::string scene_text(const Scene& scene) {
+  std::string text;
+  if (!scene.title.empty()) text += fmt::format("title = {}\n", quoted(scene.title));
+  if (scene.gravity[0] == 0 && scene.gravity[2] == 0 && scene.gravity[1] <= 0) {
+    text += fmt::format("gravity = {}  # m/s2, along -y\n", number(std::abs(scene.gravity[1])));
+  } else {
+    text += fmt::format("gravity = {}  # m/s2\n", vector(scene.gravity));
+  }
+  text += fmt::format("accuracy = {}\n", number(scene.accuracy));
+  for (const auto& node : scene.nodes) text += node_text(node);
+  for (const auto& member : scene.members) text += member_text(member);
+  for (const auto& load : scene.loads) text += load_text(load, scene.file);
+  for (const auto& sensor : scene.sensors) text += sensor_text(sensor);
+  return text;
+}
+
+}  // namespace rigfit::model

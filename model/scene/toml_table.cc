@@ -1,0 +1,378 @@
+#include "model/scene/toml_table.h"
+
+#include <fmt/format.h>
+
+#include <toml++/toml.h>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <sstream>
+
+namespace rigfit::model {
+namespace {
+
+/// Edits (insert, delete, replace, swap neighbours) from one word to the other.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t cost = lower(a[i - 1]) == lower(b[j - 1]) ? 0 : 1;
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + cost});
+      if (i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) &&
+          lower(a[i - 2]) == lower(b[j - 1])) {
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+std::string listed(const std::vector<std::string>& words, bool quoted) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
+    text += quoted ? "\"" + words[i] + "\"" : words[i];
+  }
+  return text;
+}
+
+std::string in_unit(const std::string& unit) { return unit.empty() ? "" : " in " + unit; }
+
+/// What a value is, for messages: `the string "4 N"`, `a table`.
+std::string described(const toml::node& node) {
+  if (const auto* text = node.as_string()) {
+    const std::string& value = text->get();
+    return "the string \"" + (value.size() > 60 ? value.substr(0, 57) + "..." : value) + "\"";
+  }
+  if (const auto* value = node.as_boolean()) return value->get() ? "true" : "false";
+  if (const auto* value = node.as_integer()) return fmt::format("{}", value->get());
+  if (const auto* value = node.as_floating_point()) return fmt::format("{}", value->get());
+  if (node.is_table()) return "a table";
+  if (const auto* list = node.as_array()) return fmt::format("a list of {}", list->size());
+  return "a date or time";
+}
+
+}  // namespace
+
+std::optional<std::string> nearest_word(const std::string& word,
+                                        const std::vector<std::string>& words) {
+  std::optional<std::string> best;
+  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  for (const auto& candidate : words) {
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance < best_distance && distance < std::max(word.size(), candidate.size())) {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+struct TomlTable::Node {
+  std::shared_ptr<const toml::table> root;  // keeps `table` alive; copies would lose their lines
+  const toml::table* table = nullptr;
+  std::string file;
+  std::vector<std::string> asked;
+
+  const toml::node* find(const std::string& key) {
+    if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);
+    return table->get(key);
+  }
+};
+
+TomlTable::TomlTable(std::shared_ptr<Node> node, std::string path)
+    : node_(std::move(node)), path_(std::move(path)) {}
+
+TomlTable TomlTable::parse(std::string_view text, const std::string& file) {
+  auto node = std::make_shared<Node>();
+  node->file = file;
+  try {
+    auto root = std::make_shared<toml::table>(toml::parse(text, file));
+    node->table = root.get();
+    node->root = std::move(root);
+  } catch (const toml::parse_error& error) {
+    const auto& begin = error.source().begin;
+    throw SceneError(
+        {file, static_cast<long>(begin.line), static_cast<long>(begin.column), ""},
+        "this is not TOML: " + std::string(error.description()),
+        "mend this line (strings in quotes, a decimal point, one `key = value` a line)");
+  }
+  return {std::move(node), ""};
+}
+
+TomlTable TomlTable::read_file(const std::filesystem::path& path) {
+  constexpr std::uintmax_t kLargest = 64u << 20;  // no person writes more; keeps a wrong path cheap
+  std::error_code error;
+  const auto fail = [&](const std::string& why, const char* remedy) {
+    throw SceneError({path.string(), 0, 0, ""}, why, remedy);
+  };
+  if (!std::filesystem::exists(path, error)) {
+    fail("there is no such file",
+         "check the path; relative paths start at the file that names them");
+  }
+  if (!std::filesystem::is_regular_file(path, error)) {
+    fail("this is not a file", "name the TOML file itself");
+  }
+  if (std::filesystem::file_size(path, error) > kLargest) {
+    fail("the file is too large to be a description", "name the TOML file, not a recording");
+  }
+  std::ifstream stream(path, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  if (!stream) fail("cannot be read", "check its permissions");
+  return parse(text, path.string());
+}
+
+bool TomlTable::has(const std::string& key) const { return node_->find(key) != nullptr; }
+
+std::string TomlTable::text() const {
+  std::ostringstream text;
+  text << toml::toml_formatter{*node_->table};
+  return text.str();
+}
+
+SceneError TomlTable::error(const std::string& key, std::string problem, std::string remedy) const {
+  const toml::node* at = key.empty() ? nullptr : node_->table->get(key);
+  const auto& begin = (at ? *at : static_cast<const toml::node&>(*node_->table)).source().begin;
+  const bool root = !at && path_.empty();
+  const std::string where = key.empty() ? path_ : (path_.empty() ? key : path_ + "." + key);
+  return {{node_->file, root ? 0 : static_cast<long>(begin.line),
+           root ? 0 : static_cast<long>(begin.column), where},
+          std::move(problem),
+          std::move(remedy)};
+}
+
+namespace {
+
+/// The bound that a number breaks, in words; empty: none.
+std::string broken(double value, Bound bound, bool infinite_allowed) {
+  if (std::isnan(value) || (std::isinf(value) && !(infinite_allowed && value > 0))) {
+    return fmt::format("must be a finite number, got {}", value);
+  }
+  if (bound == Bound::not_negative && value < 0) {
+    return fmt::format("must not be negative, got {}", value);
+  }
+  if (bound == Bound::positive && value <= 0) {
+    return fmt::format("must be greater than zero, got {}", value);
+  }
+  return "";
+}
+
+}  // namespace
+
+double TomlTable::number(const std::string& key, Bound bound, const std::string& unit) {
+  if (auto value = optional_number(key, bound, unit)) return *value;
+  throw error(key, "is missing", "add `" + key + " = ...`, a number" + in_unit(unit));
+}
+
+double TomlTable::number_or(const std::string& key, Bound bound, const std::string& unit,
+                            double fallback) {
+  return optional_number(key, bound, unit).value_or(fallback);
+}
+
+std::optional<double> TomlTable::optional_number(const std::string& key, Bound bound,
+                                                 const std::string& unit) {
+  const toml::node* node = node_->find(key);
+  if (!node) return std::nullopt;
+  if (!node->is_number()) {
+    throw error(key, "must be a number, got " + described(*node),
+                "write the number alone" + in_unit(unit) + ", without quotes or unit");
+  }
+  const double value = *node->value<double>();
+  if (const auto problem = broken(value, bound, false); !problem.empty()) {
+    throw error(key, problem, "give a number" + in_unit(unit));
+  }
+  return value;
+}
+
+int TomlTable::integer_or(const std::string& key, int low, int high, int fallback) {
+  const toml::node* node = node_->find(key);
+  if (!node) return fallback;
+  const std::string remedy = fmt::format("give a whole number from {} to {}", low, high);
+  const auto* value = node->as_integer();
+  if (!value) throw error(key, "must be a whole number, got " + described(*node), remedy);
+  if (value->get() < low || value->get() > high) {
+    throw error(key, fmt::format("must be from {} to {}, got {}", low, high, value->get()), remedy);
+  }
+  return static_cast<int>(value->get());
+}
+
+bool TomlTable::boolean_or(const std::string& key, bool fallback) {
+  const toml::node* node = node_->find(key);
+  if (!node) return fallback;
+  const auto* value = node->as_boolean();
+  if (!value) {
+    throw error(key, "must be true or false, got " + described(*node),
+                "write true or false, without quotes");
+  }
+  return value->get();
+}
+
+std::string TomlTable::string(const std::string& key) {
+  const toml::node* node = node_->find(key);
+  if (!node) throw error(key, "is missing", "add `" + key + " = \"...\"`");
+  const auto* value = node->as_string();
+  if (!value) {
+    throw error(key, "must be a string, got " + described(*node), "put it in double quotes");
+  }
+  return value->get();
+}
+
+std::string TomlTable::string_or(const std::string& key, const std::string& fallback) {
+  return has(key) ? string(key) : fallback;
+}
+
+std::string TomlTable::choice_or(const std::string& key, const std::vector<std::string>& words,
+                                 const std::string& fallback) {
+  if (!has(key)) return fallback;
+  const std::string value = string(key);
+  if (std::find(words.begin(), words.end(), value) == words.end()) {
+    const auto nearest = nearest_word(value, words);
+    throw error(key, "does not know \"" + value + "\"",
+                (nearest ? "did you mean \"" + *nearest + "\"? It" : "it") + " must be " +
+                    listed(words, true));
+  }
+  return value;
+}
+
+std::vector<double> TomlTable::numbers(const std::string& key, std::size_t min_size,
+                                       std::size_t max_size, Bound bound, const std::string& unit,
+                                       bool infinite_allowed) {
+  const toml::node* node = node_->find(key);
+  const std::string size =
+      max_size == std::numeric_limits<std::size_t>::max()
+          ? fmt::format("{} or more numbers", min_size)
+          : (min_size == max_size ? fmt::format("{} numbers", min_size)
+                                  : fmt::format("{} to {} numbers", min_size, max_size));
+  const std::string remedy = "give a list of " + size + in_unit(unit);
+  if (!node) throw error(key, "is missing", remedy);
+  const auto* list = node->as_array();
+  if (!list) throw error(key, "must be a list of numbers, got " + described(*node), remedy);
+  if (list->size() < min_size || list->size() > max_size) {
+    throw error(key, fmt::format("has {} values", list->size()), remedy);
+  }
+  std::vector<double> values;
+  values.reserve(list->size());
+  for (const toml::node& item : *list) {
+    if (!item.is_number()) {
+      throw error(
+          key, fmt::format("value {} must be a number, got {}", values.size() + 1, described(item)),
+          remedy);
+    }
+    const double value = *item.value<double>();
+    if (const auto problem = broken(value, bound, infinite_allowed); !problem.empty()) {
+      throw error(key, fmt::format("value {} {}", values.size() + 1, problem), remedy);
+    }
+    values.push_back(value);
+  }
+  return values;
+}
+
+std::vector<std::string> TomlTable::strings(const std::string& key) {
+  const toml::node* node = node_->find(key);
+  const std::string remedy = "write " + key + " = [\"...\", \"...\"]";
+  if (!node) throw error(key, "is missing", remedy);
+  const auto* list = node->as_array();
+  if (!list) throw error(key, "must be a list of strings, got " + described(*node), remedy);
+  std::vector<std::string> values;
+  for (const toml::node& item : *list) {
+    const auto* value = item.as_string();
+    if (!value) {
+      throw error(
+          key, fmt::format("value {} must be a string, got {}", values.size() + 1, described(item)),
+          remedy);
+    }
+    values.push_back(value->get());
+  }
+  return values;
+}
+
+std::vector<std::string> TomlTable::string_or_strings(const std::string& key) {
+  if (is_array(key)) return strings(key);
+  return {string(key)};
+}
+
+TomlTable TomlTable::table(const std::string& key) {
+  const toml::node* node = node_->find(key);
+  if (!node) throw error(key, "is missing", "add a table `" + key + " = { ... }`");
+  const auto* table = node->as_table();
+  if (!table) {
+    throw error(key, "must be a table, got " + described(*node), "write " + key + " = { ... }");
+  }
+  auto child = std::make_shared<Node>();
+  child->root = node_->root;
+  child->table = table;
+  child->file = node_->file;
+  return {std::move(child), path_.empty() ? key : path_ + "." + key};
+}
+
+std::vector<TomlTable> TomlTable::tables_or_empty(const std::string& key) {
+  const toml::node* node = node_->find(key);
+  std::vector<TomlTable> tables;
+  if (!node) return tables;
+  const std::string path = path_.empty() ? key : path_ + "." + key;
+  const std::string remedy = "write each one under a line [[" + path + "]]";
+  const auto* list = node->as_array();
+  if (!list) throw error(key, "must be a list of tables, got " + described(*node), remedy);
+  for (const toml::node& item : *list) {
+    const auto* table = item.as_table();
+    if (!table) {
+      throw error(
+          key, fmt::format("value {} must be a table, got {}", tables.size() + 1, described(item)),
+          remedy);
+    }
+    auto child = std::make_shared<Node>();
+    child->root = node_->root;
+    child->table = table;
+    child->file = node_->file;
+    tables.push_back({std::move(child), fmt::format("{}[{}]", path, tables.size())});
+  }
+  return tables;
+}
+
+bool TomlTable::is_string(const std::string& key) const {
+  const toml::node* node = node_->find(key);
+  return node && node->is_string();
+}
+bool TomlTable::is_table(const std::string& key) const {
+  const toml::node* node = node_->find(key);
+  return node && node->is_table();
+}
+bool TomlTable::is_array(const std::string& key) const {
+  const toml::node* node = node_->find(key);
+  return node && node->is_array();
+}
+
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::pair<toml::source_position, std::string>> found;
+  for (const auto& [key, value] : *node_->table) {
+    found.emplace_back(key.source().begin, std::string(key.str()));
+  }
+  std::sort(found.begin(), found.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> names;
+  for (auto& [position, name] : found) names.push_back(std::move(name));
+  return names;
+}
+
+void TomlTable::finish() const {
+  for (const auto& key : keys()) {
+    if (std::find(node_->asked.begin(), node_->asked.end(), key) != node_->asked.end()) continue;
+    const auto nearest = nearest_word(key, node_->asked);
+    auto known = node_->asked;
+    std::sort(known.begin(), known.end());
+    const auto found = node_->table->find(key);
+    const auto& begin = found->first.source().begin;
+    throw SceneError(
+        {node_->file, static_cast<long>(begin.line), static_cast<long>(begin.column),
+         path_.empty() ? key : path_ + "." + key},
+        "this key is not known here",
+        nearest ? "did you mean \"" + *nearest + "\"?" : "known keys: " + listed(known, false));
+  }
+}
+
+}  // namespace rigfit::model

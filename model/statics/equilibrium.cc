@@ -1,0 +1,495 @@
+#include "model/statics/equilibrium.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "model/algebra/bordered_envelope.h"
+#include "model/algebra/least_change.h"
+#include "model/statics/equilibrium_check.h"
+#include "model/statics/hanging_chain.h"
+
+namespace rigfit::model {
+namespace {
+
+// From so many tensioned cables on their lengths are unknowns among the others; fewer are solved
+// for one by one, which finds the least change where they share one condition.
+constexpr std::size_t kManyCables = 8;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+/// What of the rig acts at a stage of the continuation, 1: all of it.
+void scale_bending(Chain& chain, const Chain& whole, double part) {
+  for (std::size_t m = 0; m < chain.members.size(); ++m) {
+    const ChainMember& member = chain.members[m];
+    if (!member.cable) continue;
+    // Lengths may have changed since `whole`: springs go with 1 / L.
+    const double factor = part * whole.members[m].unstretched_length / member.unstretched_length;
+    const auto set = [factor](JointSprings& out, const JointSprings& in) {
+      out.about_1 = in.about_1 * factor;
+      out.about_2 = in.about_2 * factor;
+    };
+    for (int i = 0; i + 1 < member.segments; ++i) {
+      const auto k = static_cast<std::size_t>(member.first_joint + i);
+      set(chain.inner_joints[k].springs, whole.inner_joints[k].springs);
+    }
+    for (const int e : member.end_joint) {
+      if (e < 0) continue;
+      const auto k = static_cast<std::size_t>(e);
+      set(chain.end_joints[k].springs, whole.end_joints[k].springs);
+    }
+  }
+}
+
+class Solver {
+ public:
+  Solver(Chain& chain, const EquilibriumOptions& options)
+      : chain_(chain),
+        options_(options),
+        assembly_(chain, chain.planar ? Motion::in_plane : Motion::space),
+        tangent_(assembly_.matrix()),
+        force_(assembly_.size()) {
+    for (std::size_t m = 0; m < chain.members.size(); ++m) {
+      if (chain.members[m].target_tension) targets_.push_back(static_cast<int>(m));
+    }
+    const auto n = assembly_.size();
+    const auto k = static_cast<Eigen::Index>(targets_.size());
+    mismatch_.resize(k);
+    column_.resize(n);
+    row_.setZero(n);
+    for (const int target : targets_) runs_.push_back(run_of(chain.members[std::size_t(target)]));
+    extent_ = (chain.drawn.rowwise().maxCoeff() - chain.drawn.rowwise().minCoeff()).norm();
+  }
+
+  /// Newton from `state`. `hold`: stiffness with which scene nodes are held where drawn, N/m.
+  bool solve(ChainState& state, double hold) {
+    const auto k = static_cast<Eigen::Index>(targets_.size());
+    assembly_.axial_forces(state, axial_);
+    double last_step = std::numeric_limits<double>::infinity();
+    for (int iteration = 0; iteration <= options_.max_iterations; ++iteration) {
+      assembly_.force_and_tangent(state, force_, tangent_, &axial_);
+      if (hold > 0) add_hold(state, hold);
+      if (!chain_.settled) stiffen_idle_rotations();
+      measure(state);
+      for (Eigen::Index i = 0; i < k; ++i) {
+        const int target = targets_[std::size_t(i)];
+        BorderRun& run = runs_[std::size_t(i)];
+        double value = 0;
+        assembly_.add_tension_gradient(state, target, row_, run.diagonal, &value);
+        take(row_, run.first, run.row);
+        mismatch_[i] = *chain_.members[std::size_t(target)].target_tension - value;
+        unbalanced_ = std::max(unbalanced_, std::abs(mismatch_[i]));
+      }
+      residual = scale_ > 0 ? unbalanced_ / scale_ : unbalanced_;
+      if (!std::isfinite(residual)) return false;
+      if ((last_step <= options_.step * extent_ && residual <= options_.residual) ||
+          (last_step <= 1e3 * options_.step * extent_ && unbalanced_ <= rounding_)) {
+        return true;
+      }
+      if (iteration == options_.max_iterations) return false;
+      for (Eigen::Index i = 0; i < k; ++i) {
+        BorderRun& run = runs_[std::size_t(i)];
+        assembly_.add_length_derivative(state, targets_[std::size_t(i)], row_);
+        take(row_, run.first, run.column);
+      }
+      column_ = -force_;
+      lengths_ = mismatch_;
+      if (!together()) one_by_one();
+      if (!column_.allFinite() || !lengths_.allFinite()) return false;
+      step(state, last_step);
+      ++iterations;
+    }
+    return false;
+  }
+
+  double residual = 0;
+  int iterations = 0;
+  const Assembly& assembly() const { return assembly_; }
+
+ private:
+  /// Node rotations that nothing bears yet get a stiffness in the step, not in the force.
+  void stiffen_idle_rotations() {
+    double largest = 0;
+    for (const InnerJoint& joint : chain_.inner_joints) {
+      largest = std::max({largest, joint.springs.about_1, joint.springs.about_2});
+    }
+    const Eigen::Matrix3Xi& rotation = assembly_.numbering().rotation;
+    for (Eigen::Index i = 0; i < rotation.size(); ++i) {
+      if (rotation(i) >= 0) tangent_.add(rotation(i), rotation(i), 1e-10 * largest);
+    }
+  }
+
+  /// The unknowns that a cable's length and tension are coupled to: those of its nodes and
+  /// segments.
+  [[nodiscard]] BorderRun run_of(const ChainMember& member) const {
+    const Numbering& numbering = assembly_.numbering();
+    int first = numbering.size, last = -1;
+    const auto hold = [&](int i) {
+      if (i >= 0) first = std::min(first, i), last = std::max(last, i);
+    };
+    for (const int node : member.nodes) {
+      for (int axis = 0; axis < 3; ++axis) hold(numbering.displacement(axis, node));
+    }
+    for (int i = 0; i < member.segments; ++i) hold(numbering.twist[member.first_segment + i]);
+    for (const int e : member.end_joint) {
+      const int rotation = e < 0 ? -1 : chain_.end_joints[std::size_t(e)].rotation;
+      for (int axis = 0; rotation >= 0 && axis < 3; ++axis) {
+        hold(numbering.rotation(axis, rotation));
+      }
+    }
+    BorderRun run;
+    run.first = last < 0 ? 0 : first;
+    run.row.setZero(last < 0 ? 0 : last - first + 1);
+    run.column = run.row;
+    return run;
+  }
+
+  /// A run out of a vector that is zero elsewhere, which then is zero again.
+  static void take(Eigen::VectorXd& from, int first, Eigen::VectorXd& run) {
+    run = from.segment(first, run.size());
+    from.segment(first, run.size()).setZero();
+  }
+
+  /// column_, lengths_: from right sides to the step. False, and untouched, where they are few or
+  /// share a condition.
+  bool together() {
+    if (runs_.size() < kManyCables) return false;
+    if (!bordered_) bordered_.emplace(tangent_.envelope(), runs_);
+    if (!bordered_->factor(tangent_, runs_, 1e-9)) return false;
+    bordered_->solve_in_place(column_, lengths_);
+    return true;
+  }
+
+  /// The same through the inverse of the tangent for every length.
+  void one_by_one() {
+    factor_.factor(tangent_);
+    factor_.solve_in_place(column_);
+    const auto k = static_cast<Eigen::Index>(runs_.size());
+    if (k == 0) return;
+    border_.setZero(column_.size(), k);
+    small_.resize(k, k);
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const BorderRun& run = runs_[std::size_t(i)];
+      border_.col(i).segment(run.first, run.column.size()) = run.column;
+    }
+    factor_.solve_in_place(border_);
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const BorderRun& run = runs_[std::size_t(i)];
+      Eigen::Index first = 0, last = run.row.size() - 1;  // few of them are not zero
+      while (first < last && run.row[first] == 0) ++first;
+      while (last > first && run.row[last] == 0) --last;
+      const Eigen::Index size = last - first + 1;
+      const auto gradient = run.row.segment(first, size).transpose();
+      small_.row(i).noalias() = -gradient * border_.middleRows(run.first + first, size);
+      small_(i, i) += run.diagonal;
+      lengths_[i] -= gradient * column_.segment(run.first + first, size);
+    }
+    LeastChange least_change;
+    least_change.compute(small_);
+    lengths_ = least_change.solve(lengths_);
+    column_.noalias() -= border_ * lengths_;
+  }
+
+  void add_hold(const ChainState& state, double hold) {
+    for (const int node : chain_.scene_node) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const int i = assembly_.numbering().displacement(axis, node);
+        if (i < 0) continue;
+        force_[i] += hold * (state.position(axis, node) - chain_.drawn(axis, node));
+        tangent_.add(i, i, hold);
+      }
+    }
+  }
+
+  /// The largest unbalanced force, the largest member force, and what rounding of positions makes.
+  void measure(const ChainState& state) {
+    unbalanced_ = force_.size() > 0 ? force_.cwiseAbs().maxCoeff() : 0;
+    scale_ = 0;
+    double stiffest = 0;
+    for (std::size_t k = 0; k < chain_.segments.size(); ++k) {
+      const Segment& s = chain_.segments[k];
+      const double length = (state.position.col(s.b) - state.position.col(s.a)).norm();
+      scale_ = std::max(
+          {scale_, std::abs(s.EA * (length / s.length - 1)), s.mass * chain_.gravity.norm()});
+      stiffest = std::max(stiffest, s.EA / s.length);
+    }
+    for (const InnerJoint& joint : chain_.inner_joints) {
+      const double l = chain_.segments[std::size_t(joint.segment[0])].length;
+      const double k = std::max(joint.springs.about_1, joint.springs.about_2) / (l * l);
+      stiffest = std::max(stiffest, 4 * k);
+    }
+    rounding_ = 16 * kEpsilon * stiffest * (state.position.cwiseAbs().maxCoeff() + extent_);
+  }
+
+  /// Applies the step, shortened so that no segment turns by more than half a radian and no length
+  /// changes by more than a third.
+  void step(ChainState& state, double& size) {
+    double factor = 1;
+    const Eigen::Matrix3Xi& unknown = assembly_.numbering().displacement;
+    const auto shift = [&](int node) {
+      Eigen::Vector3d d = Eigen::Vector3d::Zero();
+      for (int axis = 0; axis < 3; ++axis) {
+        const int i = unknown(axis, node);
+        if (i >= 0) d[axis] = column_[i];
+      }
+      return d;
+    };
+    for (std::size_t k = 0; k < chain_.segments.size(); ++k) {
+      const Segment& s = chain_.segments[k];
+      const Eigen::Vector3d e = state.position.col(s.b) - state.position.col(s.a);
+      const Eigen::Vector3d de = shift(s.b) - shift(s.a);
+      const double turn = (de - e * e.dot(de) / e.squaredNorm()).norm() / e.norm();
+      if (turn * factor > 0.5) factor = 0.5 / turn;
+    }
+    const Eigen::Matrix3Xi& rotation = assembly_.numbering().rotation;
+    for (Eigen::Index i = 0; i < rotation.size(); ++i) {
+      if (rotation(i) >= 0) {
+        const double turn = std::abs(column_[rotation(i)]);
+        if (turn * factor > 0.5) factor = 0.5 / turn;
+      }
+    }
+    for (Eigen::Index i = 0; i < lengths_.size(); ++i) {
+      const double part = std::abs(lengths_[i]) /
+                          chain_.members[std::size_t(targets_[std::size_t(i)])].unstretched_length;
+      if (part * factor > 1.0 / 3) factor = 1.0 / (3 * part);
+    }
+    for (std::size_t k = 0; k < chain_.segments.size(); ++k) {
+      const Segment& s = chain_.segments[k];
+      const Eigen::Vector3d e = state.position.col(s.b) - state.position.col(s.a);
+      const double length = e.norm();
+      axial_[Eigen::Index(k)] = s.EA * (length / s.length - 1) +
+                                factor * s.EA / s.length * e.dot(shift(s.b) - shift(s.a)) / length;
+    }
+    for (Eigen::Index i = 0; i < lengths_.size(); ++i) {
+      const int m = targets_[std::size_t(i)];
+      const ChainMember& member = chain_.members[std::size_t(m)];
+      for (int j = 0; j < member.segments; ++j) {
+        const int k = member.first_segment + j;
+        const Segment& s = chain_.segments[std::size_t(k)];
+        const double length = (state.position.col(s.b) - state.position.col(s.a)).norm();
+        axial_[k] -= factor * s.EA * length / s.length * lengths_[i] / member.unstretched_length;
+      }
+    }
+    size = 0;
+    for (Eigen::Index i = 0; i < unknown.size(); ++i) {
+      if (unknown(i) >= 0) size = std::max(size, std::abs(column_[unknown(i)]));
+    }
+    assembly_.advance(state, column_, factor, state);
+    for (Eigen::Index i = 0; i < lengths_.size(); ++i) {
+      const int m = targets_[std::size_t(i)];
+      chain_.set_unstretched_length(
+          m, chain_.members[std::size_t(m)].unstretched_length + factor * lengths_[i]);
+    }
+  }
+
+  Chain& chain_;
+  const EquilibriumOptions& options_;
+  Assembly assembly_;
+  EnvelopeMatrix tangent_;
+  EnvelopeFactor factor_;
+  std::vector<int> targets_;
+  Eigen::VectorXd force_, column_, row_, axial_, mismatch_, lengths_;
+  std::vector<BorderRun> runs_;  // of each target
+  std::optional<BorderedEnvelope> bordered_;
+  Eigen::MatrixXd border_, small_;
+  double extent_ = 0, unbalanced_ = 0, scale_ = 0, rounding_ = 0;
+};
+
+/// Every cable in the shape it hangs in between its drawn ends. False: one is slack.
+bool hang_cables(Chain& chain, const Scene& scene, bool with_bending, ChainEquilibrium& result) {
+  ChainState& state = result.state;
+  state = drawn_state(chain);
+  for (std::size_t m = 0; m < chain.members.size(); ++m) {
+    const ChainMember& member = chain.members[m];
+    if (!member.cable) continue;
+    const Eigen::Vector3d from = chain.drawn.col(member.nodes.front());
+    const Eigen::Vector3d to = chain.drawn.col(member.nodes.back());
+    double extra = 0;
+    if (with_bending) {  // a half sine's, or a whole one's between clamps
+      const Member& given = scene.members[static_cast<std::size_t>(member.scene_member)];
+      const bool straight = given.assembled == Member::Assembled::straight &&
+                            member.end_joint[0] >= 0 && member.end_joint[1] >= 0;
+      const double wave = (straight ? 2 : 1) * M_PI / (to - from).norm();
+      extra = given.EI[0] * wave * wave;
+    }
+    const HangingChain start = hang(chain, static_cast<int>(m), from, to, extra);
+    if (!start.found) {
+      result.status = EquilibriumStatus::slack;
+      result.reason = fmt::format("cable \"{}\" is slack: {}; {}", scene.members[m].name,
+                                  start.reason, how_to_tighten(scene.members[m]));
+      return false;
+    }
+    for (std::size_t i = 1; i + 1 < start.positions.size(); ++i) {
+      state.position.col(member.nodes[i]) = start.positions[i];
+    }
+    chain.set_unstretched_length(static_cast<int>(m), start.unstretched_length);
+    for (int i = 0; i < member.segments; ++i) {  // frames follow
+      const Segment& s = chain.segments[static_cast<std::size_t>(member.first_segment + i)];
+      if (s.frame < 0) continue;
+      const Eigen::Vector3d t = (chain.drawn.col(s.b) - chain.drawn.col(s.a)).normalized();
+      const Eigen::Vector3d after =
+          (state.position.col(s.b) - state.position.col(s.a)).normalized();
+      const Eigen::Vector3d d = state.director.col(s.frame);
+      state.director.col(s.frame) = d - d.dot(after) / (1 + t.dot(after)) * (t + after);
+    }
+  }
+  return true;
+}
+
+/// A state whose joints fold back is no equilibrium of a rod.
+bool folded(const Chain& chain, const ChainState& state) {
+  for (const InnerJoint& joint : chain.inner_joints) {
+    if (!(joint.springs.about_1 > 0)) continue;
+    const Segment& a = chain.segments[static_cast<std::size_t>(joint.segment[0])];
+    const Segment& b = chain.segments[static_cast<std::size_t>(joint.segment[1])];
+    const Eigen::Vector3d ea = state.position.col(a.b) - state.position.col(a.a);
+    const Eigen::Vector3d eb = state.position.col(b.b) - state.position.col(b.a);
+    if (ea.dot(eb) < -0.5 * ea.norm() * eb.norm()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+const char* name_of(EquilibriumStatus status) {
+  switch (status) {
+    case EquilibriumStatus::converged:
+      return "converged";
+    case EquilibriumStatus::slack:
+      return "slack";
+    case EquilibriumStatus::buckled:
+      return "buckled";
+    case EquilibriumStatus::mechanism:
+      return "mechanism";
+    case EquilibriumStatus::not_converged:
+      break;
+  }
+  return "not converged";
+}
+
+ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
+                                  const EquilibriumOptions& options) {
+  ChainEquilibrium result;
+  chain.settled = false;
+  ChainState& state = result.state;
+  const Chain drawn = chain;
+
+  // First with the sag that tension and bending give together, then that of tension alone.
+  for (const bool with_bending : {true, false}) {
+    chain = drawn;
+    if (!hang_cables(chain, scene, with_bending, result)) return result;
+    Solver solver(chain, options);
+    const bool converged = solver.solve(state, 0) && !folded(chain, state);
+    result.iterations += solver.iterations;
+    result.residual = solver.residual;
+    if (!converged) continue;
+    settle(chain, state);
+    judge_rest(chain, scene, result);
+    if (result.status == EquilibriumStatus::converged ||
+        result.status == EquilibriumStatus::mechanism) {
+      return result;
+    }
+    if (chain.members.size() == 1 && !chain.members[0].cable) return result;  // one branch only
+  }
+
+  // From limp cables between held nodes to the whole rig; each step half as long when it fails.
+  result.continued = true;
+  chain = drawn;
+  if (!hang_cables(chain, scene, false, result)) return result;
+  const ChainState start = state;
+  const Chain whole = chain;
+  double hold_start = 0;
+  for (const Segment& s : chain.segments) hold_start = std::max(hold_start, s.EA / s.length);
+  double force_scale = 1e-9 * hold_start;
+  for (const ChainMember& member : chain.members) {
+    if (member.target_tension) force_scale = std::max(force_scale, *member.target_tension);
+  }
+  Solver solver(chain, options);
+  double done = 0, step = 0.25;
+  for (int k = 0; k < options.max_continuation_steps && done < 1; ++k) {
+    const double part = std::min(1.0, done + step);
+    const Chain chain_before = chain;
+    const ChainState state_before = state;
+    scale_bending(chain, whole, part * part * part);
+    // The hold falls by decades, then goes.
+    const double hold =
+        part < 1 ? std::pow(10.0, 6 * (1 - part)) * force_scale / chain.drawn.norm() * (1 - part)
+                 : 0;
+    if (solver.solve(state, hold) && !folded(chain, state)) {
+      done = part;
+      step *= 1.6;
+    } else {
+      chain = chain_before;
+      state = state_before;
+      step *= 0.4;
+      if (step < 1e-4) break;
+    }
+  }
+  result.iterations += solver.iterations;
+  result.residual = solver.residual;
+  if (done < 1) {
+    if (result.status == EquilibriumStatus::not_converged) {
+      result.reason =
+          "no equilibrium was found near the drawn shape; check the nodes' positions, the tensions "
+          "and what carries them";
+      // A beam that its loads push past its strength is the usual cause: say so when it is one.
+      chain = whole;
+      state = start;
+      settle(chain, state);
+      ChainEquilibrium probe;
+      probe.state = start;
+      judge_rest(chain, scene, probe);
+      if (probe.status != EquilibriumStatus::converged) {
+        result.status = probe.status;
+        result.reason = "no equilibrium was found near the drawn shape: " + probe.reason;
+      }
+    }
+    return result;
+  }
+  settle(chain, state);
+  judge_rest(chain, scene, result);
+  return result;
+}
+
+Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium, const Scene& scene) {
+  Equilibrium out;
+  out.status = equilibrium.status;
+  out.reason = equilibrium.reason;
+  out.residual = equilibrium.residual;
+  out.iterations = equilibrium.iterations;
+  if (equilibrium.status != EquilibriumStatus::converged) return out;
+  const Assembly assembly(chain, chain.planar ? Motion::in_plane : Motion::space);
+  const Eigen::Matrix3d back = chain.axes.transpose();
+  for (std::size_t m = 0; m < chain.members.size(); ++m) {
+    const ChainMember& member = chain.members[m];
+    MemberEquilibrium at;
+    at.member = scene.members[static_cast<std::size_t>(member.scene_member)].name;
+    at.segments = member.segments;
+    at.unstretched_length_m = member.unstretched_length;
+    at.positions.resize(3, member.segments + 1);
+    for (int i = 0; i <= member.segments; ++i) {
+      at.positions.col(i) =
+          back * equilibrium.state.position.col(member.nodes[static_cast<std::size_t>(i)]);
+    }
+    const Eigen::Vector3d from = at.positions.col(0);
+    const Eigen::Vector3d chord = (at.positions.rightCols<1>() - from).normalized();
+    double mean = 0;
+    at.tension_max_N = -std::numeric_limits<double>::infinity();
+    for (int i = 0; i < member.segments; ++i) {
+      const Eigen::Vector3d d = at.positions.col(i) - from;
+      at.sag_m = std::max(at.sag_m, (d - chord * chord.dot(d)).norm());
+      const Segment& s = chain.segments[static_cast<std::size_t>(member.first_segment + i)];
+      const double length = (at.positions.col(i + 1) - at.positions.col(i)).norm();
+      const double force = s.EA * (length / s.length - 1);
+      mean += force / member.segments;
+      at.tension_max_N = std::max(at.tension_max_N, force);
+    }
+    at.tension_N = member.cable ? assembly.tension(equilibrium.state, static_cast<int>(m)) : mean;
+    out.members.push_back(std::move(at));
+  }
+  return out;
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,45 @@
+// Where a chain rests: R(x, L) = 0 with the unstretched length L_k of each tensioned cable a
+// bordered unknown, tension_k(x, L) = T_k.
+//
+// Newton's method from the exact hanging chain of every cable (hanging_chain.h). The geometric
+// stiffness takes the axial force extrapolated by the last step, not the one of the new geometry:
+// stiff chains then converge from far (D. Magisano et al., Comput. Methods Appl. Mech. Engrg. 313,
+// 2017). Where that fails, the cables' bending stiffness, the junctions' freedom and the beams'
+// weight are let in step by step. Accepted on the largest unbalanced force and on the last step's
+// size; then the tangent must be positive definite in every motion, and every cable pull.
+#pragma once
+
+#include <string>
+
+#include "model/chain/assembly.h"
+#include "model/chain/chain.h"
+#include "model/linear/modal_analysis.h"
+#include "model/scene/scene.h"
+
+namespace rigfit::model {
+
+struct EquilibriumOptions {
+  int max_iterations = 40;  ///< of each continuation step
+  double residual = 1e-9;   ///< largest unbalanced force over the largest member force
+  double step = 1e-9;       ///< largest last displacement over the rig's extent
+  int max_continuation_steps = 60;
+};
+
+struct ChainEquilibrium {
+  EquilibriumStatus status = EquilibriumStatus::not_converged;
+  std::string reason;
+  double residual = 0;  ///< largest unbalanced force over the largest member force
+  int iterations = 0;
+  bool continued = false;  ///< continuation was needed
+  ChainState state;
+};
+
+/// Sets the chain's unstretched lengths, settles its joints made at rest. `scene` gives names.
+[[nodiscard]] ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
+                                                const EquilibriumOptions& options = {});
+
+/// What a user sees of it, in the scene's axes.
+[[nodiscard]] Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium,
+                                   const Scene& scene);
+
+}  // namespace rigfit::model

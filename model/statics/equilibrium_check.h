@@ -1,0 +1,16 @@
+// Whether a balanced state is one to rest in: every cable pulls, and the tangent is positive
+// definite in every motion. Slack, mechanism and buckling are told apart and named, with what to
+// change.
+#pragma once
+
+#include "model/statics/equilibrium.h"
+
+namespace rigfit::model {
+
+/// Sets `status` and `reason` of a settled state whose forces balance.
+void judge_rest(const Chain& chain, const Scene& scene, ChainEquilibrium& result);
+
+/// What to change about a slack cable.
+[[nodiscard]] const char* how_to_tighten(const Member& cable);
+
+}  // namespace rigfit::model

@@ -1,0 +1,232 @@
+#include "model/statics/hanging_chain.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rigfit::model {
+namespace {
+
+constexpr double kLongest = 50;  // cable lengths over the chord beyond which it is called slack
+
+struct Problem {
+  double across = 0, up = 0;      // chord
+  std::vector<double> EA;         // by segment
+  std::vector<double> by_length;  // weight of segments on each inner node over the length, N/m
+  std::vector<double> fixed;      // weight of attached masses on each inner node, N
+  double total_by_length = 0;     // N/m of unstretched length
+};
+
+struct Sums {
+  double across = 0, up = 0;
+  double across_v = 0, up_v = 0;            // by V0
+  double across_length = 0, up_length = 0;  // by the length
+};
+
+Sums add_up(const Problem& p, double h, double v0, double length) {
+  Sums s;
+  const auto n = p.EA.size();
+  const double l = length / double(n);
+  double v = v0, v_length = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double f2 = h * h + v * v, f = std::sqrt(f2);
+    const double compliance = 1 / f + 1 / p.EA[i];
+    s.across += l * compliance * h;
+    s.up += l * compliance * v;
+    const double across_v = -l * h * v / (f2 * f), up_v = l * (compliance - v * v / (f2 * f));
+    s.across_v += across_v;
+    s.up_v += up_v;
+    s.across_length += compliance * h / double(n) + across_v * v_length;
+    s.up_length += compliance * v / double(n) + up_v * v_length;
+    if (i + 1 < n) {
+      v += p.by_length[i] * length + p.fixed[i];
+      v_length += p.by_length[i];
+    }
+  }
+  return s;
+}
+
+/// V0 and length for a horizontal force. Newton, halved while the error grows.
+bool solve(const Problem& p, double h, double& v0, double& length) {
+  const double chord = std::hypot(p.across, p.up);
+  const auto error_of = [&](const Sums& s) { return std::hypot(s.across - p.across, s.up - p.up); };
+  Sums s = add_up(p, h, v0, length);
+  double error = error_of(s);
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    if (error <= 1e-14 * (chord + length)) return true;
+    const double determinant = s.across_v * s.up_length - s.across_length * s.up_v;
+    if (!(std::abs(determinant) > 0)) return false;
+    const double ra = p.across - s.across, ru = p.up - s.up;
+    const double dv = (ra * s.up_length - s.across_length * ru) / determinant;
+    const double dl = (s.across_v * ru - ra * s.up_v) / determinant;
+    bool better = false;
+    for (double factor = 1; factor > 1e-4; factor /= 2) {
+      const double v = v0 + factor * dv, l = length + factor * dl;
+      if (!(l > 0)) continue;
+      const Sums next = add_up(p, h, v, l);
+      const double next_error = error_of(next);
+      if (next_error < error) {
+        v0 = v, length = l, s = next, error = next_error, better = true;
+        break;
+      }
+    }
+    if (!better) return error <= 1e-10 * (chord + length);
+  }
+  return error <= 1e-10 * (chord + length);
+}
+
+/// Catenary's guess for a horizontal force; false when it would be absurdly long.
+bool catenary(const Problem& p, double h, double& v0, double& length) {
+  const double chord = std::hypot(p.across, p.up);
+  const double w = p.total_by_length;
+  if (!(w > 0) || w * p.across < 1e-9 * h) {
+    length = chord / (1 + h / (p.EA[0] * (p.across / chord)));
+    v0 = h * p.up / p.across - w * length / 2;
+    return true;
+  }
+  const double c = h / w, u = p.across / (2 * c);
+  if (u > 30) return false;
+  const double reach = 2 * c * std::sinh(u);
+  const double stretched = std::hypot(p.up, reach);
+  if (stretched > 2 * kLongest * chord) return false;
+  const double middle = std::asinh(p.up / reach);
+  v0 = h * std::sinh(middle - u);
+  length = stretched / (1 + h / p.EA[0] * (stretched / p.across));
+  return true;
+}
+
+}  // namespace
+
+HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
+                  const Eigen::Vector3d& to, double extra) {
+  HangingChain out;
+  const ChainMember& member = chain.members[static_cast<std::size_t>(index)];
+  const auto n = static_cast<std::size_t>(member.segments);
+  const Eigen::Vector3d chord = to - from;
+  const double g = chain.gravity.norm();
+  const Eigen::Vector3d up =
+      g > 0 ? Eigen::Vector3d(-chain.gravity / g) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d level = chord - up * up.dot(chord);
+  const auto segment = [&](std::size_t i) -> const Segment& {
+    return chain.segments[static_cast<std::size_t>(member.first_segment) + i];
+  };
+
+  Problem p;
+  p.EA.resize(n);
+  p.by_length.assign(n - 1, 0);
+  p.fixed.assign(n - 1, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    p.EA[i] = segment(i).EA;
+    const double weight = segment(i).mass * g / member.unstretched_length;
+    p.total_by_length += weight;
+    if (i > 0) p.by_length[i - 1] += weight / 2;
+    if (i + 1 < n) p.by_length[i] += weight / 2;
+  }
+  for (const PointMass& mass : chain.masses) {
+    if (mass.member != index) continue;
+    for (std::size_t i = 1; i < n; ++i) {
+      if (member.nodes[i] == mass.node[0]) p.fixed[i - 1] += mass.mass * g * (1 - mass.fraction);
+      if (member.nodes[i] == mass.node[1]) p.fixed[i - 1] += mass.mass * g * mass.fraction;
+    }
+  }
+
+  const bool steep = level.norm() < 0.0872 * chord.norm();
+  if (steep || !(g > 0)) {
+    // Straight along the chord, tension varying with the weight below.
+    const Eigen::Vector3d t = chord.normalized();
+    double length = member.unstretched_length, tension = 0;
+    if (member.target_tension) {
+      tension = *member.target_tension + extra;
+      double compliance = 0;
+      for (const double EA : p.EA) compliance += 1 / EA / double(n);
+      length = chord.norm() / (1 + tension * compliance);
+    } else {
+      tension = p.EA[n / 2] * (chord.norm() / length - 1);
+    }
+    if (!(tension > 0)) {
+      out.reason = fmt::format("it is {:.6g} m long unstretched and its ends are {:.6g} m apart",
+                               length, chord.norm());
+      return out;
+    }
+    out.found = true;
+    out.horizontal = tension;
+    out.unstretched_length = length;
+    for (std::size_t i = 0; i <= n; ++i)
+      out.positions.push_back(from + t * (chord.norm() * double(i) / double(n)));
+    return out;
+  }
+
+  const Eigen::Vector3d h = level.normalized();
+  p.across = level.norm();
+  p.up = up.dot(chord);
+  double v0 = 0, length = 0;
+  double horizontal = 0;
+  if (member.target_tension) {
+    horizontal = *member.target_tension + extra;
+    if (!(horizontal > 0) || !catenary(p, horizontal, v0, length) ||
+        !solve(p, horizontal, v0, length) || length > kLongest * chord.norm()) {
+      out.reason = fmt::format(
+          "with a horizontal tension of {:.6g} N under its own weight it would be more than {} "
+          "times as long as its span",
+          horizontal, kLongest);
+      return out;
+    }
+  } else {
+    // The length falls as the force rises: bisection in its logarithm, then secants.
+    const double wanted = member.unstretched_length;
+    if (wanted > kLongest * chord.norm()) {
+      out.reason = fmt::format("it is more than {} times as long as its span", kLongest);
+      return out;
+    }
+    double low = std::log(1e-6 * std::max(p.total_by_length * wanted, 1e-12 * p.EA[0]));
+    double high = std::log(2 * p.EA[0] * (1 + chord.norm() / wanted));
+    const auto excess = [&](double log_force, double& v, double& l) {
+      const double force = std::exp(log_force);
+      if (!catenary(p, force, v, l) || !solve(p, force, v, l)) return 1.0;  // too long
+      return l / wanted - 1;
+    };
+    double f_low = excess(low, v0, length), f_high = excess(high, v0, length);
+    if (f_high > 0 || f_low < 0) {
+      out.reason = "no horizontal tension holds it at its unstretched length";
+      return out;
+    }
+    double x = high;
+    for (int iteration = 0; iteration < 200 && high - low > 1e-13 * (1 + std::abs(high));
+         ++iteration) {
+      // Illinois' rule on the bracket, bisection while it is wide.
+      x = high - low > 1 ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
+      if (!(x > low && x < high)) x = 0.5 * (low + high);
+      const double f = excess(x, v0, length);
+      if (std::abs(f) < 1e-14) break;
+      if (f > 0) {
+        low = x, f_low = f, f_high /= 2;
+      } else {
+        high = x, f_high = f, f_low /= 2;
+      }
+    }
+    horizontal = std::exp(x);
+    if (!catenary(p, horizontal, v0, length) || !solve(p, horizontal, v0, length)) {
+      out.reason = "no horizontal tension holds it at its unstretched length";
+      return out;
+    }
+  }
+
+  out.found = true;
+  out.horizontal = horizontal;
+  out.unstretched_length = length;
+  const double l = length / double(n);
+  double v = v0;
+  Eigen::Vector3d x = from;
+  out.positions.reserve(n + 1);
+  out.positions.push_back(x);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double f = std::hypot(horizontal, v);
+    x += l * (1 / f + 1 / p.EA[i]) * (horizontal * h + v * up);
+    out.positions.push_back(x);
+    if (i + 1 < n) v += p.by_length[i] * length + p.fixed[i];
+  }
+  out.positions.back() = to;
+  return out;
+}
+
+}  // namespace rigfit::model

@@ -1,0 +1,31 @@
+// The exact equilibrium of a cable's segments without bending stiffness: the cold start of every
+// equilibrium, for any tension.
+//
+// Under weights at its nodes the force in segment i is H h + V_i u (h: horizontal, u: up), with
+// V_(i+1) = V_i + weight of the node between. Its vector is l (1 / |F| + 1 / EA) F, and all of them
+// add up to the chord: two equations for V_0 and the unstretched length (H given) or H (length
+// given). Started from the catenary: H. M. Irvine, Cable Structures, 1981, ch. 1.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "model/chain/chain.h"
+
+namespace rigfit::model {
+
+struct HangingChain {
+  bool found = false;
+  std::string reason;                      ///< when not found
+  double horizontal = 0;                   ///< N (along the chord when that is steep or weightless)
+  double unstretched_length = 0;           ///< m
+  std::vector<Eigen::Vector3d> positions;  ///< of the member's nodes, ends included
+};
+
+/// Between the given ends, for the member's target tension (and `extra` N more, which stands for
+/// what bending carries) or its unstretched length.
+[[nodiscard]] HangingChain hang(const Chain& chain, int member, const Eigen::Vector3d& from,
+                                const Eigen::Vector3d& to, double extra = 0);
+
+}  // namespace rigfit::model

@@ -1,0 +1,446 @@
+#include "signal/impact/impact_hits.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "signal/impact/double_hit.h"
+#include "signal/numerics/robust.h"
+#include "signal/recording/clipping.h"
+#include "signal/recording/recording_error.h"
+#include "signal/spectra/fft.h"
+#include "signal/spectra/window.h"
+
+namespace rigfit::signal {
+namespace {
+using Eigen::Index;
+
+std::vector<double> finite_values(const Eigen::Ref<const Eigen::VectorXd>& x) {
+  std::vector<double> values;
+  values.reserve(static_cast<std::size_t>(x.size()));
+  for (const double value : x) {
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  return values;
+}
+
+/// What is known about a channel as a whole.
+struct ChannelFacts {
+  double rest = 0;
+  ClipLevels levels;
+  explicit ChannelFacts(const Channel& channel) : levels(clip_levels(channel.samples)) {
+    rest = median(finite_values(channel.samples));
+  }
+  [[nodiscard]] bool clipped(const Channel& channel, Index first, Index last) const {
+    return is_clipped(channel.samples, levels, rest, first, last, channel.nominal_range);
+  }
+};
+
+/// One recording's force as the search sees it: offset removed, missing samples zero.
+struct ForceTrace {
+  Eigen::VectorXd x;
+  double offset = 0, noise = 0;
+
+  explicit ForceTrace(const Eigen::VectorXd& samples) {
+    std::vector<double> values = finite_values(samples);
+    offset = median(values);
+    noise = robust_std(std::move(values), offset);
+    x = samples.unaryExpr([this](double v) { return std::isfinite(v) ? v - offset : 0.0; });
+  }
+};
+
+/// Peaks above the level, none closer to a larger one than `apart`. `sign` 0: either side.
+std::vector<Index> find_peaks(const ForceTrace& trace, int sign, const HitOptions& options,
+                              Index apart) {
+  const auto value = [&](Index k) { return sign == 0 ? std::abs(trace.x[k]) : sign * trace.x[k]; };
+  double largest = 0;
+  for (Index k = 0; k < trace.x.size(); ++k) largest = std::max(largest, value(k));
+  const double level = std::max(options.trigger * largest, options.trigger_noise * trace.noise);
+  std::vector<Index> peaks;
+  if (!(largest > 0)) return peaks;
+  Index last_above = -1;
+  for (Index k = 0; k < trace.x.size(); ++k) {
+    if (value(k) < level) continue;
+    if (last_above < 0 || k - last_above > apart) {
+      peaks.push_back(k);
+    } else if (value(k) > value(peaks.back())) {
+      peaks.back() = k;
+    }
+    last_above = k;
+  }
+  return peaks;
+}
+
+void measure_pulse(const Eigen::VectorXd& force, int sign, double rate, const HitOptions& options,
+                   Index earliest, Hit& hit) {
+  const Index n = force.size();
+  const auto value = [&](Index k) { return sign * (force[k] - hit.offset); };
+  const auto edges = [&] {
+    const double edge = options.pulse_edge * value(hit.peak_sample);
+    hit.pulse_first = hit.pulse_last = hit.peak_sample;
+    while (hit.pulse_first > 0 && value(hit.pulse_first - 1) > edge) --hit.pulse_first;
+    while (hit.pulse_last + 1 < n && value(hit.pulse_last + 1) > edge) ++hit.pulse_last;
+    return edge;
+  };
+  edges();
+  // The offset just before the hit, where there is enough of it: amplifiers drift.
+  const Index width = hit.pulse_last - hit.pulse_first + 1;
+  const Index first = std::max(earliest, hit.pulse_first - 50 * width),
+              last = hit.pulse_first - width;
+  if (last - first >= 16) {
+    std::vector<double> before = finite_values(force.segment(first, last - first));
+    if (before.size() >= 16) hit.offset = median(before);
+  }
+  const double edge = edges();
+  double begin = static_cast<double>(hit.pulse_first), end = static_cast<double>(hit.pulse_last);
+  if (hit.pulse_first > 0) {
+    const double inside = value(hit.pulse_first), outside = value(hit.pulse_first - 1);
+    if (inside > outside) begin -= (inside - edge) / (inside - outside);
+  }
+  if (hit.pulse_last + 1 < n) {
+    const double inside = value(hit.pulse_last), outside = value(hit.pulse_last + 1);
+    if (inside > outside) end += (inside - edge) / (inside - outside);
+  }
+  hit.pulse_duration_s = (end - begin) / rate;
+  hit.peak = force[hit.peak_sample] - hit.offset;
+}
+
+/// Spectrum of the pulse alone, dB below its maximum.
+void judge_spectrum(const Eigen::VectorXd& force, double rate, const HitOptions& options,
+                    Hit& hit) {
+  const Index width = hit.pulse_last - hit.pulse_first + 1;
+  const Index first = std::max<Index>(0, hit.pulse_first - width);
+  const Index last = std::min(force.size(), hit.pulse_last + 4 * width);
+  const Index flat = hit.pulse_last + 2 * width - first;
+  RealFft fft(good_fft_length(std::max<Index>(4096, 4 * (last - first))));
+  fft.time().setZero();
+  fft.time().head(last - first) =
+      (force.segment(first, last - first).array() - hit.offset) *
+      force_window(last - first, hit.pulse_first - first, flat, 2 * width).array();
+  fft.forward();
+  const Eigen::ArrayXd power = fft.spectrum().array().abs2();
+  const Eigen::VectorXd f = line_frequencies(fft.length(), rate);
+  const double largest = power.maxCoeff();
+  const double least = largest * std::pow(10, -options.max_spectrum_drop_db / 10);
+  // From the maximum on, where a dip is the end of what can be used.
+  Index top = 0;
+  power.maxCoeff(&top);
+  while (top + 1 < power.size() && power[top + 1] >= least) ++top;
+  hit.usable_hz = f[top];
+  if (!options.band_hz) return;
+  const auto [low, high] = *options.band_hz;
+  for (Index k = 0; k < f.size(); ++k) {
+    if (f[k] < low || f[k] > high) continue;
+    const double drop =
+        power[k] > 0 ? -10 * std::log10(power[k] / largest) : std::numeric_limits<double>::max();
+    hit.spectrum_drop_db = std::max(hit.spectrum_drop_db, std::min(drop, 300.0));
+  }
+  if (hit.spectrum_drop_db > options.max_spectrum_drop_db) {
+    hit.reject(
+        HitFault::force_spectrum,
+        fmt::format("the force spectrum falls by {:.1f} dB within {:g} to {:g} Hz (at most "
+                    "{:g} dB; usable to {:.4g} Hz): use a harder tip or a narrower band",
+                    hit.spectrum_drop_db, low, high, options.max_spectrum_drop_db, hit.usable_hz));
+  }
+}
+
+void judge_pulse(const Recording& recording, const Channel& force, const ChannelFacts& facts,
+                 const HitOptions& options, Hit& hit) {
+  const double rate = recording.sample_rate_hz;
+  if (facts.clipped(force, hit.pulse_first, hit.pulse_last)) {
+    hit.reject(HitFault::overload,
+               fmt::format("overload: \"{}\" is clipped at {:.5g}; hit softer or raise the range",
+                           force.name, force.samples[hit.peak_sample]));
+  }
+  const Index width = hit.pulse_last - hit.pulse_first + 1;
+  if (width < options.min_pulse_samples) {
+    const std::string why = fmt::format(
+        "pulse not resolved: {} sample{} above {:.0f} % of the peak at {:g} Hz, {} needed; "
+        "sample at {:.3g} Hz or more, or use a softer tip",
+        width, width == 1 ? "" : "s", 100 * options.pulse_edge, rate, options.min_pulse_samples,
+        rate * (options.min_pulse_samples + 1) / static_cast<double>(width));
+    if (options.accept_unresolved) {
+      hit.faults.push_back(HitFault::unresolved_pulse);
+      hit.reason = why;
+    } else {
+      hit.reject(HitFault::unresolved_pulse, why);
+    }
+  }
+}
+
+void judge_double_hit(const Channel& force, Index block_samples, int sign, double rate,
+                      const HitOptions& options, Hit& hit) {
+  const Index length = std::min(block_samples, hit.available);
+  const Eigen::VectorXd block =
+      sign * (force.samples.segment(hit.block_first, length).array() - hit.offset).matrix();
+  const SecondContact second = find_second_contact(
+      block, hit.pulse_first - hit.block_first, hit.peak_sample - hit.block_first,
+      hit.pulse_last - hit.block_first, {options.double_hit, options.double_hit_noise, 0.5});
+  hit.smallest_second_hit = second.smallest_visible;
+  hit.second_hit = second.ratio;
+  hit.second_hit_delay_s = static_cast<double>(second.delay) / rate;
+  if (second.ratio > 0) {
+    hit.reject(HitFault::double_hit,
+               fmt::format("double hit: {:.3g} % of the peak {:.4g} ms {}", 100 * second.ratio,
+                           1e3 * std::abs(hit.second_hit_delay_s),
+                           second.delay > 0 ? "later" : "earlier"));
+  }
+}
+
+/// Root mean square at the end of the block, and before the hit, over the largest value: the median
+/// over the responses.
+void measure_levels(const Recording& recording, std::span<const Index> responses,
+                    const std::vector<ChannelFacts>& facts, Index block_samples, Hit& hit) {
+  const Index length = std::min(block_samples, hit.available);
+  const Index tail = std::clamp<Index>(length / 40, 1, length);
+  const Index before = std::max<Index>(
+      0, hit.pulse_first - (hit.pulse_last - hit.pulse_first) - 1 - hit.block_first);
+  std::vector<double> ends, befores;
+  for (std::size_t r = 0; r < responses.size(); ++r) {
+    const Eigen::VectorXd y = recording.channels[static_cast<std::size_t>(responses[r])]
+                                  .samples.segment(hit.block_first, length)
+                                  .array() -
+                              facts[r].rest;
+    const double largest = y.cwiseAbs().maxCoeff();
+    if (!(largest > 0)) continue;
+    ends.push_back(std::sqrt(y.tail(tail).squaredNorm() / static_cast<double>(tail)) / largest);
+    if (before >= 4) {
+      befores.push_back(std::sqrt(y.head(before).squaredNorm() / static_cast<double>(before)) /
+                        largest);
+    }
+  }
+  hit.end_level = median(ends);
+  hit.level_before = median(befores);
+}
+
+bool any_missing(const Recording& recording, Index channel, Index first, Index length) {
+  return !recording.channels[static_cast<std::size_t>(channel)]
+              .samples.segment(first, length)
+              .allFinite();
+}
+
+/// Reasons that concern the block: missing samples, overload of a response.
+void judge_block(const Recording& recording, Index force, std::span<const Index> responses,
+                 const std::vector<ChannelFacts>& facts, Index block_samples, Hit& hit) {
+  const Index length = std::min(block_samples, hit.available);
+  const auto missing = [&](Index channel) {
+    if (!any_missing(recording, channel, hit.block_first, length)) return;
+    hit.reject(HitFault::missing_samples,
+               fmt::format("samples of \"{}\" are missing within the block",
+                           recording.channels[static_cast<std::size_t>(channel)].name));
+  };
+  missing(force);
+  for (std::size_t r = 0; r < responses.size(); ++r) {
+    missing(responses[r]);
+    const Channel& response = recording.channels[static_cast<std::size_t>(responses[r])];
+    if (facts[r].clipped(response, hit.block_first, hit.block_first + length - 1)) {
+      hit.reject(
+          HitFault::overload,
+          fmt::format("overload: \"{}\" is clipped; hit softer or raise the range", response.name));
+    }
+  }
+}
+
+Index median_width(const std::vector<Hit>& hits) {
+  std::vector<double> widths;
+  for (const Hit& hit : hits) {
+    widths.push_back(static_cast<double>(hit.pulse_last - hit.pulse_first + 1));
+  }
+  return static_cast<Index>(median(widths));
+}
+
+/// Where each block begins and how long it could be; the block's length when it is not given.
+void place_blocks(std::span<const Recording> recordings, const HitOptions& options,
+                  HitSearch& search) {
+  std::vector<Hit>& hits = search.hits;
+  const double rate = search.sample_rate_hz;
+  const Index width = median_width(hits);
+  const auto place = [&](Index pre) {
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      Hit& hit = hits[i];
+      const bool next = i + 1 < hits.size() && hits[i + 1].recording == hit.recording;
+      const Index end = next ? std::max(hit.pulse_last + 1,
+                                        hits[i + 1].pulse_first - 2 * (hits[i + 1].pulse_last -
+                                                                       hits[i + 1].pulse_first + 1))
+                             : recordings[hit.recording].samples();
+      hit.block_first = std::max<Index>(0, hit.peak_sample - pre);
+      hit.available = end - hit.block_first;
+    }
+  };
+  const auto most_used = [&] {
+    double best = 0;
+    Index length = 2;
+    for (const Hit& candidate : hits) {
+      const auto count = std::count_if(hits.begin(), hits.end(), [&](const Hit& hit) {
+        return hit.available >= candidate.available;
+      });
+      const double used = static_cast<double>(count) * static_cast<double>(candidate.available);
+      if (used > best) best = used, length = candidate.available;
+    }
+    return std::max<Index>(2, length);
+  };
+  const Index given = static_cast<Index>(std::llround(options.block_s * rate));
+  const auto pre_for = [&](Index block) {
+    if (options.pre_trigger_s >= 0) {
+      return static_cast<Index>(std::llround(options.pre_trigger_s * rate));
+    }
+    return std::max(block / 100, 2 * width);
+  };
+  place(2 * width);
+  place(pre_for(given > 0 ? given : most_used()));
+  search.block_samples = given > 0 ? given : good_fft_length_below(most_used());
+  for (const Hit& hit : hits) {  // a block holds at least the pulse
+    search.block_samples = std::max(search.block_samples, hit.pulse_last - hit.block_first + 2);
+  }
+}
+
+void judge_cut_off(std::span<const Recording> recordings, const HitOptions& options,
+                   HitSearch& search) {
+  // What the responses are like at rest: the quietest moment before a hit.
+  double rest = std::numeric_limits<double>::infinity();
+  for (const Hit& hit : search.hits) {
+    if (hit.level_before > 0) rest = std::min(rest, hit.level_before);
+  }
+  if (!std::isfinite(rest)) rest = 0;
+  for (std::size_t i = 0; i < search.hits.size(); ++i) {
+    Hit& hit = search.hits[i];
+    if (hit.available >= search.block_samples) continue;
+    if (hit.end_level <= std::max(options.ring_down_level, 1.5 * rest)) continue;
+    const bool next = hit.block_first + hit.available < recordings[hit.recording].samples();
+    hit.reject(
+        HitFault::cut_off,
+        fmt::format("ring-down cut off by the {} after {:.4g} s of {:.4g} s, at {:.2g} % of its "
+                    "largest value",
+                    next ? "next hit" : "end of the record",
+                    static_cast<double>(hit.available) / search.sample_rate_hz,
+                    static_cast<double>(search.block_samples) / search.sample_rate_hz,
+                    100 * hit.end_level));
+  }
+}
+
+void check_recordings(std::span<const Recording> recordings) {
+  for (const Recording& recording : recordings) {
+    if (!(recording.sample_rate_hz > 0)) {
+      throw RecordingError({recording.path.string(), 0, 0, "", ""}, "the sample rate is not known",
+                           "state it beside the recording (sample_rate_hz)");
+    }
+    const double first = recordings.front().sample_rate_hz;
+    if (std::abs(recording.sample_rate_hz - first) > 1e-5 * first) {
+      throw RecordingError(
+          {recording.path.string(), 0, 0, "", ""},
+          fmt::format("sampled at {:g} Hz, {} at {:g} Hz", recording.sample_rate_hz,
+                      recordings.front().path.string(), first),
+          "average only recordings of one sample rate");
+    }
+  }
+}
+
+int sign_of_most(const std::vector<ForceTrace>& traces, const HitOptions& options, Index apart) {
+  if (options.sign == PulseSign::positive) return 1;
+  if (options.sign == PulseSign::negative) return -1;
+  double sum = 0;
+  for (const ForceTrace& trace : traces) {
+    for (const Index peak : find_peaks(trace, 0, options, apart)) {
+      sum += trace.x[peak] > 0 ? 1 : -1;
+    }
+  }
+  return sum < 0 ? -1 : 1;
+}
+
+}  // namespace
+
+const char* name_of(HitFault fault) {
+  switch (fault) {
+    case HitFault::missing_samples:
+      return "missing_samples";
+    case HitFault::overload:
+      return "overload";
+    case HitFault::unresolved_pulse:
+      return "unresolved_pulse";
+    case HitFault::double_hit:
+      return "double_hit";
+    case HitFault::cut_off:
+      return "cut_off";
+    case HitFault::force_spectrum:
+      return "force_spectrum";
+    case HitFault::outlier:
+      break;
+  }
+  return "outlier";
+}
+
+bool Hit::has(HitFault fault) const {
+  return std::find(faults.begin(), faults.end(), fault) != faults.end();
+}
+
+void Hit::reject(HitFault fault, const std::string& why) {
+  accepted = false;
+  faults.push_back(fault);
+  reason += (reason.empty() ? "" : "; ") + why;
+}
+
+HitSearch find_hits(std::span<const Recording> recordings, Index force,
+                    std::span<const Index> responses, const HitOptions& options) {
+  check_recordings(recordings);
+  HitSearch search;
+  if (recordings.empty()) return search;
+  search.sample_rate_hz = recordings.front().sample_rate_hz;
+  const double rate = search.sample_rate_hz;
+  const auto apart = static_cast<Index>(std::ceil(options.double_hit_window_s * rate));
+  const auto channel_of = [&](std::size_t i) -> const Channel& {
+    return recordings[i].channels[static_cast<std::size_t>(force)];
+  };
+
+  std::vector<ForceTrace> traces;
+  for (std::size_t i = 0; i < recordings.size(); ++i) traces.emplace_back(channel_of(i).samples);
+  search.sign = sign_of_most(traces, options, apart);
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    Index earliest = 0;
+    const std::vector<Index> peaks = find_peaks(traces[i], search.sign, options, apart);
+    if (peaks.empty()) {
+      search.notes.push_back(
+          {"no_hit",
+           fmt::format("no hit in \"{}\": nothing rises above the noise", channel_of(i).name),
+           recordings[i].path.string()});
+    }
+    for (const Index peak : peaks) {
+      Hit hit;
+      hit.recording = i;
+      hit.peak_sample = peak;
+      hit.time_s = recordings[i].start_time_s + static_cast<double>(peak) / rate;
+      hit.offset = traces[i].offset;
+      measure_pulse(channel_of(i).samples, search.sign, rate, options, earliest, hit);
+      earliest = hit.pulse_last + 1;
+      search.hits.push_back(std::move(hit));
+    }
+  }
+  if (search.hits.empty()) return search;
+  place_blocks(recordings, options, search);
+
+  std::vector<ChannelFacts> force_facts;
+  std::vector<std::vector<ChannelFacts>> facts(recordings.size());
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    force_facts.emplace_back(channel_of(i));
+    search.response_rest.emplace_back();
+    for (const Index channel : responses) {
+      facts[i].emplace_back(recordings[i].channels[static_cast<std::size_t>(channel)]);
+      search.response_rest.back().push_back(facts[i].back().rest);
+    }
+  }
+  for (Hit& hit : search.hits) {
+    const Recording& recording = recordings[hit.recording];
+    const Channel& channel = channel_of(hit.recording);
+    judge_block(recording, force, responses, facts[hit.recording], search.block_samples, hit);
+    if (hit.has(HitFault::missing_samples)) continue;
+    judge_pulse(recording, channel, force_facts[hit.recording], options, hit);
+    judge_double_hit(channel, search.block_samples, search.sign, rate, options, hit);
+    judge_spectrum(channel.samples, rate, options, hit);
+    measure_levels(recording, responses, facts[hit.recording], search.block_samples, hit);
+  }
+  judge_cut_off(recordings, options, search);
+  return search;
+}
+
+}  // namespace rigfit::signal

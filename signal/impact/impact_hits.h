@@ -1,0 +1,107 @@
+// Hammer hits in a force signal, each accepted or rejected with its reason.
+//
+// A hit is what rises above the trigger level; what follows within `double_hit_window_s` belongs to
+// it. Second contacts are looked for in the force correlated with the hit's own pulse (a matched
+// filter: what has the shape of a contact stands out of noise, what is shorter is held back).
+// Ringing of the hammer, of anti-alias filters and the undershoot of AC-coupled amplifiers swing to
+// both sides; a second contact pushes to one side only. That difference tells them apart. Guidance
+// on what makes a hit good: ISO 7626-5 (impact excitation).
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "signal/recording/recording.h"
+
+namespace rigfit::signal {
+
+enum class PulseSign { automatic, positive, negative };
+
+enum class HitFault {
+  missing_samples,   ///< NaN in the force or a response within the block
+  overload,          ///< clipped force or response
+  unresolved_pulse,  ///< too few samples in the pulse: its area depends on the logger's filters
+  double_hit,
+  cut_off,         ///< the next hit or the end of the record comes before the ring-down ends
+  force_spectrum,  ///< too little force somewhere in the band
+  outlier,         ///< without it the others agree much better (leave-one-out coherence)
+};
+[[nodiscard]] const char* name_of(HitFault fault);
+
+struct HitOptions {
+  PulseSign sign = PulseSign::automatic;  ///< automatic: that of most hits
+  double trigger = 0.1;                   ///< a hit exceeds this part of the largest force ...
+  double trigger_noise = 10;              ///< ... and so many standard deviations of the noise
+  /// What comes within this of a hit's peak is not a hit of its own, s.
+  double double_hit_window_s = 0.25;
+  /// Smallest second contact that is objected to, of the peak (3 %, so that 5 % are caught). Noise
+  /// may hide smaller ones: `Hit::smallest_second_hit`.
+  double double_hit = 0.03;
+  double double_hit_noise = 6;  ///< and it exceeds so many standard deviations of filtered noise
+  double pulse_edge = 0.1;      ///< the pulse is where the force exceeds this part of its peak
+  /// Samples a pulse needs above `pulse_edge`. A half sine with four lasts 3.2 sample intervals or
+  /// more and has at most 0.5 % of its energy above half the sample rate (with three: 2.2 %, with
+  /// one or two a quarter), so that its area hardly depends on the logger's anti-alias filter.
+  int min_pulse_samples = 4;
+  bool accept_unresolved = false;  ///< keep such hits all the same: frequencies without amplitudes
+
+  double block_s = 0;         ///< 0: the length that uses most of the recordings (see `find_hits`)
+  double pre_trigger_s = -1;  ///< before the peak; negative: 1 % of the block, two pulses at least
+  /// A block cut by the next hit or the end of the record is accepted, and zero from there, when
+  /// the responses have fallen to this part of their largest value (or to the noise before the
+  /// hit).
+  double ring_down_level = 0.01;
+
+  std::optional<std::pair<double, double>> band_hz;  ///< in which the force spectrum is asked for
+  /// Largest drop of the force spectrum in the band, dB below its maximum. ISO 7626-5 asks for a
+  /// spectrum that is reasonably flat; 20 dB is the customary outer limit, 10 dB good practice.
+  double max_spectrum_drop_db = 20;
+  double good_spectrum_drop_db = 10;  ///< beyond: noted
+};
+
+struct Hit {
+  std::size_t recording = 0;  ///< index of the recording it is in
+  Eigen::Index peak_sample = 0;
+  double time_s = 0;  ///< of the peak, on the recording's time axis
+  double peak = 0;    ///< with its sign, unit of the force channel, offset removed
+  double offset = 0;  ///< of the force before the hit, removed
+  Eigen::Index pulse_first = 0, pulse_last = 0;  ///< samples above the edge, inclusive
+  double pulse_duration_s = 0;                   ///< between the edge crossings, interpolated
+  Eigen::Index block_first = 0;                  ///< sample where the block begins
+  Eigen::Index available = 0;                    ///< samples from there to the next hit or the end
+  double second_hit = 0;           ///< largest second contact, of the peak (with the noise's limit)
+  double second_hit_delay_s = 0;   ///< negative: it came first
+  double smallest_second_hit = 0;  ///< what noise lets one see, of the peak
+  double usable_hz = 0;  ///< up to where the force spectrum stays within max_spectrum_drop_db
+  double spectrum_drop_db = 0;  ///< largest in the band (0 without a band)
+  double end_level = 0;         ///< responses at the end of the block, of their largest value
+  double level_before = 0;      ///< the same before the hit
+  bool accepted = true;
+  std::vector<HitFault> faults;
+  std::string reason;  ///< for a person; empty when accepted
+  [[nodiscard]] bool has(HitFault fault) const;
+  void reject(HitFault fault, const std::string& why);
+};
+
+struct HitSearch {
+  std::vector<Hit> hits;  ///< in the order of recordings and time
+  Eigen::Index block_samples = 0;
+  double sample_rate_hz = 0;
+  int sign = 1;  ///< of the pulses
+  /// Value at rest (median) of each response, by recording.
+  std::vector<std::vector<double>> response_rest;
+  std::vector<Note> notes;
+};
+
+/// `force` and `responses` are channel indices, the same in every recording. The automatic block is
+/// the good FFT length that maximises (hits that last so long) x (length). Throws RecordingError
+/// when sample rates differ or are not known; no hit at all is an empty list with a note.
+[[nodiscard]] HitSearch find_hits(std::span<const Recording> recordings, Eigen::Index force,
+                                  std::span<const Eigen::Index> responses,
+                                  const HitOptions& options = {});
+
+}  // namespace rigfit::signal

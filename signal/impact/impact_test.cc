@@ -1,0 +1,348 @@
+#include "signal/impact/impact_test.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "signal/recording/recording_error.h"
+#include "signal/spectra/window.h"
+
+namespace rigfit::signal {
+namespace {
+using Eigen::Index;
+
+/// UFF direction (+-1, 2, 3) of an axis vector; 0 when it is along none.
+int uff_direction(const std::array<double, 3>& direction) {
+  const double length = std::hypot(direction[0], direction[1], direction[2]);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double along = direction[static_cast<std::size_t>(axis)];
+    if (length > 0 && std::abs(along) > 0.999 * length) return along > 0 ? axis + 1 : -axis - 1;
+  }
+  return 0;
+}
+
+FrfForm form_of(const Channel& response, const Channel& force) {
+  if (force.unit != "N") return FrfForm::unknown;
+  if (response.unit == "m/s^2") return FrfForm::accelerance;
+  if (response.unit == "m/s") return FrfForm::mobility;
+  if (response.unit == "m") return FrfForm::receptance;
+  return FrfForm::unknown;
+}
+
+std::string ratio_of_units(const std::string& response, const std::string& force) {
+  if (response.empty() && force.empty()) return "";
+  const auto part = [](const std::string& unit) {
+    if (unit.empty()) return std::string("?");
+    return unit.find('/') == std::string::npos ? unit : "(" + unit + ")";
+  };
+  return part(response) + "/" + part(force);
+}
+
+double scatter(const Eigen::Ref<const Eigen::VectorXd>& x) {
+  constexpr Index kFewest = 16;  // a standard deviation from fewer is off by a fifth or more
+  if (x.size() < kFewest) return 0;
+  return std::sqrt((x.array() - x.mean()).square().sum() / static_cast<double>(x.size() - 1));
+}
+
+class Analysis {
+ public:
+  Analysis(std::span<const Recording> recordings, const std::string& force,
+           std::span<const std::string> responses, const ImpactTestOptions& options)
+      : recordings_(recordings), options_(options) {
+    if (recordings.empty()) return;
+    force_ = recordings.front().channel_index(force);
+    for (const std::string& name : responses) {
+      test_.responses.push_back(recordings.front().channel_index(name));
+    }
+    for (const Recording& recording : recordings) {
+      same_channel(recording, force, force_);
+      for (std::size_t r = 0; r < responses.size(); ++r) {
+        same_channel(recording, responses[r], test_.responses[r]);
+      }
+    }
+  }
+
+  ImpactTest run() {
+    if (recordings_.empty()) return std::move(test_);
+    test_.search = find_hits(recordings_, force_, test_.responses, options_.hits);
+    test_.notes = test_.search.notes;
+    const FrfEstimate estimate = average_without_outliers();
+    for (const Hit& hit : test_.search.hits) {
+      if (hit.accepted && hit.has(HitFault::unresolved_pulse)) test_.amplitudes = false;
+    }
+    describe(estimate);
+    if (estimate.H.rows() > 0) {
+      judge(estimate);
+      check_driving();
+    }
+    return std::move(test_);
+  }
+
+ private:
+  void same_channel(const Recording& recording, const std::string& name, Index index) const {
+    if (recording.channel_index(name) == index) return;
+    throw RecordingError({recording.path.string(), 0, 0, name, ""},
+                         "is not the same column as in " + recordings_.front().path.string(),
+                         "average only recordings with the same channels in the same order");
+  }
+
+  const Channel& channel(std::size_t recording, Index index) const {
+    return recordings_[recording].channels[static_cast<std::size_t>(index)];
+  }
+
+  double decay_rate() const {
+    if (options_.exponential_end_level > 0) {
+      return decay_rate_for(
+          options_.exponential_end_level,
+          static_cast<double>(test_.search.block_samples) / test_.search.sample_rate_hz);
+    }
+    return options_.exponential_decay_rate_1_s;
+  }
+
+  FrfBlock block_of(const Hit& hit) const {
+    const double rate = test_.search.sample_rate_hz;
+    const auto length =
+        static_cast<std::size_t>(std::min(hit.available, test_.search.block_samples));
+    const Index width = hit.pulse_last - hit.pulse_first + 1;
+    const Index quiet = std::max<Index>(0, hit.pulse_first - width - hit.block_first);
+    FrfBlock block;
+    const Channel& force = channel(hit.recording, force_);
+    block.force = {force.samples.data() + hit.block_first, length};
+    block.force_offset = hit.offset;
+    block.force_noise_std = scatter(force.samples.segment(hit.block_first, quiet));
+    const double kept =
+        options_.force_window_s < 0 ? 3 * hit.pulse_duration_s : options_.force_window_s;
+    if (kept > 0) {
+      const auto samples = std::max(width, static_cast<Index>(std::ceil(kept * rate)));
+      block.force_first = std::max<Index>(0, hit.pulse_first - width - hit.block_first);
+      block.force_last = hit.pulse_first - hit.block_first + samples;
+      block.force_taper = std::max<Index>(1, samples / 2);
+    }
+    for (std::size_t r = 0; r < test_.responses.size(); ++r) {
+      const Eigen::VectorXd& y = channel(hit.recording, test_.responses[r]).samples;
+      block.responses.push_back({y.data() + hit.block_first, length});
+      block.response_offset.push_back(test_.search.response_rest[hit.recording][r]);
+      block.response_noise_std.push_back(scatter(y.segment(hit.block_first, quiet)));
+    }
+    return block;
+  }
+
+  FrfEstimate average_without_outliers() {
+    FrfOptions frf;
+    frf.estimator = options_.estimator;
+    frf.sample_rate_hz = test_.search.sample_rate_hz;
+    frf.block_samples = test_.search.block_samples;
+    frf.exponential_decay_rate_1_s = decay_rate();
+    frf.error_smoothing_lines = options_.error_smoothing_lines;
+    frf.leave_one_out = options_.reject_outliers;
+    frf.leave_one_out_range_db = options_.hits.max_spectrum_drop_db;
+    frf.threads = options_.threads;
+    for (;;) {
+      std::vector<FrfBlock> blocks;
+      std::vector<Hit*> hits;
+      for (Hit& hit : test_.search.hits) {
+        if (!hit.accepted) continue;
+        hits.push_back(&hit);
+        blocks.push_back(block_of(hit));
+      }
+      test_.frfs.averages = static_cast<int>(blocks.size());
+      if (blocks.empty()) return {};
+      FrfEstimate estimate = average_frfs(blocks, frf);
+      test_.incoherence = estimate.incoherence;
+      if (estimate.incoherence_without.size() == 0) return estimate;
+      Index worst = 0;
+      const double without = estimate.incoherence_without.minCoeff(&worst);
+      if (estimate.incoherence < options_.outlier_least ||
+          without >= options_.outlier_ratio * estimate.incoherence) {
+        return estimate;
+      }
+      hits[static_cast<std::size_t>(worst)]->reject(
+          HitFault::outlier,
+          fmt::format(
+              "outlier: without it the part of the response that the force does not explain "
+              "falls from {:.2g} % to {:.2g} %",
+              100 * estimate.incoherence, 100 * without));
+    }
+  }
+
+  void describe(const FrfEstimate& estimate) {
+    FrfSet& frfs = test_.frfs;
+    frfs.frequency_hz = estimate.frequency_hz;
+    frfs.sample_rate_hz = test_.search.sample_rate_hz;
+    frfs.exponential_decay_rate_1_s = estimate.H.rows() > 0 ? decay_rate() : 0;
+    double pre_trigger = 0;
+    for (const Hit& hit : test_.search.hits) {
+      if (hit.accepted) pre_trigger += static_cast<double>(hit.peak_sample - hit.block_first);
+    }
+    frfs.pre_trigger_s = pre_trigger / std::max(1, frfs.averages) / test_.search.sample_rate_hz;
+    frfs.H = estimate.H;
+    frfs.H_std = estimate.H_std;
+    frfs.coherence = estimate.coherence;
+    const Channel& force = channel(0, force_);
+    std::vector<FrfForm> forms;
+    for (std::size_t r = 0; r < test_.responses.size(); ++r) {
+      const Channel& response = channel(0, test_.responses[r]);
+      frfs.responses.push_back(
+          {response.name, static_cast<int>(r + 1), uff_direction(response.direction)});
+      forms.push_back(form_of(response, force));
+    }
+    frfs.inputs.push_back({force.name, 0, uff_direction(force.direction)});
+    if (options_.driving_response) {
+      const auto driving = static_cast<std::size_t>(*options_.driving_response);
+      frfs.inputs.front().node = frfs.responses.at(driving).node;
+    }
+    set_form(forms, force);
+    if (!test_.amplitudes) {
+      frfs.form = FrfForm::unknown;
+      frfs.unit.clear();
+      frfs.notes.push_back({"unscaled",
+                            "the hits' pulses are not resolved: amplitudes and phases "
+                            "have no meaning, frequencies and damping have",
+                            ""});
+    }
+  }
+
+  void set_form(const std::vector<FrfForm>& forms, const Channel& force) {
+    FrfSet& frfs = test_.frfs;
+    if (forms.empty()) return;
+    const bool known = std::find(forms.begin(), forms.end(), FrfForm::unknown) == forms.end();
+    const bool same =
+        std::adjacent_find(forms.begin(), forms.end(), std::not_equal_to<>()) == forms.end();
+    if (known && !same) {
+      // One form for all: accelerances, to which the others are multiplied.
+      for (std::size_t r = 0; r < forms.size(); ++r) {
+        const int power = forms[r] == FrfForm::receptance ? 2
+                          : forms[r] == FrfForm::mobility ? 1
+                                                          : 0;
+        for (Index k = 0; k < frfs.H.rows(); ++k) {
+          const std::complex<double> s(frfs.exponential_decay_rate_1_s,
+                                       2 * std::numbers::pi * frfs.frequency_hz[k]);
+          for (int i = 0; i < power; ++i) {
+            frfs.H(k, static_cast<Index>(r)) *= s;
+            if (frfs.H_std.size() > 0) frfs.H_std(k, static_cast<Index>(r)) *= std::abs(s);
+          }
+        }
+      }
+      frfs.form = FrfForm::accelerance;
+      test_.notes.push_back(
+          {"forms_mixed", "responses of different quantities are all given as accelerances", ""});
+    } else if (known) {
+      frfs.form = forms.front();
+    } else {
+      frfs.form = FrfForm::unknown;
+      const auto unknown = static_cast<std::size_t>(
+          std::find(forms.begin(), forms.end(), FrfForm::unknown) - forms.begin());
+      const Channel& response = channel(0, test_.responses[unknown]);
+      frfs.unit = ratio_of_units(response.unit, force.unit);
+      test_.notes.push_back(
+          {"form_unknown",
+           fmt::format("force in \"{}\" and response in \"{}\" make no receptance, mobility or "
+                       "accelerance; state units and sensitivities beside the recording",
+                       force.unit.empty() ? "?" : force.unit,
+                       response.unit.empty() ? "?" : response.unit),
+           force.unit != "N" ? force.name : response.name});
+      return;
+    }
+    frfs.unit = unit_of(frfs.form);
+  }
+
+  void judge(const FrfEstimate& estimate) {
+    test_.usable_hz = 0.5 * test_.search.sample_rate_hz;
+    double end_level = 0, drop = 0, hidden = 0;
+    for (const Hit& hit : test_.search.hits) {
+      if (!hit.accepted) continue;
+      test_.usable_hz = std::min(test_.usable_hz, hit.usable_hz);
+      end_level = std::max(end_level, hit.end_level);
+      drop = std::max(drop, hit.spectrum_drop_db);
+      hidden = std::max(hidden, hit.smallest_second_hit);
+    }
+    const double high = options_.hits.band_hz ? options_.hits.band_hz->second : test_.usable_hz;
+    for (Index k = 1; k < estimate.frequency_hz.size(); ++k) {
+      if (estimate.frequency_hz[k] > high || !(estimate.force_power[k] > 0)) continue;
+      test_.force_noise_bias =
+          std::max(test_.force_noise_bias, estimate.force_noise_power / estimate.force_power[k]);
+    }
+    if (test_.force_noise_bias > 0.01 && options_.estimator == FrfEstimator::h1) {
+      test_.notes.push_back(
+          {"force_noise",
+           fmt::format("noise on the force lowers H1 by up to {:.2g} % in the band; a force window "
+                       "keeps it out",
+                       100 * std::min(1.0, test_.force_noise_bias)),
+           ""});
+    }
+    const double left = end_level * std::exp(-decay_rate() * block_duration());
+    if (left > options_.hits.ring_down_level && left > 3 * quietest()) {
+      test_.notes.push_back(
+          {"ring_down_truncated",
+           fmt::format("responses are still at {:.2g} % of their largest value at the end of the "
+                       "block; wait longer between hits or use an exponential window",
+                       100 * left),
+           ""});
+    }
+    if (drop > options_.hits.good_spectrum_drop_db) {
+      test_.notes.push_back(
+          {"force_spectrum_low",
+           fmt::format("the force spectrum falls by {:.1f} dB within the band", drop), ""});
+    }
+    if (hidden > 0.05) {
+      test_.notes.push_back(
+          {"double_hit_hidden",
+           fmt::format("noise on the force hides second contacts below {:.2g} % of a hit",
+                       100 * hidden),
+           ""});
+    }
+    if (test_.frfs.averages == 1) {
+      test_.notes.push_back(
+          {"one_hit",
+           estimate.std_from_noise_before_hit
+               ? "one hit has no coherence; its error bars come from the noise before it"
+               : "one hit has neither coherence nor error bars",
+           ""});
+    } else if (test_.frfs.averages == 2) {
+      test_.notes.push_back(
+          {"two_hits", "error bars from two hits are themselves uncertain by half or more", ""});
+    }
+  }
+
+  double block_duration() const {
+    return static_cast<double>(test_.search.block_samples) / test_.search.sample_rate_hz;
+  }
+
+  double quietest() const {
+    double level = 1;
+    for (const Hit& hit : test_.search.hits) {
+      if (hit.level_before > 0) level = std::min(level, hit.level_before);
+    }
+    return level < 1 ? level : 0;
+  }
+
+  void check_driving() {
+    if (!options_.driving_response || test_.frfs.form == FrfForm::unknown) return;
+    const double high = options_.hits.band_hz ? options_.hits.band_hz->second : test_.usable_hz;
+    const double low = options_.hits.band_hz ? options_.hits.band_hz->first : 0;
+    const DrivingPointCheck check =
+        check_driving_point(test_.frfs, *options_.driving_response, 0, std::pair(low, high));
+    test_.driving_point = check;
+    const std::string where =
+        test_.frfs.responses[static_cast<std::size_t>(*options_.driving_response)].name;
+    if (const auto note = note_of(check)) test_.notes.push_back({note->code, note->message, where});
+  }
+
+  std::span<const Recording> recordings_;
+  const ImpactTestOptions& options_;
+  Index force_ = 0;
+  ImpactTest test_;
+};
+
+}  // namespace
+
+ImpactTest analyse_impact_test(std::span<const Recording> recordings, const std::string& force,
+                               std::span<const std::string> responses,
+                               const ImpactTestOptions& options) {
+  return Analysis(recordings, force, responses, options).run();
+}
+
+}  // namespace rigfit::signal

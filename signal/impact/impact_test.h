@@ -1,0 +1,62 @@
+// An impact test from recordings to FRFs with error bars: hits found and judged, outliers left out,
+// the accepted ones averaged, the driving point checked.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "signal/impact/impact_hits.h"
+#include "signal/recording/recording.h"
+#include "signal/spectra/frf.h"
+#include "signal/spectra/frf_checks.h"
+#include "signal/spectra/frf_set.h"
+
+namespace rigfit::signal {
+
+struct ImpactTestOptions {
+  HitOptions hits;
+  FrfEstimator estimator = FrfEstimator::h1;
+  /// Force kept after the beginning of the pulse, s, then faded out over half as long. 0: all of
+  /// it; negative: three pulse durations, each hit its own.
+  double force_window_s = 0;
+  /// Rate of a shared exponential window, 1/s; or, if positive, the level it falls to by the end of
+  /// the block.
+  double exponential_decay_rate_1_s = 0;
+  double exponential_end_level = 0;
+  Eigen::Index error_smoothing_lines = 10;  ///< see FrfOptions
+  bool reject_outliers = true;              ///< from three accepted hits on
+  /// A hit is an outlier when leaving it out brings the incoherent power (per degree of freedom)
+  /// below this part of what it is with it ...
+  double outlier_ratio = 0.5;
+  double outlier_least = 1e-3;  ///< ... and that power is at least this part of the response power
+  std::optional<Eigen::Index> driving_response;  ///< index into the responses
+  int threads = 1;
+};
+
+struct ImpactTest {
+  HitSearch search;
+  std::vector<Eigen::Index> responses;  ///< channel indices, in the order of the FRFs
+  FrfSet frfs;                          ///< no lines when no hit was accepted
+  bool amplitudes = true;  ///< false: pulses were not resolved; only frequencies mean something
+  double usable_hz = 0;    ///< least of the accepted hits': the force spectrum beyond is too low
+  /// Part of the response power that the force does not explain, per degree of freedom; 0 for fewer
+  /// than three hits.
+  double incoherence = 0;
+  /// Largest relative bias of H1 by noise on the force within the usable band, from the noise
+  /// before the hits.
+  double force_noise_bias = 0;
+  std::optional<DrivingPointCheck> driving_point;
+  std::vector<Note> notes;
+};
+
+/// `force` and `responses` are names as for Recording::channel_index; every recording has them.
+/// Throws RecordingError when they are not there, and for what find_hits() throws.
+[[nodiscard]] ImpactTest analyse_impact_test(std::span<const Recording> recordings,
+                                             const std::string& force,
+                                             std::span<const std::string> responses,
+                                             const ImpactTestOptions& options = {});
+
+}  // namespace rigfit::signal

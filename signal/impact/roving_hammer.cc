@@ -1,0 +1,170 @@
+#include "signal/impact/roving_hammer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::signal {
+namespace {
+using Eigen::Index;
+
+/// Index of the response that bears a point's name.
+std::optional<Index> response_named(const ImpactTest& test, const Recording& recording,
+                                    const std::string& point) {
+  for (std::size_t r = 0; r < test.responses.size(); ++r) {
+    if (recording.channels[static_cast<std::size_t>(test.responses[r])].name == point) {
+      return static_cast<Index>(r);
+    }
+  }
+  return {};
+}
+
+void same_rate(std::span<const StruckPoint> points) {
+  const Recording& first = points.front().recordings.front();
+  for (const StruckPoint& point : points) {
+    for (const Recording& recording : point.recordings) {
+      if (recording.sample_rate_hz == first.sample_rate_hz) continue;
+      throw RecordingError(
+          {recording.path.string(), 0, 0, "", fmt::format("{}", recording.sample_rate_hz)},
+          fmt::format("is sampled at another rate than {} ({} Hz)", first.path.string(),
+                      first.sample_rate_hz),
+          "FRFs of several points need one rate: resample, or analyse the points by themselves");
+    }
+  }
+}
+
+/// The tests' FRFs side by side; the points without FRFs are left out.
+FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& tests,
+              std::vector<std::size_t>& kept, std::vector<Note>& notes) {
+  FrfSet all;
+  for (std::size_t p = 0; p < tests.size(); ++p) {
+    if (tests[p].frfs.H.rows() > 0) {
+      kept.push_back(p);
+    } else {
+      notes.push_back(
+          {"point_left_out", "no hit on this point can be used: it is left out", points[p].name});
+    }
+  }
+  if (kept.empty()) return all;
+  all = tests[kept.front()].frfs;
+  all.inputs.clear();
+  all.notes.clear();
+  const auto inputs = static_cast<Index>(kept.size());
+  const auto responses = static_cast<Index>(all.responses.size());
+  const auto has = [&](auto part) {
+    return std::all_of(kept.begin(), kept.end(),
+                       [&](std::size_t p) { return (tests[p].frfs.*part).rows() == all.H.rows(); });
+  };
+  const bool with_std = has(&FrfSet::H_std), with_coherence = has(&FrfSet::coherence);
+  all.H.resize(all.frequency_hz.size(), responses * inputs);
+  all.H_std.resize(with_std ? all.H.rows() : 0, with_std ? all.H.cols() : 0);
+  all.coherence.resize(with_coherence ? all.H.rows() : 0, with_coherence ? all.H.cols() : 0);
+  int named = 0;
+  for (Index i = 0; i < inputs; ++i) {
+    const std::size_t p = kept[static_cast<std::size_t>(i)];
+    const FrfSet& one = tests[p].frfs;
+    MeasuredPoint input = one.inputs.front();
+    input.name = points[p].name;
+    const auto response = response_named(tests[p], points[p].recordings.front(), input.name);
+    input.node = response ? all.responses[static_cast<std::size_t>(*response)].node
+                          : static_cast<int>(responses) + ++named;
+    all.inputs.push_back(input);
+    all.averages = std::min(all.averages, one.averages);
+    for (Index r = 0; r < responses; ++r) {
+      const Index column = r * inputs + i;
+      all.H.col(column) = one.H.col(r);
+      if (with_std) all.H_std.col(column) = one.H_std.col(r);
+      if (with_coherence) all.coherence.col(column) = one.coherence.col(r);
+    }
+    for (const Note& note : one.notes) {
+      all.notes.push_back({note.code, note.message, note.where.empty() ? input.name : note.where});
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points, const std::string& force,
+                                   std::span<const std::string> responses,
+                                   const ImpactTestOptions& options) {
+  RovingHammer result;
+  if (points.empty()) return result;
+  same_rate(points);
+  ImpactTestOptions chosen = options;
+  chosen.driving_response.reset();
+  const auto analyse = [&] {
+    result.tests.clear();
+    for (const StruckPoint& point : points) {
+      result.tests.push_back(analyse_impact_test(point.recordings, force, responses, chosen));
+    }
+  };
+  analyse();
+  // One length for all, so that they share their lines.
+  Index shortest = std::numeric_limits<Index>::max(), longest = 0;
+  for (const ImpactTest& test : result.tests) {
+    if (test.search.hits.empty()) continue;
+    shortest = std::min(shortest, test.search.block_samples);
+    longest = std::max(longest, test.search.block_samples);
+  }
+  if (shortest < longest) {
+    chosen.hits.block_s =
+        static_cast<double>(shortest) / points.front().recordings.front().sample_rate_hz;
+    analyse();
+    const auto differs = std::find_if(result.tests.begin(), result.tests.end(), [&](const auto& t) {
+      return !t.search.hits.empty() && t.search.block_samples != shortest;
+    });
+    if (differs != result.tests.end()) {
+      const auto p = static_cast<std::size_t>(differs - result.tests.begin());
+      throw RecordingError({points[p].recordings.front().path.string(), 0, 0, force, ""},
+                           "a pulse does not fit the blocks that the other points' hits leave",
+                           "leave out the recordings with the least time after a hit");
+    }
+  }
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    for (const Note& note : result.tests[p].notes) {
+      result.notes.push_back(
+          {note.code, note.message,
+           points[p].name + (note.where.empty() ? std::string() : ": " + note.where)});
+    }
+  }
+  std::vector<std::size_t> kept;
+  result.frfs = joined(points, result.tests, kept, result.notes);
+  if (result.frfs.form == FrfForm::unknown) return result;
+
+  double usable = std::numeric_limits<double>::infinity();
+  for (const std::size_t p : kept) usable = std::min(usable, result.tests[p].usable_hz);
+  const std::pair band = options.hits.band_hz ? *options.hits.band_hz : std::pair(0.0, usable);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const auto response = response_named(result.tests[kept[i]], points[kept[i]].recordings.front(),
+                                         result.frfs.inputs[i].name);
+    if (!response) continue;
+    const auto input = static_cast<Index>(i);
+    result.driving_points.push_back(
+        {*response, input, check_driving_point(result.frfs, *response, input, band)});
+    const DrivingPoint& driving = result.driving_points.back();
+    if (const auto note = note_of(driving.check)) {
+      result.notes.push_back({note->code, note->message, result.frfs.inputs[i].name});
+    }
+  }
+  result.reciprocity = check_reciprocity(result.frfs, band);
+  for (const ReciprocityCheck& check : result.reciprocity) {
+    // Three times what the error bars expect is beyond chance; under a tenth it is good practice.
+    if (check.difference > 0.1 && check.difference > 3 * check.from_noise) {
+      result.notes.push_back(
+          {"not_reciprocal",
+           fmt::format("FRFs both ways differ by {:.2g} % (noise: {:.2g} %): other places or "
+                       "directions than named, a non-linear structure, or a wrong sensitivity",
+                       100 * check.difference, 100 * check.from_noise),
+           check.a + ", " + check.b});
+    }
+  }
+  return result;
+}
+
+}  // namespace rigfit::signal

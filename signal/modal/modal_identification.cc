@@ -1,0 +1,243 @@
+#include "signal/modal/modal_identification.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <utility>
+
+#include "signal/modal/mac.h"
+#include "signal/modal/modal_band.h"
+#include "signal/modal/modal_synthesis.h"
+#include "signal/modal/mode_search.h"
+#include "signal/modal/mode_warnings.h"
+#include "signal/numerics/numbers.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+/// Frequency and damping ratio of a pole, and their derivatives with respect to its two parts.
+void fill_frequency_and_damping(Complex pole, IdentifiedMode& mode, Eigen::Matrix2d& jacobian) {
+  const double x = pole.real(), y = pole.imag(), w = std::abs(pole);
+  mode.frequency_hz.value = w / kTwoPi;
+  mode.damping_ratio.value = -x / w;
+  jacobian << x / (w * kTwoPi), y / (w * kTwoPi), -y * y / (w * w * w), x * y / (w * w * w);
+}
+
+/// u and v of the nearest u v^T, |v| = 1, by powers of residue' residue: where the second singular
+/// value is so near the first that they converge slowly, any mixture is as near.
+std::pair<VectorXcd, VectorXcd> nearest_rank_one(const MatrixXcd& residue) {
+  Index strongest = 0;
+  residue.colwise().squaredNorm().maxCoeff(&strongest);
+  VectorXcd v = residue.adjoint() * residue.col(strongest);
+  if (!(v.norm() > 0)) v = VectorXcd::Unit(residue.cols(), strongest);
+  v.normalize();
+  for (int power = 0; power < 1000; ++power) {
+    VectorXcd next = residue.adjoint() * (residue * v);
+    const double length = next.norm();
+    if (!(length > 0)) break;
+    next /= length;
+    const double change = (next - v).norm();
+    v = next;
+    if (change < 1e-15) break;
+  }
+  return {residue * v, v.conjugate()};
+}
+
+void fill_shape(const ModalRefineResult& fit, const ModalCovariance& covariance, Index r,
+                Index inputs, IdentifiedMode& mode) {
+  const Index responses = fit.residues.cols() / inputs;
+  MatrixXcd residue(responses, inputs);
+  for (Index c = 0; c < fit.residues.cols(); ++c) {
+    residue(c / inputs, c % inputs) = fit.residues(r, c);
+  }
+  Index strongest = 0;
+  if (inputs == 1) {
+    mode.shape = residue.col(0);
+    mode.participation = VectorXcd::Ones(1);
+  } else {
+    // The nearest matrix of rank one, with the strongest input's participation made 1.
+    const auto [u, v] = nearest_rank_one(residue);
+    v.cwiseAbs().maxCoeff(&strongest);
+    mode.participation = v / v[strongest];
+    mode.shape = u * v[strongest];
+  }
+  mode.shape_std.resize(responses, 2);
+  for (Index o = 0; o < responses; ++o) {
+    mode.shape_std(o, 0) = covariance.residue_std_re(r, o * inputs + strongest);
+    mode.shape_std(o, 1) = covariance.residue_std_im(r, o * inputs + strongest);
+  }
+  mode.modal_phase_collinearity = modal_phase_collinearity(mode.shape);
+}
+
+void export_modes(const FrfSet& frfs, const ModalBand& band, const FoundModes& found,
+                  ModalResult& result) {
+  const ModalRefineResult& fit = found.fit;
+  const ModalCovariance& covariance = found.covariance;
+  const Index inputs = band.lines.inputs;
+  const auto responses = static_cast<Index>(frfs.responses.size());
+  ModalModel& model = result.model;
+  model.lower_residual.resize(responses, inputs);
+  model.upper_residual.resize(responses, inputs);
+  for (Index c = 0; c < fit.lower.size(); ++c) {
+    model.lower_residual(c / inputs, c % inputs) = fit.lower[c];
+    model.upper_residual(c / inputs, c % inputs) = fit.upper[c];
+  }
+  std::vector<Index> order(found.presence.size());
+  for (std::size_t r = 0; r < order.size(); ++r) order[r] = static_cast<Index>(r);
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return std::abs(fit.poles[a]) < std::abs(fit.poles[b]); });
+  const auto size = static_cast<Index>(2 * order.size());
+  MatrixXd jacobian = MatrixXd::Zero(size, size);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Index r = order[i], row = static_cast<Index>(2 * i);
+    IdentifiedMode mode;
+    mode.pole_rad_s = fit.poles[r];
+    const Complex raw = fit.poles[r] - band.window;
+    mode.damping_ratio_with_window = -raw.real() / std::abs(raw);
+    mode.damping_dominated_by_window = band.window > -0.5 * raw.real();
+    Eigen::Matrix2d local;
+    fill_frequency_and_damping(mode.pole_rad_s, mode, local);
+    jacobian.block<2, 2>(row, 2 * r) = local;
+    fill_shape(fit, covariance, r, inputs, mode);
+    // A record that ends before the mode has decayed scales its residue by 1 - exp(raw * length),
+    // whose phase goes with that of the hit; as likely one way as another.
+    const double cut_off = std::exp(raw.real() / band.spacing_hz) / std::sqrt(2.0);
+    mode.shape_std = (mode.shape_std.array().square() +
+                      (cut_off * mode.shape.array().abs()).square().replicate(1, 2))
+                         .sqrt();
+    mode.presence = found.presence[static_cast<std::size_t>(r)];
+    mode.significance = std::sqrt(covariance.significance[r] / found.penalty);
+    model.modes.push_back(std::move(mode));
+  }
+  model.pole_covariance = jacobian * covariance.poles * jacobian.transpose();
+  MatrixXcd shapes(responses, static_cast<Index>(order.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto row = static_cast<Index>(2 * i);
+    model.modes[i].frequency_hz.std = std::sqrt(model.pole_covariance(row, row));
+    model.modes[i].damping_ratio.std = std::sqrt(model.pole_covariance(row + 1, row + 1));
+    shapes.col(static_cast<Index>(i)) = model.modes[i].shape;
+  }
+  result.auto_mac = auto_mac(shapes);
+}
+
+/// Columns without a mode: clusters that were given up, and tracks too short to be clusters.
+void list_rejected(const ModalBand& band, const ModalOptions& options, const FoundModes& found,
+                   ModalResult& result) {
+  const auto apart = [](Complex p, Complex q) {
+    return std::abs(p - q) / (std::abs(p.real()) + std::abs(q.real()));
+  };
+  const auto is_mode = [&](Complex pole) {
+    return std::any_of(result.model.modes.begin(), result.model.modes.end(), [&](const auto& mode) {
+      return apart(pole, mode.pole_rad_s - band.window) < 2 * options.clusters.radius;
+    });
+  };
+  const auto add = [&](const PoleCluster& cluster, const std::string& code,
+                       const std::string& reason) {
+    const Complex pole = cluster.pole_rad_s + band.window;
+    result.rejected.push_back(
+        {std::abs(pole) / kTwoPi, -pole.real() / std::abs(pole), cluster.presence, code, reason});
+  };
+  for (const DroppedCluster& dropped : found.dropped) {
+    const PoleCluster& cluster = result.clusters[dropped.cluster];
+    if (!is_mode(cluster.pole_rad_s)) add(cluster, dropped.code, dropped.reason);
+  }
+  PoleClusterOptions shorter = options.clusters;
+  shorter.min_presence /= 2;
+  for (const PoleCluster& cluster : cluster_poles(result.stabilisation, band.spacing_hz, shorter)) {
+    if (cluster.presence >= options.clusters.min_presence || is_mode(cluster.pole_rad_s)) continue;
+    add(cluster, "presence",
+        fmt::format("in {:.0f} % of the upper half of the orders, of which {:.0f} % are asked",
+                    100 * cluster.presence, 100 * options.clusters.min_presence));
+  }
+  std::sort(result.rejected.begin(), result.rejected.end(),
+            [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });
+}
+
+}  // namespace
+
+ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
+  ModalResult result;
+  ModalModel& model = result.model;
+  model.responses = frfs.responses;
+  model.inputs = frfs.inputs;
+  model.fitted_form = frfs.form;
+  model.exponential_decay_rate_1_s = frfs.exponential_decay_rate_1_s;
+  const ModalBand band = select_band(frfs, options.low_hz, options.high_hz, model.notes);
+  const MatrixXcd& H = band.lines.H;
+  const Index inputs = band.lines.inputs;
+  result.lines_used = band.frequency_hz.size();
+  result.low_hz = band.frequency_hz[0];
+  result.high_hz = band.frequency_hz[result.lines_used - 1];
+  if (frfs.form == FrfForm::unknown) {
+    model.notes.push_back({"form_unknown",
+                           "the FRFs do not say whether they are receptances, mobilities or "
+                           "accelerances: the units of shapes and residuals are not known",
+                           ""});
+  }
+  for (Index c = 0; c < H.cols(); ++c) {
+    if (H.col(c).isZero(0)) {
+      model.notes.push_back({"dead_frf", "this FRF is zero throughout and was left out",
+                             frfs.responses[static_cast<std::size_t>(c / inputs)].name});
+    }
+  }
+  const bool has_error_bars = band.H_std.size() > 0;
+  FrfNoise first = has_error_bars ? noise_from_std(H, band.H_std, inputs, band.correlation_lines)
+                                  : noise_unknown(H, inputs, band.correlation_lines);
+  first.lead = band.lead;
+  if (!first.column.cwiseInverse().any()) {
+    model.notes.push_back({"no_modes", "all FRFs are zero", ""});
+    result.noise = first;
+    model.pole_covariance.resize(0, 0);
+    return result;
+  }
+
+  result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
+  result.clusters = cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
+  const FoundModes found = search_modes(band, result.clusters, first, options);
+  result.end = found.fit.end;
+  result.iterations = found.iterations;
+  result.noise = found.noise;
+  if (found.fit.residues.cols() == 0 || !found.covariance.full_rank) {
+    result.end = RefineEnd::rank_deficient;
+    model.lower_residual.setZero(static_cast<Index>(frfs.responses.size()), inputs);
+    model.upper_residual = model.lower_residual;
+    model.notes.push_back(
+        {"rank_deficient", "the lines of the band do not determine any mode", ""});
+    return result;
+  }
+  export_modes(frfs, band, found, result);
+  list_rejected(band, options, found, result);
+  if (model.modes.empty()) {
+    model.notes.push_back(
+        {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});
+  }
+  measure_errors(model, frfs, result.low_hz, result.high_hz);
+  if (has_error_bars) {
+    const MatrixXcd& m = found.model;
+    double sum = 0;
+    Index count = 0;
+    for (Index c = 0; c < H.cols(); ++c) {
+      if (!std::isfinite(first.column[c])) continue;
+      sum += ((H.col(c) - m.col(c)).array().abs2() /
+              (2 * first.line.array() *
+               (first.column[c] + first.common[c % inputs] * m.col(c).array().abs2())))
+                 .sum();
+      count += H.rows();
+    }
+    result.misfit_over_error_bars = std::sqrt(sum / static_cast<double>(count));
+  }
+  check_misfit(result, H - found.model);
+  judge_modes(result, band);
+  return result;
+}
+
+}  // namespace rigfit::signal

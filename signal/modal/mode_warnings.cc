@@ -1,0 +1,149 @@
+#include "signal/modal/mode_warnings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "signal/numerics/numbers.h"
+
+namespace rigfit::signal {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::VectorXcd;
+
+void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  const Index pairs = misfit.rows() - 1;
+  Complex product = 0;
+  double power = 0, frfs = 0;
+  for (Index c = 0; c < misfit.cols(); ++c) {
+    if (!std::isfinite(result.noise.column[c])) continue;
+    const VectorXcd r = misfit.col(c).cwiseQuotient(result.noise.line.cwiseSqrt().cast<Complex>()) /
+                        std::sqrt(result.noise.column[c]);
+    product += r.head(pairs).dot(r.tail(pairs));
+    power += 0.5 * (r.head(pairs).squaredNorm() + r.tail(pairs).squaredNorm());
+    ++frfs;
+  }
+  if (!(power > 0)) return;
+  const double expected = line_correlation(result.noise, 1).real();
+  result.misfit_line_correlation = product.real() / power - expected;
+  const double chance = 5 / std::sqrt(2 * frfs * static_cast<double>(pairs));
+  if (std::abs(result.misfit_line_correlation) > std::max(chance, 0.2)) {
+    result.model.notes.push_back(
+        {"systematic_misfit",
+         fmt::format(
+             "the misfit is not like noise: neighbouring lines correlate by {:.2f} more than "
+             "noise does. Something is left out (non-linearity, change between hits, modes "
+             "outside the band); error bars of the modes are too small then",
+             result.misfit_line_correlation),
+         ""});
+  }
+}
+
+namespace {
+
+/// Amplitude left at the end of a record, of that at its beginning.
+double left_at_the_end(const IdentifiedMode& mode, const ModalBand& band) {
+  return std::exp((mode.pole_rad_s.real() - band.window) / band.spacing_hz);
+}
+
+/// A line narrower than the record can show, without a window: as likely a steady tone as a mode.
+bool steady(const IdentifiedMode& mode, const ModalBand& band) {
+  return left_at_the_end(mode, band) > 0.5;
+}
+
+/// The steady tone within four half bandwidths of a mode that is none itself; 0: there is none.
+double tone_beside(const ModalModel& model, std::size_t r, const ModalBand& band) {
+  const IdentifiedMode& mode = model.modes[r];
+  if (steady(mode, band)) return 0;
+  for (const IdentifiedMode& other : model.modes) {
+    const double apart = std::abs(other.pole_rad_s.imag() - mode.pole_rad_s.imag());
+    if (steady(other, band) && apart < 4 * (band.window - mode.pole_rad_s.real())) {
+      return other.frequency_hz.value;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+void judge_modes(ModalResult& result, const ModalBand& band) {
+  ModalModel& model = result.model;
+  for (std::size_t r = 0; r < model.modes.size(); ++r) {
+    IdentifiedMode& mode = model.modes[r];
+    std::vector<std::string> doubts;
+    const double decay = -mode.pole_rad_s.real(), measured = decay + band.window;
+    if (mode.damping_dominated_by_window) {
+      doubts.push_back(fmt::format(
+          "the window gives {:.0f} % of the measured decay rate: damping refused, frequency kept",
+          100 * band.window / measured));
+    } else if (!(mode.damping_ratio.std < 0.25 * std::abs(mode.damping_ratio.value))) {
+      doubts.push_back(fmt::format(
+          "damping known to {:.0f} % only",
+          100 * mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300)));
+    }
+    // 5 % of variance: residues less than some 4 times what the test of presence asks for.
+    if (mode.significance < 4) {
+      doubts.push_back(
+          fmt::format("weak: {:.1f} times the least that is told from noise", mode.significance));
+    }
+    if (steady(mode, band)) {
+      doubts.push_back(fmt::format(
+          "{:.0f} % of it are left at the end of the records: a steady tone such as mains "
+          "hum, or a mode that needs longer records",
+          100 * left_at_the_end(mode, band)));
+    } else if (const double tone = tone_beside(model, r, band); tone > 0) {
+      doubts.push_back(fmt::format(
+          "a steady tone at {:.4g} Hz lies within its resonance: it is no noise, error bars do not "
+          "allow for it",
+          tone));
+    }
+    const double f = mode.frequency_hz.value, half = measured / kTwoPi;
+    if (f - half < result.low_hz || f + half > result.high_hz) {
+      doubts.push_back("its resonance is cut by the end of the band");
+    }
+    if (mode.presence < 0.6) {
+      doubts.push_back(
+          fmt::format("present in {:.0f} % of the model orders only", 100 * mode.presence));
+    }
+    if (mode.shape.size() >= 3) {
+      // Noise of the residues alone lowers the collinearity by about its share of the power.
+      const double share = mode.shape_std.squaredNorm() / mode.shape.squaredNorm();
+      if (mode.modal_phase_collinearity < 0.8 - 2 * share) {
+        doubts.push_back(
+            fmt::format("complex shape: phase collinearity {:.2f}", mode.modal_phase_collinearity));
+      }
+      for (const std::size_t other : {r - 1, r + 1}) {  // r - 1 wraps below 0 and is left out
+        if (other >= model.modes.size()) continue;
+        const double likeness = result.auto_mac(static_cast<Index>(r), static_cast<Index>(other));
+        const double apart = std::abs(mode.pole_rad_s - model.modes[other].pole_rad_s) /
+                             (measured + band.window - model.modes[other].pole_rad_s.real());
+        if (likeness > 0.9 && apart < 2) {
+          doubts.push_back(fmt::format(
+              "same shape as the mode at {:.4g} Hz (MAC {:.2f}), resonances overlap: "
+              "one mode that changed between hits, or a non-linear one, looks like this",
+              model.modes[other].frequency_hz.value, likeness));
+        }
+      }
+    }
+    mode.doubtful = !doubts.empty();
+    mode.doubt = fmt::format("{}", fmt::join(doubts, "; "));
+    // Records that end before the mode has decayed scale its residue by 1 - exp(-decay * length),
+    // whose phase the record does not tell; poles stay right.
+    const double left = left_at_the_end(mode, band);
+    if (left > 0.01) {
+      model.notes.push_back({"decay_cut_off",
+                             fmt::format("{:.1f} % of the amplitude are left at the end of the "
+                                         "records: residues are uncertain by that, poles are not",
+                                         100 * left),
+                             fmt::format("{:.4g} Hz", f)});
+    }
+  }
+}
+
+}  // namespace rigfit::signal

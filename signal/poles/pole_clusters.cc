@@ -1,0 +1,104 @@
+#include "signal/poles/pole_clusters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "signal/numerics/robust.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+
+double distance(Complex p, Complex q, double spacing_rad_s) {
+  return std::abs(p - q) / (std::abs(p.real()) + std::abs(q.real()) + 0.5 * spacing_rad_s);
+}
+
+struct Track {
+  std::vector<Complex> poles;  ///< from the highest order down
+  std::vector<int> orders;
+};
+
+/// Links the poles of each order, from the highest down, to the nearest track end; each track takes
+/// at most one pole of an order, nearest pairs first.
+std::vector<Track> track_poles(const LscfResult& stabilisation, double spacing,
+                               const PoleClusterOptions& options) {
+  std::vector<Track> tracks;
+  const auto& all = stabilisation.poles;
+  std::size_t end = all.size();
+  while (end > 0) {
+    const int order = all[end - 1].order;
+    std::size_t begin = end;
+    while (begin > 0 && all[begin - 1].order == order) --begin;
+
+    std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
+    for (std::size_t t = 0; t < tracks.size(); ++t) {
+      if (tracks[t].orders.back() - order > options.max_gap + 1) continue;
+      for (std::size_t i = begin; i < end; ++i) {
+        const double d = distance(tracks[t].poles.back(), all[i].pole_rad_s, spacing);
+        if (d < options.radius) pairs.emplace_back(d, t, i);
+      }
+    }
+    std::sort(pairs.begin(), pairs.end());
+    std::vector<bool> taken(end - begin, false);
+    for (const auto& [d, t, i] : pairs) {
+      if (taken[i - begin] || tracks[t].orders.back() == order) continue;
+      taken[i - begin] = true;
+      tracks[t].poles.push_back(all[i].pole_rad_s);
+      tracks[t].orders.push_back(order);
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!taken[i - begin]) tracks.push_back({{all[i].pole_rad_s}, {order}});
+    }
+    end = begin;
+  }
+  return tracks;
+}
+
+}  // namespace
+
+std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation, double line_spacing_hz,
+                                       const PoleClusterOptions& options) {
+  const double spacing = 2 * std::numbers::pi * line_spacing_hz;
+  const int top = stabilisation.orders_solved;
+  const int half = top / 2;  // orders above this count
+  std::vector<PoleCluster> clusters;
+  for (const Track& track : track_poles(stabilisation, spacing, options)) {
+    std::vector<double> real, imag;
+    for (std::size_t i = 0; i < track.poles.size() && track.orders[i] > half; ++i) {
+      real.push_back(track.poles[i].real());
+      imag.push_back(track.poles[i].imag());
+    }
+    if (real.empty()) continue;
+    PoleCluster cluster;
+    cluster.presence = static_cast<double>(real.size()) / static_cast<double>(top - half);
+    if (cluster.presence < options.min_presence) continue;
+    cluster.pole_rad_s = {median(real), median(imag)};
+    cluster.lowest_order = track.orders.back();
+    double sum = 0;
+    for (std::size_t i = 0; i < real.size(); ++i) {
+      sum += std::norm(Complex(real[i], imag[i]) - cluster.pole_rad_s);
+    }
+    cluster.scatter =
+        std::sqrt(sum / static_cast<double>(real.size())) / std::abs(cluster.pole_rad_s.real());
+    clusters.push_back(cluster);
+  }
+  // Pieces of one track, or two tracks of one mode: the one that is there more often stands for
+  // both.
+  std::sort(clusters.begin(), clusters.end(),
+            [](const auto& a, const auto& b) { return a.presence > b.presence; });
+  std::vector<PoleCluster> kept;
+  for (const PoleCluster& cluster : clusters) {
+    const bool again = std::any_of(kept.begin(), kept.end(), [&](const PoleCluster& other) {
+      return distance(cluster.pole_rad_s, other.pole_rad_s, spacing) < options.radius;
+    });
+    if (!again) kept.push_back(cluster);
+  }
+  std::sort(kept.begin(), kept.end(),
+            [](const auto& a, const auto& b) { return a.pole_rad_s.imag() < b.pole_rad_s.imag(); });
+  return kept;
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,38 @@
+// Which poles of a stabilisation diagram are one and the same, over the orders: candidates for
+// physical modes, chosen without initial guesses.
+//
+// Distance of two poles: |p - q| over the sum of their half bandwidths -Re(p) - Re(q) (and of half
+// a line spacing, below which no data tell poles apart). It is free of scale: two modes whose
+// resonances can be seen apart lie further than 1 from each other however close they are in Hz;
+// estimates of one mode by different orders lie within a small part of 1. Poles of successive
+// orders are linked to tracks by that distance. Poles that follow noise wander by their own
+// bandwidth from order to order and form no long track.
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "signal/poles/lscf.h"
+
+namespace rigfit::signal {
+
+struct PoleClusterOptions {
+  double radius = 0.25;  ///< largest distance of linked poles (1: bandwidths touch)
+  /// Smallest share of the upper half of the orders in which a cluster must have a pole.
+  double min_presence = 0.4;
+  int max_gap = 3;  ///< orders that a track may miss in between
+};
+
+struct PoleCluster {
+  std::complex<double> pole_rad_s;  ///< medians over the upper half of the orders, window included
+  double presence = 0;              ///< share of the upper half of the orders, 0..1
+  double scatter = 0;               ///< rms distance from the median, in half bandwidths
+  int lowest_order = 0;
+};
+
+/// By rising frequency. `line_spacing_hz`: of the FRFs.
+[[nodiscard]] std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation,
+                                                     double line_spacing_hz,
+                                                     const PoleClusterOptions& options = {});
+
+}  // namespace rigfit::signal

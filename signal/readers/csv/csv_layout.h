@@ -1,0 +1,51 @@
+// How a table of text is laid out: separator, decimal sign, where its numbers begin, what each
+// column is called and holds. Found from the text itself, by looking at lines all over the file.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "signal/readers/csv/csv_fields.h"
+
+namespace rigfit::signal {
+
+enum class ColumnKind {
+  numbers,
+  clock,  ///< times of day
+  text,   ///< words in most lines
+  empty,  ///< nothing, or now and then something
+};
+
+struct CsvColumn {
+  std::string name;  ///< UTF-8; empty: the file gives none
+  std::string unit;  ///< as written, UTF-8; empty: none
+  double range = 0;  ///< full scale as written in the header, in `unit`; 0: none
+  ColumnKind kind = ColumnKind::numbers;
+  double filled = 0;  ///< share of the lines looked at that hold a number or a word for none
+};
+
+struct CsvLayout {
+  CsvDialect dialect;
+  std::vector<CsvColumn> columns;
+  std::size_t body = 0;       ///< offset of the first line of numbers
+  long body_line = 1;         ///< its 1-based number
+  double stated_rate_hz = 0;  ///< by the header; 0: none
+  long rate_line = 0;         ///< where
+  std::string rate_text;      ///< as written
+  bool has_names = false;
+};
+
+/// Throws RecordingError when there is no table of numbers in the text. `file` is for messages.
+[[nodiscard]] CsvLayout find_csv_layout(std::string_view bytes, const std::string& file);
+
+/// 1-based number of the line that `offset` is in.
+[[nodiscard]] long line_number(std::string_view bytes, std::size_t offset);
+
+/// End of the line that begins at `from` (offset of its '\n' or '\r', or the size).
+[[nodiscard]] std::size_t line_end(std::string_view bytes, std::size_t from);
+/// Offset of the line after the one that ends at `end`.
+[[nodiscard]] std::size_t next_line(std::string_view bytes, std::size_t end);
+
+}  // namespace rigfit::signal

@@ -1,0 +1,222 @@
+#include "signal/readers/csv/csv_time.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "signal/recording/recording_error.h"
+#include "signal/recording/time_axis.h"
+#include "signal/recording/units.h"
+
+namespace rigfit::signal {
+namespace {
+
+std::string decimal_text(double value) { return fmt::format("{:.9g}", value); }
+
+bool is_time_name(const std::string& name) {
+  const std::string word = lower_case(name);
+  static constexpr std::array<std::string_view, 30> kWords = {"t",
+                                                              "time",
+                                                              "zeit",
+                                                              "temps",
+                                                              "tiempo",
+                                                              "tempo",
+                                                              "tid",
+                                                              "sec",
+                                                              "secs",
+                                                              "second",
+                                                              "seconds",
+                                                              "s",
+                                                              "ms",
+                                                              "msec",
+                                                              "elapsed",
+                                                              "timestamp",
+                                                              "clock",
+                                                              "uhrzeit",
+                                                              "datetime",
+                                                              "date/time",
+                                                              "date time",
+                                                              "x_value",
+                                                              "x value",
+                                                              "time_s",
+                                                              "elapsed time",
+                                                              "t_s",
+                                                              "relative time",
+                                                              "time stamp",
+                                                              "rel time",
+                                                              "time_ms"};
+  if (std::find(kWords.begin(), kWords.end(), word) != kWords.end()) return true;
+  for (const std::string_view stem : {"time", "zeit", "elapsed", "timestamp"}) {
+    if (word.size() > stem.size() && word.compare(0, stem.size(), stem) == 0 &&
+        std::isalpha(static_cast<unsigned char>(word[stem.size()])) == 0) {
+      return true;
+    }
+  }
+  return word.size() > 5 && word.compare(word.size() - 5, 5, " time") == 0;
+}
+
+bool is_index_name(const std::string& name) {
+  const std::string word = lower_case(name);
+  static constexpr std::array<std::string_view, 17> kWords = {
+      "sample", "samples", "index", "no",  "no.",    "nr",        "nr.",        "#",
+      "n",      "scan",    "point", "row", "record", "sample no", "sample no.", "sample number",
+      "count"};
+  return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
+}
+
+/// 0, 1, 2 ... (or from 1), in steps of exactly one.
+bool counts_samples(const Eigen::VectorXd& values) {
+  if (values.size() < 2 || std::abs(values[0]) > 1 || values[0] != std::floor(values[0])) {
+    return false;
+  }
+  for (Eigen::Index k = 1; k < values.size(); ++k) {
+    if (values[k] - values[k - 1] != 1) return false;
+  }
+  return true;
+}
+
+/// Every time the same step within printing, over at least three samples.
+bool looks_like_time(const Eigen::VectorXd& values, int decimals) {
+  if (values.size() < 3 || !values.allFinite()) return false;
+  TimeAxisOptions options;
+  options.printed_resolution_s = std::pow(10.0, -decimals);
+  const TimeAxis axis = time_axis(values, options);
+  return axis.uniform && axis.rate_hz > 0 && values[1] > values[0];
+}
+
+void note_time_faults(const TimeAxis& axis, const CsvLayout& layout, double resolution,
+                      Recording& recording) {
+  const auto line = [&](Eigen::Index sample) {
+    return "near line " + std::to_string(layout.body_line + static_cast<long>(sample));
+  };
+  if (axis.backward > 0 || axis.repeated > 0) {
+    recording.notes.push_back({"time_not_rising",
+                               "times go back " + std::to_string(axis.backward) +
+                                   " times and repeat " + std::to_string(axis.repeated) + " times",
+                               line(axis.first_fault)});
+  }
+  if (axis.gaps > 0) {
+    recording.notes.push_back({"time_gaps",
+                               std::to_string(axis.gaps) + " gaps in the times, the longest " +
+                                   decimal_text(axis.longest_gap_s) + " s",
+                               line(axis.longest_gap_at)});
+  }
+  if (axis.missing > 0) {
+    recording.notes.push_back(
+        {"time_missing", std::to_string(axis.missing) + " times are missing", ""});
+  }
+  if (!axis.uniform && axis.rate_hz > 0) {
+    recording.notes.push_back(
+        {"time_not_uniform",
+         "sampling is not uniform (rms departure " + decimal_text(axis.jitter_s) + " s)", ""});
+  } else if (axis.rate_hz > 0 && resolution * axis.rate_hz > 1) {
+    recording.notes.push_back({"time_rounded",
+                               "times are printed to " + decimal_text(resolution) +
+                                   " s, coarser than the sampling step; the rate is that of the "
+                                   "whole record",
+                               ""});
+  }
+}
+
+}  // namespace
+
+std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file,
+                                        Recording& recording) {
+  const CsvLayout& layout = table.layout;
+  // Which column is the time?
+  std::optional<std::size_t> time;
+  const auto kind = [&](std::size_t k) { return layout.columns[table.column[k]].kind; };
+  for (std::size_t k = 0; k < table.channels.size() && !time; ++k) {
+    const Channel& channel = table.channels[k];
+    if (kind(k) == ColumnKind::empty) continue;
+    if (kind(k) == ColumnKind::clock ||
+        (is_time_name(channel.name) &&
+         (channel.source_unit.empty() || channel.quantity == Quantity::time))) {
+      time = k;
+    }
+  }
+  const bool first_unnamed = !table.channels.empty() &&
+                             layout.columns[table.column[0]].name.empty() && table.column[0] == 0;
+  std::vector<std::size_t> left_out;
+  if (!time && table.channels.size() > 1) {
+    Channel& first = table.channels[0];
+    if ((first_unnamed || is_index_name(first.name)) && counts_samples(first.samples)) {
+      left_out.push_back(0);
+      recording.notes.push_back(
+          {"index_column_left_out", "counts the samples: left out", first.name});
+    } else if ((first_unnamed || first.quantity == Quantity::time) &&
+               looks_like_time(first.samples, table.decimals[0])) {
+      time = 0;
+      if (first.source_unit.empty() && !layout.has_names) {
+        recording.notes.push_back(
+            {"time_column_assumed", "column 1 rises in equal steps: taken as time in seconds", ""});
+      }
+    }
+  }
+
+  double printed = 0;
+  if (time) {
+    Channel& column = table.channels[*time];
+    TimeAxisOptions axis_options;
+    printed = std::pow(10.0, -table.decimals[*time]) * std::abs(column.si_per_source);
+    axis_options.printed_resolution_s = printed;
+    axis_options.stated_rate_hz = layout.stated_rate_hz;
+    if (kind(*time) == ColumnKind::clock) {
+      // Midnight inside the record.
+      for (Eigen::Index k = 1; k < column.samples.size(); ++k) {
+        if (column.samples[k] - column.samples[k - 1] < -43200) {
+          column.samples.tail(column.samples.size() - k).array() += 86400;
+        }
+      }
+      const double start = column.samples[0];
+      if (std::isfinite(start)) column.samples.array() -= start;
+    }
+    const TimeAxis axis = time_axis(column.samples, axis_options);
+    recording.sample_rate_hz = axis.rate_hz;
+    recording.start_time_s = axis.start_s;
+    recording.time_jitter_s = axis.jitter_s;
+    note_time_faults(axis, layout, printed, recording);
+    if (!axis.agrees_with_stated && axis.rate_hz > 0) {
+      recording.notes.push_back({"rate_disagrees",
+                                 "the times give " + decimal_text(axis.rate_hz) +
+                                     " Hz, the header says " + decimal_text(layout.stated_rate_hz) +
+                                     " Hz (\"" + layout.rate_text + "\"): the times are taken",
+                                 "line " + std::to_string(layout.rate_line)});
+    }
+    if (!axis.uniform && axis.rate_hz > 0) {
+      if (axis.missing > 0) {
+        Eigen::Index at = 0;
+        while (at < column.samples.size() && std::isfinite(column.samples[at])) ++at;
+        throw RecordingError({file, layout.body_line + static_cast<long>(at), 0, column.name, ""},
+                             "the time is missing and sampling is not uniform",
+                             "mend the times, or delete that column and give the sample rate");
+      }
+      recording.time_s = column.samples;
+    }
+    if (axis.rate_hz == 0 && column.samples.size() > 1) {
+      recording.notes.push_back(
+          {"time_unusable", "the times do not rise: no sample rate from them", column.name});
+    }
+    left_out.push_back(*time);
+    // LabVIEW and others repeat the time for each channel.
+    for (std::size_t k = 0; k < table.channels.size(); ++k) {
+      if (k == *time || kind(k) == ColumnKind::empty) continue;
+      Channel& other = table.channels[k];
+      const std::string& title = layout.columns[table.column[k]].name;
+      if (other.quantity != Quantity::time && !is_time_name(title)) continue;
+      if ((other.samples - column.samples).cwiseAbs().maxCoeff() <= printed) {
+        left_out.push_back(k);
+        recording.notes.push_back(
+            {"repeated_time_column", "the same times once more: left out", other.name});
+      }
+    }
+  }
+  return left_out;
+}
+
+}  // namespace rigfit::signal

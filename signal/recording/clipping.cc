@@ -1,0 +1,114 @@
+#include "signal/recording/clipping.h"
+
+#include <gsl/gsl_cdf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace rigfit::signal {
+using Eigen::Index;
+
+namespace {
+
+/// Samples for which the signal keeps the value that it takes when it leaves `at` in a direction.
+double next_step(const Eigen::Ref<const Eigen::VectorXd>& channel, Index at, Index direction) {
+  double length = 0;
+  for (Index k = at + direction; k >= 0 && k < channel.size(); k += direction, ++length) {
+    if (channel[k] != channel[at + direction]) return length;
+  }
+  return static_cast<double>(channel.size());  // the record ends there: nothing can be said
+}
+
+/// Least step between different values of (at most some thousand of) the samples.
+double least_step(const Eigen::Ref<const Eigen::VectorXd>& y, double rounding) {
+  constexpr Index kEnough = 4096;
+  std::vector<double> values;
+  for (Index j = 0; j < y.size() && static_cast<Index>(values.size()) < kEnough; ++j) {
+    if (std::isfinite(y[j])) values.push_back(y[j]);
+  }
+  std::sort(values.begin(), values.end());
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    const double gap = values[k] - values[k - 1];
+    if (gap > rounding) step = std::min(step, gap);
+  }
+  return step;
+}
+
+}  // namespace
+
+bool piles_up(const Eigen::Ref<const Eigen::VectorXd>& y, double rail) {
+  constexpr unsigned kFewest = 3;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double value : y) {
+    if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
+  }
+  const double span = high - low;
+  if (!(span > 0)) return false;
+  const double rounding = 1e-12 * std::max({span, std::abs(low), std::abs(high)});
+  const double quantum = std::max(least_step(y, rounding), rounding);
+  if (!std::isfinite(quantum)) return false;
+  const double near = std::max(0.05 * span, 3 * quantum);
+  unsigned at = 0, beside = 0;
+  for (const double value : y) {
+    const double distance = std::abs(value - rail);
+    if (distance <= rounding) {
+      ++at;
+    } else if (distance <= near) {
+      ++beside;
+    }
+  }
+  if (at < kFewest) return false;
+  return gsl_cdf_binomial_Q(at - 1, std::sqrt(quantum / (quantum + near)), at + beside) < 1e-4;
+}
+
+ClipLevels clip_levels(const Eigen::Ref<const Eigen::VectorXd>& channel) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  ClipLevels levels{kInfinity, -kInfinity, kInfinity};
+  double previous = std::numeric_limits<double>::quiet_NaN();
+  for (const double value : channel) {
+    if (std::isfinite(value)) {
+      levels.low = std::min(levels.low, value);
+      levels.high = std::max(levels.high, value);
+      const double change = std::abs(value - previous);
+      if (change > 0) levels.step = std::min(levels.step, change);
+    }
+    previous = value;
+  }
+  if (!(levels.high >= levels.low)) return {};
+  if (!std::isfinite(levels.step)) levels.step = 0;
+  return levels;
+}
+
+bool is_clipped(const Eigen::Ref<const Eigen::VectorXd>& channel, const ClipLevels& levels,
+                double rest, Index first, Index last, double nominal_range) {
+  const double span = levels.high - levels.low;
+  if (!(span > 0)) return false;
+  for (Index k = first; k <= last; ++k) {
+    const double value = channel[k];
+    if (nominal_range > 0 && std::abs(value) >= 0.9999 * nominal_range) return true;
+    if ((value != levels.high && value != levels.low) || std::abs(value - rest) < 0.1 * span) {
+      continue;
+    }
+    Index end = k;
+    while (end < last && channel[end + 1] == value) ++end;
+    double entry = 0;
+    if (k > 0) entry = std::max(entry, std::abs(channel[k - 1] - value));
+    if (end + 1 < channel.size()) entry = std::max(entry, std::abs(channel[end + 1] - value));
+    if (end - k + 1 == 2 && entry > 100 * levels.step) return true;
+    if (end - k + 1 >= 3) {
+      if (entry > 3 * levels.step) return true;
+      const Index length = end - k + 1;
+      if (length >= 10 && next_step(channel, k, -1) < 0.1 * static_cast<double>(length) &&
+          next_step(channel, end, 1) < 0.1 * static_cast<double>(length)) {
+        return true;
+      }
+    }
+    k = end;
+  }
+  return false;
+}
+
+}  // namespace rigfit::signal

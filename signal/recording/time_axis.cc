@@ -1,0 +1,142 @@
+#include "signal/recording/time_axis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "signal/numerics/robust.h"
+
+namespace rigfit::signal {
+namespace {}  // namespace
+
+double round_rate(double rate_hz, double tolerance) {
+  if (!(rate_hz > 0) || !std::isfinite(rate_hz)) return rate_hz;
+  const double decade = std::floor(std::log10(rate_hz));
+  for (int digits = 0; digits < 9; ++digits) {
+    const double unit = std::pow(10.0, decade - digits);
+    // A multiple of a negative power of ten is formed by dividing: 0.1 has no exact double.
+    const double rounded = unit >= 1 ? std::round(rate_hz / unit) * unit
+                                     : std::round(rate_hz / unit) / std::round(1 / unit);
+    if (std::abs(rounded - rate_hz) <= tolerance * rate_hz) return rounded;
+  }
+  return rate_hz;
+}
+
+TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
+                   const TimeAxisOptions& options) {
+  TimeAxis axis;
+  const Eigen::Index n = time_s.size();
+  // Two passes with centred sums: times of 1e9 s (clocks) keep their digits.
+  double k_mean = 0, t_mean = 0, first = 0;
+  Eigen::Index count = 0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (!std::isfinite(time_s[k])) continue;
+    if (count == 0) first = time_s[k];
+    k_mean += static_cast<double>(k);
+    t_mean += time_s[k] - first;
+    ++count;
+  }
+  axis.missing = n - count;
+  if (count < 2) return axis;
+  k_mean /= static_cast<double>(count);
+  t_mean = first + t_mean / static_cast<double>(count);
+  double kk = 0, kt = 0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (!std::isfinite(time_s[k])) continue;
+    const double dk = static_cast<double>(k) - k_mean;
+    kk += dk * dk;
+    kt += dk * (time_s[k] - t_mean);
+  }
+  double step = kt / kk;
+
+  const double resolution = options.printed_resolution_s;
+  const auto departure = [&](double h, double origin, Eigen::Index k) {
+    return time_s[k] - origin - h * (static_cast<double>(k) - k_mean);
+  };
+  const auto worst_departure = [&](double h) {
+    double worst = 0;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if (std::isfinite(time_s[k])) worst = std::max(worst, std::abs(departure(h, t_mean, k)));
+    }
+    return worst;
+  };
+  const auto allowed = [&](double h) { return 0.75 * resolution + 0.01 * std::abs(h); };
+  axis.uniform = step > 0 && worst_departure(step) <= allowed(step);
+  if (!axis.uniform) {
+    std::vector<double> steps;
+    steps.reserve(static_cast<std::size_t>(n));
+    for (Eigen::Index k = 1; k < n; ++k) {
+      const double h = time_s[k] - time_s[k - 1];
+      if (std::isfinite(h)) steps.push_back(h);
+    }
+    if (steps.empty()) return axis;
+    const double usual = median(steps);
+    // Gaps bias the line. The mean of the steps that are no gaps does not see them, and printing,
+    // which may make most steps zero, averages out of it.
+    const double near = std::max(1.5 * resolution, 0.5 * std::abs(usual));
+    double sum_of_steps = 0;
+    long regular = 0;
+    for (const double h : steps) {
+      if (std::abs(h - usual) > near) continue;
+      sum_of_steps += h;
+      ++regular;
+    }
+    step = sum_of_steps / static_cast<double>(std::max(1L, regular));
+    // Printed steps differ by a digit, unless the step is a whole number of them.
+    const double digits = resolution > 0 ? step / resolution : 1;
+    const bool whole = digits > 0.5 && std::abs(digits - std::round(digits)) < 1e-3;
+    const double slack = whole ? 0 : resolution;
+    double worst_step = 0;
+    for (Eigen::Index k = 1; k < n; ++k) {
+      const double h = time_s[k] - time_s[k - 1];
+      if (!std::isfinite(h)) continue;
+      const bool back = h < 0, again = h == 0 && !(resolution > 1.01 * step);
+      const bool gap = step > 0 && h > 1.5 * step + slack;
+      axis.backward += back ? 1 : 0;
+      axis.repeated += again ? 1 : 0;
+      axis.gaps += gap ? 1 : 0;
+      if ((back || again || gap) && axis.first_fault < 0) axis.first_fault = k;
+      if (gap && h > worst_step) worst_step = h, axis.longest_gap_at = k, axis.longest_gap_s = h;
+    }
+  }
+  if (!(step > 0) || !std::isfinite(1 / step)) return axis;
+
+  const double span = std::max(1.0, static_cast<double>(n - 1));
+  // The step is known to about one printed digit over the whole record.
+  const double tolerance = resolution / (span * step) + 1e-9;
+  axis.rate_hz = 1 / step;
+  axis.start_s = time_s[0];
+  if (options.stated_rate_hz > 0) {
+    const double stated = options.stated_rate_hz;
+    // "Agrees": not further off than the clock errors of ordinary loggers (100 ppm) and printing.
+    axis.agrees_with_stated = std::abs(axis.rate_hz / stated - 1) <= std::max(tolerance, 1e-4);
+    if (std::abs(axis.rate_hz / stated - 1) <= tolerance) axis.rate_hz = stated;
+  }
+  if (axis.rate_hz != options.stated_rate_hz) axis.rate_hz = round_rate(axis.rate_hz, tolerance);
+  if (axis.uniform) {
+    const double line_start = t_mean - step * k_mean;
+    if (!std::isfinite(axis.start_s)) axis.start_s = line_start;
+  }
+  const double h = axis.uniform ? 1 / axis.rate_hz : step;
+  double sum = 0, mean = 0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (std::isfinite(time_s[k])) mean += departure(h, t_mean, k);
+  }
+  mean /= static_cast<double>(count);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (!std::isfinite(time_s[k])) continue;
+    const double d = departure(h, t_mean + mean, k);
+    sum += d * d;
+  }
+  axis.jitter_s = std::sqrt(sum / static_cast<double>(count));
+  // Times near the largest double: sums over them are no numbers, nor is a rate from them.
+  if (!std::isfinite(axis.jitter_s) || !std::isfinite(axis.start_s) ||
+      !std::isfinite(axis.rate_hz)) {
+    TimeAxis none;
+    none.missing = axis.missing;
+    return none;
+  }
+  return axis;
+}
+
+}  // namespace rigfit::signal

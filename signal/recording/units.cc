@@ -1,0 +1,462 @@
+#include "signal/recording/units.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+namespace rigfit::signal {
+namespace {
+
+constexpr double kGravity = 9.80665;             // m/s^2, ISO 80000-3
+constexpr double kPoundForce = 4.4482216152605;  // N, exact
+constexpr double kInch = 0.0254;
+constexpr double kDegree = std::numbers::pi / 180;
+
+// Exponents of metre, kilogram, second, kelvin, volt, radian.
+using Dimension = std::array<int, 6>;
+
+struct Symbol {
+  const char* text;
+  double factor;
+  Dimension dimension;
+  bool prefixes;  // may carry an SI prefix
+  double offset = 0;
+};
+
+constexpr Dimension kNone{0, 0, 0, 0, 0, 0}, kMetre{1, 0, 0, 0, 0, 0}, kMass{0, 1, 0, 0, 0, 0},
+    kSecond{0, 0, 1, 0, 0, 0}, kKelvin{0, 0, 0, 1, 0, 0}, kVolt{0, 0, 0, 0, 1, 0},
+    kRadian{0, 0, 0, 0, 0, 1}, kHertz{0, 0, -1, 0, 0, 0}, kNewton{1, 1, -2, 0, 0, 0},
+    kAcceleration{1, 0, -2, 0, 0, 0}, kVelocity{1, 0, -1, 0, 0, 0}, kPascal{-1, 1, -2, 0, 0, 0},
+    kJoule{2, 1, -2, 0, 0, 0}, kTurning{0, 0, -1, 0, 0, 1};
+
+// Symbols are matched as written first; when that gives nothing, ignoring case.
+constexpr Symbol kSymbols[] = {
+    {"m", 1, kMetre, true},
+    {"g", kGravity, kAcceleration, false},
+    {"mg", 1e-3 * kGravity, kAcceleration, false},
+    {"ug", 1e-6 * kGravity, kAcceleration, false},
+    {"gn", kGravity, kAcceleration, true},
+    {"gs", kGravity, kAcceleration, false},
+    {"g's", kGravity, kAcceleration, false},
+    {"g0", kGravity, kAcceleration, false},
+    {"grav", kGravity, kAcceleration, false},
+    {"kg", 1, kMass, false},
+    {"gram", 1e-3, kMass, true},
+    {"s", 1, kSecond, true},
+    {"sec", 1, kSecond, true},
+    {"min", 60, kSecond, false},
+    {"h", 3600, kSecond, false},
+    {"hr", 3600, kSecond, false},
+    {"N", 1, kNewton, true},
+    {"V", 1, kVolt, true},
+    {"K", 1, kKelvin, false},
+    {"degC", 1, kKelvin, false, 273.15},
+    {"C", 1, kKelvin, false, 273.15},
+    {"degF", 5.0 / 9.0, kKelvin, false, 273.15 - 32 * 5.0 / 9.0},
+    {"rad", 1, kRadian, true},
+    {"deg", kDegree, kRadian, true},
+    {"rev", 2 * std::numbers::pi, kRadian, false},
+    {"rpm", 2 * std::numbers::pi / 60, kTurning, false},
+    {"dps", kDegree, kTurning, true},
+    {"Hz", 1, kHertz, true},
+    {"Pa", 1, kPascal, true},
+    {"bar", 1e5, kPascal, true},
+    {"atm", 101325, kPascal, false},
+    {"psi", kPoundForce / (kInch * kInch), kPascal, false},
+    {"ksi", 1e3 * kPoundForce / (kInch * kInch), kPascal, false},
+    {"J", 1, kJoule, true},
+    {"kgf", kGravity, kNewton, false},
+    {"kp", kGravity, kNewton, false},
+    {"gf", 1e-3 * kGravity, kNewton, false},
+    {"tf", 1e3 * kGravity, kNewton, false},
+    {"dyn", 1e-5, kNewton, false},
+    {"lbf", kPoundForce, kNewton, false},
+    {"lb", kPoundForce, kNewton, false},
+    {"lbs", kPoundForce, kNewton, false},
+    {"klbf", 1e3 * kPoundForce, kNewton, false},
+    {"kip", 1e3 * kPoundForce, kNewton, false},
+    {"kips", 1e3 * kPoundForce, kNewton, false},
+    {"lbm", 0.45359237, kMass, false},
+    {"slug", 14.593902937206, kMass, false},
+    {"in", kInch, kMetre, false},
+    {"mil", 1e-3 * kInch, kMetre, false},
+    {"ft", 12 * kInch, kMetre, false},
+    {"ips", kInch, kVelocity, false},
+    {"gal", 1e-2, kAcceleration, false},
+    {"mps", 1, kVelocity, false},
+    {"mps2", 1, kAcceleration, false},
+    {"strain", 1, kNone, true},
+    {"eps", 1, kNone, true},
+    {"%", 1e-2, kNone, false},
+    {"1", 1, kNone, false},
+};
+
+struct Word {
+  const char* word;
+  const char* symbol;
+};
+constexpr Word kWords[] = {
+    {"metre", "m"},         {"meter", "m"},         {"millimetre", "mm"},
+    {"millimeter", "mm"},   {"centimetre", "cm"},   {"centimeter", "cm"},
+    {"micron", "um"},       {"micrometer", "um"},   {"inch", "in"},
+    {"inches", "in"},       {"inche", "in"},        {"foot", "ft"},
+    {"feet", "ft"},         {"newton", "N"},        {"kilonewton", "kN"},
+    {"newtonmeter", "Nm"},  {"volt", "V"},          {"millivolt", "mV"},
+    {"microvolt", "uV"},    {"second", "s"},        {"msec", "ms"},
+    {"millisecond", "ms"},  {"usec", "us"},         {"microsecond", "us"},
+    {"minute", "min"},      {"hour", "h"},          {"hertz", "Hz"},
+    {"pascal", "Pa"},       {"kilopascal", "kPa"},  {"megapascal", "MPa"},
+    {"radian", "rad"},      {"degree", "deg"},      {"celsius", "degC"},
+    {"centigrade", "degC"}, {"fahrenheit", "degF"}, {"kelvin", "K"},
+    {"pound", "lbf"},       {"poundforce", "lbf"},  {"microstrain", "ustrain"},
+    {"ue", "ustrain"},      {"kilogram", "kg"},     {"joule", "J"},
+    {"kgforce", "kgf"},
+};
+
+struct Kind {
+  Quantity quantity;
+  const char* name;
+  const char* si;
+  Dimension dimension;
+};
+constexpr Kind kKinds[] = {
+    {Quantity::unknown, "unknown", "", kNone},
+    {Quantity::time, "time", "s", kSecond},
+    {Quantity::force, "force", "N", kNewton},
+    {Quantity::acceleration, "acceleration", "m/s^2", kAcceleration},
+    {Quantity::velocity, "velocity", "m/s", kVelocity},
+    {Quantity::displacement, "displacement", "m", kMetre},
+    {Quantity::angle, "angle", "rad", kRadian},
+    {Quantity::angular_velocity, "angular_velocity", "rad/s", kTurning},
+    {Quantity::angular_acceleration, "angular_acceleration", "rad/s^2", {0, 0, -2, 0, 0, 1}},
+    {Quantity::torque, "torque", "N m", kJoule},
+    {Quantity::strain, "strain", "1", kNone},
+    {Quantity::pressure, "pressure", "Pa", kPascal},
+    {Quantity::temperature, "temperature", "K", kKelvin},
+    {Quantity::voltage, "voltage", "V", kVolt},
+};
+
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+    text.replace(at, from.size(), to);
+  }
+}
+
+std::string trimmed(std::string_view s) {
+  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  while (!s.empty() && blank(s.front())) s.remove_prefix(1);
+  while (!s.empty() && blank(s.back())) s.remove_suffix(1);
+  return std::string(s);
+}
+
+std::string lower(std::string s) {
+  std::transform(s.begin(), s.end(), s.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return s;
+}
+
+/// Plain ASCII: superscripts as digits, micro as u, degree as deg, dots as '.', one pair of
+/// brackets gone.
+std::string plain(std::string_view text) {
+  std::string s = trimmed(to_utf8(text));
+  // UTF-8 read as Latin-1 and written again.
+  replace_all(s, "\u00C2", "");
+  replace_all(s, "\u00E2\u0081\u00BB", "-");
+  replace_all(s, "\u00CE\u00BC", "u");
+  replace_all(s, "\u00CE\u00B5", "strain");
+  for (const char* dot : {"\u00B7", "\u22C5", "\u2219", "\u2022", "\u00D7"})
+    replace_all(s, dot, ".");
+  for (const char* micro : {"\u00B5", "\u03BC"}) replace_all(s, micro, "u");
+  replace_all(s, "\u03B5", "strain");
+  for (const char* degree : {"\u00B0", "\u00BA"}) replace_all(s, degree, "deg");
+  replace_all(s, "\u2103", "degC");
+  replace_all(s, "\u2109", "degF");
+  for (const char* minus : {"\u207B", "\u2212", "\u2013"}) replace_all(s, minus, "-");
+  replace_all(s, "\u00B9", "1");
+  replace_all(s, "\u00B2", "2");
+  replace_all(s, "\u00B3", "3");
+  replace_all(s, "\u2044", "/");
+  // A superscript lost to a wrong encoding: after a second in a quotient only the two is usual.
+  for (const char* lost : {"/s\uFFFD", "/s?"}) replace_all(s, lost, "/s2");
+  if (s.size() >= 2 &&
+      ((s.front() == '[' && s.back() == ']') || (s.front() == '{' && s.back() == '}') ||
+       (s.front() == '(' && s.find(')') == s.size() - 1))) {
+    s = trimmed(std::string_view(s).substr(1, s.size() - 2));
+  }
+  replace_all(s, "**", "^");
+  return s;
+}
+
+struct Product {
+  double factor = 1;
+  double offset = 0;
+  Dimension dimension = kNone;
+  bool acceleration_of_gravity = false;
+  bool strain = false;
+};
+
+const Symbol* find_symbol(std::string_view text, bool ignore_case) {
+  for (const auto& symbol : kSymbols) {
+    if (text == symbol.text) return &symbol;
+    if (ignore_case && lower(std::string(text)) == lower(symbol.text)) return &symbol;
+  }
+  return nullptr;
+}
+
+double prefix_factor(char c) {
+  switch (c) {
+    case 'n':
+      return 1e-9;
+    case 'u':
+      return 1e-6;
+    case 'm':
+      return 1e-3;
+    case 'c':
+      return 1e-2;
+    case 'd':
+      return 1e-1;
+    case 'k':
+      return 1e3;
+    case 'M':
+      return 1e6;
+    case 'G':
+      return 1e9;
+    default:
+      return 0;
+  }
+}
+
+bool symbol_factor(std::string_view text, Symbol& out) {
+  for (const bool ignore_case : {false, true}) {
+    if (const auto* symbol = find_symbol(text, ignore_case)) {
+      out = *symbol;
+      return true;
+    }
+    if (text.size() > 1) {
+      const auto* symbol = find_symbol(text.substr(1), ignore_case);
+      char letter = text[0];
+      if (ignore_case && letter == 'K') letter = 'k';
+      // All in capitals, "MM" and "MV" are milli, "MPA" and "MN" mega.
+      if (ignore_case && letter == 'M' && symbol != nullptr && symbol->dimension != kPascal &&
+          symbol->dimension != kNewton) {
+        letter = 'm';
+      }
+      const double prefix = prefix_factor(letter);
+      if (prefix > 0 && symbol != nullptr && symbol->prefixes) {
+        out = *symbol;
+        out.factor *= prefix;
+        return true;
+      }
+    }
+  }
+  std::string word = lower(std::string(text));
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    for (const auto& entry : kWords) {
+      if (word == entry.word) return symbol_factor(entry.symbol, out);
+    }
+    if (word.size() < 2 || word.back() != 's') break;
+    word.pop_back();
+  }
+  // Products written without a sign: Nm, kNm, Nmm, ms (taken above as millisecond), lbfft.
+  for (const char* arm : {"mm", "cm", "m", "in", "ft"}) {
+    const std::string_view tail(arm);
+    if (text.size() > tail.size() && text.substr(text.size() - tail.size()) == tail) {
+      Symbol force{}, length{};
+      const auto head = text.substr(0, text.size() - tail.size());
+      if (head != "N" && head != "kN" && head != "mN" && head != "lbf" && head != "MN") continue;
+      if (symbol_factor(head, force) && symbol_factor(tail, length)) {
+        out = {"", force.factor * length.factor, kJoule, false};
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// One factor "symbol[^]exponent" times `sign` in the exponent.
+bool multiply(std::string_view term, int sign, Product& product) {
+  if (term.empty()) return false;
+  std::size_t end = term.size();
+  while (end > 0 && std::isdigit(static_cast<unsigned char>(term[end - 1]))) --end;
+  int exponent = 1;
+  Symbol symbol{};
+  if (end < term.size() && end > 0 && !symbol_factor(term, symbol)) {
+    if (term.size() - end > 1) return false;
+    exponent = term[end] - '0';
+    if (exponent < 1 || exponent > 4) return false;
+    if (term[end - 1] == '-') exponent = -exponent, --end;
+    if (end > 0 && term[end - 1] == '^') --end;
+    if (end > 0 && term[end - 1] == '(') return false;
+    if (!symbol_factor(term.substr(0, end), symbol)) return false;
+  } else if (symbol.text == nullptr && !symbol_factor(term, symbol)) {
+    return false;
+  }
+  exponent *= sign;
+  product.factor *= std::pow(symbol.factor, exponent);
+  product.offset = symbol.offset;
+  for (std::size_t k = 0; k < product.dimension.size(); ++k) {
+    product.dimension[k] += exponent * symbol.dimension[k];
+  }
+  const std::string_view text(symbol.text);
+  if (text == "strain" || text == "eps") product.strain = true;
+  return true;
+}
+
+/// `ms-2` and `ms^-2`: metre per second squared, though "ms" alone is a millisecond.
+bool is_ms_minus_two(const std::string& s) { return s == "ms-2" || s == "ms^-2" || s == "ms^(-2)"; }
+bool is_ms_minus_one(const std::string& s) { return s == "ms-1" || s == "ms^-1" || s == "ms^(-1)"; }
+
+bool parse_product(std::string s, Product& product) {
+  if (is_ms_minus_two(s)) s = "m/s2";
+  if (is_ms_minus_one(s)) s = "m/s";
+  replace_all(s, "^(-1)", "^-1");
+  replace_all(s, "^(-2)", "^-2");
+  int sign = 1, terms = 0;
+  bool pending_slash = false;
+  std::string term;
+  int depth = 0, outer_sign = 1;
+  const auto flush = [&]() {
+    if (term.empty()) return true;
+    ++terms;
+    pending_slash = false;
+    const bool good = multiply(term, sign * outer_sign, product);
+    term.clear();
+    return good;
+  };
+  for (std::size_t i = 0; i <= s.size(); ++i) {
+    const char c = i < s.size() ? s[i] : '\0';
+    if (c == '/' || c == '*' || c == '.' || c == ' ' || c == '(' || c == ')' || c == '\0' ||
+        (c == '-' && !term.empty() && i + 1 < s.size() && std::isalpha(s[i + 1]) != 0)) {
+      if (!flush()) return false;
+      if (c == '/') {
+        if (pending_slash || terms == 0) return false;
+        sign = -1, pending_slash = true;
+      } else if (c == '(') {
+        if (depth++ > 0) return false;
+        outer_sign = sign, sign = 1, pending_slash = false;
+      } else if (c == ')') {
+        if (depth-- == 0) return false;
+        sign = 1, outer_sign = 1;
+      } else if (c != ' ' && c != '\0') {
+        // "m/s.s" is read from left to right only behind a bracket; a dot after a slash stays below
+        // it, as people mean it.
+        if (terms == 0) return false;
+      }
+    } else {
+      term += c;
+    }
+  }
+  if (terms > 1) product.offset = 0;
+  return terms > 0 && depth == 0 && !pending_slash;
+}
+
+std::string composed_symbol(const Dimension& dimension) {
+  constexpr std::array<const char*, 6> base = {"m", "kg", "s", "K", "V", "rad"};
+  std::string over, under;
+  for (std::size_t k = 0; k < base.size(); ++k) {
+    if (dimension[k] == 0) continue;
+    std::string& side = dimension[k] > 0 ? over : under;
+    if (!side.empty()) side += ' ';
+    side += base[k];
+    if (std::abs(dimension[k]) != 1) side += '^' + std::to_string(std::abs(dimension[k]));
+  }
+  if (under.empty()) return over.empty() ? "1" : over;
+  const bool many = under.find(' ') != std::string::npos;
+  return (over.empty() ? "1" : over) + '/' + (many ? '(' + under + ')' : under);
+}
+
+}  // namespace
+
+const char* name_of(Quantity quantity) {
+  for (const auto& kind : kKinds) {
+    if (kind.quantity == quantity) return kind.name;
+  }
+  return "unknown";
+}
+
+const char* si_symbol(Quantity quantity) {
+  for (const auto& kind : kKinds) {
+    if (kind.quantity == quantity) return kind.si;
+  }
+  return "";
+}
+
+std::optional<Unit> parse_unit(std::string_view text) {
+  if (text.size() > 64) return std::nullopt;
+  const std::string s = plain(text);
+  if (s.empty() || s == "-" || lower(s) == "none") return std::nullopt;
+  Product product;
+  if (!parse_product(s, product)) return std::nullopt;
+  Unit unit;
+  unit.factor = product.factor;
+  unit.offset = product.offset;
+  for (const auto& kind : kKinds) {
+    if (kind.quantity == Quantity::unknown || kind.dimension != product.dimension) continue;
+    if (kind.quantity == Quantity::strain && !product.strain && s.find('/') == std::string::npos) {
+      continue;  // per cent and pure numbers are not strain by themselves
+    }
+    unit.quantity = kind.quantity;
+    unit.si = kind.si;
+    return unit;
+  }
+  unit.si = product.dimension == kHertz ? "Hz" : composed_symbol(product.dimension);
+  return unit;
+}
+
+TitledUnit split_title(std::string_view title) {
+  const std::string s = trimmed(to_utf8(title));
+  for (const auto& [open, close] :
+       {std::pair{'[', ']'}, std::pair{'(', ')'}, std::pair{'{', '}'}}) {
+    if (s.empty() || s.back() != close) continue;
+    // The bracket that belongs to the last one.
+    int depth = 0;
+    std::size_t at = s.size();
+    while (at-- > 0) {
+      if (s[at] == close) ++depth;
+      if (s[at] == open && --depth == 0) break;
+    }
+    if (at == std::string::npos || depth != 0) continue;
+    const std::string name = trimmed(std::string_view(s).substr(0, at));
+    const std::string inside = trimmed(std::string_view(s).substr(at + 1, s.size() - at - 2));
+    if (name.empty()) break;
+    // "Excitation (Trigger)" is a name; a bracket is a unit when it is one or when square.
+    if (parse_unit(inside) || open == '[' || lower(inside) == "counts") return {name, inside};
+    break;
+  }
+  for (const char* sign : {" / ", ", ", ": ", " in "}) {
+    const std::size_t at = s.rfind(sign);
+    if (at == std::string::npos || at == 0) continue;
+    const std::string unit =
+        trimmed(std::string_view(s).substr(at + std::string_view(sign).size()));
+    if (parse_unit(unit)) return {trimmed(std::string_view(s).substr(0, at)), unit};
+  }
+  for (const char sign : {'/', '_', ' '}) {
+    const std::size_t at = s.rfind(sign);
+    if (at == std::string::npos || at == 0 || at + 1 == s.size()) continue;
+    std::string unit = s.substr(at + 1);
+    if (sign == '_') {
+      // Also "accel_m_s2", "gyro_rad_s", "gyro_deg_s2": two parts as a quotient.
+      const std::size_t before = s.rfind('_', at - 1);
+      if (before != std::string::npos && before > 0 && !unit.empty() && unit[0] == 's') {
+        const std::string quotient = s.substr(before + 1, at - before - 1) + '/' + unit;
+        const auto parsed = parse_unit(quotient);
+        if (parsed && parsed->quantity != Quantity::unknown) return {s, quotient};
+      }
+    }
+    // "C", "K", "h", "1" and the like at the end of a name are letters more often than units.
+    const auto parsed = parse_unit(unit);
+    const bool letter = unit == "C" || unit == "K" || unit == "h" || unit == "J" || unit == "c" ||
+                        unit == "k" || unit == "H" || unit == "j" || unit == "n" || unit == "M" ||
+                        unit == "S" || unit == "G" || unit == "in" || unit == "v";
+    if (!parsed || letter || std::isdigit(static_cast<unsigned char>(unit[0]))) continue;
+    if (sign == ' ' && unit.size() < 2 && unit != "N" && unit != "V" && unit != "g" && unit != "s")
+      continue;
+    return {sign == '_' ? s : trimmed(std::string_view(s).substr(0, at)), unit};
+  }
+  return {s, ""};
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,202 @@
+#include "signal/refinement/modal_covariance.h"
+
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include "signal/numerics/scaled_gram.h"
+#include "signal/refinement/modal_basis.h"
+#include "signal/refinement/pole_turn.h"
+#include "signal/refinement/residues.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+/// What is left of a mode's significance when noise common to the FRFs of input `i` may imitate it:
+/// the errors of its residues have, besides the FRFs' own, a part along the FRFs at the line that
+/// weighs most (Sherman-Morrison for that rank one). `share`: |filter|^2 of the mode's residue by
+/// line.
+double outside_common_noise(const MatrixXcd& model, const FrfNoise& noise,
+                            const VectorXd& inverse_variance, const VectorXd& share,
+                            const Eigen::RowVectorXcd& residue, double length, Index i) {
+  if (!(noise.common[i] > 0) || !(length > 0)) return 1;
+  const Index inputs = noise.inputs();
+  VectorXd h = VectorXd::Zero(model.rows());
+  for (Index c = i; c < model.cols(); c += inputs) {
+    h += inverse_variance[c] * model.col(c).cwiseAbs2();
+  }
+  Index most = 0;
+  if (!(share.cwiseProduct(h).maxCoeff(&most) > 0)) return 1;
+  const double strength = noise.common[i] * share.dot(h) / (share.sum() * h[most]);
+  Complex along = 0;
+  for (Index c = i; c < model.cols(); c += inputs) {
+    along += inverse_variance[c] * std::conj(residue[c]) * model(most, c);
+  }
+  return 1 - strength * std::norm(along) / (length * (1 + strength * h[most]));
+}
+
+/// sum_c conj(d model_c / d p_j) model_c / a_c at each line, over the FRFs of input `i`: what a
+/// factor common to them adds to score j. Stacked, 2 lines x parts of the poles.
+MatrixXd common_scores(const MatrixXcd& model, const MatrixXd& score, const MatrixXd& coefficients,
+                       const VectorXd& inverse_variance, Index inputs, Index i) {
+  const Index lines = model.rows(), size = score.cols();
+  MatrixXcd sums = MatrixXcd::Zero(lines, size);  // sum_c model_c * residue coefficient / a_c
+  for (Index c = i; c < model.cols(); c += inputs) {
+    if (inverse_variance[c] == 0) continue;
+    for (Index j = 0; j < size; ++j) {
+      sums.col(j) += (inverse_variance[c] * coefficients(j, c)) * model.col(c);
+    }
+  }
+  MatrixXd common(2 * lines, size);
+  for (Index j = 0; j < size; ++j) {
+    const Index r = j - j % 2;
+    // Column j of T: (a, b) for the real part, (-b, a) for the imaginary part of the pole.
+    VectorXcd total = VectorXcd::Zero(lines);
+    for (Index e = 0; e < 2; ++e) {
+      const double sign = j % 2 == 1 && e == 0 ? -1 : 1;
+      const auto factor = sums.col(j % 2 == 0 ? r + e : r + 1 - e);
+      for (Index k = 0; k < lines; ++k) {
+        total[k] += sign * Complex(score(k, r + e), -score(lines + k, r + e)) * factor[k];
+      }
+    }
+    // Re(total * factor) = <conj(total), factor> in stacked parts.
+    common.col(j).head(lines) = total.real();
+    common.col(j).tail(lines) = -total.imag();
+  }
+  return common;
+}
+
+/// Column j of the filter on the error H e of one FRF: <filter_j, H e> = <result_j, e>.
+MatrixXd filter_on_common(const MatrixXd& filter, Index columns,
+                          const Eigen::Ref<const VectorXcd>& H) {
+  const Index lines = H.size();
+  MatrixXd result(2 * lines, columns);
+  for (Index j = 0; j < columns; ++j) {
+    for (Index k = 0; k < lines; ++k) {
+      const Complex value = Complex(filter(k, j), filter(lines + k, j)) * std::conj(H[k]);
+      result(k, j) = value.real();
+      result(lines + k, j) = value.imag();
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
+                                 const ModalRefineResult& fit, bool with_residues) {
+  const Index modes = fit.poles.size(), size = 2 * modes, frfs = data.H.cols();
+  const Index inputs = data.inputs, lines = data.s.size();
+  const MatrixXcd model =
+      synthesise(data.s, data.power, fit.poles, fit.residues, fit.lower, fit.upper);
+  const VectorXd weight = line_weight(noise, data.H);
+  const VectorXd inverse_variance = inverse_variance_of(noise);
+  ModalCovariance result;
+  result.full_rank = false;
+
+  const MatrixXd basis = stacked_basis(data.s, data.power, fit.poles, weight);
+  const ScaledGram factor(gram_of(basis));
+  if (!factor.usable()) return result;
+  const MatrixXd coefficients = pack_coefficients(fit.residues, fit.lower, fit.upper);
+  const MatrixXd derivatives = stacked_pole_derivatives(data.s, data.power, fit.poles, weight);
+  const MatrixXd gain = factor.solve(basis.transpose() * derivatives);
+  const MatrixXd outside = derivatives - basis * gain;
+  const ScaledGram information(summed_turns(gram_of(outside), coefficients, inverse_variance));
+  if (!information.usable()) return result;
+  result.full_rank = true;
+  if (modes == 0) {
+    result.poles.resize(0, 0);
+    result.significance.resize(0);
+    return result;
+  }
+
+  // Weighted errors have the variance a_c (w^2 q) at a line: rows of what they multiply take its
+  // root.
+  const VectorXd spread = weight.cwiseProduct(noise.line.cwiseSqrt());
+  const auto spread_rows = [&](MatrixXd m) {
+    m.topRows(lines) = spread.asDiagonal() * m.topRows(lines);
+    m.bottomRows(lines) = spread.asDiagonal() * m.bottomRows(lines);
+    return m;
+  };
+  const MatrixXd score = spread_rows(outside);
+  const MatrixXd correlated_score = correlated(noise, score);
+  MatrixXd middle =
+      summed_turns(score.transpose() * correlated_score, coefficients, inverse_variance);
+  std::vector<MatrixXd> correlated_common(static_cast<std::size_t>(inputs));
+  for (Index i = 0; i < inputs; ++i) {
+    if (!(noise.common[i] > 0)) continue;
+    const MatrixXd common = common_scores(model, score, coefficients, inverse_variance, inputs, i);
+    MatrixXd& with = correlated_common[static_cast<std::size_t>(i)];
+    with = correlated(noise, common);
+    middle += noise.common[i] * (common.transpose() * with);
+  }
+  result.poles = information.solve(information.solve(middle).transpose());
+  result.poles = (0.5 * (result.poles + result.poles.transpose())).eval();
+
+  // Residues at fixed poles: factor^-1 basis' error.
+  const MatrixXd filter = spread_rows(basis * factor.inverse());
+  const MatrixXd filter_covariance = filter.transpose() * correlated(noise, filter);
+  const MatrixXd filter_squared =
+      filter.topRows(lines).cwiseAbs2() + filter.bottomRows(lines).cwiseAbs2();
+  result.significance = VectorXd::Zero(modes);
+  for (Index r = 0; r < modes; ++r) {
+    const Eigen::Matrix2d block = filter_covariance.block<2, 2>(2 * r, 2 * r);
+    Eigen::Matrix2d inverse;
+    inverse << block(1, 1), -block(0, 1), -block(1, 0), block(0, 0);
+    inverse /= block(0, 0) * block(1, 1) - block(0, 1) * block(1, 0);
+    const VectorXd share = 0.5 * (filter_squared.col(2 * r) + filter_squared.col(2 * r + 1));
+    for (Index i = 0; i < inputs; ++i) {
+      double own = 0, length = 0;
+      for (Index c = i; c < frfs; c += inputs) {
+        const Eigen::Vector2d residue = coefficients.col(c).segment<2>(2 * r);
+        own += inverse_variance[c] * residue.dot(inverse * residue);
+        length += inverse_variance[c] * residue.squaredNorm();
+      }
+      result.significance[r] += own * outside_common_noise(model, noise, inverse_variance, share,
+                                                           fit.residues.row(r), length, i);
+    }
+  }
+  if (!with_residues) return result;
+
+  // The poles' errors are information^-1 sum_c T_c' outside' error_c / a_c.
+  const MatrixXd filter_score = filter.transpose() * correlated_score;
+  result.residue_std_re.resize(modes, frfs);
+  result.residue_std_im.resize(modes, frfs);
+  for (Index c = 0; c < frfs; ++c) {
+    const auto residues = coefficients.col(c).head(size);
+    const MatrixXd through_poles = turned_columns(gain, residues);
+    const bool alive = inverse_variance[c] > 0;
+    MatrixXd with_poles =
+        MatrixXd::Zero(size + 4, size);  // covariance with what the poles' errors sum
+    VectorXd variance = VectorXd::Zero(size + 4);
+    if (alive) {
+      with_poles = turned_columns(filter_score, residues);
+      variance = noise.column[c] * filter_covariance.diagonal();
+    }
+    const double common = noise.common[c % inputs];
+    if (common > 0) {
+      const MatrixXd on_common = filter_on_common(filter, size, model.col(c));
+      with_poles.topRows(size) +=
+          common *
+          (on_common.transpose() * correlated_common[static_cast<std::size_t>(c % inputs)]);
+      variance.head(size) += common * correlated_squares(noise, on_common);
+    }
+    const MatrixXd cross = information.solve(with_poles.transpose()).transpose();
+    variance +=
+        (through_poles * result.poles - 2 * cross).cwiseProduct(through_poles).rowwise().sum();
+    for (Index r = 0; r < modes; ++r) {
+      result.residue_std_re(r, c) = std::sqrt(std::max(0.0, variance[2 * r]));
+      result.residue_std_im(r, c) = std::sqrt(std::max(0.0, variance[2 * r + 1]));
+    }
+  }
+  return result;
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,56 @@
+// What physics demands of measured FRFs of a passive structure.
+//
+// Driving point (response and force at the same place and direction): the real part of the mobility
+// is nowhere negative (the imaginary part of the receptance nowhere positive), on every line s = a
+// + i omega with a >= 0, and an antiresonance lies between every two resonances. Reciprocity
+// (Maxwell, Betti): H of response j to input k equals H of response k to input j. Source: Ewins,
+// Modal Testing, 2nd ed., ch. 2 and 3.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "signal/spectra/frf_set.h"
+
+namespace rigfit::signal {
+
+enum class DrivingPointVerdict {
+  consistent,
+  inverted,      ///< consistent with one signal's sign reversed
+  inconsistent,  ///< not at the same place or direction, or a time shift between the channels
+  unclear,       ///< too little stands out of the noise
+};
+[[nodiscard]] const char* name_of(DrivingPointVerdict verdict);
+
+struct DrivingPointCheck {
+  DrivingPointVerdict verdict = DrivingPointVerdict::unclear;
+  /// Part of sum |Re mobility| with the wrong sign, over lines where it exceeds three standard
+  /// deviations (all lines when these are not known).
+  double wrong_sign_share = 0;
+  int resonances = 0;  ///< peaks that stand out 25-fold (power) from the dips beside them
+  int missing_antiresonances = 0;  ///< between neighbouring ones
+};
+
+/// Of one column of known form within the band. Up to 5 % of wrong sign is consistent, 95 % or more
+/// is inverted: resonances dominate the sum, so either limit leaves room for noise between them.
+[[nodiscard]] DrivingPointCheck check_driving_point(
+    const FrfSet& frfs, Eigen::Index response, Eigen::Index input,
+    std::optional<std::pair<double, double>> band_hz = {});
+
+/// What a person should know of it, without `where`; nothing when all is well.
+[[nodiscard]] std::optional<Note> note_of(const DrivingPointCheck& check);
+
+struct ReciprocityCheck {
+  std::string a, b;       ///< the two points
+  double difference = 0;  ///< |H_ab - H_ba| over their mean, root mean squares over the lines
+  double from_noise = 0;  ///< what the error bars alone lead one to expect; 0: not known
+};
+
+/// Every pair of points (by name) that occurs as response and input both ways.
+[[nodiscard]] std::vector<ReciprocityCheck> check_reciprocity(
+    const FrfSet& frfs, std::optional<std::pair<double, double>> band_hz = {});
+
+}  // namespace rigfit::signal

@@ -1,0 +1,58 @@
+// Frequency response functions with their error bars: what `frf` gives and `modal` takes.
+//
+// H(f) = response / force with exp(+i 2 pi f t) (passive poles lie in the upper half of the
+// frequency plane: H of a lightly damped mode has negative imaginary receptance). One-sided lines.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "signal/recording/recording.h"
+
+namespace rigfit::signal {
+
+enum class FrfForm { receptance, mobility, accelerance, unknown };
+[[nodiscard]] const char* name_of(FrfForm form);
+/// "m/N", "(m/s)/N", "(m/s^2)/N", "" for unknown.
+[[nodiscard]] const char* unit_of(FrfForm form);
+
+/// Where and in which direction a signal was taken: UFF 58's node and direction, plus a name.
+struct MeasuredPoint {
+  std::string name;
+  int node = 0;
+  int direction = 0;  ///< UFF: +-1 x, +-2 y, +-3 z, 0 scalar
+};
+
+struct FrfSet {
+  Eigen::VectorXd frequency_hz;          ///< lines
+  std::vector<MeasuredPoint> responses;  ///< No
+  std::vector<MeasuredPoint> inputs;     ///< Ni
+  /// lines x (No * Ni), column `response * Ni + input`; SI per N in the units of `form`.
+  Eigen::MatrixXcd H;
+  /// Same layout: standard deviation of the real and of the imaginary part, each (random error of
+  /// the average, not of one hit); empty: unknown.
+  Eigen::MatrixXd H_std;
+  Eigen::MatrixXd coherence;  ///< same layout; empty: unknown
+  FrfForm form = FrfForm::unknown;
+  std::string unit;  ///< such as "(m/s^2)/N"
+  double exponential_decay_rate_1_s =
+      0;  ///< of a window shared by force and response; adds to every pole
+  /// From the beginning of the blocks to the hits' peaks, mean; 0: not known. Tells, under a
+  /// window, where in time the noise is.
+  double pre_trigger_s = 0;
+  int averages = 0;
+  double sample_rate_hz = 0;
+  std::vector<Note> notes;
+
+  [[nodiscard]] Eigen::Index column(Eigen::Index response, Eigen::Index input) const {
+    return response * static_cast<Eigen::Index>(inputs.size()) + input;
+  }
+};
+
+/// Multiplies by s^k to get `form`, with s = i omega + exponential_decay_rate_1_s: under a shared
+/// exponential window the lines hold H on that line of the s plane. Where this divides, the line at
+/// 0 Hz is dropped (noted). Throws std::invalid_argument when either form is unknown.
+[[nodiscard]] FrfSet converted(const FrfSet& frfs, FrfForm form);
+
+}  // namespace rigfit::signal

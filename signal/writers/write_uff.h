@@ -1,0 +1,45 @@
+// Universal files that other programs read: recordings and FRFs as dataset 58 (text or binary),
+// mode shapes as dataset 55, points as dataset 15.
+//
+// Values are written in double precision: exactly in binary (58b, little-endian IEEE), with 13
+// digits in text. Fixed columns as the format has them; lines end with '\n'. What has no exact
+// place (long names, the exact rate, averages, the decay rate of a window) is kept in
+// identification lines 1, 2, 4 and 5, so that our own files come back whole.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "signal/modal/modal_model.h"
+#include "signal/recording/recording.h"
+#include "signal/spectra/frf_set.h"
+
+namespace rigfit::signal {
+
+/// binary_single: 58b with single-precision ordinates, as most loggers write it (7 digits, half the
+/// size).
+enum class UffEncoding { ascii, binary, binary_single };
+
+/// One dataset 58 (time response) a channel; `remark` stands in every second identification line.
+[[nodiscard]] std::string uff_text(const Recording& recording, UffEncoding encoding,
+                                   const std::string& remark = {});
+
+/// For each response and input a dataset 58 of function type 4 and, where they are known, one of
+/// type 6 (coherence) and one of type 0 (standard deviation of real and imaginary part).
+[[nodiscard]] std::string uff_text(const FrfSet& frfs, UffEncoding encoding);
+
+/// Where a node is, for dataset 15.
+struct NodePosition {
+  int node = 0;
+  std::array<double, 3> position_m{0, 0, 0};
+};
+
+/// Dataset 15 (when positions are given), then for each mode a dataset 55 with a complex eigenvalue
+/// (analysis type 3): shapes at nodes by direction, values as they are, unscaled. Responses without
+/// a node are numbered from 1 in their order; without a direction they are put on z. "Modal A" is
+/// psi / L at the first response that is also an input, else 0.
+[[nodiscard]] std::string uff_text(const ModalModel& modes,
+                                   const std::vector<NodePosition>& positions = {});
+
+}  // namespace rigfit::signal

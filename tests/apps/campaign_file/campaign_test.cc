@@ -1,0 +1,224 @@
+#include "apps/campaign_file/campaign.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "model/scene/scene_error.h"
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::campaign_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr const char* kScene = R"([[node]]
+name = "left"
+position = [0, 0, 0]
+support = "pinned"
+[[node]]
+name = "right"
+position = [2.4, 0, 0]
+support = "pinned"
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "right"]
+mass_per_length = 0.16667
+EA = 221780
+EI = 0.5972
+tension = 200
+)";
+
+// Line numbers below count in this text.
+constexpr const char* kCampaign = R"(title = "rig"
+source = "a paper"
+
+[strand]
+youngs_modulus = 195e9
+wires = 133
+wire_diameter = 0.3937e-3
+diameter = 6.35e-3
+
+[[scene]]
+name = "cable"
+file = "cable.toml"
+[scene.published]
+"cable.EA" = "axial test"
+[scene.assumed]
+"right.x" = "a guess"
+
+[[test]]
+name = "bending"
+kind = "bending"
+span = 1.0
+[test.table]
+file = "EI.csv"
+tension = "tension_N"
+EI = "EI_Nm2"
+
+[[test]]
+name = "modes"
+kind = "modal"
+title = "Cable modes"
+scene = "cable"
+planes = ["in"]
+tension_of = ["cable.tension"]
+EI_of = "cable.EI"
+[test.table]
+file = "modes.csv"
+tension = "tension_N"
+measured = "test_Hz"
+models = { FE = "fe_Hz" }
+)";
+
+class CampaignFiles : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_.write("cable.toml", kScene);
+    folder_.write("EI.csv", "tension_N,EI_Nm2\n25,0.25\n200,0.6\n");
+    folder_.write("modes.csv", "tension_N,test_Hz,fe_Hz\n25,5.2,5.3\n25,8.0,\n200,7.8,7.15\n");
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(CampaignFiles, AreReadWhole) {
+  const Campaign campaign = read_campaign(folder_.write("campaign.toml", kCampaign));
+  EXPECT_EQ(campaign.title, "rig");
+  ASSERT_TRUE(campaign.strand.has_value());
+  EXPECT_EQ(campaign.strand->elements, 133);
+  ASSERT_EQ(campaign.scenes.size(), 1u);
+  EXPECT_EQ(campaign.scenes[0].scene.members[0].name, "cable");
+  ASSERT_EQ(campaign.scenes[0].origins.size(), 2u);
+  EXPECT_EQ(campaign.scenes[0].origins[1].kind, ValueOrigin::Kind::assumed);
+  EXPECT_EQ(campaign.scenes[0].origins[1].how, "a guess");
+  ASSERT_EQ(campaign.tests.size(), 2u);
+  EXPECT_EQ(campaign.tests[0].span_m, 1.0);
+  const auto& modal = campaign.tests[1];
+  EXPECT_TRUE(modal.in_plane);
+  EXPECT_FALSE(modal.out_of_plane);
+  EXPECT_THAT(modal.EI_of, ElementsAre("cable.EI"));
+  EXPECT_EQ(modal.results->models[0].first, "FE");
+  EXPECT_EQ(campaign.inputs.size(), 4u);
+}
+
+struct Mistake {
+  const char* from;
+  const char* to;
+  const char* key;
+  long line;
+  const char* message;
+};
+
+const std::vector<Mistake>& mistakes() {
+  static const std::vector<Mistake> list = {
+      {"title = \"rig\"", "titel = \"rig\"", "title", 0, "is missing"},
+      {"source = \"a paper\"", "sauce = \"a paper\"", "sauce", 2, "did you mean \"source\""},
+      {"title = \"rig\"", "title = 3", "title", 1, "must be a string"},
+      {"title = \"rig\"", "title = \"rig", "", 1, "not TOML"},
+      {"youngs_modulus = 195e9", "youngs_modulus = -195e9", "strand.youngs_modulus", 5, "zero"},
+      {"youngs_modulus = 195e9", "youngs_modulus = \"195 GPa\"", "strand.youngs_modulus", 5,
+       "without quotes or unit"},
+      {"wires = 133", "wires = 0", "strand.wires", 6, "from 1 to"},
+      {"wire_diameter = 0.3937e-3", "wire_diameter = 0.3937", "strand.wire_diameter", 7,
+       "larger than"},
+      {"diameter = 6.35e-3", "diameter = nan", "strand.diameter", 8, "finite"},
+      {"name = \"cable\"", "name = \"ca ble\"", "scene[0].name", 11, "letters, digits"},
+      {"file = \"cable.toml\"", "file = \"none.toml\"", "scene[0].file", 12, "there is no file"},
+      {"file = \"cable.toml\"", "", "scene[0].file", 10, "is missing"},
+      {"\"cable.EA\" = \"axial test\"", "\"cable.EAA\" = \"axial test\"",
+       "scene[0].published.cable.EAA", 14, "did you mean \"cable.EA\""},
+      {"\"right.x\" = \"a guess\"", "\"cable.EA\" = \"a guess\"", "scene[0].assumed.cable.EA", 16,
+       "given twice"},
+      {"[scene.assumed]", "[scene.guessed]", "scene[0].guessed", 15, "not known here"},
+      {"kind = \"bending\"", "kind = \"bendnig\"", "test[0].kind", 20, "did you mean \"bending\""},
+      {"span = 1.0", "span = 0", "test[0].span", 21, "greater than zero"},
+      {"span = 1.0", "", "test[0].span", 18, "is missing"},
+      {"span = 1.0", "span = 1.0\nscene = \"cable\"", "test[0].scene", 22, "not known here"},
+      {"file = \"EI.csv\"", "file = \"IE.csv\"", "test[0].table.file", 23, "there is no file"},
+      {"EI = \"EI_Nm2\"", "EI = \"EI_Nm\"", "test[0].table.EI", 25, "did you mean \"EI_Nm2\""},
+      {"name = \"modes\"", "name = \"bending\"", "test[1].name", 28, "used twice"},
+      {"scene = \"cable\"", "scene = \"cabel\"", "test[1].scene", 31, "did you mean \"cable\""},
+      {"planes = [\"in\"]", "planes = [\"up\"]", "test[1].planes", 32, "name \"in\""},
+      {"planes = [\"in\"]", "planes = []", "test[1].planes", 32, "is empty"},
+      {"tension_of = [\"cable.tension\"]", "tension_of = [\"cable.tensoin\"]", "test[1].tension_of",
+       33, "did you mean \"cable.tension\""},
+      {"tension_of = [\"cable.tension\"]\n", "", "test[1].tension_of", 27, "is missing although"},
+      {"tension = \"tension_N\"\nmeasured", "measured", "test[1].tension_of", 33,
+       "no tension column"},
+      {"measured = \"test_Hz\"", "measured = \"test\"", "test[1].table.measured", 38,
+       "no column \"test\""},
+      {"FE = \"fe_Hz\"", "FE = 3", "test[1].table.models.FE", 39, "must be a string"},
+      {"[[test]]\nname = \"modes\"", "[test]\nname = \"modes\"", "", 27, "not TOML"},
+  };
+  return list;
+}
+
+std::string with(const Mistake& mistake) {
+  std::string text = kCampaign;
+  const auto at = text.find(mistake.from);
+  if (at == std::string::npos) throw std::logic_error(mistake.from);
+  return text.replace(at, std::string(mistake.from).size(), mistake.to);
+}
+
+TEST_F(CampaignFiles, MistakesAreRefusedWithFileLineKeyAndRemedy) {
+  for (const auto& mistake : mistakes()) {
+    SCOPED_TRACE(std::string(mistake.from) + " -> " + mistake.to);
+    const std::string file = folder_.write("campaign.toml", with(mistake));
+    try {
+      static_cast<void>(read_campaign(file));
+      ADD_FAILURE() << "was accepted";
+    } catch (const model::SceneError& error) {
+      EXPECT_EQ(error.where().file, file);
+      EXPECT_EQ(error.where().key, mistake.key);
+      EXPECT_EQ(error.where().line, mistake.line) << error.what();
+      EXPECT_THAT(error.what(), HasSubstr(mistake.message));
+      EXPECT_FALSE(error.remedy().empty());
+    }
+  }
+}
+
+TEST_F(CampaignFiles, MistakesInWhatItNamesAreRefusedInTheirFile) {
+  const std::string file = folder_.write("campaign.toml", kCampaign);
+  const auto message = [&](const std::string& name, const std::string& text) -> std::string {
+    const std::string before = folder_.read(name);
+    folder_.write(name, text);
+    std::string what = "accepted";
+    try {
+      static_cast<void>(read_campaign(file));
+    } catch (const model::SceneError& error) {
+      what = error.what();
+    }
+    folder_.write(name, before);
+    return what;
+  };
+  EXPECT_THAT(message("cable.toml", std::string(kScene) + "x = 1\n"),
+              HasSubstr("cable.toml:17:1: member[0].x"));
+  EXPECT_THAT(message("modes.csv", "tension_N,test_Hz,fe_Hz\n25,five,5.3\n"),
+              HasSubstr("modes.csv:2:2: \"five\""));
+  EXPECT_THAT(message("modes.csv", "tension_N,test_Hz,fe_Hz\n25,-5.2,5.3\n"),
+              HasSubstr("is not positive"));
+  EXPECT_THAT(message("modes.csv", "tension_N,test_Hz,fe_Hz\n,5.2,5.3\n"), HasSubstr("line 2"));
+  EXPECT_THAT(message("EI.csv", "tension_N,EI_Nm2\n25,0\n"), HasSubstr("blank, zero or negative"));
+  EXPECT_THAT(message("EI.csv", ""), HasSubstr("no rows"));
+  EXPECT_EQ(message("EI.csv", folder_.read("EI.csv")), "accepted");
+}
+
+// The same through the program: exit code 3, the message on standard error, nothing written.
+TEST_F(CampaignFiles, MistakesEndTheProgramWithThree) {
+  const std::string out = (folder_.path() / "out").string();
+  for (const auto& mistake : mistakes()) {
+    SCOPED_TRACE(std::string(mistake.from) + " -> " + mistake.to);
+    const auto run =
+        run_program({"report", folder_.write("campaign.toml", with(mistake)), "--out", out});
+    EXPECT_EQ(run.exit_code, 3);
+    EXPECT_THAT(run.err, HasSubstr(mistake.message));
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+  EXPECT_EQ(
+      run_program({"report", (folder_.path() / "none.toml").string(), "--out", out}).exit_code, 3);
+  EXPECT_EQ(run_program({"report", folder_.path().string(), "--out", out}).exit_code, 3);
+}
+
+}  // namespace
+}  // namespace rigfit::apps::campaign_test

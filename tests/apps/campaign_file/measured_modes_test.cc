@@ -1,0 +1,144 @@
+// Mode shapes of other programs (UFF 55) as what a scene is fitted to.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "apps/campaign_file/measured_modes.h"
+#include "apps/report/modal/modal_files.h"
+#include "model/linear/modal_analysis.h"
+#include "model/scene/read_scene.h"
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::measured_modes_test {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+
+/// A standing cantilever of 12 segments with sensors at some of their joints.
+std::string beam(double EI, double tip_mass) {
+  std::string text = R"(
+[[node]]
+name = "foot"
+position = [0.0, 0.0, 0.0]
+support = "clamped"
+[[node]]
+name = "tip"
+position = [0.0, 0.75, 0.0]
+mass = )" + std::to_string(tip_mass) +
+                     R"(
+[[member]]
+name = "beam"
+kind = "beam"
+nodes = ["foot", "tip"]
+segments = 12
+mass_per_length = 0.3
+EA = 7.0e6
+EI = [)" + std::to_string(EI) +
+                     R"(, 200.0]
+GJ = 3.0
+damping_ratio = 0.01
+)";
+  const struct {
+    const char *name, *at, *direction;
+  } sensors[] = {{"low", "member = \"beam\"\nposition = 0.25", "[1.0, 0.0, 0.0]"},
+                 {"middle", "member = \"beam\"\nposition = 0.5", "[-1.0, 0.0, 0.0]"},
+                 {"tip", "node = \"tip\"", "[1.0, 0.0, 0.0]"}};
+  for (const auto& sensor : sensors) {
+    text += std::string("[[sensor]]\nname = \"") + sensor.name + "\"\n" + sensor.at +
+            "\ndirection = " + sensor.direction + "\n";
+  }
+  return text;
+}
+
+std::string mode_shapes(const std::string& scene_file) {
+  const auto modes = model::analyse_modes(model::read_scene(scene_file), [] {
+    model::ModesOptions options;
+    options.count = 8;
+    return options;
+  }());
+  return model_mode_file(modes);
+}
+
+TEST(MeasuredModes, ShapesOfAUniversalFileFitAScene) {
+  const TemporaryFolder folder;
+  const auto truth = folder.write("truth.toml", beam(2.1, 0.02));
+  const auto start = folder.write("start.toml", beam(3.5, 0.03));
+  const auto file = folder.write("modes.uff", mode_shapes(truth));
+  const auto run =
+      run_program({"update", start, "--measured", file, "--free", "beam.EI_z", "tip.mass",
+                   "beam.damping_ratio", "--band", "1", "200", "--plane", "in", "--starts", "1",
+                   "--out", (folder.path() / "o.toml").string(), "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(run.out);
+  // Frequencies and shapes carry six digits: 0.5e-5, twice that in EI; the mass, a tenth of the
+  // beam's, moves frequencies by a fifth of what EI does and less.
+  EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 2.1, 5e-5 * 2.1);
+  EXPECT_NEAR(json["parameters"][1]["value"].get<double>(), 0.02, 2e-3 * 0.02);
+  EXPECT_NEAR(json["parameters"][2]["value"].get<double>(), 0.01, 1e-4 * 0.01);
+  int in_plane = 0;
+  for (const auto& pair : json["pairs"]) {
+    if (!pair.contains("mac")) continue;
+    EXPECT_GT(pair["mac"].get<double>(), 1 - 1e-6);
+    ++in_plane;
+  }
+  EXPECT_GE(in_plane, 4);
+}
+
+TEST(MeasuredModes, NodesElsewhereAreNamedOrSaid) {
+  const TemporaryFolder folder;
+  const auto scene_file = folder.write("scene.toml", beam(2.1, 0.02));
+  const auto scene = model::read_scene(scene_file);
+  // Three nodes in a frame of their own, without coordinates.
+  std::string text = "    -1\n    55\n";
+  for (int k = 0; k < 5; ++k) text += "NONE\n";
+  text +=
+      "         1         2         2         8         2         3\n"
+      "         2         4         0         1\n"
+      "  2.30000E+00  1.00000E+00  1.00000E-02  0.00000E+00\n"
+      "        11\n  0.00000E+00  1.00000E-01  0.00000E+00\n"
+      "        12\n  0.00000E+00  4.00000E-01  0.00000E+00\n"
+      "        13\n  0.00000E+00  1.00000E+00  0.00000E+00\n"
+      "    -1\n";
+  const auto file = folder.write("modes.uff", text);
+  std::vector<std::string> remarks;
+  const auto plain = read_uff_measured_modes(file, {}, scene, {}, remarks);
+  ASSERT_EQ(plain.size(), 1u);
+  EXPECT_EQ(plain[0].mode.shape.size(), 0);
+  EXPECT_THAT(remarks, ::testing::ElementsAre(HasSubstr("--node low=NUMBER")));
+
+  remarks.clear();
+  std::vector<NodeOfSensor> nodes;
+  for (const char* one : {"low=11+Y", "middle=12-y", "tip=13+Y"}) {
+    nodes.push_back(node_of_sensor(one));
+  }
+  const auto named = read_uff_measured_modes(file, {}, scene, nodes, remarks);
+  EXPECT_TRUE(remarks.empty());
+  ASSERT_EQ(named[0].mode.shape.size(), 3);
+  EXPECT_EQ(named[0].mode.shape[1], std::complex<double>(-0.4));
+  EXPECT_EQ(named[0].mode.damping_ratio.value, 0.01);
+
+  for (const char* wrong : {"low", "=3", "low=x", "low=3X", "low=3+W", "low=3+XY"}) {
+    EXPECT_THROW((void)node_of_sensor(wrong), std::invalid_argument) << wrong;
+  }
+  const auto run = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"update", scene_file, "--measured", file};
+    all.insert(all.end(), more.begin(), more.end());
+    return run_program(all);
+  };
+  const auto absent = run({"--node", "top=3"});
+  EXPECT_EQ(absent.exit_code, 2);
+  EXPECT_THAT(absent.err, HasSubstr("no sensor \"top\""));
+  EXPECT_EQ(run({"--column", "test_Hz"}).exit_code, 2);
+  EXPECT_EQ(run({"--band", "50", "60"}).exit_code, 2);
+  const auto cut = folder.write("cut.uff", text.substr(0, text.find("4.00000E-01")));
+  const auto broken = run_program({"update", scene_file, "--measured", cut});
+  EXPECT_EQ(broken.exit_code, 3);
+  EXPECT_THAT(broken.err, HasSubstr("cut.uff:14"));
+}
+
+}  // namespace
+}  // namespace rigfit::apps::measured_modes_test

@@ -1,0 +1,79 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "ident/virtual_rig/virtual_axial.h"
+#include "signal/writers/write_csv.h"
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::axial_test {
+namespace {
+using ::testing::HasSubstr;
+
+// Three lengths, two taps each, from the continuous rod (synthetic).
+std::vector<std::string> records(const TemporaryFolder& folder) {
+  std::vector<std::string> files;
+  auto random = ident::random_stream(5, 1);
+  for (const double length : {0.7, 1.0, 1.3}) {
+    for (int tap = 0; tap < 2; ++tap) {
+      ident::VirtualAxialTest test;
+      test.EA_N = 221780, test.mass_per_length_kg_m = 0.16667, test.length_m = length;
+      test.hung_mass_kg = 2.2, test.damping_ratio = 0.017, test.after_s = 1;
+      test.load_cell.noise_std = 1;
+      files.push_back(
+          folder.write("tap" + std::to_string(files.size()) + ".csv",
+                       signal::csv_text(ident::virtual_axial_record(test, random), {}, 9)));
+    }
+  }
+  return files;
+}
+
+TEST(AxialVerb, PoolsLengthsWithABudget) {
+  TemporaryFolder folder;
+  auto arguments = records(folder);
+  arguments.insert(arguments.begin(), "axial");
+  for (const char* a : {"--mass", "2.2", "--mass-std", "0.001", "--length", "0.7", "1.0", "1.3",
+                        "--length-std", "0.001", "--mass-per-length", "0.16667", "--json", "-"}) {
+    arguments.push_back(a);
+  }
+  const auto run = run_program(arguments);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  const double EA = json["EA_N"]["value"], std = json["EA_N"]["std"];
+  EXPECT_NEAR(EA, 221780, 4 * std);
+  EXPECT_LT(std, 0.01 * EA);
+  EXPECT_NEAR(json["damping_ratio"]["value"].get<double>(), 0.017,
+              4 * json["damping_ratio"]["std"].get<double>());
+  EXPECT_GT(json["damping_Ns_m"]["value"].get<double>(), 0);
+  ASSERT_EQ(json["samples"].size(), 6u);
+  EXPECT_EQ(json["samples"][2]["length_m"], 1.0);
+  EXPECT_EQ(json["lengths"].size(), 3u);
+  double share = 0;
+  for (const auto& row : json["budget"]) share += row["share"].get<double>();
+  EXPECT_NEAR(share, 1, 1e-9);
+  EXPECT_THAT(json["plausibility"]["sentence"].get<std::string>(), HasSubstr("13 %"));
+  EXPECT_NEAR(json["monte_carlo"]["EA_N"]["std"].get<double>(), std, 0.2 * std);
+  // The same seed gives the same numbers.
+  EXPECT_EQ(run_program(arguments).out, run.out);
+}
+
+TEST(AxialVerb, ExitCodesSayWhoseFaultItIs) {
+  TemporaryFolder folder;
+  const auto files = records(folder);
+  EXPECT_EQ(run_program({"axial", files[0], "--length", "0.7"}).exit_code, 2);
+  const auto uneven = run_program(
+      {"axial", files[0], files[1], files[2], "--mass", "2.2", "--length", "0.7", "1.0"});
+  EXPECT_EQ(uneven.exit_code, 2);
+  EXPECT_THAT(uneven.err, HasSubstr("3 files and 2 lengths"));
+  EXPECT_EQ(run_program({"axial", files[0], "--mass", "-1", "--length", "0.7"}).exit_code, 2);
+  EXPECT_EQ(run_program({"axial", "none.csv", "--mass", "2.2", "--length", "0.7"}).exit_code, 3);
+  const auto soft = run_program(
+      {"axial", files[0], "--mass", "2.2", "--length", "0.7", "--adapter-stiffness", "1000"});
+  EXPECT_EQ(soft.exit_code, 4);
+  EXPECT_THAT(soft.err, HasSubstr("softer"));
+}
+
+}  // namespace
+}  // namespace rigfit::apps::axial_test

@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "ident/bending/bending_equation.h"
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::bending_verb_test {
+namespace {
+
+using Json = nlohmann::json;
+
+// Loading and unloading straight from the equation, one or more tensions.
+std::string table(double EI, const std::vector<double>& tensions, double span) {
+  std::string text = "tension (N),load (N),deflection (mm)\n";
+  for (double P : tensions) {
+    for (int i = 0; i <= 20; ++i) {
+      const double d = 1e-3 * (i <= 10 ? i : 20 - i) / 10;
+      text += std::to_string(P) + "," + std::to_string(d / ident::midspan_compliance(EI, P, span)) +
+              "," + std::to_string(1e3 * d) + "\n";
+    }
+  }
+  return text;
+}
+
+Json document(const ProgramRun& run) {
+  EXPECT_FALSE(run.out.empty()) << run.err;
+  return parsed(run.out);
+}
+
+const char* const kPublished = "tension_N,EI_Nm2\n25,0.2549\n100,0.4948\n200,0.5972\n300,0.8283\n";
+
+TEST(BendingVerb, TableOfRecordsGivesStiffnessAtEachTension) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("bend.csv", table(0.6, {50, 150, 300}, 0.5));
+  const auto run = run_program({"bending", file, "--span", "0.5", "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = document(run);
+  ASSERT_EQ(json["tests"].size(), 3U);
+  for (const auto& test : json["tests"]) {
+    // The table holds six decimals of newtons and of millimetres: 1e-6 relative, times the
+    // conditioning of the equation.
+    EXPECT_NEAR(test["EI_Nm2"]["value"].get<double>(), 0.6, 1e-4);
+    EXPECT_LE(test["EI_Nm2"]["low"].get<double>(), test["EI_Nm2"]["value"].get<double>());
+    EXPECT_GE(test["EI_Nm2"]["high"].get<double>(), test["EI_Nm2"]["value"].get<double>());
+  }
+  EXPECT_NEAR(json["tests"][2]["tension_N"].get<double>(), 300, 1e-9);
+  EXPECT_FALSE(json["laws"].empty());
+  EXPECT_TRUE(json["bounds"].is_null());
+}
+
+TEST(BendingVerb, PublishedTableGivesLawsAndBounds) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("table1.csv", kPublished);
+  const auto run = run_program({"bending", file, "--strand", "195e9", "133", "0.397e-3", "6.35e-3",
+                                "--EA", "221780", "--mass-per-length", "0.16667", "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = document(run);
+  ASSERT_EQ(json["tests"].size(), 4U);
+  EXPECT_DOUBLE_EQ(json["tests"][1]["EI_Nm2"]["value"], 0.4948);
+  EXPECT_TRUE(json["tests"][1]["EI_Nm2"]["std"].is_null());
+  EXPECT_EQ(json["laws"].size(), 4U);
+  EXPECT_NEAR(json["bounds"]["EI_max_Nm2"].get<double>(), 15.5632, 0.003 * 15.5632);
+  EXPECT_FALSE(json["law_choice"]["decided"].get<bool>());
+  EXPECT_EQ(json["equivalent_cylinders"].size(), 4U);
+}
+
+TEST(BendingVerb, ReadsItsOwnIntervals) {
+  const TemporaryFolder folder;
+  const auto file = folder.write(
+      "t.csv", "tension_N,EI_Nm2,low,high\n25,0.25,0.2,0.3\n100,0.5,0.45,0.55\n200,0.6,0.5,0.7\n");
+  const Json json = document(run_program({"bending", file, "--json", "-"}));
+  EXPECT_DOUBLE_EQ(json["tests"][0]["EI_Nm2"]["low"], 0.2);
+  EXPECT_DOUBLE_EQ(json["tests"][0]["EI_Nm2"]["high"], 0.3);
+}
+
+TEST(BendingVerb, WrongSpanIsRefusedByName) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("bend.csv", table(0.05, {300}, 0.6));
+  const auto run = run_program({"bending", file, "--span", "0.4", "--json", "-"});
+  EXPECT_EQ(run.exit_code, 4) << run.err;
+  const Json json = document(run);
+  EXPECT_TRUE(json["tests"][0]["EI_Nm2"]["value"].is_null());
+  EXPECT_NE(run.err.find("not below 1"), std::string::npos) << run.err;
+}
+
+TEST(BendingVerb, BadInputsEndWithTheirExitCode) {
+  const TemporaryFolder folder;
+  const auto no_load = folder.write("a.csv", "tension_N,foo_m\n1,2\n3,4\n");
+  const auto run = run_program({"bending", no_load, "--span", "0.5"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("load"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("tension_N"), std::string::npos) << run.err;
+
+  EXPECT_EQ(run_program({"bending", folder.write("b.csv", table(0.6, {50}, 0.5))}).exit_code, 2);
+  EXPECT_EQ(run_program({"bending", folder.path() / "none.csv", "--span", "1"}).exit_code, 2);
+  EXPECT_EQ(run_program({"bending", no_load, "--span", "-1"}).exit_code, 2);
+  const auto negative = folder.write("c.csv", "tension_N,EI_Nm2\n25,-0.2\n50,0.3\n");
+  const auto refused = run_program({"bending", negative});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_NE(refused.err.find("row 1"), std::string::npos) << refused.err;
+}
+
+TEST(BendingVerb, HelpHasAnExample) {
+  const auto run = run_program({"bending", "--help"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.out.find("rigfit bending ei.csv"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rigfit::apps::bending_verb_test

@@ -1,0 +1,232 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "signal/readers/uff/read_uff.h"
+#include "signal/writers/write_csv.h"
+#include "tests/apps/run_program.h"
+#include "tests/reference/ten_mode_truth.h"
+
+namespace rigfit::apps::frf_test {
+namespace {
+using ::testing::HasSubstr;
+using Hits = std::vector<testing::HammerHit>;
+
+struct FrfVerb : ::testing::Test {
+  FrfVerb() { options.block_samples = 8192; }
+  std::string file(const std::string& name, const signal::Recording& recording) const {
+    return folder.write(name, signal::csv_text(recording, {}, 9));
+  }
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (folder.path() / name).string();
+  }
+  TemporaryFolder folder;
+  testing::TenModeTruth truth = testing::ten_mode_truth(3);
+  testing::ImpactRecordOptions options;
+};
+
+TEST_F(FrfVerb, AveragesTheGoodHitsAndSaysWhatIsWrongWithTheOther) {
+  Hits hits = testing::hammer_hits(options);
+  hits.push_back({hits[1].time_s + 0.02, 0.05 * hits[1].peak, hits[1].duration_s});
+  const std::string hammer = file("hits.csv", testing::impact_recording(truth, hits, options));
+  const auto run = run_program({"frf",
+                                hammer,
+                                "--force",
+                                "force",
+                                "--response",
+                                "a1",
+                                "a3",
+                                "--driving-point",
+                                "a1",
+                                "--band",
+                                "10",
+                                "1300",
+                                "--exponential-window",
+                                "3",
+                                "--out",
+                                path("frf.uff"),
+                                "--csv",
+                                path("frf.csv"),
+                                "--json",
+                                "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  ASSERT_EQ(json["hits"].size(), 5u);
+  EXPECT_EQ(json["averages"], 4);
+  for (std::size_t i = 0; i < 5; ++i) {
+    const auto& hit = json["hits"][i];
+    EXPECT_EQ(hit["accepted"], i != 1) << hit["reason"];
+    EXPECT_EQ(hit["file"], hammer);
+    EXPECT_NEAR(hit["time_s"].get<double>(), hits[i].time_s, 2e-3);
+  }
+  EXPECT_THAT(json["hits"][1]["reason"].get<std::string>(), HasSubstr("double hit"));
+  EXPECT_EQ(json["sample_rate_hz"], 8192);
+  EXPECT_EQ(json["frf_form"], "accelerance");
+  EXPECT_EQ(json["units"], "(m/s^2)/N");
+  EXPECT_EQ(json["exponential_decay_rate_1_s"], 3);
+  EXPECT_NEAR(json["frequency_resolution_hz"].get<double>() * json["block_samples"].get<double>(),
+              8192, 1e-6);
+  EXPECT_EQ(json["inputs"].size(), 1u);
+
+  // Both files hold the FRFs: noise of 0.5 % of each channel's rms is far below 2 % of them.
+  const signal::FrfSet frfs = signal::read_uff_frfs(path("frf.uff"));
+  ASSERT_EQ(frfs.H.cols(), 2);
+  const Eigen::Index lines = (frfs.frequency_hz.array() < 1300).count();
+  const Eigen::MatrixXcd exact = truth.accelerance(frfs.frequency_hz.head(lines), 3);
+  EXPECT_LT((frfs.H.col(1).head(lines) - exact.col(2)).norm(), 0.02 * exact.col(2).norm());
+  EXPECT_EQ(frfs.H_std.cols(), 2);
+  EXPECT_EQ(frfs.coherence.cols(), 2);
+  EXPECT_EQ(frfs.exponential_decay_rate_1_s, 3);
+  EXPECT_EQ(frfs.averages, 4);
+  std::ifstream csv(path("frf.csv"));
+  std::string header, line;
+  std::getline(csv, header);
+  EXPECT_THAT(header, HasSubstr("\"a3 std ((m/s^2)/N)\",\"a3 coherence\""));
+  Eigen::Index rows = 0;
+  while (std::getline(csv, line)) ++rows;
+  EXPECT_EQ(rows, frfs.frequency_hz.size());
+}
+
+TEST_F(FrfVerb, RefusesAmplitudesOfPulsesThatAreNotResolved) {
+  signal::Recording recording = testing::impact_recording(truth, options);
+  for (auto& channel : recording.channels) {
+    const Eigen::VectorXd all = channel.samples;
+    channel.samples = all(Eigen::seqN(0, all.size() / 4, 4));
+  }
+  recording.sample_rate_hz /= 4;
+  const std::string slow = file("slow.csv", recording);
+  const std::vector<std::string> command{"frf",   slow,          "--force", "force",
+                                         "--out", path("o.uff"), "--json",  "-"};
+  const auto refused = run_program(command);
+  EXPECT_EQ(refused.exit_code, 4);
+  EXPECT_THAT(refused.err, HasSubstr("--frequencies-only"));
+  const auto json = parsed(refused.out);
+  ASSERT_EQ(json["hits"].size(), 5u);
+  EXPECT_EQ(json["averages"], 0);
+  EXPECT_EQ(json["amplitudes"], false);
+  EXPECT_EQ(json["hits"][0]["faults"][0], "unresolved_pulse");
+  EXPECT_FALSE(std::filesystem::exists(path("o.uff")));
+
+  auto with = command;
+  with.push_back("--frequencies-only");
+  const auto kept = run_program(with);
+  EXPECT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_EQ(parsed(kept.out)["frf_form"], "unknown");
+  EXPECT_EQ(parsed(kept.out)["amplitudes"], false);
+  EXPECT_TRUE(std::filesystem::exists(path("o.uff")));
+}
+
+TEST_F(FrfVerb, OneHitAFileAndItsPolarityAtTheDrivingPoint) {
+  std::vector<std::string> command{"frf"};
+  options.hits = 1;
+  options.force_sign = -1;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    options.seed = seed;
+    const auto recording = testing::impact_recording(truth, options);
+    command.push_back(file("hit" + std::to_string(seed) + ".csv", recording));
+  }
+  for (const char* argument : {"--force", "force", "--driving-point", "a1", "--json", "-"}) {
+    command.push_back(argument);
+  }
+  const auto run = run_program(command);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  EXPECT_EQ(json["averages"], 3);
+  EXPECT_LT(json["hits"][2]["peak"].get<double>(), -50);
+  EXPECT_EQ(json["driving_point"]["verdict"], "inverted");
+}
+
+TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
+  options.noise = 0.002;
+  options.hits = 2;
+  std::vector<std::string> files;
+  for (const Eigen::Index struck : {0, 2}) {
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+      truth.driving_point = struck;
+      options.seed = seed + static_cast<std::uint64_t>(10 * struck);
+      files.push_back(file("p" + std::to_string(struck) + std::to_string(seed) + ".csv",
+                           testing::impact_recording(truth, options)));
+    }
+  }
+  std::vector<std::string> command{"frf"};
+  command.insert(command.end(), files.begin(), files.end());
+  for (const char* argument : {"--force", "force", "--response", "a1", "a3", "--band", "10", "1300",
+                               "--exponential-window", "3", "--json", "-"}) {
+    command.push_back(argument);
+  }
+  auto with = command;
+  with.insert(with.end(), {"--struck", "a1", "a1", "a3", "a3", "--out", path("roving.uff"), "--csv",
+                           path("roving.csv")});
+  const auto run = run_program(with);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  EXPECT_EQ(json["hits"].size(), 8u);
+  EXPECT_EQ(json["hits"][7]["struck"], "a3");
+  EXPECT_EQ(json["hits"][7]["file"], files[3]);
+  EXPECT_EQ(json["averages"], 4);
+  EXPECT_EQ(json["struck"], nlohmann::json({"a1", "a3"}));
+  ASSERT_EQ(json["driving_points"].size(), 2u);
+  EXPECT_EQ(json["driving_points"][1]["point"], "a3");
+  EXPECT_EQ(json["driving_points"][1]["verdict"], "consistent");
+  ASSERT_EQ(json["reciprocity"].size(), 1u);
+  EXPECT_EQ(json["reciprocity"][0]["points"], nlohmann::json({"a1", "a3"}));
+  EXPECT_LT(json["reciprocity"][0]["difference"].get<double>(), 0.05);
+  EXPECT_GT(json["reciprocity"][0]["from_noise"].get<double>(), 0);
+  EXPECT_EQ(json["responses"].size(), 4u);
+  const signal::FrfSet frfs = signal::read_uff_frfs(path("roving.uff"));
+  ASSERT_EQ(frfs.inputs.size(), 2u);
+  EXPECT_EQ(frfs.inputs[1].name, "a3");
+  EXPECT_EQ(frfs.inputs[1].node, frfs.responses[1].node);
+  std::ifstream csv(path("roving.csv"));
+  std::string header;
+  std::getline(csv, header);
+  EXPECT_THAT(header, HasSubstr("a3 by a1 real"));
+
+  // `modal` takes the two columns as two references.
+  const auto modal =
+      run_program({"modal", path("roving.uff"), "--band", "100", "1300", "--json", "-"});
+  ASSERT_EQ(modal.exit_code, 0) << modal.err;
+  const auto modes = parsed(modal.out)["modes"];
+  ASSERT_EQ(modes.size(), 8u);  // above 100 Hz
+  for (std::size_t r = 0; r < 8; ++r) {
+    const double f = truth.frequency_hz[static_cast<Eigen::Index>(r) + 2];
+    EXPECT_NEAR(modes[r]["frequency_hz"]["value"].get<double>(), f, 1e-3 * f);
+    EXPECT_EQ(modes[r]["participation"].size(), 2u);
+  }
+
+  auto wrong = command;
+  wrong.insert(wrong.end(), {"--struck", "a1", "a3"});
+  EXPECT_EQ(run_program(wrong).exit_code, 2);
+  with.insert(with.end(), {"--driving-point", "a1"});
+  EXPECT_EQ(run_program(with).exit_code, 2);
+}
+
+TEST_F(FrfVerb, BadInputHasItsExitCodeAndReason) {
+  const std::string good = file("hits.csv", testing::impact_recording(truth, options));
+  const auto code = [&](std::vector<std::string> arguments, const std::string& said) {
+    arguments.insert(arguments.begin(), "frf");
+    const auto run = run_program(arguments);
+    EXPECT_THAT(run.err, HasSubstr(said));
+    return run.exit_code;
+  };
+  EXPECT_EQ(code({}, "FILE"), 2);
+  EXPECT_EQ(code({good}, "--force"), 2);
+  EXPECT_EQ(code({good, "--force", "force", "--response", "force"}, "cannot be a response"), 2);
+  EXPECT_EQ(code({good, "--force", "force", "--force-window", "long"}, "--force-window"), 2);
+  EXPECT_EQ(code({good, "--force", "force", "--band", "50", "10"}, "lower one first"), 2);
+  EXPECT_EQ(code({good, "--force", "force", "--driving-point", "force"}, "not among"), 2);
+  EXPECT_EQ(code({good, "--force", "hammer"}, "hammer"), 3);
+  EXPECT_EQ(code({path("none.csv"), "--force", "force"}, "none.csv"), 3);
+  EXPECT_EQ(code({folder.write("text.csv", "this is no table\n"), "--force", "force"}, "text.csv"),
+            3);
+  const std::string flat = folder.write("flat.csv",
+                                        "time (s),force (N),a (m/s^2)\n0,0,1\n"
+                                        "0.001,0,2\n0.002,0,1\n0.003,0,2\n");
+  EXPECT_EQ(code({flat, "--force", "force"}, "no hit"), 4);
+}
+
+}  // namespace
+}  // namespace rigfit::apps::frf_test

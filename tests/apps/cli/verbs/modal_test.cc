@@ -1,0 +1,138 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <random>
+
+#include "signal/readers/uff/read_uff.h"
+#include "signal/writers/write_csv.h"
+#include "signal/writers/write_uff.h"
+#include "tests/apps/run_program.h"
+#include "tests/reference/ten_mode_truth.h"
+
+namespace rigfit::apps::modal_test {
+namespace {
+using ::testing::HasSubstr;
+using Complex = std::complex<double>;
+
+struct ModalVerb : ::testing::Test {
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (folder.path() / name).string();
+  }
+  /// Exact FRFs with 1e-3 noise, 0.5 to 1400 Hz, under a window.
+  [[nodiscard]] std::string frf_file(double window) const {
+    signal::FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(2800, 0.5, 1400), window);
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal;
+    const double scale = 1e-3 * set.H.norm() / std::sqrt(static_cast<double>(set.H.size()));
+    for (Complex& h : set.H.reshaped()) h += scale * Complex(normal(random), normal(random));
+    set.sample_rate_hz = 4096;
+    return folder.write("frf.uff", signal::uff_text(set, signal::UffEncoding::binary));
+  }
+  TemporaryFolder folder;
+  testing::TenModeTruth truth = testing::ten_mode_truth(4);
+};
+
+TEST_F(ModalVerb, FrfsGiveModesThatRebuildThem) {
+  const std::string file = frf_file(1);
+  const auto run = run_program(
+      {"modal", file, "--out", path("modes.uff"), "--synthesis", path("again.uff"), "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  ASSERT_EQ(json["modes"].size(), 10u);
+  const Eigen::MatrixXcd residues = truth.residues();
+  for (std::size_t r = 0; r < 10; ++r) {
+    const auto& mode = json["modes"][r];
+    const auto i = static_cast<Eigen::Index>(r);
+    // Five standard deviations of 20 values.
+    EXPECT_NEAR(mode["frequency_hz"]["value"].get<double>(), truth.frequency_hz[i],
+                5 * mode["frequency_hz"]["std"].get<double>());
+    EXPECT_NEAR(mode["damping_ratio"]["value"].get<double>(), truth.damping_ratio[i],
+                5 * mode["damping_ratio"]["std"].get<double>());
+    EXPECT_GT(mode["damping_ratio_with_window"], mode["damping_ratio"]["value"]);
+    ASSERT_EQ(mode["shape"].size(), 4u);
+    for (Eigen::Index o = 0; o < 4; ++o) {
+      const auto& entry = mode["shape"][static_cast<std::size_t>(o)];
+      const Complex d = Complex(entry["re"], entry["im"]) - residues(o, i);
+      EXPECT_LT(std::abs(d.real()), 5 * entry["std_re"].get<double>());
+      EXPECT_LT(std::abs(d.imag()), 5 * entry["std_im"].get<double>());
+    }
+    EXPECT_LT(mode["reconstruction_error"], 0.05);
+    EXPECT_GT(mode["modal_phase_collinearity"], 0.99);
+    EXPECT_EQ(mode["doubtful"], false) << mode["doubt"];
+  }
+  EXPECT_EQ(json["responses"][2]["name"], "a3");
+  EXPECT_EQ(json["exponential_decay_rate_1_s"], 1);
+  EXPECT_EQ(json["frf_form"], "accelerance");
+  EXPECT_EQ(json["auto_mac"].size(), 10u);
+  EXPECT_EQ(json["stabilisation"]["highest_order"], 60);
+  EXPECT_GT(json["stabilisation"]["poles"].size(), 100u);
+  EXPECT_EQ(json["inputs"].size(), 1u);
+
+  // What was written is what was said: the FRFs from the modes are those measured, but for noise.
+  const signal::FrfSet measured = signal::read_uff_frfs(file);
+  const signal::FrfSet again = signal::read_uff_frfs(path("again.uff"));
+  ASSERT_EQ(again.H.rows(), measured.H.rows());
+  EXPECT_LT((again.H - measured.H).norm(), 1.5e-3 * measured.H.norm());
+  EXPECT_EQ(again.exponential_decay_rate_1_s, 1);
+  const std::string modes = folder.read("modes.uff");
+  std::size_t shapes = 0;
+  for (std::size_t at = modes.find("    -1\n    55 "); at != std::string::npos;
+       at = modes.find("    -1\n    55 ", at + 1)) {
+    ++shapes;
+  }
+  EXPECT_EQ(shapes, 10u);
+}
+
+TEST_F(ModalVerb, RecordingsGiveTheSameModesDirectly) {
+  testing::ImpactRecordOptions options;
+  options.hits = 3;
+  options.block_samples = 16384;
+  const std::string file =
+      folder.write("hits.csv", signal::csv_text(testing::impact_recording(truth, options), {}, 9));
+  const auto run = run_program({"modal", file, "--force", "force", "--exponential-window", "2",
+                                "--band", "40", "1000", "--json", "-"});
+  // 68 Hz has -Re p = 3.4 1/s: the window is 37 % of what is measured, and accepted.
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  ASSERT_EQ(json["modes"].size(), 8u);
+  for (std::size_t r = 0; r < 8; ++r) {
+    const double f = json["modes"][r]["frequency_hz"]["value"];
+    EXPECT_NEAR(f, truth.frequency_hz[static_cast<Eigen::Index>(r) + 1], 100e-6 * f);
+  }
+  EXPECT_EQ(json["hits"].size(), 3u);
+  EXPECT_EQ(json["amplitudes"], true);
+}
+
+TEST_F(ModalVerb, ADominatingWindowsDampingIsRefused) {
+  const auto run = run_program({"modal", frf_file(3), "--json", "-"});
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_THAT(run.err, HasSubstr("the window gives 66 %"));
+  const auto json = parsed(run.out);
+  ASSERT_EQ(json["modes"].size(), 10u);
+  EXPECT_EQ(json["modes"][0]["damping_refused"], true);
+  EXPECT_TRUE(json["modes"][0]["damping_ratio"]["value"].is_null());
+  EXPECT_NEAR(json["modes"][0]["frequency_hz"]["value"].get<double>(), 25, 0.01);
+  EXPECT_FALSE(json["modes"][1]["damping_ratio"]["value"].is_null());
+}
+
+TEST_F(ModalVerb, WrongUseAndBadFilesAreSaid) {
+  EXPECT_EQ(run_program({"modal"}).exit_code, 2);
+  EXPECT_EQ(run_program({"modal", path("none.uff")}).exit_code, 3);
+  const std::string file = frf_file(0);
+  EXPECT_EQ(run_program({"modal", file, file}).exit_code, 2);
+  EXPECT_EQ(run_program({"modal", file, "--band", "500", "400"}).exit_code, 2);
+  EXPECT_EQ(run_program({"modal", file, "--order", "1"}).exit_code, 2);
+  const auto empty = run_program({"modal", file, "--band", "5000", "6000"});
+  EXPECT_EQ(empty.exit_code, 4);
+  EXPECT_THAT(empty.err, HasSubstr("0 usable lines"));
+  const auto table = run_program({"modal", folder.write("table.csv", "a,b\n1,2\n3,4\n")});
+  EXPECT_EQ(table.exit_code, 3);
+  EXPECT_EQ(run_program({"modal", "--help"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace rigfit::apps::modal_test

@@ -1,0 +1,104 @@
+#include "apps/report/figures/svg_plot.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace rigfit::apps::svg_plot_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(AxisTicks, AreRoundAndInside) {
+  EXPECT_THAT(axis_ticks(0, 300, 6, false), ElementsAre(0, 50, 100, 150, 200, 250, 300));
+  EXPECT_THAT(axis_ticks(-1, 1, 4, false), ElementsAre(-1, -0.5, 0, 0.5, 1));
+  EXPECT_THAT(axis_ticks(1, 1000, 6, true), ElementsAre(1, 10, 100, 1000));
+  EXPECT_THAT(axis_ticks(1, 10, 6, true), ElementsAre(1, 2, 3, 5, 7, 10));
+  EXPECT_TRUE(axis_ticks(1, 1, 6, false).empty());
+  EXPECT_TRUE(axis_ticks(-1, 10, 6, true).empty());
+  EXPECT_TRUE(axis_ticks(0, std::numeric_limits<double>::infinity(), 6, false).empty());
+}
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; ++at) ++n;
+  return n;
+}
+
+TEST(SvgPlot, DrawsEverySeriesOnceAndNeverANonNumber) {
+  Plot plot;
+  plot.id = "demo";
+  plot.title = "a < b & c";
+  plot.x_label = "tension, N";
+  plot.y_label = "EI, N m²";
+  PlotSeries points;
+  points.name = "test <1>";
+  points.origin = Origin::published;
+  points.style = PlotSeries::Style::points;
+  points.x = {1, 2, 3};
+  points.y = {1, std::nan(""), 3};
+  points.low = {0.5, std::nan(""), 2};
+  points.high = {1.5, std::nan(""), 4};
+  PlotSeries line;
+  line.name = "model";
+  line.x = {1, 2, 3};
+  line.y = {1.1, 2.1, 3.1};
+  plot.series = {points, line};
+  const std::string svg = svg_plot(plot);
+  EXPECT_THAT(svg, HasSubstr("a &lt; b &amp; c"));
+  EXPECT_THAT(svg, HasSubstr("test &lt;1&gt;"));
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+  EXPECT_THAT(svg, Not(HasSubstr("inf")));
+  EXPECT_EQ(count(svg, "<circle"), 3u);  // two points and the legend's
+  EXPECT_EQ(count(svg, "class=\"o-modelled line\""), 2u);
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+
+  // A logarithmic axis leaves out what it cannot show.
+  plot.log_y = true;
+  plot.series[0].y = {0, -1, 3};
+  plot.series[0].low = plot.series[0].high = {};
+  EXPECT_EQ(count(svg_plot(plot), "<circle"), 2u);
+  // Nothing at all still gives axes.
+  plot.series.clear();
+  EXPECT_THAT(svg_plot(plot), Not(HasSubstr("nan")));
+}
+
+TEST(SvgPlot, LongRecordsKeepTheirExtremesAndStaySmall) {
+  Plot plot;
+  plot.id = "long";
+  PlotSeries line;
+  line.name = "record";
+  for (int i = 0; i < 200000; ++i) {
+    line.x.push_back(i);
+    line.y.push_back(i == 123456 ? 10 : std::sin(0.01 * i));
+  }
+  plot.series.push_back(line);
+  const std::string svg = svg_plot(plot);
+  EXPECT_LT(svg.size(), 100000u);
+  // The spike is the highest point; the axis leaves 5 % of the range [-1, 10] above and below it.
+  const double top = 12, bottom = 440 - 72;
+  const double spike = top + (bottom - top) * 0.05 / 1.1;
+  EXPECT_NE(svg.find(fmt::format(" {:.1f}L", spike)), std::string::npos);
+}
+
+TEST(PlotCsv, HoldsEveryValueExactly) {
+  Plot plot;
+  plot.x_label = "x";
+  plot.y_label = "y, \"units\"";
+  PlotSeries series;
+  series.name = "a,b";
+  series.x = {0.1, 1.0 / 3};
+  series.y = {1e-300, std::nan("")};
+  plot.series.push_back(series);
+  EXPECT_EQ(plot_csv(plot),
+            "series,origin,\"x\",\"y, \"\"units\"\"\",low,high\n\"a,b\",modelled,0.1,1e-300,,\n"
+            "\"a,b\",modelled,0.3333333333333333,,,\n");
+}
+
+}  // namespace
+}  // namespace rigfit::apps::svg_plot_test

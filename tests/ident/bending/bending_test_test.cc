@@ -1,0 +1,220 @@
+#include "ident/bending/bending_test.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "ident/virtual_rig/virtual_bending.h"
+
+namespace rigfit::ident::bending_test_test {
+namespace {
+
+// A load-deflection table straight from the equation, loading then unloading.
+BendingRecord exact_record(double EI, double P, double span, double frame = 0, int points = 50) {
+  BendingRecord record;
+  const Eigen::Index n = 2 * points;
+  record.tension_N.resize(n), record.load_N.resize(n), record.deflection_m.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double share =
+        i < points ? static_cast<double>(i) / points : static_cast<double>(n - 1 - i) / points;
+    const double d = 1e-3 * share;
+    const double tension = P + frame * d * d;
+    record.tension_N[i] = tension;
+    record.deflection_m[i] = d;
+    record.load_N[i] = d / midspan_compliance(EI, tension, span);
+  }
+  return record;
+}
+
+BendingTestOptions span_of(double span) {
+  BendingTestOptions options;
+  options.span_m = {span, 0};
+  return options;
+}
+
+bool has(const BendingTestResult& result, const std::string& code) {
+  return std::any_of(result.findings.begin(), result.findings.end(),
+                     [&](const auto& finding) { return finding.code == code; });
+}
+std::string codes(const BendingTestResult& result) {
+  std::string text;
+  for (const auto& finding : result.findings) text += finding.code + ": " + finding.message + "\n";
+  return text;
+}
+
+BendingRecord channels(const signal::Recording& recording) {
+  return {recording.channel("tension").samples, recording.channel("load").samples,
+          recording.channel("deflection").samples};
+}
+
+TEST(BendingTest, ExactTableGivesTheExactStiffness) {
+  for (double P : {25.0, 100.0, 300.0}) {
+    const auto result = analyse_bending_test(exact_record(0.6, P, 0.5), span_of(0.5));
+    ASSERT_FALSE(result.refused) << codes(result);
+    EXPECT_TRUE(result.findings.empty()) << codes(result);
+    EXPECT_EQ(result.strokes.size(), 2U);
+    // Rounding, amplified by the conditioning of the equation (below 10 here).
+    EXPECT_NEAR(result.stiffness.EI_Nm2.value, 0.6, 1e-10);
+  }
+}
+
+// The tension rises by a quarter while the cable is loaded: used as measured, the straight line in
+// (d g) is exact again. A plain slope would be off by more than 10 %.
+TEST(BendingTest, ChangingTensionIsUsedAsMeasured) {
+  const auto result = analyse_bending_test(exact_record(0.6, 100, 0.5, 25 / 1e-6), span_of(0.5));
+  ASSERT_FALSE(result.refused) << codes(result);
+  EXPECT_NEAR(result.stiffness.EI_Nm2.value, 0.6, 1e-8);
+  EXPECT_NEAR(result.tension_high_N, 125, 1.5);
+}
+
+TEST(BendingTest, SignAndOffsetOfTheDeflectionDoNotMatter) {
+  auto record = exact_record(0.6, 100, 0.5, 25 / 1e-6);
+  record.deflection_m = (0.0123 - record.deflection_m.array()).matrix();
+  const auto result = analyse_bending_test(record, span_of(0.5));
+  ASSERT_FALSE(result.refused) << codes(result);
+  EXPECT_NEAR(result.stiffness.EI_Nm2.value, 0.6, 1e-8);
+}
+
+TEST(BendingTest, ToeIsLeftOut) {
+  auto record = exact_record(0.6, 100, 0.5);
+  // Slack: the first 0.2 mm carry a fifth of the load they should.
+  const double slope = 1 / midspan_compliance(0.6, 100, 0.5);
+  for (Eigen::Index i = 0; i < record.load_N.size(); ++i) {
+    const double d = record.deflection_m[i];
+    record.load_N[i] = d < 2e-4 ? 0.2 * slope * d : slope * (d - 1.6e-4);
+  }
+  const auto result = analyse_bending_test(record, span_of(0.5));
+  ASSERT_FALSE(result.refused) << codes(result);
+  EXPECT_TRUE(has(result, "toe")) << codes(result);
+  // Samples within 0.5 % of the load of the line stay; at the knee that is one at most.
+  EXPECT_NEAR(result.stiffness.EI_Nm2.value, 0.6, 0.01 * 0.6);
+}
+
+TEST(BendingTest, AStopIsSaidAndLeftOut) {
+  auto record = exact_record(0.6, 100, 0.5);
+  const double slope = 1 / midspan_compliance(0.6, 100, 0.5);
+  for (Eigen::Index i = 0; i < record.load_N.size(); ++i) {
+    const double over = record.deflection_m[i] - 8e-4;
+    if (over > 0) record.load_N[i] += 6 * slope * over;
+  }
+  const auto result = analyse_bending_test(record, span_of(0.5));
+  ASSERT_FALSE(result.refused) << codes(result);
+  EXPECT_TRUE(has(result, "stop")) << codes(result);
+  EXPECT_NEAR(result.stiffness.EI_Nm2.value, 0.6, 0.01 * 0.6);
+}
+
+TEST(BendingTest, ACurvedDiagramIsRefused) {
+  auto record = exact_record(0.6, 100, 0.5);
+  record.load_N = (record.load_N.array() * (1 + record.deflection_m.array() / 1e-3)).matrix();
+  const auto result = analyse_bending_test(record, span_of(0.5));
+  EXPECT_TRUE(result.refused);
+  EXPECT_TRUE(has(result, "curved")) << codes(result);
+}
+
+TEST(BendingTest, ASlippingClampIsRefusedOrFlagged) {
+  for (double loss : {0.05, 0.3}) {
+    auto record = exact_record(0.6, 100, 0.5);
+    for (Eigen::Index i = 25; i < record.tension_N.size(); ++i) {
+      record.tension_N[i] *= 1 - loss;
+      record.load_N[i] = record.deflection_m[i] / midspan_compliance(0.6, record.tension_N[i], 0.5);
+    }
+    const auto result = analyse_bending_test(record, span_of(0.5));
+    EXPECT_TRUE(has(result, "clamp_slip")) << codes(result);
+    EXPECT_EQ(result.refused, loss > 0.1) << codes(result);
+  }
+}
+
+TEST(BendingTest, StickSlipIsCounted) {
+  auto record = exact_record(0.6, 100, 0.5, 0, 400);
+  const double peak = record.load_N.maxCoeff();
+  for (Eigen::Index i = 0; i < 400; ++i) {
+    // Sawtooth: every 40 samples the load has risen 4 % too high and falls back at once.
+    record.load_N[i] += 0.04 * peak * static_cast<double>(i % 40) / 40;
+  }
+  const auto result = analyse_bending_test(record, span_of(0.5));
+  ASSERT_TRUE(has(result, "stick_slip")) << codes(result);
+  EXPECT_EQ(result.strokes[0].load_drops, 9);
+  EXPECT_EQ(result.strokes[1].load_drops, 0);
+}
+
+TEST(BendingTest, ASpanThatIsWrongIsStringLikeAndRefused) {
+  const auto result = analyse_bending_test(exact_record(0.05, 300, 0.6), span_of(0.45));
+  EXPECT_TRUE(result.refused);
+  EXPECT_TRUE(has(result, "string_like")) << codes(result);
+}
+
+TEST(BendingTest, NothingOrNonsenseIsRefusedWithAReason) {
+  EXPECT_TRUE(analyse_bending_test({}, span_of(1)).refused);
+  auto record = exact_record(0.6, 100, 0.5);
+  record.load_N.setConstant(3);
+  EXPECT_TRUE(has(analyse_bending_test(record, span_of(1)), "no_loading"));
+  record = exact_record(0.6, 100, 0.5);
+  record.tension_N *= -1;
+  EXPECT_TRUE(has(analyse_bending_test(record, span_of(1)), "no_tension"));
+  record = exact_record(0.6, 100, 0.5);
+  record.load_N.setConstant(NAN);
+  EXPECT_TRUE(has(analyse_bending_test(record, span_of(1)), "too_few_points"));
+  record.load_N.resize(3);
+  EXPECT_THROW((void)analyse_bending_test(record, span_of(1)), std::invalid_argument);
+  EXPECT_THROW((void)analyse_bending_test(exact_record(1, 1, 1), {}), std::invalid_argument);
+}
+
+TEST(BendingTest, TableOfSeveralTensionsIsSplit) {
+  BendingRecord table;
+  std::vector<BendingRecord> parts;
+  for (double P : {25.0, 100.0, 200.0}) parts.push_back(exact_record(0.5, P, 0.5, 0, 4));
+  Eigen::Index n = 0;
+  for (const auto& part : parts) n += part.load_N.size();
+  table.tension_N.resize(n), table.load_N.resize(n), table.deflection_m.resize(n);
+  Eigen::Index at = 0;
+  for (const auto& part : parts) {
+    table.tension_N.segment(at, 8) = part.tension_N;
+    table.load_N.segment(at, 8) = part.load_N;
+    table.deflection_m.segment(at, 8) = part.deflection_m;
+    at += 8;
+  }
+  const auto split = split_by_tension(table);
+  ASSERT_EQ(split.size(), 3U);
+  EXPECT_EQ(split[1].load_N, parts[1].load_N);
+  EXPECT_EQ(split_by_tension(parts[0]).size(), 1U);
+}
+
+VirtualBendingTest laboratory(double EI, double P) {
+  VirtualBendingTest test;
+  test.EI_Nm2 = EI;
+  test.tension_N = P;
+  test.span_m = 0.5;
+  test.peak_load_N = 10;
+  test.load_cell.noise_std = 0.01;
+  test.load_cell.offset_std = 0.05;
+  test.lvdt.noise_std = 1e-6;
+  test.lvdt.offset_std = 1e-4;
+  test.tension_cell.noise_std = 0.1;
+  return test;
+}
+
+// The virtual laboratory has friction, a growing tension and noise, none of which the estimator is
+// told. 95 % intervals over 120 tests: the share lies within three binomial deviations (6 %).
+TEST(BendingTest, IntervalsCoverTheTruthOfTheVirtualLaboratory) {
+  int covered = 0, trials = 0;
+  double bias = 0;
+  for (double P : {25.0, 100.0, 300.0}) {
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+      Random random = random_stream(seed, static_cast<std::uint64_t>(P));
+      const auto recording = virtual_bending_record(laboratory(0.5, P), random);
+      const auto result = analyse_bending_test(channels(recording), span_of(0.5));
+      ASSERT_FALSE(result.refused) << codes(result);
+      ++trials;
+      covered += result.stiffness.low <= 0.5 && 0.5 <= result.stiffness.high;
+      bias += (result.stiffness.EI_Nm2.value - 0.5) / result.stiffness.EI_Nm2.std / 120;
+    }
+  }
+  EXPECT_GE(covered, 0.89 * trials) << bias;
+  EXPECT_LT(std::abs(bias), 1.0 / 3 + 3 / std::sqrt(120.0));
+}
+
+}  // namespace
+}  // namespace rigfit::ident::bending_test_test

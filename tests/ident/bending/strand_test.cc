@@ -1,0 +1,41 @@
+#include "ident/bending/strand.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace rigfit::ident::strand_test {
+namespace {
+
+// Jalali and Rideout 2021, eq. (21): EImax = 15.5632 N m2 for the 6.35 mm strand. With E = 195 GPa
+// the formula gives 15.5630; E is printed with three digits, so 0.3 % is what can be asked.
+TEST(StiffnessBounds, MatchThePapersUpperBound) {
+  const auto bounds = stiffness_bounds({195e9, 133, 0.397e-3, 6.35e-3});
+  EXPECT_NEAR(bounds.EI_max_Nm2, 15.5632, 0.003 * 15.5632);
+  EXPECT_LT(bounds.EI_min_Nm2, bounds.EI_max_Nm2);
+}
+
+TEST(StiffnessBounds, OneElementOfFullDiameterIsSolid) {
+  const auto bounds = stiffness_bounds({2e11, 1, 5e-3, 5e-3});
+  EXPECT_DOUBLE_EQ(bounds.EI_min_Nm2, bounds.EI_max_Nm2);
+}
+
+TEST(EquivalentCylinder, GivesBackStiffnessesAndMass) {
+  const auto bar = equivalent_cylinder(0.5972, 221780, 0.16667);
+  const double area = std::numbers::pi * bar.diameter_m * bar.diameter_m / 4;
+  EXPECT_NEAR(bar.youngs_modulus_Pa * area, 221780, 1e-9 * 221780);
+  EXPECT_NEAR(bar.youngs_modulus_Pa * std::numbers::pi * std::pow(bar.diameter_m, 4) / 64, 0.5972,
+              1e-12);
+  EXPECT_NEAR(bar.density_kg_m3 * area, 0.16667, 1e-14);
+}
+
+TEST(EquivalentCylinder, RefusesWhatIsNotPositive) {
+  EXPECT_THROW((void)equivalent_cylinder(0, 1, 1), std::invalid_argument);
+  EXPECT_THROW((void)stiffness_bounds({195e9, 0, 1e-3, 1e-2}), std::invalid_argument);
+  EXPECT_THROW((void)stiffness_bounds({NAN, 7, 1e-3, 1e-2}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rigfit::ident::strand_test

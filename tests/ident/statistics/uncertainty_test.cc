@@ -1,0 +1,93 @@
+#include "ident/statistics/uncertainty.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <random>
+
+#include "tests/expect_matrix.h"
+
+namespace rigfit::ident::uncertainty_test {
+namespace {
+
+using rigfit::testing::MatricesNear;
+
+Eigen::MatrixXd random_matrix(int rows, int columns) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return 100 * normal(random); });
+}
+
+TEST(Identifiability, IsTheInverseNormalMatrixWhenAllIsDetermined) {
+  const Eigen::MatrixXd J = random_matrix(12, 3);
+  const auto known = identifiability(J, Eigen::Vector3d(1, 2, 0.5), {"a", "b", "c"});
+  EXPECT_TRUE(known.complete());
+  EXPECT_EQ(known.rank, 3);
+  const Eigen::MatrixXd expected = (J.transpose() * J).inverse();
+  // Condition of J is below 10: rounding only.
+  EXPECT_TRUE(MatricesNear(known.covariance, expected, 1e-13 * expected.norm()));
+  EXPECT_NEAR(known.correlation(0, 1), expected(0, 1) / std::sqrt(expected(0, 0) * expected(1, 1)),
+              1e-12);
+  EXPECT_DOUBLE_EQ(known.correlation(2, 2), 1);
+}
+
+TEST(Identifiability, NamesTwoThatOnlyActTogether) {
+  Eigen::MatrixXd J = random_matrix(12, 3);
+  J.col(2) = -2 * J.col(0);  // p0 up by 2 and p2 up by 1: nothing changes
+  const auto known = identifiability(J, Eigen::Vector3d(1, 1, 1), {"EI", "tension", "span"});
+  ASSERT_EQ(known.open.size(), 1U);
+  EXPECT_EQ(known.rank, 2);
+  EXPECT_NE(known.open[0].message.find("EI and span"), std::string::npos) << known.open[0].message;
+  EXPECT_EQ(known.open[0].message.find("tension"), std::string::npos);
+  EXPECT_FALSE(known.identifiable[0]);
+  EXPECT_TRUE(known.identifiable[1]);
+  EXPECT_FALSE(known.identifiable[2]);
+  EXPECT_TRUE(std::isnan(known.std[0]));
+  // What is determined keeps the variance it has with the other two reduced to one.
+  const Eigen::MatrixXd reduced = J.leftCols(2);
+  EXPECT_NEAR(known.std[1], std::sqrt((reduced.transpose() * reduced).inverse()(1, 1)),
+              1e-9 * known.std[1]);
+}
+
+TEST(Identifiability, NamesOneWithoutInfluence) {
+  Eigen::MatrixXd J = random_matrix(8, 2);
+  J.col(1).setZero();
+  const auto known = identifiability(J, Eigen::Vector2d(1, 1), {"EI", "GJ"});
+  ASSERT_EQ(known.open.size(), 1U);
+  EXPECT_EQ(known.open[0].message, "the data do not determine GJ");
+  EXPECT_TRUE(known.identifiable[0]);
+}
+
+TEST(Identifiability, FewerResidualsThanParameters) {
+  const auto known =
+      identifiability(random_matrix(2, 4), Eigen::Vector4d::Ones(), {"a", "b", "c", "d"});
+  EXPECT_EQ(known.rank, 2);
+  EXPECT_EQ(known.open.size(), 2U);
+  EXPECT_FALSE(known.complete());
+}
+
+TEST(Identifiability, VagueIsNotDetermined) {
+  // One residual of standard deviation 1 per parameter: relative standard deviations 0.1 and 10.
+  const auto known = identifiability(Eigen::Vector2d(10, 0.1).asDiagonal().toDenseMatrix(),
+                                     Eigen::Vector2d(1, 1), {"a", "b"});
+  EXPECT_TRUE(known.identifiable[0]);
+  EXPECT_FALSE(known.identifiable[1]);
+  EXPECT_NEAR(known.std[0], 0.1, 1e-14);
+  EXPECT_NEAR(known.open[0].relative_std, 10, 1e-12);
+}
+
+TEST(Identifiability, NothingFiniteDeterminesNothing) {
+  const auto known =
+      identifiability(Eigen::MatrixXd::Constant(3, 2, NAN), Eigen::Vector2d(1, 1), {"a", "b"});
+  EXPECT_EQ(known.rank, 0);
+  EXPECT_FALSE(known.identifiable[0]);
+}
+
+TEST(CoverageFactor, IsNormalOrStudents) {
+  EXPECT_NEAR(coverage_factor(0.95, 0), 1.959964, 1e-6);
+  EXPECT_NEAR(coverage_factor(0.95, 4), 2.776445, 1e-6);  // any table of Student's t
+}
+
+}  // namespace
+}  // namespace rigfit::ident::uncertainty_test

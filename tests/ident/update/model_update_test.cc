@@ -1,0 +1,393 @@
+#include "ident/update/model_update.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "model/scene/read_scene.h"
+#include "model/scene/scene_error.h"
+#include "tests/reference/mode_differences.h"
+
+namespace rigfit::ident::model_update_test {
+namespace {
+
+using model::ModePlane;
+
+// A vertical cantilever with a tip mass.
+model::Scene beam(double EI, double mass_per_length, double tip_mass, double gravity = 9.80665) {
+  auto scene = model::parse_scene(R"(
+gravity = 9.80665
+[[node]]
+name = "foot"
+position = [0.0, 0.0, 0.0]
+support = "clamped"
+[[node]]
+name = "tip"
+position = [0.0, 0.75, 0.0]
+[[member]]
+name = "beam"
+kind = "beam"
+nodes = ["foot", "tip"]
+segments = 12
+mass_per_length = 0.3
+EA = 7.0e6
+EI = [2.0, 200.0]
+GJ = 3.0
+)",
+                                  "beam.toml");
+  scene.gravity.y() = -gravity;
+  model::set_parameter(scene, "beam.EI_z", EI);
+  model::set_parameter(scene, "beam.mass_per_length", mass_per_length);
+  model::set_parameter(scene, "tip.mass", tip_mass);
+  return scene;
+}
+
+model::Scene cable(double tension, double EI) {
+  auto scene = model::parse_scene(R"(
+[[node]]
+name = "left"
+position = [0.0, 0.0, 0.0]
+support = "pinned"
+[[node]]
+name = "right"
+position = [2.4, 0.0, 0.0]
+support = "pinned"
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "right"]
+segments = 12
+mass_per_length = 0.16667
+EA = 221780.0
+EI = 0.6
+tension = 200.0
+)",
+                                  "cable.toml");
+  model::set_parameter(scene, "cable.tension", tension);
+  model::set_parameter(scene, "cable.EI", EI);
+  return scene;
+}
+
+// The first modes of a plane, as a test would give them: relative noise `std`.
+std::vector<MeasuredMode> measured(const model::Scene& truth, ModePlane plane, std::size_t count,
+                                   double std, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  model::ModesOptions options;
+  options.count = 3 * static_cast<int>(count) + 8;
+  std::vector<MeasuredMode> modes;
+  for (const auto& mode : model::analyse_modes(truth, options).modes) {
+    if (mode.plane != plane || modes.size() == count) continue;
+    MeasuredMode one;
+    one.frequency_hz = {mode.frequency_hz * (1 + std * normal(random)), std * mode.frequency_hz};
+    one.plane = plane;
+    modes.push_back(one);
+  }
+  return modes;
+}
+
+std::mt19937_64 seeded(std::uint64_t seed) { return std::mt19937_64(seed); }
+
+TEST(UpdateModel, FindsTheTruthFromStartsOffByAFactorOfThree) {
+  auto random = seeded(1);
+  const auto data = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 0, random);
+  for (const double factor : {1.0 / 3, 3.0}) {
+    UpdateState state{"beam", beam(2.1 * factor, 0.3, 0.02 / factor), data};
+    for (auto& mode : state.measured) mode.frequency_hz.std = 1e-3 * mode.frequency_hz.value;
+    const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}});
+    ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+    // Ceres stops at 1e-9 of cost and step; frequencies of a data set without noise.
+    EXPECT_NEAR(result.parameters[0].value, 2.1, 1e-4 * 2.1);
+    EXPECT_NEAR(result.parameters[1].value, 0.02, 1e-3 * 0.02);
+    EXPECT_LT(result.rms_relative_error, 1e-5);
+    EXPECT_GT(result.rms_relative_error_before, 0.02);  // of the few that pair at all
+    EXPECT_TRUE(result.parameters[0].identifiable);
+    EXPECT_EQ(result.pairs.size(), 5U);
+  }
+}
+
+// A mass that the scene has none of: no logarithm and no relative step to begin with.
+TEST(UpdateModel, FindsAMassThatStartsAtZero) {
+  auto random = seeded(5);
+  UpdateState state{"beam", beam(2.1, 0.3, 0.0),
+                    measured(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 0, random)};
+  for (auto& mode : state.measured) mode.frequency_hz.std = 1e-3 * mode.frequency_hz.value;
+  const auto result = update_model({state}, {{"tip.mass"}});
+  ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+  EXPECT_EQ(result.parameters[0].start, 0);
+  EXPECT_NEAR(result.parameters[0].value, 0.02, 1e-3 * 0.02);
+  EXPECT_GT(result.parameters[0].std, 0);
+  EXPECT_TRUE(result.parameters[0].identifiable);
+}
+
+// Without gravity and tip mass only EI / m acts: both together cannot be had, and are named.
+TEST(UpdateModel, WhatTheDataCannotSeparateIsNamed) {
+  auto random = seeded(2);
+  UpdateState state{"beam", beam(1.5, 0.25, 0, 0), {}};
+  state.measured = measured(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 1e-3, random);
+  const auto result = update_model({state}, {{"beam.EI_z"}, {"beam.mass_per_length"}});
+  EXPECT_FALSE(result.parameters[0].identifiable);
+  EXPECT_FALSE(result.parameters[1].identifiable);
+  EXPECT_TRUE(std::isnan(result.parameters[0].std));
+  ASSERT_EQ(result.open.size(), 1U);
+  EXPECT_NE(result.open[0].find("beam.EI_z"), std::string::npos) << result.open[0];
+  EXPECT_NE(result.open[0].find("beam.mass_per_length"), std::string::npos) << result.open[0];
+  // What they do determine is right: EI / m within the data's 1e-3 of frequency, 2e-3 of its
+  // square.
+  EXPECT_NEAR(result.parameters[0].value / result.parameters[1].value, 7, 7 * 4e-3);
+}
+
+TEST(UpdateModel, APriorSeparatesThem) {
+  auto random = seeded(2);
+  UpdateState state{"beam", beam(1.5, 0.3, 0, 0), {}};
+  state.measured = measured(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 1e-3, random);
+  FreeParameter mass{"beam.mass_per_length"};
+  mass.prior = signal::Estimate{0.3, 0.003};
+  UpdateOptions options;
+  options.segment_uncertainty = false;  // the data have the model's segments
+  const auto result = update_model({state}, {{"beam.EI_z"}, mass}, options);
+  ASSERT_TRUE(result.parameters[0].identifiable);
+  EXPECT_TRUE(std::isnan(result.parameters[1].std_from_data));
+  // EI = 7 m: its 1 % comes from the prior, 2 * 1e-3 / sqrt(5) from the data.
+  EXPECT_NEAR(result.parameters[0].std / result.parameters[0].value, 0.01, 0.002);
+  EXPECT_NEAR(result.parameters[0].value, 2.1, 3 * 0.02);
+  EXPECT_NEAR(result.identifiability.correlation(0, 1), 1, 0.05);
+}
+
+TEST(UpdateModel, AParameterWithoutInfluenceIsNamedAlone) {
+  auto random = seeded(3);
+  UpdateState state{"beam", beam(2.0, 0.3, 0.02), {}};
+  state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 4, 1e-3, random);
+  const auto result = update_model({state}, {{"beam.EI_z"}, {"beam.EI_y"}});
+  EXPECT_TRUE(result.parameters[0].identifiable);
+  EXPECT_FALSE(result.parameters[1].identifiable);
+  ASSERT_EQ(result.open.size(), 1U);
+  EXPECT_EQ(result.open[0], "the data do not determine beam.EI_y");
+}
+
+TEST(UpdateModel, AStrayModeIsLeftUnpairedAndAnOutlierDoesNotBend) {
+  auto random = seeded(4);
+  UpdateState state{"beam", beam(2.6, 0.3, 0.02), {}};
+  state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 1e-3, random);
+  const double between =
+      0.5 * (state.measured[1].frequency_hz.value + state.measured[2].frequency_hz.value);
+  MeasuredMode stray;
+  stray.frequency_hz = {between, 0.001 * between};
+  stray.plane = ModePlane::in;
+  state.measured.push_back(stray);
+  state.measured[3].frequency_hz.value *= 1.05;  // fifty standard deviations
+  const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}});
+  EXPECT_NEAR(result.parameters[0].value, 2.1, 0.02 * 2.1);
+  ASSERT_EQ(result.unpaired.size(), 2U);
+  EXPECT_TRUE(result.unpaired[0].measured);
+  EXPECT_NEAR(result.unpaired[0].frequency_hz, between, 1e-12);
+  EXPECT_EQ(result.unpaired[1].frequency_hz, state.measured[3].frequency_hz.value);
+  EXPECT_NE(result.unpaired[1].reason.find("left out"), std::string::npos);
+}
+
+// A wrong first frequency: it alone determines the tip's mass, so the fit would follow it and call
+// the other five wrong. One of 1000 draws leaves 3.3 std.
+TEST(UpdateModel, AWrongFrequencyOfHighLeverageIsLeftOut) {
+  UpdateOptions options;
+  options.segment_uncertainty = false;  // the data have the model's segments
+  for (const double off : {0.95, 1.05}) {
+    auto random = seeded(31);
+    UpdateState state{"beam", beam(2.6, 0.3, 0.03), {}};
+    state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 6, 1e-3, random);
+    state.measured[0].frequency_hz.value *= off;
+    const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
+    EXPECT_NEAR(result.parameters[0].value, 2.1, 3.3 * result.parameters[0].std);
+    EXPECT_NEAR(result.parameters[1].value, 0.02, 3.3 * result.parameters[1].std);
+    EXPECT_LT(result.parameters[0].std, 0.01);
+    ASSERT_EQ(result.unpaired.size(), 1U);
+    EXPECT_EQ(result.pairs.size(), 5U);
+  }
+  // Two data too few to tell which one is wrong: all stay, and the misfit is said.
+  auto random = seeded(32);
+  UpdateState state{"beam", beam(2.6, 0.3, 0.03), {}};
+  state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 4, 1e-3, random);
+  state.measured[1].frequency_hz.value *= 1.05;
+  const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
+  EXPECT_EQ(result.pairs.size(), 4U);
+  EXPECT_NE(result.message.find("misfit"), std::string::npos) << result.message;
+}
+
+std::vector<UpdateState> cable_states(double EI_off, double tension_off, double std,
+                                      std::mt19937_64& random) {
+  std::vector<UpdateState> states;
+  for (double T : {100.0, 200.0, 300.0}) {
+    UpdateState state{std::to_string(static_cast<int>(T)) + " N",
+                      cable(tension_off * T, EI_off * 0.6),
+                      measured(cable(T, 0.6), ModePlane::out, 5, std, random)};
+    states.push_back(state);
+  }
+  return states;
+}
+
+TEST(UpdateModel, SharedAndPerStateParameters) {
+  auto random = seeded(5);
+  const auto states = cable_states(2, 1.1, 1e-3, random);
+  FreeParameter tension{"cable.tension"};
+  tension.per_state = true;
+  const auto result = update_model(states, {{"cable.EI"}, tension});
+  ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+  ASSERT_EQ(result.parameters.size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double truth = k == 0 ? 0.6 : 100.0 * static_cast<double>(k);
+    EXPECT_NEAR(result.parameters[k].value, truth, 3.5 * result.parameters[k].std) << k;
+    EXPECT_GT(result.parameters[k].std, 0);
+  }
+  EXPECT_EQ(result.parameters[2].state, 1);
+  EXPECT_NE(result.parameters[2].name.find("200 N"), std::string::npos);
+}
+
+TEST(UpdateModel, HeldOutStatesArePredictedAsWellAsFitted) {
+  auto random = seeded(6);
+  const auto states = cable_states(3, 1, 1e-3, random);
+  const auto held = hold_out_each(states, {{"cable.EI"}});
+  ASSERT_EQ(held.size(), 3U);
+  for (const auto& one : held) {
+    // The model is true: what is left is noise of 1e-3, and the fit's own error on top of it.
+    EXPECT_LT(one.rms_predicted, 3e-3);
+    EXPECT_LT(one.rms_fitted, 3e-3);
+    EXPECT_GT(one.rms_before, 2 * one.rms_predicted);
+  }
+}
+
+// 95 % intervals over virtual campaigns; 60 of them: within three binomial deviations (8.4 %) of
+// 95 %. The long study is tests/bench/ident_truth.
+TEST(UpdateModel, IntervalsCover) {
+  int covered = 0, total = 0;
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    auto random = seeded(100 + seed);
+    UpdateState state{"beam", beam(2.3, 0.3, 0.025), {}};
+    state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 6, 2e-3, random);
+    UpdateOptions options;
+    options.starts = 1;
+    options.segment_uncertainty = false;  // the data have the model's segments
+    const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
+    for (int k : {0, 1}) {
+      const auto& parameter = result.parameters[static_cast<std::size_t>(k)];
+      const double half = result.coverage_factor * parameter.std;
+      covered += std::abs(parameter.value - (k == 0 ? 2.1 : 0.02)) <= half;
+      ++total;
+    }
+  }
+  EXPECT_GE(covered, 0.866 * total);
+}
+
+TEST(UpdateModel, MonteCarloAgreesWithTheCovariance) {
+  auto random = seeded(7);
+  UpdateState state{"beam", beam(2.3, 0.3, 0.025), {}};
+  state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 6, 2e-3, random);
+  const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
+  UpdateOptions options;
+  options.starts = 1;
+  options.segment_uncertainty = false;  // the data have the model's segments
+  const auto result = update_model({state}, free, options);
+  const auto study = update_monte_carlo(result, {state}, free, options, 100);
+  ASSERT_EQ(study.samples, 100);
+  for (int k : {0, 1}) {
+    // The standard deviation of 100 samples is known to 7 %; three of those, and 5 % for Huber's
+    // weights, which the covariance takes as they came out and the samples draw anew.
+    const double std = result.parameters[static_cast<std::size_t>(k)].std;
+    EXPECT_NEAR(study.std[k], std, 0.3 * std);
+  }
+}
+
+// One mode, none, the same one five times, one at an absurd place: an answer without uncertainty or
+// a status that says why there is none, and never a value that is not finite.
+TEST(UpdateModel, TooLittleDataGetNoUncertainty) {
+  auto random = seeded(8);
+  UpdateState state{"beam", beam(2.3, 0.3, 0.02), {}};
+  const auto data = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 3, 0, random);
+  const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
+  UpdateOptions options;
+  options.starts = 1;
+  options.segment_uncertainty = false;  // the data have the model's segments
+  const auto finite = [](const UpdateResult& result) {
+    for (const auto& parameter : result.parameters) {
+      if (!std::isfinite(parameter.value)) return false;
+    }
+    return true;
+  };
+  state.measured = {data[1]};
+  state.measured[0].frequency_hz.std = 0.01;
+  const auto one = update_model({state}, free, options);
+  EXPECT_EQ(one.status, UpdateStatus::too_little_data);
+  EXPECT_FALSE(one.parameters[0].identifiable && one.parameters[1].identifiable);
+  EXPECT_FALSE(one.open.empty());
+  EXPECT_TRUE(finite(one));
+
+  state.measured.clear();
+  const auto none = update_model({state}, free, options);
+  EXPECT_EQ(none.status, UpdateStatus::no_model);
+  EXPECT_FALSE(none.message.empty());
+  EXPECT_TRUE(finite(none));
+
+  state.measured.assign(5, data[1]);
+  const auto same = update_model({state}, free, options);
+  EXPECT_TRUE(finite(same));
+  EXPECT_EQ(same.pairs.size(), 1U);
+  EXPECT_EQ(same.unpaired.size() + same.pairs.size(), 5U);
+  EXPECT_FALSE(same.parameters[0].identifiable && same.parameters[1].identifiable);
+
+  MeasuredMode absurd;
+  absurd.frequency_hz = {1e9, 1e6};
+  state.measured = {absurd};
+  EXPECT_EQ(update_model({state}, free, options).status, UpdateStatus::no_model);
+  absurd.frequency_hz.value = 0;
+  state.measured = {absurd};
+  EXPECT_THROW((void)update_model({state}, free, options), std::invalid_argument);
+}
+
+TEST(UpdateModel, WrongNamesAndImpossibleRigsAreSaid) {
+  auto random = seeded(8);
+  UpdateState state{"beam", beam(2.1, 0.3, 0.02), {}};
+  state.measured = measured(state.scene, ModePlane::in, 3, 1e-3, random);
+  EXPECT_THROW((void)update_model({state}, {{"beam.EIz"}}), model::SceneError);
+  EXPECT_THROW((void)update_model({}, {{"beam.EI_z"}}), std::invalid_argument);
+  EXPECT_THROW((void)update_model({state}, {}), std::invalid_argument);
+  // A column that buckles under its own weight from every start near it.
+  UpdateState soft{"soft", beam(1e-4, 0.3, 5), state.measured};
+  UpdateOptions options;
+  options.start_spread = 1.1;
+  const auto result = update_model({soft}, {{"beam.EI_z"}}, options);
+  EXPECT_EQ(result.status, UpdateStatus::no_model);
+  EXPECT_FALSE(result.message.empty());
+}
+
+// The model's own derivatives against central differences of whole analyses, and the fit by either.
+TEST(UpdateModel, DerivativesAgreeWithDifferences) {
+  const std::vector<std::string> names{"cable.EI", "cable.tension", "cable.mass_per_length",
+                                       "cable.EA", "right.x"};
+  model::ModesOptions options;
+  options.count = 8;
+  const auto analytic = model::analyse_mode_sensitivities(cable(150, 0.5), names, options);
+  const auto differences = mode_differences(cable(150, 0.5), names, options);
+  ASSERT_EQ(analytic.frequency.rows(), differences.frequency.rows());
+  for (Eigen::Index k = 0; k < analytic.frequency.rows(); ++k) {
+    for (Eigen::Index p = 0; p < analytic.frequency.cols(); ++p) {
+      const double value = model::parameter(cable(150, 0.5), names[static_cast<std::size_t>(p)]);
+      const double f = analytic.analysis.modes[static_cast<std::size_t>(k)].frequency_hz;
+      // Relative sensitivities; differences over 1e-4 of solutions good to 1e-9 or so.
+      EXPECT_NEAR(analytic.frequency(k, p) * value / f, differences.frequency(k, p) * value / f,
+                  2e-5)
+          << names[static_cast<std::size_t>(p)] << " " << k;
+    }
+  }
+}
+
+TEST(CompareWithMeasured, PairsTheScenesAsTheyAre) {
+  auto random = seeded(9);
+  UpdateState state{"beam", beam(2.1, 0.3, 0.02), {}};
+  state.measured = measured(state.scene, ModePlane::in, 4, 0, random);
+  const auto compared = compare_with_measured({state});
+  EXPECT_EQ(compared.pairs.size(), 4U);
+  EXPECT_LT(compared.rms_relative_error, 1e-12);
+}
+
+}  // namespace
+}  // namespace rigfit::ident::model_update_test

@@ -1,0 +1,443 @@
+// FRFs, shapes and dampers as data of the model update.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "ident/update/model_update.h"
+#include "model/response/response.h"
+#include "model/scene/read_scene.h"
+#include "signal/spectra/frf.h"
+#include "tests/reference/frf_differences.h"
+
+namespace rigfit::ident::update_frfs_test {
+namespace {
+
+model::Scene beam(double EI, double tip_mass, const std::string& damping) {
+  auto scene = model::parse_scene(R"(
+gravity = 9.80665
+[[node]]
+name = "foot"
+position = [0.0, 0.0, 0.0]
+support = "clamped"
+[[node]]
+name = "tip"
+position = [0.0, 0.75, 0.0]
+[[member]]
+name = "beam"
+kind = "beam"
+nodes = ["foot", "tip"]
+segments = 12
+mass_per_length = 0.3
+EA = 7.0e6
+EI = [2.0, 200.0]
+GJ = 3.0
+)" + damping + R"(
+[[load]]
+name = "hammer"
+kind = "impact"
+member = "beam"
+position = 0.8
+direction = [1.0, 0.0, 0.0]
+peak = 1.0
+duration = 0.002
+[[sensor]]
+name = "low"
+member = "beam"
+position = 0.5
+direction = [1.0, 0.0, 0.0]
+[[sensor]]
+name = "high"
+member = "beam"
+position = 0.9
+direction = [1.0, 0.0, 0.0]
+)",
+                                  "beam.toml");
+  model::set_parameter(scene, "beam.EI_z", EI);
+  model::set_parameter(scene, "tip.mass", tip_mass);
+  return scene;
+}
+
+const std::string kRatio = "damping_ratio = 0.01";
+
+// FRFs of a scene at lines up to 60 Hz, with relative noise.
+std::vector<MeasuredFrf> frfs_of(const model::Scene& truth, double std, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(60, 1, 60);
+  const auto exact = model::synthesize_frfs(truth, lines);
+  std::vector<MeasuredFrf> frfs;
+  for (std::size_t sensor = 0; sensor < truth.sensors.size(); ++sensor) {
+    MeasuredFrf frf;
+    frf.sensor = sensor;
+    frf.frequency_hz = lines;
+    frf.H.resize(lines.size()), frf.std.resize(lines.size());
+    for (Eigen::Index k = 0; k < lines.size(); ++k) {
+      const auto H = exact.H[static_cast<std::size_t>(k)](static_cast<Eigen::Index>(sensor), 0);
+      frf.std[k] = std * std::abs(H);
+      frf.H[k] = H + frf.std[k] * std::complex<double>(normal(random), normal(random));
+    }
+    frfs.push_back(std::move(frf));
+  }
+  return frfs;
+}
+
+std::vector<MeasuredMode> modes_of(const model::Scene& truth, int count, double damping_std) {
+  model::ModesOptions options;
+  options.count = 12;
+  std::vector<MeasuredMode> modes;
+  for (const auto& natural : model::analyse_modes(truth, options).modes) {
+    if (natural.plane != model::ModePlane::in || static_cast<int>(modes.size()) == count) continue;
+    MeasuredMode mode;
+    mode.frequency_hz = {natural.frequency_hz, 1e-3 * natural.frequency_hz};
+    mode.damping_ratio = {natural.damping_ratio, damping_std * natural.damping_ratio};
+    mode.plane = natural.plane;
+    mode.shape = natural.sensor_shape.cast<std::complex<double>>();
+    modes.push_back(mode);
+  }
+  return modes;
+}
+
+TEST(UpdateFrfs, FindsStiffnessMassAndDampingFromStartsOffByThree) {
+  const auto truth = beam(2.1, 0.02, kRatio);
+  for (const double factor : {1.0 / 3, 3.0}) {
+    auto start = beam(2.1 * factor, 0.02 / factor, kRatio);
+    model::set_parameter(start, "beam.damping_ratio", 0.01 * factor);
+    UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 1), {}, true};
+    UpdateOptions options;
+    options.segment_uncertainty = false;  // the data have the model's segments
+    const auto result =
+        update_model({state}, {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}}, options);
+    ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+    const double wanted[] = {2.1, 0.02, 0.01};
+    for (std::size_t p = 0; p < 3; ++p) {
+      EXPECT_TRUE(result.parameters[p].identifiable);
+      EXPECT_NEAR(result.parameters[p].value, wanted[p], 4 * result.parameters[p].std) << p;
+      EXPECT_LT(result.parameters[p].std, 0.05 * wanted[p]);
+    }
+    EXPECT_EQ(result.frf_lines, 120);
+    // Noise of 2 % in real and imaginary part of the logarithm: sqrt(2) of it.
+    EXPECT_NEAR(result.rms_log_frf_error, 0.02 * std::sqrt(2.0), 0.006);
+    EXPECT_GT(result.rms_log_frf_error_before, 10 * result.rms_log_frf_error);
+  }
+}
+
+// The hammer struck 3 mm and 2 degrees beside what the scene says, in its mean over the hits. With
+// 60 lines of 0.5 % that is most of what the fit errs by, and it is known to it.
+TEST(UpdateFrfs, WhereAndAlongWhatTheHammerStruckIsAnInput) {
+  constexpr double kPlace = 0.003 / 0.75, kTurn = 2 * 3.14159265 / 180;
+  constexpr int kSeeds = 20;
+  int covered[2] = {0, 0};
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    std::mt19937_64 random(900 + seed);
+    std::normal_distribution<double> normal;
+    auto truth = beam(2.1, 0.02, kRatio);
+    model::set_parameter(truth, "hammer.position", 0.8 + kPlace * normal(random));
+    for (const char* side : {"hammer.direction_y", "hammer.direction_z"}) {
+      model::set_parameter(truth, side, kTurn * normal(random));
+    }
+    EXPECT_NEAR(truth.loads[0].direction.norm(), 1, 1e-15);
+    UpdateState state{"beam", beam(2.15, 0.022, kRatio), {}, frfs_of(truth, 0.005, seed)};
+    UpdateOptions options;
+    options.starts = 1;
+    options.segment_uncertainty = false;  // the data have the model's segments
+    for (const bool aim : {false, true}) {
+      options.inputs.clear();
+      if (aim) {
+        options.inputs = {{"place", {{0, "hammer.position", kPlace}}},
+                          {"up", {{0, "hammer.direction_y", kTurn}}},
+                          {"out", {{0, "hammer.direction_z", kTurn}}}};
+      }
+      const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
+      ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+      const double wanted[] = {2.1, 0.02};
+      for (std::size_t p = 0; p < 2; ++p) {
+        const auto& parameter = result.parameters[p];
+        covered[aim] +=
+            std::abs(parameter.value - wanted[p]) <= result.coverage_factor * parameter.std;
+        if (!aim) continue;
+        ASSERT_EQ(parameter.budget.size(), 4U);
+        EXPECT_EQ(parameter.budget[1].source, "place");
+      }
+    }
+  }
+  EXPECT_GE(covered[1], 34);  // of 40: 95 %, three binomial deviations
+  EXPECT_LT(covered[0], 30);
+}
+
+TEST(UpdateFrfs, WithoutAnyModeTheFitStartsFromWhereItIs) {
+  const auto truth = beam(2.1, 0.02, kRatio);
+  UpdateState state{"beam", beam(2.0, 0.02, kRatio), {}, frfs_of(truth, 0.02, 2)};
+  UpdateOptions options;
+  options.starts = 1;
+  const auto result = update_model({state}, {{"beam.EI_z"}}, options);
+  ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+  EXPECT_NEAR(result.parameters[0].value, 2.1, 4 * result.parameters[0].std);
+  EXPECT_TRUE(std::isnan(result.rms_relative_error));
+}
+
+TEST(UpdateFrfs, IntervalsCover) {
+  const auto truth = beam(2.1, 0.02, kRatio);
+  int covered = 0, total = 0;
+  for (std::uint64_t seed = 0; seed < 25; ++seed) {
+    UpdateState state{"beam", beam(2.15, 0.021, kRatio), {}, frfs_of(truth, 0.05, 100 + seed)};
+    UpdateOptions options;
+    options.starts = 1;
+    options.segment_uncertainty = false;  // the data have the model's segments
+    const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
+    for (std::size_t p = 0; p < 2; ++p) {
+      covered += std::abs(result.parameters[p].value - (p == 0 ? 2.1 : 0.02)) <=
+                 result.coverage_factor * result.parameters[p].std;
+      ++total;
+    }
+  }
+  EXPECT_GE(covered, 0.86 * total);  // 95 %, three binomial deviations of 50
+}
+
+TEST(UpdateFrfs, AHeldOutStateIsPredicted) {
+  std::vector<UpdateState> states;
+  for (const double tip : {0.01, 0.03, 0.05}) {
+    UpdateState state{"tip " + std::to_string(tip),
+                      beam(3.0, tip, kRatio),
+                      modes_of(beam(2.1, tip, kRatio), 3, 0.1),
+                      frfs_of(beam(2.1, tip, kRatio), 0.02, 7),
+                      {},
+                      true};
+    states.push_back(state);
+  }
+  UpdateOptions options;
+  options.starts = 1;
+  for (const auto& held : hold_out_each(states, {{"beam.EI_z"}}, options)) {
+    EXPECT_LT(held.frf_predicted, 0.04);
+    EXPECT_GT(held.frf_before, 0.2);
+    EXPECT_LT(held.rms_predicted, 1e-3);
+  }
+}
+
+TEST(UpdateFrfs, MonteCarloAgreesWithTheCovariance) {
+  const auto truth = beam(2.1, 0.02, kRatio);
+  UpdateState state{"beam", beam(2.1, 0.02, kRatio), {}, frfs_of(truth, 0.05, 3)};
+  const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
+  UpdateOptions options;
+  options.starts = 1;
+  options.segment_uncertainty = false;  // the data have the model's segments
+  const auto result = update_model({state}, free, options);
+  const auto study = update_monte_carlo(result, {state}, free, options, 60);
+  ASSERT_EQ(study.samples, 60);
+  for (Eigen::Index p = 0; p < 2; ++p) {
+    // 60 samples know a standard deviation to 9 %, three of these.
+    const double std = result.parameters[static_cast<std::size_t>(p)].std;
+    EXPECT_NEAR(study.std[p], std, 0.3 * std);
+  }
+}
+
+// Hits on the scene as a hammer test records them: 2 s at 4 kHz, an exponential window of 2.5 1/s
+// on force and response (down to 0.7 % at the end), five hits averaged. The half sine of 8 ms has
+// nothing beyond 1 kHz that folds back into the lines used.
+std::vector<MeasuredFrf> windowed_frfs(const model::Scene& truth, double noise, double decay_rate,
+                                       std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  model::ResponseOptions response;
+  response.sampling.rate_hz = 4000;
+  response.sampling.duration_s = 2;
+  response.solver = model::ResponseSolver::modal;
+  const auto simulated = model::simulate_response(truth, response);
+  constexpr Eigen::Index kSamples = 8000;
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(kSamples);
+  for (Eigen::Index i = 0; i <= 32; ++i) force[i] = std::sin(M_PI * static_cast<double>(i) / 32);
+  std::vector<Eigen::VectorXd> recorded;
+  for (int hit = 0; hit < 5; ++hit) {
+    for (Eigen::Index sensor = 0; sensor < simulated.samples.cols(); ++sensor) {
+      recorded.emplace_back(simulated.samples.col(sensor).head(kSamples));
+      const double std = noise * std::sqrt(recorded.back().squaredNorm() / kSamples);
+      for (double& value : recorded.back()) value += std * normal(random);
+    }
+  }
+  const auto span_of = [](const Eigen::VectorXd& y) {
+    return std::span<const double>(y.data(), static_cast<std::size_t>(y.size()));
+  };
+  std::vector<signal::FrfBlock> blocks(5);
+  for (std::size_t hit = 0; hit < 5; ++hit) {
+    blocks[hit].force = span_of(force);
+    blocks[hit].responses = {span_of(recorded[2 * hit]), span_of(recorded[2 * hit + 1])};
+  }
+  signal::FrfOptions options;
+  options.sample_rate_hz = 4000;
+  options.block_samples = kSamples;
+  options.exponential_decay_rate_1_s = decay_rate;
+  const auto averaged = signal::average_frfs(blocks, options);
+  std::vector<MeasuredFrf> frfs(2);
+  for (std::size_t sensor = 0; sensor < 2; ++sensor) {
+    frfs[sensor].sensor = sensor;
+    frfs[sensor].frequency_hz = averaged.frequency_hz.segment(20, 101);  // 10 to 60 Hz
+    frfs[sensor].H = averaged.H.col(static_cast<Eigen::Index>(sensor)).segment(20, 101);
+    frfs[sensor].std = averaged.H_std.col(static_cast<Eigen::Index>(sensor)).segment(20, 101);
+    frfs[sensor].decay_rate_1_s = decay_rate;
+    frfs[sensor].lines_per_independent = lines_per_independent(decay_rate, 0.5);
+  }
+  return frfs;
+}
+
+// The window adds 2.5 / omega to every damping ratio: 0.026 and 0.009 at the two modes among the
+// lines, which have 0.01. Fitted is what the beam has.
+TEST(UpdateFrfs, AnExponentialWindowBiasesNothing) {
+  auto truth = beam(2.1, 0.02, kRatio);
+  truth.loads[0].duration = 0.008;
+  constexpr int kSeeds = 16;
+  int covered = 0;
+  double deviation = 0, squares = 0;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    auto start = beam(2.13, 0.02, kRatio);
+    model::set_parameter(start, "beam.damping_ratio", 0.014);
+    UpdateState state{"beam", start, {}, windowed_frfs(truth, 0.05, 2.5, 500 + seed)};
+    UpdateOptions options;
+    options.starts = 1;
+    options.segment_uncertainty = false;  // the data have the model's segments
+    const std::vector<FreeParameter> free{{"beam.EI_z"}, {"beam.damping_ratio"}};
+    const auto result = update_model({state}, free, options);
+    ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+    const double wanted[] = {2.1, 0.01};
+    for (std::size_t p = 0; p < 2; ++p) {
+      const auto& parameter = result.parameters[p];
+      covered +=
+          std::abs(parameter.value - wanted[p]) <= result.coverage_factor * parameter.std ? 1 : 0;
+    }
+    const auto& damping = result.parameters[1];
+    deviation += (damping.value - 0.01) / damping.std / kSeeds;
+    squares += std::pow((damping.value - 0.01) / damping.std, 2) / kSeeds;
+    EXPECT_LT(damping.std, 0.0005);
+    if (seed > 0) continue;
+    for (auto& frf : state.frfs) frf.decay_rate_1_s = 0;  // as if there had been none
+    EXPECT_GT(update_model({state}, free, options).parameters[1].value, 0.015);
+  }
+  // The mean of 16 scatters by a quarter of a standard deviation, three of these; a standard
+  // deviation of 16 is known to 18 %.
+  EXPECT_LT(std::abs(deviation), 0.75);
+  EXPECT_NEAR(std::sqrt(squares), 1, 0.54);
+  EXPECT_GE(covered, 26);  // of 32: 95 %, three binomial deviations
+}
+
+TEST(UpdateFrfs, NoiseBandwidthOfTheWindow) {
+  EXPECT_EQ(lines_per_independent(0, 0.5), 1);
+  EXPECT_NEAR(lines_per_independent(1e-3, 0.5), 1, 1e-6);
+  // N sum w^2 / (sum w)^2 of the window itself; sums differ from integrals by 1 / N^2.
+  double squares = 0, sum = 0;
+  for (int i = 0; i < 8000; ++i) {
+    const double w = std::exp(-2.5 * (i + 0.5) / 4000);
+    squares += w * w, sum += w;
+  }
+  EXPECT_NEAR(lines_per_independent(2.5, 0.5), 8000 * squares / (sum * sum), 1e-6);
+}
+
+TEST(UpdateFrfs, TheModelsRatesAreThoseOfDifferences) {
+  const auto scene = beam(2.1, 0.02, kRatio);
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(9, 3, 50);
+  const std::vector<std::string> names{"beam.EI_z", "tip.mass", "beam.damping_ratio"};
+  for (const double window : {0.0, 2.0}) {
+    const auto rates = model::synthesize_frf_sensitivities(scene, lines, names, {}, window);
+    const auto differences = frf_differences(scene, lines, names, window);
+    for (std::size_t p = 0; p < names.size(); ++p) {
+      for (std::size_t k = 0; k < 9; ++k) {
+        const double size = differences.rate[p][k].norm();
+        // Steps of 1e-4: second order in them over the distance to the next resonance, here 10 %.
+        EXPECT_LT((rates.rate[p][k] - differences.rate[p][k]).norm(), 1e-4 * size) << names[p];
+      }
+    }
+  }
+}
+
+// Joint dampers from the damping ratios of measured decays: what the source tuned by hand.
+TEST(DamperFit, JointDampersComeFromMeasuredDecays) {
+  const auto truth = beam(2.1, 0.02, "damping = { bending = 0.004, axial = 1.0 }");
+  UpdateState state{"beam", truth, modes_of(truth, 3, 0.02)};
+  for (auto& mode : state.measured) mode.damping_ratio.value *= 1.01;
+  model::set_parameter(state.scene, "beam.damping_bending", 0.012);
+  const auto result = update_model({state}, {{"beam.damping_bending"}});
+  ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+  // Damping ratios go with the damper: 1 % more of them is 1 % more of it.
+  EXPECT_NEAR(result.parameters[0].value, 0.00404, 1e-3 * 0.004);
+  EXPECT_NEAR(result.parameters[0].std / 0.004, 0.02 / std::sqrt(3.0), 0.002);
+  for (const auto& pair : result.pairs) {
+    EXPECT_NEAR(pair.model_damping, pair.measured_damping, 1e-3 * pair.measured_damping);
+  }
+}
+
+TEST(DamperFit, AndFromFrfsAndAnAxialDamperIsNotSeenInBending) {
+  const auto truth = beam(2.1, 0.02, "damping = { bending = 0.004, axial = 1.0 }");
+  auto start = truth;
+  model::set_parameter(start, "beam.damping_bending", 0.01);
+  UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 5), {}, true};
+  const auto result = update_model({state}, {{"beam.damping_bending"}, {"beam.damping_axial"}});
+  EXPECT_TRUE(result.parameters[0].identifiable);
+  EXPECT_NEAR(result.parameters[0].value, 0.004, 4 * result.parameters[0].std);
+  EXPECT_FALSE(result.parameters[1].identifiable);
+  ASSERT_EQ(result.open.size(), 1U);
+  EXPECT_NE(result.open[0].find("beam.damping_axial"), std::string::npos);
+}
+
+// The response to the scene's own hammer, sample by sample.
+TEST(UpdateHistories, StiffnessAndDampingComeFromTheTimeResponse) {
+  const auto truth = beam(2.1, 0.02, kRatio);
+  model::ResponseOptions options;
+  options.sampling.duration_s = 1;
+  options.sampling.rate_hz = 500;
+  const auto exact = model::simulate_response(truth, options);
+  ASSERT_TRUE(exact.completed) << exact.reason;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  MeasuredHistory history;
+  history.sensors = {1};
+  history.rate_hz = 500;
+  history.samples = exact.samples.col(1);
+  const double std = 0.02 * std::sqrt(history.samples.squaredNorm() / 501);
+  for (double& sample : history.samples.reshaped()) sample += std * normal(random);
+  history.samples(17) = std::nan("");  // a dropout
+  history.std = Eigen::VectorXd::Constant(1, std);
+  auto start = beam(2.1 * 1.5, 0.02, kRatio);
+  model::set_parameter(start, "beam.damping_ratio", 0.03);
+  UpdateState state{"beam", start, modes_of(truth, 3, 0.1), {}, {history}, true};
+  UpdateOptions update;
+  update.starts = 2;
+  const auto result = update_model({state}, {{"beam.EI_z"}, {"beam.damping_ratio"}}, update);
+  ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+  EXPECT_NEAR(result.parameters[0].value, 2.1, 4 * result.parameters[0].std);
+  EXPECT_NEAR(result.parameters[1].value, 0.01, 4 * result.parameters[1].std);
+  EXPECT_NEAR(result.history_error, 0.02, 0.003);  // the noise that was added
+  EXPECT_GT(result.history_error_before, 0.5);
+  EXPECT_EQ(result.degrees_of_freedom, 501 - 1 - 2);
+
+  // Drawn anew: 24 samples know a standard deviation to 15 %, three of these.
+  update.segment_uncertainty = false;
+  const auto study =
+      update_monte_carlo(result, {state}, {{"beam.EI_z"}, {"beam.damping_ratio"}}, update, 24);
+  ASSERT_EQ(study.samples, 24);
+  for (std::size_t p = 0; p < 2; ++p) {
+    const auto j = static_cast<Eigen::Index>(p);
+    const double by_data = result.parameters[p].budget[0].std;
+    EXPECT_NEAR(study.std[j], by_data, 0.45 * by_data) << p;
+    EXPECT_NEAR(study.mean[j], result.parameters[p].value, 0.62 * by_data) << p;
+  }
+}
+
+// Shapes say where stiffness or mass sits, which few frequencies do not.
+TEST(UpdateShapes, ShapesAreDataWhenAskedFor) {
+  const auto truth = beam(2.1, 0.05, kRatio);
+  UpdateState state{"beam", beam(2.1, 0.01, kRatio), modes_of(truth, 3, 0.1)};
+  for (auto& mode : state.measured) {
+    mode.frequency_hz.std = 0.2 * mode.frequency_hz.value;  // hardly known
+    mode.shape *= std::polar(3.0, 0.7);                     // any scale and phase
+  }
+  UpdateOptions options;
+  options.starts = 1;
+  const auto without = update_model({state}, {{"tip.mass"}}, options);
+  options.shape_std = 0.005;
+  const auto with = update_model({state}, {{"tip.mass"}}, options);
+  ASSERT_EQ(with.status, UpdateStatus::converged) << with.message;
+  EXPECT_NEAR(with.parameters[0].value, 0.05, 0.002);
+  EXPECT_LT(with.parameters[0].std, 0.5 * without.parameters[0].std);
+  EXPECT_EQ(with.degrees_of_freedom, 3 + 3 * 2 - 1);
+}
+
+}  // namespace
+}  // namespace rigfit::ident::update_frfs_test

@@ -1,0 +1,218 @@
+// Forces against differences of the energy, the tangent against second differences, at random
+// states far from rest: three independent implementations of each energy (sum, gradient, Hessian).
+#include "model/chain/assembly.h"
+
+#include <random>
+
+#include "tests/expect_matrix.h"
+#include "tests/model/test_scenes.h"
+#include "tests/reference/dense_eigen.h"
+
+namespace rigfit::model::assembly_test {
+namespace {
+
+using rigfit::testing::MatricesNear;
+using testing::cable_beam_rig;
+using testing::paper_cable;
+
+/// Everything at once: junction of three, torsion, elastic support, masses, straight ends, taper.
+Scene rich_scene() {
+  Scene scene = cable_beam_rig(50, 0.5, 4);
+  scene.members[0].segments = 3;
+  scene.members[0].taper = 0.7;
+  scene.members[0].polar_inertia = 1e-3;
+  scene.members[0].EA = 400;  // soft, so that no energy drowns the others in rounding
+  for (int m : {1, 2}) {
+    scene.members[std::size_t(m)].EA = 300;
+    scene.members[std::size_t(m)].tension.reset();
+    scene.members[std::size_t(m)].stretch = 0.02;
+    scene.members[std::size_t(m)].assembled = Member::Assembled::straight;
+  }
+  scene.members[1].masses = {{0.4, 0.05}};
+  scene.nodes[2].support.kind = Support::Kind::elastic;
+  scene.nodes[2].support.translational << 50, 80, 60;
+  scene.nodes[2].support.rotational << 2, 3, 4;
+  return scene;
+}
+
+Eigen::VectorXd random_vector(int n, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd v(n);
+  for (int i = 0; i < n; ++i) v[i] = normal(random);
+  return v;
+}
+
+/// Scale of the largest single energy: what rounding is relative to.
+double energy_scale(const EnergyAccount& account) {
+  double scale = 0;
+  for (const Energy& e : account.members) {
+    scale += std::abs(e.axial) + std::abs(e.bending) + std::abs(e.torsion) + std::abs(e.gravity);
+  }
+  return scale;
+}
+
+class AssemblyDerivatives : public ::testing::TestWithParam<Motion> {};
+
+TEST_P(AssemblyDerivatives, AreThoseOfTheEnergy) {
+  Chain chain = Chain::from_scene(rich_scene());
+  ASSERT_TRUE(chain.planar);
+  chain.settled = true;
+  const Assembly assembly(chain, GetParam());
+  std::mt19937_64 random(7);
+  ChainState state = drawn_state(chain);
+  // Turned by tenths of a radian a joint; in the plane only where the motion asks for it.
+  const Assembly mover(chain, GetParam() == Motion::out_of_plane ? Motion::in_plane : GetParam());
+  mover.advance(state, random_vector(mover.size(), random), 0.05, state);
+  Eigen::VectorXd force(assembly.size());
+  EnvelopeMatrix tangent = assembly.matrix();
+  assembly.force_and_tangent(state, force, tangent);
+  Eigen::VectorXd force_only(assembly.size());
+  assembly.force(state, force_only);
+  EXPECT_TRUE(MatricesNear(force, force_only, 1e-12 * force.norm()));
+
+  const double scale = energy_scale(assembly.energy(state));
+  ChainState moved;
+  for (int trial = 0; trial < 40; ++trial) {
+    const Eigen::VectorXd d = random_vector(assembly.size(), random);
+    const auto energy_at = [&](double h) {
+      assembly.advance(state, d, h, moved);
+      return assembly.energy(moved).sum().potential();
+    };
+    // Fourth-order differences: truncation h^4 E5 / 30 with derivatives growing by a factor of
+    // about 30 an order (edges of 0.25 m, |d| about 1 an unknown); rounding 1e-16 scale / h.
+    const double h = 3e-4;
+    const double e1 = energy_at(h), e2 = energy_at(2 * h), m1 = energy_at(-h),
+                 m2 = energy_at(-2 * h), e0 = energy_at(0);
+    const double first = (8 * (e1 - m1) - (e2 - m2)) / (12 * h);
+    const double second = (16 * (e1 + m1) - (e2 + m2) - 30 * e0) / (12 * h * h);
+    EXPECT_NEAR(force.dot(d), first, 1e-7 * (std::abs(first) + scale)) << trial;
+    const double quadratic = d.dot(tangent * d);
+    EXPECT_NEAR(quadratic, second, 1e-6 * (std::abs(second) + scale)) << trial;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Motions, AssemblyDerivatives,
+                         ::testing::Values(Motion::in_plane, Motion::out_of_plane, Motion::space));
+
+TEST(Assembly, QuadraticEnergiesAddUpToTheTangent) {
+  Chain chain = Chain::from_scene(rich_scene());
+  chain.settled = true;
+  const Assembly assembly(chain, Motion::space);
+  const ChainState state = drawn_state(chain);
+  Eigen::VectorXd force(assembly.size());
+  EnvelopeMatrix tangent = assembly.matrix();
+  assembly.force_and_tangent(state, force, tangent);
+  std::mt19937_64 random(3);
+  Eigen::MatrixXd q(assembly.size(), 2);
+  q.col(0) = random_vector(assembly.size(), random);
+  q.col(1) = random_vector(assembly.size(), random);
+  const Eigen::MatrixXd energy = assembly.stiffness_energy(state, q);
+  for (int c = 0; c < 2; ++c) {
+    const double expected = 0.5 * q.col(c).dot(tangent * Eigen::VectorXd(q.col(c)));
+    EXPECT_NEAR(energy.col(c).sum(), expected, 1e-12 * std::abs(expected));
+  }
+}
+
+TEST(Assembly, RigidMotionOfTheWholeStoresNothing) {
+  Scene scene = rich_scene();
+  scene.gravity.setZero();
+  for (auto& node : scene.nodes) node.support = {};
+  const Chain chain = Chain::from_scene(scene);
+  const Assembly assembly(chain, Motion::space);
+  ChainState state = drawn_state(chain);
+  std::mt19937_64 random(5);
+  assembly.advance(state, random_vector(assembly.size(), random), 0.05, state);
+  const double before = assembly.energy(state).sum().potential();
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  ChainState turned = state;
+  turned.position = (turn * state.position).colwise() + Eigen::Vector3d(1, 2, 3);
+  turned.director = turn * state.director;
+  for (auto& r : turned.rotation) r = turn * r;
+  EXPECT_NEAR(assembly.energy(turned).sum().potential(), before, 1e-12 * before);
+}
+
+TEST(Assembly, DampersDissipateNothingInRigidTranslationAndAreNotNegative) {
+  Scene scene = rich_scene();
+  for (auto& node : scene.nodes) node.support = {};
+  for (auto& member : scene.members) member.damping = {10, 0.1, 0.2};
+  const Chain chain = Chain::from_scene(scene);
+  const Assembly assembly(chain, Motion::space);
+  ChainState state = drawn_state(chain);
+  std::mt19937_64 random(6);
+  assembly.advance(state, random_vector(assembly.size(), random), 0.05, state);
+  EnvelopeMatrix c = assembly.matrix();
+  assembly.damping(state, c);
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(assembly.size());
+  for (int node = 0; node < chain.nodes; ++node) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int i = assembly.numbering().displacement(axis, node);
+      if (i >= 0) shift[i] = axis + 1;
+    }
+  }
+  const Eigen::MatrixXd dense = c.dense();
+  EXPECT_LT((c * shift).norm(), 1e-10 * dense.norm());
+  const Eigen::VectorXd values = testing::symmetric_eigenvalues(dense);
+  EXPECT_GT(values.minCoeff(), -1e-12 * values.maxCoeff());
+}
+
+TEST(Assembly, LengthDerivativesAreThoseOfTheForceAndTension) {
+  Scene scene = rich_scene();
+  ChainOptions options;
+  options.torsion = false;  // with a frame the tension's gradient leaves out torque times curvature
+  Chain chain = Chain::from_scene(scene, options);
+  chain.settled = true;
+  const Assembly assembly(chain, Motion::space);
+  ChainState state = drawn_state(chain);
+  std::mt19937_64 random(8);
+  assembly.advance(state, random_vector(assembly.size(), random), 0.05, state);
+  const int member = 1;
+  Eigen::VectorXd by_length, gradient(assembly.size()), plus(assembly.size()),
+      minus(assembly.size());
+  assembly.length_derivative(state, member, by_length);
+  double tension_by_length = 0;
+  assembly.tension_gradient(state, member, gradient, tension_by_length);
+  const double length = chain.members[member].unstretched_length, h = 1e-5 * length;
+  chain.set_unstretched_length(member, length + h);
+  assembly.force(state, plus);
+  const double tension_plus = assembly.tension(state, member);
+  chain.set_unstretched_length(member, length - h);
+  assembly.force(state, minus);
+  const double tension_minus = assembly.tension(state, member);
+  chain.set_unstretched_length(member, length);
+  // Central differences: (h / L)^2 = 1e-10 of the value, rounding 1e-16 / 1e-5.
+  const Eigen::VectorXd difference = (plus - minus) / (2 * h);
+  EXPECT_TRUE(MatricesNear(by_length, difference, 1e-8 * by_length.norm()));
+  EXPECT_NEAR(tension_by_length, (tension_plus - tension_minus) / (2 * h),
+              1e-8 * std::abs(tension_by_length));
+  ChainState moved;
+  for (int trial = 0; trial < 10; ++trial) {
+    const Eigen::VectorXd d = random_vector(assembly.size(), random);
+    assembly.advance(state, d, 1e-5, moved);
+    const double up = assembly.tension(moved, member);
+    assembly.advance(state, d, -1e-5, moved);
+    const double down = assembly.tension(moved, member);
+    // (1e-5)^2 times third derivatives some 1e4 times the first ones' size.
+    EXPECT_NEAR(gradient.dot(d), (up - down) / 2e-5, 1e-5 * gradient.norm());
+  }
+}
+
+TEST(Chain, CableInAPlaneNeedsNeitherSpaceNorTorsion) {
+  const Chain chain = Chain::from_scene(paper_cable(200, 0.6));
+  EXPECT_TRUE(chain.planar);
+  EXPECT_FALSE(chain.torsion);
+  EXPECT_EQ(Assembly(chain, Motion::in_plane).size(), 2 * 29);
+  EXPECT_EQ(Assembly(chain, Motion::out_of_plane).size(), 29);
+}
+
+TEST(Chain, PlaneOfSymmetryIsFoundForAnInclinedCableAskew) {
+  Scene scene = paper_cable(200, 0.6);
+  scene.nodes[1].position << 1, 1, 2;
+  const Chain chain = Chain::from_scene(scene);
+  EXPECT_TRUE(chain.planar);
+  EXPECT_LT(chain.drawn.row(2).norm(), 1e-14);
+  EXPECT_NEAR(chain.gravity.y(), -kStandardGravity, 1e-13);
+}
+
+}  // namespace
+}  // namespace rigfit::model::assembly_test

@@ -1,0 +1,345 @@
+#include "model/linear/modes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/algebra/eigenpairs.h"
+#include "tests/expect_matrix.h"
+#include "tests/model/test_scenes.h"
+#include "tests/reference/closed_forms.h"
+#include "tests/reference/dense_eigen.h"
+
+namespace rigfit::model::modes_test {
+namespace {
+using testing::cable_beam_rig;
+using testing::paper_cable;
+using testing::vertical_beam;
+
+/// Frequencies of one plane at n segments.
+std::vector<double> frequencies(Scene scene, int n, ModePlane plane, int count,
+                                RotaryInertia inertia = RotaryInertia::accurate) {
+  ModesOptions options;
+  options.count = 2 * count + 2;
+  options.segments = n;
+  options.rotary_inertia = inertia;
+  options.error_estimate = false;
+  const ModalAnalysis analysis = analyse_modes(scene, options);
+  EXPECT_EQ(analysis.equilibrium.status, EquilibriumStatus::converged)
+      << analysis.equilibrium.reason;
+  EXPECT_TRUE(analysis.complete);
+  std::vector<double> out;
+  for (const auto& mode : analysis.modes) {
+    if (mode.plane == plane && int(out.size()) < count) out.push_back(mode.frequency_hz);
+  }
+  EXPECT_EQ(int(out.size()), count);
+  return out;
+}
+
+/// h^2 and h^4 removed with n, 2 n and 3 n segments.
+std::vector<double> extrapolated(const Scene& scene, int n, ModePlane plane, int count) {
+  const auto a = frequencies(scene, n, plane, count), b = frequencies(scene, 2 * n, plane, count),
+             c = frequencies(scene, 3 * n, plane, count);
+  std::vector<double> out;
+  for (int i = 0; i < count; ++i) {
+    const auto k = std::size_t(i);
+    // Weights of the interpolation in h^2 at 0 for h^2 = 1, 1/4, 1/9.
+    out.push_back(a[k] / 24 - b[k] * 16 / 15 + c[k] * 81 / 40);
+  }
+  return out;
+}
+
+/// The prestressed cable without weight is a tensioned Euler-Bernoulli beam whose mass and
+/// stiffness are per unstretched length: m / (1 + e), EI (1 + e), e = T / EA.
+UniformBeam stretched(double tension, double EI) {
+  const double e = tension / 221780;
+  return {2.4, 0.16667 / (1 + e), EI * (1 + e), tension};
+}
+
+TEST(Modes, OfOnePlaneAreThoseOfAll) {
+  const Scene scene = testing::paper_cable(100, 0.4948, 12);
+  ModesOptions options;
+  options.count = 14;
+  options.error_estimate = false;
+  const auto all = analyse_modes(scene, options).modes;
+  options.count = 5;
+  for (const ModePlane plane : {ModePlane::in, ModePlane::out}) {
+    options.plane = plane;
+    const auto some = analyse_modes(scene, options);
+    const auto rates = analyse_mode_sensitivities(scene, {"cable.EI"}, options);
+    ASSERT_EQ(some.modes.size(), 5U);
+    EXPECT_TRUE(some.complete);
+    std::size_t next = 0;
+    for (const auto& mode : all) {
+      if (mode.plane != plane || next == 5) continue;
+      // Eigenvalues are found to 1e-10.
+      EXPECT_NEAR(some.modes[next].frequency_hz, mode.frequency_hz, 1e-9 * mode.frequency_hz);
+      EXPECT_GT(rates.frequency(static_cast<Eigen::Index>(next), 0), 0);
+      ++next;
+    }
+    EXPECT_EQ(next, 5U);
+  }
+}
+
+TEST(Modes, TensionedBeamPinned) {
+  Scene scene = paper_cable(200, 0.5972);
+  scene.gravity.setZero();
+  const auto truth = pinned_beam_frequencies(stretched(200, 0.5972), 3);
+  const auto found = extrapolated(scene, 20, ModePlane::out, 3);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i] / truth[i], 1, 1e-6) << i;
+}
+
+TEST(Modes, TensionedBeamClamped) {
+  Scene scene = paper_cable(200, 0.5972);
+  scene.gravity.setZero();
+  for (auto& node : scene.nodes) node.support.kind = Support::Kind::clamped;
+  const auto truth = clamped_beam_frequencies(stretched(200, 0.5972), 3);
+  // Boundary layers of sqrt(EI / T) = 55 mm want fine segments: at n = 120 h / layer = 0.36, its
+  // sixth power over 15 steps of extrapolation is below 1e-6.
+  const auto found = extrapolated(scene, 120, ModePlane::out, 3);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i] / truth[i], 1, 1e-6) << i;
+}
+
+TEST(Modes, CantileverWithTipMass) {
+  Scene scene = vertical_beam(0.75, 2.1, 0.295);
+  scene.gravity.setZero();
+  scene.nodes[1].mass = 0.02;
+  const auto truth = cantilever_frequencies({0.75, 0.295, 2.1, 0}, 0.02, 3);
+  const auto found = extrapolated(scene, 30, ModePlane::in, 3);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i] / truth[i], 1, 1e-6) << i;
+}
+
+TEST(Modes, StandingCantileverIsSoftenedByItsWeight) {
+  const Scene scene = vertical_beam(0.75, 2.1, 0.295);
+  const auto truth = standing_cantilever_frequencies({0.75, 0.295, 2.1, 0}, 0, kStandardGravity, 2);
+  const auto found = extrapolated(scene, 30, ModePlane::in, 2);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(found[i] / truth[i], 1, 1e-6) << i;
+}
+
+// At 99 % of the weight that buckles it, m g L^3 / EI = 7.8373 (Greenhill), errors of the axial
+// force's lumping show a hundredfold.
+TEST(Modes, ColumnNearItsCriticalWeightIsFourthOrder) {
+  Scene scene = vertical_beam(0.75, 1, 0.3);
+  const double EI = 0.3 * kStandardGravity * std::pow(0.75, 3) / (0.99 * 7.837347438943);
+  scene.members[0].EI = {EI, EI};
+  scene.members[0].EA = 1e8;
+  const auto truth = standing_cantilever_frequencies({0.75, 0.3, EI, 0}, 0, kStandardGravity, 1);
+  const double coarse = frequencies(scene, 20, ModePlane::in, 1)[0] / truth[0] - 1;
+  const double fine = frequencies(scene, 40, ModePlane::in, 1)[0] / truth[0] - 1;
+  EXPECT_LT(std::abs(coarse), 2e-3);
+  // 16, and more while the sixth order still counts; what is left below is rounding of EA.
+  EXPECT_GT(coarse / fine, 14);
+}
+
+TEST(Modes, IrvinesSagInItsLimit) {
+  // Irvine's theory is the limit of small (m g L / H)^2 and strain at a fixed parameter: here
+  // 1e-6 and 1e-6 at lambda^2 = 1.
+  Scene scene = paper_cable(200, 0);
+  scene.members[0].EA = 200e6;
+  scene.gravity << 0, -1e-3 * 200 / (0.16667 * 2.4), 0;
+  const SaggingCable cable{2.4, 0.16667, 200e6, 200, 1e-3 * 200 / (0.16667 * 2.4)};
+  ASSERT_NEAR(irvine_parameter(cable), 1, 1e-3);
+  const auto truth = irvine_symmetric_frequencies(cable, 1);
+  const auto found = extrapolated(scene, 20, ModePlane::in, 1);
+  EXPECT_NEAR(found[0] / truth[0], 1, 2e-6);
+}
+
+TEST(Modes, ThirtySegmentsOfTheAccurateInertiaAreFourthOrderForACable) {
+  Scene scene = paper_cable(200, 0.5972);
+  scene.gravity.setZero();
+  const double truth = pinned_beam_frequencies(stretched(200, 0.5972), 1)[0];
+  EXPECT_NEAR(frequencies(scene, 30, ModePlane::out, 1)[0] / truth, 1, 5e-6);
+  // The paper's is second order: a quarter of the error for twice the segments, to the fourth-order
+  // rest of it.
+  const double coarse =
+      frequencies(scene, 30, ModePlane::out, 1, RotaryInertia::rigid_rod)[0] / truth - 1;
+  const double fine =
+      frequencies(scene, 60, ModePlane::out, 1, RotaryInertia::rigid_rod)[0] / truth - 1;
+  EXPECT_NEAR(coarse / fine, 4, 0.05);
+  EXPECT_NEAR(coarse, 4.5e-4, 0.2e-4);  // (pi / 30)^2 / 24
+}
+
+TEST(Modes, AgreeWithDenseAlgebra) {
+  for (const bool torsion : {false, true}) {
+    Scene scene = cable_beam_rig(100, 0.4948, 6);
+    scene.nodes[2].position.z() = torsion ? 0.3 : 0;  // out of the plane: motion in space
+    for (auto& member : scene.members) member.polar_inertia = torsion ? 1e-6 : 0;
+    ModesOptions options;
+    options.count = 12;
+    const ChainModes modes = find_modes(scene, options);
+    ASSERT_EQ(modes.equilibrium.status, EquilibriumStatus::converged) << modes.equilibrium.reason;
+    EXPECT_EQ(modes.chain->planar, !torsion);
+    std::vector<double> dense;
+    for (const MotionModes& motion : modes.motions) {
+      // M v = nu K v has the finite modes as nu > 0, the unknowns without inertia as nu = 0.
+      for (const double nu :
+           testing::symmetric_eigenvalues(motion.mass.dense(), motion.stiffness.dense())) {
+        if (nu > 1e-14) dense.push_back(1 / nu);
+      }
+      for (Eigen::Index i = 0; i < motion.omega2.size(); ++i) {
+        const Eigen::VectorXd x = motion.shapes.col(i);
+        const Eigen::VectorXd mx = motion.mass * x;
+        const Eigen::VectorXd r = motion.stiffness * x - motion.omega2[i] * mx;
+        EXPECT_NEAR(x.dot(mx), 1, 1e-12);
+        EXPECT_LT(r.norm(), 1e-6 * motion.omega2[i] * mx.norm());
+      }
+    }
+    std::sort(dense.begin(), dense.end());
+    for (std::size_t i = 0; i < modes.order.size(); ++i) {
+      // Rounding 1e-16 times the conditioning of K, about EA / l over T / l = 1e4, times n^2.
+      EXPECT_NEAR(modes.frequency_hz(i), std::sqrt(dense[i]) / (2 * M_PI),
+                  1e-8 * modes.frequency_hz(i));
+    }
+    EXPECT_TRUE(modes.complete());
+  }
+}
+
+TEST(Modes, EqualFrequenciesAreAllFound) {
+  // Three equal cables side by side: every frequency three times, which a single Lanczos space
+  // cannot see.
+  Scene scene = paper_cable(200, 0.5972, 20);
+  for (int copy = 1; copy < 3; ++copy) {
+    for (int end = 0; end < 2; ++end) {
+      SceneNode node = scene.nodes[std::size_t(end)];
+      node.name += std::to_string(copy);
+      node.position.y() += copy;
+      scene.nodes.push_back(node);
+    }
+    Member cable = scene.members[0];
+    cable.name += std::to_string(copy);
+    cable.nodes = {"left" + std::to_string(copy), "right" + std::to_string(copy)};
+    scene.members.push_back(cable);
+  }
+  ModesOptions options;
+  options.count = 12;
+  const ChainModes modes = find_modes(scene, options);
+  ASSERT_EQ(modes.order.size(), 12u);
+  EXPECT_TRUE(modes.complete());
+  for (std::size_t i = 0; i < 12; i += 3) {
+    EXPECT_NEAR(modes.frequency_hz(i + 2) / modes.frequency_hz(i), 1, 1e-8) << i;
+  }
+  EXPECT_GT(modes.frequency_hz(3) / modes.frequency_hz(2), 1.001);
+}
+
+TEST(Modes, BandHoldsWhatTheCountHolds) {
+  const Scene scene = cable_beam_rig(200, 0.5972);
+  ModesOptions options;
+  options.count = 20;
+  const ChainModes all = find_modes(scene, options);
+  options.band_hz = {14.0, 33.0};
+  const ChainModes band = find_modes(scene, options);
+  EXPECT_TRUE(band.complete());
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < all.order.size(); ++i) {
+    const double f = all.frequency_hz(i);
+    if (f < 14 || f > 33) continue;
+    ASSERT_LT(next, band.order.size());
+    EXPECT_NEAR(band.frequency_hz(next++) / f, 1, 1e-7);
+  }
+  EXPECT_EQ(next, band.order.size());
+}
+
+TEST(ModalAnalysis, SymmetricPairOfCablesIsSeparatedInPlaneFamilyAndEnergy) {
+  Scene scene = cable_beam_rig(200, 0.5972);
+  scene.sensors.push_back({"tip x", {"tip", "", 0}, {1, 0, 0}, Sensor::Quantity::displacement});
+  ModesOptions options;
+  options.count = 12;
+  const ModalAnalysis analysis = analyse_modes(scene, options);
+  int in = 0, out = 0;
+  for (const auto& mode : analysis.modes) {
+    (mode.plane == ModePlane::in ? in : out) += 1;
+    double sum = 0;
+    for (const double part : mode.kinetic_energy) sum += part;
+    EXPECT_LE(sum, 1 + 1e-9);  // less the tip mass'
+    EXPECT_GT(sum, 0.8);
+    // The two cables are alike: they share every mode equally.
+    EXPECT_NEAR(mode.kinetic_energy[1], mode.kinetic_energy[2], 1e-5);
+    if (mode.plane == ModePlane::out) {
+      EXPECT_EQ(mode.sensor_shape[0], 0);
+    }
+    EXPECT_EQ(mode.shape.size(), 3u);
+  }
+  EXPECT_GT(in, 3);
+  EXPECT_GT(out, 3);
+}
+
+TEST(ModalAnalysis, TorsionalAndAxialModesOfABeam) {
+  Scene scene = vertical_beam(0.75, 200, 0.3, 60);
+  scene.gravity.setZero();
+  scene.members[0].EA = 3e4;  // f = sqrt(EA / m) / (4 L) = 105.4 Hz
+  scene.members[0].GJ = 2;
+  scene.members[0].polar_inertia = 1e-4;  // f = sqrt(GJ / J) / (4 L) = 47.1 Hz
+  ModesOptions options;
+  options.band_hz = {1.0, 200.0};
+  const ModalAnalysis analysis = analyse_modes(scene, options);
+  const double axial = std::sqrt(3e4 / 0.3) / 3, torsion = std::sqrt(2 / 1e-4) / 3;
+  int seen = 0;
+  for (const auto& mode : analysis.modes) {
+    // Clamped-free rods of n = 60 segments: second order, (pi / 2 / 60)^2 / 24 = 3e-5.
+    if (mode.plane == ModePlane::axial && std::abs(mode.frequency_hz / axial - 1) < 1e-4) ++seen;
+    if (mode.plane == ModePlane::torsion && std::abs(mode.frequency_hz / torsion - 1) < 1e-4)
+      ++seen;
+  }
+  EXPECT_EQ(seen, 2);
+}
+
+/// Torsion left out where it acts: what that costs stands in the result.
+TEST(ModalAnalysis, TorsionLeftOutIsPriced) {
+  Scene scene = testing::cable_beam_rig(200, 0.5972, 12);
+  scene.members[0].EI = {2.1, 2.1};   // two that differ need the section's attitude
+  scene.nodes[3].position.z() = 0.3;  // the cables pull the beam's tip round
+  ModesOptions options;
+  options.count = 6;
+  const ModalAnalysis whole = analyse_modes(scene, options);
+  options.torsion = false;
+  const ModalAnalysis without = analyse_modes(scene, options);
+  ASSERT_EQ(without.modes.size(), whole.modes.size());
+  double worst = 0;
+  for (std::size_t i = 0; i < whole.modes.size(); ++i) {
+    worst =
+        std::max(worst, std::abs(whole.modes[i].frequency_hz / without.modes[i].frequency_hz - 1));
+  }
+  EXPECT_GT(worst, 0);
+  const auto torsion = std::find_if(without.left_out.begin(), without.left_out.end(),
+                                    [](const auto& left) { return left.what == "torsion"; });
+  ASSERT_NE(torsion, without.left_out.end());
+  EXPECT_NEAR(torsion->relative_error, worst, 1e-6 * worst);
+}
+
+/// "auto" meets the accuracy, and says honestly how well.
+TEST(ModalAnalysis, AutomaticSegmentsMeetTheAccuracyHonestly) {
+  for (const double accuracy : {1e-3, 1e-4, 1e-5}) {
+    Scene scene = paper_cable(200, 0.5972, 0);
+    scene.gravity.setZero();
+    scene.accuracy = accuracy;
+    ModesOptions options;
+    options.count = 6;
+    const ModalAnalysis analysis = analyse_modes(scene, options);
+    const auto truth = pinned_beam_frequencies(stretched(200, 0.5972), 3);
+    double worst = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      worst = std::max(worst, std::abs(analysis.modes[i].frequency_hz / truth[i / 2] - 1));
+    }
+    EXPECT_LE(worst, 1.1 * accuracy);
+    EXPECT_GT(worst, accuracy / 3) << "more segments than needed";
+    EXPECT_LT(analysis.relative_error_estimate, 3 * worst);
+    EXPECT_GT(analysis.relative_error_estimate, worst / 3);
+
+    scene = vertical_beam(0.75, 2.1, 0.295, 0);
+    scene.gravity.setZero();
+    scene.accuracy = accuracy;
+    const ModalAnalysis beam = analyse_modes(scene, options);
+    const auto beam_truth = cantilever_frequencies({0.75, 0.295, 2.1, 0}, 0, 3);
+    worst = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      worst = std::max(worst, std::abs(beam.modes[i].frequency_hz / beam_truth[i / 2] - 1));
+    }
+    EXPECT_LE(worst, 1.1 * accuracy);
+    EXPECT_LT(beam.relative_error_estimate, 3 * worst);
+    EXPECT_GT(beam.relative_error_estimate, worst / 3);
+  }
+}
+
+}  // namespace
+}  // namespace rigfit::model::modes_test

@@ -1,0 +1,121 @@
+// Against differences of the whole analysis: another equilibrium, another eigenvalue problem.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/linear/modal_analysis.h"
+#include "tests/model/test_scenes.h"
+
+namespace rigfit::model::sensitivities_test {
+namespace {
+
+/// `relative_step` of the differences: where the rig hardly feels a number, its equilibria and
+/// eigenvalues (1e-9) want a larger one; where it moves by millimetres, a smaller one.
+void expect_differences(const Scene& scene, const std::vector<std::string>& names, int count,
+                        double relative_step = 1e-3) {
+  ModesOptions options;
+  options.count = count;
+  options.error_estimate = false;
+  const ModeSensitivities found = analyse_mode_sensitivities(scene, names, options);
+  ASSERT_EQ(found.analysis.equilibrium.status, EquilibriumStatus::converged);
+  for (std::size_t p = 0; p < names.size(); ++p) {
+    const double value = parameter(scene, names[p]);
+    const double h = value != 0 ? relative_step * std::abs(value) : 1e-4;
+    const auto at = [&](double x) {
+      Scene moved = scene;
+      set_parameter(moved, names[p], x);
+      return analyse_modes(moved, options);
+    };
+    const ModalAnalysis up = at(value + h), down = at(value - h);
+    const ModalAnalysis up2 = at(value + 2 * h), down2 = at(value - 2 * h);
+    const auto rate = [&](auto quantity) {  // fourth order in h
+      return (8 * (quantity(up) - quantity(down)) - (quantity(up2) - quantity(down2))) / (12 * h);
+    };
+    for (int i = 0; i < count; ++i) {
+      const auto k = std::size_t(i);
+      const double f = found.analysis.modes[k].frequency_hz;
+      const auto frequency = [&](const ModalAnalysis& a) { return a.modes[k].frequency_hz; };
+      const double expected = rate(frequency);
+      // Differences: eigenvalues to 1e-10, divided by the step of 1e-3; central differences of the
+      // matrices: 1e-8 and what rounding of K leaves, 1e-6.
+      EXPECT_NEAR(found.frequency(i, Eigen::Index(p)), expected,
+                  2e-5 * std::abs(expected) + 1e-6 * f / std::max(std::abs(value), 0.1))
+          << names[p] << ", mode " << i;
+      const auto damping = [&](const ModalAnalysis& a) { return a.modes[k].damping_ratio; };
+      EXPECT_NEAR(found.damping_ratio(i, Eigen::Index(p)), rate(damping),
+                  1e-4 * std::abs(rate(damping)) + 1e-7 / std::max(std::abs(value), 0.1))
+          << names[p] << ", mode " << i;
+      for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
+        const auto row = Eigen::Index(s);
+        const auto shape = [&](const ModalAnalysis& a) {
+          // The sign of a mode is free.
+          const double x = a.modes[k].sensor_shape[row];
+          const double here = found.analysis.modes[k].sensor_shape[row];
+          return x * here < 0 ? -x : x;
+        };
+        const double scale = found.analysis.modes[k].sensor_shape.cwiseAbs().maxCoeff();
+        if (std::abs(found.analysis.modes[k].sensor_shape[row]) < 1e-6 * scale) continue;
+        EXPECT_NEAR(found.sensor_shape[p](row, i), rate(shape),
+                    1e-3 * std::abs(rate(shape)) + 1e-4 * scale / std::max(std::abs(value), 0.1))
+            << names[p] << ", mode " << i << ", sensor " << s;
+      }
+    }
+  }
+}
+
+TEST(ModeSensitivities, OfASaggingCable) {
+  Scene scene = testing::paper_cable(25, 0.2549, 16);
+  scene.members[0].damping_ratio = 0.005;
+  scene.members[0].masses = {{0.3, 0.01}};
+  scene.sensors.push_back({"quarter", {"", "cable", 0.25}, {0, 1, 0}, {}});
+  expect_differences(scene,
+                     {"cable.tension", "cable.EA", "cable.EI", "cable.mass_per_length",
+                      "cable.damping_ratio", "cable.masses1.mass", "right.x", "right.y"},
+                     5);
+}
+
+TEST(ModeSensitivities, OfTheRigWithJointDampers) {
+  Scene scene = testing::cable_beam_rig(100, 0.4948, 10);
+  scene.nodes[3].position.x() = 1.27;  // unequal cables: no equal frequencies to swap
+  for (auto& member : scene.members) member.damping = {200, 2e-3, 1e-4};
+  scene.sensors.push_back({"tip", {"tip", "", 0}, {1, 0, 0}, {}});
+  expect_differences(
+      scene,
+      {"right cable.EA", "beam.EI_z", "beam.mass_per_length", "beam.damping_bending", "tip.y"}, 6);
+  expect_differences(scene, {"tip.mass"}, 6, 5e-2);
+}
+
+TEST(ModeSensitivities, OfElasticSupportsAndStretch) {
+  Scene scene = testing::paper_cable(100, 0.4948, 16);
+  scene.members[0].tension.reset();
+  scene.members[0].stretch = 0.002;
+  scene.nodes[0].support.kind = Support::Kind::elastic;
+  scene.nodes[0].support.translational << 2e5, 3e4, 4e4;
+  scene.nodes[0].support.rotational << 1, 5, 4;
+  expect_differences(
+      scene, {"cable.stretch", "left.translational_x", "left.translational_y", "left.rotational_z"},
+      4);
+}
+
+TEST(ModeSensitivities, OfNodesOutOfThePlane) {
+  // A rig in space is like any other.
+  Scene scene = testing::cable_beam_rig(100, 0.4948, 8);
+  scene.nodes[3].position.x() = 1.27;
+  scene.nodes[2].position.z() = 0.2;
+  expect_differences(scene, {"left.z"}, 5);
+  // From the plane of symmetry it leaves to either side alike: frequencies are even in z, and the
+  // differences left of them are the eigenvalues' 1e-10 over the step of 1.2e-4 m.
+  scene.nodes[2].position.z() = 0;
+  ModesOptions options;
+  options.count = 5;
+  options.error_estimate = false;
+  const ModeSensitivities found = analyse_mode_sensitivities(scene, {"left.z"}, options);
+  ASSERT_EQ(found.frequency.rows(), 5);
+  for (Eigen::Index i = 0; i < 5; ++i) {
+    EXPECT_LT(std::abs(found.frequency(i, 0)),
+              1e-5 * found.analysis.modes[std::size_t(i)].frequency_hz);
+  }
+}
+
+}  // namespace
+}  // namespace rigfit::model::sensitivities_test

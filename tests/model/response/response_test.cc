@@ -1,0 +1,256 @@
+#include "model/response/response.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/linear/modes.h"
+#include "model/motion/cvode_response.h"
+#include "model/motion/explicit_motion.h"
+#include "model/motion/implicit_motion.h"
+#include "model/statics/loaded_state.h"
+#include "tests/expect_matrix.h"
+#include "tests/model/motion_scenes.h"
+#include "tests/reference/closed_forms.h"
+
+namespace rigfit::model::response_test {
+namespace {
+
+ResponseResult respond(const Scene& scene, ResponseSolver solver, double duration, double rate,
+                       double tolerance = 1e-6) {
+  ResponseOptions options;
+  options.sampling = {.duration_s = duration, .rate_hz = rate, .energy_samples = 50};
+  options.solver = solver;
+  options.relative_tolerance = tolerance;
+  if (solver == ResponseSolver::explicit_motion) options.axial = true;  // the whole equations
+  ResponseResult result = simulate_response(scene, options);
+  EXPECT_TRUE(result.completed) << name_of(solver) << ": " << result.reason;
+  return result;
+}
+
+double relative_difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, int column) {
+  return (a.col(column) - b.col(column)).norm() / b.col(column).norm();
+}
+
+/// Of a column that varies about a large mean, such as a tension.
+double changes_apart(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, int column) {
+  const Eigen::VectorXd change = b.col(column).array() - b.col(column).mean();
+  return (a.col(column) - b.col(column)).norm() / change.norm();
+}
+
+TEST(LoadedState, StringUnderAWeightIsInBalance) {
+  // Two straight halves (EI = 0, no gravity): 2 T(u) sin = F, T = EA (stretched/unstretched - 1).
+  Scene scene = testing::released_cable(30);
+  scene.gravity.setZero();
+  scene.members[0].EI = {0, 0};
+  scene.loads[0].place.position = 0.5;
+  ModesOptions wanted;
+  wanted.count = 1;
+  const ChainModes modes = find_modes(scene, wanted);
+  ASSERT_EQ(modes.equilibrium.status, EquilibriumStatus::converged);
+  const Assembly& assembly = *modes.motions[0].assembly;
+  const double F = 9.80665;
+  const LoadedState loaded =
+      loaded_state(assembly, modes.equilibrium.state, F * load_row(assembly, 0));
+  ASSERT_TRUE(loaded.converged);
+  const double u = -loaded.state.position.row(1).minCoeff();
+  const double stretched = 2 * std::hypot(1.2, u), unstretched = 2.4 / (1 + 200.0 / 221780);
+  const double tension = 221780 * (stretched / unstretched - 1);
+  EXPECT_NEAR(2 * tension * u / std::hypot(1.2, u), F, 1e-6 * F);
+  EXPECT_GT(tension, 210);
+}
+
+TEST(Response, ReleaseIsRecognisedAsNonlinear) {
+  // 7.36 Hz at rest; in motion 7.62 to 7.66 Hz (the latter is the peak of the spectrum of the
+  // first 10 s).
+  const ResponseResult result =
+      respond(testing::released_cable(), ResponseSolver::automatic, 0.5, 1000);
+  EXPECT_TRUE(result.nonlinear);
+  EXPECT_EQ(result.solver, ResponseSolver::explicit_motion);
+  EXPECT_EQ(result.motion, "plane");
+  EXPECT_NEAR(result.frequency_at_rest_hz, 7.362, 0.001);
+  EXPECT_NEAR(result.frequency_moving_hz, 7.62, 0.03);
+  EXPECT_LT(result.energy_drift, 1e-4);
+}
+
+TEST(Response, SmallReleaseIsLinearAndAgreesWithTheExactEquations) {
+  const Scene scene = testing::released_cable(20, 0.002);
+  const ResponseResult linear = respond(scene, ResponseSolver::automatic, 0.5, 1000);
+  EXPECT_FALSE(linear.nonlinear);
+  EXPECT_EQ(linear.solver, ResponseSolver::modal);
+  const ResponseResult exact = respond(scene, ResponseSolver::explicit_motion, 0.5, 1000);
+  // Quadratic terms: sag against amplitude (0.3 mm against 5.9 mm and a stretch of its square).
+  EXPECT_LT(relative_difference(linear.samples, exact.samples, 0), 2e-3);
+}
+
+TEST(Response, SmallHitOutOfThePlaneIsLinear) {
+  // The modes that it drives are compared with themselves, not with those in the plane between.
+  Scene scene = testing::beam_and_cables(8);
+  for (Member& member : scene.members) member.GJ = 0.5;
+  scene.loads[0].peak = 0.02;
+  const ResponseResult in = respond(scene, ResponseSolver::automatic, 0.1, 1000);
+  scene.loads[0].direction = {0, 0, 1};
+  scene.sensors[0].direction = {0, 0, 1};
+  const ResponseResult out = respond(scene, ResponseSolver::automatic, 0.1, 1000);
+  EXPECT_EQ(in.motion, "plane");
+  EXPECT_EQ(out.motion, "space");
+  for (const ResponseResult& result : {in, out}) {
+    EXPECT_LT(result.frequency_shift, 1e-5);
+    EXPECT_EQ(result.solver, ResponseSolver::modal);
+  }
+  // Torsion and a node that turns: the implicit scheme, which takes them, agrees. Its steps of 20
+  // us slow waves of 1 kHz by (omega h)^2/12 = 1.3e-3.
+  ResponseOptions options;
+  options.sampling = {.duration_s = 0.1, .rate_hz = 1000, .energy_samples = 10};
+  options.solver = ResponseSolver::implicit_motion;
+  options.step_s = 2e-5;
+  const ResponseResult exact = simulate_response(scene, options);
+  ASSERT_TRUE(exact.completed) << exact.reason;
+  EXPECT_EQ(exact.motion, "space");
+  EXPECT_LT(relative_difference(out.samples, exact.samples, 0), 2e-2);
+  EXPECT_LT(exact.energy_drift, 1e-6);
+}
+
+TEST(Response, ThreeIntegratorsAgreeOnTheRelease) {
+  Scene scene = testing::released_cable(10);
+  scene.sensors.push_back(testing::sensor("cable", 0.3, Sensor::Quantity::velocity));
+  const ResponseResult truth = respond(scene, ResponseSolver::explicit_motion, 0.3, 500);
+  const ResponseResult adams = respond(scene, ResponseSolver::cvode_adams, 0.3, 500, 1e-8);
+  const ResponseResult banded = respond(scene, ResponseSolver::cvode_banded, 0.3, 500, 1e-7);
+  EXPECT_LT(relative_difference(adams.samples, truth.samples, 0), 1e-4);
+  EXPECT_LT(relative_difference(adams.samples, truth.samples, 2), 1e-3);
+  EXPECT_LT(relative_difference(banded.samples, truth.samples, 0), 1e-4);
+  ResponseOptions options;
+  options.sampling = {.duration_s = 0.3, .rate_hz = 500, .energy_samples = 50};
+  options.solver = ResponseSolver::implicit_motion;
+  const auto implicit = [&](double step) {
+    options.step_s = step;
+    const ResponseResult result = simulate_response(scene, options);
+    EXPECT_TRUE(result.completed) << result.reason;
+    // Gauss's rule for the work of the forces: far below any of the schemes' other errors.
+    EXPECT_LT(result.energy_drift, 1e-6);
+    return relative_difference(result.samples, truth.samples, 0);
+  };
+  const double coarse = implicit(0.0004), fine = implicit(0.0002);
+  EXPECT_LT(fine, 1e-2);
+  EXPECT_GT(coarse / fine, 3.2);  // second order
+  EXPECT_LT(coarse / fine, 4.8);
+}
+
+TEST(Response, DampedReleaseAgreesBetweenIntegratorsAndItsAccountCloses) {
+  for (bool joints : {false, true}) {
+    Scene scene = testing::released_cable(10);
+    scene.sensors.push_back(testing::sensor("cable", 0.35, Sensor::Quantity::force));
+    if (joints) {
+      scene.members[0].damping = {.axial = 30, .bending = 0.05, .torsion = 0};
+    } else {
+      scene.members[0].damping_ratio = 0.02;
+    }
+    const ResponseResult own = respond(scene, ResponseSolver::explicit_motion, 0.3, 500);
+    const ResponseResult adams = respond(scene, ResponseSolver::cvode_adams, 0.3, 500, 1e-8);
+    EXPECT_GT(own.energy.dissipated.back(), 0.01);
+    EXPECT_NEAR(own.energy.dissipated.back() / adams.energy.dissipated.back(), 1, 1e-2);
+    // What dampers take is counted in processed velocities, so the account closes as without them
+    // (1e-8) but for the difference that stands for da/dq there: a thousandth (h times the rate of
+    // turning) of (omega h)^2/6 < 1.7 of what the fastest waves lose, a few thousandths of all.
+    EXPECT_LT(own.energy_drift, 1e-5);
+    // Strang splitting over a sample's time: zeta (omega H)^2/24 of the fastest waves.
+    EXPECT_LT(relative_difference(own.samples, adams.samples, 0), 2e-3);
+    const ResponseResult banded = respond(scene, ResponseSolver::cvode_banded, 0.3, 500, 1e-7);
+    EXPECT_LT(relative_difference(banded.samples, adams.samples, 0), 1e-4);
+    EXPECT_LT(changes_apart(banded.samples, adams.samples, 2), 1e-3);
+    EXPECT_LT(changes_apart(own.samples, adams.samples, 2), 2e-2);
+    // The implicit scheme is of second order, joint dampers included.
+    ResponseOptions options;
+    options.sampling = {.duration_s = 0.3, .rate_hz = 500, .energy_samples = 50};
+    options.solver = ResponseSolver::implicit_motion;
+    double apart[2];
+    for (int k = 0; k < 2; ++k) {
+      options.step_s = k == 0 ? 0.0004 : 0.0002;
+      const ResponseResult implicit = simulate_response(scene, options);
+      ASSERT_TRUE(implicit.completed) << implicit.reason;
+      apart[k] = relative_difference(implicit.samples, adams.samples, 0);
+      EXPECT_LT(changes_apart(implicit.samples, adams.samples, 2), 0.2);
+      EXPECT_NEAR(implicit.energy.dissipated.back() / adams.energy.dissipated.back(), 1, 0.05);
+    }
+    EXPECT_LT(apart[1], 1e-2);
+    EXPECT_GT(apart[0] / apart[1], 3.2);
+    EXPECT_LT(apart[0] / apart[1], 4.8);
+  }
+}
+
+TEST(Response, DampedMotionNeedsNoAccount) {
+  // What dampers take is only counted for an account: without one the run must not be taken for
+  // unstable, and goes the same way but for rounding (a damper in two halves or in one).
+  Scene scene = testing::released_cable(10);
+  scene.members[0].damping_ratio = 0.05;
+  ResponseOptions options;
+  options.solver = ResponseSolver::explicit_motion;
+  options.sampling = {.duration_s = 1, .rate_hz = 500, .energy_samples = 0};
+  const ResponseResult without = simulate_response(scene, options);
+  ASSERT_TRUE(without.completed) << without.reason;
+  options.sampling.energy_samples = 50;
+  const ResponseResult with = simulate_response(scene, options);
+  ASSERT_TRUE(with.completed) << with.reason;
+  ASSERT_EQ(with.step_s, without.step_s);
+  EXPECT_LT(relative_difference(without.samples, with.samples, 0), 1e-9);
+}
+
+TEST(Response, BeamThrownBeyondNinetyDegreesInSpace) {
+  // A cantilever, vertical, hit so that its tip swings past the level of its foot: explicit in the
+  // plane, explicit in space and the implicit scheme, which works on other unknowns, agree.
+  Scene scene;
+  scene.nodes = {testing::node("foot", {0, 0, 0}, Support::Kind::clamped),
+                 testing::node("tip", {0, 0.75, 0})};
+  Member beam;
+  beam.name = "beam";
+  beam.kind = Member::Kind::beam;
+  beam.nodes = {"foot", "tip"};
+  beam.segments = 12;
+  beam.mass_per_length = 0.3;
+  beam.EA = 2e4;
+  beam.EI = {0.6, 0.6};
+  scene.members = {beam};
+  Load load;
+  load.kind = Load::Kind::impact;
+  load.place.node = "tip";
+  load.direction = {1, 0, 0};
+  load.peak = 60;
+  load.duration = 0.02;
+  scene.loads = {load};
+  Sensor tip;
+  tip.name = "tip";
+  tip.place.node = "tip";
+  tip.direction = {0, 1, 0};
+  tip.quantity = Sensor::Quantity::displacement;
+  scene.sensors = {tip};
+  const ResponseResult plane = respond(scene, ResponseSolver::explicit_motion, 0.4, 1000);
+  EXPECT_TRUE(plane.nonlinear);
+  // Lower than its foot: every direction between up and down was passed.
+  EXPECT_LT(plane.samples.minCoeff(), -0.78);
+  EXPECT_LT(plane.energy_drift, 1e-4);
+  ResponseOptions options;
+  options.sampling = {.duration_s = 0.4, .rate_hz = 1000, .energy_samples = 50};
+  options.plane = false;
+  options.solver = ResponseSolver::explicit_motion;
+  const ResponseResult space = simulate_response(scene, options);
+  ASSERT_TRUE(space.completed) << space.reason;
+  EXPECT_EQ(space.motion, "space");
+  EXPECT_LT(relative_difference(space.samples, plane.samples, 0), 1e-6);
+  options.solver = ResponseSolver::implicit_motion;
+  options.step_s = 0.0001;
+  const ResponseResult implicit = simulate_response(scene, options);
+  ASSERT_TRUE(implicit.completed) << implicit.reason;
+  // Second order: bending waves of 1 kHz have (omega h)^2/12 = 3e-2 but little energy.
+  EXPECT_LT(relative_difference(implicit.samples, plane.samples, 0), 1e-2);
+  EXPECT_LT(implicit.energy_drift, 1e-5);
+}
+
+TEST(Response, RecordWithoutItsHistoryIsRefused) {
+  Scene scene = testing::released_cable(6);
+  scene.loads[0].kind = Load::Kind::record;
+  EXPECT_ANY_THROW((void)simulate_response(scene, {}));
+}
+
+}  // namespace
+}  // namespace rigfit::model::response_test

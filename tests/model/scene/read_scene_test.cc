@@ -1,0 +1,344 @@
+#include "model/scene/read_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "model/scene/scene_error.h"
+
+namespace rigfit::model::read_scene_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Line numbers below count in this text.
+constexpr const char* kScene = R"(title = "rig"
+gravity = 9.81
+accuracy = 1e-5
+
+[[node]]
+name = "left"
+position = [0.0, 0.0, 0.0]
+support = "pinned"
+
+[[node]]
+name = "tip"
+position = [1.2, 0, 0.0]
+mass = 0.02
+
+[[node]]
+name = "foot"
+position = [1.2, -0.75, 0.0]
+support = { translational = [inf, inf, inf], rotational = [1e3, inf, 2e3] }
+
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "tip"]
+segments = 24
+mass_per_length = 0.16667
+EA = 221780.0
+EI = 0.5972
+GJ = 0.1
+tension = 200
+damping_ratio = 0.005
+joint = ["pinned", "rigid"]
+
+[[member]]
+name = "beam"
+kind = "beam"
+nodes = ["foot", "tip"]
+mass_per_length = 0.3
+EA = 1e6
+EI = [2.1, 8.5]
+taper = 0.5
+damping = { axial = 1.0, bending = 0.01 }
+mass = [{ position = 0.6, mass = 0.005 }]
+
+[[load]]
+name = "hammer"
+kind = "impact"
+member = "beam"
+position = 0.8
+direction = [3.0, 0.0, 4.0]
+peak = 100
+duration = 0.002
+
+[[load]]
+kind = "release"
+member = "cable"
+position = 0.5
+mass = 0.2
+
+[[sensor]]
+name = "mid"
+member = "cable"
+position = 0.5
+quantity = "velocity"
+
+[[sensor]]
+node = "tip"
+direction = [-1, 0, 0]
+)";
+
+TEST(ReadScene, ReadsEverything) {
+  const Scene scene = parse_scene(kScene, "rig.toml");
+  EXPECT_EQ(scene.title, "rig");
+  EXPECT_EQ(scene.file, "rig.toml");
+  EXPECT_EQ(scene.gravity, Eigen::Vector3d(0, -9.81, 0));
+  EXPECT_EQ(scene.accuracy, 1e-5);
+  ASSERT_EQ(scene.nodes.size(), 3u);
+  EXPECT_EQ(scene.nodes[0].support.kind, Support::Kind::pinned);
+  EXPECT_EQ(scene.nodes[1].support.kind, Support::Kind::free);
+  EXPECT_EQ(scene.nodes[1].mass, 0.02);
+  EXPECT_EQ(scene.nodes[2].support.kind, Support::Kind::elastic);
+  EXPECT_TRUE(std::isinf(scene.nodes[2].support.translational[1]));
+  EXPECT_EQ(scene.nodes[2].support.rotational[2], 2e3);
+
+  ASSERT_EQ(scene.members.size(), 2u);
+  const Member& cable = scene.members[0];
+  EXPECT_EQ(cable.kind, Member::Kind::cable);
+  EXPECT_EQ(cable.segments, 24);
+  EXPECT_EQ(cable.tension, 200);
+  EXPECT_EQ(cable.EI[0], 0.5972);
+  EXPECT_EQ(cable.EI[1], 0.5972);
+  EXPECT_EQ(cable.damping_ratio, 0.005);
+  EXPECT_EQ(cable.joint[0], Member::Joint::pinned);
+  EXPECT_EQ(cable.joint[1], Member::Joint::rigid);
+  EXPECT_EQ(cable.assembled, Member::Assembled::hanging);
+  const Member& beam = scene.members[1];
+  EXPECT_EQ(beam.kind, Member::Kind::beam);
+  EXPECT_EQ(beam.segments, 0);
+  EXPECT_FALSE(beam.tension.has_value());
+  EXPECT_EQ(beam.EI[1], 8.5);
+  EXPECT_EQ(beam.taper, 0.5);
+  EXPECT_EQ(beam.damping.bending, 0.01);
+  EXPECT_FALSE(beam.damping_ratio.has_value());
+  ASSERT_EQ(beam.masses.size(), 1u);
+  EXPECT_EQ(beam.masses[0].position, 0.6);
+
+  ASSERT_EQ(scene.loads.size(), 2u);
+  EXPECT_NEAR((scene.loads[0].direction - Eigen::Vector3d(0.6, 0, 0.8)).norm(), 0, 1e-15);
+  EXPECT_EQ(scene.loads[1].name, "load-2");
+  EXPECT_EQ(scene.loads[1].kind, Load::Kind::release);
+  EXPECT_EQ(scene.loads[1].direction, Eigen::Vector3d(0, -1, 0));
+  ASSERT_EQ(scene.sensors.size(), 2u);
+  EXPECT_EQ(scene.sensors[0].quantity, Sensor::Quantity::velocity);
+  EXPECT_EQ(scene.sensors[1].name, "sensor-2");
+  EXPECT_EQ(scene.sensors[1].place.node, "tip");
+}
+
+struct Mistake {
+  const char* from;  ///< text of kScene to be replaced (empty: append)
+  const char* to;
+  const char* key;
+  long line;  ///< 0: no line
+  const char* message;
+};
+
+TEST(ReadScene, RefusesMistakesWithLineKeyAndRemedy) {
+  const std::vector<Mistake> mistakes = {
+      {"title = \"rig\"", "title = \"rig", "", 1, "not TOML"},
+      {"EA = 221780.0", "EAA = 221780.0", "member[0].EA", 20, "is missing"},
+      {"GJ = 0.1", "Gj = 0.1", "member[0].Gj", 28, "did you mean \"GJ\""},
+      {"gravity = 9.81", "gravty = 9.81", "gravty", 2, "did you mean \"gravity\""},
+      {"gravity = 9.81", "gravity = -9.81", "gravity", 2, "negative"},
+      {"gravity = 9.81", "gravity = [0, -9.81]", "gravity", 2, "3 numbers"},
+      {"accuracy = 1e-5", "accuracy = 0.5", "accuracy", 3, "at most 0.1"},
+      {"accuracy = 1e-5", "accuracy = 0.0", "accuracy", 3, "greater than zero"},
+      {"name = \"left\"\n", "", "node[0].name", 5, "missing"},
+      {"name = \"tip\"", "name = \"left\"", "node[1].name", 11, "used twice"},
+      {"name = \"beam\"", "name = \"tip\"", "member[1].name", 34, "used twice"},
+      {"name = \"hammer\"", "name = \"cable\"", "load[0].name", 45, "used twice"},
+      {"position = [1.2, 0, 0.0]", "position = [1.2, nan, 0.0]", "node[1].position", 12, "finite"},
+      {"position = [1.2, 0, 0.0]", "position = \"here\"", "node[1].position", 12, "got the string"},
+      {"mass = 0.02", "mass = -0.02", "node[1].mass", 13, "negative"},
+      {"support = \"pinned\"", "support = \"pined\"", "node[0].support", 8,
+       "did you mean \"pinned\""},
+      {"support = \"pinned\"", "support = 3", "node[0].support", 8, "word or a table"},
+      {"rotational = [1e3", "rotation = [1e3", "node[2].support.rotation", 18,
+       "did you mean \"rotational\""},
+      {"rotational = [1e3", "rotational = [-1e3", "node[2].support.rotational", 18, "negative"},
+      {"nodes = [\"left\", \"tip\"]", "nodes = [\"lfet\", \"tip\"]", "member[0].nodes", 23,
+       "there is no node \"lfet\"; did you mean \"left\"?"},
+      {"nodes = [\"left\", \"tip\"]", "nodes = [\"left\"]", "member[0].nodes", 23, "names 1 nodes"},
+      {"nodes = [\"left\", \"tip\"]", "nodes = [\"tip\", \"tip\"]", "member[0].nodes", 23,
+       "has no length"},
+      {"position = [1.2, 0, 0.0]", "position = [0, 0, 0.0]", "member[0].nodes", 23,
+       "has no length"},
+      {"kind = \"cable\"", "kind = \"rope\"", "member[0].kind", 22, "\"cable\" or \"beam\""},
+      {"segments = 24", "segments = 0", "member[0].segments", 24, "from 2 to"},
+      {"segments = 24", "segments = -3", "member[0].segments", 24, "from 2 to"},
+      {"segments = 24", "segments = 1000000", "member[0].segments", 24, "from 2 to"},
+      {"segments = 24", "segments = 24.5", "member[0].segments", 24, "whole number"},
+      {"segments = 24", "segments = \"many\"", "member[0].segments", 24, "\"auto\""},
+      {"mass_per_length = 0.16667", "", "member[0].mass_per_length", 20, "is missing"},
+      {"mass_per_length = 0.16667", "mass_per_length = 0", "member[0].mass_per_length", 25,
+       "greater than zero"},
+      {"EA = 221780.0", "EA = inf", "member[0].EA", 26, "finite"},
+      {"EA = 221780.0", "EA = \"221 kN\"", "member[0].EA", 26, "without quotes or unit"},
+      {"EI = 0.5972", "EI = -0.5972", "member[0].EI", 27, "negative"},
+      {"EI = 0.5972", "EI = [0.5, 0.6]", "member[0].EI", 27, "two bending stiffnesses"},
+      {"EI = [2.1, 8.5]", "EI = [2.1, 8.5, 3]", "member[1].EI", 39, "2 numbers"},
+      {"tension = 200", "", "member[0].tension", 20, "one of tension"},
+      {"tension = 200", "tension = -200", "member[0].tension", 29, "greater than zero"},
+      {"tension = 200", "tension = 200\nunstretched_length = 1.2", "member[0].unstretched_length",
+       30, "keep only one"},
+      {"tension = 200", "stretch = 1.3", "member[0].stretch", 29, "as long as"},
+      {"taper = 0.5", "tension = 20", "member[1].tension", 40, "stress-free"},
+      {"taper = 0.5", "taper = 0", "member[1].taper", 40, "greater than zero"},
+      {"damping_ratio = 0.005", "damping_ratio = 1.7", "member[0].damping_ratio", 30, "below 1"},
+      {"damping_ratio = 0.005", "damping_ratio = 0.01\ndamping = { axial = 1 }",
+       "member[0].damping", 31, "keep one"},
+      {"axial = 1.0", "axail = 1.0", "member[1].damping.axail", 41, "did you mean \"axial\""},
+      {"joint = [\"pinned\", \"rigid\"]", "joint = \"hinged\"", "member[0].joint", 31,
+       "\"rigid\" or \"pinned\""},
+      {"position = 0.6,", "position = 60,", "member[1].mass[0].position", 42, "from 0 to 1"},
+      {"mass = 0.005", "mass = 0", "member[1].mass[0].mass", 42, "greater than zero"},
+      {"position = 0.8", "position = -0.1", "load[0].position", 48, "from 0 to 1"},
+      {"position = 0.8", "node = \"tip\"", "load[0].node", 48, "keep one"},
+      {"member = \"beam\"\nposition = 0.8\n", "", "load[0].member", 44, "say where"},
+      {"member = \"beam\"", "member = \"baem\"", "load[0].member", 47, "did you mean \"beam\""},
+      {"direction = [3.0, 0.0, 4.0]", "direction = [0, 0, 0]", "load[0].direction", 49,
+       "no length"},
+      {"peak = 100", "peak = 0", "load[0].peak", 50, "greater than zero"},
+      {"duration = 0.002", "", "load[0].duration", 44, "is missing"},
+      {"kind = \"impact\"", "kind = \"step\"", "load[0].kind", 46, "\"record\""},
+      {"mass = 0.2\n", "mass = 0.2\ndirection = [0, 1, 0]\n", "load[1].direction", 58,
+       "along gravity"},
+      {"gravity = 9.81", "gravity = 0", "load[1].kind", 54, "no gravity"},
+      {"peak = 100\nduration = 0.002", "file = \"none.csv\"", "load[0].peak", 44, "is missing"},
+      {"kind = \"impact\"\nmember = \"beam\"\nposition = 0.8\ndirection = [3.0, 0.0, 4.0]\npeak = "
+       "100\nduration = 0.002",
+       "kind = \"record\"\nmember = \"beam\"\nposition = 0.8\nfile = \"none.csv\"", "load[0].file",
+       49, "there is no file"},
+      {"quantity = \"velocity\"", "quantity = \"speed\"", "sensor[0].quantity", 63, "acceleration"},
+      {"node = \"tip\"\ndirection", "node = \"tpi\"\ndirection", "sensor[1].node", 66,
+       "did you mean \"tip\""},
+      {"node = \"tip\"\ndirection", "node = \"tip\"\nquantity = \"force\"\ndirection",
+       "sensor[1].node", 66, "belongs to a member"},
+      {"node = \"tip\"\ndirection", "name = \"mid\"\nnode = \"tip\"\ndirection", "sensor[1].name",
+       66, "used twice"},
+      {"", "[[node]]\nname = \"lost\"\nposition = [3, 0, 0]\n", "node[3].name", 69,
+       "no member ends"},
+      {"",
+       "[[node]]\nname = \"a\"\nposition = [3, 0, 0]\n[[node]]\nname = \"b\"\nposition = [4, 0, "
+       "0]\n[[member]]\nname = \"loose\"\nkind = \"beam\"\nnodes = [\"a\", \"b\"]\nmass_per_length "
+       "= 1\nEA = 1\nEI = 1\n",
+       "member[2].nodes", 77, "not connected"},
+      {"", "[[repeat]]\nmembers = [\"mast\"]\ncount = 2\noffset = [1, 0, 0]\n", "repeat[0].members",
+       69, "there is no member \"mast\""},
+      {"", "[[repeat]]\nmembers = [\"beam\"]\ncount = 0\noffset = [1, 0, 0]\n", "repeat[0].count",
+       70, "from 1 to"},
+      {"", "[[repeat]]\nmembers = [\"beam\"]\ncount = 2\noffset = [0, 0, 0]\n", "repeat[0].offset",
+       71, "no length"},
+      {"", "[[repeat]]\nmembers = [\"cable\"]\ncount = 2\noffset = [1.2, 0, 0]\n",
+       "repeat[0].offset", 71, "whose support differs"},
+      {"", "[[member]]\n", "member[2].name", 68, "is missing"},
+  };
+  for (const auto& mistake : mistakes) {
+    std::string text = kScene;
+    if (*mistake.from == '\0') {
+      text += mistake.to;
+    } else {
+      const auto at = text.find(mistake.from);
+      ASSERT_NE(at, std::string::npos) << mistake.from;
+      text.replace(at, std::string(mistake.from).size(), mistake.to);
+    }
+    SCOPED_TRACE(std::string(mistake.from) + " -> " + mistake.to);
+    try {
+      static_cast<void>(parse_scene(text, "rig.toml"));
+      ADD_FAILURE() << "was accepted";
+    } catch (const SceneError& error) {
+      EXPECT_EQ(error.where().file, "rig.toml");
+      EXPECT_EQ(error.where().key, mistake.key);
+      EXPECT_EQ(error.where().line, mistake.line) << error.what();
+      EXPECT_THAT(error.what(), HasSubstr(mistake.message));
+      EXPECT_FALSE(error.remedy().empty());
+    }
+  }
+}
+
+TEST(ReadScene, NothingHoldsTheRig) {
+  const std::string text =
+      "[[node]]\nname=\"a\"\nposition=[0,0,0]\n[[node]]\nname=\"b\"\nposition=[1,0,0]\n[[member]]\n"
+      "name=\"m\"\nkind=\"beam\"\nnodes=[\"a\",\"b\"]\nmass_per_length=1\nEA=1\nEI=1\n";
+  EXPECT_THROW(static_cast<void>(parse_scene(text, "x.toml")), SceneError);
+  EXPECT_EQ(parse_scene("gravity = 0\n" + text, "x.toml").members.size(), 1u);
+  EXPECT_THROW(static_cast<void>(parse_scene("", "x.toml")), SceneError);
+}
+
+TEST(ReadScene, RepeatsALineOfPoles) {
+  const Scene scene = parse_scene(R"(
+[[node]]
+name = "foot"
+position = [0, 0, 0]
+support = "clamped"
+[[node]]
+name = "top"
+position = [0, 10, 0]
+[[node]]
+name = "next"
+position = [50, 10, 0]
+[[node]]
+name = "anchor"
+position = [150, 10, 0]
+support = "pinned"
+[[member]]
+name = "pole"
+kind = "beam"
+nodes = ["foot", "top"]
+mass_per_length = 30
+EA = 1e8
+EI = 1e6
+[[member]]
+name = "line"
+kind = "cable"
+nodes = ["top", "next"]
+mass_per_length = 1
+EA = 1e7
+EI = 100
+tension = 5000
+[[repeat]]
+members = ["pole", "line"]
+count = 2
+offset = [50, 0, 0]
+)",
+                                  "line.toml");
+  // Three poles, three spans: two tops coincide with the ends of the spans before them, and the
+  // last span ends at the anchor.
+  ASSERT_EQ(scene.members.size(), 6u);
+  ASSERT_EQ(scene.nodes.size(), 7u);
+  EXPECT_EQ(scene.members[2].name, "pole-2");
+  EXPECT_EQ(scene.members[2].nodes[1], "next");
+  EXPECT_EQ(scene.members[3].nodes[0], "next");
+  EXPECT_EQ(scene.members[5].name, "line-3");
+  EXPECT_EQ(scene.members[5].nodes[1], "anchor");
+  EXPECT_EQ(scene.members[5].tension, 5000);
+}
+
+TEST(ReadScene, FileErrors) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "rigfit_read_scene";
+  std::filesystem::create_directories(folder);
+  EXPECT_THROW(static_cast<void>(read_scene(folder / "none.toml")), SceneError);
+  EXPECT_THROW(static_cast<void>(read_scene(folder)), SceneError);
+  std::ofstream(folder / "binary.toml") << "\xff\xfe\x00\x01";
+  EXPECT_THROW(static_cast<void>(read_scene(folder / "binary.toml")), SceneError);
+  std::ofstream(folder / "force.csv") << "0,0\n1,1\n";
+  std::string text = kScene;
+  const std::string impact = "peak = 100\nduration = 0.002";
+  text.replace(text.find("kind = \"impact\""), 15, "kind = \"record\"");
+  text.replace(text.find(impact), impact.size(), "file = \"force.csv\"");
+  std::ofstream(folder / "rig.toml") << text;
+  const Scene scene = read_scene(folder / "rig.toml");
+  EXPECT_EQ(scene.loads[0].kind, Load::Kind::record);
+  EXPECT_EQ(scene.loads[0].file, (folder / "force.csv").string());
+  // It reads back to the same file.
+  EXPECT_EQ(parse_scene(scene_text(scene), scene.file).loads[0].file, scene.loads[0].file);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace rigfit::model::read_scene_test

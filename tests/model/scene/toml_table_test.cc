@@ -1,0 +1,117 @@
+#include "model/scene/toml_table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+namespace rigfit::model::toml_table_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(TomlTable, ReadsEveryKindAndFinishesWhenAllIsUsed) {
+  auto table = TomlTable::parse(
+      "title = \"rig\"\nlength = 2\nmass = 0.5\ncount = 3\nheavy = true\nplace = [1, 2.5, -3]\n"
+      "names = [\"a\", \"b\"]\none = \"c\"\nkind = \"cable\"\n"
+      "[support]\nstiff = [inf, 1e3]\n[[part]]\nx = 1\n[[part]]\nx = 2\n",
+      "rig.toml");
+  EXPECT_EQ(table.string("title"), "rig");
+  EXPECT_EQ(table.number("length", Bound::positive, "m"), 2);
+  EXPECT_EQ(table.number_or("mass", Bound::positive, "kg", 9), 0.5);
+  EXPECT_EQ(table.number_or("absent", Bound::positive, "kg", 9), 9);
+  EXPECT_EQ(table.integer_or("count", 1, 10, 5), 3);
+  EXPECT_TRUE(table.boolean_or("heavy", false));
+  EXPECT_THAT(table.numbers("place", 3, 3, Bound::any, "m"), ElementsAre(1, 2.5, -3));
+  EXPECT_THAT(table.strings("names"), ElementsAre("a", "b"));
+  EXPECT_THAT(table.string_or_strings("one"), ElementsAre("c"));
+  EXPECT_EQ(table.choice_or("kind", {"cable", "beam"}, "beam"), "cable");
+  auto support = table.table("support");
+  EXPECT_EQ(support.numbers("stiff", 2, 2, Bound::not_negative, "N/m", true)[1], 1000);
+  EXPECT_NO_THROW(support.finish());
+  auto parts = table.tables_or_empty("part");
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[1].number("x", Bound::any, ""), 2);
+  EXPECT_EQ(parts[1].path(), "part[1]");
+  EXPECT_THAT(table.keys(), ElementsAre("title", "length", "mass", "count", "heavy", "place",
+                                        "names", "one", "kind", "support", "part"));
+  EXPECT_NO_THROW(table.finish());
+}
+
+struct Mistake {
+  const char* text;
+  std::function<void(TomlTable&)> read;
+  long line;
+  const char* message;  ///< a part of what must be said
+};
+
+TEST(TomlTable, SaysWhatIsWrongWhereAndWhatToDo) {
+  const std::vector<Mistake> mistakes = {
+      {"a = 1\nb = = 2\n", [](TomlTable&) {}, 2, "not TOML"},
+      {"a = 1\na = 2\n", [](TomlTable&) {}, 2, "not TOML"},
+      {"\nx = \"4 N\"\n", [](TomlTable& t) { t.number("x", Bound::any, "N"); }, 2,
+       "got the string \"4 N\"; write the number alone in N"},
+      {"x = nan\n", [](TomlTable& t) { t.number("x", Bound::any, "N"); }, 1, "finite"},
+      {"x = [1, inf]\n", [](TomlTable& t) { t.numbers("x", 2, 2, Bound::any, "m"); }, 1, "finite"},
+      {"x = -1\n", [](TomlTable& t) { t.number("x", Bound::not_negative, "N"); }, 1, "negative"},
+      {"x = 0.0\n", [](TomlTable& t) { t.number("x", Bound::positive, "N"); }, 1,
+       "greater than zero"},
+      {"y = 0.0\n", [](TomlTable& t) { t.number("x", Bound::positive, "kg"); }, 0,
+       "x: is missing; add `x = ...`, a number in kg"},
+      {"[s]\ny = 0.0\n", [](TomlTable& t) { t.table("s").number("x", Bound::positive, "kg"); }, 1,
+       "s.x: is missing"},
+      {"x = 1.5\n", [](TomlTable& t) { t.integer_or("x", 1, 9, 1); }, 1, "whole number"},
+      {"x = 11\n", [](TomlTable& t) { t.integer_or("x", 1, 9, 1); }, 1, "from 1 to 9, got 11"},
+      {"x = \"yes\"\n", [](TomlTable& t) { t.boolean_or("x", true); }, 1, "true or false"},
+      {"x = 3\n", [](TomlTable& t) { t.string("x"); }, 1, "must be a string, got 3"},
+      {"x = [1, 2]\n", [](TomlTable& t) { t.numbers("x", 3, 3, Bound::any, "m"); }, 1,
+       "has 2 values; give a list of 3 numbers in m"},
+      {"x = [1, \"a\"]\n", [](TomlTable& t) { t.numbers("x", 2, 2, Bound::any, "m"); }, 1,
+       "value 2 must be a number"},
+      {"x = [1]\n", [](TomlTable& t) { t.strings("x"); }, 1, "value 1 must be a string"},
+      {"x = 1\n", [](TomlTable& t) { t.table("x"); }, 1, "must be a table"},
+      {"x = [1]\n", [](TomlTable& t) { t.tables_or_empty("x"); }, 1, "must be a table, got 1"},
+      {"x = \"beem\"\n",
+       [](TomlTable& t) {
+         t.choice_or("x", {"cable", "beam"}, "");
+       },
+       1, "did you mean \"beam\"?"},
+      {"x = 1\nmas = 2\n",
+       [](TomlTable& t) {
+         t.number("x", Bound::any, "");
+         static_cast<void>(t.has("mass"));
+         t.finish();
+       },
+       2, "mas: this key is not known here; did you mean \"mass\"?"},
+      {"zebra = 2\n",
+       [](TomlTable& t) {
+         static_cast<void>(t.has("mass"));
+         t.finish();
+       },
+       1, "known keys: mass"},
+  };
+  for (const auto& mistake : mistakes) {
+    SCOPED_TRACE(mistake.text);
+    try {
+      auto table = TomlTable::parse(mistake.text, "rig.toml");
+      mistake.read(table);
+      ADD_FAILURE() << "was accepted";
+    } catch (const SceneError& error) {
+      EXPECT_EQ(error.where().file, "rig.toml");
+      EXPECT_EQ(error.where().line, mistake.line);
+      EXPECT_THAT(error.what(), HasSubstr(mistake.message));
+      EXPECT_FALSE(error.remedy().empty());
+    }
+  }
+}
+
+TEST(TomlTable, NearestWordNeedsToBeNear) {
+  EXPECT_EQ(nearest_word("tensoin", {"tension", "torsion"}), "tension");
+  EXPECT_EQ(nearest_word("ei", {"EA", "EI"}), "EI");
+  EXPECT_FALSE(nearest_word("zebra", {"mass", "name"}).has_value());
+  EXPECT_FALSE(nearest_word("x", {"y"}).has_value());
+}
+
+}  // namespace
+}  // namespace rigfit::model::toml_table_test

@@ -1,0 +1,158 @@
+#include "model/statics/equilibrium.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/model/test_scenes.h"
+#include "tests/reference/closed_forms.h"
+
+namespace rigfit::model::equilibrium_test {
+namespace {
+using testing::cable_beam_rig;
+using testing::paper_cable;
+using testing::vertical_beam;
+
+Equilibrium rest_of(const Scene& scene) {
+  Chain chain = Chain::from_scene(scene);
+  const ChainEquilibrium found = find_equilibrium(chain, scene);
+  return describe(chain, found, scene);
+}
+
+TEST(Equilibrium, LimpCableIsTheElasticCatenary) {
+  // The chain's nodes lie on the catenary to second order in the segment length; Richardson's value
+  // of two numbers of segments to fourth.
+  for (const double tension : {2.0, 25.0, 200.0}) {
+    for (const double rise : {0.0, 1.5}) {
+      Scene scene = paper_cable(tension, 0);
+      scene.nodes[1].position.y() = rise;
+      const ElasticCatenary cable{2.4, rise, 0.16667 * kStandardGravity, 221780};
+      const CatenaryState truth = catenary_of_tension(cable, tension);
+      double length[2];
+      for (int k = 0; k < 2; ++k) {
+        scene.members[0].segments = k == 0 ? 40 : 80;
+        const Equilibrium rest = rest_of(scene);
+        ASSERT_EQ(rest.status, EquilibriumStatus::converged) << rest.reason;
+        EXPECT_NEAR(rest.members[0].tension_N, tension, 1e-8 * tension);
+        length[k] = rest.members[0].unstretched_length_m;
+      }
+      const double h = 1.0 / 40;
+      const double slack = std::abs(truth.unstretched_length_m - std::hypot(2.4, rise)) + 1e-6;
+      EXPECT_NEAR(length[0], truth.unstretched_length_m, h * h * slack * 4) << tension;
+      EXPECT_NEAR((4 * length[1] - length[0]) / 3, truth.unstretched_length_m,
+                  10 * h * h * h * h * slack + 1e-11)
+          << tension;
+    }
+  }
+}
+
+/// All that the scene asks for, from a cold start: tension 0.5 N to 10 kN, EA 100 times smaller and
+/// larger, EI from 0 to 15.6 N m2, level to 80 degrees, pinned as it hangs and clamped straight.
+TEST(Equilibrium, IsFoundFromAColdStartOverTheWholeRange) {
+  int states = 0;
+  for (const double tension : {0.5, 1.0, 5.0, 25.0, 100.0, 300.0, 10000.0}) {
+    for (const double EA : {2217.8, 221780.0, 22178000.0}) {
+      for (const double EI : {0.0, 0.2549, 15.6}) {
+        for (const double degrees : {0.0, 30.0, 80.0}) {
+          for (const bool clamped : {false, true}) {
+            Scene scene = paper_cable(tension, EI);
+            scene.members[0].EA = EA;
+            const double angle = degrees * M_PI / 180;
+            scene.nodes[1].position << 2.4 * std::cos(angle), 2.4 * std::sin(angle), 0;
+            if (clamped) {
+              scene.members[0].assembled = Member::Assembled::straight;
+              for (auto& node : scene.nodes) node.support.kind = Support::Kind::clamped;
+            }
+            const Equilibrium rest = rest_of(scene);
+            ASSERT_EQ(rest.status, EquilibriumStatus::converged)
+                << tension << " N, EA " << EA << ", EI " << EI << ", " << degrees << " degrees, "
+                << (clamped ? "clamped: " : "pinned: ") << rest.reason;
+            // Residual: 1e-9, or what rounding of positions makes of EA / l: 16 eps (as accepted)
+            // times 30 segments times twice the span over the span.
+            EXPECT_LT(rest.residual, 1e-9 + 16 * 2.2e-16 * 30 * 2 * 1.1 * EA / tension);
+            EXPECT_NEAR(rest.members[0].tension_N, tension, 1e-7 * tension + 1e-13 * EA);
+            ++states;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_EQ(states, 7 * 3 * 3 * 3 * 2);
+}
+
+TEST(Equilibrium, ThreeWaysOfGivingTheTensionAgree) {
+  Scene scene = paper_cable(25, 0.2549);
+  const Equilibrium by_tension = rest_of(scene);
+  const double length = by_tension.members[0].unstretched_length_m;
+  scene.members[0].tension.reset();
+  scene.members[0].unstretched_length = length;
+  const Equilibrium by_length = rest_of(scene);
+  ASSERT_EQ(by_length.status, EquilibriumStatus::converged) << by_length.reason;
+  // dT/dL is about EA / L near taut states, rounding of L 1e-16: far below 1e-7.
+  EXPECT_NEAR(by_length.members[0].tension_N, 25, 1e-7);
+  scene.members[0].unstretched_length.reset();
+  scene.members[0].stretch = 2.4 - length;
+  EXPECT_NEAR(rest_of(scene).members[0].tension_N, 25, 1e-7);
+}
+
+TEST(Equilibrium, ClampedBeamSagsAsTheClosedFormSays) {
+  // Horizontal cantilever, w L^4 / (8 EI) with a small load: second order in the segment length,
+  // extrapolated; geometric non-linearity is (sag / L)^2, here 1e-9.
+  double sag[2];
+  for (int k = 0; k < 2; ++k) {
+    Scene scene = vertical_beam(0.75, 210, 0.01, k == 0 ? 30 : 60);
+    scene.gravity << 0.2, 0, 0;
+    const Equilibrium rest = rest_of(scene);
+    ASSERT_EQ(rest.status, EquilibriumStatus::converged);
+    sag[k] = std::abs(rest.members[0].positions(0, k == 0 ? 30 : 60));
+  }
+  const double truth = 0.01 * 0.2 * std::pow(0.75, 4) / (8 * 210);
+  EXPECT_NEAR((4 * sag[1] - sag[0]) / 3 / truth, 1, 2e-6);
+}
+
+TEST(Equilibrium, StandingBeamBucklesWhereGreenhillSays) {
+  // Self-buckling: m g L^3 / EI = 7.8373 (Greenhill 1881). The model's load differs by O(1 / n^2):
+  // bounds of 2 % either side are met by a wide margin.
+  const double EI = 2.1, length = 0.75;
+  const double critical = 7.8373 * EI / (kStandardGravity * std::pow(length, 3));
+  EXPECT_EQ(rest_of(vertical_beam(length, EI, 0.995 * critical)).status,
+            EquilibriumStatus::converged);
+  const Equilibrium beyond = rest_of(vertical_beam(length, EI, 1.005 * critical));
+  EXPECT_EQ(beyond.status, EquilibriumStatus::buckled);
+  EXPECT_THAT(beyond.reason, ::testing::HasSubstr("buckled"));
+}
+
+TEST(Equilibrium, SlackAndMechanismsAreNamed) {
+  Scene slack = paper_cable(200, 0);
+  slack.gravity.setZero();
+  slack.members[0].tension.reset();
+  slack.members[0].stretch = -0.01;
+  EXPECT_EQ(rest_of(slack).status, EquilibriumStatus::slack);
+
+  Scene feather = paper_cable(1e-4, 0.5);  // would have to be kilometres long
+  EXPECT_EQ(rest_of(feather).status, EquilibriumStatus::slack);
+
+  Scene hinge = vertical_beam(0.75, 2.1, 0.3);
+  hinge.gravity.setZero();
+  hinge.nodes[0].support.kind = Support::Kind::pinned;  // a beam on one hinge
+  const Equilibrium falls = rest_of(hinge);
+  EXPECT_EQ(falls.status, EquilibriumStatus::mechanism) << falls.reason;
+
+  Scene loose = cable_beam_rig(100, 0.5);
+  loose.nodes[0].support.kind = Support::Kind::free;  // the beam's foot dangles in the wind
+  loose.gravity.setZero();
+  for (auto& node : loose.nodes) node.support.kind = Support::Kind::free;
+  EXPECT_NE(rest_of(loose).status, EquilibriumStatus::converged);
+}
+
+TEST(Equilibrium, RigRestsWithBothTensions) {
+  const Equilibrium rest = rest_of(cable_beam_rig(25, 0.2549));
+  ASSERT_EQ(rest.status, EquilibriumStatus::converged) << rest.reason;
+  EXPECT_NEAR(rest.members[1].tension_N, 25, 1e-6);
+  EXPECT_NEAR(rest.members[2].tension_N, 25, 1e-6);
+  EXPECT_LT(rest.residual, 1e-8);
+}
+
+}  // namespace
+}  // namespace rigfit::model::equilibrium_test

@@ -1,0 +1,218 @@
+#include "signal/impact/impact_test.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "signal/recording/recording_error.h"
+#include "tests/reference/ten_mode_truth.h"
+
+namespace rigfit::signal::impact_test_test {
+namespace {
+using Eigen::Index;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using testing::ImpactRecordOptions;
+
+std::vector<std::string> names(Index count) {
+  std::vector<std::string> result;
+  for (Index j = 0; j < count; ++j) result.push_back("#" + std::to_string(j + 2));
+  return result;
+}
+
+ImpactTest analyse(const Recording& recording, Index responses, const ImpactTestOptions& options) {
+  const auto all = names(responses);
+  return analyse_impact_test(std::span(&recording, 1), "force", all, options);
+}
+
+/// Largest over the responses of |H - exact| / |exact| in root mean squares over lines below 1300
+/// Hz.
+double error_of(const FrfSet& frfs, const Eigen::MatrixXcd& exact) {
+  double worst = 0;
+  for (Index c = 0; c < exact.cols(); ++c) {
+    worst = std::max(
+        worst, (frfs.H.col(c).head(exact.rows()) - exact.col(c)).norm() / exact.col(c).norm());
+  }
+  return worst;
+}
+
+Eigen::VectorXd lines_below(const FrfSet& frfs, double f) {
+  return frfs.frequency_hz.head((frfs.frequency_hz.array() < f).count());
+}
+
+// Without noise what is left of the error is what aliases (5e-6, see ten_mode_truth_test) and what
+// each ring-down leaves beyond its block: exp(-(1.57 + a) 4 s) of the 25 Hz mode.
+TEST(ImpactTest, GivesTheExactFrfAlsoUnderAnExponentialWindow) {
+  const auto truth = testing::ten_mode_truth(6);
+  ImpactRecordOptions record;
+  record.noise = 0;
+  const Recording recording = testing::impact_recording(truth, record);
+  for (const double rate : {0.0, 2.0}) {
+    for (const double force_window : {0.0, 0.02}) {
+      ImpactTestOptions options;
+      options.exponential_decay_rate_1_s = rate;
+      options.force_window_s = force_window;
+      options.driving_response = truth.driving_point;
+      const ImpactTest test = analyse(recording, 6, options);
+      EXPECT_EQ(test.frfs.averages, 5);
+      EXPECT_EQ(test.frfs.exponential_decay_rate_1_s, rate);
+      EXPECT_EQ(test.frfs.form, FrfForm::accelerance);
+      EXPECT_TRUE(test.amplitudes);
+      const double error =
+          error_of(test.frfs, truth.accelerance(lines_below(test.frfs, 1300), rate));
+      EXPECT_LT(error, rate > 0 ? 2e-5 : 2.5e-3) << rate << " " << force_window;
+      ASSERT_TRUE(test.driving_point);
+      EXPECT_EQ(test.driving_point->verdict, DrivingPointVerdict::consistent);
+      EXPECT_LT(test.driving_point->wrong_sign_share, 1e-3);
+      EXPECT_EQ(test.driving_point->resonances, 9);  // 312 and 318 Hz as one
+      EXPECT_EQ(test.driving_point->missing_antiresonances, 0);
+    }
+  }
+}
+
+// Errors over their error bars, real and imaginary parts, lines to 1200 Hz, n hits, noise on all
+// channels; damped so that nothing rings on into the next hit (4.7 1/s over 2 s: 8e-5). The mean
+// square of Gaussian errors with correct error bars is one, for error bars with 42 (n - 1) degrees
+// of freedom 1 + 2 / (42 (n - 1)): 1.024 at n = 3. The noise on the force is common to the
+// responses, the window's noise bandwidth is 2.5 Hz: 480 lines x 2 parts x 8 seeds scatter by
+// sqrt(2 / 7680) = 1.6 %, three of which with the 2.4 % are 7 %. Coverage of 1.96 std: 0.05, with
+// the same number 0.01.
+TEST(ImpactTest, ErrorBarsAreRightOnTheTenModes) {
+  auto truth = testing::ten_mode_truth(6);
+  truth.damping_ratio[0] = 0.03;
+  truth.damping_ratio[1] = 0.012;
+  ImpactRecordOptions record;
+  record.block_samples = 16384;
+  for (const int hits : {3, 6, 10}) {
+    double square = 0, count = 0, outside = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+      record.seed = seed;
+      record.hits = hits;
+      ImpactTestOptions options;
+      options.exponential_decay_rate_1_s = 5;
+      const ImpactTest test = analyse(testing::impact_recording(truth, record), 6, options);
+      ASSERT_EQ(test.frfs.averages, hits);
+      const Eigen::VectorXd f = lines_below(test.frfs, 1200);
+      const Eigen::MatrixXcd exact = truth.accelerance(f, 5);
+      for (Index c = 0; c < 6; ++c) {
+        for (Index k = 2; k < f.size(); ++k, count += 2) {
+          const std::complex<double> z = (test.frfs.H(k, c) - exact(k, c)) / test.frfs.H_std(k, c);
+          square += std::norm(z);
+          outside += (std::abs(z.real()) > 1.96 ? 1 : 0) + (std::abs(z.imag()) > 1.96 ? 1 : 0);
+        }
+      }
+    }
+    EXPECT_NEAR(square / count, 1, 0.07) << hits;
+    EXPECT_NEAR(outside / count, 0.05, 0.01) << hits;
+  }
+}
+
+TEST(ImpactTest, AKnockDuringOneRingDownIsAnOutlierAndCleanHitsAreNot) {
+  const auto truth = testing::ten_mode_truth(4);
+  ImpactRecordOptions record;
+  record.block_samples = 8192;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    record.seed = seed;
+    Recording recording = testing::impact_recording(truth, record);
+    EXPECT_EQ(analyse(recording, 4, {}).frfs.averages, 5) << seed;
+    // Something else strikes the structure 0.2 s after the third hit, a tenth as hard; the hammer's
+    // force does not know of it.
+    const auto hits = testing::hammer_hits(record);
+    ImpactRecordOptions quiet = record;
+    quiet.noise = 0;
+    const Recording knock =
+        testing::impact_recording(truth, {{hits[2].time_s + 0.2, 0.1 * hits[2].peak, 1e-3}}, quiet,
+                                  static_cast<double>(recording.samples()) / record.sample_rate_hz);
+    for (std::size_t c = 1; c < recording.channels.size(); ++c) {
+      recording.channels[c].samples += knock.channels[c].samples;
+    }
+    const ImpactTest test = analyse(recording, 4, {});
+    EXPECT_EQ(test.frfs.averages, 4) << seed;
+    EXPECT_THAT(test.search.hits[2].faults, ElementsAre(HitFault::outlier));
+    EXPECT_THAT(test.search.hits[2].reason, HasSubstr("outlier: without it"));
+    ImpactTestOptions keep;
+    keep.reject_outliers = false;
+    EXPECT_EQ(analyse(recording, 4, keep).frfs.averages, 5);
+  }
+}
+
+TEST(ImpactTest, OneHitHasErrorBarsFromTheQuietBeforeIt) {
+  const auto truth = testing::ten_mode_truth(2);
+  ImpactRecordOptions record;
+  record.block_samples = 16384;
+  record.hits = 1;
+  double square = 0, count = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    record.seed = seed;
+    ImpactTestOptions options;
+    options.exponential_decay_rate_1_s = 6;
+    options.hits.pre_trigger_s = 0.08;
+    const ImpactTest test = analyse(testing::impact_recording(truth, record), 2, options);
+    ASSERT_EQ(test.frfs.averages, 1);
+    EXPECT_EQ(test.frfs.coherence.size(), 0);
+    EXPECT_THAT(test.notes, Contains(Field(&Note::code, "one_hit")));
+    const Eigen::VectorXd f = lines_below(test.frfs, 1200);
+    const Eigen::MatrixXcd exact = truth.accelerance(f, 6);
+    for (Index c = 0; c < 2; ++c) {
+      for (Index k = 2; k < f.size(); ++k, count += 2) {
+        square += std::norm(test.frfs.H(k, c) - exact(k, c)) / std::pow(test.frfs.H_std(k, c), 2);
+      }
+    }
+  }
+  // Each of 20 noise levels comes from some 600 samples (3 % in its std, 6 % in the square, 1.3 %
+  // averaged); 2,400 lines each, correlated over a few by the window.
+  EXPECT_NEAR(square / count, 1, 0.06);
+}
+
+TEST(ImpactTest, SaysWhatCannotBeTrusted) {
+  const auto truth = testing::ten_mode_truth(2);
+  ImpactRecordOptions record;
+  record.block_samples = 4096;  // 0.5 s: the 25 Hz mode is at 45 %
+  Recording recording = testing::impact_recording(truth, record);
+  EXPECT_THAT(analyse(recording, 2, {}).notes, Contains(Field(&Note::code, "ring_down_truncated")));
+  recording.channels[0].unit = "V";
+  const ImpactTest volts = analyse(recording, 2, {});
+  EXPECT_EQ(volts.frfs.form, FrfForm::unknown);
+  EXPECT_EQ(volts.frfs.unit, "(m/s^2)/V");
+  EXPECT_THAT(volts.notes, Contains(Field(&Note::code, "form_unknown")));
+  recording.channels[0].unit = "N";
+  recording.channels[2].unit = "m/s";
+  const ImpactTest mixed = analyse(recording, 2, {});
+  EXPECT_EQ(mixed.frfs.form, FrfForm::accelerance);
+  EXPECT_THAT(mixed.notes, Contains(Field(&Note::code, "forms_mixed")));
+
+  std::vector<Recording> two{recording, recording};
+  std::swap(two[1].channels[0], two[1].channels[2]);
+  const auto all = names(1);
+  EXPECT_THROW((void)analyse_impact_test(two, "force", all), RecordingError);
+}
+
+// Noise of 1 % of the peak over the whole block drowns the force of H1 unless a window keeps it
+// out.
+TEST(ImpactTest, ForceWindowTakesTheBiasOfForceNoiseAway) {
+  const auto truth = testing::ten_mode_truth(2);
+  ImpactRecordOptions record;
+  record.noise = 0;
+  Recording recording = testing::impact_recording(truth, record);
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal(0, 0.01 * recording.channels[0].samples.maxCoeff());
+  for (double& x : recording.channels[0].samples) x += normal(random);
+  ImpactTestOptions options;
+  options.exponential_decay_rate_1_s = 2;
+  options.hits.double_hit = 0.06;  // noise of this size hides 5 %
+  const ImpactTest raw = analyse(recording, 2, options);
+  EXPECT_GT(raw.force_noise_bias, 0.05);
+  EXPECT_THAT(raw.notes, Contains(Field(&Note::code, "force_noise")));
+  options.force_window_s = -1;
+  const ImpactTest windowed = analyse(recording, 2, options);
+  const Eigen::MatrixXcd exact = truth.accelerance(lines_below(raw.frfs, 1300), 2);
+  EXPECT_LT(windowed.force_noise_bias, 0.05 * raw.force_noise_bias);
+  EXPECT_LT(error_of(windowed.frfs, exact), 0.25 * error_of(raw.frfs, exact));
+}
+
+}  // namespace
+}  // namespace rigfit::signal::impact_test_test

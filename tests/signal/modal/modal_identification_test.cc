@@ -1,0 +1,243 @@
+#include "signal/modal/modal_identification.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+
+#include "signal/impact/impact_test.h"
+#include "signal/modal/modal_synthesis.h"
+#include "tests/expect_matrix.h"
+#include "tests/reference/ten_mode_truth.h"
+
+namespace rigfit::signal::modal_identification_test {
+namespace {
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+/// Exact accelerances with white noise of `relative` of their rms.
+FrfSet noisy_truth(const testing::TenModeTruth& truth, double relative, double window,
+                   unsigned seed, Index lines = 2800) {
+  FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(lines, 1400.0 / lines, 1400), window);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const double scale =
+      relative * std::sqrt(set.H.squaredNorm() / static_cast<double>(set.H.size()));
+  for (Complex& h : set.H.reshaped()) h += scale * Complex(normal(random), normal(random));
+  return set;
+}
+
+// From recordings, as the truth table (tests/bench/modal_truth) does for hundreds of seeds.
+TEST(ModalIdentification, TenModesFromHitsWithAndWithoutWindow) {
+  const auto truth = testing::ten_mode_truth();
+  for (const double window : {0.0, 1.0}) {
+    testing::ImpactRecordOptions record;
+    record.seed = 11;
+    const Recording recording = testing::impact_recording(truth, record);
+    std::vector<std::string> responses;
+    for (int j = 1; j <= 20; ++j) responses.push_back("a" + std::to_string(j));
+    ImpactTestOptions impact;
+    impact.hits.block_s = 4;
+    impact.exponential_decay_rate_1_s = window;
+    const ImpactTest test = analyse_impact_test({&recording, 1}, "force", responses, impact);
+    ModalOptions options;
+    options.high_hz = 1400;
+    const ModalResult result = identify_modes(test.frfs, options);
+    ASSERT_EQ(result.model.modes.size(), 10u) << window;
+    EXPECT_EQ(result.end, RefineEnd::converged);
+    int covered = 0;
+    for (std::size_t r = 0; r < 10; ++r) {
+      const IdentifiedMode& mode = result.model.modes[r];
+      const auto i = static_cast<Index>(r);
+      const double df = mode.frequency_hz.value - truth.frequency_hz[i];
+      const double dz = mode.damping_ratio.value - truth.damping_ratio[i];
+      EXPECT_LT(std::abs(df), 100e-6 * truth.frequency_hz[i]);
+      EXPECT_LT(std::abs(dz), 0.02 * truth.damping_ratio[i]);
+      covered += std::abs(df) < 1.96 * mode.frequency_hz.std;
+      covered += std::abs(dz) < 1.96 * mode.damping_ratio.std;
+      EXPECT_FALSE(mode.doubtful) << mode.doubt;
+      EXPECT_GT(mode.modal_phase_collinearity, 0.999);
+      EXPECT_LT(mode.reconstruction_error, 0.01);
+      EXPECT_NEAR(mode.damping_ratio_with_window * mode.frequency_hz.value * 2 * std::numbers::pi,
+                  -mode.pole_rad_s.real() + window, 1e-3 * -mode.pole_rad_s.real());
+    }
+    // Binomial of 20 at 0.95: 15 or fewer with a chance of 2.6e-3.
+    EXPECT_GE(covered, 16) << window;
+    EXPECT_LT(result.model.frf_error.maxCoeff(), 0.02);
+    // Shapes are those of the truth: all real, and distinct as sines are.
+    EXPECT_LT((result.auto_mac - Eigen::MatrixXd::Identity(10, 10)).cwiseAbs().maxCoeff(), 0.05);
+  }
+}
+
+TEST(ModalIdentification, CloseModesComeOutOfHeavyNoise) {
+  const auto truth = testing::ten_mode_truth();
+  const ModalResult result = identify_modes(noisy_truth(truth, 0.02, 0, 5));
+  ASSERT_EQ(result.model.modes.size(), 10u);
+  for (std::size_t r = 0; r < 10; ++r) {
+    const IdentifiedMode& mode = result.model.modes[r];
+    // Five standard deviations of 20 values.
+    EXPECT_LT(std::abs(mode.frequency_hz.value - truth.frequency_hz[static_cast<Index>(r)]),
+              5 * mode.frequency_hz.std);
+  }
+}
+
+TEST(ModalIdentification, ExportedModesRebuildTheFrfs) {
+  const auto truth = testing::ten_mode_truth(6);
+  const FrfSet frfs = noisy_truth(truth, 1e-3, 2, 6);
+  const ModalResult result = identify_modes(frfs);
+  ASSERT_EQ(result.model.modes.size(), 10u);
+  const FrfSet again =
+      synthesised(result.model, frfs.frequency_hz, frfs.form, frfs.exponential_decay_rate_1_s);
+  const Eigen::MatrixXcd exact = truth.accelerance(frfs.frequency_hz, 2);
+  // Below the noise: some 24 parameters an FRF for 5600 numbers.
+  EXPECT_LT((again.H - exact).norm(), 0.3 * 1e-3 * std::sqrt(2.0) * exact.norm());
+  EXPECT_LT((again.H - exact).norm() / exact.norm(), (frfs.H - exact).norm() / exact.norm());
+  // Without the window, and as receptance: the structure itself.
+  const FrfSet receptance = synthesised(result.model, frfs.frequency_hz, FrfForm::receptance);
+  const Eigen::ArrayXd w = 2 * std::numbers::pi * frfs.frequency_hz.array();
+  const Eigen::MatrixXcd accelerance = truth.accelerance(frfs.frequency_hz);
+  const Eigen::MatrixXcd back = (-w.square()).matrix().asDiagonal() * receptance.H;
+  EXPECT_LT((back - accelerance).norm(), 2e-3 * accelerance.norm());
+  for (Index o = 0; o < 6; ++o) {
+    // The misfit per FRF is its noise: 1e-3 of the rms over all FRFs, both parts.
+    const double own = frfs.H.col(o).norm() / std::sqrt(static_cast<double>(frfs.H.rows()));
+    const double all = std::sqrt(exact.squaredNorm() / static_cast<double>(exact.size()));
+    EXPECT_NEAR(result.model.frf_error(o, 0), 1e-3 * std::sqrt(2.0) * all / own,
+                0.1 * 1e-3 * std::sqrt(2.0) * all / own);
+  }
+}
+
+TEST(ModalIdentification, DampingUnderADominatingWindowIsRefused) {
+  const auto truth = testing::ten_mode_truth(6);
+  // -Re p = 1.57 1/s at 25 Hz and 3.4 at 68 Hz: a window of 3 dominates the first only.
+  const ModalResult result = identify_modes(noisy_truth(truth, 1e-3, 3, 7));
+  ASSERT_EQ(result.model.modes.size(), 10u);
+  EXPECT_TRUE(result.model.modes[0].damping_dominated_by_window);
+  EXPECT_TRUE(result.model.modes[0].doubtful);
+  EXPECT_NE(result.model.modes[0].doubt.find("66 %"), std::string::npos)
+      << result.model.modes[0].doubt;
+  EXPECT_FALSE(result.model.modes[1].damping_dominated_by_window);
+}
+
+TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {
+  const auto truth = testing::ten_mode_truth(6);
+  FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(2800, 0.5, 1400));
+  set.inputs.push_back({"second", 2, 3});
+  const Eigen::VectorXcd p = truth.poles();
+  Eigen::MatrixXcd H(2800, 12);
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal;
+  const Index at[2] = {truth.driving_point, 1};
+  for (Index k = 0; k < 2800; ++k) {
+    const Complex s(0, 2 * std::numbers::pi * set.frequency_hz[k]);
+    for (Index o = 0; o < 6; ++o) {
+      for (Index i = 0; i < 2; ++i) {
+        Complex sum = 0;
+        for (Index r = 0; r < 10; ++r) {
+          const Complex residue =
+              truth.shapes(o, r) * truth.shapes(at[i], r) / Complex(0, 2 * p[r].imag());
+          sum += residue / (s - p[r]) + std::conj(residue) / (s - std::conj(p[r]));
+        }
+        H(k, 2 * o + i) = s * s * sum + 2e-3 * Complex(normal(random), normal(random));
+      }
+    }
+  }
+  set.H = H;
+  const ModalResult result = identify_modes(set);
+  ASSERT_EQ(result.model.modes.size(), 10u);
+  for (Index r = 0; r < 10; ++r) {
+    const IdentifiedMode& mode = result.model.modes[static_cast<std::size_t>(r)];
+    ASSERT_EQ(mode.participation.size(), 2);
+    const Complex ratio = mode.participation[1] / mode.participation[0];
+    const double expected = truth.shapes(at[1], r) / truth.shapes(at[0], r);
+    EXPECT_LT(std::abs(ratio - expected), 0.02 * (1 + std::abs(expected))) << r;
+    EXPECT_LT(std::abs(mode.frequency_hz.value - truth.frequency_hz[r]), 5 * mode.frequency_hz.std);
+  }
+  // The same FRFs with the roles of responses and inputs exchanged: the same poles.
+  FrfSet turned = set;
+  std::swap(turned.responses, turned.inputs);
+  for (Index o = 0; o < 6; ++o) {
+    for (Index i = 0; i < 2; ++i) turned.H.col(i * 6 + o) = H.col(2 * o + i);
+  }
+  const ModalResult other = identify_modes(turned);
+  ASSERT_EQ(other.model.modes.size(), 10u);
+  for (std::size_t r = 0; r < 10; ++r) {
+    EXPECT_NEAR(other.model.modes[r].frequency_hz.value, result.model.modes[r].frequency_hz.value,
+                result.model.modes[r].frequency_hz.std);
+  }
+}
+
+// Two modes, and one between them whose peak is 2e-5 of theirs: without noise the diagram has its
+// column, and `min_prominence` (1e-3) gives it up. Between 10 and 20 Hz the others' tails are of
+// the order of a hundredth of their peaks, so that the small peak is about 2e-3 of what is around
+// it times its own half: below the limit, far above rounding.
+TEST(ModalIdentification, ColumnsThatAreNoModeSayWhy) {
+  ModalModel truth;
+  truth.fitted_form = FrfForm::accelerance;
+  truth.responses = {{"a", 1, 3}};
+  truth.inputs = {{"hammer", 2, 3}};
+  truth.lower_residual = truth.upper_residual = Eigen::MatrixXcd::Zero(1, 1);
+  for (const auto& [frequency, size] : {std::pair{10.0, 1.0}, {14.0, 2e-5}, {20.0, 1.0}}) {
+    const double w = 2 * std::numbers::pi * frequency;
+    IdentifiedMode mode;
+    mode.pole_rad_s = {-0.01 * w, w * std::sqrt(1 - 1e-4)};
+    mode.shape = Eigen::VectorXcd::Constant(1, Complex(0, -size / w));
+    mode.participation = Eigen::VectorXcd::Ones(1);
+    truth.modes.push_back(mode);
+  }
+  const FrfSet frfs =
+      synthesised(truth, Eigen::VectorXd::LinSpaced(500, 5, 30), FrfForm::accelerance, 0);
+  const ModalResult result = identify_modes(frfs);
+  ASSERT_EQ(result.model.modes.size(), 2u);
+  bool found = false;
+  for (const RejectedColumn& column : result.rejected) {
+    EXPECT_FALSE(column.reason.empty());
+    if (std::abs(column.frequency_hz - 14) > 0.14) continue;
+    found = true;
+    EXPECT_EQ(column.code, "prominence") << column.reason;
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(ModalIdentification, NoiseAloneHasNoModes) {
+  FrfSet set = testing::ten_mode_truth(4).frfs(Eigen::VectorXd::LinSpaced(1000, 1, 1000));
+  std::mt19937_64 random(9);
+  std::normal_distribution<double> normal;
+  for (Complex& h : set.H.reshaped()) h = Complex(normal(random), normal(random));
+  const ModalResult result = identify_modes(set);
+  EXPECT_TRUE(result.model.modes.empty());
+  EXPECT_EQ(result.model.notes.back().code, "no_modes");
+}
+
+TEST(ModalIdentification, DeadAndBrokenFrfsAreSaid) {
+  const auto truth = testing::ten_mode_truth(6);
+  FrfSet set = noisy_truth(truth, 1e-3, 0, 10);
+  set.H.col(3).setZero();
+  set.H(100, 2) = std::numeric_limits<double>::quiet_NaN();
+  const ModalResult result = identify_modes(set);
+  ASSERT_EQ(result.model.modes.size(), 10u);
+  for (const IdentifiedMode& mode : result.model.modes) {
+    EXPECT_EQ(std::abs(mode.shape[3]), 0);
+    EXPECT_TRUE(mode.shape_std.allFinite());
+  }
+  EXPECT_EQ(result.lines_used, 2799);
+  std::vector<std::string> codes;
+  for (const Note& note : result.model.notes) codes.push_back(note.code);
+  EXPECT_NE(std::find(codes.begin(), codes.end(), "dead_frf"), codes.end());
+  EXPECT_NE(std::find(codes.begin(), codes.end(), "lines_left_out"), codes.end());
+  set.H.setZero();
+  EXPECT_TRUE(identify_modes(set).model.modes.empty());
+}
+
+TEST(ModalIdentification, WrongSizesAndEmptyBandsThrow) {
+  FrfSet set = testing::ten_mode_truth(2).frfs(Eigen::VectorXd::LinSpaced(100, 1, 100));
+  ModalOptions options;
+  options.low_hz = 98;
+  EXPECT_THROW((void)identify_modes(set, options), std::invalid_argument);
+  set.responses.pop_back();
+  EXPECT_THROW((void)identify_modes(set), std::invalid_argument);
+  EXPECT_THROW((void)identify_modes(FrfSet{}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rigfit::signal::modal_identification_test

@@ -1,0 +1,106 @@
+#include "signal/readers/read_lvm.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::signal::read_lvm_test {
+namespace {
+
+/// A file of one segment: the segment's header lines, then titles and rows.
+std::string lvm(const std::string& header, const std::string& table) {
+  return "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+         "***End_of_Header***\t\n\n" +
+         header + "***End_of_Header***\t\n" + table;
+}
+
+const char* const kTwo =
+    "Channels\t2\nY_Unit_Label\tN\tg\nX_Dimension\tTime\tTime\nX0\t0\t0\nDelta_X\t0.001\t0.001\n";
+
+std::vector<std::string> codes(const Recording& r) {
+  std::vector<std::string> out;
+  for (const auto& note : r.notes) out.push_back(note.code);
+  return out;
+}
+
+RecordingError error_of(const std::string& text) {
+  try {
+    (void)read_lvm(text, "x.lvm");
+  } catch (const RecordingError& error) {
+    return error;
+  }
+  ADD_FAILURE() << "no error for:\n" << text;
+  return {{}, "", ""};
+}
+
+TEST(ReadLvm, ARateGivenByHandOverridesTheFilesAndSaysSo) {
+  const std::string text = lvm(kTwo, "X_Value\tF\ta\n\t1\t2\n\t3\t4\n\t5\t6\n");
+  ReadOptions options;
+  options.sample_rate_hz = 250;
+  const Recording r = read_lvm(text, "x.lvm", options);
+  EXPECT_EQ(r.sample_rate_hz, 250);
+  EXPECT_THAT(codes(r), ::testing::ElementsAre("rate_overridden"));
+  EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("gives 1000 Hz"));
+  options.sample_rate_hz = 1000;
+  EXPECT_THAT(codes(read_lvm(text, "x.lvm", options)), ::testing::IsEmpty());
+}
+
+TEST(ReadLvm, ChannelsOfOneNameAreToldApartAndThoseOfAnotherRateLeftOut) {
+  const Recording r =
+      read_lvm(lvm("Channels\t3\nY_Unit_Label\tN\tN\tV\nDelta_X\t0.001\t0.001\t0.002\n",
+                   "X_Value\tF\tF\tslow\n\t1\t2\t3\n\t4\t5\t6\n\t7\t8\t9\n"),
+               "x.lvm");
+  ASSERT_EQ(r.channels.size(), 2u);
+  EXPECT_EQ(r.channels[0].name, "F");
+  EXPECT_EQ(r.channels[1].name, "F_2");
+  EXPECT_EQ(r.channels[1].samples[2], 8);
+  ASSERT_THAT(codes(r), ::testing::ElementsAre("channel_left_out"));
+  EXPECT_EQ(r.notes[0].where, "slow");
+  EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("Delta_X 0.002 s"));
+}
+
+TEST(ReadLvm, XThatIsUnevenIsKeptAndXThatIsMissingThereRefused) {
+  const std::string table = "X_Value\tF\ta\n0.000\t1\t2\n0.001\t3\t4\n0.002\t5\t6\n0.008\t7\t8\n";
+  const Recording r = read_lvm(lvm(kTwo, table), "x.lvm");
+  EXPECT_THAT(codes(r), ::testing::Contains("time_not_uniform"));
+  ASSERT_EQ(r.time_s.size(), 4);
+  EXPECT_EQ(r.time_s[3], 0.008);
+  std::string lacking = table;
+  lacking.erase(lacking.find("0.002"), 5);
+  const auto error = error_of(lvm(kTwo, lacking + "0.010\t9\t9\n0.011\t9\t9\n"));
+  EXPECT_EQ(error.where().channel, "X_Value");
+  EXPECT_EQ(error.where().line, 14);
+  EXPECT_THAT(error.remedy(), ::testing::HasSubstr("delete the X columns"));
+}
+
+TEST(ReadLvm, XValuesWinOverAStepThatDisagrees) {
+  const Recording r = read_lvm(
+      lvm(kTwo, "X_Value\tF\ta\n0.000\t1\t2\n0.004\t3\t4\n0.008\t5\t6\n0.012\t7\t8\n"), "x.lvm");
+  EXPECT_EQ(r.sample_rate_hz, 250);
+  EXPECT_THAT(codes(r), ::testing::Contains("rate_disagrees"));
+}
+
+TEST(ReadLvm, TablesOfNothingSayWhere) {
+  EXPECT_THAT(error_of(lvm(kTwo, "X_Value\tF\ta\n")).problem(),
+              ::testing::HasSubstr("holds no numbers"));
+  const auto comments = error_of(lvm(kTwo, "X_Value\tF\ta\n# stopped by hand\n"));
+  EXPECT_THAT(comments.problem(), ::testing::HasSubstr("holds no numbers"));
+  EXPECT_EQ(comments.where().line, 14);
+}
+
+TEST(ReadLvm, ATableThatIsMostlyNothingIsRefusedBeforeMemoryIsTaken) {
+  std::string table = "X_Value";
+  for (int c = 0; c < 3000; ++c) table += "\tc" + std::to_string(c);
+  table += '\n';
+  for (int k = 0; k < 3000; ++k) table += "\t1.5\n";
+  const auto error = error_of(lvm(kTwo, table));
+  EXPECT_THAT(error.problem(), ::testing::HasSubstr("far fewer fields"));
+  EXPECT_EQ(error.where().line, 14);
+}
+
+}  // namespace
+}  // namespace rigfit::signal::read_lvm_test

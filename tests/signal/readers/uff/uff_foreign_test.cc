@@ -1,0 +1,319 @@
+// Universal files as other programs write them: every kind of function, unit and channel, and what
+// is said of those that cannot be taken.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "signal/readers/uff/read_uff.h"
+#include "signal/readers/uff/uff58.h"
+#include "signal/recording/recording_error.h"
+#include "signal/writers/write_uff.h"
+
+namespace rigfit::signal::uff_foreign_test {
+namespace {
+
+struct Axis {
+  int type = 0;
+  std::string label = "NONE", unit = "NONE";
+};
+
+/// One dataset 58 as text; an FRF in m/s^2 per N from 1 Hz in steps of 1 Hz unless told.
+struct Dataset {
+  int type = 4;     ///< of the function
+  int numbers = 5;  ///< 2 and 4: real; 5 and 6: complex
+  int spacing = 1;  ///< 1: even
+  int response = 1, response_direction = 2, reference = 5, reference_direction = 2;
+  double start = 1, step = 1;
+  Axis abscissa{18, "Frequency", "Hz"}, ordinate{12, "Acceleration", "m/s^2"},
+      denominator{13, "Force", "N"};
+  std::vector<std::string> values{"1", "2", "3", "4", "5", "6"};
+
+  [[nodiscard]] std::string text() const {
+    const auto per_value = static_cast<std::size_t>((numbers >= 5 ? 2 : 1) + (spacing == 0));
+    std::string out = fmt::format("    -1\n    58\nNONE\nNONE\nNONE\nNONE\nNONE\n");
+    out +=
+        fmt::format("{:5d}{:10d}{:5d}{:10d} {:<10s}{:10d}{:4d} {:<10s}{:10d}{:4d}\n", type, 0, 0, 0,
+                    "NONE", response, response_direction, "NONE", reference, reference_direction);
+    out += fmt::format("{:10d}{:10d}{:10d}{:13.6e}{:13.6e}{:13.6e}\n", numbers,
+                       values.size() / per_value, spacing, start, step, 0.0);
+    for (const Axis& a : {abscissa, ordinate, denominator, Axis{}}) {
+      out +=
+          fmt::format("{:10d}{:5d}{:5d}{:5d} {:<20s} {:<20s}\n", a.type, 0, 0, 0, a.label, a.unit);
+    }
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      out += fmt::format("{:>{}s}", values[k], numbers == 2 || numbers == 5 ? 13 : 20);
+      if ((k + 1) % per_value == 0) out += '\n';
+    }
+    return out + "    -1\n";
+  }
+};
+
+Dataset time_history(std::vector<std::string> values) {
+  Dataset d;
+  d.type = 1;
+  d.numbers = 2;
+  d.start = 0;
+  d.step = 1e-3;
+  d.abscissa = {17, "Time", "s"};
+  d.denominator = {};
+  d.values = std::move(values);
+  return d;
+}
+
+template <typename Read>
+RecordingError error_of(Read&& read) {
+  try {
+    (void)read();
+  } catch (const RecordingError& error) {
+    return error;
+  }
+  ADD_FAILURE() << "no error";
+  return {{}, "", ""};
+}
+RecordingError frf_error(const std::string& text) {
+  return error_of([&] { return read_uff_frfs(text, "x.uff"); });
+}
+
+std::vector<std::string> codes(const std::vector<Note>& notes) {
+  std::vector<std::string> out;
+  for (const auto& note : notes) out.push_back(note.code);
+  return out;
+}
+
+TEST(UffForeign, QuantitiesComeFromDataTypesWhereUnitsAreUnknown) {
+  const std::pair<int, Quantity> kinds[] = {
+      {3, Quantity::strain}, {5, Quantity::temperature}, {8, Quantity::displacement},
+      {9, Quantity::force},  {11, Quantity::velocity},   {12, Quantity::acceleration},
+      {13, Quantity::force}, {15, Quantity::pressure},   {17, Quantity::time},
+      {1, Quantity::unknown}};
+  for (const auto& [type, quantity] : kinds) {
+    Dataset d = time_history({"1", "2", "3"});
+    d.ordinate = {type, "what", "furlong"};
+    const Recording r = read_uff(d.text(), "x.uff");
+    EXPECT_EQ(r.channels[0].quantity, quantity) << type;
+    EXPECT_EQ(r.channels[0].samples[2], 3);
+    EXPECT_THAT(codes(r.notes), ::testing::Contains("unknown_unit"));
+  }
+}
+
+TEST(UffForeign, EveryQuantityComesBackFromOwnFiles) {
+  Recording out;
+  out.sample_rate_hz = 100;
+  for (const auto quantity :
+       {Quantity::strain, Quantity::temperature, Quantity::displacement, Quantity::force,
+        Quantity::velocity, Quantity::acceleration, Quantity::pressure, Quantity::voltage}) {
+    Channel c;
+    c.name = name_of(quantity);
+    c.quantity = quantity;  // without a unit: only the data type tells
+    c.samples = Eigen::Vector3d(1, 2, 3);
+    out.channels.push_back(c);
+  }
+  const Recording in = read_uff(uff_text(out, UffEncoding::binary), "x.uff");
+  ASSERT_EQ(in.channels.size(), out.channels.size());
+  for (std::size_t k = 0; k < in.channels.size(); ++k) {
+    // Data type 1 is "general": a voltage has none of its own.
+    const Quantity wanted = out.channels[k].quantity == Quantity::voltage
+                                ? Quantity::unknown
+                                : out.channels[k].quantity;
+    EXPECT_EQ(in.channels[k].quantity, wanted) << out.channels[k].name;
+  }
+}
+
+TEST(UffForeign, ChannelsWithoutANameAreCalledByTheirPoint) {
+  Dataset d = time_history({"1", "2", "3"});
+  d.ordinate = {12, "NONE", "g"};
+  d.response = 12, d.response_direction = -3;
+  EXPECT_EQ(read_uff(d.text(), "x.uff").channels[0].name, "12-Z");
+  d.response = 0;
+  EXPECT_EQ(read_uff(d.text(), "x.uff").channels[0].name, "channel");
+}
+
+TEST(UffForeign, ShorterChannelsArePaddedAndVeryUnequalOnesRefused) {
+  const Dataset one = time_history({"1", "2", "3", "4", "5"});
+  Dataset two = time_history({"6", "7", "8"});
+  two.response = 2;
+  const Recording r = read_uff(one.text() + two.text(), "x.uff");
+  ASSERT_EQ(r.samples(), 5);
+  EXPECT_EQ(r.channels[1].missing_samples, 2);
+  EXPECT_EQ(r.channels[1].samples[2], 8);
+  EXPECT_TRUE(std::isnan(r.channels[1].samples[3]));
+  ASSERT_THAT(codes(r.notes), ::testing::Contains("shorter_channel"));
+  // 100 channels of one sample beside one of 30,000: 3 million samples from 0.5 MB of text.
+  std::string text = time_history(std::vector<std::string>(30000, "1")).text();
+  for (int k = 2; k < 102; ++k) {
+    Dataset d = time_history({"1"});
+    d.response = k;
+    text += d.text();
+  }
+  const auto error = error_of([&] { return read_uff(text, "x.uff"); });
+  EXPECT_THAT(error.problem(), ::testing::HasSubstr("longest has 30000 samples"));
+  EXPECT_EQ(error.remedy(), "split the file");
+}
+
+TEST(UffForeign, FunctionsThatAreNoTimeHistoriesAreNamed) {
+  const char* const names[] = {"general function",
+                               "time response",
+                               "auto spectrum",
+                               "cross spectrum",
+                               "frequency response function",
+                               "transmissibility",
+                               "coherence",
+                               "auto correlation",
+                               "cross correlation",
+                               "power spectral density",
+                               "energy spectral density",
+                               "probability density",
+                               "spectrum",
+                               "function of another type"};
+  for (int type = 0; type < 14; ++type) {
+    if (type == 1) continue;
+    Dataset d;
+    d.type = type;
+    const auto alone = error_of([&] { return read_uff(d.text(), "x.uff"); });
+    EXPECT_THAT(alone.problem(), ::testing::EndsWith(std::string("but: ") + names[type]));
+    EXPECT_EQ(alone.where().line, 2);
+    const Recording r = read_uff(d.text() + time_history({"1", "2"}).text(), "x.uff");
+    ASSERT_EQ(r.channels.size(), 1u);
+    ASSERT_THAT(codes(r.notes), ::testing::ElementsAre("functions_left_out"));
+    EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr(names[type]));
+  }
+}
+
+TEST(UffForeign, ARateGivenByHandOverridesTheFilesAndSaysSo) {
+  ReadOptions options;
+  options.sample_rate_hz = 250;
+  const std::string text = time_history({"1", "2", "3"}).text();
+  const Recording r = read_uff(text, "x.uff", options);
+  EXPECT_EQ(r.sample_rate_hz, 250);
+  ASSERT_THAT(codes(r.notes), ::testing::ElementsAre("rate_overridden"));
+  EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("gives 1000 Hz"));
+  options.sample_rate_hz = 1000;
+  EXPECT_THAT(codes(read_uff(text, "x.uff", options).notes), ::testing::IsEmpty());
+}
+
+TEST(UffForeign, TimesThatAreMissingOrOfAnUnknownSpacingAreRefused) {
+  Dataset d = time_history({"0", "1", "NaN", "2", "0.3", "3"});
+  d.spacing = 0;
+  const auto missing = error_of([&] { return read_uff(d.text(), "x.uff"); });
+  EXPECT_EQ(missing.problem(), "some times are missing");
+  EXPECT_EQ(missing.where().line, 2);
+  d.spacing = 2;
+  const auto spacing = error_of([&] { return read_uff(d.text(), "x.uff"); });
+  EXPECT_EQ(spacing.problem(), "unknown spacing of the abscissa");
+  EXPECT_EQ(spacing.where().line, 9);
+  EXPECT_EQ(spacing.where().value, "2");
+}
+
+TEST(UffForeign, FormsAndUnitsOfFrfs) {
+  struct Case {
+    Axis ordinate, denominator;
+    FrfForm form;
+    std::string unit;
+    double factor;
+  };
+  const Case cases[] = {
+      {{8, "d", "mm"}, {13, "F", "kN"}, FrfForm::receptance, "(m)/N", 1e-6},
+      {{11, "v", "m/s"}, {13, "F", "N"}, FrfForm::mobility, "(m/s)/N", 1},
+      {{0, "a", "m/s2/N"}, {}, FrfForm::accelerance, "(m/s^2)/N", 1},
+      {{12, "a", "g"}, {13, "F", "NONE"}, FrfForm::accelerance, "(m/s^2)/N", 9.80665},
+      {{8, "d", "furlong"}, {13, "F", "N"}, FrfForm::receptance, "", 1},
+      {{11, "v", "furlong/s"}, {13, "F", "N"}, FrfForm::mobility, "", 1},
+      {{12, "a", "furlong"}, {13, "F", "N"}, FrfForm::accelerance, "", 1},
+      {{0, "x", "furlong"}, {13, "F", "N"}, FrfForm::unknown, "", 1}};
+  for (const auto& c : cases) {
+    Dataset d;
+    d.ordinate = c.ordinate;
+    d.denominator = c.denominator;
+    const FrfSet f = read_uff_frfs(d.text(), "x.uff");
+    EXPECT_EQ(f.form, c.form) << c.ordinate.unit;
+    EXPECT_EQ(f.unit, c.unit) << c.ordinate.unit;
+    EXPECT_NEAR(std::abs(f.H(1, 0) - c.factor * std::complex<double>(3, 4)), 0, 1e-15 * c.factor);
+    EXPECT_EQ(f.frequency_hz[2], 3);
+  }
+}
+
+TEST(UffForeign, OwnFrfsOfEveryFormComeBack) {
+  for (const auto form : {FrfForm::receptance, FrfForm::mobility, FrfForm::unknown}) {
+    FrfSet out;
+    out.responses = {{"a", 1, 2}};
+    out.inputs = {{"h", 5, 2}};
+    out.form = form;
+    out.unit = unit_of(form);
+    out.frequency_hz = Eigen::Vector3d(1, 2, 3);
+    out.H = Eigen::Vector3cd(std::complex<double>(1, 2), 3, 4);
+    const FrfSet in = read_uff_frfs(uff_text(out, UffEncoding::binary), "x.uff");
+    EXPECT_EQ(in.form, form);
+    EXPECT_EQ(in.H(0, 0), out.H(0, 0));
+  }
+}
+
+TEST(UffForeign, FrequenciesAreTakenInTheirUnit) {
+  Dataset d;
+  d.abscissa = {18, "omega", "rad/s"};
+  EXPECT_NEAR(read_uff_frfs(d.text(), "x.uff").frequency_hz[2], 3 / (2 * std::numbers::pi), 1e-15);
+  d.abscissa.unit = "kHz";
+  EXPECT_NEAR(read_uff_frfs(d.text(), "x.uff").frequency_hz[2], 3000, 1e-12);
+}
+
+TEST(UffForeign, FrfsThatDoNotFitEachOtherSayWhich) {
+  const Dataset first;  // 17 lines long: a second one begins in line 18, its number is in line 19
+  Dataset d;
+  d.step = 0;
+  EXPECT_EQ(frf_error(d.text()).problem(), "the frequencies do not rise");
+  d = {};
+  const auto twice = frf_error(first.text() + d.text());
+  EXPECT_EQ(twice.problem(), "is a second FRF from \"5+Y\" to \"1+Y\"");
+  EXPECT_EQ(twice.where().line, 19);
+  d.response = 2;
+  d.step = 1.5;
+  EXPECT_EQ(frf_error(first.text() + d.text()).problem(),
+            "has other frequencies than the first FRF (line 2)");
+  d.step = 1;
+  d.ordinate = {8, "d", "m"};
+  EXPECT_THAT(frf_error(first.text() + d.text()).problem(), ::testing::HasSubstr("another form"));
+  d = {};
+  d.response = 2, d.reference = 6;
+  EXPECT_EQ(frf_error(first.text() + d.text()).problem(), "no FRF from \"6+Y\" to \"1+Y\"");
+  std::string scattered;
+  for (int k = 1; k <= 9; ++k) {
+    d.response = k, d.reference = k;
+    scattered += d.text();
+  }
+  EXPECT_THAT(frf_error(scattered).problem(), ::testing::HasSubstr("are absent"));
+  d = {};
+  d.values[2] = "NaN";
+  EXPECT_EQ(frf_error(d.text()).problem(), "an FRF holds values that are no numbers");
+}
+
+TEST(UffForeign, WhatIsNoNumberAtRestOrInCoherenceIsLeftOut) {
+  Dataset mobility;
+  mobility.start = 0;
+  mobility.values[0] = "NaN";
+  Dataset coherence = mobility;
+  coherence.type = 6, coherence.numbers = 2;
+  coherence.values = {"NaN", "0.5", "0.75"};
+  const FrfSet f = read_uff_frfs(mobility.text() + coherence.text(), "x.uff");
+  EXPECT_THAT(codes(f.notes), ::testing::Contains("line_left_out"));
+  ASSERT_EQ(f.frequency_hz.size(), 2);
+  EXPECT_EQ(f.frequency_hz[0], 1);
+  EXPECT_EQ(f.H(0, 0), std::complex<double>(3, 4));
+  ASSERT_EQ(f.coherence.rows(), 2);
+  EXPECT_EQ(f.coherence(1, 0), 0.75);
+
+  coherence.values[1] = "NaN";
+  const FrfSet without = read_uff_frfs(mobility.text() + coherence.text(), "x.uff");
+  EXPECT_THAT(codes(without.notes), ::testing::Contains("not_a_number"));
+  EXPECT_EQ(without.coherence.size(), 0);
+
+  Dataset other = mobility;
+  other.response = 2;
+  const FrfSet some = read_uff_frfs(mobility.text() + other.text() + coherence.text(), "x.uff");
+  EXPECT_THAT(codes(some.notes), ::testing::Contains("incomplete"));
+  EXPECT_EQ(some.coherence.size(), 0);
+}
+
+}  // namespace
+}  // namespace rigfit::signal::uff_foreign_test

@@ -1,0 +1,256 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <random>
+
+#include "signal/readers/uff/read_uff.h"
+#include "signal/readers/uff/uff58.h"
+#include "signal/recording/recording_error.h"
+#include "signal/writers/write_uff.h"
+#include "tests/expect_matrix.h"
+
+namespace rigfit::signal::uff_test {
+namespace {
+
+using rigfit::testing::MatricesNear;
+
+Recording made_recording(double rate, Eigen::Index n) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  Recording r;
+  r.sample_rate_hz = rate;
+  r.start_time_s = -0.0123456789;
+  for (const auto& [name, unit, quantity] :
+       {std::tuple{"hammer at the right cable's quarter span", "N", Quantity::force},
+        std::tuple{"mid-span, \u00FCber", "m/s^2", Quantity::acceleration},
+        std::tuple{"plain", "", Quantity::unknown}}) {
+    Channel c;
+    c.name = name;
+    c.unit = unit;
+    c.quantity = quantity;
+    c.direction = {0, -1, 0};
+    c.nominal_range = 22.5;
+    c.samples.resize(n);
+    for (auto& x : c.samples) x = normal(random) * 1e-3;
+    r.channels.push_back(c);
+  }
+  return r;
+}
+
+FrfSet made_frfs() {
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal;
+  FrfSet f;
+  f.responses = {{"beam 0.45 m", 3, 1}, {"left cable", 7, -2}};
+  f.inputs = {{"hammer", 5, 3}};
+  f.form = FrfForm::accelerance;
+  f.unit = "(m/s^2)/N";
+  f.averages = 5;
+  f.sample_rate_hz = 2048.0;
+  f.exponential_decay_rate_1_s = 3.0 / 7.0;
+  f.frequency_hz = Eigen::VectorXd::LinSpaced(33, 0.0, 32 * 1.25);
+  f.H.resize(33, 2);
+  f.coherence.resize(33, 2);
+  f.H_std.resize(33, 2);
+  for (Eigen::Index k = 0; k < f.H.size(); ++k) {
+    f.H(k) = {normal(random), normal(random)};
+    f.coherence(k) = 1 / (1 + std::abs(normal(random)));
+    f.H_std(k) = std::abs(normal(random));
+  }
+  return f;
+}
+
+TEST(Uff, BinaryRecordingComesBackExactly) {
+  // A rate that six printed digits of its step do not give.
+  const Recording out = made_recording(51234.56789, 1001);
+  const Recording in = read_uff(uff_text(out, UffEncoding::binary), "x.uff");
+  EXPECT_EQ(in.format, "uff58-binary");
+  EXPECT_EQ(in.sample_rate_hz, out.sample_rate_hz);
+  EXPECT_EQ(in.start_time_s, out.start_time_s);
+  ASSERT_EQ(in.channels.size(), out.channels.size());
+  for (std::size_t c = 0; c < in.channels.size(); ++c) {
+    EXPECT_EQ(in.channels[c].name, out.channels[c].name);
+    EXPECT_EQ(in.channels[c].unit, out.channels[c].unit);
+    EXPECT_EQ(in.channels[c].quantity, out.channels[c].quantity);
+    EXPECT_EQ(in.channels[c].direction, out.channels[c].direction);
+    EXPECT_EQ(in.channels[c].nominal_range, out.channels[c].nominal_range);
+    EXPECT_TRUE(MatricesNear(in.channels[c].samples, out.channels[c].samples, 0));
+  }
+}
+
+TEST(Uff, SinglePrecisionHalvesTheSizeAndKeepsSevenDigits) {
+  const Recording out = made_recording(2048, 1001);
+  const std::string text = uff_text(out, UffEncoding::binary_single, "synthetic");
+  EXPECT_NE(text.find("synthetic"), std::string::npos);
+  EXPECT_LT(text.size(), 0.6 * uff_text(out, UffEncoding::binary).size());
+  const Recording in = read_uff(text, "x.uff");
+  ASSERT_EQ(in.channels.size(), out.channels.size());
+  EXPECT_EQ(in.sample_rate_hz, 2048);
+  for (std::size_t c = 0; c < in.channels.size(); ++c) {
+    const auto& samples = out.channels[c].samples;
+    // Half a unit of the 24th binary digit.
+    EXPECT_TRUE(MatricesNear(in.channels[c].samples, samples,
+                             samples.cwiseAbs().maxCoeff() * std::ldexp(1.0, -24)));
+  }
+}
+
+TEST(Uff, TextRecordingComesBackWithinItsDigits) {
+  for (const Eigen::Index n : {1, 3, 4, 5, 1000}) {
+    const Recording out = made_recording(48000, n);
+    const Recording in = read_uff(uff_text(out, UffEncoding::ascii), "x.uff");
+    EXPECT_EQ(in.format, "uff58-ascii");
+    EXPECT_EQ(in.sample_rate_hz, 48000);
+    for (std::size_t c = 0; c < in.channels.size(); ++c) {
+      // 4E20.12: half a unit of the thirteenth digit of values below 1e-2.
+      EXPECT_TRUE(MatricesNear(in.channels[c].samples, out.channels[c].samples, 0.5e-14));
+    }
+  }
+}
+
+TEST(Uff, UnevenTimesAndMissingSamplesComeBack) {
+  Recording out = made_recording(100, 50);
+  out.time_s = Eigen::VectorXd::LinSpaced(50, 0, 0.49);
+  for (Eigen::Index k = 25; k < 50; ++k) out.time_s[k] += 1.0 / 3.0;
+  out.channels[1].samples[4] = std::numeric_limits<double>::quiet_NaN();
+  for (const auto encoding : {UffEncoding::ascii, UffEncoding::binary}) {
+    const Recording in = read_uff(uff_text(out, encoding), "x.uff");
+    // Text: 2(E13.5,E20.12) has six digits for times below 1 s.
+    const double tolerance = encoding == UffEncoding::binary ? 0 : 0.5e-5;
+    EXPECT_TRUE(MatricesNear(in.time_s, out.time_s, tolerance));
+    EXPECT_EQ(in.channels[1].missing_samples, 1);
+    EXPECT_TRUE(std::isnan(in.channels[1].samples[4]));
+  }
+}
+
+TEST(Uff, FrfsComeBackWithErrorBarsAndWindow) {
+  const FrfSet out = made_frfs();
+  const FrfSet in = read_uff_frfs(uff_text(out, UffEncoding::binary), "x.uff");
+  EXPECT_TRUE(MatricesNear(in.H.real(), out.H.real(), 0));
+  EXPECT_TRUE(MatricesNear(in.H.imag(), out.H.imag(), 0));
+  EXPECT_TRUE(MatricesNear(in.coherence, out.coherence, 0));
+  EXPECT_TRUE(MatricesNear(in.H_std, out.H_std, 0));
+  EXPECT_TRUE(MatricesNear(in.frequency_hz, out.frequency_hz, 0));
+  EXPECT_EQ(in.form, FrfForm::accelerance);
+  EXPECT_EQ(in.unit, "(m/s^2)/N");
+  EXPECT_EQ(in.averages, 5);
+  EXPECT_EQ(in.exponential_decay_rate_1_s, out.exponential_decay_rate_1_s);
+  ASSERT_EQ(in.responses.size(), 2u);
+  EXPECT_EQ(in.responses[1].name, "left cable");
+  EXPECT_EQ(in.responses[1].node, 7);
+  EXPECT_EQ(in.responses[1].direction, -2);
+  EXPECT_EQ(in.inputs[0].name, "hammer");
+}
+
+TEST(Uff, UnevenFrfsComeBack) {
+  FrfSet out = made_frfs();
+  out.frequency_hz = out.frequency_hz.array().square() + 1;
+  for (const auto encoding : {UffEncoding::ascii, UffEncoding::binary}) {
+    const FrfSet in = read_uff_frfs(uff_text(out, encoding), "x.uff");
+    const double digit = encoding == UffEncoding::binary ? 0 : 0.5e-2;  // E13.5 at 1601
+    EXPECT_TRUE(MatricesNear(in.frequency_hz, out.frequency_hz, digit));
+    EXPECT_TRUE(MatricesNear(in.H.real(), out.H.real(), 0.5e-12 * 10));
+  }
+}
+
+TEST(Uff, LinesHaveTheFormatsColumns) {
+  const std::string text = uff_text(made_frfs(), UffEncoding::ascii);
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = text.find('\n', at);
+    lines.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  EXPECT_EQ(lines[0], "    -1");
+  for (std::size_t k = 1; k <= 7; ++k) EXPECT_EQ(lines[k].size(), 80u) << k << lines[k];
+  EXPECT_EQ(lines[7],
+            "    4         0    0         0 beam 0.45          3   1 hammer             5   3");
+  EXPECT_EQ(lines[8], "         6        33         1 0.000000e+00 1.250000e+00 0.000000e+00");
+  EXPECT_EQ(lines[10], "        12    0    0    0 Accelerance          m/s^2               ");
+  EXPECT_EQ(lines[11], "        13    0    0    0 Force                N                   ");
+}
+
+/// A dataset as others write it: single precision, either byte order, CRLF.
+std::string foreign_binary(bool big, int count, const std::string& tail) {
+  std::string out = "    -1\r\n    58b" + std::string(big ? "     2" : "     1") +
+                    "     2          11          " + std::to_string(4 * count) +
+                    "     0     0           0           0\r\n";
+  out += "NONE\r\nNONE\r\nNONE\r\nNONE\r\nNONE\r\n";
+  out += "    1         0    0         0 NONE              12  -3 NONE               0   0\r\n";
+  char form[81];
+  std::snprintf(form, sizeof form, "%10d%10d%10d%13.5E%13.5E%13.5E\r\n", 2, count, 1, 0.0, 1e-3,
+                0.0);
+  out += form;
+  out += "        17    0    0    0 Time                 s                   \r\n";
+  out += "        12    0    0    0 Acc                  g                   \r\n";
+  out += "         0    0    0    0 NONE                 NONE                \r\n";
+  out += "         0    0    0    0 NONE                 NONE                \r\n";
+  for (int k = 0; k < count; ++k) {
+    auto bits = std::bit_cast<std::uint32_t>(0.5f * static_cast<float>(k));
+    for (int b = 0; b < 4; ++b) {
+      out += static_cast<char>(bits >> (big ? 24 - 8 * b : 8 * b) & 0xFF);
+    }
+  }
+  return out + tail;
+}
+
+TEST(Uff, BothByteOrdersReadAlike) {
+  for (const bool big : {false, true}) {
+    const Recording r = read_uff(foreign_binary(big, 40, "    -1\r\n"), "x.uff");
+    EXPECT_EQ(r.sample_rate_hz, 1000);
+    ASSERT_EQ(r.samples(), 40);
+    for (int k = 0; k < 40; ++k) EXPECT_DOUBLE_EQ(r.channels[0].samples[k], 0.5 * k * 9.80665);
+    EXPECT_EQ(r.channels[0].name, "Acc");
+    EXPECT_EQ(r.channels[0].direction, (std::array<double, 3>{0, 0, -1}));
+  }
+}
+
+TEST(Uff, TruncatedAndWrongFilesSayWhere) {
+  const auto message = [](const std::string& text) {
+    try {
+      (void)read_uff(text, "x.uff");
+    } catch (const RecordingError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  std::string text = foreign_binary(false, 40, "");
+  text.resize(text.size() - 9);
+  EXPECT_THAT(message(text), ::testing::HasSubstr("x.uff:9:11"));
+  std::string ascii = uff_text(made_recording(100, 9), UffEncoding::ascii);
+  const std::size_t at = ascii.find('.', ascii.find("Time"));
+  ascii[at + 1] = 'x';
+  EXPECT_THAT(message(ascii), ::testing::HasSubstr("not a number"));
+  EXPECT_THAT(message(ascii), ::testing::HasSubstr("x.uff:14:"));
+  EXPECT_THAT(message("    -1\n    15\n    -1\n"), ::testing::HasSubstr("holds no dataset 58"));
+}
+
+TEST(Uff, WritesModesAtPoints) {
+  ModalModel modes;
+  modes.responses = {{"a", 4, 2}, {"b", 4, -1}, {"c", 9, 3}};
+  modes.inputs = {{"h", 9, 3}};
+  IdentifiedMode mode;
+  mode.frequency_hz = {10, 0.01};
+  mode.damping_ratio = {0.01, 0.001};
+  mode.pole_rad_s = {-0.6283, 62.83};
+  mode.shape.resize(3);
+  mode.shape << std::complex<double>(1, 0.5), std::complex<double>(-2, 0),
+      std::complex<double>(3, 1);
+  mode.participation = Eigen::VectorXcd::Constant(1, std::complex<double>(0, 2));
+  modes.modes = {mode};
+  const std::string text = uff_text(modes, {{4, {0, 0.5, 0}}, {9, {1, 0, 0}}});
+  EXPECT_THAT(text, ::testing::HasSubstr("         4         0         0         0  0.00000e+00"
+                                         "  5.00000e-01  0.00000e+00\n"));
+  // Node 4: x is minus b, y is a; node 9: z is c.
+  EXPECT_THAT(text, ::testing::HasSubstr("         4\n  2.00000e+00 -0.00000e+00  1.00000e+00"
+                                         "  5.00000e-01  0.00000e+00  0.00000e+00\n"));
+  EXPECT_THAT(text, ::testing::HasSubstr("         9\n"));
+  // Eigenvalue, then modal A = psi / L = (3 + i) / 2i = 0.5 - 1.5 i.
+  EXPECT_THAT(text, ::testing::HasSubstr(" -6.28300e-01  6.28300e+01  5.00000e-01 -1.50000e+00"));
+}
+
+}  // namespace
+}  // namespace rigfit::signal::uff_test

@@ -1,0 +1,77 @@
+#include "signal/recording/clipping.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace rigfit::signal::clipping_test {
+namespace {
+using Eigen::Index;
+
+Eigen::VectorXd sine(double period, double step) {
+  return Eigen::VectorXd::NullaryExpr(2000, [=](Index n) {
+    const double x = std::sin(2 * EIGEN_PI * (static_cast<double>(n) + 0.3) / period);
+    return step > 0 ? step * std::round(x / step) : x;
+  });
+}
+
+bool clipped(const Eigen::VectorXd& x, double range = 0) {
+  return is_clipped(x, clip_levels(x), 0, 0, x.size() - 1, range);
+}
+
+TEST(Clipping, FlatTopsAreNotQuantisation) {
+  for (const double period : {8.0, 40.0, 300.0}) {
+    for (const double step : {0.0, 1.0 / 2048, 1.0 / 32}) {
+      const Eigen::VectorXd x = sine(period, step);
+      EXPECT_FALSE(clipped(x)) << period << " " << step;
+      // Clipped to 60 %, on a level of the converter, with more than three samples above.
+      const double level = step > 0 ? step * std::round(0.6 / step) : 0.6;
+      if (period > 10) {
+        EXPECT_TRUE(clipped(x.cwiseMin(level))) << period << " " << step;
+        EXPECT_TRUE(clipped(x.cwiseMax(-level))) << period << " " << step;
+      }
+    }
+  }
+}
+
+TEST(Clipping, RangeRestAndNothing) {
+  const Eigen::VectorXd x = sine(40, 0);
+  EXPECT_TRUE(clipped(x, 0.99));
+  EXPECT_FALSE(clipped(x, 1.01));
+  Eigen::VectorXd pulse = Eigen::VectorXd::Zero(100);
+  pulse.segment(40, 5) << 0.3, 0.8, 1, 0.7, 0.2;
+  EXPECT_FALSE(clipped(pulse));  // at rest at its lower extreme
+  EXPECT_FALSE(clipped(Eigen::VectorXd::Constant(50, 3)));
+  EXPECT_FALSE(clipped(Eigen::VectorXd::Constant(50, std::numeric_limits<double>::quiet_NaN())));
+}
+
+TEST(Clipping, TwoEqualSamplesOfASharpTop) {
+  // Of a half sine of six samples those above 0.8 are two; noise of five steps keeps tops unequal.
+  Eigen::VectorXd pulse = Eigen::VectorXd::Zero(60);
+  for (Index k = 0; k < 6; ++k)
+    pulse[20 + k] = std::sin(EIGEN_PI * (static_cast<double>(k) + 0.6) / 6.2);
+  for (Index k = 0; k < 60; ++k) pulse[k] += 1e-4 * std::sin(static_cast<double>(k * k));
+  EXPECT_FALSE(clipped(pulse));
+  EXPECT_TRUE(clipped(pulse.cwiseMin(0.8)));
+}
+
+TEST(Clipping, CoarselySampledTopsPileUp) {
+  // No flat is three samples long here; without clipping nothing piles up, however coarse the
+  // steps.
+  for (const double period : {2.1, 2.7, 3.3, 8.1, 39.7, 300.3}) {
+    for (const double step : {0.0, 1.0 / 2048, 1.0 / 32, 1.0 / 4}) {
+      const Eigen::VectorXd x = sine(period, step);
+      EXPECT_FALSE(piles_up(x, x.maxCoeff())) << period << " " << step;
+      EXPECT_FALSE(piles_up(x, x.minCoeff())) << period << " " << step;
+      if (step > 0.1 || period > 10) continue;
+      const Eigen::VectorXd cut = x.cwiseMin(step > 0 ? step * std::round(0.6 / step) : 0.6);
+      EXPECT_TRUE(piles_up(cut, cut.maxCoeff())) << period << " " << step;
+      EXPECT_FALSE(piles_up(cut, cut.minCoeff())) << period << " " << step;
+    }
+  }
+  EXPECT_FALSE(piles_up(Eigen::VectorXd::Constant(50, 3), 3));
+}
+
+}  // namespace
+}  // namespace rigfit::signal::clipping_test

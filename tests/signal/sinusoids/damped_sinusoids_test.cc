@@ -1,0 +1,171 @@
+#include "signal/sinusoids/damped_sinusoids.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "tests/expect_matrix.h"
+
+#include "signal/sinusoids/power_sums.h"
+
+namespace rigfit::signal::damped_sinusoids_test {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+Eigen::VectorXd decay(const std::vector<Complex>& poles, const std::vector<Complex>& amplitudes,
+                      Index n, double offset = 0, double drift = 0) {
+  Eigen::VectorXd y(n);
+  for (Index j = 0; j < n; ++j) {
+    const double t = static_cast<double>(j);
+    y(j) = offset + drift * t / static_cast<double>(n);
+    for (std::size_t m = 0; m < poles.size(); ++m) {
+      y(j) += (amplitudes[m] * std::exp(poles[m] * t)).real();
+    }
+  }
+  return y;
+}
+
+TEST(PowerSums, AgreeWithTheLoopFromOneTermToManyAndAtOne) {
+  for (const Complex q :
+       {Complex(1, 0), Complex(0.999, 1e-3), std::polar(0.98, 2.5), Complex(0.1, 0)}) {
+    for (const Index n : {1, 2, 3, 7, 64, 1000, 4097}) {
+      std::array<Complex, 5> sums;
+      power_sums(q, n, sums);
+      Complex z = 1;
+      std::array<Complex, 5> loop{};
+      for (Index j = 0; j < n; ++j) {
+        for (std::size_t k = 0; k < 5; ++k) {
+          loop[k] +=
+              std::pow(static_cast<double>(j) / static_cast<double>(n), static_cast<double>(k)) * z;
+        }
+        z *= q;
+      }
+      // Terms are at most 1 in modulus: rounding of a sum of n terms, and of q^n by repeated
+      // multiplication in the loop, stays below n eps each.
+      for (std::size_t k = 0; k < 5; ++k) {
+        EXPECT_LT(std::abs(sums[k] - loop[k]), 4e-16 * static_cast<double>(n * (n < 10 ? 10 : n)))
+            << q << " " << n << " " << k;
+      }
+    }
+  }
+}
+
+TEST(DampedSinusoids, RecoversManufacturedModesToRounding) {
+  const std::vector<Complex> poles{{-0.01, 0.6}, {-0.003, 1.7}};
+  const std::vector<Complex> amplitudes{{1.0, -0.5}, {0.2, 0.3}};
+  const auto y = decay(poles, amplitudes, 700, 0.4, -0.2);
+  const std::vector<Complex> start{{-0.008, 0.602}, {-0.004, 1.699}};
+  const auto fit = fit_damped_sinusoids(y, start);
+  ASSERT_EQ(fit.end, DampedSinusoidsFit::End::converged);
+  for (std::size_t m = 0; m < 2; ++m) {
+    // Rounding of the data (1e-16) times the conditioning of a pole over 700 samples (below 1).
+    EXPECT_LT(std::abs(fit.poles[m] - poles[m]), 1e-14);
+    EXPECT_LT(std::abs(fit.amplitudes[m] - amplitudes[m]), 1e-13);
+  }
+  EXPECT_NEAR(fit.offset, 0.4, 1e-13);
+  EXPECT_NEAR(fit.drift, -0.2, 1e-13);
+  EXPECT_LT(fit.residual.cwiseAbs().maxCoeff(), 1e-13);
+}
+
+TEST(DampedSinusoids, GramMatrixIsThatOfTheDifferencedModel) {
+  // J by central differences of the model: step h = 1e-6 leaves h^2 and eps / h, both 1e-10 of the
+  // column (times N^2 for poles, whose columns grow with j).
+  const std::vector<Complex> poles{{-0.02, 0.5}};
+  const std::vector<Complex> amplitudes{{0.8, 0.6}};
+  const Index n = 60;
+  auto y = decay(poles, amplitudes, n, 0.1, 0.3);
+  std::vector<Index> missing{3, 17, 18};
+  for (Index j : missing) y(j) = 0;
+  DampedSinusoidsOptions at_start;
+  at_start.max_iterations = 0;
+  const auto fit = fit_damped_sinusoids(y, poles, at_start, missing);
+  Eigen::MatrixXd J(n, 6);
+  const double h = 1e-6;
+  for (int k = 0; k < 6; ++k) {
+    const auto at = [&](double s) {
+      auto p = poles;
+      auto a = amplitudes;
+      double offset = 0.1, drift = 0.3;
+      if (k == 0) a[0] += Complex(s, 0);
+      if (k == 1) a[0] += Complex(0, s);
+      if (k == 2) p[0] += Complex(s, 0);
+      if (k == 3) p[0] += Complex(0, s);
+      if (k == 4) offset += s;
+      if (k == 5) drift += s;
+      return decay(p, a, n, offset, drift);
+    };
+    J.col(k) = (at(h) - at(-h)) / (2 * h);
+    EXPECT_TRUE(testing::MatricesNear(J.col(k), fit.jacobian_column(k), 1e-6));
+  }
+  for (Index j : missing) J.row(j).setZero();
+  const Eigen::MatrixXd gram = J.transpose() * J;
+  EXPECT_TRUE(testing::MatricesNear(gram, fit.jacobian_gram, 1e-8 * gram.cwiseAbs().maxCoeff()));
+}
+
+// One mode fitted to two that beat: what it leaves is no noise, and Gauss and Newton's steps, which
+// leave out the second derivatives, would creep (14 of them here).
+TEST(DampedSinusoids, ArrivesSoonWhereTheResidualIsNoNoise) {
+  const auto y = decay({{-0.004, 0.5}, {-0.0025, 0.52}, {-0.003, 1.1}},
+                       {{1.0, 0.0}, {0.0, 0.9}, {0.7, 0.2}}, 1000, 0.1);
+  const std::vector<Complex> start{{-0.003, 0.5}, {-0.004, 1.1}};
+  const auto fit = fit_damped_sinusoids(y, start);
+  EXPECT_EQ(fit.end, DampedSinusoidsFit::End::converged);
+  EXPECT_LE(fit.iterations, 8);
+  // A minimum: the residual is normal to every column. A step of 1e-3 standard uncertainties is
+  // left at most, which is 1e-3 / sqrt(degrees) of a column's share of the residual.
+  for (Index k = 0; k < fit.jacobian_gram.rows(); ++k) {
+    const Eigen::VectorXd column = fit.jacobian_column(k);
+    EXPECT_LT(
+        std::abs(column.dot(fit.residual)),
+        1e-3 / std::sqrt(static_cast<double>(fit.degrees)) * column.norm() * fit.residual.norm())
+        << k;
+  }
+}
+
+TEST(DampedSinusoids, LeavesMissingSamplesOut) {
+  const std::vector<Complex> poles{{-0.01, 0.6}};
+  const std::vector<Complex> amplitudes{{1.0, 0.2}};
+  auto y = decay(poles, amplitudes, 300, 0.2, 0.1);
+  std::vector<Index> missing;
+  for (Index j = 40; j < 55; ++j) missing.push_back(j), y(j) = 0;
+  const std::vector<Complex> start{{-0.012, 0.601}};
+  const auto fit = fit_damped_sinusoids(y, start, {}, missing);
+  EXPECT_LT(std::abs(fit.poles[0] - poles[0]), 1e-14);
+  EXPECT_EQ(fit.degrees, 300 - 15 - 6);
+}
+
+TEST(DampedSinusoids, TwiceTheSamePoleIsRankDeficient) {
+  const std::vector<Complex> poles{{-0.01, 0.6}};
+  const std::vector<Complex> amplitudes{{1.0, 0.2}};
+  const auto y = decay(poles, amplitudes, 300);
+  const std::vector<Complex> start{poles[0], poles[0]};
+  const auto fit = fit_damped_sinusoids(y, start);
+  EXPECT_EQ(fit.end, DampedSinusoidsFit::End::rank_deficient);
+  EXPECT_EQ(fit.unit_covariance.size(), 0);
+}
+
+TEST(DampedSinusoids, RefusesFewerSamplesThanParameters) {
+  const std::vector<Complex> start{{-0.01, 0.6}};
+  EXPECT_THROW((void)fit_damped_sinusoids(Eigen::VectorXd::Random(6), start),
+               std::invalid_argument);
+}
+
+TEST(DampedSinusoids, LongDecaysNeitherUnderflowNorDriftInPhase) {
+  // 2e6 samples: z^j falls to exp(-2000), and the recurrence restarts every block.
+  const std::vector<Complex> poles{{-1e-3, 0.3}, {-1e-6, 0.9}};
+  const std::vector<Complex> amplitudes{{1.0, 0.2}, {0.5, 0}};
+  const auto y = decay(poles, amplitudes, 2000000);
+  const std::vector<Complex> start{{-1.02e-3, 0.30001}, {-1.1e-6, 0.9 + 1e-7}};
+  const auto fit = fit_damped_sinusoids(y, start);
+  ASSERT_EQ(fit.end, DampedSinusoidsFit::End::converged);
+  // exp(p j) itself carries eps |p| j of phase error in the test's data: 2e-10 at the end.
+  EXPECT_LT(std::abs(fit.poles[0] - poles[0]), 1e-12);
+  EXPECT_LT(std::abs(fit.poles[1] - poles[1]), 1e-15);
+}
+
+}  // namespace
+}  // namespace rigfit::signal::damped_sinusoids_test

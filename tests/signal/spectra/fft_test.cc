@@ -1,0 +1,100 @@
+#include "signal/spectra/fft.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+#include <thread>
+
+#include "tests/expect_matrix.h"
+
+namespace rigfit::signal::fft_test {
+namespace {
+using Eigen::Index;
+
+Eigen::VectorXd noise(Index n, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  return Eigen::VectorXd::NullaryExpr(n, [&] { return normal(random); });
+}
+
+/// The definition, summed.
+Eigen::VectorXcd slow_transform(const Eigen::VectorXd& x) {
+  const Index n = x.size();
+  Eigen::VectorXcd X = Eigen::VectorXcd::Zero(n / 2 + 1);
+  for (Index k = 0; k < X.size(); ++k) {
+    for (Index i = 0; i < n; ++i) {
+      X[k] += x[i] * std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(k * i % n) /
+                                         static_cast<double>(n));
+    }
+  }
+  return X;
+}
+
+TEST(Fft, IsTheDefinitionAtEvenOddAndPrimeLengths) {
+  for (const Index n : {1, 2, 7, 12, 97, 250}) {
+    const Eigen::VectorXd x = noise(n, static_cast<unsigned>(n));
+    RealFft fft(n);
+    fft.time() = x;
+    fft.forward();
+    // Round-off of a sum of n terms of size one.
+    EXPECT_TRUE(testing::MatricesNear(fft.spectrum(), slow_transform(x), 4e-15 * double(n + 3)));
+    fft.inverse();
+    EXPECT_TRUE(testing::MatricesNear(fft.time(), x, 1e-13)) << n;
+  }
+}
+
+TEST(Fft, ManyChannelsArePaddedOrCut) {
+  const Eigen::VectorXd x = noise(60, 3);
+  Eigen::MatrixXd signals(60, 2);
+  signals << x, 2 * x;
+  Eigen::VectorXd padded = Eigen::VectorXd::Zero(64);
+  padded.head(60) = x;
+  const Eigen::MatrixXcd long_spectra = real_spectra(signals, 64);
+  EXPECT_TRUE(testing::MatricesNear(long_spectra.col(0), slow_transform(padded), 1e-12));
+  EXPECT_TRUE(testing::MatricesNear(long_spectra.col(1), 2 * long_spectra.col(0), 1e-12));
+  EXPECT_TRUE(
+      testing::MatricesNear(real_spectra(signals, 50).col(0), slow_transform(x.head(50)), 1e-12));
+}
+
+TEST(Fft, ThreadsPlanAndTransformAtOnceAndGetTheSameBits) {
+  const Eigen::VectorXd x = noise(4096, 5);
+  std::vector<Eigen::VectorXcd> results(8);
+  {
+    std::vector<std::jthread> threads;
+    for (auto& result : results) {
+      threads.emplace_back([&result, &x] {
+        for (const Index n : {4096, 4000, 3888, 4050}) {
+          RealFft fft(n);
+          fft.time() = x.head(n);
+          fft.forward();
+          if (n == 4096) result = fft.spectrum();
+        }
+      });
+    }
+  }
+  for (const auto& result : results) EXPECT_EQ(result, results.front());
+}
+
+TEST(Fft, GoodLengthsHaveSmallFactorsAndAreClosest) {
+  EXPECT_EQ(good_fft_length(1), 2);
+  EXPECT_EQ(good_fft_length(32768), 32768);
+  EXPECT_EQ(good_fft_length(32769), 33750);  // 2 * 3^3 * 5^4; 32805 = 3^8 * 5 is odd
+  EXPECT_EQ(good_fft_length_below(32767), 32400);
+  EXPECT_EQ(good_fft_length_below(2), 2);
+}
+
+TEST(Fft, LineFrequenciesEndAtHalfTheRate) {
+  const Eigen::VectorXd f = line_frequencies(8, 100);
+  ASSERT_EQ(f.size(), 5);
+  EXPECT_DOUBLE_EQ(f[1], 12.5);
+  EXPECT_DOUBLE_EQ(f[4], 50);
+}
+
+TEST(Fft, RefusesLengthsThatAreNone) {
+  EXPECT_THROW(RealFft(0), std::invalid_argument);
+  EXPECT_THROW(RealFft(-4), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rigfit::signal::fft_test
