@@ -177,11 +177,11 @@ void by_segments(Study& study) {
 void by_poles(Study& study) {
   const std::vector<double> sizes{1, 2, 5, 12, 25, 50, 100};
   study.series("poles", "equilibrium of a line", "poles", sizes, [](double n) {
-    const auto line = std::make_shared<model::Scene>(pole_line(static_cast<int>(n), 60, 20));
+    const auto line = std::make_shared<model::Scene>(utility_line(static_cast<int>(n), 60, 20));
     return Case{[line] { (void)model::prepare_motions(*line, {}); }, line};
   });
   study.series("poles", "equilibrium and first 50 modes of a line", "poles", sizes, [](double n) {
-    const auto line = std::make_shared<model::Scene>(pole_line(static_cast<int>(n), 60, 20));
+    const auto line = std::make_shared<model::Scene>(utility_line(static_cast<int>(n), 60, 20));
     return Case{[line] { (void)model::find_modes(*line, first_modes(50)); }, line};
   });
 }

@@ -7,7 +7,7 @@
 
 namespace rigfit::apps {
 
-inline model::Scene pole_line(int poles, int cable_segments = 40, int pole_segments = 12) {
+inline model::Scene utility_line(int poles, int cable_segments = 40, int pole_segments = 12) {
   model::Scene scene;
   scene.title = "line of " + std::to_string(poles) + " poles";
   const double span = 40, height = 8;

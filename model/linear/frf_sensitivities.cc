@@ -69,8 +69,8 @@ Eigen::VectorXd turning_rate(const MotionModes& motion, const Eigen::MatrixXd& s
 /// Rates of the modal dampers.
 void damper_rates(const FrfEquations& equations, const ShapeSolver& solver, const ChainState& rest,
                   const Scene& scene, const ParameterStep& step,
-                  const std::array<MovedRig, 2>& rigs, const std::array<MotionModes, 2>& moved,
-                  EquationRates& rates) {
+                  const std::array<PerturbedEquilibrium, 2>& rigs,
+                  const std::array<MotionModes, 2>& moved, EquationRates& rates) {
   const MotionModes& motion = *equations.motion;
   const Eigen::Index count = equations.zeta.size();
   const Eigen::MatrixXd& phi = motion.shapes;
@@ -189,11 +189,11 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
   for (const auto& member : out.frfs.equilibrium.members) {
     extent = std::max(extent, member.unstretched_length_m);
   }
-  const RigMover mover(scene, modes);
+  const EquilibriumPerturber mover(scene, modes);
   struct Neighbours {
     bool comparable = false;
     ParameterStep step;
-    std::array<MovedRig, 2> rigs;
+    std::array<PerturbedEquilibrium, 2> rigs;
   };
   std::vector<Neighbours> neighbours(wanted.size());
   for (std::size_t p = 0; p < wanted.size(); ++p) {

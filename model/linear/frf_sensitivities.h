@@ -5,9 +5,10 @@
 // symmetric),
 //   dH/dp = r_p' u + v' l_p - v' D_p u,
 // so that one factor of D a line serves all parameters. K_p, M_p, C_p and the rows' rates carry the
-// moved equilibrium (moved_rig.h). Modal damping ratios are part of D (frf_synthesis.h); the rates
-// of its modes are taken apart into their part within the damped modes, where equal frequencies
-// have a limit, and the rest (M. I. Friswell and S. Adhikari, AIAA Journal 38, 2000).
+// moved equilibrium (perturbed_equilibrium.h). Modal damping ratios are part of D
+// (frf_synthesis.h); the rates of its modes are taken apart into their part within the damped
+// modes, where equal frequencies have a limit, and the rest (M. I. Friswell and S. Adhikari, AIAA
+// Journal 38, 2000).
 #pragma once
 
 #include <Eigen/Core>

@@ -16,7 +16,7 @@ constexpr int kCorrections = 8;
 
 /// The equilibrium's positions, held displacements where this rig's nodes are drawn; frames follow
 /// their segments.
-void place(const ChainState& rest, MovedRig& rig) {
+void place(const ChainState& rest, PerturbedEquilibrium& rig) {
   rig.state = rest;
   for (int node = 0; node < rig.chain.nodes; ++node) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -51,7 +51,7 @@ ParameterStep parameter_step(const ParameterAccess& access, const Scene& scene, 
 }
 
 /// The tangent of displacements bordered by the unknown lengths.
-struct RigMover::Bordered {
+struct EquilibriumPerturber::Bordered {
   std::vector<int> targets;  // members whose tension is given
   EnvelopeFactor factor;
   Eigen::MatrixXd border, gradient;
@@ -67,7 +67,7 @@ struct RigMover::Bordered {
   }
 };
 
-RigMover::RigMover(const Scene& scene, const ChainModes& modes)
+EquilibriumPerturber::EquilibriumPerturber(const Scene& scene, const ChainModes& modes)
     : scene_(scene), modes_(modes), loose_(*modes.chain), bordered_(std::make_unique<Bordered>()) {
   loose_.settled = false;
   assembly_ = std::make_unique<Assembly>(loose_, loose_.planar ? Motion::in_plane : Motion::space);
@@ -102,12 +102,13 @@ RigMover::RigMover(const Scene& scene, const ChainModes& modes)
   if (k > 0) bordered_->small.compute(small);
 }
 
-RigMover::~RigMover() = default;
+EquilibriumPerturber::~EquilibriumPerturber() = default;
 
-bool RigMover::beside(const ParameterAccess& access, const std::array<double, 2>& points,
-                      std::array<MovedRig, 2>& rigs) const {
+bool EquilibriumPerturber::beside(const ParameterAccess& access,
+                                  const std::array<double, 2>& points,
+                                  std::array<PerturbedEquilibrium, 2>& rigs) const {
   for (std::size_t s = 0; s < 2; ++s) {
-    MovedRig& rig = rigs[s];
+    PerturbedEquilibrium& rig = rigs[s];
     rig.scene = scene_;
     access.set(rig.scene, points[s]);
     ChainOptions options;
@@ -131,8 +132,8 @@ bool RigMover::beside(const ParameterAccess& access, const std::array<double, 2>
   return true;
 }
 
-bool RigMover::unbalanced(const MovedRig& rig, Eigen::VectorXd& force,
-                          Eigen::VectorXd& tension) const {
+bool EquilibriumPerturber::unbalanced(const PerturbedEquilibrium& rig, Eigen::VectorXd& force,
+                                      Eigen::VectorXd& tension) const {
   const std::vector<int>& targets = bordered_->targets;
   const Assembly assembly(rig.chain, assembly_->numbering().motion);
   if (assembly.size() != assembly_->size()) return false;
@@ -146,8 +147,8 @@ bool RigMover::unbalanced(const MovedRig& rig, Eigen::VectorXd& force,
   return true;
 }
 
-void RigMover::advance(MovedRig& rig, const Eigen::VectorXd& by, const Eigen::VectorXd& by_length,
-                       double factor) const {
+void EquilibriumPerturber::advance(PerturbedEquilibrium& rig, const Eigen::VectorXd& by,
+                                   const Eigen::VectorXd& by_length, double factor) const {
   const Assembly assembly(rig.chain, assembly_->numbering().motion);
   assembly.advance(rig.state, by, factor, rig.state);
   for (Eigen::Index i = 0; i < by_length.size(); ++i) {
@@ -157,8 +158,8 @@ void RigMover::advance(MovedRig& rig, const Eigen::VectorXd& by, const Eigen::Ve
   }
 }
 
-bool RigMover::move(const ParameterAccess& access, ParameterStep& step,
-                    std::array<MovedRig, 2>& rigs) const {
+bool EquilibriumPerturber::move(const ParameterAccess& access, ParameterStep& step,
+                                std::array<PerturbedEquilibrium, 2>& rigs) const {
   double extent = 0;
   for (const ChainMember& member : modes_.chain->members) {
     extent = std::max(extent, member.unstretched_length);
@@ -183,7 +184,7 @@ bool RigMover::move(const ParameterAccess& access, ParameterStep& step,
   // Then by corrections with the same tangent to rest.
   const double points[2] = {step.low, step.high};
   for (std::size_t s = 0; s < 2; ++s) {
-    MovedRig& rig = rigs[s];
+    PerturbedEquilibrium& rig = rigs[s];
     advance(rig, q, lengths, points[s] - step.value);
     const double first = std::abs(points[s] - step.value) * q.cwiseAbs().maxCoeff();
     double last = first;
@@ -201,7 +202,7 @@ bool RigMover::move(const ParameterAccess& access, ParameterStep& step,
   return true;
 }
 
-MotionModes motion_of(const MovedRig& rig, Motion motion) {
+MotionModes motion_of(const PerturbedEquilibrium& rig, Motion motion) {
   MotionModes out;
   out.motion = motion;
   out.assembly = std::make_unique<Assembly>(rig.chain, motion);

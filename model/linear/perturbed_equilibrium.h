@@ -17,7 +17,7 @@
 
 namespace rigfit::model {
 
-struct MovedRig {
+struct PerturbedEquilibrium {
   Scene scene;
   Chain chain;
   ChainState state;
@@ -34,25 +34,25 @@ struct ParameterStep {
 [[nodiscard]] ParameterStep parameter_step(const ParameterAccess& access, const Scene& scene,
                                            double extent);
 
-class RigMover {
+class EquilibriumPerturber {
  public:
   /// `modes` (its equilibrium converged) and `scene` must outlive this.
-  RigMover(const Scene& scene, const ChainModes& modes);
-  ~RigMover();
+  EquilibriumPerturber(const Scene& scene, const ChainModes& modes);
+  ~EquilibriumPerturber();
   /// The rig at `step.low` and `step.high`, which come closer where the rig moves far. False: a
   /// scene beside this one has other unknowns (a plane of symmetry is lost), so that its matrices
   /// do not compare.
   [[nodiscard]] bool move(const ParameterAccess& access, ParameterStep& step,
-                          std::array<MovedRig, 2>& rigs) const;
+                          std::array<PerturbedEquilibrium, 2>& rigs) const;
 
  private:
   struct Bordered;
   [[nodiscard]] bool beside(const ParameterAccess& access, const std::array<double, 2>& points,
-                            std::array<MovedRig, 2>& rigs) const;
-  [[nodiscard]] bool unbalanced(const MovedRig& rig, Eigen::VectorXd& force,
+                            std::array<PerturbedEquilibrium, 2>& rigs) const;
+  [[nodiscard]] bool unbalanced(const PerturbedEquilibrium& rig, Eigen::VectorXd& force,
                                 Eigen::VectorXd& tension) const;
-  void advance(MovedRig& rig, const Eigen::VectorXd& by, const Eigen::VectorXd& by_length,
-               double factor) const;
+  void advance(PerturbedEquilibrium& rig, const Eigen::VectorXd& by,
+               const Eigen::VectorXd& by_length, double factor) const;
   const Scene& scene_;
   const ChainModes& modes_;
   Chain loose_;
@@ -61,6 +61,6 @@ class RigMover {
 };
 
 /// Stiffness and mass of one motion of a moved rig, without modes.
-[[nodiscard]] MotionModes motion_of(const MovedRig& rig, Motion motion);
+[[nodiscard]] MotionModes motion_of(const PerturbedEquilibrium& rig, Motion motion);
 
 }  // namespace rigfit::model

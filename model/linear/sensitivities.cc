@@ -1,6 +1,6 @@
 // d omega^2 / dp = phi' (dK/dp - omega^2 dM/dp) phi with the change of the equilibrium with p in
-// dK/dp (moved_rig.h): no eigenvalue problem and no equilibrium is solved again. Shapes follow by
-// Nelson's method (R. B. Nelson, AIAA Journal 14, 1976).
+// dK/dp (perturbed_equilibrium.h): no eigenvalue problem and no equilibrium is solved again. Shapes
+// follow by Nelson's method (R. B. Nelson, AIAA Journal 14, 1976).
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -118,7 +118,7 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
   out.analysis.complete = modes.complete();
   for (const MotionModes& motion : modes.motions) out.analysis.unknowns += motion.assembly->size();
 
-  const RigMover mover(scene, modes);
+  const EquilibriumPerturber mover(scene, modes);
   double extent = 0;
   for (const auto& member : out.analysis.equilibrium.members) {
     extent = std::max(extent, member.unstretched_length_m);
@@ -127,7 +127,7 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
   for (Eigen::Index p = 0; p < columns; ++p) {
     const ParameterAccess& access = wanted[std::size_t(p)];
     ParameterStep step = parameter_step(access, scene, extent);
-    std::array<MovedRig, 2> rigs;
+    std::array<PerturbedEquilibrium, 2> rigs;
     if (!mover.move(access, step, rigs)) {
       difference_anew(scene, access, step, modes, options, p, out);
       continue;

@@ -11,7 +11,7 @@
 // the samples cost nothing more. Velocities are processed with the rate of a at q.
 //
 // Where only transverse motion matters that limit is far below the step its accuracy needs: axial
-// waves can be slowed (slot_mass.h) by kappa = h^2/8, which holds omega h below sqrt(8) whatever
+// waves can be slowed (node_mass.h) by kappa = h^2/8, which holds omega h below sqrt(8) whatever
 // their speed. A wave of frequency omega then runs slow by (omega h)^2/16, relative; all else keeps
 // the scheme's order.
 //

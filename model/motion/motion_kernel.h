@@ -8,7 +8,7 @@
 //   dV/de_i = EA/l (L - l) t_i - (I - t_i t_i') g_i / L,   g_i = sum over its joints of K t_other
 // without any angle. A node's rotation has no inertia and follows: in the plane it is the argument
 // of sum K t conj(d) over the members (and the ground's spring) joined there. The mass is constant
-// (slot_mass.h).
+// (node_mass.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -53,7 +53,7 @@ class MotionKernel {
   [[nodiscard]] double mass_product(const Eigen::VectorXd& x, const Eigen::VectorXd& y) const {
     return mass_.product(x.data(), y.data());
   }
-  /// From here on accelerations are those of a mass that slows axial waves (slot_mass.h) along the
+  /// From here on accelerations are those of a mass that slows axial waves (node_mass.h) along the
   /// members' chords in the given positions; zero gives all waves their own speed again.
   void slow_axial(double kappa, const Eigen::VectorXd& positions) {
     mass_.slow_axial(kappa, positions.data());

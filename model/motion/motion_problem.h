@@ -49,7 +49,7 @@ struct MotionOutput {
   Eigen::MatrixXd samples;  ///< rows x sensors, at 0, 1/rate, ...
   EnergyHistory energy;
   double step_s = 0;
-  double axial_slowing_s2 = 0;  ///< kappa of slot_mass.h; 0: axial waves at their own speed
+  double axial_slowing_s2 = 0;  ///< kappa of node_mass.h; 0: axial waves at their own speed
   long steps = 0;
   long evaluations = 0;    ///< of the forces
   bool completed = false;  ///< false: diverged or did not converge, samples are not to be used

@@ -83,7 +83,7 @@ void rig_first_12(benchmark::State& state) {
   run(state, testing::cable_beam_rig(200, 0.5972, static_cast<int>(state.range(0))), 12);
 }
 void poles_first_50(benchmark::State& state) {
-  run(state, apps::pole_line(static_cast<int>(state.range(0))), 50);
+  run(state, apps::utility_line(static_cast<int>(state.range(0))), 50);
 }
 /// With damping, shapes and the error estimate, which stands beside the error itself.
 void cable_whole_analysis(benchmark::State& state) {

@@ -129,7 +129,7 @@ int main() {
   time_row("rig, 90 segments", testing::cable_beam_rig(200, 0.5972), 12);
   for (const bool growing : {false, true}) {
     for (const int poles : {12, 25, 50, 100}) {
-      const Scene line = rigfit::apps::pole_line(poles, 60, 20);
+      const Scene line = rigfit::apps::utility_line(poles, 60, 20);
       time_row(line.title.c_str(), line, growing ? poles : 50);
     }
   }

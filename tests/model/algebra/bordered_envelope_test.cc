@@ -61,7 +61,7 @@ TEST(BorderedEnvelope, IsTheDenseSystem) {
 // Twelve tensioned spans in a row, more than are solved for one by one, and six.
 TEST(BorderedEnvelope, LongLineHasItsTensions) {
   for (const int poles : {5, 11}) {
-    Scene line = apps::pole_line(poles, 20, 6);
+    Scene line = apps::utility_line(poles, 20, 6);
     std::vector<double> tension;
     for (Member& member : line.members) {  // unlike spans bend the poles between them
       if (member.tension)
