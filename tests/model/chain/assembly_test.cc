@@ -2,6 +2,7 @@
 // states far from rest: three independent implementations of each energy (sum, gradient, Hessian).
 #include "model/chain/assembly.h"
 
+#include <Eigen/Geometry>
 #include <random>
 
 #include "tests/expect_matrix.h"
