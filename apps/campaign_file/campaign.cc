@@ -146,7 +146,6 @@ class Reader {
     CampaignFit fit;
     fit.name = name_in(table, taken);
     fit.title = table.string_or("title", fit.name);
-    fit.text = table.text();
     fit.hold_out = table.boolean_or("hold_out", false);
     fit.model_std = table.number_or("model_std", Bound::not_negative, "relative", 0);
     fit.starts = table.integer_or("starts", 1, 1000, fit.starts);

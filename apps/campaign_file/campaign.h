@@ -114,7 +114,6 @@ struct CampaignTest {
   std::vector<RecordingGroup> recordings;
   std::map<std::string, double> reference;  ///< values as known otherwise, by quantity
   std::string reference_name = "published";
-  std::string text;  ///< its table in the campaign, for telling changes
 
   /// One plane only: what every mode it shows lies in, leakage apart.
   [[nodiscard]] std::optional<model::ModePlane> plane() const;
@@ -135,7 +134,6 @@ struct CampaignFit {
   double model_std = 0;  ///< relative, in frequency
   int starts = 4;
   std::string reference_name = "earlier value";
-  std::string text;
 };
 
 struct Campaign {

@@ -106,7 +106,6 @@ CampaignTest CampaignTestReader::read(TomlTable& table, const std::string& name)
   CampaignTest test;
   test.name = name;
   test.title = table.string_or("title", test.name);
-  test.text = table.text();
   static_cast<void>(table.string("kind"));
   const std::string kind = table.choice_or("kind", {"bending", "axial", "decay", "modal"}, "");
   if (kind == "bending") {

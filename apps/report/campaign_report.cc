@@ -6,7 +6,6 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
-#include <unordered_map>
 
 #include "apps/cli/json_document.h"
 #include "apps/cli/output_file.h"
@@ -22,7 +21,6 @@
 #include "apps/report/parts/scenes_part.h"
 #include "apps/report/parts/speed_part.h"
 #include "apps/report/report_page.h"
-#include "apps/report/stage_cache.h"
 #include "ident/statistics/in_parallel.h"
 
 namespace rigfit::apps {
@@ -123,41 +121,11 @@ void take_inputs(const Campaign& campaign, VerbContext& context) {
   }
 }
 
-using Hashes = std::unordered_map<std::string, std::string>;
-
-/// All that the analysis of a test's own recordings and tables depends on.
-std::string content_of(const Campaign& campaign, const CampaignTest& test, const Hashes& hashes) {
-  std::string text = test.text + "\n";
-  const auto add = [&](const fs::path& file) {
-    const auto hash = hashes.find(file.string());
-    text += file.string() + " " + (hash == hashes.end() ? "none" : hash->second) + "\n";
-  };
-  for (const auto& group : test.recordings) {
-    for (const auto& file : group.files) {
-      add(file);
-      add(fs::path(file).replace_extension(".toml"));
-    }
-    for (const auto& file : group.missing) add(file);
-  }
-  if (test.results) add(test.results->table.file);
-  if (test.scene) add(campaign.scenes[*test.scene].file);
-  return text;
-}
-
-std::string bytes_of(KnownValues known) {
-  ArchiveWriter writer;
-  writer(known.EI.tension_N, known.EI.EI_Nm2, known.EA_N);
-  return writer.take();
-}
-
 /// The parts of a campaign's report, in the order of the page.
 class Stages {
  public:
-  Stages(const Campaign& campaign, StageCache& cache, VerbContext& context)
-      : campaign_(campaign), cache_(cache), context_(context), recorded_(campaign.tests.size()) {
-    seed_ = std::to_string(context.seed) + "\n";
-    for (const auto& input : context.inputs()) hashes_[input.path] = input.sha256;
-  }
+  Stages(const Campaign& campaign, VerbContext& context)
+      : campaign_(campaign), context_(context), recorded_(campaign.tests.size()) {}
 
   std::vector<ReportPart> run() {
     const std::size_t tests = campaign_.tests.size();
@@ -166,25 +134,18 @@ class Stages {
     std::vector<BendingPart> bending(tests);
     std::vector<AxialPart> axial(tests);
     std::vector<std::function<void()>> tasks;
-    content_.resize(tests);
     for (std::size_t i = 0; i < tests; ++i) {
       const auto& test = campaign_.tests[i];
       tasks.emplace_back([&, i] {
-        content_[i] = content_of(campaign_, test, hashes_);
         switch (test.kind) {
           case CampaignTest::Kind::bending:
-            bending[i] = cache_.stage<BendingPart>("bending\n" + strand_text() + content_[i],
-                                                   [&] { return bending_part(campaign_, test); });
+            bending[i] = bending_part(campaign_, test);
             break;
           case CampaignTest::Kind::axial:
-            axial[i] = cache_.stage<AxialPart>("axial\n" + seed_ + content_[i], [&] {
-              return axial_part(test, context_.seed, context_.threads);
-            });
+            axial[i] = axial_part(test, context_.seed, context_.threads);
             break;
           case CampaignTest::Kind::modal:
-            if (test.recordings.empty()) break;
-            recorded_[i] = cache_.stage<RecordedModal>(
-                "recorded\n" + content_[i], [&] { return recorded_modal(campaign_, test); });
+            if (!test.recordings.empty()) recorded_[i] = recorded_modal(campaign_, test);
             break;
           case CampaignTest::Kind::decay:
             break;
@@ -202,25 +163,16 @@ class Stages {
     tasks.clear();
     std::vector<std::vector<RecordedModalState>> states(tests);
     for (std::size_t i = 0; i < tests; ++i) states[i] = recorded_[i].states;
-    const std::string known = bytes_of(known_);
     for (std::size_t f = 0; f < campaign_.fits.size(); ++f) {
       tasks.emplace_back([&, f] {
-        const auto& fit = campaign_.fits[f];
-        std::string key = "fit\n" + seed_ + fit.text + known;
-        for (const std::size_t test : fit.tests) key += content_[test];
-        fits[f] = cache_.stage<FitPart>(key, [&] {
-          return fit_part(campaign_, fit, known_, states, context_.threads, context_.seed);
-        });
+        fits[f] =
+            fit_part(campaign_, campaign_.fits[f], known_, states, context_.threads, context_.seed);
       });
     }
     for (std::size_t i = 0; i < tests; ++i) {
       const auto& test = campaign_.tests[i];
       if (test.kind == CampaignTest::Kind::modal) {
-        tasks.emplace_back([&, i] {
-          second[i] = cache_.stage<ReportPart>("modal\n" + content_[i] + known, [&] {
-            return modal_part(campaign_, test, known_, states[i]);
-          });
-        });
+        tasks.emplace_back([&, i] { second[i] = modal_part(campaign_, test, known_, states[i]); });
       }
     }
     run_all(tasks, context_.threads, progress);
@@ -229,10 +181,7 @@ class Stages {
       const auto& test = campaign_.tests[i];
       if (test.kind != CampaignTest::Kind::decay) continue;
       tasks.emplace_back([&, i] {
-        std::string key = "decay\n" + content_[i] + known;
-        const auto predicting = fits_of(i, fits, key);
-        second[i] = cache_.stage<ReportPart>(
-            key, [&] { return decay_part(campaign_, test, known_, predicting, context_.threads); });
+        second[i] = decay_part(campaign_, test, known_, fits_of(i, fits), context_.threads);
       });
     }
     std::vector<Block> speed;
@@ -258,34 +207,20 @@ class Stages {
   }
 
  private:
-  /// What was found by the fits that predict a test; adds it to the key.
-  [[nodiscard]] std::vector<FitOfDecay> fits_of(std::size_t test, const std::vector<FitPart>& fits,
-                                                std::string& key) const {
+  /// What was found by the fits that predict a test.
+  [[nodiscard]] std::vector<FitOfDecay> fits_of(std::size_t test,
+                                                const std::vector<FitPart>& fits) const {
     std::vector<FitOfDecay> list;
     for (std::size_t f = 0; f < fits.size(); ++f) {
       const auto& named = campaign_.fits[f].predicts;
       if (std::find(named.begin(), named.end(), test) == named.end()) continue;
       list.push_back({campaign_.fits[f].title, fits[f].values});
-      ArchiveWriter writer;
-      writer(list.back().title, list.back().values);
-      key += writer.take();
     }
     return list;
   }
 
-  [[nodiscard]] std::string strand_text() const {
-    if (!campaign_.strand) return "none\n";
-    const auto& strand = *campaign_.strand;
-    return fmt::format("{} {} {} {}\n", strand.youngs_modulus_Pa, strand.elements,
-                       strand.element_diameter_m, strand.strand_diameter_m);
-  }
-
   const Campaign& campaign_;
-  StageCache& cache_;
   VerbContext& context_;
-  std::string seed_;
-  Hashes hashes_;
-  std::vector<std::string> content_;
   std::vector<RecordedModal> recorded_;
   KnownValues known_;
 };
@@ -295,10 +230,8 @@ class Stages {
 Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbContext& context) {
   take_inputs(campaign, context);
   make_output_folder(folder);
-  for (const char* place : {"", "data", "figures", "uff", ".cache"}) sweep_parts(folder / place);
-  StageCache cache(folder / ".cache");
-  const std::vector<ReportPart> parts = Stages(campaign, cache, context).run();
-  cache.prune();
+  for (const char* place : {"", "data", "figures", "uff"}) sweep_parts(folder / place);
+  const std::vector<ReportPart> parts = Stages(campaign, context).run();
 
   PageFrame frame;
   frame.title = campaign.title;
@@ -370,10 +303,6 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
         context.out << fmt::format("{}: {}\n", item.label, item.text);
       }
     }
-  }
-  if (cache.reused() > 0) {
-    context.out << fmt::format("{} of {} computations were unchanged and reused\n", cache.reused(),
-                               cache.reused() + cache.computed());
   }
   context.out << fmt::format("report: {}\n", (folder / "report.html").string());
   return result;

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <sstream>
 
 namespace rigfit::model {
 namespace {
@@ -128,12 +127,6 @@ TomlTable TomlTable::read_file(const std::filesystem::path& path) {
 }
 
 bool TomlTable::has(const std::string& key) const { return node_->find(key) != nullptr; }
-
-std::string TomlTable::text() const {
-  std::ostringstream text;
-  text << toml::toml_formatter{*node_->table};
-  return text.str();
-}
 
 SceneError TomlTable::error(const std::string& key, std::string problem, std::string remedy) const {
   const toml::node* at = key.empty() ? nullptr : node_->table->get(key);

@@ -61,9 +61,6 @@ class TomlTable {
   /// All keys of this table, in file order.
   [[nodiscard]] std::vector<std::string> keys() const;
 
-  /// The table as TOML, in an order of its own: the same for what means the same.
-  [[nodiscard]] std::string text() const;
-
   /// Throws SceneError for the first key that was never asked for, with the nearest known key.
   void finish() const;
   /// An error at a key of this table (at the table itself when the key is absent or empty).

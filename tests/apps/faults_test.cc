@@ -27,14 +27,12 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Every file below a folder and its hash; what a run keeps for the next one apart.
+/// Every file below a folder and its hash.
 std::map<std::string, std::string> files_below(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    const std::string name = fs::relative(entry.path(), folder).string();
-    if (entry.is_regular_file() && !name.starts_with(".cache")) {
-      files[name] = sha256_of_file(entry.path());
-    }
+    if (!entry.is_regular_file()) continue;
+    files[fs::relative(entry.path(), folder).string()] = sha256_of_file(entry.path());
   }
   return files;
 }

@@ -30,19 +30,6 @@ struct FitPart {
   std::vector<FittedValues> values;  ///< by state; empty when it did not converge
 };
 
-template <class A>
-void archive(A& a, FittedValue& v) {
-  a(v.parameter, v.value, v.shared);
-}
-template <class A>
-void archive(A& a, FittedValues& v) {
-  a(v.tension_N, v.values);
-}
-template <class A>
-void archive(A& a, FitPart& v) {
-  a(v.part, v.values);
-}
-
 /// `recorded`: by test of the campaign (empty for tests without recordings).
 [[nodiscard]] FitPart fit_part(const Campaign& campaign, const CampaignFit& fit,
                                const KnownValues& known,

@@ -36,25 +36,10 @@ struct RecordedModalState {
   std::vector<RecordedHit> hits;   ///< one a load
 };
 
-template <class A>
-void archive(A& a, RecordedHit& v) {
-  a(v.load, v.rate_hz, v.force, v.pulse_first, v.pulse_last, v.responses);
-}
-template <class A>
-void archive(A& a, RecordedModalState& v) {
-  a(v.tension_N, v.origin, v.channels, v.directions, v.force_directions, v.frfs, v.modes, v.low_hz,
-    v.high_hz, v.amplitudes, v.hits);
-}
-
 struct RecordedModal {
   ReportPart part;
   std::vector<RecordedModalState> states;  ///< those that gave modes, by rising tension
 };
-
-template <class A>
-void archive(A& a, RecordedModal& v) {
-  a(v.part, v.states);
-}
 
 [[nodiscard]] RecordedModal recorded_modal(const Campaign& campaign, const CampaignTest& test);
 

@@ -14,11 +14,6 @@ struct AxialPart {
   std::optional<double> EA_N;
 };
 
-template <class A>
-void archive(A& a, AxialPart& v) {
-  a(v.part, v.EA_N);
-}
-
 [[nodiscard]] AxialPart axial_part(const CampaignTest& test, std::uint64_t seed, int threads);
 
 }  // namespace rigfit::apps

@@ -21,15 +21,6 @@ struct BendingPart {
   StiffnessCurve curve;
 };
 
-template <class A>
-void archive(A& a, StiffnessCurve& v) {
-  a(v.tension_N, v.EI_Nm2);
-}
-template <class A>
-void archive(A& a, BendingPart& v) {
-  a(v.part, v.curve);
-}
-
 [[nodiscard]] BendingPart bending_part(const Campaign& campaign, const CampaignTest& test);
 
 }  // namespace rigfit::apps
