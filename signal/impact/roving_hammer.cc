@@ -82,7 +82,8 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
       if (with_coherence) all.coherence.col(column) = one.coherence.col(r);
     }
     for (const Note& note : one.notes) {
-      all.notes.push_back({note.code, note.message, note.where.empty() ? input.name : note.where});
+      const bool here = note.where.empty() && points.size() > 1;
+      all.notes.push_back({note.code, note.message, here ? input.name : note.where});
     }
   }
   return all;
@@ -108,7 +109,7 @@ RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points, const st
   // One length for all, so that they share their lines.
   Index shortest = std::numeric_limits<Index>::max(), longest = 0;
   for (const ImpactTest& test : result.tests) {
-    if (test.search.hits.empty()) continue;
+    if (test.frfs.averages == 0) continue;  // it is left out and binds nobody
     shortest = std::min(shortest, test.search.block_samples);
     longest = std::max(longest, test.search.block_samples);
   }
@@ -117,7 +118,7 @@ RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points, const st
         static_cast<double>(shortest) / points.front().recordings.front().sample_rate_hz;
     analyse();
     const auto differs = std::find_if(result.tests.begin(), result.tests.end(), [&](const auto& t) {
-      return !t.search.hits.empty() && t.search.block_samples != shortest;
+      return t.frfs.averages > 0 && t.search.block_samples != shortest;
     });
     if (differs != result.tests.end()) {
       const auto p = static_cast<std::size_t>(differs - result.tests.begin());
@@ -130,7 +131,8 @@ RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points, const st
     for (const Note& note : result.tests[p].notes) {
       result.notes.push_back(
           {note.code, note.message,
-           points[p].name + (note.where.empty() ? std::string() : ": " + note.where)});
+           points.size() == 1 ? note.where
+                              : points[p].name + (note.where.empty() ? "" : ": " + note.where)});
     }
   }
   std::vector<std::size_t> kept;

@@ -1,0 +1,240 @@
+#include "ident/campaign/hammer_test.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::ident {
+namespace {
+
+using Eigen::Index;
+using signal::Hit;
+using signal::HitFault;
+using signal::ImpactTest;
+using signal::Recording;
+
+void add_notes(const std::vector<signal::Note>& notes, std::vector<Finding>& findings) {
+  for (const auto& note : notes) findings.push_back({note.code, note.message, note.where, false});
+}
+
+bool has_channel(const Recording& recording, const std::string& name) {
+  try {
+    static_cast<void>(recording.channel_index(name));
+  } catch (const signal::RecordingError&) {
+    return false;
+  }
+  return true;
+}
+
+/// The responses asked for, else every channel besides the force that all recordings have.
+std::vector<std::string> response_names(std::span<const StruckPlace> places,
+                                        const HammerTestOptions& options, Index force,
+                                        std::vector<Finding>& findings) {
+  const Recording& first = places.front().recordings.front();
+  for (const auto& name : options.responses) {
+    if (first.channel_index(name) == force) {
+      throw std::invalid_argument("\"" + name + "\" is the force: it cannot be a response too");
+    }
+  }
+  if (!options.responses.empty()) return options.responses;
+  std::vector<std::string> names;
+  for (Index c = 0; c < static_cast<Index>(first.channels.size()); ++c) {
+    if (c == force) continue;
+    const std::string& title = first.channels[static_cast<std::size_t>(c)].name;
+    const bool own = first.channel_index(title) == c;
+    const std::string name = own ? title : "#" + std::to_string(c + 1);
+    const Recording* without = nullptr;
+    for (const auto& place : places) {
+      for (const auto& recording : place.recordings) {
+        if (!without && !has_channel(recording, name)) without = &recording;
+      }
+    }
+    if (!without) {
+      names.push_back(name);
+    } else {
+      findings.push_back({"channel_left_out",
+                          fmt::format("{} has no channel \"{}\": it is no response of this test",
+                                      without->path.string(), title),
+                          title, false});
+    }
+  }
+  return names;
+}
+
+/// Why no hit was accepted, by the faults that most of them have.
+Finding all_rejected(const HammerTest& test) {
+  std::map<HitFault, int> count;
+  const Hit* first = nullptr;
+  for (const ImpactTest& one : test.tests) {
+    for (const Hit& hit : one.search.hits) {
+      if (first == nullptr) first = &hit;
+      for (const HitFault fault : hit.faults) ++count[fault];
+    }
+  }
+  std::string why;
+  for (const auto& [fault, hits] : count) {
+    why += fmt::format("{}{} ({})", why.empty() ? "" : ", ", name_of(fault), hits);
+  }
+  const std::size_t total = test.hits();
+  return {count.contains(HitFault::unresolved_pulse) ? "pulse_not_resolved" : "no_hit_accepted",
+          fmt::format("no FRF: {} of {} hit{} rejected: {}; first: {}", total, total,
+                      total == 1 ? "" : "s", why, first->reason),
+          "", true};
+}
+
+/// Why a place among others gave no FRF.
+std::string left_out(const ImpactTest& test) {
+  if (test.search.hits.empty()) return "no hit rises above the noise of the force: left out";
+  return fmt::format("none of {} hit{} can be used: left out; first: {}", test.search.hits.size(),
+                     test.search.hits.size() == 1 ? "" : "s", test.search.hits.front().reason);
+}
+
+void analyse_one(const StruckPlace& place, const HammerTestOptions& options, HammerTest& test) {
+  auto impact = options.impact;
+  impact.driving_response.reset();
+  const Recording& first = place.recordings.front();
+  if (!options.driving_point.empty()) {
+    const Index driving = first.channel_index(options.driving_point);
+    for (std::size_t r = 0; r < test.responses.size(); ++r) {
+      if (first.channel_index(test.responses[r]) == driving) {
+        impact.driving_response = static_cast<Index>(r);
+      }
+    }
+    if (!impact.driving_response) {
+      throw std::invalid_argument("the driving point \"" + options.driving_point +
+                                  "\" is not among the responses");
+    }
+  }
+  test.tests.push_back(
+      signal::analyse_impact_test(place.recordings, options.force, test.responses, impact));
+  const ImpactTest& only = test.tests.front();
+  test.frfs = only.frfs;
+  if (only.driving_point) {
+    test.driving_points.push_back({*impact.driving_response, 0, *only.driving_point});
+  }
+  add_notes(only.notes, test.findings);
+}
+
+void analyse_places(std::span<const StruckPlace> places, const HammerTestOptions& options,
+                    HammerTest& test) {
+  std::vector<signal::StruckPoint> points;
+  for (const auto& place : places) points.push_back({place.name, place.recordings});
+  signal::RovingHammer roving =
+      signal::analyse_roving_hammer(points, options.force, test.responses, options.impact);
+  test.tests = std::move(roving.tests);
+  test.frfs = std::move(roving.frfs);
+  test.driving_points = std::move(roving.driving_points);
+  test.reciprocity = std::move(roving.reciprocity);
+  for (const auto& note : roving.notes) {
+    Finding finding{note.code, note.message, note.where, false};
+    if (note.code == "point_left_out") {
+      if (test.frfs.averages == 0) continue;  // then none is left, which is said for all
+      for (std::size_t p = 0; p < places.size(); ++p) {
+        if (places[p].name == note.where) finding.message = left_out(test.tests[p]);
+      }
+    }
+    test.findings.push_back(std::move(finding));
+  }
+}
+
+}  // namespace
+
+std::size_t HammerTest::hits() const {
+  std::size_t count = 0;
+  for (const ImpactTest& test : tests) count += test.search.hits.size();
+  return count;
+}
+
+std::size_t HammerTest::accepted_hits() const {
+  std::size_t count = 0;
+  for (const ImpactTest& test : tests) count += static_cast<std::size_t>(test.frfs.averages);
+  return count;
+}
+
+HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
+                               const HammerTestOptions& options) {
+  HammerTest test;
+  const Recording& first = places.front().recordings.front();
+  const Index force = first.channel_index(options.force);
+  test.force = first.channels[static_cast<std::size_t>(force)].name;
+  test.force_unit = first.channels[static_cast<std::size_t>(force)].unit;
+  test.responses = response_names(places, options, force, test.findings);
+  if (test.responses.empty()) {
+    test.findings.push_back({"no_response",
+                             "has no channel besides the force that all recordings have; there is "
+                             "no FRF",
+                             first.path.string(), true});
+    return test;
+  }
+  if (places.size() == 1 && places.front().name.empty()) {
+    analyse_one(places.front(), options, test);
+  } else {
+    analyse_places(places, options, test);
+  }
+  if (test.hits() == 0) {
+    test.findings.push_back({"no_hit",
+                             fmt::format("no hit in \"{}\": nothing rises above the noise; is it "
+                                         "the force, and is the sign of its pulses right?",
+                                         test.force),
+                             first.path.string(), true});
+    return test;
+  }
+  add_notes(test.frfs.notes, test.findings);
+  if (test.accepted_hits() == 0) {
+    test.findings.push_back(all_rejected(test));
+    return test;
+  }
+  test.usable_hz = std::numeric_limits<double>::infinity();
+  for (const ImpactTest& one : test.tests) {
+    test.amplitudes = test.amplitudes && one.amplitudes;
+    if (one.frfs.averages > 0) test.usable_hz = std::min(test.usable_hz, one.usable_hz);
+  }
+  return test;
+}
+
+bool IdentifiedModes::converged() const {
+  return modal && (modal->end == signal::RefineEnd::converged || modal->model.modes.empty());
+}
+
+IdentifiedModes identify(const signal::FrfSet& frfs,
+                         const std::optional<std::pair<double, double>>& band_hz, double usable_hz,
+                         signal::ModalOptions options) {
+  IdentifiedModes found;
+  options.low_hz = band_hz ? band_hz->first : 0;
+  options.high_hz = band_hz ? band_hz->second : usable_hz;
+  try {
+    found.modal = signal::identify_modes(frfs, options);
+  } catch (const std::invalid_argument& error) {
+    found.findings.push_back({"no_modes", error.what(), "", true});
+    return found;
+  }
+  const auto& result = *found.modal;
+  for (const auto& note : result.model.notes) {
+    const bool refused = note.code == "no_modes" || note.code == "rank_deficient";
+    found.findings.push_back({note.code, note.message, note.where, refused});
+  }
+  for (const auto& mode : result.model.modes) {
+    const std::string where = fmt::format("{:.4g} Hz", mode.frequency_hz.value);
+    if (mode.damping_dominated_by_window) {
+      found.findings.push_back({"window_damping", mode.doubt, where, true});
+    } else if (mode.doubtful) {
+      found.findings.push_back({"doubtful_mode", mode.doubt, where, false});
+    }
+  }
+  if (!found.converged()) {
+    found.findings.push_back(
+        {"not_converged",
+         fmt::format("the refinement ended by {} after {} iterations: frequencies and damping are "
+                     "near, not at, the best fit",
+                     name_of(result.end), result.iterations),
+         "", false});
+  }
+  return found;
+}
+
+}  // namespace rigfit::ident

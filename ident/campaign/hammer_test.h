@@ -1,0 +1,74 @@
+// A hammer test of one state of a rig: recordings of hits to FRFs, and FRFs to modes.
+//
+// The transducers stay; one place is struck or several. The places' FRFs are the inputs of one set
+// (signal/impact/roving_hammer.h). Without a band, modes are looked for up to the highest frequency
+// that the force of every accepted hit excites.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ident/campaign/finding.h"
+#include "signal/impact/impact_test.h"
+#include "signal/impact/roving_hammer.h"
+#include "signal/modal/modal_identification.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::ident {
+
+/// The recordings of hits on one place. They have the same channels in the same order.
+struct StruckPlace {
+  std::string name;  ///< empty: the only place, without a name
+  std::vector<signal::Recording> recordings;
+};
+
+struct HammerTestOptions {
+  std::string force;                   ///< channel: its name, or "#k" for the k-th
+  std::vector<std::string> responses;  ///< empty: every other channel that all recordings have
+  /// The response at the place struck, of an only place without a name; empty: not known. Places
+  /// with names are at the response of that name.
+  std::string driving_point;
+  signal::ImpactTestOptions impact;  ///< `driving_response` is set by `driving_point`
+};
+
+struct HammerTest {
+  std::string force, force_unit;          ///< the channel's name and unit
+  std::vector<std::string> responses;     ///< as used: names, or "#k" where a name is there twice
+  std::vector<signal::ImpactTest> tests;  ///< one a place, as given
+  signal::FrfSet frfs;     ///< of all places with an accepted hit; no lines when there is none
+  bool amplitudes = true;  ///< false: pulses were not resolved; only frequencies mean something
+  double usable_hz = 0;    ///< least of the accepted hits'; 0 when there is none
+  std::vector<signal::DrivingPoint> driving_points;
+  std::vector<signal::ReciprocityCheck> reciprocity;
+  /// Refused: "no_response", "no_hit", "no_hit_accepted", "pulse_not_resolved" (then there are no
+  /// FRFs). Warnings: "channel_left_out", "point_left_out", and those of the hits and FRFs.
+  std::vector<Finding> findings;
+
+  [[nodiscard]] std::size_t hits() const;
+  [[nodiscard]] std::size_t accepted_hits() const;
+};
+
+/// `places`: at least one, each with at least one recording. Throws signal::RecordingError for
+/// recordings that do not fit each other or lack a channel, std::invalid_argument for options that
+/// contradict each other (a response that is the force, a driving point that is no response).
+[[nodiscard]] HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
+                                             const HammerTestOptions& options);
+
+struct IdentifiedModes {
+  std::optional<signal::ModalResult> modal;  ///< empty: too few lines; see `findings`
+  /// Refused: "no_modes", "rank_deficient", "window_damping" (of one mode: its frequency stands).
+  /// Warnings: "doubtful_mode" and "not_converged" among others.
+  std::vector<Finding> findings;
+  [[nodiscard]] bool converged() const;
+};
+
+/// Modes of FRFs. The band is `band_hz`, or else up to `usable_hz` (0: to the last line);
+/// `options.low_hz` and `high_hz` are not used.
+[[nodiscard]] IdentifiedModes identify(const signal::FrfSet& frfs,
+                                       const std::optional<std::pair<double, double>>& band_hz,
+                                       double usable_hz, signal::ModalOptions options = {});
+
+}  // namespace rigfit::ident

@@ -1,0 +1,62 @@
+// A modal test of a campaign: hits recorded at several states of a rig (one a tension). Each state
+// is a hammer test (hammer_test.h); what cannot take part is refused and the rest goes on.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/campaign/finding.h"
+#include "ident/campaign/hammer_test.h"
+#include "ident/campaign/origin.h"
+
+namespace rigfit::ident {
+
+struct ModalRecording {
+  signal::Recording recording;
+  std::optional<double> tension_N;  ///< of its state; empty: the rig has one state only
+  std::string place;                ///< struck; empty: the only one
+  Origin origin = Origin::measured;
+};
+
+struct ModalTestOptions {
+  HammerTestOptions hammer;  ///< its band of hits is the band that modes are looked for in
+  signal::ModalOptions modal;
+};
+
+/// One accepted hit as it was recorded, from a little before it.
+struct RecordedHit {
+  std::string place;
+  double rate_hz = 0;
+  Eigen::VectorXd force;                          ///< N, offset removed
+  Eigen::Index pulse_first = 0, pulse_last = -1;  ///< the pulse and its ringing; noise else
+  Eigen::MatrixXd responses;                      ///< samples x responses, values at rest removed
+};
+
+struct ModalTestState {
+  std::optional<double> tension_N;
+  Origin origin = Origin::measured;
+  std::vector<StruckPlace> places;
+  HammerTest hammer;                         ///< inputs named by the places; "hammer" without
+  std::optional<signal::ModalResult> modal;  ///< empty: no FRFs, or too few lines
+  std::vector<std::string> channels;         ///< responses, in the order of the FRFs
+  /// Of positive values, as the recordings say, by response and by input; zero where they do not.
+  std::vector<Eigen::Vector3d> directions, force_directions;
+  std::vector<RecordedHit> hits;  ///< one a place with an accepted hit
+  std::vector<Finding> findings;  ///< of hits, FRFs and modes
+
+  [[nodiscard]] bool has_modes() const { return modal && !modal->model.modes.empty(); }
+};
+
+struct ModalTest {
+  std::vector<ModalTestState> states;  ///< by rising tension
+  std::vector<Finding> findings;       ///< recordings that cannot take part (code "recording")
+};
+
+/// Recordings must be evenly sampled, at the rate that most have, with the channels asked for and
+/// the force in N (or without a unit); the others are refused. Never throws for a recording.
+[[nodiscard]] ModalTest run_modal_test(std::vector<ModalRecording> recordings,
+                                       const ModalTestOptions& options);
+
+}  // namespace rigfit::ident
