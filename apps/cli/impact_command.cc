@@ -40,18 +40,21 @@ signal::ImpactTestOptions options_of(const ImpactCommand& command) {
                                                   : signal::FrfEstimator::h1;
   if (command.force_window == "auto") {
     options.force_window_s = -1;
-  } else if (command.force_window != "off") {
+  } else if (command.force_window == "off") {
+    options.force_window_s = 0;
+  } else if (command.force_window != "by-noise") {
     std::size_t used = 0;
+    double seconds = 0;
     try {
-      options.force_window_s = std::stod(command.force_window, &used);
+      seconds = std::stod(command.force_window, &used);
     } catch (const std::exception&) {
       used = 0;
     }
-    if (used != command.force_window.size() || !(options.force_window_s > 0) ||
-        !std::isfinite(options.force_window_s)) {
-      throw UsageError("--force-window is off, auto or a time in seconds, not \"" +
+    if (used != command.force_window.size() || !(seconds > 0) || !std::isfinite(seconds)) {
+      throw UsageError("--force-window is by-noise, off, auto or a time in seconds, not \"" +
                        command.force_window + "\"");
     }
+    options.force_window_s = seconds;
   }
   options.exponential_decay_rate_1_s = command.exponential_window;
   options.exponential_end_level = command.exponential_end_level;
@@ -142,7 +145,8 @@ void add_impact_options(CLI::App& verb, ImpactCommand& c, bool with_files) {
       ->capture_default_str();
   verb.add_option(
           "--force-window", c.force_window,
-          "off, auto (three pulse lengths), or seconds of force kept from the pulse's start")
+          "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
+          "by-noise: auto where the noise on the force matters, else off")
       ->capture_default_str();
   auto* rate = verb.add_option("--exponential-window", c.exponential_window,
                                "Decay rate of a window on force and responses, 1/s; its damping is "
@@ -314,6 +318,23 @@ Json hits_json(const ImpactRun& run) {
     }
   }
   return hits;
+}
+
+Json force_window_json(const ImpactRun& run) {
+  double kept = 0, left = 0;
+  std::optional<double> before;
+  bool chosen = false;
+  for (const signal::ImpactTest& test : run.tests) {
+    if (test.frfs.averages == 0) continue;
+    kept = std::max(kept, test.force_window_s);
+    left = std::max(left, test.force_noise_left);
+    chosen = chosen || test.force_window_by_noise;
+    if (test.force_noise) before = std::max(before.value_or(0), *test.force_noise);
+  }
+  return {{"kept_s", kept > 0 ? Json(kept) : Json(nullptr)},
+          {"chosen_by", chosen ? "noise" : "option"},
+          {"force_noise", before ? Json(*before) : Json(nullptr)},
+          {"force_noise_left", before ? Json(left) : Json(nullptr)}};
 }
 
 }  // namespace rigfit::apps

@@ -19,10 +19,10 @@ struct ImpactCommand {
   std::string driving_point;
   std::vector<std::string> struck;  ///< point struck in each file; empty: one point in all
   std::string estimator = "h1";
-  std::string force_window = "off";  ///< "off", "auto" or seconds
-  double exponential_window = 0;     ///< 1/s
-  double exponential_end_level = 0;  ///< 0..1; 0: not used
-  std::vector<double> band;          ///< Hz, two or none
+  std::string force_window = "by-noise";  ///< that, "off", "auto" or seconds
+  double exponential_window = 0;          ///< 1/s
+  double exponential_end_level = 0;       ///< 0..1; 0: not used
+  std::vector<double> band;               ///< Hz, two or none
   double sample_rate_hz = 0;
   std::string sign = "auto";
   double trigger = 0, double_hit = 0, max_spectrum_drop_db = 0, ring_down_level = 0;
@@ -60,5 +60,9 @@ struct ImpactRun {
 
 /// `hits[]`, as `frf` gives them; each with the point `struck` when the hammer roves.
 [[nodiscard]] Json hits_json(const ImpactRun& run);
+
+/// `force_window`: length kept, who chose it, the noise on the force before and after; of several
+/// points struck the largest of each.
+[[nodiscard]] Json force_window_json(const ImpactRun& run);
 
 }  // namespace rigfit::apps

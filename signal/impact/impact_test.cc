@@ -69,6 +69,7 @@ class Analysis {
     if (recordings_.empty()) return std::move(test_);
     test_.search = find_hits(recordings_, force_, test_.responses, options_.hits);
     test_.notes = test_.search.notes;
+    choose_force_window();
     const FrfEstimate estimate = average_without_outliers();
     for (const Hit& hit : test_.search.hits) {
       if (hit.accepted && hit.has(HitFault::unresolved_pulse)) test_.amplitudes = false;
@@ -112,10 +113,10 @@ class Analysis {
     const Channel& force = channel(hit.recording, force_);
     block.force = {force.samples.data() + hit.block_first, length};
     block.force_offset = hit.offset;
-    block.force_noise_std = scatter(force.samples.segment(hit.block_first, quiet));
-    const double kept =
-        options_.force_window_s < 0 ? 3 * hit.pulse_duration_s : options_.force_window_s;
-    if (kept > 0) {
+    // A hammer's signal rings after the pulse, filters before it too.
+    block.pulse_first = hit.pulse_first - hit.block_first - 3 * width;
+    block.pulse_last = hit.pulse_last - hit.block_first + 10 * width;
+    if (const double kept = kept_force(hit); kept > 0) {
       const auto samples = std::max(width, static_cast<Index>(std::ceil(kept * rate)));
       block.force_first = std::max<Index>(0, hit.pulse_first - width - hit.block_first);
       block.force_last = hit.pulse_first - hit.block_first + samples;
@@ -130,7 +131,12 @@ class Analysis {
     return block;
   }
 
-  FrfEstimate average_without_outliers() {
+  /// Force kept after the beginning of the pulse, s; 0: all of it.
+  double kept_force(const Hit& hit) const {
+    return window_s_ < 0 ? 3 * hit.pulse_duration_s : window_s_;
+  }
+
+  FrfOptions frf_options() const {
     FrfOptions frf;
     frf.estimator = options_.estimator;
     frf.sample_rate_hz = test_.search.sample_rate_hz;
@@ -140,6 +146,59 @@ class Analysis {
     frf.leave_one_out = options_.reject_outliers;
     frf.leave_one_out_range_db = options_.hits.max_spectrum_drop_db;
     frf.threads = options_.threads;
+    return frf;
+  }
+
+  /// Measures the noise on the force without a window, and chooses one where it matters.
+  void choose_force_window() {
+    window_s_ = 0;
+    std::vector<FrfBlock> blocks;
+    for (const Hit& hit : test_.search.hits) {
+      if (!hit.accepted) continue;
+      blocks.push_back(block_of(hit));
+      blocks.back().responses.clear();
+      blocks.back().response_offset.clear();
+      blocks.back().response_noise_std.clear();
+    }
+    if (!blocks.empty()) {
+      FrfOptions frf = frf_options();
+      frf.leave_one_out = false;
+      const FrfEstimate raw = average_frfs(blocks, frf);
+      if (raw.force_noise.size() > 0) test_.force_noise = largest_noise(raw);
+    }
+    if (options_.force_window_s) {
+      window_s_ = *options_.force_window_s;
+    } else if (test_.force_noise && *test_.force_noise > options_.force_noise_limit) {
+      window_s_ = -1;
+      test_.force_window_by_noise = true;
+    }
+  }
+
+  /// Noise over force, powers, at the worst line of the band.
+  double largest_noise(const FrfEstimate& estimate) const {
+    double largest = 0;
+    if (estimate.force_noise.size() == 0) return 0;
+    const double low = options_.hits.band_hz ? options_.hits.band_hz->first : 0;
+    const double high = options_.hits.band_hz ? options_.hits.band_hz->second : usable_hz();
+    for (Index k = 1; k < estimate.frequency_hz.size(); ++k) {
+      const double f = estimate.frequency_hz[k], measured = estimate.force_power[k];
+      if (f < low || f > high || !(measured > 0)) continue;
+      const double noise = std::min(estimate.force_noise[k], 0.75 * measured);
+      largest = std::max(largest, noise / (measured - noise));
+    }
+    return largest;
+  }
+
+  double usable_hz() const {
+    double usable = 0.5 * test_.search.sample_rate_hz;
+    for (const Hit& hit : test_.search.hits) {
+      if (hit.accepted) usable = std::min(usable, hit.usable_hz);
+    }
+    return usable;
+  }
+
+  FrfEstimate average_without_outliers() {
+    const FrfOptions frf = frf_options();
     for (;;) {
       std::vector<FrfBlock> blocks;
       std::vector<Hit*> hits;
@@ -250,29 +309,16 @@ class Analysis {
   }
 
   void judge(const FrfEstimate& estimate) {
-    test_.usable_hz = 0.5 * test_.search.sample_rate_hz;
+    test_.usable_hz = usable_hz();
     double end_level = 0, drop = 0, hidden = 0;
     for (const Hit& hit : test_.search.hits) {
       if (!hit.accepted) continue;
-      test_.usable_hz = std::min(test_.usable_hz, hit.usable_hz);
+      test_.force_window_s += kept_force(hit) / test_.frfs.averages;
       end_level = std::max(end_level, hit.end_level);
       drop = std::max(drop, hit.spectrum_drop_db);
       hidden = std::max(hidden, hit.smallest_second_hit);
     }
-    const double high = options_.hits.band_hz ? options_.hits.band_hz->second : test_.usable_hz;
-    for (Index k = 1; k < estimate.frequency_hz.size(); ++k) {
-      if (estimate.frequency_hz[k] > high || !(estimate.force_power[k] > 0)) continue;
-      test_.force_noise_bias =
-          std::max(test_.force_noise_bias, estimate.force_noise_power / estimate.force_power[k]);
-    }
-    if (test_.force_noise_bias > 0.01 && options_.estimator == FrfEstimator::h1) {
-      test_.notes.push_back(
-          {"force_noise",
-           fmt::format("noise on the force lowers H1 by up to {:.2g} % in the band; a force window "
-                       "keeps it out",
-                       100 * std::min(1.0, test_.force_noise_bias)),
-           ""});
-    }
+    judge_force_noise(estimate);
     const double left = end_level * std::exp(-decay_rate() * block_duration());
     if (left > options_.hits.ring_down_level && left > 3 * quietest()) {
       test_.notes.push_back(
@@ -307,6 +353,39 @@ class Analysis {
     }
   }
 
+  void judge_force_noise(const FrfEstimate& estimate) {
+    test_.force_noise_left = largest_noise(estimate);
+    const auto percent = [](double part) { return fmt::format("{:.2g} %", 100 * part); };
+    if (!test_.force_noise) {
+      test_.notes.push_back({"force_noise_unknown",
+                             "too few samples beside the pulses to measure the noise on the force: "
+                             "H1 is not corrected for it",
+                             ""});
+    } else if (test_.force_window_by_noise) {
+      test_.notes.push_back(
+          {"force_window_chosen",
+           fmt::format("noise on the force has up to {} of its power in the band and would lower "
+                       "H1 by that: {:.3g} ms of force are kept from each pulse's start, which "
+                       "leaves {}{}",
+                       percent(*test_.force_noise), 1e3 * test_.force_window_s,
+                       percent(test_.force_noise_left),
+                       options_.estimator == FrfEstimator::h1 ? ", subtracted" : ""),
+           ""});
+    }
+    // What is subtracted is known to some 10 %; beyond a tenth of the force's power that is 1 %.
+    if (test_.force_noise_left > 0.1) {
+      test_.notes.push_back(
+          {"force_noise",
+           fmt::format("noise on the force has up to {} of its power in the band: {}",
+                       percent(test_.force_noise_left),
+                       options_.estimator == FrfEstimator::h1
+                           ? "H1 is corrected for it as far as its mean power is known; a force "
+                             "window keeps it out"
+                           : "a force window keeps it out"),
+           ""});
+    }
+  }
+
   double block_duration() const {
     return static_cast<double>(test_.search.block_samples) / test_.search.sample_rate_hz;
   }
@@ -334,6 +413,7 @@ class Analysis {
   std::span<const Recording> recordings_;
   const ImpactTestOptions& options_;
   Index force_ = 0;
+  double window_s_ = 0;  ///< ImpactTestOptions::force_window_s, or what was chosen
   ImpactTest test_;
 };
 

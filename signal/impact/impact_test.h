@@ -20,8 +20,12 @@ struct ImpactTestOptions {
   HitOptions hits;
   FrfEstimator estimator = FrfEstimator::h1;
   /// Force kept after the beginning of the pulse, s, then faded out over half as long. 0: all of
-  /// it; negative: three pulse durations, each hit its own.
-  double force_window_s = 0;
+  /// it; negative: three pulse durations, each hit its own. Not given: by the noise on the force
+  /// (`force_noise_limit`), three pulse durations or all of it.
+  std::optional<double> force_window_s;
+  /// A window is chosen where noise on the force has this part of the force's power somewhere in
+  /// the band: an amplitude of 1 %, which is what hammers and amplifiers hold by themselves.
+  double force_noise_limit = 1e-4;
   /// Rate of a shared exponential window, 1/s; or, if positive, the level it falls to by the end of
   /// the block.
   double exponential_decay_rate_1_s = 0;
@@ -45,9 +49,13 @@ struct ImpactTest {
   /// Part of the response power that the force does not explain, per degree of freedom; 0 for fewer
   /// than three hits.
   double incoherence = 0;
-  /// Largest relative bias of H1 by noise on the force within the usable band, from the noise
-  /// before the hits.
-  double force_noise_bias = 0;
+  /// Noise on the force where no hit is, without any window: its largest part of the force's power
+  /// within the band, by which H1 would be too small; empty: too few samples to tell.
+  std::optional<double> force_noise;
+  /// The same of what the force window leaves. It is taken off H1.
+  double force_noise_left = 0;
+  double force_window_s = 0;           ///< length kept, mean over the hits; 0: no window
+  bool force_window_by_noise = false;  ///< chosen, not asked for
   std::optional<DrivingPointCheck> driving_point;
   std::vector<Note> notes;
 };

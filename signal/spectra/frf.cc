@@ -9,12 +9,17 @@
 #include <thread>
 
 #include "signal/spectra/fft.h"
+#include "signal/spectra/force_noise.h"
 #include "signal/spectra/window.h"
 
 namespace rigfit::signal {
 namespace {
 using Eigen::Index;
 using Complex = std::complex<double>;
+
+/// Lines on either side over which the power of the force's noise is averaged, at least: 21 lines
+/// times the hits make it certain to 20 % / sqrt(hits).
+constexpr Index kNoiseLines = 10;
 
 /// Window energies: noise of variance v per sample has E|N_k|^2 = v * energy in every line.
 struct Windows {
@@ -96,8 +101,7 @@ void average_lines(const Eigen::ArrayXd& cumulative, Index half, Eigen::ArrayXd&
 double mean_square(std::span<const FrfBlock> blocks, Index response) {
   double sum = 0;
   for (const FrfBlock& block : blocks) {
-    const double std = response < 0 ? block.force_noise_std
-                       : block.response_noise_std.empty()
+    const double std = block.response_noise_std.empty()
                            ? 0
                            : block.response_noise_std[static_cast<std::size_t>(response)];
     sum += std * std;
@@ -148,29 +152,34 @@ class Averager {
   void transform_force() {
     RealFft fft(options_.block_samples);
     force_.resize(fft.lines(), hits());
-    force_energy_ = 0;
     for (Index i = 0; i < hits(); ++i) {
       const FrfBlock& block = blocks_[static_cast<std::size_t>(i)];
       load(fft, block.force, block.force_offset, windows_);
       if (block.force_last >= 0) {
-        Eigen::VectorXd window = force_window(options_.block_samples, block.force_first,
-                                              block.force_last, block.force_taper);
-        fft.time().array() *= window.array();
-        if (windows_.shared.size() > 0) window.array() *= windows_.shared.array();
-        force_energy_ += window.squaredNorm();
-      } else {
-        force_energy_ += windows_.energy;
+        fft.time().array() *= force_window(options_.block_samples, block.force_first,
+                                           block.force_last, block.force_taper)
+                                  .array();
       }
       fft.forward();
       force_.col(i) = fft.spectrum();
     }
-    force_energy_ /= static_cast<double>(hits());
-    result_.force_noise_power = mean_square(blocks_, -1) * force_energy_;
     gxx_ = force_.abs2().rowwise().sum();
     result_.force_power = gxx_ / static_cast<double>(hits());
     // Where there is no force at all nothing is known: the floor keeps H at zero over zero finite.
     gxx_ = gxx_.max(gxx_.maxCoeff() * 1e-30 + std::numeric_limits<double>::min());
     inverse_gxx_ = gxx_.inverse();
+    result_.force_noise =
+        force_noise_power(blocks_, options_.block_samples, windows_.shared,
+                          std::max<Index>(kNoiseLines, options_.error_smoothing_lines));
+    noise_ = result_.force_noise.array();
+    if (noise_.size() > 0 && options_.subtract_force_noise) {
+      constexpr double kMost = 0.75;
+      true_gxx_ = gxx_ - (static_cast<double>(hits()) * noise_).min(kMost * gxx_);
+      inverse_true_gxx_ = true_gxx_.inverse();
+    } else {
+      true_gxx_ = gxx_;
+      inverse_true_gxx_ = inverse_gxx_;
+    }
     share_ = Eigen::ArrayXXd::Zero(hits() + 1, result_.H.cols());
   }
 
@@ -201,7 +210,9 @@ class Averager {
     sums.residual = (sums.gyy - sums.cross * inverse_gxx_).max(0.0);
     switch (options_.estimator) {
       case FrfEstimator::h1:
-        H.array() = sums.gxy * inverse_gxx_;
+        H.array() = sums.gxy * inverse_true_gxx_;
+        // What H, no longer the least-squares one, leaves of the responses.
+        sums.residual += sums.cross * inverse_gxx_ * (gxx_ * inverse_true_gxx_ - 1).square();
         break;
       case FrfEstimator::h2:
         for (Index k = 0; k < lines; ++k) {
@@ -226,28 +237,36 @@ class Averager {
 
   void error_bars(Index c, Sums& sums) {
     const double of_response = mean_square(blocks_, c) * windows_.energy;
-    const double of_force = mean_square(blocks_, -1) * force_energy_;
     const auto H = result_.H.col(c).array();
     auto std = result_.H_std.col(c).array();
     if (hits() == 1) {
-      std = ((of_response + of_force * H.abs2()) / (2 * gxx_)).sqrt();
+      std = ((of_response + through_force(H)) / (2 * true_gxx_)).sqrt();
       return;
     }
     if (options_.error_smoothing_lines > 0) {
       // The known shape of the noise power, up to a factor that the residuals give locally.
-      const bool shaped = of_response > 0 && of_force > 0;
+      const bool shaped = of_response > 0 && noise_.size() > 0;
       if (shaped) {
-        sums.shape = 1 + of_force / of_response * H.abs2();
+        sums.shape = 1 + through_force(H) / of_response;
         sums.residual /= sums.shape;
       }
       smooth_residual(sums);
       if (shaped) sums.residual *= sums.shape;
     }
-    std = (sums.residual * inverse_gxx_ * (0.5 / static_cast<double>(hits() - 1))).sqrt();
-    if (options_.estimator != FrfEstimator::h1) {
+    const bool h1 = options_.estimator == FrfEstimator::h1;
+    std = (sums.residual * gxx_ * (0.5 / static_cast<double>(hits() - 1))).sqrt() *
+          (h1 ? inverse_true_gxx_ : inverse_gxx_);
+    if (!h1) {
       // The relative error is that of H1 (Bendat and Piersol).
       std *= H.abs() / (sums.gxy.abs() / gxx_).max(std::numeric_limits<double>::min());
     }
+  }
+
+  /// Power that the noise of the force gives a response.
+  template <typename Values>
+  [[nodiscard]] Eigen::ArrayXd through_force(const Values& H) const {
+    if (noise_.size() == 0) return Eigen::ArrayXd::Zero(H.size());
+    return noise_ * H.abs2();
   }
 
   void smooth_residual(Sums& sums) const {
@@ -298,9 +317,10 @@ class Averager {
   Windows windows_;
   Eigen::ArrayXXcd force_;  ///< lines x hits
   Eigen::ArrayXd gxx_, inverse_gxx_;
-  double force_energy_ = 0;   ///< of the windows on the force, mean over hits
-  std::vector<Index> lines_;  ///< of leave-one-out
-  Eigen::ArrayXXd share_;     ///< hits + 1 x responses
+  Eigen::ArrayXd true_gxx_, inverse_true_gxx_;  ///< without the noise
+  Eigen::ArrayXd noise_;                        ///< of the force, mean over hits; empty: not known
+  std::vector<Index> lines_;                    ///< of leave-one-out
+  Eigen::ArrayXXd share_;                       ///< hits + 1 x responses
 };
 
 bool noise_is_known(std::span<const FrfBlock> blocks) {

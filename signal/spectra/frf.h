@@ -8,6 +8,10 @@
 //   ed., sec. 9.2) std(|H|) = |H| sqrt((1 - g2) / (2 n g2)), here with n - 1 in place of n: the
 //   residual power Gyy (1 - g2) of n hits has n - 1 complex degrees of freedom, and std(Re H) =
 //   std(Im H) = sqrt(Gyy (1 - g2) / (2 (n - 1) Gxx)) is then free of bias from n = 2 on.
+// Noise on the force of mean power P a hit (force_noise.h) adds n P to Gxx and nothing to Gxy: H1
+// is taken with Gxx - n P, which is free of that bias (Bendat and Piersol, sec. 9.1), unless
+// `subtract_force_noise` is off. At most three quarters of Gxx are subtracted: beyond that a line
+// tells nothing.
 // Transforms are unscaled sums over the block; the ratio needs no scale. A window shared by force
 // and response changes no amplitude: see window.h. A ring-down that is cut at the end of the block
 // (no window) leaves the poles in place but scales each mode's residue by 1 - exp(p T), p its pole
@@ -28,13 +32,14 @@ enum class FrfEstimator { h1, h2, hv };
 struct FrfBlock {
   std::span<const double> force;
   std::vector<std::span<const double>> responses;
-  double force_offset = 0;                 ///< subtracted
-  std::vector<double> response_offset;     ///< subtracted; empty: zeros
-  Eigen::Index force_first = 0;            ///< samples of force kept as they are: from this ...
-  Eigen::Index force_last = -1;            ///< ... to the one before this; -1: all of it
-  Eigen::Index force_taper = 0;            ///< faded over so many on either side, zero beyond
-  double force_noise_std = 0;              ///< of one sample, such as before the hit; 0: not known
-  std::vector<double> response_noise_std;  ///< the same per response; empty: not known
+  double force_offset = 0;              ///< subtracted
+  std::vector<double> response_offset;  ///< subtracted; empty: zeros
+  Eigen::Index force_first = 0;         ///< samples of force kept as they are: from this ...
+  Eigen::Index force_last = -1;         ///< ... to the one before this; -1: all of it
+  Eigen::Index force_taper = 0;         ///< faded over so many on either side, zero beyond
+  /// Samples of the block that are not noise of the force: the pulse with what may ring around it.
+  Eigen::Index pulse_first = 0, pulse_last = -1;  ///< -1: not known, nor is the noise
+  std::vector<double> response_noise_std;         ///< the same per response; empty: not known
 };
 
 struct FrfOptions {
@@ -51,7 +56,8 @@ struct FrfOptions {
   /// known, its share through the force (which peaks where |H| does) gives the shape that is
   /// scaled. 0: every line by itself.
   Eigen::Index error_smoothing_lines = 10;
-  bool leave_one_out = false;  ///< fill `FrfEstimate::incoherence_without`
+  bool subtract_force_noise = true;  ///< from Gxx in H1
+  bool leave_one_out = false;        ///< fill `FrfEstimate::incoherence_without`
   /// Lines used by leave-one-out: where the force spectrum is within this of its maximum.
   double leave_one_out_range_db = 20;
   int threads = 1;  ///< over responses; the result does not depend on it
@@ -59,11 +65,11 @@ struct FrfOptions {
 
 struct FrfEstimate {
   Eigen::VectorXd frequency_hz;
-  Eigen::MatrixXcd H;            ///< lines x responses
-  Eigen::MatrixXd H_std;         ///< of real and imaginary part, each; empty: unknown
-  Eigen::MatrixXd coherence;     ///< empty for one hit, where it says nothing
-  Eigen::VectorXd force_power;   ///< mean |X|^2 a hit, unscaled, lines
-  double force_noise_power = 0;  ///< the same of the force's noise, from the blocks' noise_std
+  Eigen::MatrixXcd H;           ///< lines x responses
+  Eigen::MatrixXd H_std;        ///< of real and imaginary part, each; empty: unknown
+  Eigen::MatrixXd coherence;    ///< empty for one hit, where it says nothing
+  Eigen::VectorXd force_power;  ///< mean |X|^2 a hit, unscaled, lines
+  Eigen::VectorXd force_noise;  ///< the same of the noise left in the force; empty: not known
   bool std_from_noise_before_hit = false;  ///< one hit: from the blocks' noise_std
   /// Part of the response power (all responses, each relative to its own) not explained by the
   /// force, per degree of freedom, in the lines of `leave_one_out_range_db`.
@@ -71,8 +77,9 @@ struct FrfEstimate {
   Eigen::VectorXd incoherence_without;  ///< the same without hit i
 };
 
-/// Blocks need the same responses. n = 1: no coherence; error bars only when the noise is known.
-/// A line without force or response gives H = 0, never NaN.
+/// Blocks need the same responses (none: only `force_power` and `force_noise`). n = 1: no
+/// coherence; error bars only when the noise is known. A line without force or response gives H =
+/// 0, never NaN.
 [[nodiscard]] FrfEstimate average_frfs(std::span<const FrfBlock> blocks, const FrfOptions& options);
 
 }  // namespace rigfit::signal

@@ -146,6 +146,7 @@ Json run_frf(VerbContext& context, const FrfCommand& options) {
               {"force", run.force}};
   if (frfs.averages == 0) return result;
   result["usable_hz"] = run.usable_hz;
+  result["force_window"] = force_window_json(run);
   double incoherence = 0;
   for (const signal::ImpactTest& test : run.tests) {
     incoherence = std::max(incoherence, test.incoherence);

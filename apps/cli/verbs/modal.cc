@@ -30,7 +30,7 @@ struct Measured {
   signal::FrfSet frfs;
   double usable_hz = 0;    ///< 0: to the last line
   bool amplitudes = true;  ///< false: only frequencies and damping mean something
-  Json hits;               ///< null when the FRFs came from a file
+  Json hits, force_window;  ///< null when the FRFs came from a file
 };
 
 Measured frfs_of(VerbContext& context, ModalCommand& options) {
@@ -39,6 +39,7 @@ Measured frfs_of(VerbContext& context, ModalCommand& options) {
     options.impact.files = options.files;
     ImpactRun run = run_impact_test(context, options.impact);
     measured.hits = hits_json(run);
+    measured.force_window = force_window_json(run);
     measured.usable_hz = run.usable_hz;
     measured.amplitudes = run.amplitudes;
     measured.frfs = std::move(run.frfs);
@@ -167,7 +168,10 @@ Json run_modal(VerbContext& context, ModalCommand options) {
   }
   const Measured measured = frfs_of(context, options);
   Json result{{"modes", Json::array()}};
-  if (!measured.hits.is_null()) result["hits"] = measured.hits;
+  if (!measured.hits.is_null()) {
+    result["hits"] = measured.hits;
+    result["force_window"] = measured.force_window;
+  }
   if (measured.frfs.frequency_hz.size() == 0) return result;  // refused, and said why
 
   const signal::ModalResult found = identify(measured, options);

@@ -123,7 +123,7 @@ signal::ImpactTestOptions impact_options(const CampaignTest& test) {
   options.estimator = test.hammer.estimator == "h2"   ? signal::FrfEstimator::h2
                       : test.hammer.estimator == "hv" ? signal::FrfEstimator::hv
                                                       : signal::FrfEstimator::h1;
-  options.force_window_s = test.hammer.force_window_s;
+  if (test.hammer.force_window_s > 0) options.force_window_s = test.hammer.force_window_s;
   options.exponential_end_level = test.hammer.exponential_end_level;
   options.hits.band_hz = test.band_hz;
   return options;

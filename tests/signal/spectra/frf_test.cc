@@ -37,7 +37,7 @@ struct GainTest {
       FrfBlock block;
       block.force = view(forces[static_cast<std::size_t>(i)]);
       block.responses = {view(responses[static_cast<std::size_t>(i)])};
-      block.force_noise_std = force_noise;
+      block.pulse_first = 2, block.pulse_last = 3;
       block.response_noise_std = {response_noise};
       blocks.push_back(block);
     }
@@ -125,9 +125,11 @@ TEST(Frf, OneHitHasErrorBarsFromTheNoiseBeforeItOrNone) {
 TEST(Frf, EstimatorsAreBiasedWhereTheoryPutsIt) {
   constexpr Index kSamples = 64;
   std::mt19937_64 random(5);
-  const auto mean_of = [&](FrfEstimator estimator, double force_noise, double response_noise) {
+  const auto mean_of = [&](FrfEstimator estimator, double force_noise, double response_noise,
+                           bool subtract = false) {
     FrfOptions options = options_for(kSamples);
     options.estimator = estimator;
+    options.subtract_force_noise = subtract;
     double sum = 0;
     constexpr int kTrials = 100;
     for (int trial = 0; trial < kTrials; ++trial) {
@@ -142,6 +144,8 @@ TEST(Frf, EstimatorsAreBiasedWhereTheoryPutsIt) {
   // 100 trials of 100 hits: noise of 2 * sqrt(0.07 / (100 * 100)) = 0.005, and terms of 2 * 0.07 /
   // 100 left out.
   EXPECT_NEAR(mean_of(FrfEstimator::h1, 0.05, 0), 2 / (1 + force_share), 0.012);
+  // The noise measured beside the pulse takes that off.
+  EXPECT_NEAR(mean_of(FrfEstimator::h1, 0.05, 0, true), 2, 0.012);
   EXPECT_NEAR(mean_of(FrfEstimator::h2, 0.05, 0), 2, 0.012);
   EXPECT_NEAR(mean_of(FrfEstimator::h1, 0, 0.1), 2, 0.012);
   EXPECT_NEAR(mean_of(FrfEstimator::h2, 0, 0.1), 2 * (1 + response_share), 0.012);
