@@ -7,6 +7,7 @@
 #include <complex>
 #include <numbers>
 
+#include "signal/numerics/robust.h"
 #include "signal/recording/recording_error.h"
 #include "signal/spectra/window.h"
 
@@ -39,6 +40,17 @@ std::string ratio_of_units(const std::string& response, const std::string& force
     return unit.find('/') == std::string::npos ? unit : "(" + unit + ")";
   };
   return part(response) + "/" + part(force);
+}
+
+/// Mean of a block's force outside of its pulse: what zero is during the hit.
+double level_beside(const FrfBlock& block, double otherwise) {
+  const auto size = static_cast<Index>(block.force.size());
+  const Index first = std::clamp<Index>(block.pulse_first, 0, size);
+  const Index last = std::clamp<Index>(block.pulse_last + 1, first, size);
+  const Eigen::Map<const Eigen::VectorXd> x(block.force.data(), size);
+  const Index beside = first + size - last;
+  if (beside < 32) return otherwise;
+  return (x.head(first).sum() + x.tail(size - last).sum()) / static_cast<double>(beside);
 }
 
 double scatter(const Eigen::Ref<const Eigen::VectorXd>& x) {
@@ -112,10 +124,10 @@ class Analysis {
     FrfBlock block;
     const Channel& force = channel(hit.recording, force_);
     block.force = {force.samples.data() + hit.block_first, length};
-    block.force_offset = hit.offset;
     // A hammer's signal rings after the pulse, filters before it too.
     block.pulse_first = hit.pulse_first - hit.block_first - 3 * width;
     block.pulse_last = hit.pulse_last - hit.block_first + 10 * width;
+    block.force_offset = level_beside(block, hit.offset);
     if (const double kept = kept_force(hit); kept > 0) {
       const auto samples = std::max(width, static_cast<Index>(std::ceil(kept * rate)));
       block.force_first = std::max<Index>(0, hit.pulse_first - width - hit.block_first);
@@ -164,7 +176,7 @@ class Analysis {
       FrfOptions frf = frf_options();
       frf.leave_one_out = false;
       const FrfEstimate raw = average_frfs(blocks, frf);
-      if (raw.force_noise.size() > 0) test_.force_noise = largest_noise(raw);
+      if (raw.force_noise.size() > 0) test_.force_noise = median(noise_shares(raw));
     }
     if (options_.force_window_s) {
       window_s_ = *options_.force_window_s;
@@ -174,19 +186,19 @@ class Analysis {
     }
   }
 
-  /// Noise over force, powers, at the worst line of the band.
-  double largest_noise(const FrfEstimate& estimate) const {
-    double largest = 0;
-    if (estimate.force_noise.size() == 0) return 0;
+  /// Noise over force, powers, at the lines of the band.
+  std::vector<double> noise_shares(const FrfEstimate& estimate) const {
+    std::vector<double> shares{0};
+    if (estimate.force_noise.size() == 0) return shares;
     const double low = options_.hits.band_hz ? options_.hits.band_hz->first : 0;
     const double high = options_.hits.band_hz ? options_.hits.band_hz->second : usable_hz();
     for (Index k = 1; k < estimate.frequency_hz.size(); ++k) {
       const double f = estimate.frequency_hz[k], measured = estimate.force_power[k];
       if (f < low || f > high || !(measured > 0)) continue;
       const double noise = std::min(estimate.force_noise[k], 0.75 * measured);
-      largest = std::max(largest, noise / (measured - noise));
+      shares.push_back(noise / (measured - noise));
     }
-    return largest;
+    return shares;
   }
 
   double usable_hz() const {
@@ -354,8 +366,11 @@ class Analysis {
   }
 
   void judge_force_noise(const FrfEstimate& estimate) {
-    test_.force_noise_left = largest_noise(estimate);
-    const auto percent = [](double part) { return fmt::format("{:.2g} %", 100 * part); };
+    const std::vector<double> shares = noise_shares(estimate);
+    test_.force_noise_left = *std::max_element(shares.begin(), shares.end());
+    const auto percent = [](double part) {
+      return part >= 3 ? std::string("300 % or more") : fmt::format("{:.2g} %", 100 * part);
+    };
     if (!test_.force_noise) {
       test_.notes.push_back({"force_noise_unknown",
                              "too few samples beside the pulses to measure the noise on the force: "
@@ -364,12 +379,13 @@ class Analysis {
     } else if (test_.force_window_by_noise) {
       test_.notes.push_back(
           {"force_window_chosen",
-           fmt::format("noise on the force has up to {} of its power in the band and would lower "
-                       "H1 by that: {:.3g} ms of force are kept from each pulse's start, which "
-                       "leaves {}{}",
-                       percent(*test_.force_noise), 1e3 * test_.force_window_s,
-                       percent(test_.force_noise_left),
-                       options_.estimator == FrfEstimator::h1 ? ", subtracted" : ""),
+           fmt::format(
+               "noise on the force has {} of its power at half of the lines and would "
+               "lower H1 by that: {:.3g} ms of force are kept from each pulse's start, which "
+               "leaves {} at most{}",
+               percent(*test_.force_noise), 1e3 * test_.force_window_s,
+               percent(test_.force_noise_left),
+               options_.estimator == FrfEstimator::h1 ? ", subtracted" : ""),
            ""});
     }
     // What is subtracted is known to some 10 %; beyond a tenth of the force's power that is 1 %.

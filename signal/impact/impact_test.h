@@ -23,9 +23,10 @@ struct ImpactTestOptions {
   /// it; negative: three pulse durations, each hit its own. Not given: by the noise on the force
   /// (`force_noise_limit`), three pulse durations or all of it.
   std::optional<double> force_window_s;
-  /// A window is chosen where noise on the force has this part of the force's power somewhere in
-  /// the band: an amplitude of 1 %, which is what hammers and amplifiers hold by themselves.
-  double force_noise_limit = 1e-4;
+  /// A window is chosen where noise on the force has this part of the force's power at half of the
+  /// band's lines: random errors of H of 2 % a hit. A hum's few lines are better left as they are:
+  /// a short window would spread them over the band.
+  double force_noise_limit = 1e-3;
   /// Rate of a shared exponential window, 1/s; or, if positive, the level it falls to by the end of
   /// the block.
   double exponential_decay_rate_1_s = 0;
@@ -49,10 +50,10 @@ struct ImpactTest {
   /// Part of the response power that the force does not explain, per degree of freedom; 0 for fewer
   /// than three hits.
   double incoherence = 0;
-  /// Noise on the force where no hit is, without any window: its largest part of the force's power
-  /// within the band, by which H1 would be too small; empty: too few samples to tell.
+  /// Noise on the force where no hit is, without any window: its part of the force's power at half
+  /// of the band's lines, by which H1 would be too small; empty: too few samples to tell.
   std::optional<double> force_noise;
-  /// The same of what the force window leaves. It is taken off H1.
+  /// The same of what the force window leaves, at the worst line. It is taken off H1.
   double force_noise_left = 0;
   double force_window_s = 0;           ///< length kept, mean over the hits; 0: no window
   bool force_window_by_noise = false;  ///< chosen, not asked for

@@ -72,7 +72,9 @@ ArrayXd noise_lags(std::span<const FrfBlock> blocks, Index n) {
     total += outside.sum();
     counts.add(outside);
     const Eigen::Map<const VectorXd> x(block.force.data(), length);
-    values.add(((x.array() - block.force_offset) * outside.array()).matrix());
+    // A constant lies in the line at 0 Hz alone; smoothing would spread it over its neighbours.
+    const double mean = x.dot(outside) / std::max(outside.sum(), 1.0);
+    values.add(((x.array() - mean) * outside.array()).matrix());
   }
   if (total < kFewest) return {};
   ArrayXd r = values.lags();

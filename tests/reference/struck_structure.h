@@ -1,0 +1,51 @@
+// Hammer hits on a structure simulated in time, with the defects that real ones have: noise of any
+// colour on force and responses, a structure that changes from hit to hit, second contacts, a
+// converter's steps, a hammer off its axis.
+//
+// Each mode q'' + 2 zeta w q' + w^2 q = phi f(t) is stepped at 8 times the sampling rate with the
+// exact solution for a force that is linear between the steps; a half sine of 16 such steps or more
+// differs from its chords by 0.2 % of its area, the same for all frequencies far below 1 /
+// duration. A low-pass (Blackman-windowed sinc of 32 samples, alike on all channels) precedes the
+// sampling, as in a logger. Nothing here knows of transforms or FRFs.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "signal/recording/recording.h"
+
+namespace rigfit::testing {
+
+struct StruckStructure {
+  Eigen::VectorXd frequency_hz;
+  Eigen::VectorXd damping_ratio;
+  Eigen::MatrixXd shapes;  ///< responses x modes; response 0 is struck
+
+  /// Modes at 9.3, 21.7, 38.1 and 55.2 Hz, 0.6 to 1.2 % damped, shapes of a beam.
+  explicit StruckStructure(Eigen::Index responses);
+};
+
+struct StrikeOptions {
+  int hits = 5;
+  double sample_rate_hz = 1024;
+  double before_s = 0.5, after_s = 11.5;  ///< of each recording
+  double pulse_s = 8e-3;
+  double force_noise = 0;         ///< std, of the mean peak
+  double force_noise_colour = 0;  ///< 0: white; c: first-order, x_n = c x_(n-1) + noise, same std
+  double response_noise = 2e-3;   ///< std, of the response's rms after a hit of mean size
+  /// Relative standard deviation of all frequencies from hit to hit (stiffness, temperature, size
+  /// of the hit), alike for all modes.
+  double frequency_scatter = 0;
+  double second_contact = 0;  ///< of the peak, 20 to 50 ms later, in every hit
+  double converter_bits = 0;  ///< steps of every channel: full scale / 2^bits; 0: none
+  double size_scatter = 0.3;  ///< of the peaks, uniform on either side of 1
+  std::uint64_t seed = 1;
+};
+
+/// One recording a hit: channel "force" (N), accelerations "a1".. (m/s^2).
+[[nodiscard]] std::vector<signal::Recording> struck_recordings(const StruckStructure& structure,
+                                                               const StrikeOptions& options);
+
+}  // namespace rigfit::testing
