@@ -28,8 +28,8 @@ struct ModalCommand {
 
 struct Measured {
   signal::FrfSet frfs;
-  double usable_hz = 0;    ///< 0: to the last line
-  bool amplitudes = true;  ///< false: only frequencies and damping mean something
+  double usable_hz = 0;     ///< 0: to the last line
+  bool amplitudes = true;   ///< false: only frequencies and damping mean something
   Json hits, force_window;  ///< null when the FRFs came from a file
 };
 
