@@ -1,28 +1,20 @@
 #include "signal/decay/decay.h"
 
 #include <fmt/format.h>
-#include <gsl/gsl_cdf.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <numeric>
 #include <stdexcept>
 
 #include "signal/decay/decay_clipping.h"
+#include "signal/decay/decay_description.h"
 #include "signal/decay/decay_judgement.h"
 #include "signal/decay/decay_modes.h"
 #include "signal/decay/decay_start.h"
-#include "signal/decay/decay_warnings.h"
-#include "signal/decay/decay_window.h"
-#include "signal/decay/log_decrement.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/sinusoids/decay_search.h"
-#include "signal/sinusoids/detected_strength.h"
-#include "signal/sinusoids/pole_interval.h"
-#include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
 namespace {
@@ -31,24 +23,208 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 // After this many time constants of the slowest mode a record holds nothing but noise.
 constexpr double kTailTimeConstants = 10;
+// One damped sinusoid with offset and drift has 6 unknowns.
+constexpr Index kFewestSamples = 7;
 
-// Frequency and damping of every mode and their joint covariance, from the fit's.
-Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, double rate) {
-  const auto modes = static_cast<Index>(fit.poles.size());
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 * modes, 4 * modes + 2);
-  for (Index m = 0; m < modes; ++m) {
-    const Complex p = fit.poles[static_cast<std::size_t>(m)];
-    const double s = p.real(), w = p.imag(), r = std::abs(p);
-    jacobian(2 * m, 4 * m + 2) = rate / kTwoPi * s / r;
-    jacobian(2 * m, 4 * m + 3) = rate / kTwoPi * w / r;
-    jacobian(2 * m + 1, 4 * m + 2) = -w * w / (r * r * r);
-    jacobian(2 * m + 1, 4 * m + 3) = s * w / (r * r * r);
+DecayBand band_of(const DecayOptions& options, double rate) {
+  const double nyquist = 0.5 * rate, low = options.band_low_hz, high = options.band_high_hz;
+  const bool banded = low > 0 || high > 0;
+  if (!(low >= 0) || (banded && high > 0 && !(low < high))) {
+    throw std::invalid_argument("decay: the band must rise from zero or above");
   }
-  return jacobian;
+  return {low / rate, (high > 0 ? std::min(high, nyquist) : nyquist) / rate, !banded};
 }
 
-void describe(DecayResult& result, const DecaySamples& samples, const DampedSinusoidsFit& fit,
-              const DecayBand& band, double rate, const DecayOptions& options);
+/// One estimate, step by step.
+class Estimation {
+ public:
+  Estimation(const Eigen::Ref<const Eigen::VectorXd>& y, double rate, const DecayOptions& options)
+      : y_(y),
+        rate_(rate),
+        options_(options),
+        band_(band_of(options, rate)),
+        search_{options.max_modes, options.false_alarm} {
+    result_.end = y.size();
+  }
+
+  DecayResult run() {
+    if (!usable() || !choose_window() || !take_samples() || !find_modes()) return result_;
+    leave_out_the_tail();
+    trim_start();
+    if (!options_.choose_window) warn_of_rails();
+    if (moved_start_) {
+      note(result_, "start_chosen",
+           fmt::format("the fit starts at sample {}, after the impact or release", result_.start));
+    }
+    describe_decay(result_, samples_, *fit_, band_, rate_, options_);
+    if (result_.refusal_code.empty()) judge_decay(result_, rate_);
+    return result_;
+  }
+
+ private:
+  bool usable() {
+    if (!(band_.low < band_.high)) {
+      refuse(result_, "band_not_sampled",
+             fmt::format("the band begins at {:.6g} Hz, above half the sample rate, {:.6g} Hz: "
+                         "give a lower one or sample faster",
+                         options_.band_low_hz, 0.5 * rate_));
+      return false;
+    }
+    Index finite = 0;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const double v : y_) {
+      if (std::isfinite(v)) ++finite, low = std::min(low, v), high = std::max(high, v);
+    }
+    if (finite < kFewestSamples) {
+      refuse(result_, "too_few_samples",
+             fmt::format("{} samples: one damped sinusoid with offset and drift has 6 unknowns",
+                         finite));
+      return false;
+    }
+    if (!(high - low > 1e-14 * std::max(std::abs(high), std::abs(low)))) {
+      refuse(result_, "constant", "the signal does not change: nothing vibrates in this channel");
+      return false;
+    }
+    const Index recorded = recorded_until(y_);
+    if (recorded < y_.size()) {
+      note(result_, "recording_stops",
+           fmt::format("the last {} samples are all {:.6g}: the logger had stopped; they are left "
+                       "out",
+                       y_.size() - recorded, y_(y_.size() - 1)));
+      result_.end = recorded;
+    }
+    return true;
+  }
+
+  bool choose_window() {
+    if (!options_.choose_window) {
+      result_.decays = {{0, result_.end, false, 0}};
+      return true;
+    }
+    result_.decays = find_decays(y_.head(result_.end), band_, &peaks_);
+    double most = -1;
+    for (std::size_t k = 0; k < result_.decays.size(); ++k) {
+      const auto& w = result_.decays[k];
+      if (w.end - w.start < kFewestSamples) continue;
+      const double energy = without_trend(y_.segment(w.start, w.end - w.start)).squaredNorm();
+      if (energy > most) most = energy, result_.fitted_decay = k;
+    }
+    const auto& chosen = result_.decays[result_.fitted_decay];
+    if (chosen.start > 0 || chosen.end < y_.size()) peaks_.clear();
+    result_.start = chosen.start, result_.end = chosen.end;
+    moved_start_ = chosen.after_impact;
+    if (result_.decays.size() > 1) {
+      std::string where;
+      for (const auto& w : result_.decays) {
+        where += fmt::format("{}{:.4g} to {:.4g} s", where.empty() ? "" : ", ",
+                             options_.start_time_s + static_cast<double>(w.start) / rate_,
+                             options_.start_time_s + static_cast<double>(w.end - 1) / rate_);
+      }
+      note(result_, "several_decays",
+           fmt::format("{} decays in the record: {}; the strongest is fitted",
+                       result_.decays.size(), where));
+    }
+    if (chosen.clipped_until > 0) {
+      note(result_, "clipped",
+           fmt::format("the signal sits on its rail until sample {}; the fit starts after it",
+                       chosen.clipped_until));
+    }
+    return true;
+  }
+
+  bool enough() {
+    const auto lost = static_cast<Index>(samples_.missing.size());
+    if (samples_.values.size() - lost >= kFewestSamples) return true;
+    refuse(result_, "too_few_samples", "fewer than 7 samples are left after clipping and gaps");
+    return false;
+  }
+
+  bool take_samples() {
+    samples_ = decay_samples(y_, result_.start, result_.end);
+    if (!enough()) return false;
+    const auto lost = static_cast<Index>(samples_.missing.size());
+    if (5 * lost > samples_.values.size()) {
+      refuse(result_, "missing_samples",
+             fmt::format("{} of {} samples are missing: name a stretch without gaps by start and "
+                         "end",
+                         lost, samples_.values.size()));
+      return false;
+    }
+    if (lost > 0) {
+      note(result_, "missing_samples", fmt::format("{} missing samples were left out", lost));
+    }
+    return true;
+  }
+
+  bool find_modes() {
+    fit_ = find_decay_modes(samples_, band_, search_, peaks_);
+    if (fit_ && options_.choose_window) {
+      const Index clip = clipped_by_fit(samples_, *fit_, band_, search_);
+      if (clip > 0) {
+        note(result_, "clipped",
+             fmt::format("the signal is cut off at its rail until sample {}; the fit starts after "
+                         "it",
+                         result_.start + clip));
+        result_.start += clip;
+        samples_ = decay_samples(y_, result_.start, result_.end);
+        if (!enough()) return false;
+        fit_ = find_decay_modes(samples_, band_, search_);
+      }
+    }
+    if (fit_) return true;
+    refuse(result_, "too_noisy",
+           "no oscillation stands out of the noise (or less than half a cycle is recorded): a "
+           "longer record, a harder impulse or a band around the mode would help");
+    return false;
+  }
+
+  // Behind what the slowest mode has left the record only costs time and invites drift.
+  void leave_out_the_tail() {
+    double slowest = std::numeric_limits<double>::infinity();
+    for (const Complex p : fit_->poles) slowest = std::min(slowest, -p.real());
+    const double tail = kTailTimeConstants / std::max(slowest, 1e-300);
+    if (!(tail < 0.8 * static_cast<double>(fit_->samples) &&
+          tail > 4.0 * static_cast<double>(6 * fit_->poles.size()))) {
+      return;
+    }
+    result_.end = result_.start + static_cast<Index>(std::ceil(tail));
+    samples_ = decay_samples(y_, result_.start, result_.end);
+    auto again = fit_damped_sinusoids(samples_.values, fit_->poles, {}, samples_.missing);
+    if (again.unit_covariance.size() > 0) fit_ = std::move(again);
+  }
+
+  void trim_start() {
+    if (!options_.trim_start) return;
+    auto later = later_start(y_, result_.start, result_.end, *fit_, band_, search_);
+    if (!later) return;
+    result_.start = later->start;
+    samples_ = std::move(later->samples);
+    fit_ = std::move(later->fit);
+    moved_start_ = true;
+  }
+
+  void warn_of_rails() {
+    const double frequency = fit_->poles[strongest_mode(*fit_, band_)].imag() / kTwoPi;
+    const Index clip =
+        clipped_until(y_.segment(result_.start, result_.end - result_.start), frequency);
+    if (clip == 0) return;
+    note(result_, "clipped",
+         fmt::format("the signal sits on its rail until sample {}, within what was fitted: damping "
+                     "and amplitudes are wrong; start the fit after it",
+                     result_.start + clip));
+  }
+
+  const Eigen::Ref<const Eigen::VectorXd>& y_;
+  double rate_;
+  const DecayOptions& options_;
+  DecayBand band_;
+  DecayModesOptions search_;
+  DecayResult result_;
+  DecaySamples samples_;
+  std::vector<DecayCandidate> peaks_;  // of the window, where they are known
+  std::optional<DampedSinusoidsFit> fit_;
+  bool moved_start_ = false;
+};
 
 }  // namespace
 
@@ -57,330 +233,7 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   if (!(sample_rate_hz > 0) || !std::isfinite(sample_rate_hz)) {
     throw std::invalid_argument("decay: the sample rate must be positive");
   }
-  const double nyquist = 0.5 * sample_rate_hz;
-  const bool banded = options.band_low_hz > 0 || options.band_high_hz > 0;
-  DecayBand band{options.band_low_hz / sample_rate_hz,
-                 (options.band_high_hz > 0 ? std::min(options.band_high_hz, nyquist) : nyquist) /
-                     sample_rate_hz,
-                 !banded};
-  if (!(band.low >= 0) ||
-      (banded && options.band_high_hz > 0 && !(options.band_low_hz < options.band_high_hz))) {
-    throw std::invalid_argument("decay: the band must rise from zero or above");
-  }
-  DecayResult result;
-  result.end = y.size();
-  if (!(band.low < band.high)) {
-    refuse(result, "band_not_sampled",
-           fmt::format("the band begins at {:.6g} Hz, above half the sample rate, {:.6g} Hz: give "
-                       "a lower one or sample faster",
-                       options.band_low_hz, nyquist));
-    return result;
-  }
-  const Index finite = static_cast<Index>(
-      std::count_if(y.data(), y.data() + y.size(), [](double v) { return std::isfinite(v); }));
-  if (finite < 7) {
-    refuse(result, "too_few_samples",
-           fmt::format("{} samples: one damped sinusoid with offset and drift has 6 unknowns",
-                       finite));
-    return result;
-  }
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (double v : y) {
-    if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
-  }
-  if (!(high - low > 1e-14 * std::max(std::abs(high), std::abs(low)))) {
-    refuse(result, "constant", "the signal does not change: nothing vibrates in this channel");
-    return result;
-  }
-  bool moved_start = false;
-  std::vector<DecayCandidate> peaks;  // of the window, where they are known
-  if (options.choose_window) {
-    const auto windows = find_decays(y, &peaks);
-    result.decays_found = static_cast<Index>(windows.size());
-    double most = -1;
-    const DecayWindow* chosen = &windows.front();
-    for (const auto& w : windows) {
-      if (w.end - w.start < 7) continue;
-      const double energy = without_trend(y.segment(w.start, w.end - w.start)).squaredNorm();
-      if (energy > most) most = energy, chosen = &w;
-    }
-    result.start = chosen->start, result.end = chosen->end;
-    if (result.start > 0 || result.end < y.size()) peaks.clear();
-    moved_start = chosen->after_impact;
-    if (windows.size() > 1) {
-      note(result, "several_decays",
-           fmt::format("{} decays in the record; the strongest is taken (name another by its start "
-                       "and end)",
-                       windows.size()));
-    }
-    if (chosen->clipped_until > 0) {
-      note(result, "clipped",
-           fmt::format("the signal sits on its rail until sample {}; the fit starts "
-                       "after it",
-                       chosen->clipped_until));
-    }
-  }
-  DecaySamples samples = decay_samples(y, result.start, result.end);
-  const auto lost = static_cast<Index>(samples.missing.size());
-  if (samples.values.size() - lost < 7) {
-    refuse(result, "too_few_samples", "fewer than 7 samples are left after clipping and gaps");
-    return result;
-  }
-  if (5 * lost > samples.values.size()) {
-    refuse(result, "missing_samples",
-           fmt::format("{} of {} samples are missing: name a stretch without gaps by start and end",
-                       lost, samples.values.size()));
-    return result;
-  }
-  if (lost > 0)
-    note(result, "missing_samples", fmt::format("{} missing samples were left out", lost));
-
-  const DecayModesOptions search{options.max_modes, options.false_alarm};
-  auto fit = find_decay_modes(samples, band, search, peaks);
-  if (fit && options.choose_window) {
-    const Index clip = clipped_by_fit(samples, *fit, band, search);
-    if (clip > 0) {
-      note(result, "clipped",
-           fmt::format("the signal is cut off at its rail until sample {}; the fit starts after it",
-                       result.start + clip));
-      result.start += clip;
-      samples = decay_samples(y, result.start, result.end);
-      if (samples.values.size() - static_cast<Index>(samples.missing.size()) < 7) {
-        refuse(result, "too_few_samples", "fewer than 7 samples are left after clipping and gaps");
-        return result;
-      }
-      fit = find_decay_modes(samples, band, search);
-    }
-  }
-  if (!fit) {
-    refuse(
-        result, "too_noisy",
-        "no oscillation stands out of the noise (or less than half a cycle is recorded): a longer "
-        "record, a harder impulse or a band around the mode would help");
-    return result;
-  }
-  // Behind what the slowest mode has left the record only costs time and invites drift.
-  double slowest = std::numeric_limits<double>::infinity();
-  for (Complex p : fit->poles) slowest = std::min(slowest, -p.real());
-  const double tail = kTailTimeConstants / std::max(slowest, 1e-300);
-  if (tail < 0.8 * static_cast<double>(fit->samples) &&
-      tail > 4.0 * static_cast<double>(6 * fit->poles.size())) {
-    result.end = result.start + static_cast<Index>(std::ceil(tail));
-    samples = decay_samples(y, result.start, result.end);
-    auto again = fit_damped_sinusoids(samples.values, fit->poles, {}, samples.missing);
-    if (again.unit_covariance.size() > 0) fit = std::move(again);
-  }
-  if (options.trim_start) {
-    if (auto later = later_start(y, result.start, result.end, *fit, band, search)) {
-      result.start = later->start;
-      samples = std::move(later->samples);
-      fit = std::move(later->fit);
-      moved_start = true;
-    }
-  }
-  if (!options.choose_window) {
-    const double frequency = fit->poles[strongest_mode(*fit, band)].imag() / kTwoPi;
-    const Index clip = clipped_until(y.segment(result.start, result.end - result.start), frequency);
-    if (clip > 0) {
-      note(result, "clipped",
-           fmt::format("the signal sits on its rail until sample {}, within what was fitted: "
-                       "damping and amplitudes are wrong; start the fit after it",
-                       result.start + clip));
-    }
-  }
-  if (moved_start) {
-    note(result, "start_chosen",
-         fmt::format("the fit starts at sample {}, after the impact or release", result.start));
-  }
-  describe(result, samples, *fit, band, sample_rate_hz, options);
-  if (result.refusal_code.empty()) judge_decay(result, sample_rate_hz);
-  return result;
+  return Estimation(y, sample_rate_hz, options).run();
 }
-
-namespace {
-
-/// Intervals of the modes `kept`, and standard uncertainties and covariance that go with them.
-void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
-                         const DampedSinusoidsFit& fit, const ResidualNoise& noise,
-                         const Eigen::MatrixXd& covariance, double false_alarm,
-                         const std::vector<std::size_t>& kept, std::vector<DecayMode>& modes) {
-  const double factor = result.coverage_factor_95;
-  Eigen::VectorXd scale = Eigen::VectorXd::Ones(result.covariance.rows());
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    DecayMode& mode = modes[kept[i]];
-    const double width = std::max(-fit.poles[kept[i]].real(), 1 / static_cast<double>(fit.samples));
-    const double variance = noise.white_equivalent(fit.poles[kept[i]].imag() / kTwoPi);
-    PoleEvidence evidence;
-    evidence.energy = energy_explained(fit, kept[i]) / std::max(variance, 1e-300);
-    evidence.strength = detected_strength(evidence.energy, energy_needed(fit, false_alarm));
-    Interval* const intervals[] = {&mode.damping_ratio_interval_95, &mode.frequency_interval_95_hz};
-    Estimate* const estimates[] = {&mode.damping_ratio, &mode.frequency_hz};
-    for (Index part = 0; part < 2; ++part) {
-      const auto k = static_cast<Index>(4 * kept[i]) + 2 + part;
-      const double std = std::sqrt(covariance(k, k));
-      PoleInterval around{factor, factor};
-      // Under 2 % of the line's width the curvature of the likelihood is under 2 % too.
-      if (std > 0.02 * width) {
-        evidence.std = std;
-        around = pole_interval(samples.values, samples.missing, fit,
-                               static_cast<Index>(2 * kept[i]) + part, evidence);
-      }
-      mode.bounded = mode.bounded && around.bounded;
-      Estimate& estimate = *estimates[part];
-      // More damping is a smaller real part.
-      const double below = part == 0 ? around.above : around.below;
-      const double above = part == 0 ? around.below : around.above;
-      *intervals[part] = {estimate.value - below * estimate.std,
-                          estimate.value + above * estimate.std};
-      const double wider = 0.5 * (below + above) / factor;
-      estimate.std *= wider;
-      if (part == 1) mode.damped_frequency_hz.std *= wider;
-      scale[static_cast<Index>(2 * i) + 1 - part] = wider;
-    }
-  }
-  result.covariance = scale.asDiagonal() * result.covariance * scale.asDiagonal();
-  if (std::any_of(kept.begin(), kept.end(), [&](std::size_t m) { return !modes[m].bounded; })) {
-    note(result, "not_bounded",
-         "the noise leaves frequency or damping without a bound on one side; the interval ends "
-         "where "
-         "the search for it did, 19 times the standard uncertainty of a clear signal away or where "
-         "nothing would oscillate");
-  }
-}
-
-void describe(DecayResult& result, const DecaySamples& samples, const DampedSinusoidsFit& fit,
-              const DecayBand& band, double rate, const DecayOptions& options) {
-  const auto noise = residual_noise(fit.residual, fit.degrees);
-  const Eigen::MatrixXd covariance = fit_covariance(fit, noise);
-  const Eigen::MatrixXd jacobian = mode_jacobian(fit, rate);
-  const Eigen::MatrixXd of_modes = jacobian * covariance * jacobian.transpose();
-  result.offset = fit.offset;
-  result.drift_per_s = fit.drift / static_cast<double>(fit.samples) * rate;
-  result.noise_std = std::sqrt(noise.variance);
-  result.residual_order = noise.coefficients.size();
-  result.degrees_of_freedom = fit.degrees;
-  result.coverage_factor_95 = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit.degrees));
-  result.residual = fit.residual;
-
-  const double seconds = static_cast<double>(fit.samples) / rate;
-  const double threshold = detection_threshold(fit.samples, options.false_alarm);
-  std::vector<DecayMode> all(fit.poles.size());
-  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
-    DecayMode& mode = all[m];
-    const auto k = static_cast<Index>(2 * m);
-    const Complex p = fit.poles[m];
-    mode.frequency_hz = {std::abs(p) * rate / kTwoPi, std::sqrt(of_modes(k, k))};
-    mode.damping_ratio = {damping_ratio_of(p), std::sqrt(of_modes(k + 1, k + 1))};
-    mode.correlation = of_modes(k, k + 1) / std::sqrt(of_modes(k, k) * of_modes(k + 1, k + 1));
-    const auto w = static_cast<Index>(4 * m + 3);
-    mode.damped_frequency_hz = {p.imag() * rate / kTwoPi,
-                                std::sqrt(covariance(w, w)) * rate / kTwoPi};
-    mode.amplitude = std::abs(fit.amplitudes[m]);
-    mode.phase_rad = std::arg(fit.amplitudes[m]);
-    mode.energy = mode_energy(fit, m);
-    mode.detection =
-        mode.energy / std::max(threshold * noise.white_equivalent(p.imag() / kTwoPi), 1e-300);
-    mode.cycles = mode.damped_frequency_hz.value * seconds;
-  }
-  std::vector<std::size_t> order(all.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t l, std::size_t r) { return all[l].energy > all[r].energy; });
-  bool decays = false;
-  const auto fall = [&](std::size_t m) {
-    return -fit.poles[m].real() * static_cast<double>(fit.samples);
-  };
-  for (std::size_t m : order) decays = decays || fall(m) > 0.5;
-  std::vector<std::size_t> kept;
-  for (std::size_t m : order) {
-    const auto s = static_cast<Index>(4 * m + 2);
-    const double fall_std = std::sqrt(covariance(s, s)) * static_cast<double>(fit.samples);
-    // Known to change by less than a tenth over the record while others decay: hum.
-    const bool steady = decays && std::abs(fall(m)) + 2 * fall_std < 0.1;
-    if (steady) {
-      result.steady_tones.push_back(all[m]);
-    } else if (band.contains(fit.poles[m])) {
-      if (fall(m) < -0.05 && fall(m) + 3 * fall_std < 0) {
-        if (kept.empty()) {
-          refuse(result, "grows",
-                 fmt::format(
-                     "the oscillation at {:.6g} Hz grows by a factor of {:.3g} over the window: "
-                     "this is no free decay, or two modes beat (name a start and end that hold a "
-                     "decay, or a whole beat)",
-                     all[m].damped_frequency_hz.value, std::exp(-fall(m))));
-          return;
-        }
-        note(result, "grows",
-             fmt::format("a weaker oscillation at {:.6g} Hz grows; it is fitted but "
-                         "not reported",
-                         all[m].damped_frequency_hz.value));
-        continue;
-      }
-      kept.push_back(m);
-    }
-  }
-  if (kept.empty()) {
-    refuse(result, "no_decay",
-           result.steady_tones.empty() ? "no oscillation in the band"
-                                       : "only steady tones in the band, nothing that decays");
-    return;
-  }
-  result.covariance.resize(2 * static_cast<Index>(kept.size()),
-                           2 * static_cast<Index>(kept.size()));
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    for (std::size_t k = 0; k < kept.size(); ++k) {
-      result.covariance.block<2, 2>(2 * static_cast<Index>(i), 2 * static_cast<Index>(k)) =
-          of_modes.block<2, 2>(2 * static_cast<Index>(kept[i]), 2 * static_cast<Index>(kept[k]));
-    }
-  }
-  widen_by_likelihood(result, samples, fit, noise, covariance, options.false_alarm, kept, all);
-  const LineSpectrum spectrum = line_spectrum(fit.residual);
-  for (std::size_t m : kept) {
-    DecayMode& mode = all[m];
-    Eigen::VectorXd alone = fit.mode_signal(m);
-    alone += fit.residual;  // zero where samples are missing
-    const double left = fit.residual_sum_squares;
-    const double spread = (alone.array() - alone.mean()).square().sum();
-    mode.r_squared = spread > 0 ? 1 - left / spread : 0;
-    LogDecrementOptions ruler;
-    ruler.noise_std = result.noise_std;
-    const auto decrement = log_decrement(alone, rate, mode.damped_frequency_hz.value, ruler);
-    mode.damping_ratio_log_decrement = decrement.damping_ratio;
-    mode.log_decrement_refusal = decrement.refusal;
-    doubt_of(mode, alone, fit.residual, result.residual_order, options.false_alarm);
-    mode.company = leaves_company(spectrum, fit.poles[m], options.false_alarm);
-    result.modes.push_back(mode);
-  }
-  if (std::all_of(result.modes.begin(), result.modes.end(),
-                  [](const DecayMode& mode) { return mode.doubtful; })) {
-    if (result.modes[0].company && result.modes[0].r_squared > 0.3) {
-      refuse(
-          result, "not_separable",
-          fmt::format("what one decay leaves near {:.4g} Hz is no noise: two modes that beat too "
-                      "slowly for this record, or one that changes; a longer record or less "
-                      "noise is needed",
-                      result.modes[0].damped_frequency_hz.value));
-      result.modes.clear();
-      return;
-    }
-    refuse(result, "too_noisy", "no oscillation stands out of the noise: " + result.modes[0].doubt);
-    result.modes.clear();
-    return;
-  }
-  const std::size_t main = kept.front();
-  const double f = fit.poles[main].imag() / kTwoPi;
-  result.signal_to_noise_db =
-      10 * std::log10(0.5 * std::norm(fit.amplitudes[main]) / std::max(noise.variance, 1e-300));
-  // Noise near the mode, read beside it: what the model leaves at the mode itself is not noise.
-  DecaySearchOptions beside;
-  beside.damped = false, beside.candidates = 1;
-  beside.lowest = std::max(0.0, f - 0.05), beside.highest = std::min(0.5, f + 0.05);
-  const auto floor = search_lines(spectrum, beside);
-  result.envelope =
-      mode_envelope(fit, main, rate, floor.empty() ? noise.variance : floor.front().noise_variance,
-                    options.envelope);
-}
-
-}  // namespace
 
 }  // namespace rigfit::signal

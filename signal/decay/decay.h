@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "signal/decay/decay_window.h"
 #include "signal/decay/envelope.h"
 #include "signal/numerics/estimate.h"
 #include "signal/recording/recording.h"
@@ -28,6 +29,7 @@ struct DecayOptions {
   double band_high_hz = 0;    ///< modes above are not reported; 0: no limit
   int max_modes = 6;          ///< in the band; as many outside it are fitted to keep them out
   double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
+  double start_time_s = 0;    ///< of the first sample, for messages
   EnvelopeOptions envelope;
 };
 
@@ -48,7 +50,8 @@ struct DecayMode {
   double detection = 0;
   /// Share of what the other modes and the background leave that this mode explains.
   double r_squared = 0;
-  Estimate damping_ratio_log_decrement;  ///< NaN when it cannot be had
+  Estimate log_decrement;  ///< 2 pi zeta / sqrt(1 - zeta^2) of the fit's damping ratio, a cycle
+  Estimate damping_ratio_log_decrement;  ///< from the swings (log_decrement.h); NaN when refused
   std::string log_decrement_refusal;     ///< why; empty when there is one
   /// The residual has a line beside the mode's that noise would not show: a second mode that beats
   /// too slowly for the record, or a mode that changes as it decays.
@@ -63,8 +66,10 @@ struct DecayResult {
   std::string refusal;       ///< for a person: what is wrong and what would help
 
   Eigen::Index start = 0, end = 0;  ///< window that was fitted, samples of what was given
-  Eigen::Index decays_found = 1;    ///< in the record; the strongest is the one that was fitted
-  std::vector<DecayMode> modes;     ///< strongest first
+  /// All decays of the record, in time (decay_window.h), and which of them was fitted.
+  std::vector<DecayWindow> decays;
+  std::size_t fitted_decay = 0;
+  std::vector<DecayMode> modes;  ///< strongest first
   /// Covariance of (f_1, zeta_1, f_2, zeta_2, ...), Hz and 1, order of `modes`.
   Eigen::MatrixXd covariance;
   std::vector<DecayMode> steady_tones;  ///< hum: do not decay while the modes do

@@ -126,7 +126,9 @@ class DecayModeSearch {
               nearest = m;
             }
           }
-          if (more.residual_sum_squares > 0.5 * departing_residual(fit, nearest)) return false;
+          if (more.residual_sum_squares >
+              0.5 * departing_residual(fit, samples_.missing, std::span(&nearest, 1)))
+            return false;
         }
       }
     }
@@ -162,23 +164,6 @@ class DecayModeSearch {
     const double polynomial = least_squares(legendre, samples_.values).left_sum_squares[0];
     return left < 0.5 * polynomial ||
            polynomial - left > threshold() * left / static_cast<double>(fit.degrees);
-  }
-
-  // Sum of squares left when mode m may also have t^2 and t^3 in its complex amplitude: as many
-  // parameters as one mode more.
-  double departing_residual(const DampedSinusoidsFit& fit, std::size_t m) const {
-    Eigen::MatrixXd columns(n_, 8);
-    for (Index j = 0; j < n_; ++j) {
-      const double t = static_cast<double>(j) / static_cast<double>(n_);
-      const Complex z = std::exp(fit.poles[m] * static_cast<double>(j));
-      double power = 1;
-      for (Index k = 0; k < 4; ++k) {
-        columns(j, 2 * k) = power * z.real(), columns(j, 2 * k + 1) = power * z.imag();
-        power *= t;
-      }
-    }
-    for (Index j : samples_.missing) columns.row(j).setZero();
-    return least_squares(columns, fit.residual).left_sum_squares[0];
   }
 
   const DecaySamples& samples_;
@@ -274,6 +259,27 @@ double energy_explained(const DampedSinusoidsFit& fit, std::size_t m) {
                         (of(0, 1) + of(1, 0)) * amplitude[0] * amplitude[1] +
                         of(0, 0) * amplitude[1] * amplitude[1];
   return determinant > 0 ? std::max(0.0, scaled / determinant) : 0;
+}
+
+double departing_residual(const DampedSinusoidsFit& fit, std::span<const Index> missing,
+                          std::span<const std::size_t> modes) {
+  const auto n = fit.samples;
+  Eigen::MatrixXd columns(n, 8 * static_cast<Index>(modes.size()));
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    const Complex pole = fit.poles[modes[m]];
+    auto own = columns.middleCols<8>(8 * static_cast<Index>(m));
+    for (Index j = 0; j < n; ++j) {
+      const double t = static_cast<double>(j) / static_cast<double>(n);
+      const Complex z = std::exp(pole * static_cast<double>(j));
+      double power = 1;
+      for (Index k = 0; k < 4; ++k) {
+        own(j, 2 * k) = power * z.real(), own(j, 2 * k + 1) = power * z.imag();
+        power *= t;
+      }
+    }
+  }
+  for (const Index j : missing) columns.row(j).setZero();
+  return least_squares(columns, fit.residual).left_sum_squares[0];
 }
 
 std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band) {

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "signal/sinusoids/damped_sinusoids.h"
@@ -51,6 +52,11 @@ struct DecayModesOptions {
 
 /// Energy of mode `m` over the samples, sum of squares.
 [[nodiscard]] double mode_energy(const DampedSinusoidsFit& fit, std::size_t m);
+/// Sum of squares left when the complex amplitudes of these modes may also change with t^2 and t^3:
+/// each as many parameters as one mode more.
+[[nodiscard]] double departing_residual(const DampedSinusoidsFit& fit,
+                                        std::span<const Eigen::Index> missing,
+                                        std::span<const std::size_t> modes);
 /// The mode of most energy in the band.
 [[nodiscard]] std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band);
 /// Whether a pole may be that of an oscillation in so many samples: damping ratio under 0.9, 0.3

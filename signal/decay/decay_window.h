@@ -4,14 +4,15 @@
 // The onset is the start s that maximises the energy a causal damped sinusoid takes out of the
 // samples from s on, |sum_{j>=s} y_j exp(-(a + i w)(j - s))|^2 / energy of the exponential, which a
 // backward recursion gives for all s in O(N); over several w and a. A record that decays from
-// its first sample keeps all of it, whatever its noise. Further impacts show as steps of the
-// complex amplitude within a cycle.
+// its first sample keeps all of it, whatever its noise. Further impacts: decay_hits.h. Where a band
+// is asked for, onset and impacts are those of the record within it.
 #pragma once
 
 #include <Eigen/Core>
 #include <string>
 #include <vector>
 
+#include "signal/decay/decay_modes.h"
 #include "signal/recording/recording.h"
 #include "signal/sinusoids/decay_search.h"
 
@@ -24,9 +25,16 @@ struct DecayWindow {
 };
 
 /// All decays of a record, in time. Never empty for a record that has samples. `y`: NaN where
-/// missing. `peaks`, when given, gets the peaks of the whole record (decay_search.h).
+/// missing. `peaks`, when given, gets the peaks of the whole record (decay_search.h) where no band
+/// is asked for.
 [[nodiscard]] std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                                   const DecayBand& band = {0, 0.5, true},
                                                    std::vector<DecayCandidate>* peaks = nullptr);
+
+/// One past the last sample before a run of equal ones (zeros, as a logger writes that was
+/// stopped) that ends the record: 16 samples or more, and three times as long as any other run.
+/// The number of samples when there is none.
+[[nodiscard]] Eigen::Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y);
 
 /// One past the last sample that sits on a rail: an extreme value with flat runs, longer than a
 /// sinusoid of that frequency sampled that coarsely shows, or one at which samples pile up

@@ -165,7 +165,7 @@ Json run(const DecayCommand& command, VerbContext& context) {
   const double start_s = recording.start_time_s + static_cast<double>(from + r.start) / rate;
   const double end_s = recording.start_time_s + static_cast<double>(from + r.end - 1) / rate;
   result["window"] = {{"start_s", start_s}, {"end_s", end_s}, {"samples", r.end - r.start}};
-  result["decays_found"] = r.decays_found;
+  result["decays_found"] = r.decays.size();
   for (const auto& n : r.notes) context.warn(n.code, n.message, where);
   if (!r.refusal_code.empty()) {
     context.refuse(r.refusal_code, r.refusal, where);

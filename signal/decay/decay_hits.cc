@@ -1,0 +1,230 @@
+#include "signal/decay/decay_hits.h"
+
+#include <gsl/gsl_cdf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include "signal/decay/decay_modes.h"
+#include "signal/numerics/numbers.h"
+#include "signal/sinusoids/decay_search.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+// Amplitudes under this share of the record's largest are no impact.
+constexpr double kLeastShare = 0.05;
+// Cycles on either side of an impact that are fitted.
+constexpr Index kCycles = 10;
+// Chance that noise alone passes for an impact, for each place that is tested.
+constexpr double kFalseAlarm = 1e-6;
+// Places that are tested at most in a record.
+constexpr std::size_t kMostTested = 64;
+
+struct Jump {
+  Index at = 0;
+  double size = 0;
+};
+
+// Local maxima of |J| that stand out of what the record shows elsewhere, over 2 and over 6 cycles.
+std::vector<Jump> jumps(const Eigen::VectorXd& y, double w, const Eigen::VectorXi& missing_before) {
+  const Index n = y.size(), cycle = averaging_cycle(w);
+  const RunningAmplitude running(y, w);
+  const Index step = std::max<Index>(1, cycle / 8);
+  double largest = 0;
+  for (Index j = 0; j + cycle <= n; j += step) {
+    largest = std::max(largest, std::abs(running.over(j, j + cycle)));
+  }
+  std::vector<Jump> found;
+  for (const Index cycles : {2, 6}) {
+    const Index length = cycles * cycle;
+    if (n < 4 * length) break;
+    std::vector<double> size, powers;
+    for (Index j = 2 * cycle; j + length <= n; j += step) {
+      const Complex before =
+          1.5 * running.over(j - length, j) - 0.5 * running.over(j - 2 * length, j - length);
+      const Complex behind =
+          1.5 * running.over(j, j + length) - 0.5 * running.over(j + length, j + 2 * length);
+      // A gap is no impact; the end of the record is none either.
+      const Index from = std::max<Index>(0, j - 2 * length), to = std::min(n, j + 2 * length);
+      const bool gap = missing_before(to) > missing_before(from);
+      const double jump = gap || j + 2 * length > n + length ? 0 : std::abs(behind - before);
+      const bool clear = jump > 0.1 * std::abs(before);
+      size.push_back(clear ? jump : 0);
+      powers.push_back(jump * jump);
+    }
+    if (powers.empty()) break;
+    const auto middle = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
+    std::nth_element(powers.begin(), middle, powers.end());
+    // |J|^2 of noise is exponential: its median is ln 2 of its mean.
+    const double places = static_cast<double>(n) / static_cast<double>(length);
+    const double noise = std::sqrt(*middle / std::numbers::ln2 * std::log(1 + 1e3 * places));
+    const double least = std::max(kLeastShare * largest, noise);
+    const auto reach = static_cast<std::ptrdiff_t>(2 * cycle / step);
+    for (auto k = size.begin(); k != size.end(); ++k) {
+      if (*k < least) continue;
+      const auto from = k - std::min<std::ptrdiff_t>(reach, k - size.begin());
+      const auto to = k + std::min<std::ptrdiff_t>(reach + 1, size.end() - k);
+      if (std::max_element(from, to) != k) continue;
+      found.push_back({2 * cycle + static_cast<Index>(k - size.begin()) * step, *k});
+    }
+  }
+  return found;
+}
+
+struct Side {
+  std::vector<Index> missing;
+  double sum_squares = 0;
+  Index parameters = 2, samples = 0;
+  std::optional<DampedSinusoidsFit> fit;
+};
+
+// The damped sinusoids of samples [from, to), those in [gap_from, gap_to) left out.
+Side fitted(const Eigen::VectorXd& y, Index from, Index to, Index gap_from, Index gap_to) {
+  Side side;
+  DecaySamples samples;
+  samples.values = y.segment(from, to - from);
+  for (Index j = std::max(gap_from, from); j < std::min(gap_to, to); ++j) {
+    samples.values(j - from) = 0, samples.missing.push_back(j - from);
+  }
+  side.samples = to - from - static_cast<Index>(samples.missing.size());
+  side.missing = samples.missing;
+  side.fit = find_decay_modes(samples, {0, 0.5, true}, {});
+  if (side.fit) {
+    side.sum_squares = side.fit->residual_sum_squares;
+    side.parameters = side.fit->jacobian_gram.rows();
+  } else {
+    Eigen::VectorXd values = samples.values;
+    for (const Index j : samples.missing) values(j) = std::numeric_limits<double>::quiet_NaN();
+    side.sum_squares = without_trend(values).squaredNorm();
+  }
+  return side;
+}
+
+// Complex amplitude of a fit's mode nearest to `pole` at sample `at` of it; 0: has none there.
+Complex amplitude_near(const Side& side, Complex pole, double at) {
+  if (!side.fit) return 0;
+  const auto& poles = side.fit->poles;
+  std::size_t best = 0;
+  for (std::size_t m = 1; m < poles.size(); ++m) {
+    if (std::abs(poles[m].imag() - pole.imag()) < std::abs(poles[best].imag() - pole.imag())) {
+      best = m;
+    }
+  }
+  const double width = kTwoPi / static_cast<double>(side.samples) - pole.real();
+  if (std::abs(poles[best].imag() - pole.imag()) > 2 * width) return 0;
+  return side.fit->amplitudes[best] * std::exp(poles[best] * at);
+}
+
+// Whether two decays, the second behind `at`, explain the samples of [from, to) better than one.
+bool is_impact(const Eigen::VectorXd& y, Index at, Index from, Index to, Index half_cycle,
+               double largest) {
+  const Index gap_from = at - half_cycle, gap_to = at + half_cycle;
+  if (gap_from - from < 4 * half_cycle || to - gap_to < 4 * half_cycle) return false;
+  if (gap_from - from < 12 || to - gap_to < 12) return false;
+  const Side before = fitted(y, from, gap_from, 0, 0), behind = fitted(y, gap_to, to, 0, 0);
+  if (!behind.fit) return false;  // an impact sets something off
+  const Side one = fitted(y, from, to, gap_from, gap_to);
+  const double apart = before.sum_squares + behind.sum_squares;
+  const auto degrees =
+      static_cast<double>(before.samples + behind.samples - before.parameters - behind.parameters);
+  const auto more = static_cast<double>(
+      std::max<Index>(2, before.parameters + behind.parameters - one.parameters));
+  if (degrees < 4) return false;
+  const double ratio = (one.sum_squares - apart) / more / std::max(apart / degrees, 1e-300);
+  if (!(ratio > 0) || gsl_cdf_fdist_Q(ratio, more, degrees) > kFalseAlarm) return false;
+  // Where amplitudes may change with the cube of time, a beat or friction is explained as well; of
+  // a step, 44 % of what a straight line leaves.
+  if (one.fit) {
+    std::vector<std::size_t> modes(one.fit->poles.size());
+    std::iota(modes.begin(), modes.end(), std::size_t{0});
+    if (8 * static_cast<Index>(modes.size()) + 8 < one.samples) {
+      const double smooth = departing_residual(*one.fit, one.missing, modes);
+      if (one.sum_squares - smooth > 0.88 * (one.sum_squares - apart)) return false;
+    }
+  }
+  double jump = 0;
+  for (std::size_t m = 0; m < behind.fit->poles.size(); ++m) {
+    const Complex pole = behind.fit->poles[m];
+    const Complex now =
+        behind.fit->amplitudes[m] * std::exp(-pole * static_cast<double>(half_cycle));
+    const Complex then = amplitude_near(before, pole, static_cast<double>(at - from));
+    jump = std::max(jump, std::abs(now - then));
+  }
+  return jump > kLeastShare * largest;
+}
+
+}  // namespace
+
+RunningAmplitude::RunningAmplitude(const Eigen::Ref<const Eigen::VectorXd>& y, double w)
+    : sums_(y.size() + 1) {
+  Complex sum = 0, z = 1;
+  const Complex q = std::polar(1.0, -w);
+  sums_(0) = 0;
+  for (Index j = 0; j < y.size(); ++j) {
+    if (j % 1024 == 0) z = std::polar(1.0, -w * static_cast<double>(j));
+    sum += y(j) * z;
+    sums_(j + 1) = sum;
+    z *= q;
+  }
+}
+
+Complex RunningAmplitude::over(Index from, Index to) const {
+  const Index last = sums_.size() - 1;
+  const auto length = static_cast<double>(std::max<Index>(1, to - from));
+  from = std::clamp<Index>(from, 0, last), to = std::clamp<Index>(to, 0, last);
+  return to > from ? 2.0 * (sums_(to) - sums_(from)) / length : 0;
+}
+
+Index averaging_cycle(double w) {
+  const double f = w / kTwoPi;
+  return static_cast<Index>(std::ceil(std::max({4.0, 1 / f, 1 / std::max(1 - 2 * f, 1e-6)})));
+}
+
+std::vector<Index> further_hits(const Eigen::VectorXd& y, const std::vector<double>& w,
+                                const Eigen::VectorXi& missing_before) {
+  if (w.empty()) return {};
+  const Index n = y.size(), cycle = averaging_cycle(w.front());
+  if (n < 8 * cycle) return {};
+  std::vector<Jump> found;
+  for (const double each : w) {
+    for (const Jump& jump : jumps(y, each, missing_before)) found.push_back(jump);
+  }
+  if (found.empty()) return {};
+  const RunningAmplitude running(y, w.front());
+  double largest = 0;
+  for (Index j = 0; j + cycle <= n; j += std::max<Index>(1, cycle / 4)) {
+    largest = std::max(largest, std::abs(running.over(j, j + cycle)));
+  }
+  // The largest first: what stands beside an impact already found, and every place close to it, is
+  // its own skirt.
+  std::sort(found.begin(), found.end(),
+            [](const Jump& l, const Jump& r) { return l.size > r.size; });
+  std::vector<Index> tested, hits;
+  const Index half_cycle = (cycle + 1) / 2;
+  for (const Jump& jump : found) {
+    if (tested.size() >= kMostTested) break;
+    if (std::any_of(tested.begin(), tested.end(),
+                    [&](Index t) { return std::abs(t - jump.at) < 3 * cycle; })) {
+      continue;
+    }
+    tested.push_back(jump.at);
+    Index from = std::max<Index>(0, jump.at - kCycles * cycle);
+    Index to = std::min(n, jump.at + kCycles * cycle);
+    for (const Index hit : hits) {
+      if (hit < jump.at) from = std::max(from, hit + half_cycle);
+      if (hit > jump.at) to = std::min(to, hit - half_cycle);
+    }
+    if (is_impact(y, jump.at, from, to, half_cycle, largest)) hits.push_back(jump.at);
+  }
+  std::sort(hits.begin(), hits.end());
+  return hits;
+}
+
+}  // namespace rigfit::signal
