@@ -112,6 +112,10 @@ void describe_decay(DecayResult& result, const DecaySamples& samples, const Damp
     mode.frequency_hz = {std::abs(p) * rate / kTwoPi, std::sqrt(of_modes(k, k))};
     mode.damping_ratio = {damping_ratio_of(p), std::sqrt(of_modes(k + 1, k + 1))};
     mode.correlation = of_modes(k, k + 1) / std::sqrt(of_modes(k, k) * of_modes(k + 1, k + 1));
+    // d delta / d zeta = 2 pi / (1 - zeta^2)^(3/2)
+    const double zeta = mode.damping_ratio.value, root = std::sqrt(1 - zeta * zeta);
+    mode.log_decrement = {kTwoPi * zeta / root,
+                          kTwoPi * mode.damping_ratio.std / (root * root * root)};
     const auto w = static_cast<Index>(4 * m + 3);
     mode.damped_frequency_hz = {p.imag() * rate / kTwoPi,
                                 std::sqrt(covariance(w, w)) * rate / kTwoPi};

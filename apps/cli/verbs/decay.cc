@@ -1,5 +1,5 @@
 // rigfit decay: frequency and damping of a free decay, with what the decay looks like.
-#include "signal/decay/decay.h"
+#include "ident/campaign/decay_test.h"
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
@@ -26,15 +26,19 @@ struct DecayCommand {
   std::optional<double> start_s, end_s;
   std::vector<double> band;
   double sample_rate_hz = 0;
+  bool each = false;
   int max_modes = signal::DecayOptions{}.max_modes;
 };
 
 constexpr const char* kDecayExample = R"(Example:
   rigfit decay tap.csv --channel tension
   rigfit decay swing.csv --channel gyro --start 1.5 --end 20 --band 0.4 1 --json -
+  rigfit decay taps.csv --channel tension --each
 Times are those of the file. Without --start the decay is looked for: after an impact, after
-clipped samples, up to the next impact. Frequencies are undamped natural ones, f sqrt(1 - zeta^2)
-is given as damped_frequency_hz. With --band, modes outside are fitted but not reported.)";
+clipped samples, up to the next impact. All decays of the record are listed, the strongest is
+fitted; with --each every one is, and their modes are pooled. Frequencies are undamped natural ones,
+f sqrt(1 - zeta^2) is given as damped_frequency_hz. With --band, decays are looked for in the band;
+modes outside are fitted but not reported.)";
 
 Json json_of(const signal::DecayMode& mode, double window_s) {
   Json out;
@@ -45,6 +49,7 @@ Json json_of(const signal::DecayMode& mode, double window_s) {
   out["damping_ratio_interval_95"] = interval(mode.damping_ratio_interval_95);
   out["damped_frequency_hz"] =
       json_estimate(mode.damped_frequency_hz.value, mode.damped_frequency_hz.std);
+  out["log_decrement"] = json_estimate(mode.log_decrement.value, mode.log_decrement.std);
   out["damping_ratio_log_decrement"] = json_number(mode.damping_ratio_log_decrement.value);
   if (!mode.log_decrement_refusal.empty()) {
     out["log_decrement_refusal"] = mode.log_decrement_refusal;
@@ -80,14 +85,6 @@ Json json_of(const signal::EnvelopeResult& envelope, double start_s) {
   return out;
 }
 
-Index sample_at(const signal::Recording& recording, double time_s, bool up) {
-  const double j = (time_s - recording.start_time_s) * recording.sample_rate_hz;
-  const double n = static_cast<double>(recording.samples());
-  // Times as printed are rounded: a millionth of a sample past one is that one.
-  return static_cast<Index>(
-      std::clamp(up ? std::ceil(j - 1e-6) : std::floor(j + 1e-6) + 1, 0.0, n));
-}
-
 void print(const DecayCommand& command, const signal::Channel& channel, double start_s,
            double end_s, const signal::DecayResult& r, std::ostream& out) {
   const std::string unit = channel.unit.empty() ? "" : " " + channel.unit;
@@ -96,11 +93,11 @@ void print(const DecayCommand& command, const signal::Channel& channel, double s
   if (r.modes.empty()) return;
   fmt::print(out, "noise {:.3g}{} rms, signal to noise {:.1f} dB at the start\n\n", r.noise_std,
              unit, r.signal_to_noise_db);
-  fmt::print(out, "{:>14} {:>10} {:>12} {:>10} {:>14} {:>8} {:>8} {:>11}\n", "frequency Hz", "std",
-             "damping", "std", "log decrement", "cycles", "R2", "amplitude");
+  fmt::print(out, "{:>14} {:>10} {:>12} {:>10} {:>23} {:>8} {:>8} {:>11}\n", "frequency Hz", "std",
+             "damping", "std", "damping (log decrement)", "cycles", "R2", "amplitude");
   for (const auto& m : r.modes) {
     const double ruler = m.damping_ratio_log_decrement.value;
-    fmt::print(out, "{:>14.7g} {:>10.2g} {:>12.5g} {:>10.2g} {:>14} {:>8.1f} {:>8.4f} {:>11.4g}\n",
+    fmt::print(out, "{:>14.7g} {:>10.2g} {:>12.5g} {:>10.2g} {:>23} {:>8.1f} {:>8.4f} {:>11.4g}\n",
                m.frequency_hz.value, m.frequency_hz.std, m.damping_ratio.value, m.damping_ratio.std,
                std::isfinite(ruler) ? fmt::format("{:.5g}", ruler) : "-", m.cycles, m.r_squared,
                m.amplitude);
@@ -118,6 +115,83 @@ void print(const DecayCommand& command, const signal::Channel& channel, double s
              r.envelope.frequency_drift_hz.std);
 }
 
+Json decays_json(const ident::ChannelDecays& found) {
+  Json all = Json::array();
+  for (const auto& decay : found.decays) {
+    Json one{{"start_s", decay.start_s}, {"end_s", decay.end_s}, {"fitted", decay.fitted}};
+    if (decay.result) {
+      one["modes"] = Json::array();
+      for (const auto& mode : decay.result->modes) {
+        one["modes"].push_back(json_of(mode, decay.end_s - decay.start_s));
+      }
+      if (!decay.fitted) one["refusal"] = decay.result->refusal;
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+Json pooled_json(const std::vector<ident::PooledMode>& modes) {
+  Json all = Json::array();
+  const auto interval = [](const signal::Interval& i) { return Json::array({i.low, i.high}); };
+  for (const auto& m : modes) {
+    all.push_back({{"frequency_hz", json_estimate(m.frequency_hz.value, m.frequency_hz.std)},
+                   {"damping_ratio", json_estimate(m.damping_ratio.value, m.damping_ratio.std)},
+                   {"frequency_interval_95_hz", interval(m.frequency_interval_95_hz)},
+                   {"damping_ratio_interval_95", interval(m.damping_ratio_interval_95)},
+                   {"frequency_scatter_hz", m.frequency_scatter_hz},
+                   {"damping_ratio_scatter", m.damping_ratio_scatter},
+                   {"decays", m.decays}});
+  }
+  return all;
+}
+
+void print(const ident::ChannelDecays& found, std::ostream& out) {
+  fmt::print(out, "\n{} decays of the record:\n{:>12} {:>12}  {:>14} {:>10} {:>12} {:>10}\n",
+             found.decays.size(), "start s", "end s", "frequency Hz", "std", "damping", "std");
+  for (const auto& decay : found.decays) {
+    if (!decay.fitted || decay.result->modes.empty()) {
+      fmt::print(out, "{:>12.6g} {:>12.6g}  not fitted\n", decay.start_s, decay.end_s);
+      continue;
+    }
+    const auto& m = decay.result->modes.front();
+    fmt::print(out, "{:>12.6g} {:>12.6g}  {:>14.7g} {:>10.2g} {:>12.5g} {:>10.2g}\n", decay.start_s,
+               decay.end_s, m.frequency_hz.value, m.frequency_hz.std, m.damping_ratio.value,
+               m.damping_ratio.std);
+  }
+  fmt::print(out,
+             "\npooled over decays (mean, its standard uncertainty, scatter between decays):\n");
+  for (const auto& m : found.pooled) {
+    fmt::print(out,
+               "{:>14.7g} Hz {:>9.2g} {:>9.2g}   damping {:>10.5g} {:>9.2g} {:>9.2g}   {} decays\n",
+               m.frequency_hz.value, m.frequency_hz.std, m.frequency_scatter_hz,
+               m.damping_ratio.value, m.damping_ratio.std, m.damping_ratio_scatter, m.decays);
+  }
+}
+
+ident::DecayTest run_decay_test(const signal::Recording& recording, const signal::Channel& channel,
+                                const DecayCommand& command) {
+  ident::DecayTestOptions options;
+  options.start_s = command.start_s, options.end_s = command.end_s, options.each = command.each;
+  options.decay.max_modes = command.max_modes;
+  const double nyquist = 0.5 * recording.sample_rate_hz;
+  if (!command.band.empty()) {
+    if (!(command.band[0] >= 0 && command.band[0] < command.band[1] && command.band[0] < nyquist)) {
+      throw UsageError(
+          fmt::format("--band {} {} must rise and begin below half the sample rate, {} Hz",
+                      command.band[0], command.band[1], nyquist));
+    }
+    options.decay.band_low_hz = command.band[0], options.decay.band_high_hz = command.band[1];
+  }
+  signal::Recording one = recording;
+  one.channels = {channel};
+  try {
+    return ident::run_decay_test(one, options);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(std::string("--start, --end: ") + error.what());
+  }
+}
+
 Json run(const DecayCommand& command, VerbContext& context) {
   signal::ReadOptions reading;
   reading.sample_rate_hz = command.sample_rate_hz;
@@ -127,51 +201,32 @@ Json run(const DecayCommand& command, VerbContext& context) {
     throw UsageError(command.file + " gives no sample rate: say it with --sample-rate");
   }
   const double rate = recording.sample_rate_hz;
-  const std::string where = command.file + ": " + channel.name;
-
   Json result;
   result["channel"] = channel.name;
   result["unit"] = channel.unit;
   result["sample_rate_hz"] = rate;
-  if (recording.time_s.size() > 0) {
-    context.refuse("not_uniform",
-                   "samples are not evenly spaced in time; resample the recording first", where);
-    result["modes"] = Json::array();
-    return result;
-  }
-  signal::DecayOptions options;
-  options.max_modes = command.max_modes;
-  if (!command.band.empty()) {
-    if (!(command.band[0] >= 0 && command.band[0] < command.band[1] &&
-          command.band[0] < 0.5 * rate)) {
-      throw UsageError(
-          fmt::format("--band {} {} must rise and begin below half the sample rate, {} Hz",
-                      command.band[0], command.band[1], 0.5 * rate));
+  result["modes"] = Json::array();
+  const auto test = run_decay_test(recording, channel, command);
+  const auto tell = [&](const std::vector<ident::Finding>& findings) {
+    for (const auto& f : findings) {
+      const std::string where = command.file + (f.where.empty() ? "" : ": " + f.where);
+      if (f.refused) {
+        context.refuse(f.code, f.message, where);
+      } else {
+        context.warn(f.code, f.message, where);
+      }
     }
-    options.band_low_hz = command.band[0], options.band_high_hz = command.band[1];
-  }
-  const Index from = command.start_s ? sample_at(recording, *command.start_s, true) : 0;
-  const Index to =
-      command.end_s ? sample_at(recording, *command.end_s, false) : recording.samples();
-  if (from >= to || std::isnan(command.start_s.value_or(0)) ||
-      std::isnan(command.end_s.value_or(0))) {
-    throw UsageError(
-        fmt::format("nothing between --start and --end: the record lasts from {} s to {} s",
-                    recording.start_time_s, recording.start_time_s + recording.duration_s()));
-  }
-  if (command.start_s) options.choose_window = options.trim_start = false;
-
-  const auto r = signal::estimate_decay(channel.samples.segment(from, to - from), rate, options);
-  const double start_s = recording.start_time_s + static_cast<double>(from + r.start) / rate;
-  const double end_s = recording.start_time_s + static_cast<double>(from + r.end - 1) / rate;
-  result["window"] = {{"start_s", start_s}, {"end_s", end_s}, {"samples", r.end - r.start}};
-  result["decays_found"] = r.decays.size();
-  for (const auto& n : r.notes) context.warn(n.code, n.message, where);
-  if (!r.refusal_code.empty()) {
-    context.refuse(r.refusal_code, r.refusal, where);
-    result["modes"] = Json::array();
-    return result;
-  }
+  };
+  tell(test.findings);
+  if (test.channels.empty()) return result;
+  const auto& found = test.channels.front();
+  const auto& r = found.strongest;
+  tell(found.findings);
+  result["window"] = {
+      {"start_s", found.start_s}, {"end_s", found.end_s}, {"samples", r.end - r.start}};
+  result["decays_found"] = found.decays.size();
+  result["decays"] = decays_json(found);
+  if (!r.refusal_code.empty()) return result;
   const double window_s = static_cast<double>(r.end - r.start) / rate;
   Json modes = Json::array(), tones = Json::array();
   for (const auto& mode : r.modes) modes.push_back(json_of(mode, window_s));
@@ -180,15 +235,17 @@ Json run(const DecayCommand& command, VerbContext& context) {
         {{"frequency_hz", tone.damped_frequency_hz.value}, {"amplitude", tone.amplitude}});
   }
   result["modes"] = std::move(modes);
+  if (command.each) result["pooled"] = pooled_json(found.pooled);
   result["frequency_drift_hz"] = json_number(r.envelope.frequency_drift_hz.value);
   result["frequency_drift_std_hz"] = json_number(r.envelope.frequency_drift_hz.std);
-  result["amplitude_dependence"] = json_of(r.envelope, start_s);
+  result["amplitude_dependence"] = json_of(r.envelope, found.start_s);
   result["steady_tones"] = std::move(tones);
   result["noise_std"] = r.noise_std;
   result["signal_to_noise_db"] = r.signal_to_noise_db;
   result["residual_order"] = r.residual_order;
   result["degrees_of_freedom"] = r.degrees_of_freedom;
-  print(command, channel, start_s, end_s, r, context.out);
+  print(command, channel, found.start_s, found.end_s, r, context.out);
+  if (command.each) print(found, context.out);
   return result;
 }
 
@@ -208,6 +265,9 @@ void add_decay(CLI::App& program, Verbs& verbs) {
   app->add_option("--band", command->band, "Report modes between these, Hz")
       ->expected(2)
       ->type_name("HZ");
+  app->add_flag(
+      "--each", command->each,
+      "Fit every decay of the record and pool their modes: mean, and scatter between decays");
   app->add_option("--max-modes", command->max_modes, "At most so many modes")
       ->check(CLI::Range(1, 12))
       ->capture_default_str();

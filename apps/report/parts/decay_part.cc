@@ -10,6 +10,7 @@
 #include "apps/report/figures/decay_overlay.h"
 #include "apps/report/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
+#include "ident/campaign/decay_test.h"
 #include "ident/statistics/in_parallel.h"
 #include "signal/recording/recording_error.h"
 
@@ -97,6 +98,7 @@ class DecayAnalysis {
   struct Job {
     const LoadedRecording* entry = nullptr;
     const signal::Channel* channel = nullptr;
+    ident::ChannelDecays found;
     AnalysedDecay decay;
     bool modelled = false;
     std::vector<ReleaseAnswer> answers;
@@ -118,7 +120,7 @@ class DecayAnalysis {
     std::vector<Job> jobs;
     for (const auto& name : channels) {
       try {
-        jobs.push_back({&entry, &recording.channel(name), {}, false, {}});
+        jobs.push_back({&entry, &recording.channel(name), {}, {}, false, {}});
       } catch (const signal::RecordingError& error) {
         refuse(part_, "channel", error.what(), entry.file);
       }
@@ -136,8 +138,12 @@ class DecayAnalysis {
     decay.origin = group.origin();
     decay.rate_hz = recording.sample_rate_hz;
     decay.start_s = recording.start_time_s;
-    decay.samples = job.channel->samples;
-    decay.result = signal::estimate_decay(decay.samples, decay.rate_hz, options());
+    ident::DecayTestOptions test;
+    test.channels = {job.channel->name};
+    test.decay = options();
+    job.found = std::move(ident::run_decay_test(recording, test).channels.front());
+    decay.samples = job.found.samples;
+    decay.result = job.found.strongest;
     if (!decay.result.refusal_code.empty() || decay.result.modes.empty() || !test_.scene) return;
     const auto other = test_.hammer.sensors.find(decay.channel);
     const auto& sensor = other == test_.hammer.sensors.end() ? decay.channel : other->second;
@@ -151,14 +157,14 @@ class DecayAnalysis {
     const auto& group = test_.recordings[job.entry->group];
     AnalysedDecay& decay = job.decay;
     const std::string where = decay.file + ": " + decay.channel;
-    for (const auto& note : decay.result.notes) {
-      part_.warnings.push_back({note.code, note.message, where, false});
+    for (const auto& finding : job.found.findings) {
+      if (finding.refused) {
+        refuse(part_, finding.code, finding.message, where);
+      } else {
+        part_.warnings.push_back({finding.code, finding.message, where, false});
+      }
     }
-    if (!decay.result.refusal_code.empty() || decay.result.modes.empty()) {
-      refuse(part_, decay.result.refusal_code.empty() ? "no_decay" : decay.result.refusal_code,
-             decay.result.refusal.empty() ? "holds no decay" : decay.result.refusal, where);
-      return;
-    }
+    if (decay.result.modes.empty()) return;
     const std::string id = fmt::format("{}-{}", test_.name, decays_.size() + 1);
     tab.plots.push_back(decay_plot(id, decay));
     Json json{{"file", decay.file},
@@ -166,6 +172,7 @@ class DecayAnalysis {
               {"origin", word_of(decay.origin)},
               {"tension_N", group.tension_N ? Json(*group.tension_N) : Json(nullptr)},
               {"modes", modes_json(decay.result)},
+              {"decays", decays_json(job.found)},
               {"law", name_of(decay.result.envelope.law)},
               {"frequency_drift_hz", estimate_json(decay.result.envelope.frequency_drift_hz)}};
     list_modes(decay, group);
@@ -183,11 +190,21 @@ class DecayAnalysis {
     return options;
   }
 
+  static Json decays_json(const ident::ChannelDecays& found) {
+    Json decays = Json::array();
+    for (const auto& decay : found.decays) {
+      decays.push_back(
+          {{"start_s", decay.start_s}, {"end_s", decay.end_s}, {"fitted", decay.fitted}});
+    }
+    return decays;
+  }
+
   static Json modes_json(const signal::DecayResult& result) {
     Json modes = Json::array();
     for (const auto& mode : result.modes) {
       modes.push_back({{"frequency_hz", estimate_json(mode.frequency_hz)},
                        {"damping_ratio", estimate_json(mode.damping_ratio)},
+                       {"log_decrement", estimate_json(mode.log_decrement)},
                        {"amplitude", mode.amplitude},
                        {"cycles", mode.cycles},
                        {"r_squared", mode.r_squared}});

@@ -78,6 +78,53 @@ TEST(DecayVerb, ExitCodesSayWhoseFaultItIs) {
   EXPECT_THAT(refused.err, HasSubstr("noise"));
 }
 
+// Both call ident::run_decay_test: the same numbers to the last digit.
+TEST(DecayVerb, AndReportGiveTheSameNumbers) {
+  TemporaryFolder folder, out;
+  // Two taps: 1.6 s and 2.4 s of the record are decays.
+  std::string text = decay_csv(20, 0.02, 500, 800, 0.003, 100);
+  const std::string second = decay_csv(20, 0.02, 500, 1200, 0.004, 50);
+  int line = 0;
+  for (std::size_t at = second.find('\n') + 1; at < second.size(); ++line) {
+    const std::size_t comma = second.find(',', at), end = second.find('\n', at);
+    text += std::to_string((800 + line) / 500.0) + second.substr(comma, end - comma + 1);
+    at = end + 1;
+  }
+  const auto file = folder.write("taps.csv", text);
+  folder.write("campaign.toml", R"(title = "Taps"
+[[test]]
+name = "taps"
+kind = "decay"
+[[test.recording]]
+files = ["taps.csv"]
+)");
+  const auto run = run_program({"decay", file, "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto verb = parsed(run.out);
+  const auto report = run_program(
+      {"report", (folder.path() / "campaign.toml").string(), "--out", out.path().string()});
+  ASSERT_EQ(report.exit_code, 0) << report.err;
+  const auto document = parsed(out.read("report.json"));
+  const auto& record = document["decays"][0]["records"][0];
+  ASSERT_EQ(verb["decays"].size(), 2u);
+  EXPECT_EQ(record["decays"], verb["decays"]);
+  ASSERT_EQ(record["modes"].size(), verb["modes"].size());
+  for (std::size_t m = 0; m < verb["modes"].size(); ++m) {
+    for (const char* key :
+         {"frequency_hz", "damping_ratio", "log_decrement", "amplitude", "cycles", "r_squared"}) {
+      EXPECT_EQ(record["modes"][m][key], verb["modes"][m][key]) << key;
+    }
+  }
+  // delta = 2 pi zeta / sqrt(1 - zeta^2)
+  const double zeta = verb["modes"][0]["damping_ratio"]["value"];
+  EXPECT_NEAR(verb["modes"][0]["log_decrement"]["value"].get<double>(),
+              2 * std::numbers::pi * zeta / std::sqrt(1 - zeta * zeta), 1e-12);
+  const auto each = parsed(run_program({"decay", file, "--each", "--json", "-"}).out);
+  ASSERT_EQ(each["pooled"].size(), 1u);
+  EXPECT_EQ(each["pooled"][0]["decays"], 2);
+  EXPECT_TRUE(each["decays"][0]["fitted"].get<bool>() && each["decays"][1]["fitted"].get<bool>());
+}
+
 TEST(DecayVerb, HelpShowsAnExample) {
   const auto run = run_program({"decay", "--help"});
   EXPECT_EQ(run.exit_code, 0);
