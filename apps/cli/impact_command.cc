@@ -4,16 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
+#include <stdexcept>
 
 #include "apps/campaign_file/recording_description.h"
+#include "apps/cli/modal_json.h"
 #include "apps/cli/number_checks.h"
 
 namespace rigfit::apps {
 namespace {
-
-using signal::HitFault;
 
 signal::ImpactTestOptions options_of(const ImpactCommand& command) {
   signal::ImpactTestOptions options;
@@ -63,55 +61,19 @@ signal::ImpactTestOptions options_of(const ImpactCommand& command) {
   return options;
 }
 
-std::vector<std::string> responses_of(const ImpactCommand& command,
-                                      const signal::Recording& recording, Eigen::Index force) {
-  std::vector<std::string> names;
-  for (const std::string& name : command.responses) {
-    const Eigen::Index index = recording.channel_index(name);
-    if (index == force) {
-      throw UsageError("\"" + name + "\" is the force: it cannot be a response too");
-    }
-    names.push_back(name);
+/// The recordings by the place struck, in the order of the files.
+std::vector<ident::StruckPlace> places_of(VerbContext& context, const ImpactCommand& command) {
+  std::vector<ident::StruckPlace> places;
+  signal::ReadOptions read;
+  read.sample_rate_hz = command.sample_rate_hz;
+  for (std::size_t f = 0; f < command.files.size(); ++f) {
+    const std::string name = command.struck.empty() ? "" : command.struck[f];
+    auto place = std::find_if(places.begin(), places.end(),
+                              [&](const auto& known) { return known.name == name; });
+    if (place == places.end()) place = places.insert(places.end(), {name, {}});
+    place->recordings.push_back(load_recording(command.files[f], context, read));
   }
-  if (!names.empty()) return names;
-  for (Eigen::Index c = 0; c < static_cast<Eigen::Index>(recording.channels.size()); ++c) {
-    if (c != force) names.push_back("#" + std::to_string(c + 1));
-  }
-  if (names.empty()) {
-    throw Refused(recording.path.string() + ": has no channel besides the force; there is no FRF");
-  }
-  return names;
-}
-
-void warn_of_notes(VerbContext& context, const std::vector<signal::Note>& notes) {
-  for (const signal::Note& note : notes) context.warn(note.code, note.message, note.where);
-}
-
-/// Why no hit was accepted, by the faults that most of them have, and what can be had instead.
-void refuse_all(VerbContext& context, const ImpactRun& run) {
-  std::map<HitFault, int> count;
-  const signal::Hit* first = nullptr;
-  for (const signal::ImpactTest& test : run.tests) {
-    for (const signal::Hit& hit : test.search.hits) {
-      if (first == nullptr) first = &hit;
-      for (const HitFault fault : hit.faults) ++count[fault];
-    }
-  }
-  std::string why;
-  for (const auto& [fault, hits] : count) {
-    why += fmt::format("{}{} ({})", why.empty() ? "" : ", ", name_of(fault), hits);
-  }
-  const std::size_t total = run.hits();
-  std::string message = fmt::format("no FRF: {} of {} hit{} rejected: {}; first: {}", total, total,
-                                    total == 1 ? "" : "s", why, first->reason);
-  if (count.contains(HitFault::unresolved_pulse)) {
-    message +=
-        "; --frequencies-only keeps frequencies and damping without amplitudes, and "
-        "--min-pulse-samples accepts shorter pulses from a logger with anti-alias filters";
-  }
-  context.refuse(
-      count.contains(HitFault::unresolved_pulse) ? "pulse_not_resolved" : "no_hit_accepted",
-      message);
+  return places;
 }
 
 }  // namespace
@@ -204,15 +166,13 @@ void add_impact_options(CLI::App& verb, ImpactCommand& c, bool with_files) {
       ->capture_default_str();
 }
 
-std::size_t ImpactRun::hits() const {
-  std::size_t count = 0;
-  for (const signal::ImpactTest& test : tests) count += test.search.hits.size();
-  return count;
-}
-
 ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
-  signal::ImpactTestOptions options = options_of(command);
-  options.threads = context.threads;
+  ident::HammerTestOptions options;
+  options.force = command.force;
+  options.responses = command.responses;
+  options.driving_point = command.driving_point;
+  options.impact = options_of(command);
+  options.impact.threads = context.threads;
   if (!command.struck.empty() && command.struck.size() != command.files.size()) {
     throw UsageError(fmt::format("--struck names {} points for {} files: one a file",
                                  command.struck.size(), command.files.size()));
@@ -221,120 +181,40 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
     throw UsageError("--driving-point is for one point; --struck names every file's point");
   }
   ImpactRun run;
-  signal::ReadOptions read;
-  read.sample_rate_hz = command.sample_rate_hz;
-  for (std::size_t f = 0; f < command.files.size(); ++f) {
-    const std::string point = command.struck.empty() ? "" : command.struck[f];
-    const auto known = std::find(run.points.begin(), run.points.end(), point);
-    const auto p = static_cast<std::size_t>(known - run.points.begin());
-    if (known == run.points.end()) {
-      run.points.push_back(point);
-      run.recordings.emplace_back();
-    }
-    run.recordings[p].push_back(load_recording(command.files[f], context, read));
+  run.places = places_of(context, command);
+  try {
+    run.test = ident::analyse_hammer_test(run.places, options);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
   }
-  const signal::Recording& first = run.recordings.front().front();
-  const Eigen::Index force = first.channel_index(command.force);
-  run.force = first.channels[static_cast<std::size_t>(force)].name;
-  run.force_unit = first.channels[static_cast<std::size_t>(force)].unit;
-  const std::vector<std::string> responses = responses_of(command, first, force);
-  if (!command.driving_point.empty()) {
-    const Eigen::Index driving = first.channel_index(command.driving_point);
-    for (std::size_t r = 0; r < responses.size(); ++r) {
-      if (first.channel_index(responses[r]) == driving) {
-        options.driving_response = static_cast<Eigen::Index>(r);
-      }
+  for (auto& finding : run.test.findings) {
+    if (finding.code == "no_hit" || finding.code == "no_response") {
+      throw Refused(finding.where + ": " + finding.message);
     }
-    if (!options.driving_response) {
-      throw UsageError("--driving-point \"" + command.driving_point +
-                       "\" is not among the responses");
+    if (finding.code == "pulse_not_resolved") {
+      finding.message +=
+          "; --frequencies-only keeps frequencies and damping without amplitudes, and "
+          "--min-pulse-samples accepts shorter pulses from a logger with anti-alias filters";
     }
   }
-  if (command.struck.empty()) {
-    run.tests.push_back(
-        signal::analyse_impact_test(run.recordings.front(), command.force, responses, options));
-    const signal::ImpactTest& test = run.tests.front();
-    run.frfs = test.frfs;
-    if (test.driving_point) {
-      run.driving_points.push_back({*options.driving_response, 0, *test.driving_point});
-    }
-    warn_of_notes(context, test.notes);
-  } else {
-    std::vector<signal::StruckPoint> points;
-    for (std::size_t p = 0; p < run.points.size(); ++p) {
-      points.push_back({run.points[p], run.recordings[p]});
-    }
-    signal::RovingHammer roving =
-        signal::analyse_roving_hammer(points, command.force, responses, options);
-    run.tests = std::move(roving.tests);
-    run.frfs = std::move(roving.frfs);
-    run.driving_points = std::move(roving.driving_points);
-    run.reciprocity = std::move(roving.reciprocity);
-    warn_of_notes(context, roving.notes);
-  }
-  if (run.hits() == 0) {
-    throw Refused(first.path.string() + ": no hit in \"" + run.force +
-                  "\": nothing rises above the noise; is it the force, and is --pulse-sign right?");
-  }
-  warn_of_notes(context, run.frfs.notes);
-  run.usable_hz = std::numeric_limits<double>::infinity();
-  std::size_t accepted = 0;
-  for (const signal::ImpactTest& test : run.tests) {
-    accepted += static_cast<std::size_t>(test.frfs.averages);
-    run.amplitudes = run.amplitudes && test.amplitudes;
-    if (test.frfs.averages > 0) run.usable_hz = std::min(run.usable_hz, test.usable_hz);
-  }
-  if (accepted == 0) {
-    run.usable_hz = 0;
-    refuse_all(context, run);
-  } else if (accepted < run.hits()) {
-    context.warn("hits_rejected", fmt::format("{} of {} hits rejected; see hits[].reason",
-                                              run.hits() - accepted, run.hits()));
+  context.tell(run.test.findings);
+  const std::size_t hits = run.test.hits(), accepted = run.test.accepted_hits();
+  if (0 < accepted && accepted < hits) {
+    context.warn("hits_rejected",
+                 fmt::format("{} of {} hits rejected; see hits[].reason", hits - accepted, hits));
   }
   return run;
 }
 
 Json hits_json(const ImpactRun& run) {
   Json hits = Json::array();
-  for (std::size_t p = 0; p < run.tests.size(); ++p) {
-    for (const signal::Hit& hit : run.tests[p].search.hits) {
-      Json faults = Json::array();
-      for (const HitFault fault : hit.faults) faults.push_back(name_of(fault));
-      Json one{{"file", run.recordings[p][hit.recording].path.string()},
-               {"time_s", hit.time_s},
-               {"peak", hit.peak},
-               {"accepted", hit.accepted},
-               {"reason", hit.reason},
-               {"faults", std::move(faults)},
-               {"pulse_samples", hit.pulse_last - hit.pulse_first + 1},
-               {"pulse_duration_s", hit.pulse_duration_s},
-               {"usable_hz", hit.usable_hz},
-               {"end_level", hit.end_level}};
-      if (hit.second_hit > 0) {
-        one["second_hit"] = {{"ratio", hit.second_hit}, {"delay_s", hit.second_hit_delay_s}};
-      }
-      if (!run.points[p].empty()) one["struck"] = run.points[p];
-      hits.push_back(std::move(one));
+  for (std::size_t p = 0; p < run.places.size(); ++p) {
+    for (auto& hit : hits_json(run.places[p], run.test.tests[p])) {
+      if (!run.places[p].name.empty()) hit["struck"] = run.places[p].name;
+      hits.push_back(std::move(hit));
     }
   }
   return hits;
-}
-
-Json force_window_json(const ImpactRun& run) {
-  double kept = 0, left = 0;
-  std::optional<double> before;
-  bool chosen = false;
-  for (const signal::ImpactTest& test : run.tests) {
-    if (test.frfs.averages == 0) continue;
-    kept = std::max(kept, test.force_window_s);
-    left = std::max(left, test.force_noise_left);
-    chosen = chosen || test.force_window_by_noise;
-    if (test.force_noise) before = std::max(before.value_or(0), *test.force_noise);
-  }
-  return {{"kept_s", kept > 0 ? Json(kept) : Json(nullptr)},
-          {"chosen_by", chosen ? "noise" : "option"},
-          {"force_noise", before ? Json(*before) : Json(nullptr)},
-          {"force_noise_left", before ? Json(left) : Json(nullptr)}};
 }
 
 }  // namespace rigfit::apps

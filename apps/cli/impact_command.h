@@ -1,14 +1,12 @@
-// The options of an impact test on the command line, shared by the verbs that begin with one, and
-// the way from them to FRFs.
+// The options of a hammer test on the command line, shared by the verbs that begin with one, and
+// its analysis (ident/campaign/hammer_test.h).
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "apps/cli/verb.h"
-#include "signal/impact/impact_test.h"
-#include "signal/impact/roving_hammer.h"
-#include "signal/recording/recording.h"
+#include "ident/campaign/hammer_test.h"
 
 namespace rigfit::apps {
 
@@ -38,31 +36,17 @@ struct ImpactCommand {
 void add_impact_options(CLI::App& verb, ImpactCommand& command, bool with_files);
 
 struct ImpactRun {
-  std::string force;  ///< the channel's name
-  std::string force_unit;
-  /// The points struck and the files of each; one without a name unless the hammer roves.
-  std::vector<std::string> points;
-  std::vector<std::vector<signal::Recording>> recordings;
-  std::vector<signal::ImpactTest> tests;  ///< one a point
-  signal::FrfSet frfs;                    ///< of all points; no lines when no hit was accepted
-  bool amplitudes = true;  ///< false: pulses were not resolved; only frequencies mean something
-  double usable_hz = 0;    ///< least of the accepted hits'
-  std::vector<signal::DrivingPoint> driving_points;
-  std::vector<signal::ReciprocityCheck> reciprocity;
-
-  [[nodiscard]] std::size_t hits() const;
+  /// The points struck and the recordings of each; one without a name unless the hammer roves.
+  std::vector<ident::StruckPlace> places;
+  ident::HammerTest test;
 };
 
-/// Loads the files, finds the hits, averages. Every note becomes a warning. Throws UsageError for
+/// Reads the files and analyses the test. Every finding becomes a warning. Throws UsageError for
 /// options that make no sense, Refused when there is no hit at all; when all hits were rejected the
 /// FRFs are empty and `context.refuse` has said why and what can be had.
 [[nodiscard]] ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command);
 
 /// `hits[]`, as `frf` gives them; each with the point `struck` when the hammer roves.
 [[nodiscard]] Json hits_json(const ImpactRun& run);
-
-/// `force_window`: length kept, who chose it, the noise on the force before and after; of several
-/// points struck the largest of each.
-[[nodiscard]] Json force_window_json(const ImpactRun& run);
 
 }  // namespace rigfit::apps

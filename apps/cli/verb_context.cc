@@ -38,6 +38,16 @@ void VerbContext::refuse(std::string code, std::string message, std::string wher
   exit_code = ExitCode::refused;
 }
 
+void VerbContext::tell(const std::vector<ident::Finding>& findings) {
+  for (const auto& finding : findings) {
+    if (finding.refused) {
+      refuse(finding.code, finding.message, finding.where);
+    } else {
+      warn(finding.code, finding.message, finding.where);
+    }
+  }
+}
+
 void VerbContext::input(const std::string& path) {
   if (!known_.insert(path).second) return;
   Input input;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/cli/exit_code.h"
+#include "ident/campaign/finding.h"
 
 namespace rigfit::apps {
 
@@ -45,6 +46,8 @@ class VerbContext {
   void warn(std::string code, std::string message, std::string where = "");
   /// A warning that also ends the run with exit code 4: part of what was asked cannot be had.
   void refuse(std::string code, std::string message, std::string where = "");
+  /// What an analysis found: refusals refused, the others warned of.
+  void tell(const std::vector<ident::Finding>& findings);
   /// Names a file as an input of this run, before it is read: hashed now, and again at the end if
   /// it was touched meanwhile.
   void input(const std::string& path);

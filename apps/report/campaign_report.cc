@@ -161,7 +161,7 @@ class Stages {
       if (!known_.EA_N) known_.EA_N = axial[i].EA_N;
     }
     tasks.clear();
-    std::vector<std::vector<RecordedModalState>> states(tests);
+    std::vector<std::vector<ident::ModalTestState>> states(tests);
     for (std::size_t i = 0; i < tests; ++i) states[i] = recorded_[i].states;
     for (std::size_t f = 0; f < campaign_.fits.size(); ++f) {
       tasks.emplace_back([&, f] {

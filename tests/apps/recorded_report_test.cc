@@ -30,11 +30,11 @@ std::string content(const fs::path& path) {
 }
 
 const Json& entry(const Json& document, const std::string& key, const std::string& name_key,
-                  const std::string& name) {
+                  const Json& name) {
   for (const auto& one : document.at(key)) {
     if (one.at(name_key) == name) return one;
   }
-  throw std::out_of_range(key + " " + name);
+  throw std::out_of_range(key + " " + name.dump());
 }
 
 /// The campaign's report, made once for all tests below.
@@ -190,6 +190,51 @@ TEST_F(LaboratoryReport, FilesForOtherProgramsReadBack) {
   }
   EXPECT_GE(frfs, 9);
   EXPECT_EQ(frfs, modes);
+}
+
+/// `rigfit modal` on the recordings of one state of a test, with the campaign's options.
+Json modal_verb(const std::vector<std::string>& files, const std::vector<std::string>& options) {
+  std::vector<std::string> call{"modal"};
+  for (const auto& file : files) call.push_back(kLaboratory + "/" + file);
+  for (const char* more : {"--force", "force", "--exponential-end-level", "0.05", "--json", "-"}) {
+    call.emplace_back(more);
+  }
+  call.insert(call.end(), options.begin(), options.end());
+  return parsed(run_program(call).out);
+}
+
+/// A state of the document against what the verb gives: hits and modes, to the last digit.
+void expect_same(const Json& state, const Json& verb) {
+  EXPECT_GE(verb["modes"].size(), 4u);
+  EXPECT_EQ(state["modes"], verb["modes"]);
+  EXPECT_EQ(state["band_hz"], verb["band_hz"]);
+  EXPECT_EQ(state["frf_form"], verb["frf_form"]);
+  EXPECT_EQ(state["misfit_over_error_bars"], verb["misfit_over_error_bars"]);
+  ASSERT_EQ(state["struck"].size(), 1u);
+  Json hits = state["struck"][0]["hits"], others = verb["hits"];
+  ASSERT_EQ(hits.size(), others.size());
+  for (auto* list : {&hits, &others}) {  // the campaign's folder is written otherwise
+    for (auto& hit : *list) hit["file"] = fs::path(hit["file"].get<std::string>()).filename();
+  }
+  EXPECT_EQ(hits, others);
+}
+
+TEST_F(LaboratoryReport, ModesAreThoseOfTheVerb) {
+  std::vector<std::string> files;
+  for (int hit = 1; hit <= 6; ++hit) {
+    files.push_back("cable-in-plane/rig/T100N-hammer-hit" + std::to_string(hit) + ".uff");
+  }
+  const auto& cable = entry(*document_, "recorded_modal", "test", "cable-in-plane");
+  expect_same(entry(cable, "states", "tension_N", 100.0),
+              modal_verb(files, {"--response", "accelerometer", "--band", "2", "50",
+                                 "--force-window", "0.008"}));
+  files.clear();
+  for (int hit = 1; hit <= 5; ++hit) {
+    files.push_back("beam/rig/hammer-hit" + std::to_string(hit) + ".uff");
+  }
+  const auto& beam = entry(*document_, "recorded_modal", "test", "beam");
+  expect_same(beam["states"][0], modal_verb(files, {"--response", "beam 0.65 m", "--band", "1",
+                                                    "160", "--force-window", "0.012"}));
 }
 
 // The same inputs give the same document, byte by byte.

@@ -82,9 +82,10 @@ std::string csv_of(const signal::FrfSet& frfs) {
 }
 
 void print_hits(std::ostream& out, const ImpactRun& run, std::size_t point) {
-  const signal::ImpactTest& test = run.tests[point];
-  const std::string& unit = run.force_unit;
-  if (!run.points[point].empty()) out << "struck at " << run.points[point] << '\n';
+  const signal::ImpactTest& test = run.test.tests[point];
+  const std::string& unit = run.test.force_unit;
+  const std::string& name = run.places[point].name;
+  if (!name.empty()) out << "struck at " << name << '\n';
   out << fmt::format("{:>4} {:>12} {:>14} {:>10}  {}\n", "hit", "time, s",
                      unit.empty() ? "peak" : "peak, " + unit, "pulse, ms", "");
   for (std::size_t i = 0; i < test.search.hits.size(); ++i) {
@@ -103,13 +104,14 @@ void print_hits(std::ostream& out, const ImpactRun& run, std::size_t point) {
 }
 
 void print(std::ostream& out, const ImpactRun& run) {
-  for (std::size_t p = 0; p < run.tests.size(); ++p) print_hits(out, run, p);
-  for (const signal::DrivingPoint& driving : run.driving_points) {
+  const ident::HammerTest& test = run.test;
+  for (std::size_t p = 0; p < test.tests.size(); ++p) print_hits(out, run, p);
+  for (const signal::DrivingPoint& driving : test.driving_points) {
     out << fmt::format("driving point {}: {}\n",
-                       run.frfs.responses[static_cast<std::size_t>(driving.response)].name,
+                       test.frfs.responses[static_cast<std::size_t>(driving.response)].name,
                        name_of(driving.check.verdict));
   }
-  for (const signal::ReciprocityCheck& pair : run.reciprocity) {
+  for (const signal::ReciprocityCheck& pair : test.reciprocity) {
     out << fmt::format("{} and {}: FRFs both ways differ by {:.2g} % (noise {:.2g} %)\n", pair.a,
                        pair.b, 100 * pair.difference, 100 * pair.from_noise);
   }
@@ -124,12 +126,13 @@ Json driving_json(const signal::DrivingPointCheck& check) {
 
 Json run_frf(VerbContext& context, const FrfCommand& options) {
   const ImpactRun run = run_impact_test(context, options.impact);
-  const signal::FrfSet& frfs = run.frfs;
+  const ident::HammerTest& hammer = run.test;
+  const signal::FrfSet& frfs = hammer.frfs;
   const bool roving = !options.impact.struck.empty();
   print(context.out, run);
 
   // Blocks are as long for all points; a point without hits has none.
-  const auto measured = std::find_if(run.tests.begin(), run.tests.end(),
+  const auto measured = std::find_if(hammer.tests.begin(), hammer.tests.end(),
                                      [](const auto& test) { return !test.search.hits.empty(); });
   const signal::HitSearch& search = measured->search;
   Json result{{"hits", hits_json(run)},
@@ -141,19 +144,19 @@ Json run_frf(VerbContext& context, const FrfCommand& options) {
               {"exponential_decay_rate_1_s", frfs.exponential_decay_rate_1_s},
               {"frf_form", name_of(frfs.form)},
               {"units", frfs.unit},
-              {"amplitudes", frfs.averages > 0 && run.amplitudes},
+              {"amplitudes", frfs.averages > 0 && hammer.amplitudes},
               {"estimator", options.impact.estimator},
-              {"force", run.force}};
+              {"force", hammer.force}};
   if (frfs.averages == 0) return result;
-  result["usable_hz"] = run.usable_hz;
-  result["force_window"] = force_window_json(run);
+  result["usable_hz"] = hammer.usable_hz;
+  result["force_window"] = force_window_json(hammer);
   double incoherence = 0;
-  for (const signal::ImpactTest& test : run.tests) {
+  for (const signal::ImpactTest& test : hammer.tests) {
     incoherence = std::max(incoherence, test.incoherence);
   }
   result["incoherent_part"] = frfs.averages > 2 ? Json(incoherence) : Json(nullptr);
   const double low = options.impact.band.empty() ? 0 : options.impact.band[0];
-  const double high = options.impact.band.empty() ? run.usable_hz : options.impact.band[1];
+  const double high = options.impact.band.empty() ? hammer.usable_hz : options.impact.band[1];
   Json responses = Json::array();
   for (std::size_t r = 0; r < frfs.responses.size(); ++r) {
     for (std::size_t i = 0; i < frfs.inputs.size(); ++i) {
@@ -169,12 +172,12 @@ Json run_frf(VerbContext& context, const FrfCommand& options) {
   if (roving) {
     Json points = Json::array(), pairs = Json::array(), struck = Json::array();
     for (const auto& input : frfs.inputs) struck.push_back(input.name);
-    for (const signal::DrivingPoint& driving : run.driving_points) {
+    for (const signal::DrivingPoint& driving : hammer.driving_points) {
       Json one = driving_json(driving.check);
       one["point"] = frfs.inputs[static_cast<std::size_t>(driving.input)].name;
       points.push_back(std::move(one));
     }
-    for (const signal::ReciprocityCheck& pair : run.reciprocity) {
+    for (const signal::ReciprocityCheck& pair : hammer.reciprocity) {
       pairs.push_back({{"points", {pair.a, pair.b}},
                        {"difference", pair.difference},
                        {"from_noise", pair.from_noise}});
@@ -182,8 +185,8 @@ Json run_frf(VerbContext& context, const FrfCommand& options) {
     result["struck"] = std::move(struck);
     result["driving_points"] = std::move(points);
     result["reciprocity"] = std::move(pairs);
-  } else if (!run.driving_points.empty()) {
-    result["driving_point"] = driving_json(run.driving_points.front().check);
+  } else if (!hammer.driving_points.empty()) {
+    result["driving_point"] = driving_json(hammer.driving_points.front().check);
   }
   if (!options.out.empty()) {
     const auto encoding =

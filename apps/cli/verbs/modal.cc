@@ -4,12 +4,13 @@
 #include <cmath>
 #include <complex>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "apps/cli/impact_command.h"
-#include "apps/cli/json_document.h"
+#include "apps/cli/modal_json.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
-#include "signal/modal/modal_identification.h"
 #include "signal/modal/modal_synthesis.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/writers/write_uff.h"
@@ -39,10 +40,10 @@ Measured frfs_of(VerbContext& context, ModalCommand& options) {
     options.impact.files = options.files;
     ImpactRun run = run_impact_test(context, options.impact);
     measured.hits = hits_json(run);
-    measured.force_window = force_window_json(run);
-    measured.usable_hz = run.usable_hz;
-    measured.amplitudes = run.amplitudes;
-    measured.frfs = std::move(run.frfs);
+    measured.force_window = force_window_json(run.test);
+    measured.usable_hz = run.test.usable_hz;
+    measured.amplitudes = run.test.amplitudes;
+    measured.frfs = std::move(run.test.frfs);
     return measured;
   }
   if (options.files.size() > 1) {
@@ -54,10 +55,6 @@ Measured frfs_of(VerbContext& context, ModalCommand& options) {
     context.warn(note.code, note.message, note.where);
   }
   return measured;
-}
-
-Json complex_json(std::complex<double> value) {
-  return {{"re", value.real()}, {"im", value.imag()}};
 }
 
 Json number_json(double value) { return value; }
@@ -80,33 +77,6 @@ Json points_json(const std::vector<signal::MeasuredPoint>& points) {
     list.push_back({{"name", point.name}, {"node", point.node}, {"direction", point.direction}});
   }
   return list;
-}
-
-Json mode_json(const signal::IdentifiedMode& mode) {
-  const bool refused = mode.damping_dominated_by_window;
-  Json shape = Json::array(), participation = Json::array();
-  for (Index o = 0; o < mode.shape.size(); ++o) {
-    shape.push_back({{"re", mode.shape[o].real()},
-                     {"im", mode.shape[o].imag()},
-                     {"std_re", mode.shape_std(o, 0)},
-                     {"std_im", mode.shape_std(o, 1)}});
-  }
-  for (const auto& value : mode.participation) participation.push_back(complex_json(value));
-  const double nothing = std::numeric_limits<double>::quiet_NaN();  // null in the document
-  return {{"frequency_hz", json_estimate(mode.frequency_hz.value, mode.frequency_hz.std)},
-          {"damping_ratio", json_estimate(refused ? nothing : mode.damping_ratio.value,
-                                          refused ? nothing : mode.damping_ratio.std)},
-          {"damping_ratio_with_window", mode.damping_ratio_with_window},
-          {"damping_refused", refused},
-          {"pole_rad_s", complex_json(mode.pole_rad_s)},
-          {"shape", std::move(shape)},
-          {"participation", std::move(participation)},
-          {"modal_phase_collinearity", mode.modal_phase_collinearity},
-          {"reconstruction_error", mode.reconstruction_error},
-          {"presence", mode.presence},
-          {"significance", mode.significance},
-          {"doubtful", mode.doubtful},
-          {"doubt", mode.doubt}};
 }
 
 Json stabilisation_json(const signal::LscfResult& diagram) {
@@ -144,21 +114,15 @@ void print(std::ostream& out, const signal::ModalResult& result) {
   out << '\n';
 }
 
-signal::ModalResult identify(const Measured& measured, const ModalCommand& options) {
+ident::IdentifiedModes identify(const Measured& measured, const ModalCommand& options) {
   signal::ModalOptions modal;
-  if (!options.impact.band.empty()) {
-    modal.low_hz = options.impact.band[0];
-    modal.high_hz = options.impact.band[1];
-  } else {
-    modal.high_hz = measured.usable_hz;
-  }
+  std::optional<std::pair<double, double>> band;
+  if (!options.impact.band.empty()) band = {options.impact.band[0], options.impact.band[1]};
   modal.lscf.max_order = options.order;
   modal.lscf.max_damping_ratio = options.max_damping;
-  try {
-    return identify_modes(measured.frfs, modal);
-  } catch (const std::invalid_argument& error) {
-    throw Refused(error.what());
-  }
+  auto found = ident::identify(measured.frfs, band, measured.usable_hz, modal);
+  if (!found.modal) throw Refused(found.findings.front().message);
+  return found;
 }
 
 Json run_modal(VerbContext& context, ModalCommand options) {
@@ -174,31 +138,12 @@ Json run_modal(VerbContext& context, ModalCommand options) {
   }
   if (measured.frfs.frequency_hz.size() == 0) return result;  // refused, and said why
 
-  const signal::ModalResult found = identify(measured, options);
+  const ident::IdentifiedModes identified = identify(measured, options);
+  const signal::ModalResult& found = *identified.modal;
   const signal::ModalModel& model = found.model;
-  for (const signal::Note& note : model.notes) {
-    if (note.code == "no_modes" || note.code == "rank_deficient") {
-      context.refuse(note.code, note.message, note.where);
-    } else {
-      context.warn(note.code, note.message, note.where);
-    }
-  }
-  for (const signal::IdentifiedMode& mode : model.modes) {
-    const std::string where = fmt::format("{:.4g} Hz", mode.frequency_hz.value);
-    if (mode.damping_dominated_by_window) {
-      context.refuse("window_damping", mode.doubt, where);
-    } else if (mode.doubtful) {
-      context.warn("doubtful_mode", mode.doubt, where);
-    }
-    result["modes"].push_back(mode_json(mode));
-  }
-  if (found.end != signal::RefineEnd::converged && !model.modes.empty()) {
-    context.warn("not_converged",
-                 fmt::format("the refinement ended by {} after {} iterations: frequencies and "
-                             "damping are near, not at, the best fit",
-                             name_of(found.end), found.iterations));
-    context.exit_code = ExitCode::not_converged;
-  }
+  context.tell(identified.findings);
+  if (!identified.converged()) context.exit_code = ExitCode::not_converged;
+  for (const auto& mode : model.modes) result["modes"].push_back(mode_json(mode));
   print(context.out, found);
 
   result["responses"] = points_json(model.responses);

@@ -5,16 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "ident/campaign/origin.h"
+
 namespace rigfit::apps {
 
 /// Where a value comes from. Told apart everywhere by colour, marker and word.
-enum class Origin {
-  measured,         ///< from recordings of this campaign
-  published,        ///< a measurement that was published
-  published_model,  ///< a model's result that was published
-  synthetic,        ///< from recordings of the virtual laboratory
-  modelled,         ///< computed by rigfit
-};
+using ident::Origin;
 /// The word shown, such as "published test".
 [[nodiscard]] const char* name_of(Origin origin);
 /// The CSS class and JSON word, such as "published-model".

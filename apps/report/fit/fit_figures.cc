@@ -63,7 +63,7 @@ PlotGroup fit_overlays(const FitOutcome& of, std::vector<ModelCost>& costs) {
   for (std::size_t s = 0; s < of.states.size(); ++s) {
     const auto& modal = of.states[s].modal;
     if (!modal.recorded || modal.rig.response.empty() || modal.rig.input.empty() ||
-        !modal.recorded->amplitudes) {
+        !modal.recorded->hammer.amplitudes) {
       continue;
     }
     std::vector<ModelVersion> versions{{"before", of.updates[s].scene}};

@@ -18,7 +18,8 @@ namespace {
 class Fit {
  public:
   Fit(const Campaign& campaign, const CampaignFit& fit, const KnownValues& known,
-      const std::vector<std::vector<RecordedModalState>>& recorded, int threads, std::uint64_t seed)
+      const std::vector<std::vector<ident::ModalTestState>>& recorded, int threads,
+      std::uint64_t seed)
       : of_{campaign, fit} {
     part_.id = fit.name;
     part_.title = fit.title;
@@ -185,7 +186,7 @@ class Fit {
 }  // namespace
 
 FitPart fit_part(const Campaign& campaign, const CampaignFit& fit, const KnownValues& known,
-                 const std::vector<std::vector<RecordedModalState>>& recorded, int threads,
+                 const std::vector<std::vector<ident::ModalTestState>>& recorded, int threads,
                  std::uint64_t seed) {
   return Fit(campaign, fit, known, recorded, threads, seed).run();
 }

@@ -33,7 +33,7 @@ struct FitPart {
 /// `recorded`: by test of the campaign (empty for tests without recordings).
 [[nodiscard]] FitPart fit_part(const Campaign& campaign, const CampaignFit& fit,
                                const KnownValues& known,
-                               const std::vector<std::vector<RecordedModalState>>& recorded,
+                               const std::vector<std::vector<ident::ModalTestState>>& recorded,
                                int threads, std::uint64_t seed);
 
 }  // namespace rigfit::apps

@@ -170,7 +170,7 @@ void add_summary(ReportPart& part, const CampaignTest& test,
 }  // namespace
 
 ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
-                      const std::vector<RecordedModalState>& recorded) {
+                      const std::vector<ident::ModalTestState>& recorded) {
   ReportPart part;
   part.id = test.name;
   part.title = test.title;

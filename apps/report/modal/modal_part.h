@@ -11,6 +11,6 @@ namespace rigfit::apps {
 /// `known` gives EI at each tension and EA for the scene's parameters that take them.
 [[nodiscard]] ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
                                     const KnownValues& known,
-                                    const std::vector<RecordedModalState>& recorded);
+                                    const std::vector<ident::ModalTestState>& recorded);
 
 }  // namespace rigfit::apps

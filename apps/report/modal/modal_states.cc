@@ -26,11 +26,11 @@ ModalState& state_of(std::vector<ModalState>& states, std::optional<double> tens
   return states.back();
 }
 
-void add_recorded(std::vector<ModalState>& states, const RecordedModalState& recorded,
+void add_recorded(std::vector<ModalState>& states, const ident::ModalTestState& recorded,
                   std::size_t published_models) {
   ModalState& state = state_of(states, recorded.tension_N);
   state.recorded = &recorded;
-  for (const auto& mode : recorded.modes.modes) {
+  for (const auto& mode : recorded.modal->model.modes) {
     MeasuredRow row;
     row.measured_hz = mode.frequency_hz.value;
     row.std_hz = mode.frequency_hz.std;
@@ -113,9 +113,9 @@ void pair_rows(const CampaignTest& test, const model::ModalAnalysis& analysis,
 }
 
 Instrumented instrumented(model::Scene scene, const CampaignTest& test,
-                          const RecordedModalState& recorded) {
+                          const ident::ModalTestState& recorded) {
   Instrumented rig;
-  const auto form = recorded.frfs.form;
+  const auto form = recorded.hammer.frfs.form;
   const auto quantity = form == signal::FrfForm::receptance ? model::Sensor::Quantity::displacement
                         : form == signal::FrfForm::mobility ? model::Sensor::Quantity::velocity
                                                             : model::Sensor::Quantity::acceleration;
@@ -140,9 +140,9 @@ Instrumented instrumented(model::Scene scene, const CampaignTest& test,
     }
   }
   std::vector<model::Load> loads;
-  for (std::size_t i = 0; i < recorded.frfs.inputs.size(); ++i) {
+  for (std::size_t i = 0; i < recorded.hammer.frfs.inputs.size(); ++i) {
     for (const auto& load : scene.loads) {
-      if (load.name != recorded.frfs.inputs[i].name) continue;
+      if (load.name != recorded.hammer.frfs.inputs[i].name) continue;
       loads.push_back(load);
       oriented(loads.back().direction, recorded.force_directions[i]);
       rig.input.push_back(static_cast<Eigen::Index>(i));
@@ -170,7 +170,7 @@ model::Scene scene_at(const Campaign& campaign, const CampaignTest& test, const 
 
 std::vector<ModalState> modal_states(const Campaign& campaign, const CampaignTest& test,
                                      const KnownValues& known,
-                                     const std::vector<RecordedModalState>& recorded) {
+                                     const std::vector<ident::ModalTestState>& recorded) {
   std::vector<ModalState> states;
   const std::size_t models = test.results ? test.results->models.size() : 0;
   for (const auto& one : recorded) add_recorded(states, one, models);

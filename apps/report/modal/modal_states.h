@@ -43,7 +43,7 @@ struct ModalState {
   std::optional<double> tension_N;
   std::optional<double> EI_Nm2;
   Instrumented rig;
-  const RecordedModalState* recorded = nullptr;
+  const ident::ModalTestState* recorded = nullptr;
   model::ModalAnalysis analysis;
   double wall_s = 0;  ///< of the analysis
   /// What the number of segments costs in frequency: median over the modes (where two modes cross,
@@ -53,10 +53,9 @@ struct ModalState {
 };
 
 /// Modes of the scene at every state of the test, and their pairing. `recorded` must outlive it.
-[[nodiscard]] std::vector<ModalState> modal_states(const Campaign& campaign,
-                                                   const CampaignTest& test,
-                                                   const KnownValues& known,
-                                                   const std::vector<RecordedModalState>& recorded);
+[[nodiscard]] std::vector<ModalState> modal_states(
+    const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
+    const std::vector<ident::ModalTestState>& recorded);
 
 /// The scene as the test has it at one tension.
 [[nodiscard]] model::Scene scene_at(const Campaign& campaign, const CampaignTest& test,
@@ -64,7 +63,7 @@ struct ModalState {
 
 /// `scene` with the sensors and loads of these FRFs; those that it does not have are left out.
 [[nodiscard]] Instrumented instrumented(model::Scene scene, const CampaignTest& test,
-                                        const RecordedModalState& recorded);
+                                        const ident::ModalTestState& recorded);
 
 /// Pairs rows with modes of an analysis of the instrumented scene: fills mode, mac, other_plane.
 void pair_rows(const CampaignTest& test, const model::ModalAnalysis& analysis,

@@ -38,18 +38,18 @@ const char* axis_of(signal::FrfForm form) {
 
 }  // namespace
 
-Plot frf_overlay_plot(const std::string& id, const RecordedModalState& recorded,
+Plot frf_overlay_plot(const std::string& id, const ident::ModalTestState& recorded,
                       const Instrumented& rig, const std::vector<ModelVersion>& versions) {
-  const auto& frfs = recorded.frfs;
-  const LineRange range = lines_between(frfs, recorded.low_hz, recorded.high_hz);
+  const auto& frfs = recorded.hammer.frfs;
+  const LineRange range = lines_between(frfs, recorded.modal->low_hz, recorded.modal->high_hz);
   // An exponential window lowers every peak of the measured FRFs; the model has none. Then the test
   // is shown by its identified modes, from which the window's damping has been taken.
-  const bool windowed = frfs.exponential_decay_rate_1_s > 0 && !recorded.modes.modes.empty() &&
-                        range.last >= range.first;
+  const bool windowed = frfs.exponential_decay_rate_1_s > 0 &&
+                        !recorded.modal->model.modes.empty() && range.last >= range.first;
   Plot plot;
   if (windowed) {
     signal::FrfSet free = signal::synthesised(
-        recorded.modes, frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
+        recorded.modal->model, frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
         frfs.form, 0);
     free.unit = frfs.unit;
     plot = magnitude_plot(id, free, {0, free.frequency_hz.size() - 1}, recorded.origin, nullptr);
@@ -111,13 +111,13 @@ ModelCost response_cost(const std::string& what, const model::ResponseResult& re
   return cost;
 }
 
-std::vector<Plot> hit_overlay_plots(const std::string& id, const RecordedModalState& recorded,
+std::vector<Plot> hit_overlay_plots(const std::string& id, const ident::ModalTestState& recorded,
                                     const Instrumented& rig,
                                     const std::vector<ModelVersion>& versions,
                                     std::vector<ModelCost>& costs) {
   if (recorded.hits.empty() || rig.response.empty() || rig.input.empty()) return {};
   const auto load = static_cast<std::size_t>(rig.input.front());
-  const RecordedHit& hit = recorded.hits[load];
+  const ident::RecordedHit& hit = recorded.hits[load];
   const Index n = hit.force.size();
   if (n < 2) return {};
   Plot plot;
@@ -128,11 +128,11 @@ std::vector<Plot> hit_overlay_plots(const std::string& id, const RecordedModalSt
       "was "
       "fitted to this trace.";
   plot.x_label = "time, s";
-  plot.y_label = axis_of(recorded.frfs.form);
+  plot.y_label = axis_of(recorded.hammer.frfs.form);
   for (std::size_t s = 0; s < rig.response.size(); ++s) {
     PlotSeries series;
     series.name =
-        recorded.frfs.responses[static_cast<std::size_t>(rig.response[s])].name + ", test";
+        recorded.hammer.frfs.responses[static_cast<std::size_t>(rig.response[s])].name + ", test";
     series.origin = recorded.origin;
     series.variant = static_cast<int>(s);
     for (Index i = 0; i < n; ++i) {

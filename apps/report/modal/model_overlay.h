@@ -18,14 +18,14 @@ struct ModelVersion {
 
 /// Magnitudes of the test with their band, and of every version; empty series when nothing could be
 /// computed.
-[[nodiscard]] Plot frf_overlay_plot(const std::string& id, const RecordedModalState& recorded,
+[[nodiscard]] Plot frf_overlay_plot(const std::string& id, const ident::ModalTestState& recorded,
                                     const Instrumented& rig,
                                     const std::vector<ModelVersion>& versions);
 
 /// The recorded hit and what every version answers to its force: whole, and the first moments.
 /// Adds what each computation took to `costs`.
 [[nodiscard]] std::vector<Plot> hit_overlay_plots(const std::string& id,
-                                                  const RecordedModalState& recorded,
+                                                  const ident::ModalTestState& recorded,
                                                   const Instrumented& rig,
                                                   const std::vector<ModelVersion>& versions,
                                                   std::vector<ModelCost>& costs);

@@ -6,12 +6,11 @@
 #include <cmath>
 #include <map>
 
+#include "apps/cli/modal_json.h"
 #include "apps/report/figures/frf_plots.h"
 #include "apps/report/html_text.h"
 #include "apps/report/modal/modal_files.h"
-#include "apps/report/modal/struck_recordings.h"
 #include "apps/report/parts/recording_blocks.h"
-#include "signal/impact/impact_test.h"
 #include "signal/modal/modal_synthesis.h"
 
 namespace rigfit::apps {
@@ -65,8 +64,11 @@ class RecordedModalAnalysis {
                                  {"damping, %", {}, true},
                                  {"in the diagram, %", {}, true},
                                  {"why it is no mode", {}, false}};
-    auto states = sorted_recordings(test_, loaded, part());
-    for (auto& state : states) analyse(state);
+    auto analysed = ident::run_modal_test(recordings_of(loaded), options());
+    for (const auto& finding : analysed.findings) {
+      refuse(part(), finding.code, finding.message, finding.where);
+    }
+    for (auto& state : analysed.states) show(state);
     finish(files);
     return std::move(result_);
   }
@@ -74,43 +76,63 @@ class RecordedModalAnalysis {
  private:
   ReportPart& part() { return result_.part; }
 
-  void analyse(StruckState& state) {
+  [[nodiscard]] std::vector<ident::ModalRecording> recordings_of(
+      std::vector<LoadedRecording>& loaded) const {
+    std::vector<ident::ModalRecording> recordings;
+    for (auto& entry : loaded) {
+      if (!entry.recording) continue;
+      const auto& group = test_.recordings[entry.group];
+      recordings.push_back(
+          {std::move(*entry.recording), group.tension_N, group.load, group.origin()});
+    }
+    return recordings;
+  }
+
+  [[nodiscard]] ident::ModalTestOptions options() const {
+    ident::ModalTestOptions options;
+    const auto& hammer = test_.hammer;
+    options.hammer.force = hammer.force;
+    options.hammer.responses = hammer.responses;
+    auto& impact = options.hammer.impact;
+    impact.estimator = hammer.estimator == "h2"   ? signal::FrfEstimator::h2
+                       : hammer.estimator == "hv" ? signal::FrfEstimator::hv
+                                                  : signal::FrfEstimator::h1;
+    if (hammer.force_window_s > 0) impact.force_window_s = hammer.force_window_s;
+    impact.exponential_end_level = hammer.exponential_end_level;
+    impact.hits.band_hz = test_.band_hz;
+    if (hammer.max_order > 0) options.modal.lscf.max_order = hammer.max_order;
+    return options;
+  }
+
+  void show(ident::ModalTestState& state) {
     const std::string label = state_label(state.tension_N);
-    const auto responses = response_names(test_, state.struck);
-    if (responses.empty()) {
-      refuse(part(), "no_response", "the recordings share no channel besides the force",
-             place(label));
-      return;
+    for (std::size_t p = 0; p < state.hammer.tests.size(); ++p) {
+      list_hits(label, state.places[p], state.hammer.tests[p]);
     }
-    Index block = 0;
-    for (int round = 0; round < 2; ++round) {
-      for (auto& struck : state.struck) {
-        auto options = impact_options(test_);
-        if (round == 1) {
-          if (struck.test && struck.test->search.block_samples == block) continue;
-          options.hits.block_s =
-              static_cast<double>(block) / struck.recordings.front().sample_rate_hz;
-        }
-        struck.test =
-            signal::analyse_impact_test(struck.recordings, test_.hammer.force, responses, options);
-        const Index own = struck.test->search.block_samples;
-        if (struck.test->frfs.averages > 0) block = block == 0 ? own : std::min(block, own);
+    tell(state.findings, label);
+    for (auto& place : state.places) place.recordings.clear();  // not needed any more
+    if (!state.modal) return;
+    name_points(state.hammer.frfs.responses, state.hammer.frfs.inputs);
+    name_points(state.modal->model.responses, state.modal->model.inputs);
+    figures(state, label);
+    list_modes(state, label);
+    add_files(state);
+    if (state.has_modes()) result_.states.push_back(std::move(state));
+  }
+
+  /// A place left out is refused here: the campaign asked for it. A mode whose damping is refused
+  /// keeps its frequency, and the test goes on.
+  void tell(const std::vector<ident::Finding>& findings, const std::string& label) {
+    for (const auto& finding : findings) {
+      const std::string where = place(label) + (finding.where.empty() ? "" : ", " + finding.where);
+      const bool refused =
+          finding.code == "point_left_out" || (finding.refused && finding.code != "window_damping");
+      if (refused) {
+        refuse(part(), finding.code, finding.message, where);
+      } else {
+        part().warnings.push_back({finding.code, finding.message, where, false});
       }
-      if (state.struck.size() < 2) break;
     }
-    for (const auto& struck : state.struck) list_hits(label, struck);
-    std::erase_if(state.struck, [&](const Struck& one) {
-      if (one.test->frfs.averages > 0) return false;
-      refuse(part(), "no_hit_accepted",
-             one.test->search.hits.empty()
-                 ? "no hit rises above the noise of the force"
-                 : fmt::format("none of {} hits can be used; first: {}",
-                               one.test->search.hits.size(), one.test->search.hits.front().reason),
-             place(state_label(state.tension_N)) + (one.load.empty() ? "" : ", " + one.load));
-      return true;
-    });
-    if (state.struck.empty()) return;
-    identify(state, label);
   }
 
   /// Of the campaign, for warnings: "cable-in-plane, 200 N".
@@ -118,9 +140,8 @@ class RecordedModalAnalysis {
     return test_.name + ", " + label;
   }
 
-  void list_hits(const std::string& label, const Struck& struck) {
-    Json list = Json::array();
-    const auto& test = *struck.test;
+  void list_hits(const std::string& label, const ident::StruckPlace& struck,
+                 const signal::ImpactTest& test) {
     for (const auto& hit : test.search.hits) {
       const std::string file = struck.recordings[hit.recording].path.string();
       Cell verdict(hit.accepted ? (hit.reason.empty() ? "kept" : "kept: " + hit.reason)
@@ -133,110 +154,42 @@ class RecordedModalAnalysis {
                             shown(1e3 * hit.pulse_duration_s, 3), shown(hit.usable_hz, 3),
                             verdict});
       last_label_ = label;
-      list.push_back({{"file", file},
-                      {"time_s", hit.time_s},
-                      {"peak", hit.peak},
-                      {"accepted", hit.accepted},
-                      {"reason", hit.reason}});
     }
-    for (const auto* notes : {&test.notes, &test.frfs.notes}) {
-      for (const auto& note : *notes) {
-        part().warnings.push_back({note.code, note.message,
-                                   place(label) + (note.where.empty() ? "" : ", " + note.where),
-                                   false});
-      }
-    }
-    json_hits_[label].push_back({{"load", struck.load}, {"hits", std::move(list)}});
-  }
-
-  void identify(StruckState& state, const std::string& label) {
-    RecordedModalState found;
-    found.tension_N = state.tension_N;
-    found.origin = state.struck.front().origin;
-    found.frfs = merged(state.struck);
-    name_points(found.frfs);
-    double usable = state.struck.front().test->usable_hz;
-    for (const auto& struck : state.struck) {
-      usable = std::min(usable, struck.test->usable_hz);
-      found.amplitudes = found.amplitudes && struck.test->amplitudes;
-      found.hits.push_back(recorded_hit(struck, test_.hammer.force));
-    }
-    for (const auto& response : found.frfs.responses) found.channels.push_back(response.name);
-    const auto& recording = state.struck.front().recordings.front();
-    for (const auto& name : found.channels) {
-      const auto& along = recording.channel(name).direction;
-      found.directions.emplace_back(along[0], along[1], along[2]);
-    }
-    for (const auto& struck : state.struck) {
-      const auto& along = struck.recordings.front().channel(test_.hammer.force).direction;
-      found.force_directions.emplace_back(along[0], along[1], along[2]);
-    }
-    signal::ModalOptions options;
-    options.low_hz = test_.band_hz ? test_.band_hz->first : 0;
-    options.high_hz = test_.band_hz ? test_.band_hz->second : usable;
-    if (test_.hammer.max_order > 0) options.lscf.max_order = test_.hammer.max_order;
-    signal::ModalResult modal;
-    try {
-      modal = signal::identify_modes(found.frfs, options);
-    } catch (const std::invalid_argument& error) {
-      refuse(part(), "no_modes", error.what(), place(label));
-      return;
-    }
-    found.modes = modal.model;
-    found.low_hz = modal.low_hz;
-    found.high_hz = modal.high_hz;
-    for (const auto& note : modal.model.notes) {
-      if (note.code == "no_modes" || note.code == "rank_deficient") {
-        refuse(part(), note.code, note.message, place(label));
-      } else {
-        part().warnings.push_back({note.code, note.message, place(label), false});
-      }
-    }
-    if (modal.end != signal::RefineEnd::converged && !modal.model.modes.empty()) {
-      part().warnings.push_back(
-          {"not_converged",
-           fmt::format("the refinement ended by {}: frequencies and damping are near, not at, the "
-                       "best fit",
-                       name_of(modal.end)),
-           place(label), false});
-    }
-    figures(found, modal, label);
-    list_modes(found, modal, label);
-    add_files(found);
-    if (!found.modes.modes.empty()) result_.states.push_back(std::move(found));
+    json_hits_[label].push_back({{"load", struck.name}, {"hits", hits_json(struck, test)}});
   }
 
   /// UFF node numbers and directions from the scene's sensors and loads.
-  void name_points(signal::FrfSet& frfs) const {
-    for (auto& response : frfs.responses) {
+  void name_points(std::vector<signal::MeasuredPoint>& responses,
+                   std::vector<signal::MeasuredPoint>& inputs) const {
+    for (auto& response : responses) {
       const auto other = test_.hammer.sensors.find(response.name);
       const std::string& name = other == test_.hammer.sensors.end() ? response.name : other->second;
       response = uff_point(*scene_, name, response.name);
     }
-    for (auto& input : frfs.inputs) input = uff_point(*scene_, input.name, input.name);
+    for (auto& input : inputs) input = uff_point(*scene_, input.name, input.name);
   }
 
   [[nodiscard]] std::string figure_id(const char* what, const std::string& label) const {
     return fmt::format("{}-{}-{}", test_.name, what, file_word(label));
   }
 
-  void figures(const RecordedModalState& found, const signal::ModalResult& modal,
-               const std::string& label) {
-    const LineRange range = lines_between(found.frfs, found.low_hz, found.high_hz);
+  void figures(const ident::ModalTestState& found, const std::string& label) {
+    const auto& modal = *found.modal;
+    const auto& frfs = found.hammer.frfs;
+    const LineRange range = lines_between(frfs, modal.low_hz, modal.high_hz);
     if (range.last < range.first) return;
     std::optional<signal::FrfSet> rebuilt;
-    if (!found.modes.modes.empty()) {
+    if (found.has_modes()) {
       rebuilt = signal::synthesised(
-          found.modes, found.frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
-          found.frfs.form, found.frfs.exponential_decay_rate_1_s);
+          modal.model, frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
+          frfs.form, frfs.exponential_decay_rate_1_s);
     }
     PlotTab tab{label, {}};
-    tab.plots.push_back(magnitude_plot(figure_id("frf", label), found.frfs, range, found.origin,
+    tab.plots.push_back(magnitude_plot(figure_id("frf", label), frfs, range, found.origin,
                                        rebuilt ? &*rebuilt : nullptr));
-    tab.plots.push_back(phase_plot(figure_id("phase", label), found.frfs, range, found.origin));
-    if (found.frfs.coherence.size() > 0) {
-      tab.plots.push_back(
-          coherence_plot(figure_id("coherence", label), found.frfs, range, found.origin));
+    tab.plots.push_back(phase_plot(figure_id("phase", label), frfs, range, found.origin));
+    if (frfs.coherence.size() > 0) {
+      tab.plots.push_back(coherence_plot(figure_id("coherence", label), frfs, range, found.origin));
     }
     if (!modal.stabilisation.poles.empty()) {
       tab.plots.push_back(
@@ -245,8 +198,9 @@ class RecordedModalAnalysis {
     tabs_.push_back(std::move(tab));
   }
 
-  void list_modes(const RecordedModalState& found, const signal::ModalResult& modal,
-                  const std::string& label) {
+  void list_modes(const ident::ModalTestState& found, const std::string& label) {
+    const auto& modal = *found.modal;
+    const auto& frfs = found.hammer.frfs;
     if (modes_.columns.empty()) {
       modes_.columns = {{"state", {}, false},         {"frequency, Hz", found.origin},
                         {"damping, %", found.origin}, {"MPC", found.origin},
@@ -255,7 +209,7 @@ class RecordedModalAnalysis {
     }
     Json list = Json::array();
     bool first = true;
-    for (const auto& mode : found.modes.modes) {
+    for (const auto& mode : modal.model.modes) {
       const bool no_damping = mode.damping_dominated_by_window;
       Cell remark(mode.doubtful ? mode.doubt : "");
       remark.doubtful = mode.doubtful;
@@ -270,25 +224,7 @@ class RecordedModalAnalysis {
            shown(100 * mode.reconstruction_error, 2), fmt::format("{:.0f}", 100 * mode.presence),
            remark});
       first = false;
-      if (mode.doubtful) {
-        part().warnings.push_back(
-            {"doubtful_mode", mode.doubt,
-             fmt::format("{}, {:.4g} Hz", place(label), mode.frequency_hz.value), false});
-      }
-      Json shape = Json::array();
-      for (Index r = 0; r < mode.shape.size(); ++r) {
-        shape.push_back({{"re", mode.shape[r].real()}, {"im", mode.shape[r].imag()}});
-      }
-      list.push_back(
-          {{"frequency_hz", {{"value", mode.frequency_hz.value}, {"std", mode.frequency_hz.std}}},
-           {"damping_ratio",
-            {{"value", no_damping ? Json(nullptr) : Json(mode.damping_ratio.value)},
-             {"std", no_damping ? Json(nullptr) : Json(mode.damping_ratio.std)}}},
-           {"shape", std::move(shape)},
-           {"modal_phase_collinearity", mode.modal_phase_collinearity},
-           {"reconstruction_error", mode.reconstruction_error},
-           {"doubtful", mode.doubtful},
-           {"doubt", mode.doubt}});
+      list.push_back(mode_json(mode));
       ++modes_found_;
     }
     Json rejected = Json::array();
@@ -308,12 +244,13 @@ class RecordedModalAnalysis {
     state["tension_N"] = found.tension_N ? Json(*found.tension_N) : Json(nullptr);
     state["origin"] = word_of(found.origin);
     state["responses"] = found.channels;
-    state["averages"] = found.frfs.averages;
-    state["frf_form"] = name_of(found.frfs.form);
-    state["units"] = found.frfs.unit;
-    state["band_hz"] = {found.low_hz, found.high_hz};
+    state["averages"] = frfs.averages;
+    state["frf_form"] = name_of(frfs.form);
+    state["units"] = frfs.unit;
+    state["band_hz"] = {modal.low_hz, modal.high_hz};
     state["misfit_over_error_bars"] =
         modal.misfit_over_error_bars ? Json(*modal.misfit_over_error_bars) : Json(nullptr);
+    state["force_window"] = force_window_json(found.hammer);
     state["struck"] = json_hits_[label];
     state["modes"] = std::move(list);
     state["rejected_columns"] = std::move(rejected);
@@ -325,10 +262,10 @@ class RecordedModalAnalysis {
     return "uff/" + figure_id(what, label) + ".uff";
   }
 
-  void add_files(const RecordedModalState& found) {
+  void add_files(const ident::ModalTestState& found) {
     const std::string label = state_label(found.tension_N);
-    part().files.push_back({uff_path("frf", label), frf_file(found.frfs)});
-    part().files.push_back({uff_path("modes", label), mode_file(*scene_, found.modes)});
+    part().files.push_back({uff_path("frf", label), frf_file(found.hammer.frfs)});
+    part().files.push_back({uff_path("modes", label), mode_file(*scene_, found.modal->model)});
   }
 
   void finish(std::size_t files) {

@@ -1,0 +1,23 @@
+// Hits and modes as JSON, the same in every document.
+#pragma once
+
+#include <complex>
+
+#include "apps/cli/json_document.h"
+#include "ident/campaign/hammer_test.h"
+#include "signal/modal/modal_model.h"
+
+namespace rigfit::apps {
+
+[[nodiscard]] Json complex_json(std::complex<double> value);
+
+/// The hits of one place struck, accepted and rejected.
+[[nodiscard]] Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test);
+
+/// `force_window`: length kept, who chose it, the noise on the force before and after; of several
+/// places struck the largest of each.
+[[nodiscard]] Json force_window_json(const ident::HammerTest& hammer);
+
+[[nodiscard]] Json mode_json(const signal::IdentifiedMode& mode);
+
+}  // namespace rigfit::apps
