@@ -209,6 +209,7 @@ void expect_same(const Json& state, const Json& verb) {
   EXPECT_EQ(state["modes"], verb["modes"]);
   EXPECT_EQ(state["band_hz"], verb["band_hz"]);
   EXPECT_EQ(state["frf_form"], verb["frf_form"]);
+  EXPECT_EQ(state["force_window"], verb["force_window"]);
   EXPECT_EQ(state["misfit_over_error_bars"], verb["misfit_over_error_bars"]);
   ASSERT_EQ(state["struck"].size(), 1u);
   Json hits = state["struck"][0]["hits"], others = verb["hits"];
