@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "apps/cli/impact_command.h"
+#include "apps/cli/modal_json.h"
 #include "apps/cli/verbs/all.h"
 #include "signal/writers/write_uff.h"
 
