@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "signal/impact/double_hit.h"
+#include "signal/impact/pulse_shape.h"
 #include "signal/numerics/robust.h"
 #include "signal/recording/clipping.h"
 #include "signal/recording/recording_error.h"
@@ -143,6 +144,47 @@ void judge_spectrum(const Eigen::VectorXd& force, double rate, const HitOptions&
         fmt::format("the force spectrum falls by {:.1f} dB within {:g} to {:g} Hz (at most "
                     "{:g} dB; usable to {:.4g} Hz): use a harder tip or a narrower band",
                     hit.spectrum_drop_db, low, high, options.max_spectrum_drop_db, hit.usable_hz));
+  }
+}
+
+/// A force that rings is a response; the channel that is a pulse there is named.
+void judge_shape(const Recording& recording, Index force, Index block_samples, Hit& hit) {
+  const Index length = std::min(block_samples, hit.available);
+  const Index width = hit.pulse_last - hit.pulse_first + 1;
+  // The force's pulse comes a little before a response's largest swing.
+  const Index first = std::max<Index>(0, hit.block_first - 4 * width);
+  const auto shape_of = [&](Index channel) {
+    return pulse_shape(recording.channels[static_cast<std::size_t>(channel)].samples, first,
+                       length + hit.block_first - first);
+  };
+  const PulseShape shape = shape_of(force);
+  if (!shape.rings()) return;
+  std::string hammers;
+  for (Index c = 0; c < static_cast<Index>(recording.channels.size()); ++c) {
+    if (c == force || !shape_of(c).is_pulse()) continue;
+    hammers += fmt::format("{}\"{}\"", hammers.empty() ? "" : ", ",
+                           recording.channels[static_cast<std::size_t>(c)].name);
+  }
+  hit.reject(
+      HitFault::rings,
+      fmt::format("\"{}\" swings back by {:.0f} % of its peak and has {:.0f} % of its energy "
+                  "outside of the pulse: it is no hammer's force; {}",
+                  recording.channels[static_cast<std::size_t>(force)].name, 100 * shape.opposite,
+                  100 * shape.outside,
+                  hammers.empty() ? "name the channel of the hammer as the force"
+                                  : hammers + " has a short pulse there: name it as the force"));
+}
+
+/// Where the largest hit shows that the channel is no force, no other is one either: they are the
+/// swings of its ring-down.
+void refuse_all_where_the_largest_rings(HitSearch& search) {
+  const auto largest = std::max_element(
+      search.hits.begin(), search.hits.end(),
+      [](const Hit& a, const Hit& b) { return std::abs(a.peak) < std::abs(b.peak); });
+  if (largest == search.hits.end() || !largest->has(HitFault::rings)) return;
+  for (Hit& hit : search.hits) {
+    if (!hit.has(HitFault::rings))
+      hit.reject(HitFault::rings, "at the largest hit " + largest->reason);
   }
 }
 
@@ -353,6 +395,8 @@ int sign_of_most(const std::vector<ForceTrace>& traces, const HitOptions& option
 
 const char* name_of(HitFault fault) {
   switch (fault) {
+    case HitFault::rings:
+      return "rings";
     case HitFault::missing_samples:
       return "missing_samples";
     case HitFault::overload:
@@ -432,6 +476,8 @@ HitSearch find_hits(std::span<const Recording> recordings, Index force,
   for (Hit& hit : search.hits) {
     const Recording& recording = recordings[hit.recording];
     const Channel& channel = channel_of(hit.recording);
+    judge_shape(recording, force, search.block_samples, hit);
+    if (hit.has(HitFault::rings)) continue;
     judge_block(recording, force, responses, facts[hit.recording], search.block_samples, hit);
     if (hit.has(HitFault::missing_samples)) continue;
     judge_pulse(recording, channel, force_facts[hit.recording], options, hit);
@@ -440,6 +486,7 @@ HitSearch find_hits(std::span<const Recording> recordings, Index force,
     measure_levels(recording, responses, facts[hit.recording], search.block_samples, hit);
   }
   judge_cut_off(recordings, options, search);
+  refuse_all_where_the_largest_rings(search);
   return search;
 }
 

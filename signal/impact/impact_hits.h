@@ -22,6 +22,7 @@ namespace rigfit::signal {
 enum class PulseSign { automatic, positive, negative };
 
 enum class HitFault {
+  rings,             ///< the force swings to both sides and rings on: it is a response
   missing_samples,   ///< NaN in the force or a response within the block
   overload,          ///< clipped force or response
   unresolved_pulse,  ///< too few samples in the pulse: its area depends on the logger's filters

@@ -369,7 +369,7 @@ class Analysis {
     const std::vector<double> shares = noise_shares(estimate);
     test_.force_noise_left = *std::max_element(shares.begin(), shares.end());
     const auto percent = [](double part) {
-      return part >= 3 ? std::string("300 % or more") : fmt::format("{:.2g} %", 100 * part);
+      return part >= 3 ? std::string("three times or more") : fmt::format("{:.2g} %", 100 * part);
     };
     if (!test_.force_noise) {
       test_.notes.push_back({"force_noise_unknown",
@@ -379,13 +379,12 @@ class Analysis {
     } else if (test_.force_window_by_noise) {
       test_.notes.push_back(
           {"force_window_chosen",
-           fmt::format(
-               "noise on the force has {} of its power at half of the lines and would "
-               "lower H1 by that: {:.3g} ms of force are kept from each pulse's start, which "
-               "leaves {} at most{}",
-               percent(*test_.force_noise), 1e3 * test_.force_window_s,
-               percent(test_.force_noise_left),
-               options_.estimator == FrfEstimator::h1 ? ", subtracted" : ""),
+           fmt::format("noise on the force has {} of its power at half of the lines and would "
+                       "lower H1: {:.3g} ms of force are kept from each pulse's start, which "
+                       "leaves {} at most{}",
+                       percent(*test_.force_noise), 1e3 * test_.force_window_s,
+                       percent(test_.force_noise_left),
+                       options_.estimator == FrfEstimator::h1 ? ", subtracted" : ""),
            ""});
     }
     // What is subtracted is known to some 10 %; beyond a tenth of the force's power that is 1 %.

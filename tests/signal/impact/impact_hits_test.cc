@@ -239,5 +239,22 @@ TEST(ImpactHits, MissingSamplesAndRecordsWithoutHits) {
   EXPECT_THROW((void)find_hits(std::span(&recording, 1), 0, kResponses), RecordingError);
 }
 
+// An accelerometer named as the force rings between its "hits"; the hammer is named as what it is.
+TEST(ImpactHits, AResponseNamedAsForceIsRefusedAndTheHammerNamed) {
+  Bench bench;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    bench.options.seed = seed;
+    const Recording recording = bench.record(testing::hammer_hits(bench.options));
+    const std::vector<Index> responses{0, 2};
+    const HitSearch search = find_hits(std::span(&recording, 1), 1, responses);
+    ASSERT_FALSE(search.hits.empty());
+    for (const Hit& hit : search.hits) {
+      EXPECT_FALSE(hit.accepted);
+      EXPECT_THAT(hit.faults, ElementsAre(HitFault::rings));
+      EXPECT_THAT(hit.reason, HasSubstr("\"force\" has a short pulse"));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace rigfit::signal::impact_hits_test

@@ -1,0 +1,29 @@
+// Whether a channel looks like a hammer's force around a hit, or like a response.
+//
+// A hammer pushes to one side, shortly, and its force is zero before and after. A response swings
+// to both sides and rings on. Two figures tell them apart: the largest swing to the other side over
+// the peak, and the part of the energy that comes more than five pulse widths away from the pulse,
+// both beyond what the channel's noise gives.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace rigfit::signal {
+
+struct PulseShape {
+  double opposite = 0;  ///< largest swing to the other side, of the peak, 0..1
+  double outside = 0;   ///< energy outside of pulse and surroundings, of all, 0..1
+  /// Hammers that ring in their own handle, filters and AC-coupled amplifiers stay below 0.3 in
+  /// both, a mode of 10 % damping swings back by 0.73; modes damped by more leave nothing outside
+  /// and are not told.
+  [[nodiscard]] bool rings() const { return opposite > 0.5 && outside > 0.3; }
+  [[nodiscard]] bool is_pulse() const { return opposite < 0.3 && outside < 0.2; }
+};
+
+/// Of the samples first .. first + length - 1 with their largest absolute value as the peak. Rest
+/// and noise are taken where the block is quietest: before the hit or at its end. Missing samples
+/// count as rest. No signal: neither rings nor is a pulse.
+[[nodiscard]] PulseShape pulse_shape(const Eigen::VectorXd& samples, Eigen::Index first,
+                                     Eigen::Index length);
+
+}  // namespace rigfit::signal
