@@ -1,6 +1,7 @@
 // rigfit modal: poles, shapes and damping with error bars from FRFs, or from recordings of hits.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <memory>
@@ -13,6 +14,8 @@
 #include "apps/cli/verbs/all.h"
 #include "signal/modal/modal_synthesis.h"
 #include "signal/readers/uff/read_uff.h"
+#include "signal/spectra/coherence_errors.h"
+#include "signal/spectra/window.h"
 #include "signal/writers/write_uff.h"
 
 namespace rigfit::apps {
@@ -24,7 +27,9 @@ struct ModalCommand {
   ImpactCommand impact;
   int order = signal::LscfOptions().max_order;
   double max_damping = signal::LscfOptions().max_damping_ratio;
+  int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
   std::string out, synthesis;
+  std::vector<const CLI::Option*> of_hits;  ///< mean nothing for FRFs from a file
 };
 
 struct Measured {
@@ -34,9 +39,40 @@ struct Measured {
   Json hits, force_window;  ///< null when the FRFs came from a file
 };
 
+void refuse_options_of_hits(const ModalCommand& options) {
+  std::string given;
+  for (const CLI::Option* option : options.of_hits) {
+    if (option->count() > 0) given += (given.empty() ? "" : ", ") + option->get_name();
+  }
+  if (given.empty()) return;
+  throw UsageError(given +
+                   ": for recordings of hits, which need --force C; FRFs from a file are averaged "
+                   "already");
+}
+
+/// The exponential window that another analyser used, as stated: its decay rate is in every pole.
+void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
+  double rate = options.impact.exponential_window;
+  if (options.impact.exponential_end_level > 0) {
+    const Index lines = frfs.frequency_hz.size();
+    if (lines < 2) return;
+    const double spacing =
+        (frfs.frequency_hz[lines - 1] - frfs.frequency_hz[0]) / static_cast<double>(lines - 1);
+    rate = signal::decay_rate_for(options.impact.exponential_end_level, 1 / spacing);
+  }
+  if (!(rate > 0)) return;
+  if (frfs.exponential_decay_rate_1_s > 0) {
+    throw UsageError(fmt::format(
+        "the file itself states an exponential window of {:g} 1/s: leave the option out",
+        frfs.exponential_decay_rate_1_s));
+  }
+  frfs.exponential_decay_rate_1_s = rate;
+}
+
 Measured frfs_of(VerbContext& context, ModalCommand& options) {
   Measured measured;
   if (!options.impact.force.empty()) {
+    if (options.averages > 0) throw UsageError("--averages is for FRFs from a file");
     options.impact.files = options.files;
     ImpactRun run = run_impact_test(context, options.impact);
     measured.hits = hits_json(run);
@@ -49,8 +85,13 @@ Measured frfs_of(VerbContext& context, ModalCommand& options) {
   if (options.files.size() > 1) {
     throw UsageError("FRFs come from one UFF file; recordings of hits need --force C");
   }
+  refuse_options_of_hits(options);
   context.input(options.files.front());
   measured.frfs = signal::read_uff_frfs(options.files.front());
+  take_off_window(options, measured.frfs);
+  std::optional<std::pair<double, double>> band;
+  if (!options.impact.band.empty()) band = {options.impact.band[0], options.impact.band[1]};
+  signal::error_bars_from_coherence(measured.frfs, options.averages, band);
   for (const signal::Note& note : measured.frfs.notes) {
     context.warn(note.code, note.message, note.where);
   }
@@ -198,12 +239,29 @@ void add_modal(CLI::App& program, Verbs& verbs) {
   verb->add_option("--synthesis", options->synthesis,
                    "FRFs rebuilt from the modes, at the measured lines, as UFF 58")
       ->type_name("F.uff");
+  verb->add_option("--averages", options->averages,
+                   "Averages behind the coherence of FRFs from a file [as the file says]")
+      ->check(CLI::Range(1, 1000000));
+  const std::vector<const CLI::Option*> before = std::as_const(*verb).get_options();
   add_impact_options(*verb, options->impact, false);
+  for (const CLI::Option* option : std::as_const(*verb).get_options()) {
+    const std::string name = option->get_name();
+    if (std::find(before.begin(), before.end(), option) == before.end() && name != "--force" &&
+        name != "--band" && name != "--exponential-window" && name != "--exponential-end-level") {
+      options->of_hits.push_back(option);
+    }
+  }
+  verb->get_option("--exponential-window")
+      ->description(
+          "Decay rate of a window on force and responses, 1/s: used on hits, or stated of FRFs "
+          "from "
+          "a file that were measured with one; it is taken off the poles");
   verb->get_option("--band")->description(
       "Band to look for modes in (and for the force spectrum of hits), Hz");
   verb->footer(
       "Examples:\n"
       "  rigfit modal frf.uff --band 5 1400 --out modes.uff --json -\n"
+      "  rigfit modal other.uff --exponential-window 1.5 --averages 5\n"
       "  rigfit modal hits.csv --force hammer --exponential-window 1\n"
       "Exit code 4: no mode stands out, or a window's damping dominates that of a mode (the\n"
       "frequency is given all the same).");

@@ -119,6 +119,28 @@ TEST_F(ModalVerb, ADominatingWindowsDampingIsRefused) {
   EXPECT_FALSE(json["modes"][1]["damping_ratio"]["value"].is_null());
 }
 
+// Another analyser's file does not say that it used a window; its rate is stated and comes off.
+TEST_F(ModalVerb, FrfsFromAFileTakeAStatedWindowAndRefuseOptionsOfHits) {
+  signal::FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(2800, 0.5, 1400), 1);
+  set.exponential_decay_rate_1_s = 0;
+  const std::string file =
+      folder.write("other.uff", signal::uff_text(set, signal::UffEncoding::binary));
+  const auto run =
+      run_program({"modal", file, "--exponential-window", "1", "--quiet", "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  EXPECT_EQ(json["exponential_decay_rate_1_s"], 1);
+  // The 25 Hz mode: 1 % with 1 / (2 pi 25) = 0.64 % of the window on top. No noise.
+  EXPECT_NEAR(json["modes"][0]["damping_ratio"]["value"].get<double>(), 0.01, 1e-5);
+  EXPECT_NEAR(json["modes"][0]["damping_ratio_with_window"].get<double>(), 0.01637, 1e-4);
+  const auto refused =
+      run_program({"modal", file, "--block", "2", "--struck", "a1", "--force-window", "auto"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--struck, --force-window, --block"));
+  EXPECT_EQ(run_program({"modal", frf_file(1), "--exponential-window", "2"}).exit_code, 2);
+  EXPECT_EQ(run_program({"modal", file, "--force", "force", "--averages", "5"}).exit_code, 2);
+}
+
 TEST_F(ModalVerb, WrongUseAndBadFilesAreSaid) {
   EXPECT_EQ(run_program({"modal"}).exit_code, 2);
   EXPECT_EQ(run_program({"modal", path("none.uff")}).exit_code, 3);
