@@ -8,9 +8,11 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <random>
 #include <stdexcept>
 
+#include "ident/axial/axial_average.h"
+#include "ident/axial/axial_judgement.h"
+#include "ident/axial/axial_monte_carlo.h"
 #include "ident/axial/rod_stiffness.h"
 #include "ident/statistics/random_effects.h"
 #include "ident/statistics/uncertainty.h"
@@ -74,6 +76,8 @@ void check(std::span<const AxialDecay> decays, const AxialSetup& setup) {
   require(not_negative(setup.adapter_stiffness_N_m.value) &&
               not_negative(setup.adapter_stiffness_N_m.std),
           "the adapter's stiffness must not be negative (0: rigid)");
+  require(not_negative(setup.series_compliance_std_m_N.value_or(0)),
+          "the compliance's uncertainty must not be negative");
   require(not_negative(setup.catalogue_EA_N), "the catalogue's EA must not be negative");
   for (const auto& d : decays) {
     require(positive(d.length_m), d.name + ": the length must be positive");
@@ -91,238 +95,177 @@ void check(std::span<const AxialDecay> decays, const AxialSetup& setup) {
   }
 }
 
-struct Pieces {  // what the result is worked out from, kept for the Monte Carlo
-  std::vector<double> lengths, omega2;  // mean undamped omega^2 of each length
-  std::vector<double> by_omega2;        // d ln kc / d ln omega^2
-  std::vector<double> repeat_relative;  // relative std of EA_i from repeats
-  RandomEffects pooled;
+// What the result is worked out from, kept for budget and Monte Carlo.
+struct Pieces {
+  std::vector<AxialLengthData> lengths;
+  std::vector<AxialCandidate> candidates;
   double repeat_degrees = 0;
+  double zeta_share = 0;  // of the damping ratio in the variance of the records' ln omega^2
 };
 
-void budget_of(AxialTestResult& result, const AxialSetup& setup, const Pieces& pieces,
-               double coverage, double repeat_variance_share_zeta) {
-  double mass = 0, per_length = 0, adapter = 0, length_variance = 0, repeat_variance = 0;
-  double frequency_sensitivity = 0, mean_frequency = 0, length_sensitivity = 0;
-  for (std::size_t i = 0; i < pieces.lengths.size(); ++i) {
-    const double L = pieces.lengths[i], W = pieces.omega2[i], w = pieces.pooled.weights[i];
-    const auto s = rod_stiffness(rod_of(setup, W, L));
-    const double EA = s.cable_N_m * L;
-    mass += w * EA * s.by_mass / setup.mass_kg.value;
-    const double m = setup.mass_per_length_kg_m.value;
-    // By the rod's limit for a massless cable, where the relative derivative vanishes.
-    per_length += m > 0 ? w * EA * s.by_mass_per_length / m : w * EA * W * L / (3 * s.cable_N_m);
-    if (setup.adapter_stiffness_N_m.value > 0) {
-      adapter += w * EA * s.by_adapter / setup.adapter_stiffness_N_m.value;
-    }
-    const double by_length = EA * (1 + s.by_length) / L;
-    length_sensitivity += w * by_length;
-    length_variance += std::pow(w * by_length * setup.length_std_m, 2);
-    repeat_variance += std::pow(w * pieces.repeat_relative[i] * EA, 2);
-    const double f = std::sqrt(W) / (2 * std::numbers::pi);
-    mean_frequency += w * f;
-    frequency_sensitivity += w * EA * s.by_omega_squared * 2 / f;
+// EA with other inputs: the candidates' average with the weights kept.
+double value_at(const Pieces& pieces, const AxialSetup& setup) {
+  double sum = 0;
+  for (const auto& c : pieces.candidates) {
+    const auto fit = fit_axial(pieces.lengths, setup, c.fit.series, c.fit.between_std, c.fit.EA_N);
+    sum += c.weight * (fit.converged ? fit.EA_N : kNan);
   }
-  const auto add = [&](const char* source, const char* unit, double value, double std,
-                       double sensitivity, double variance, char type, double degrees) {
+  return sum;
+}
+
+double sensitivity(const Pieces& pieces, const AxialSetup& setup, signal::Estimate AxialSetup::*at,
+                   double step) {
+  AxialSetup up = setup, down = setup;
+  (up.*at).value += step, (down.*at).value -= step;
+  return (value_at(pieces, up) - value_at(pieces, down)) / (2 * step);
+}
+
+double sensitivity_to_lengths(Pieces pieces, const AxialSetup& setup, double step) {
+  for (auto& one : pieces.lengths) one.length_m += step;
+  const double up = value_at(pieces, setup);
+  for (auto& one : pieces.lengths) one.length_m -= 2 * step;
+  return (up - value_at(pieces, setup)) / (2 * step);
+}
+
+// Rows of the inputs, of the average of the candidates; what they differ by is a row of its own.
+// All are brought to the standard uncertainty of the mixture.
+void budget_of(AxialTestResult& result, const AxialSetup& setup, const Pieces& pieces) {
+  std::map<std::string, double> variance;
+  double between_models = 0;
+  bool series = false;
+  for (const auto& c : pieces.candidates) {
+    for (const auto& part : c.fit.contributions) {
+      variance[part.source] += c.weight * part.variance * c.fit.EA_N * c.fit.EA_N;
+    }
+    between_models += c.weight * std::pow(c.fit.EA_N - result.EA_N.value, 2);
+    series = series || c.fit.series;
+  }
+  double total = between_models;
+  for (const auto& [source, v] : variance) total += v;
+  const double scale = total > 0 ? result.EA_N.std * result.EA_N.std / total : 0;
+  const auto add = [&](const char* source, const char* unit, double value, double std, double by,
+                       double raw, char type, double degrees) {
     BudgetRow row;
     row.source = source, row.unit = unit, row.value = value, row.std = std;
-    row.sensitivity = sensitivity, row.contribution_N = std::sqrt(variance);
+    row.sensitivity = by, row.contribution_N = std::sqrt(scale * raw);
+    row.share = total > 0 ? raw / total : 0;
     row.type = type, row.degrees_of_freedom = degrees;
     result.budget.push_back(row);
   };
-  const double zeta_part = repeat_variance * repeat_variance_share_zeta;
-  const double frequency_part = repeat_variance - zeta_part;
-  add("frequency", "Hz", mean_frequency, std::sqrt(frequency_part) / frequency_sensitivity,
-      frequency_sensitivity, frequency_part, 'A', pieces.repeat_degrees);
+  double f = 0;
+  for (const auto& one : pieces.lengths) {
+    f += std::exp(0.5 * one.log_omega_squared) / (2 * std::numbers::pi * pieces.lengths.size());
+  }
+  const double by_f = 2 * result.EA_N.value / f;
+  const double frequency = variance["frequency"] * (1 - pieces.zeta_share);
+  add("frequency", "Hz", f, std::sqrt(frequency) / by_f, by_f, frequency, 'A',
+      pieces.repeat_degrees);
   const double zeta = result.damping_ratio.value;
-  const double zeta_sensitivity = result.EA_N.value * 2 * zeta / (1 - zeta * zeta);
-  add("damping ratio", "1", zeta,
-      zeta_sensitivity != 0 ? std::sqrt(zeta_part) / std::abs(zeta_sensitivity) : 0,
-      zeta_sensitivity, zeta_part, 'A', pieces.repeat_degrees);
-  add("hung mass", "kg", setup.mass_kg.value, setup.mass_kg.std, mass,
-      std::pow(mass * setup.mass_kg.std, 2), 'B', 0);
-  add("cable mass per length", "kg/m", setup.mass_per_length_kg_m.value,
-      setup.mass_per_length_kg_m.std, per_length,
-      std::pow(per_length * setup.mass_per_length_kg_m.std, 2), 'B', 0);
-  add("length", "m", result.reference_length_m, setup.length_std_m, length_sensitivity,
-      length_variance, 'B', 0);
-  add("adapter stiffness", "N/m", setup.adapter_stiffness_N_m.value,
-      setup.adapter_stiffness_N_m.std, adapter,
-      std::pow(adapter * setup.adapter_stiffness_N_m.std, 2), 'B', 0);
-  double between = 0;
-  for (double w : pieces.pooled.weights) between += w * w * pieces.pooled.between_variance;
-  add("between lengths", "N", kNan, std::sqrt(pieces.pooled.between_variance), 1, between, 'A',
-      static_cast<double>(pieces.lengths.size()) - 1);
-  // Lengths that disagree: their mean's whole variance rests on their scatter (random_effects.h).
-  const double scattering = pieces.pooled.degrees > 0 ? pieces.pooled.variance : 0;
-  double total = 0, satterthwaite = 0;
-  if (scattering > 0) satterthwaite = scattering * scattering / pieces.pooled.degrees;
-  for (const auto& row : result.budget) {
-    const double v = row.contribution_N * row.contribution_N;
-    total += v;
-    if (scattering == 0 && row.degrees_of_freedom > 0) {
-      satterthwaite += v * v / row.degrees_of_freedom;
+  const double by_zeta = result.EA_N.value * 2 * zeta / (1 - zeta * zeta);
+  const double of_zeta = variance["frequency"] * pieces.zeta_share;
+  add("damping ratio", "1", zeta, by_zeta != 0 ? std::sqrt(of_zeta) / std::abs(by_zeta) : 0,
+      by_zeta, of_zeta, 'A', pieces.repeat_degrees);
+  const auto input = [&](const char* source, const char* unit, signal::Estimate AxialSetup::*at,
+                         double step) {
+    add(source, unit, (setup.*at).value, (setup.*at).std,
+        step > 0 ? sensitivity(pieces, setup, at, step) : 0, variance[source], 'B', 0);
+  };
+  const double mass = setup.mass_kg.value;
+  input("hung mass", "kg", &AxialSetup::mass_kg, 1e-4 * mass);
+  input("cable mass per length", "kg/m", &AxialSetup::mass_per_length_kg_m,
+        1e-4 * std::max(setup.mass_per_length_kg_m.value, 1e-3 * mass));
+  add("length", "m", result.reference_length_m, setup.length_std_m,
+      sensitivity_to_lengths(pieces, setup, 1e-4 * result.lengths.front().length_m),
+      variance["length"], 'B', 0);
+  input("adapter stiffness", "N/m", &AxialSetup::adapter_stiffness_N_m,
+        1e-4 * setup.adapter_stiffness_N_m.value);
+  if (series) {
+    if (setup.series_compliance_std_m_N) {
+      add("compliance in series", "m/N", 0, *setup.series_compliance_std_m_N,
+          std::sqrt(variance["compliance in series"]) / *setup.series_compliance_std_m_N,
+          variance["compliance in series"], 'B', 0);
     }
+    const double v = variance["place of the compliance"];
+    add("place of the compliance", "1", 0.5, 0.5 / std::sqrt(3.0), std::sqrt(12 * v), v, 'B', 0);
+    add("compliance or none", "N", kNan, std::sqrt(between_models), 1, between_models, 'B', 0);
   }
-  for (auto& row : result.budget) {
-    row.share = total > 0 ? row.contribution_N * row.contribution_N / total : 0;
-  }
+  const auto& best = pieces.candidates.front().fit;
+  add("between lengths", "N", kNan, best.between_std * best.EA_N, 1, variance["between lengths"],
+      'A', std::max(1.0, static_cast<double>(best.degrees)));
   std::stable_sort(result.budget.begin(), result.budget.end(),
                    [](const BudgetRow& a, const BudgetRow& b) { return a.share > b.share; });
-  result.EA_N.std = std::sqrt(total);
-  result.degrees_of_freedom =
-      satterthwaite > 1e-9 * total * total ? total * total / satterthwaite : 0;
-  // One factor by Welch and Satterthwaite falls short when a part known to two degrees of freedom
-  // comes out small by chance; expanded uncertainties of what scatters and of the rest are added in
-  // squares instead (R. Willink, Metrologia 44 (2007) 340).
-  const double of_scatter = coverage_factor(coverage, pieces.pooled.degrees);
-  const double of_rest = coverage_factor(coverage, 0);
-  result.coverage_factor = coverage_factor(coverage, result.degrees_of_freedom);
-  if (scattering > 0) {
-    result.coverage_factor = std::sqrt(
-        (of_scatter * of_scatter * scattering + of_rest * of_rest * (total - scattering)) / total);
+}
+
+void alternatives_of(AxialTestResult& result, const Pieces& pieces, double coverage) {
+  for (const auto& c : pieces.candidates) {
+    AxialAlternative a;
+    a.name = c.fit.series ? "compliance in series" : "cable alone";
+    if (c.fit.between_std > 0) a.name += ", lengths scatter";
+    a.weight = c.weight;
+    a.EA_N = {c.fit.EA_N, c.fit.EA_N * c.fit.EA_relative_std};
+    AxialCandidate whole = c;
+    whole.weight = 1;
+    const std::span<const AxialCandidate> one(&whole, 1);
+    a.EA_low_N = axial_quantile(one, 0.5 - 0.5 * coverage);
+    a.EA_high_N = axial_quantile(one, 0.5 + 0.5 * coverage);
+    a.series_compliance_m_N = {c.fit.compliance_m_N, c.fit.compliance_std_m_N};
+    a.between_lengths_std_N = c.fit.between_std * c.fit.EA_N;
+    a.chi2 = c.fit.chi2, a.degrees_of_freedom = c.fit.degrees;
+    result.alternatives.push_back(a);
+    // Of either kind the heaviest: candidates are in the order of their weights.
+    if (!c.fit.series && !(result.plain_EA_N > 0)) result.plain_EA_N = c.fit.EA_N;
+    if (c.fit.series && !std::isfinite(result.EA_without_series_N)) {
+      result.EA_without_series_N = c.fit.EA_N;
+      result.series_compliance_m_N = a.series_compliance_m_N;
+    }
   }
 }
 
-void monte_carlo(AxialTestResult& result, const AxialSetup& setup, const AxialOptions& options,
-                 const Pieces& pieces) {
-  std::mt19937_64 generator(options.seed);
-  std::normal_distribution<double> normal;
-  const auto student = [&](double degrees) {  // common factor of a component known to few degrees
-    if (!(degrees > 0)) return 1.0;
-    std::chi_squared_distribution<double> chi2(degrees);
-    return std::sqrt(degrees / chi2(generator));
-  };
-  std::vector<double> values;
-  values.reserve(static_cast<std::size_t>(options.draws));
-  for (int d = 0; d < options.draws; ++d) {
-    RodOnMass rod = rod_of(setup, 0, 0);
-    rod.mass_kg += setup.mass_kg.std * normal(generator);
-    rod.mass_per_length_kg_m += setup.mass_per_length_kg_m.std * normal(generator);
-    if (rod.adapter_N_m > 0) rod.adapter_N_m += setup.adapter_stiffness_N_m.std * normal(generator);
-    const double scatter = student(pieces.pooled.degrees);
-    const double repeat = pieces.pooled.degrees > 0 ? scatter : student(pieces.repeat_degrees);
-    const double between = scatter * std::sqrt(pieces.pooled.between_variance);
-    double EA = 0;
-    for (std::size_t i = 0; i < pieces.lengths.size(); ++i) {
-      rod.length_m = pieces.lengths[i] + scatter * setup.length_std_m * normal(generator);
-      rod.omega_squared = pieces.omega2[i] * (1 + repeat * pieces.repeat_relative[i] /
-                                                      pieces.by_omega2[i] * normal(generator));
-      EA += pieces.pooled.weights[i] *
-            (rod_stiffness(rod).cable_N_m * rod.length_m + between * normal(generator));
-    }
-    if (std::isfinite(EA) && EA > 0) values.push_back(EA);
-  }
+// EA with its interval, from the mixture of the candidates.
+void average(AxialTestResult& result, const AxialSetup& setup, const AxialOptions& options,
+             const Pieces& pieces) {
+  const auto& all = pieces.candidates;
+  result.EA_N.value = axial_quantile(all, 0.5);
+  const double one = 0.5 * std::erf(std::sqrt(0.5));
+  result.EA_N.std = 0.5 * (axial_quantile(all, 0.5 + one) - axial_quantile(all, 0.5 - one));
+  result.EA_low_N = axial_quantile(all, 0.5 - 0.5 * options.coverage);
+  result.EA_high_N = axial_quantile(all, 0.5 + 0.5 * options.coverage);
+  result.coverage_factor = result.EA_N.std > 0
+                               ? (result.EA_high_N - result.EA_low_N) / (2 * result.EA_N.std)
+                               : coverage_factor(options.coverage, 0);
+  result.degrees_of_freedom = all.front().degrees;
+  result.between_lengths_std_N = all.front().fit.between_std * all.front().fit.EA_N;
+  alternatives_of(result, pieces, options.coverage);
+  budget_of(result, setup, pieces);
+  if (options.draws <= 0) return;
+  const auto values = axial_monte_carlo(pieces.lengths, setup, all, pieces.repeat_degrees,
+                                        options.draws, options.seed);
   if (values.size() < 100) return;
-  std::sort(values.begin(), values.end());
-  double mean = 0, squares = 0;
-  const double n = static_cast<double>(values.size());
-  for (double v : values) mean += v / n;
-  for (double v : values) squares += (v - mean) * (v - mean) / (n - 1);
   const auto at = [&](double p) {
+    const double n = static_cast<double>(values.size());
     return values[static_cast<std::size_t>(std::clamp(p * n, 0.0, n - 1))];
   };
   result.draws = static_cast<int>(values.size());
-  result.monte_carlo_EA_N = {mean, std::sqrt(squares)};
+  result.monte_carlo_EA_N = {at(0.5), 0.5 * (at(0.5 + one) - at(0.5 - one))};
   result.monte_carlo_low_N = at(0.5 - 0.5 * options.coverage);
   result.monte_carlo_high_N = at(0.5 + 0.5 * options.coverage);
 }
 
-// 1/kc = L / EA + s over the lengths: a compliance that does not grow with length is not the
-// cable's.
-void series_line(AxialTestResult& result) {
-  result.series_compliance_m_N = {kNan, kNan};
-  result.EA_without_series_N = kNan;
-  if (result.lengths.size() < 2) return;
-  double sw = 0, sx = 0, sy = 0;
-  for (const auto& l : result.lengths) {
-    const double y = l.length_m / l.EA_N.value;
-    const double w = 1 / std::pow(std::max(y * l.EA_N.std / l.EA_N.value, 1e-12 * y), 2);
-    sw += w, sx += w * l.length_m, sy += w * y;
-  }
-  double sxx = 0, sxy = 0;
-  const double mx = sx / sw, my = sy / sw;
-  for (const auto& l : result.lengths) {
-    const double y = l.length_m / l.EA_N.value;
-    const double w = 1 / std::pow(std::max(y * l.EA_N.std / l.EA_N.value, 1e-12 * y), 2);
-    sxx += w * (l.length_m - mx) * (l.length_m - mx), sxy += w * (l.length_m - mx) * (y - my);
-  }
-  const double slope = sxy / sxx, level = my - slope * mx;
-  double chi2 = 0;
-  for (const auto& l : result.lengths) {
-    const double y = l.length_m / l.EA_N.value;
-    const double std = std::max(y * l.EA_N.std / l.EA_N.value, 1e-12 * y);
-    chi2 += std::pow((y - level - slope * l.length_m) / std, 2);
-  }
-  const double spare = static_cast<double>(result.lengths.size()) - 2;
-  const double excess = spare > 0 ? std::max(1.0, chi2 / spare) : 1;
-  result.series_compliance_m_N = {level, std::sqrt(excess * (1 / sw + mx * mx / sxx))};
-  result.EA_without_series_N = slope > 0 ? 1 / slope : kNan;
-}
-
-void judge(AxialTestResult& result, const AxialSetup& setup, const AxialOptions& options) {
-  const auto note = [&](const char* code, std::string message) {
-    result.notes.push_back({code, std::move(message), ""});
-  };
-  if (result.lengths.size() < 2) {
-    note("one_length",
-         "one length only: whether EA is the same for others, and whether something "
-         "else gives way in series, cannot be seen");
-  } else if (result.homogeneity_p < 0.05) {
-    note("lengths_disagree",
-         fmt::format(
-             "EA differs between lengths by more than their uncertainties (Cochran's Q {:.3g}, "
-             "p = {:.2g}): a scatter of {:.3g} N between lengths is in the uncertainty",
-             result.cochran_Q, result.homogeneity_p, result.between_lengths_std_N));
-  }
-  const auto& s = result.series_compliance_m_N;
-  if (std::isfinite(s.value) && std::abs(s.value) > 3 * s.std) {
-    note(
-        "series_compliance",
-        s.value > 0
-            ? fmt::format(
-                  "the lengths show a compliance in series of {:.3g} m/N (std {:.2g}): grips, load "
-                  "cell or frame give way; without it EA would be {:.4g} N",
-                  s.value, s.std, result.EA_without_series_N)
-            : fmt::format(
-                  "stiffness falls faster with length than a cable's does (compliance in series "
-                  "{:.3g} m/N, negative): lengths, or the adapter's stiffness, are wrong",
-                  s.value));
-  }
-  result.catalogue_EA_N = setup.catalogue_EA_N > 0
-                              ? setup.catalogue_EA_N
-                              : setup.mass_per_length_kg_m.value / options.steel_density_kg_m3 *
-                                    options.rope_modulus_Pa;
-  if (!(result.catalogue_EA_N > 0)) return;
-  result.share_of_catalogue = result.EA_N.value / result.catalogue_EA_N;
-  std::string origin =
-      setup.catalogue_EA_N > 0
-          ? "the catalogue's"
-          : fmt::format("what {:.0f} GPa on the metal of this mass per length gives",
-                        options.rope_modulus_Pa / 1e9);
-  result.plausibility =
-      fmt::format("EA = {:.4g} kN is {:.0f} % of {:.4g} kN, {}", 1e-3 * result.EA_N.value,
-                  100 * result.share_of_catalogue, 1e-3 * result.catalogue_EA_N, origin);
-  if (result.share_of_catalogue < 0.5) {
-    const double L = result.reference_length_m;
-    const double missing = L / result.EA_N.value - L / result.catalogue_EA_N;
-    result.plausibility += fmt::format(
-        ": a strand this slack is seen at tensions far below its working load, or something in "
-        "series "
-        "gives way by {:.2g} µm/N",
-        1e6 * missing);
-    if (std::isfinite(s.value)) {
-      result.plausibility += s.value + 2 * s.std < missing
-                                 ? fmt::format(" (the lengths allow {:.2g} µm/N of it at most)",
-                                               1e6 * std::max(0.0, s.value + 2 * s.std))
-                                 : " (which the lengths do not rule out)";
-    }
-    note("below_catalogue", result.plausibility);
-  } else if (result.share_of_catalogue > 1.3) {
-    result.plausibility +=
-        ": stiffer than a rope of that much steel; check mass, length and frequency";
-    note("above_catalogue", result.plausibility);
-  }
+// c = 2 zeta sqrt(k M) at the mean length.
+void damper_of(AxialTestResult& result, const AxialSetup& setup) {
+  const double told = setup.adapter_stiffness_N_m.value;
+  double s = 0;
+  for (const auto& a : result.alternatives) s += a.weight * a.series_compliance_m_N.value;
+  const double own = result.reference_length_m / result.EA_N.value;
+  const double k = 1 / std::max(own + s + (told > 0 ? 1 / told : 0), 1e-6 * own);
+  const double zeta = result.damping_ratio.value;
+  const double by_zeta = 2 * std::sqrt(k * setup.mass_kg.value);
+  const double c = by_zeta * zeta;
+  // The chain's stiffness is that measured: it goes with the mass, and so c is proportional to it.
+  // What the cable's part of it is known to adds nothing but is left in, as an upper limit.
+  const double by_EA = 0.5 * c * k * own * result.EA_N.std / result.EA_N.value;
+  const double by_mass = c * setup.mass_kg.std / setup.mass_kg.value;
+  result.damping_Ns_m = {c, std::hypot(by_zeta * result.damping_ratio.std, by_EA, by_mass)};
 }
 
 }  // namespace
@@ -331,11 +274,12 @@ AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup&
                            const AxialOptions& options) {
   check(decays, setup);
   AxialTestResult result;
+  result.series_compliance_m_N = {kNan, kNan};
+  result.EA_without_series_N = kNan;
   Pieces pieces;
   std::map<double, std::vector<std::size_t>> by_length;
-  std::vector<double> stated_log, stated_zeta;  // variances of ln EA and of zeta, each record
+  std::vector<double> stated_log, stated_zeta;  // variances of ln omega^2 and of zeta, each record
   std::vector<double> log_omega2;
-  double zeta_share = 0;
   for (std::size_t i = 0; i < decays.size(); ++i) {
     const auto& d = decays[i];
     by_length[d.length_m].push_back(i);
@@ -343,19 +287,19 @@ AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup&
     const double W = omega_squared(d.damped_frequency_hz.value, zeta);
     const auto s = rod_stiffness(rod_of(setup, W, d.length_m));
     log_omega2.push_back(std::log(W));
-    AxialSample sample;
-    sample.name = d.name, sample.length_m = d.length_m;
-    sample.stiffness_N_m = s.series_N_m, sample.cable_stiffness_N_m = s.cable_N_m;
-    const double amplify = s.by_omega_squared;
-    const double by_f = amplify * 2 * d.damped_frequency_hz.std / d.damped_frequency_hz.value;
-    const double by_zeta = amplify * 2 * zeta / (1 - zeta * zeta) * d.damping_ratio.std;
+    const double by_f = 2 * d.damped_frequency_hz.std / d.damped_frequency_hz.value;
+    const double by_zeta = 2 * zeta / (1 - zeta * zeta) * d.damping_ratio.std;
     stated_log.push_back(by_f * by_f + by_zeta * by_zeta);
     stated_zeta.push_back(d.damping_ratio.std * d.damping_ratio.std);
     if (stated_log.back() > 0) {
-      zeta_share += by_zeta * by_zeta / stated_log.back() / static_cast<double>(decays.size());
+      pieces.zeta_share +=
+          by_zeta * by_zeta / stated_log.back() / static_cast<double>(decays.size());
     }
-    sample.EA_N = {s.cable_N_m * d.length_m,
-                   s.cable_N_m * d.length_m * std::sqrt(stated_log.back())};
+    AxialSample sample;
+    sample.name = d.name, sample.length_m = d.length_m;
+    sample.stiffness_N_m = s.series_N_m, sample.cable_stiffness_N_m = s.cable_N_m;
+    const double EA = s.cable_N_m * d.length_m;
+    sample.EA_N = {EA, EA * s.by_omega_squared * std::sqrt(stated_log.back())};
     sample.damping_ratio = d.damping_ratio;
     sample.damping_Ns_m = 2 * zeta * std::sqrt(s.series_N_m * setup.mass_kg.value);
     result.samples.push_back(std::move(sample));
@@ -364,7 +308,7 @@ AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup&
   for (const auto& [length, members] : by_length) {
     log_groups.emplace_back(), zeta_groups.emplace_back();
     for (std::size_t i : members) {
-      log_groups.back().push_back(std::log(result.samples[i].EA_N.value));
+      log_groups.back().push_back(log_omega2[i]);
       zeta_groups.back().push_back(decays[i].damping_ratio.value);
     }
   }
@@ -380,70 +324,42 @@ AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup&
     for (double x : log_groups[g]) mean_log += x / count;
     for (double x : zeta_groups[g]) mean_zeta += x / count;
     ++g;
+    const auto rod = rod_stiffness(rod_of(setup, std::exp(mean_log), length));
+    const double std = std::sqrt(repeat.variance / count);
     AxialLength l;
     l.length_m = length, l.records = static_cast<int>(members.size());
-    l.EA_N.value = std::exp(mean_log);
-    double mean_log_omega2 = 0;
-    for (std::size_t i : members) mean_log_omega2 += log_omega2[i] / count;
-    const double W = std::exp(mean_log_omega2);
-    const auto rod = rod_stiffness(rod_of(setup, W, length));
-    const double relative = std::sqrt(repeat.variance / count);
-    const double by_length_std = l.EA_N.value / length * (1 + rod.by_length) * setup.length_std_m;
-    l.EA_N.std = std::hypot(relative * l.EA_N.value, by_length_std);
+    l.EA_N.value = rod.cable_N_m * length;
+    l.EA_N.std = l.EA_N.value * std::hypot(rod.by_omega_squared * std,
+                                           (1 + rod.by_length) * setup.length_std_m / length);
     l.damping_ratio = {mean_zeta, std::sqrt(repeat_zeta.variance / count)};
     l.damping_Ns_m = 2 * mean_zeta * std::sqrt(rod.series_N_m * setup.mass_kg.value);
-    pieces.lengths.push_back(length);
-    pieces.omega2.push_back(W);
-    pieces.by_omega2.push_back(rod.by_omega_squared);
-    pieces.repeat_relative.push_back(relative);
+    pieces.lengths.push_back({length, mean_log, std});
     EA.push_back(l.EA_N.value);
-    // Where neither records nor lengths have any uncertainty, equal weights.
     EA_variance.push_back(std::max(l.EA_N.std * l.EA_N.std, 1e-24 * l.EA_N.value * l.EA_N.value));
     zeta.push_back(mean_zeta);
     zeta_variance.push_back(std::max(repeat_zeta.variance / count, 1e-24));
     result.lengths.push_back(l);
     result.reference_length_m += length / static_cast<double>(by_length.size());
   }
-  pieces.pooled = pool_groups(EA, EA_variance);
+  result.cochran_Q = pool_groups(EA, EA_variance).cochran_Q;
+  if (EA.size() > 1) {
+    result.homogeneity_p = gsl_cdf_chisq_Q(result.cochran_Q, static_cast<double>(EA.size()) - 1);
+  }
   const auto damping = pool_groups(zeta, zeta_variance);
-  const double between_degrees = static_cast<double>(EA.size()) - 1;
-  result.EA_N.value = pieces.pooled.mean;
-  result.between_lengths_std_N = std::sqrt(pieces.pooled.between_variance);
-  result.cochran_Q = pieces.pooled.cochran_Q;
-  if (EA.size() > 1)
-    result.homogeneity_p = gsl_cdf_chisq_Q(pieces.pooled.cochran_Q, between_degrees);
-
   result.damping_ratio = {damping.mean, std::sqrt(damping.variance)};
   const double zeta_degrees = damping.degrees > 0 ? damping.degrees : repeat_zeta.degrees;
   const double zeta_factor = coverage_factor(options.coverage, zeta_degrees);
   result.damping_low = damping.mean - zeta_factor * result.damping_ratio.std;
   result.damping_high = damping.mean + zeta_factor * result.damping_ratio.std;
 
-  budget_of(result, setup, pieces, options.coverage, zeta_share);
-  result.EA_low_N = result.EA_N.value - result.coverage_factor * result.EA_N.std;
-  result.EA_high_N = result.EA_N.value + result.coverage_factor * result.EA_N.std;
-
-  // Damper of the mean length: c = 2 zeta sqrt(k M).
-  const double kc = result.EA_N.value / result.reference_length_m;
-  const double adapter = setup.adapter_stiffness_N_m.value;
-  const double k = adapter > 0 ? 1 / (1 / kc + 1 / adapter) : kc;
-  const double c = 2 * damping.mean * std::sqrt(k * setup.mass_kg.value);
-  const double by_EA = 0.5 * c * (k / kc) * result.EA_N.std / result.EA_N.value;
-  const double by_mass = 0.5 * c * setup.mass_kg.std / setup.mass_kg.value;
-  const double by_zeta = damping.mean != 0
-                             ? c * result.damping_ratio.std / damping.mean
-                             : 2 * std::sqrt(k * setup.mass_kg.value) * result.damping_ratio.std;
-  // EA itself is proportional to the mass: its share of EA's uncertainty goes with the mass's own.
-  double mass_share = 0;
-  for (const auto& row : result.budget) {
-    if (row.source == "hung mass") mass_share = row.share;
-  }
-  const double together = by_EA * std::sqrt(mass_share) + by_mass;
-  result.damping_Ns_m = {
-      c, std::sqrt(by_zeta * by_zeta + by_EA * by_EA * (1 - mass_share) + together * together)};
-  if (options.draws > 0) monte_carlo(result, setup, options, pieces);
-  series_line(result);
-  judge(result, setup, options);
+  bool too_close = false;
+  pieces.candidates =
+      axial_candidates(pieces.lengths, setup, pieces.repeat_degrees, options.coverage, too_close);
+  require(!pieces.candidates.empty(), "no EA fits these frequencies: check mass and lengths");
+  result.conditional = !setup.series_compliance_std_m_N && (result.lengths.size() < 2 || too_close);
+  average(result, setup, options, pieces);
+  damper_of(result, setup);
+  judge_axial(result, setup, options);
   return result;
 }
 

@@ -6,13 +6,22 @@
 //   to first order kc = omega^2 (M + m lc / 3) for a rigid adapter),   c = 2 zeta sqrt(k M)
 // Source: Jalali and Rideout 2021, axial test; the cable's inertia without its approximation.
 //
-// Lengths are pooled with a random effect (random_effects.h): lengths which disagree beyond their
-// own uncertainty widen the answer instead of vanishing in it. Cochran's Q tests whether EA is the
-// same. Uncertainty by the GUM (JCGM 100), with a budget, and by Monte Carlo on the same model
-// (JCGM 101).
+// EA follows from least squares over all lengths (axial_fit.h). What else gives way in series with
+// the cable (grips, load cell, frame, an adapter that was not told) does not grow with length: the
+// slope of 1/kc over length is 1/EA whatever it is, the plain fit is 1/EA only without it. Both are
+// fitted and averaged by their likelihoods (axial_average.h). Lengths which disagree beyond their
+// own uncertainty widen the answer; Cochran's Q tests whether EA is the same. One length cannot
+// tell: EA then holds for a rig in which nothing else gives way, and `conditional` says so.
+// Uncertainty by the GUM (JCGM 100), with a budget, and by Monte Carlo (JCGM 101) on closed forms,
+// a second way through (axial_monte_carlo.h).
+//
+// Damping ratios are averaged over records and lengths (random_effects.h). That is the
+// least-squares solution, linear in its one unknown, in closed form; Ceres gives the same to 1e-12
+// (axial_test_test.cc).
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,6 +44,9 @@ struct AxialSetup {
   /// anew).
   double length_std_m = 0;
   signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series; 0: rigid
+  /// Standard uncertainty of what else gives way in series, m/N, about none. 0: known to be rigid;
+  /// not given: nothing is known of it, and only several lengths can tell.
+  std::optional<double> series_compliance_std_m_N;
   /// What EA should about be; 0: metallic area from the mass per length times the modulus below.
   double catalogue_EA_N = 0;
 };
@@ -66,6 +78,18 @@ struct AxialLength {
   double damping_Ns_m = 0;
 };
 
+/// A way to explain the lengths, and its share in the answer.
+struct AxialAlternative {
+  std::string name;  ///< "cable alone", "compliance in series", each also with ", lengths scatter"
+  double weight = 0;
+  signal::Estimate EA_N;
+  double EA_low_N = 0, EA_high_N = 0;
+  signal::Estimate series_compliance_m_N{0, 0};
+  double between_lengths_std_N = 0;
+  double chi2 = 0;
+  int degrees_of_freedom = 0;
+};
+
 struct BudgetRow {
   std::string source;
   std::string unit;
@@ -80,8 +104,12 @@ struct BudgetRow {
 struct AxialTestResult {
   signal::Estimate EA_N;
   double EA_low_N = 0, EA_high_N = 0;  ///< `coverage` interval
-  double coverage_factor = 0;
-  double degrees_of_freedom = 0;  ///< effective (Welch and Satterthwaite); 0: normal
+  double coverage_factor = 0;          ///< half the interval over the standard uncertainty
+  double degrees_of_freedom = 0;       ///< effective (Welch and Satterthwaite); 0: normal
+  /// EA holds only if nothing but the cable (and the adapter told) gives way: the lengths cannot
+  /// tell. The true value is then rather higher.
+  bool conditional = false;
+  std::vector<AxialAlternative> alternatives;  ///< heaviest first; weights sum to 1
   signal::Estimate damping_ratio;
   double damping_low = 0, damping_high = 0;
   signal::Estimate damping_Ns_m;  ///< at `reference_length_m`
@@ -90,17 +118,20 @@ struct AxialTestResult {
   std::vector<AxialLength> lengths;
   std::vector<BudgetRow> budget;  ///< of EA, largest first
 
-  double between_lengths_std_N = 0;  ///< tau
+  double between_lengths_std_N = 0;  ///< tau, of the heaviest alternative
   double cochran_Q = 0;
-  double homogeneity_p = 1;  ///< chance of such disagreement when EA is the same; 1 for one length
+  /// Chance of such disagreement when EA is the same and the cable alone gives way; 1 for one
+  /// length.
+  double homogeneity_p = 1;
 
   int draws = 0;
-  signal::Estimate monte_carlo_EA_N;
+  signal::Estimate monte_carlo_EA_N;  ///< median, half the middle 68.27 %
   double monte_carlo_low_N = 0, monte_carlo_high_N = 0;
 
   /// Compliance in series that the lengths show: 1/kc = L / EA + s. NaN under two lengths.
   signal::Estimate series_compliance_m_N;
   double EA_without_series_N = 0;  ///< EA of that line; NaN under two lengths
+  double plain_EA_N = 0;           ///< EA when the cable alone gives way
   double catalogue_EA_N = 0;       ///< given or from the mass per length; 0: neither
   double share_of_catalogue = 0;   ///< EA over it
   std::string plausibility;        ///< a sentence, empty without a catalogue value
@@ -108,7 +139,8 @@ struct AxialTestResult {
 };
 
 /// Throws std::invalid_argument, naming the record, for values that are not positive and finite,
-/// and when an adapter is softer than the whole chain that was measured.
+/// and when an adapter is softer than the whole chain that was measured or the lengths cannot be
+/// fitted.
 [[nodiscard]] AxialTestResult axial_test(std::span<const AxialDecay> decays,
                                          const AxialSetup& setup, const AxialOptions& options = {});
 

@@ -1,0 +1,193 @@
+#include "ident/campaign/axial_campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <stdexcept>
+
+#include "ident/axial/rod_stiffness.h"
+#include "ident/statistics/in_parallel.h"
+#include "model/linear/modal_analysis.h"
+#include "signal/decay/decay_window.h"
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::ident {
+namespace {
+
+// What one recording holds.
+struct Found {
+  std::vector<FoundDecay> decays;
+  std::vector<signal::Note> refusals, notes;
+};
+
+Found find(const AxialInputs& inputs, std::size_t index) {
+  const auto& entry = inputs.recordings[index];
+  const auto& recording = entry.recording;
+  const double rate = recording.sample_rate_hz;
+  Found found;
+  const auto refuse = [&](const char* code, const char* why) {
+    found.refusals.push_back({code, why, entry.name});
+  };
+  if (recording.time_s.size() > 0 || !(rate > 0)) {
+    refuse("not_uniform", recording.time_s.size() > 0 ? "its samples are not evenly spaced in time"
+                                                      : "gives no sample rate; add sample_rate_hz");
+    return found;
+  }
+  const signal::Channel* channel = nullptr;
+  try {
+    if (!inputs.channel.empty()) {
+      channel = &recording.channel(inputs.channel);
+    } else if (recording.channels.size() == 1) {
+      channel = &recording.channels.front();
+    } else {
+      refuse("channel", "holds several channels; name one");
+      return found;
+    }
+  } catch (const signal::RecordingError& error) {
+    refuse("channel", error.what());
+    return found;
+  }
+  signal::DecayOptions options;
+  options.band_low_hz = inputs.band_low_hz, options.band_high_hz = inputs.band_high_hz;
+  options.choose_window = false;
+  for (const auto& window : signal::find_decays(channel->samples)) {
+    FoundDecay d;
+    d.recording = index, d.channel = channel->name, d.unit = channel->unit, d.rate_hz = rate;
+    d.samples = channel->samples.segment(window.start, window.end - window.start);
+    d.result = signal::estimate_decay(d.samples, rate, options);
+    d.samples_start_s = recording.start_time_s + static_cast<double>(window.start) / rate;
+    d.start_s = d.samples_start_s + static_cast<double>(d.result.start) / rate;
+    const std::string where = fmt::format("{}: {} at {:.4g} s", entry.name, d.channel, d.start_s);
+    if (!d.result.refusal_code.empty() || d.result.modes.empty()) {
+      d.left_out = d.result.refusal_code.empty() ? "no_mode" : d.result.refusal_code;
+      found.notes.push_back({d.left_out, "left out: " + d.result.refusal, where});
+    }
+    for (const auto& n : d.result.notes) {
+      // What is ordinary in this test stays with the decay.
+      if (n.code != "start_chosen" && n.code != "coloured_residual" && n.code != "steady_tone") {
+        found.notes.push_back({n.code, n.message, where});
+      }
+    }
+    found.decays.push_back(std::move(d));
+  }
+  if (found.decays.empty()) refuse("no_decay", "holds no decay");
+  return found;
+}
+
+struct ModeOfDecay {
+  std::size_t decay = 0, mode = 0;
+  double log_EA = 0, share = 0;  // of the energy of the decay's modes
+};
+
+std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
+                                        const std::vector<FoundDecay>& decays) {
+  std::vector<ModeOfDecay> all;
+  const auto& setup = inputs.setup;
+  for (std::size_t k = 0; k < decays.size(); ++k) {
+    const auto& d = decays[k];
+    if (!d.left_out.empty()) continue;
+    const double length = inputs.recordings[d.recording].length_m;
+    double energy = 0;
+    for (const auto& mode : d.result.modes) energy += mode.energy;
+    for (std::size_t m = 0; m < d.result.modes.size(); ++m) {
+      const auto& mode = d.result.modes[m];
+      const double omega = 2 * std::numbers::pi * mode.frequency_hz.value;
+      const bool swings = model::kStandardGravity > 0.1 * omega * omega * length;
+      if (swings && inputs.band_high_hz == 0 && inputs.band_low_hz == 0) continue;
+      const auto rod = rod_stiffness(
+          {omega * omega, setup.mass_kg.value, setup.mass_per_length_kg_m.value, length, 0});
+      all.push_back({k, m, std::log(rod.cable_N_m * length), mode.energy / energy});
+    }
+  }
+  return all;
+}
+
+// The strongest mode of every decay among those at the EA that most of the energy has.
+void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
+  const auto all = possible_modes(inputs, result.decays);
+  constexpr double kSame = 0.5;  // of ln EA: 1.6 either way
+  const auto score = [&](double log_EA, bool take) {
+    std::vector<double> best(result.decays.size(), 0);
+    for (const auto& one : all) {
+      if (std::abs(one.log_EA - log_EA) > kSame || !(one.share > best[one.decay])) continue;
+      best[one.decay] = one.share;
+      if (take) result.decays[one.decay].mode = one.mode;
+    }
+    double sum = 0;
+    for (double b : best) sum += b;
+    return sum;
+  };
+  double most = 0, at = 0;
+  for (const auto& one : all) {
+    const double sum = score(one.log_EA, false);
+    if (sum > most) most = sum, at = one.log_EA;
+  }
+  if (most > 0) score(at, true);
+  for (auto& d : result.decays) {
+    if (!d.left_out.empty() || d.mode) continue;
+    d.left_out = "other_mode";
+    result.notes.push_back(
+        {d.left_out,
+         fmt::format("left out: its strongest mode, {:.4g} Hz, is not the axial one of the other "
+                     "records; give a band",
+                     d.result.modes.front().frequency_hz.value),
+         fmt::format("{}: {} at {:.4g} s", inputs.recordings[d.recording].name, d.channel,
+                     d.start_s)});
+  }
+}
+
+}  // namespace
+
+AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
+  AxialCampaignResult result;
+  std::vector<Found> found(inputs.recordings.size());
+  in_parallel(found.size(), inputs.threads, [&](std::size_t i) { found[i] = find(inputs, i); });
+  for (auto& one : found) {
+    std::move(one.decays.begin(), one.decays.end(), std::back_inserter(result.decays));
+    std::move(one.refusals.begin(), one.refusals.end(), std::back_inserter(result.refusals));
+    std::move(one.notes.begin(), one.notes.end(), std::back_inserter(result.notes));
+  }
+  choose_modes(inputs, result);
+  std::vector<AxialDecay> decays;
+  for (const auto& d : result.decays) {
+    if (!d.mode) continue;
+    const auto& mode = d.result.modes[*d.mode];
+    const auto& recording = inputs.recordings[d.recording];
+    decays.push_back({fmt::format("{} at {:.4g} s", recording.name, d.start_s), recording.length_m,
+                      mode.damped_frequency_hz, mode.damping_ratio});
+  }
+  if (decays.empty()) {
+    result.refusals.push_back(
+        {"no_decay", "none of the records holds a decay that can be used", ""});
+    return result;
+  }
+  try {
+    result.test = axial_test(decays, inputs.setup, inputs.options);
+  } catch (const std::invalid_argument& error) {
+    result.refusals.push_back({"axial", error.what(), ""});
+    return result;
+  }
+  result.notes.insert(result.notes.end(), result.test->notes.begin(), result.test->notes.end());
+  return result;
+}
+
+AxialKnowledge knowledge_of(const AxialTestResult& result) {
+  return {result.EA_N, result.damping_ratio};
+}
+
+void apply_axial(const AxialKnowledge& known, const std::vector<std::string>& EA_of,
+                 const std::vector<std::string>& damping_of, model::Scene& scene) {
+  if (std::isfinite(known.EA_N.value)) {
+    for (const auto& name : EA_of) model::set_parameter(scene, name, known.EA_N.value);
+  }
+  if (std::isfinite(known.damping_ratio.value)) {
+    for (const auto& name : damping_of) {
+      model::set_parameter(scene, name, known.damping_ratio.value);
+    }
+  }
+}
+
+}  // namespace rigfit::ident
