@@ -11,10 +11,12 @@
 //                        channels = { tension, load, deflection }
 //     kind = "axial"     mass (kg, hung), mass_std, mass_per_length (kg/m), mass_per_length_std,
 //                        length_std (m), adapter_stiffness (N/m), adapter_stiffness_std,
+//                        compliance_std (m/N, of what else gives way in series; 0: rigid),
 //                        catalogue_EA (N), channel, band = [LO, HI] (Hz); recordings with length
 //     kind = "decay"     free decays: channels (default: all), band; with scene, tension_of, EI_of,
+//                        EA_of, damping_of (parameters that take the axial test's damping ratio),
 //                        load: the scene's release or impact is simulated and laid over them
-//     kind = "modal"     scene, planes, tension_of, EI_of, EA_of, and one or both of
+//     kind = "modal"     scene, planes, tension_of, EI_of, EA_of, damping_of, and one or both of
 //                        a [test.table] with columns tension (none: one state), measured,
 //                        models = { label = column, ... }; and recordings of hammer hits: force
 //                        (channel), responses (default: every other), sensors = { channel = sensor
@@ -108,8 +110,9 @@ struct CampaignTest {
   std::vector<std::string> EI_of;              ///< scene parameters that take EI at that tension
   /// Modal: struck and measured along this, whatever the scene says; unit vector.
   std::optional<Eigen::Vector3d> direction;
-  std::vector<std::string> EA_of;  ///< scene parameters that take the axial test's EA
-  HammerTest hammer;               ///< modal with recordings; decay: load, sensors
+  std::vector<std::string> EA_of;       ///< scene parameters that take the axial test's EA
+  std::vector<std::string> damping_of;  ///< scene parameters that take its damping ratio
+  HammerTest hammer;                    ///< modal with recordings; decay: load, sensors
   std::optional<ResultColumns> results;
   std::vector<RecordingGroup> recordings;
   std::map<std::string, double> reference;  ///< values as known otherwise, by quantity

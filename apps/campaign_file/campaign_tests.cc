@@ -178,6 +178,8 @@ void CampaignTestReader::read_axial(TomlTable& table, CampaignTest& test) {
   setup.adapter_stiffness_N_m = {
       table.number_or("adapter_stiffness", Bound::not_negative, "N/m", 0),
       table.number_or("adapter_stiffness_std", Bound::not_negative, "N/m", 0)};
+  setup.series_compliance_std_m_N =
+      table.optional_number("compliance_std", Bound::not_negative, "m/N");
   setup.catalogue_EA_N = table.number_or("catalogue_EA", Bound::not_negative, "N", 0);
   if (table.has("channel")) test.channels = {table.string("channel")};
   test.band_hz = band_of(table);
@@ -241,6 +243,7 @@ void CampaignTestReader::read_scene_keys(TomlTable& table, CampaignTest& test) {
   test.tension_of = parameters(table, "tension_of", *test.scene);
   test.EI_of = parameters(table, "EI_of", *test.scene);
   test.EA_of = parameters(table, "EA_of", *test.scene);
+  test.damping_of = parameters(table, "damping_of", *test.scene);
   if (!table.has("sensors")) return;
   std::vector<std::string> known;
   for (const auto& sensor : campaign_.scenes[*test.scene].scene.sensors) {

@@ -158,7 +158,7 @@ class Stages {
     // EI(T) and EA go on to the tests whose scenes take them.
     for (std::size_t i = 0; i < tests; ++i) {
       if (known_.EI.empty()) known_.EI = bending[i].curve;
-      if (!known_.EA_N) known_.EA_N = axial[i].EA_N;
+      if (!known_.axial) known_.axial = axial[i].known;
     }
     tasks.clear();
     std::vector<std::vector<ident::ModalTestState>> states(tests);

@@ -20,8 +20,8 @@ using Eigen::Index;
 enum Shared { kLogEA, kSeries, kMass, kPerLength, kAdapter, kPlace, kSharedInputs };
 enum Own { kLength = kSharedInputs, kBetween, kInputs };
 
-// Standard deviation of a uniform distribution over 0 to 1.
-constexpr double kPlaceStd = 0.28867513459481287;
+// Of the place of the compliance: most of it is either the adapter's or the frame's.
+constexpr double kPlaceStd = 0.5;
 
 template <class T>
 T tangent_ratio(const T& q) {  // tan(x) / x, x^2 = q

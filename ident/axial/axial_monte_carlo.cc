@@ -94,7 +94,6 @@ std::vector<double> axial_monte_carlo(std::span<const AxialLengthData> lengths,
                                       double repeat_degrees, int draws, std::uint64_t seed) {
   std::mt19937_64 generator(seed);
   std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform;
   const auto student = [&](double degrees) {  // common factor of a part known to few degrees
     if (!(degrees > 0)) return 1.0;
     std::chi_squared_distribution<double> chi2(degrees);
@@ -122,7 +121,7 @@ std::vector<double> axial_monte_carlo(std::span<const AxialLengthData> lengths,
       if (fit.series && setup.series_compliance_std_m_N) {
         s = *setup.series_compliance_std_m_N * normal(generator);
       }
-      Draw draw = solve(lengths, setup, fit, rod, uniform(generator), s);
+      Draw draw = solve(lengths, setup, fit, rod, 0.5 + 0.5 * normal(generator), s);
       const double scatter =
           student(candidate.scatter_degrees > 0 ? candidate.scatter_degrees : repeat_degrees);
       draw.EA /= 1 + draw.relative_std * scatter * normal(generator);

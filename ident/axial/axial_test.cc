@@ -186,7 +186,7 @@ void budget_of(AxialTestResult& result, const AxialSetup& setup, const Pieces& p
           variance["compliance in series"], 'B', 0);
     }
     const double v = variance["place of the compliance"];
-    add("place of the compliance", "1", 0.5, 0.5 / std::sqrt(3.0), std::sqrt(12 * v), v, 'B', 0);
+    add("place of the compliance", "1", 0.5, 0.5, 2 * std::sqrt(v), v, 'B', 0);
     add("compliance or none", "N", kNan, std::sqrt(between_models), 1, between_models, 'B', 0);
   }
   const auto& best = pieces.candidates.front().fit;

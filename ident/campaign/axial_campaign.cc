@@ -20,7 +20,7 @@ namespace {
 // What one recording holds.
 struct Found {
   std::vector<FoundDecay> decays;
-  std::vector<signal::Note> refusals, notes;
+  std::vector<Finding> findings;
 };
 
 Found find(const AxialInputs& inputs, std::size_t index) {
@@ -29,7 +29,7 @@ Found find(const AxialInputs& inputs, std::size_t index) {
   const double rate = recording.sample_rate_hz;
   Found found;
   const auto refuse = [&](const char* code, const char* why) {
-    found.refusals.push_back({code, why, entry.name});
+    found.findings.push_back({code, why, entry.name, true});
   };
   if (recording.time_s.size() > 0 || !(rate > 0)) {
     refuse("not_uniform", recording.time_s.size() > 0 ? "its samples are not evenly spaced in time"
@@ -63,12 +63,12 @@ Found find(const AxialInputs& inputs, std::size_t index) {
     const std::string where = fmt::format("{}: {} at {:.4g} s", entry.name, d.channel, d.start_s);
     if (!d.result.refusal_code.empty() || d.result.modes.empty()) {
       d.left_out = d.result.refusal_code.empty() ? "no_mode" : d.result.refusal_code;
-      found.notes.push_back({d.left_out, "left out: " + d.result.refusal, where});
+      found.findings.push_back({d.left_out, "left out: " + d.result.refusal, where, false});
     }
     for (const auto& n : d.result.notes) {
       // What is ordinary in this test stays with the decay.
       if (n.code != "start_chosen" && n.code != "coloured_residual" && n.code != "steady_tone") {
-        found.notes.push_back({n.code, n.message, where});
+        found.findings.push_back({n.code, n.message, where, false});
       }
     }
     found.decays.push_back(std::move(d));
@@ -129,13 +129,14 @@ void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
   for (auto& d : result.decays) {
     if (!d.left_out.empty() || d.mode) continue;
     d.left_out = "other_mode";
-    result.notes.push_back(
+    result.findings.push_back(
         {d.left_out,
          fmt::format("left out: its strongest mode, {:.4g} Hz, is not the axial one of the other "
                      "records; give a band",
                      d.result.modes.front().frequency_hz.value),
          fmt::format("{}: {} at {:.4g} s", inputs.recordings[d.recording].name, d.channel,
-                     d.start_s)});
+                     d.start_s),
+         false});
   }
 }
 
@@ -147,8 +148,7 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
   in_parallel(found.size(), inputs.threads, [&](std::size_t i) { found[i] = find(inputs, i); });
   for (auto& one : found) {
     std::move(one.decays.begin(), one.decays.end(), std::back_inserter(result.decays));
-    std::move(one.refusals.begin(), one.refusals.end(), std::back_inserter(result.refusals));
-    std::move(one.notes.begin(), one.notes.end(), std::back_inserter(result.notes));
+    std::move(one.findings.begin(), one.findings.end(), std::back_inserter(result.findings));
   }
   choose_modes(inputs, result);
   std::vector<AxialDecay> decays;
@@ -160,17 +160,19 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
                       mode.damped_frequency_hz, mode.damping_ratio});
   }
   if (decays.empty()) {
-    result.refusals.push_back(
-        {"no_decay", "none of the records holds a decay that can be used", ""});
+    result.findings.push_back(
+        {"no_decay", "none of the records holds a decay that can be used", "", true});
     return result;
   }
   try {
     result.test = axial_test(decays, inputs.setup, inputs.options);
   } catch (const std::invalid_argument& error) {
-    result.refusals.push_back({"axial", error.what(), ""});
+    result.findings.push_back({"axial", error.what(), "", true});
     return result;
   }
-  result.notes.insert(result.notes.end(), result.test->notes.begin(), result.test->notes.end());
+  for (const auto& n : result.test->notes) {
+    result.findings.push_back({n.code, n.message, n.where, false});
+  }
   return result;
 }
 
@@ -179,15 +181,18 @@ AxialKnowledge knowledge_of(const AxialTestResult& result) {
 }
 
 void apply_axial(const AxialKnowledge& known, const std::vector<std::string>& EA_of,
-                 const std::vector<std::string>& damping_of, model::Scene& scene) {
-  if (std::isfinite(known.EA_N.value)) {
-    for (const auto& name : EA_of) model::set_parameter(scene, name, known.EA_N.value);
-  }
-  if (std::isfinite(known.damping_ratio.value)) {
-    for (const auto& name : damping_of) {
-      model::set_parameter(scene, name, known.damping_ratio.value);
+                 const std::vector<std::string>& damping_of, model::Scene& scene, int state,
+                 AxialUncertainty* uncertainty) {
+  const auto apply = [&](const signal::Estimate& value, const std::vector<std::string>& names,
+                         UncertainInput* input) {
+    if (!std::isfinite(value.value)) return;
+    for (const auto& name : names) {
+      model::set_parameter(scene, name, value.value);
+      if (input && value.std > 0) input->effects.push_back({state, name, value.std});
     }
-  }
+  };
+  apply(known.EA_N, EA_of, uncertainty ? &uncertainty->EA : nullptr);
+  apply(known.damping_ratio, damping_of, uncertainty ? &uncertainty->damping : nullptr);
 }
 
 }  // namespace rigfit::ident

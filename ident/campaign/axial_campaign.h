@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "ident/axial/axial_test.h"
+#include "ident/campaign/finding.h"
+#include "ident/update/model_update.h"
 #include "model/scene/scene.h"
 #include "signal/decay/decay.h"
 #include "signal/recording/recording.h"
@@ -43,17 +45,18 @@ struct FoundDecay {
   double samples_start_s = 0;  ///< of `samples`
   Eigen::VectorXd samples;     ///< as given to the estimator
   signal::DecayResult result;
-  /// Index of the axial mode of `result`; empty: refused or none, see the notes.
+  /// Index of the axial mode of `result`; empty: refused or none, see the findings.
   std::optional<std::size_t> mode;
   std::string left_out;  ///< code; empty: it takes part
 };
 
 struct AxialCampaignResult {
   std::vector<FoundDecay> decays;  ///< in the order of recordings, then of time
-  /// Empty: see `refusals`. Its samples are the decays that have a mode, in order.
+  /// Empty: see `findings`. Its samples are the decays that have a mode, in order.
   std::optional<AxialTestResult> test;
-  std::vector<signal::Note> refusals;  ///< codes not_uniform, channel, no_decay, axial
-  std::vector<signal::Note> notes;     ///< of decays and of the test
+  /// Refused: "not_uniform", "channel", "no_decay" (a recording, or all of them), "axial".
+  /// Warnings: "other_mode", and those of the decays and of the test.
+  std::vector<Finding> findings;
 };
 
 /// Throws nothing for what recordings hold; std::invalid_argument for a band that makes no sense.
@@ -65,10 +68,18 @@ struct AxialKnowledge {
 };
 [[nodiscard]] AxialKnowledge knowledge_of(const AxialTestResult& result);
 
+/// What the scenes' numbers from an axial test are known to, for a fit: one standard uncertainty of
+/// EA moves all of them together, and so does one of the damping ratio.
+struct AxialUncertainty {
+  UncertainInput EA{"EA (axial test)"}, damping{"damping ratio (axial test)"};
+};
+
 /// Sets the scene's parameters `EA_of` and `damping_of` (such as "cable.EA",
-/// "cable.damping_ratio") to the values of an axial test; those known without a value (NaN) stay.
+/// "cable.damping_ratio") to the values of an axial test; what has no value (NaN) stays as it is.
+/// `uncertainty`, when given, gets the effects on these parameters of the scene of state `state`.
 /// Throws model::SceneError for a parameter that the scene does not have.
 void apply_axial(const AxialKnowledge& known, const std::vector<std::string>& EA_of,
-                 const std::vector<std::string>& damping_of, model::Scene& scene);
+                 const std::vector<std::string>& damping_of, model::Scene& scene, int state = 0,
+                 AxialUncertainty* uncertainty = nullptr);
 
 }  // namespace rigfit::ident

@@ -61,6 +61,18 @@ class Solver {
     row_.setZero(n);
     for (const int target : targets_) runs_.push_back(run_of(chain.members[std::size_t(target)]));
     extent_ = (chain.drawn.rowwise().maxCoeff() - chain.drawn.rowwise().minCoeff()).norm();
+    support_rounding_.setZero(n);
+    const Numbering& numbering = assembly_.numbering();
+    for (const NodeSupport& support : chain.supports) {
+      const double coordinate = chain.drawn.col(support.node).cwiseAbs().maxCoeff() + extent_;
+      for (int axis = 0; axis < 3; ++axis) {
+        const int i = numbering.displacement(axis, support.node);
+        const double k = support.translational.row(axis).cwiseAbs().sum();
+        if (i >= 0) support_rounding_[i] += 16 * kEpsilon * k * coordinate;
+        const int r = support.rotation < 0 ? -1 : numbering.rotation(axis, support.rotation);
+        if (r >= 0) support_rounding_[r] += 16 * kEpsilon * support.rotational.maxCoeff();
+      }
+    }
   }
 
   /// Newton from `state`. `hold`: stiffness with which scene nodes are held where drawn, N/m.
@@ -204,8 +216,11 @@ class Solver {
   }
 
   /// The largest unbalanced force, the largest member force, and what rounding of positions makes.
+  /// A support's spring gets its force by a displacement: where that rounds, the force does, and
+  /// only what is beyond it is out of balance.
   void measure(const ChainState& state) {
-    unbalanced_ = force_.size() > 0 ? force_.cwiseAbs().maxCoeff() : 0;
+    unbalanced_ =
+        force_.size() > 0 ? (force_.cwiseAbs() - support_rounding_).cwiseMax(0).maxCoeff() : 0;
     scale_ = 0;
     double stiffest = 0;
     for (std::size_t k = 0; k < chain_.segments.size(); ++k) {
@@ -291,6 +306,7 @@ class Solver {
   EnvelopeFactor factor_;
   std::vector<int> targets_;
   Eigen::VectorXd force_, column_, row_, axial_, mismatch_, lengths_;
+  Eigen::VectorXd support_rounding_;  ///< of the forces of the supports' springs
   std::vector<BorderRun> runs_;  // of each target
   std::optional<BorderedEnvelope> bordered_;
   Eigen::MatrixXd border_, small_;

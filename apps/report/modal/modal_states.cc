@@ -157,9 +157,7 @@ Instrumented instrumented(model::Scene scene, const CampaignTest& test,
 model::Scene scene_at(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
                       std::optional<double> tension_N) {
   model::Scene scene = campaign.scenes[*test.scene].scene;
-  if (known.EA_N) {
-    for (const auto& name : test.EA_of) model::set_parameter(scene, name, *known.EA_N);
-  }
+  if (known.axial) ident::apply_axial(*known.axial, test.EA_of, test.damping_of, scene);
   if (!tension_N) return scene;
   for (const auto& name : test.tension_of) model::set_parameter(scene, name, *tension_N);
   if (!known.EI.empty()) {

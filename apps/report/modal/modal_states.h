@@ -9,6 +9,7 @@
 #include "apps/campaign_file/campaign.h"
 #include "apps/report/modal/recorded_modal.h"
 #include "apps/report/parts/bending_part.h"
+#include "ident/campaign/axial_campaign.h"
 #include "ident/update/mode_pairing.h"
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
@@ -18,7 +19,7 @@ namespace rigfit::apps {
 /// What the scenes take from tests made before.
 struct KnownValues {
   StiffnessCurve EI;
-  std::optional<double> EA_N;
+  std::optional<ident::AxialKnowledge> axial;
 };
 
 /// The scene with the sensors and loads that a test had, in the order of its FRFs.

@@ -4,36 +4,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <stdexcept>
 
+#include "apps/cli/axial_result.h"
 #include "apps/report/figures/decay_plots.h"
 #include "apps/report/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
-#include "ident/axial/axial_test.h"
-#include "ident/statistics/in_parallel.h"
-#include "signal/decay/decay_window.h"
-#include "signal/recording/recording_error.h"
+#include "ident/statistics/uncertainty.h"
 
 namespace rigfit::apps {
 namespace {
 
-struct Sample {
-  AnalysedDecay decay;
-  double length_m = 0;
-};
-
 class AxialAnalysis {
  public:
-  AxialAnalysis(const CampaignTest& test, std::uint64_t seed) : test_(test), seed_(seed) {
+  AxialAnalysis(const CampaignTest& test, std::uint64_t seed) : test_(test) {
     part().id = test.name;
     part().title = test.title;
     part().json_key = "axial";
     part().json["test"] = test.name;
+    inputs_.options.seed = seed;
   }
 
   AxialPart run(int threads) {
-    const auto loaded = load_recordings(test_.recordings);
+    auto loaded = load_recordings(test_.recordings);
     for (const auto& entry : loaded) {
       part().inputs.insert(part().inputs.end(), entry.inputs.begin(), entry.inputs.end());
     }
@@ -42,113 +34,54 @@ class AxialAnalysis {
         "down. How fast gives the axial stiffness EA, how soon it dies away gives the damping.",
         test_.axial.mass_kg.value)});
     add_recordings(part(), test_, loaded);
-    std::vector<Found> found(loaded.size());
-    ident::in_parallel(loaded.size(), threads, [&](std::size_t i) {
-      if (loaded[i].recording) found[i] = find_decays(loaded[i]);
-    });
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      if (!found[i].code.empty()) refuse(part(), found[i].code, found[i].why, loaded[i].file);
-      std::move(found[i].samples.begin(), found[i].samples.end(), std::back_inserter(samples_));
+    inputs_.setup = test_.axial;
+    inputs_.threads = threads;
+    if (!test_.channels.empty()) inputs_.channel = test_.channels.front();
+    if (test_.band_hz) {
+      inputs_.band_low_hz = test_.band_hz->first, inputs_.band_high_hz = test_.band_hz->second;
     }
-    solve();
-    return std::move(result_);
+    for (auto& entry : loaded) {
+      if (!entry.recording) continue;
+      const auto& group = test_.recordings[entry.group];
+      inputs_.recordings.push_back({entry.file, std::move(*entry.recording), *group.length_m});
+      origins_.push_back(group.origin());
+    }
+    result_ = ident::axial_campaign(inputs_);
+    for (const auto& f : result_.findings) {
+      const std::string where = f.where.empty() ? test_.name : f.where;
+      if (f.refused) {
+        refuse(part(), f.code, f.message, where);
+      } else {
+        part().warnings.push_back({f.code, f.message, where, false});
+      }
+    }
+    part().json.update(axial_json(inputs_, result_));
+    if (result_.test) {
+      part().json["catalogue"] = part().json["plausibility"];
+      part().json["plausibility"] = result_.test->plausibility;
+    }
+    if (result_.test) show(*result_.test);
+    return std::move(part_);
   }
 
  private:
-  ReportPart& part() { return result_.part; }
+  ReportPart& part() { return part_.part; }
 
-  /// What one recording holds.
-  struct Found {
-    std::vector<Sample> samples;
-    std::string code, why;  ///< of a refusal; empty: none
-  };
-
-  [[nodiscard]] Found find_decays(const LoadedRecording& entry) const {
-    const auto& recording = *entry.recording;
-    const auto& group = test_.recordings[entry.group];
-    if (recording.time_s.size() > 0 || !(recording.sample_rate_hz > 0)) {
-      return {{},
-              "not_uniform",
-              recording.time_s.size() > 0 ? "its samples are not evenly spaced in time"
-                                          : "gives no sample rate; add sample_rate_hz"};
+  void show(const ident::AxialTestResult& r) {
+    for (const auto& d : result_.decays) {
+      if (!d.mode) continue;
+      origin_ = origins_[d.recording];
+      break;
     }
-    const signal::Channel* channel = nullptr;
-    try {
-      if (!test_.channels.empty()) {
-        channel = &recording.channel(test_.channels.front());
-      } else if (recording.channels.size() == 1) {
-        channel = &recording.channels.front();
-      } else {
-        return {{}, "channel", "holds several channels; name one with channel = \"...\""};
-      }
-    } catch (const signal::RecordingError& error) {
-      return {{}, "channel", error.what()};
-    }
-    signal::DecayOptions options;
-    if (test_.band_hz) {
-      options.band_low_hz = test_.band_hz->first;
-      options.band_high_hz = test_.band_hz->second;
-    }
-    options.choose_window = false;
-    Found found;
-    for (const auto& window : signal::find_decays(channel->samples)) {
-      Sample sample;
-      sample.length_m = *group.length_m;
-      auto& decay = sample.decay;
-      decay.file = entry.file;
-      decay.channel = channel->name;
-      decay.unit = channel->unit;
-      decay.origin = group.origin();
-      decay.rate_hz = recording.sample_rate_hz;
-      decay.start_s = recording.start_time_s + static_cast<double>(window.start) / decay.rate_hz;
-      decay.samples = channel->samples.segment(window.start, window.end - window.start);
-      decay.result = signal::estimate_decay(decay.samples, decay.rate_hz, options);
-      if (!decay.result.refusal_code.empty() || decay.result.modes.empty()) {
-        found.why = decay.result.refusal;
-        continue;
-      }
-      found.samples.push_back(std::move(sample));
-    }
-    if (found.samples.empty()) {
-      found.code = "no_decay";
-      if (found.why.empty()) found.why = "holds no decay";
-    }
-    return found;
-  }
-
-  void solve() {
-    std::vector<ident::AxialDecay> decays;
-    for (const auto& sample : samples_) {
-      const auto& mode = sample.decay.result.modes.front();
-      decays.push_back(
-          {fmt::format("{} at {:.4g} s", short_name(sample.decay.file), sample.decay.start_s),
-           sample.length_m, mode.damped_frequency_hz, mode.damping_ratio});
-    }
-    if (decays.empty()) {
-      refuse(part(), "no_decay", "none of the recordings holds a decay that can be used",
-             test_.name);
-      return;
-    }
-    origin_ = samples_.front().decay.origin;
-    ident::AxialOptions options;
-    options.seed = seed_;
-    ident::AxialTestResult r;
-    try {
-      r = ident::axial_test(decays, test_.axial, options);
-    } catch (const std::invalid_argument& error) {
-      refuse(part(), "axial", error.what(), test_.name);
-      return;
-    }
-    for (const auto& note : r.notes) {
-      part().warnings.push_back({note.code, note.message, test_.name + " " + note.where, false});
-    }
-    result_.EA_N = r.EA_N.value;
+    part_.known = ident::knowledge_of(r);
     part().blocks.push_back(length_plot(r));
     part().blocks.push_back(length_table(r));
+    if (r.alternatives.size() > 1) part().blocks.push_back(alternatives_table(r));
     part().blocks.push_back(budget_table(r));
     if (r.draws > 0) {
       part().blocks.push_back(Paragraph{
-          fmt::format("Checked by a Monte Carlo of {} draws: {} N, 95 % between {} and {} N.",
+          fmt::format("Checked by a Monte Carlo of {} draws on closed forms: {} N, 95 % between {} "
+                      "and {} N.",
                       r.draws, shown_estimate(r.monte_carlo_EA_N.value, r.monte_carlo_EA_N.std),
                       shown(r.monte_carlo_low_N, 5), shown(r.monte_carlo_high_N, 5))});
     }
@@ -163,13 +96,15 @@ class AxialAnalysis {
     PlotGroup group{test_.name + "-decays", "Decays", {}};
     std::vector<AnalysedDecay> decays;
     double last = -1;
-    for (const auto& sample : samples_) {
-      if (sample.length_m == last) continue;  // the first of each length
-      last = sample.length_m;
-      decays.push_back(sample.decay);
+    for (const auto& d : result_.decays) {
+      const auto& recording = inputs_.recordings[d.recording];
+      if (!d.mode || recording.length_m == last) continue;  // the first of each length
+      last = recording.length_m;
+      decays.push_back({recording.name, d.channel, d.unit, origins_[d.recording], d.rate_hz,
+                        d.samples_start_s, d.samples, d.result});
       group.tabs.push_back(
           {fmt::format("{:g} m", last),
-           {decay_plot(fmt::format("{}-decay-{:g}m", test_.name, last), sample.decay)}});
+           {decay_plot(fmt::format("{}-decay-{:g}m", test_.name, last), decays.back())}});
     }
     part().blocks.push_back(std::move(group));
     auto damping = damping_plot(test_.name + "-damping", decays);
@@ -181,13 +116,14 @@ class AxialAnalysis {
     plot.id = test_.name + "-EA";
     plot.title = "EA by length";
     plot.caption =
-        "EA does not depend on the length of cable that was tested. A trend would be a stiffness "
-        "in "
-        "series that nobody counted. The band is the result with its 95 % interval.";
+        "EA at each length as if the cable alone gave way. EA does not depend on the length of "
+        "cable that was tested; a trend is a compliance in series (frame, adapter), which the "
+        "result leaves out. The band is the result with its 95 % interval.";
     plot.x_label = "length, m";
     plot.y_label = "EA, kN";
     PlotSeries all, each, records;
     double low = r.lengths.front().length_m, high = low;
+    const double k95 = ident::coverage_factor(0.95, 0);
     each.name = "EA at each length, 95 %";
     each.origin = records.origin = origin_;
     each.style = records.style = PlotSeries::Style::points;
@@ -202,8 +138,8 @@ class AxialAnalysis {
       high = std::max(high, length.length_m);
       each.x.push_back(length.length_m);
       each.y.push_back(1e-3 * length.EA_N.value);
-      each.low.push_back(1e-3 * (length.EA_N.value - r.coverage_factor * length.EA_N.std));
-      each.high.push_back(1e-3 * (length.EA_N.value + r.coverage_factor * length.EA_N.std));
+      each.low.push_back(1e-3 * (length.EA_N.value - k95 * length.EA_N.std));
+      each.high.push_back(1e-3 * (length.EA_N.value + k95 * length.EA_N.std));
     }
     const double margin = high > low ? 0.1 * (high - low) : 0.1 * high;
     all.name = "EA, all lengths";
@@ -216,8 +152,7 @@ class AxialAnalysis {
     if (const auto at = test_.reference.find("EA"); at != test_.reference.end()) {
       PlotSeries reference;
       reference.name = test_.reference_name;
-      reference.origin =
-          test_.reference_name == "published" ? Origin::published : samples_.front().decay.origin;
+      reference.origin = test_.reference_name == "published" ? Origin::published : origin_;
       reference.style = PlotSeries::Style::dashed;
       reference.x = {low - margin, high + margin};
       reference.y.assign(2, 1e-3 * at->second);
@@ -252,6 +187,26 @@ class AxialAnalysis {
     return table;
   }
 
+  ReportTable alternatives_table(const ident::AxialTestResult& r) const {
+    ReportTable table;
+    table.id = test_.name + "-alternatives";
+    table.caption =
+        "What may explain the lengths, weighed by likelihood; the result is the weighted average.";
+    table.columns = {{"what gives way", {}, false},
+                     {"weight", {}, true},
+                     {"EA, N", origin_},
+                     {"compliance in series, µm/N", {}, true}};
+    for (const auto& a : r.alternatives) {
+      const auto& s = a.series_compliance_m_N;
+      Cell weight(fmt::format("{:.2g}", a.weight));
+      weight.shade = a.weight;
+      table.rows.push_back(
+          {a.name, weight, Cell(shown_estimate(a.EA_N.value, a.EA_N.std), origin_),
+           s.std > 0 ? shown_estimate(1e6 * s.value, 1e6 * s.std) : std::string("–")});
+    }
+    return table;
+  }
+
   ReportTable budget_table(const ident::AxialTestResult& r) const {
     ReportTable table;
     table.id = test_.name + "-budget";
@@ -276,45 +231,6 @@ class AxialAnalysis {
   }
 
   void describe(const ident::AxialTestResult& r) {
-    const auto estimate = [](const signal::Estimate& e) {
-      return Json{{"value", e.value}, {"std", e.std}};
-    };
-    auto& json = part().json;
-    json["EA_N"] = estimate(r.EA_N);
-    json["EA_N"]["low"] = r.EA_low_N;
-    json["EA_N"]["high"] = r.EA_high_N;
-    json["damping_ratio"] = estimate(r.damping_ratio);
-    json["damping_Ns_m"] = estimate(r.damping_Ns_m);
-    json["damping_Ns_m"]["length_m"] = r.reference_length_m;
-    Json lengths = Json::array(), budget = Json::array(), samples = Json::array();
-    for (const auto& length : r.lengths) {
-      lengths.push_back({{"length_m", length.length_m},
-                         {"records", length.records},
-                         {"EA_N", estimate(length.EA_N)},
-                         {"damping_ratio", estimate(length.damping_ratio)}});
-    }
-    for (const auto& row : r.budget) {
-      budget.push_back({{"source", row.source},
-                        {"std", row.std},
-                        {"unit", row.unit},
-                        {"contribution_N", row.contribution_N},
-                        {"share", row.share}});
-    }
-    for (std::size_t i = 0; i < r.samples.size(); ++i) {
-      const auto& mode = samples_[i].decay.result.modes.front();
-      samples.push_back({{"file", samples_[i].decay.file},
-                         {"length_m", r.samples[i].length_m},
-                         {"damped_frequency_hz", estimate(mode.damped_frequency_hz)},
-                         {"damping_ratio", estimate(mode.damping_ratio)},
-                         {"EA_N", estimate(r.samples[i].EA_N)}});
-    }
-    json["lengths"] = std::move(lengths);
-    json["budget"] = std::move(budget);
-    json["samples"] = std::move(samples);
-    json["between_lengths_std_N"] = r.between_lengths_std_N;
-    json["p_same_EA"] = r.homogeneity_p;
-    json["plausibility"] = r.plausibility;
-
     std::string text =
         fmt::format("{} N (95 %: {} to {})", shown_estimate(r.EA_N.value, r.EA_N.std),
                     shown(r.EA_low_N, 5), shown(r.EA_high_N, 5));
@@ -331,14 +247,13 @@ class AxialAnalysis {
     }
     part().summary.push_back(
         {SummaryItem::Kind::result, "Axial damping ratio", text, origin_, part().id});
-    if (r.homogeneity_p < 0.05 && r.lengths.size() > 1) {
-      part().summary.push_back(
-          {SummaryItem::Kind::distrust, "EA by length",
-           fmt::format(
-               "the lengths disagree (chance {:.1g}): something besides the cable gives way, "
-               "or a length is wrong",
-               r.homogeneity_p),
-           origin_, part().id});
+    for (const auto& note : r.notes) {
+      for (const char* code :
+           {"one_length", "lengths_too_close", "lengths_disagree", "series_compliance"}) {
+        if (note.code != code) continue;
+        part().summary.push_back(
+            {SummaryItem::Kind::distrust, "EA by length", note.message, origin_, part().id});
+      }
     }
     if (r.catalogue_EA_N > 0 && (r.share_of_catalogue < 0.5 || r.share_of_catalogue > 1.5)) {
       part().summary.push_back(
@@ -347,9 +262,10 @@ class AxialAnalysis {
   }
 
   const CampaignTest& test_;
-  std::uint64_t seed_;
-  AxialPart result_;
-  std::vector<Sample> samples_;
+  ident::AxialInputs inputs_;
+  std::vector<Origin> origins_;  // of the recordings
+  ident::AxialCampaignResult result_;
+  AxialPart part_;
   Origin origin_ = Origin::measured;
 };
 

@@ -6,12 +6,13 @@
 
 #include "apps/campaign_file/campaign.h"
 #include "apps/report/report_part.h"
+#include "ident/campaign/axial_campaign.h"
 
 namespace rigfit::apps {
 
 struct AxialPart {
   ReportPart part;
-  std::optional<double> EA_N;
+  std::optional<ident::AxialKnowledge> known;
 };
 
 [[nodiscard]] AxialPart axial_part(const CampaignTest& test, std::uint64_t seed, int threads);

@@ -59,6 +59,54 @@ TEST(AxialVerb, PoolsLengthsWithABudget) {
   EXPECT_EQ(run_program(arguments).out, run.out);
 }
 
+TEST(AxialVerb, GivesTheNumbersOfTheReport) {
+  // Verb and report on the virtual laboratory's axial test: every number the same to the last
+  // digit.
+  const std::string campaign = std::string(RIGFIT_TESTDATA) + "/virtual_laboratory/";
+  std::vector<std::string> arguments{"axial"};
+  for (const char* length : {"0.7", "1", "1.3"}) {
+    for (int tap = 1; tap <= 5; ++tap) {
+      arguments.push_back(campaign + "bench/axial/L" + length + "m-" + std::to_string(tap) +
+                          ".csv");
+    }
+  }
+  for (const char* a : {"--channel", "tension", "--mass", "2.2", "--mass-std", "0.002", "--length",
+                        "0.7", "1.0", "1.3", "--length-std", "0.001", "--mass-per-length",
+                        "0.16667", "--band", "20", "100", "--json", "-"}) {
+    arguments.push_back(a);
+  }
+  const auto verb = run_program(arguments);
+  ASSERT_EQ(verb.exit_code, 0) << verb.err;
+  const auto by_verb = parsed(verb.out);
+
+  TemporaryFolder folder;
+  folder.write(
+      "campaign.toml",
+      "title = \"axial\"\n[[test]]\nname = \"axial\"\nkind = "
+      "\"axial\"\nmass = 2.2\nmass_std = 0.002\nmass_per_length = "
+      "0.16667\nlength_std = 0.001\nchannel = \"tension\"\nband = "
+      "[20.0, 100.0]\n" +
+          [&] {
+            std::string groups;
+            for (const char* length : {"0.7", "1", "1.3"}) {
+              groups += "[[test.recording]]\nfiles = [\"" + campaign + "bench/axial/L" + length +
+                        "m-*.csv\"]\nlength = " + length + "\n";
+            }
+            return groups;
+          }());
+  const auto report = run_program({"report", (folder.path() / "campaign.toml").string(), "--out",
+                                   (folder.path() / "out").string(), "--json", "-"});
+  ASSERT_EQ(report.exit_code, 0) << report.err;
+  const auto by_report = parsed(report.out)["axial"][0];
+  for (const char* key :
+       {"EA_N", "damping_ratio", "damping_Ns_m", "coverage_factor_95", "alternatives", "samples",
+        "lengths", "budget", "between_lengths", "monte_carlo", "series_compliance_m_N",
+        "EA_without_series_N", "between_lengths_std_N", "p_same_EA"}) {
+    ASSERT_TRUE(by_verb.contains(key)) << key;
+    EXPECT_EQ(by_verb[key], by_report[key]) << key;
+  }
+}
+
 TEST(AxialVerb, ExitCodesSayWhoseFaultItIs) {
   TemporaryFolder folder;
   const auto files = records(folder);

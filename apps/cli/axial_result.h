@@ -1,0 +1,19 @@
+// What the axial test found, as JSON and as text for a terminal. The verb `axial` and the report's
+// document hold the same JSON.
+#pragma once
+
+#include <ostream>
+
+#include "apps/cli/verb.h"
+#include "ident/campaign/axial_campaign.h"
+
+namespace rigfit::apps {
+
+/// EA_N, damping_ratio, damping_Ns_m, alternatives, samples, lengths, budget and the rest; of a
+/// test without a result the samples only.
+[[nodiscard]] Json axial_json(const ident::AxialInputs& inputs,
+                              const ident::AxialCampaignResult& result);
+
+void print_axial(std::ostream& out, const ident::AxialTestResult& result);
+
+}  // namespace rigfit::apps

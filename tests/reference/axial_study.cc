@@ -1,0 +1,59 @@
+#include "tests/reference/axial_study.h"
+
+#include <chrono>
+#include <cmath>
+#include <random>
+
+#include "ident/campaign/axial_campaign.h"
+
+namespace rigfit::reference {
+
+AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned seed) {
+  AxialCoverage sum;
+  sum.campaigns = campaigns;
+  for (int k = 0; k < campaigns; ++k) {
+    auto random = ident::random_stream(seed, static_cast<std::uint64_t>(k));
+    std::normal_distribution<double> normal;
+    ident::AxialInputs inputs;
+    inputs.setup.mass_kg = {study.rig.mass_kg, study.mass_std_kg};
+    inputs.setup.mass_per_length_kg_m = {study.rig.mass_per_length_kg_m, study.per_length_std};
+    inputs.setup.length_std_m = study.length_std_m;
+    inputs.options.draws = 0;
+    if (study.with_band) inputs.band_low_hz = 20, inputs.band_high_hz = 100;
+    AxialRig rig = study.rig;
+    rig.mass_kg += study.mass_std_kg * normal(random);
+    rig.mass_per_length_kg_m += study.per_length_std * normal(random);
+    for (const double length : study.lengths_m) {
+      rig.length_m = length + study.length_std_m * normal(random);
+      for (int tap = 0; tap < study.taps; ++tap) {
+        inputs.recordings.push_back({"tap", axial_rig_record(rig, random), length});
+      }
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const auto result = ident::axial_campaign(inputs);
+    sum.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (!result.test) {
+      ++sum.refused;
+      continue;
+    }
+    const auto& r = *result.test;
+    bool warned = false;
+    for (const auto& f : result.findings) {
+      for (const char* code :
+           {"one_length", "lengths_too_close", "lengths_disagree", "series_compliance"}) {
+        warned = warned || f.code == code;
+      }
+    }
+    const bool in = r.EA_low_N <= study.rig.EA_N && study.rig.EA_N <= r.EA_high_N;
+    sum.covered += in, sum.warned += warned, sum.silently_wrong += !in && !warned;
+    sum.damping_covered +=
+        r.damping_low <= study.rig.damping_ratio && study.rig.damping_ratio <= r.damping_high;
+    sum.relative_std += r.EA_N.std / r.EA_N.value;
+    sum.bias += (r.EA_N.value - study.rig.EA_N) / r.EA_N.std;
+  }
+  const int given = std::max(1, campaigns - sum.refused);
+  sum.relative_std /= given, sum.bias /= given;
+  return sum;
+}
+
+}  // namespace rigfit::reference
