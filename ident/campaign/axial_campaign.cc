@@ -11,6 +11,7 @@
 #include "ident/axial/rod_stiffness.h"
 #include "ident/statistics/in_parallel.h"
 #include "model/linear/modal_analysis.h"
+#include "signal/decay/decay_modes.h"
 #include "signal/decay/decay_window.h"
 #include "signal/recording/recording_error.h"
 
@@ -19,7 +20,7 @@ namespace {
 
 // What one recording holds.
 struct Found {
-  std::vector<FoundDecay> decays;
+  std::vector<AxialFoundDecay> decays;
   std::vector<Finding> findings;
 };
 
@@ -53,8 +54,12 @@ Found find(const AxialInputs& inputs, std::size_t index) {
   signal::DecayOptions options;
   options.band_low_hz = inputs.band_low_hz, options.band_high_hz = inputs.band_high_hz;
   options.choose_window = false;
-  for (const auto& window : signal::find_decays(channel->samples)) {
-    FoundDecay d;
+  const bool banded = inputs.band_low_hz > 0 || inputs.band_high_hz > 0;
+  const signal::DecayBand band{
+      inputs.band_low_hz / rate,
+      inputs.band_high_hz > 0 ? std::min(inputs.band_high_hz / rate, 0.5) : 0.5, !banded};
+  for (const auto& window : signal::find_decays(channel->samples, band)) {
+    AxialFoundDecay d;
     d.recording = index, d.channel = channel->name, d.unit = channel->unit, d.rate_hz = rate;
     d.samples = channel->samples.segment(window.start, window.end - window.start);
     d.result = signal::estimate_decay(d.samples, rate, options);
@@ -83,7 +88,7 @@ struct ModeOfDecay {
 };
 
 std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
-                                        const std::vector<FoundDecay>& decays) {
+                                        const std::vector<AxialFoundDecay>& decays) {
   std::vector<ModeOfDecay> all;
   const auto& setup = inputs.setup;
   for (std::size_t k = 0; k < decays.size(); ++k) {

@@ -37,7 +37,7 @@ struct AxialInputs {
   int threads = 1;
 };
 
-struct FoundDecay {
+struct AxialFoundDecay {
   std::size_t recording = 0;  ///< index of the inputs' recordings
   std::string channel, unit;
   double rate_hz = 0;
@@ -51,7 +51,7 @@ struct FoundDecay {
 };
 
 struct AxialCampaignResult {
-  std::vector<FoundDecay> decays;  ///< in the order of recordings, then of time
+  std::vector<AxialFoundDecay> decays;  ///< in the order of recordings, then of time
   /// Empty: see `findings`. Its samples are the decays that have a mode, in order.
   std::optional<AxialTestResult> test;
   /// Refused: "not_uniform", "channel", "no_decay" (a recording, or all of them), "axial".
