@@ -67,8 +67,8 @@ class Solver {
       const double coordinate = chain.drawn.col(support.node).cwiseAbs().maxCoeff() + extent_;
       for (int axis = 0; axis < 3; ++axis) {
         const int i = numbering.displacement(axis, support.node);
-        const double k = support.translational.row(axis).cwiseAbs().sum();
-        if (i >= 0) support_rounding_[i] += 16 * kEpsilon * k * coordinate;
+        const double stiffness = support.translational.row(axis).cwiseAbs().sum();
+        if (i >= 0) support_rounding_[i] += 16 * kEpsilon * stiffness * coordinate;
         const int r = support.rotation < 0 ? -1 : numbering.rotation(axis, support.rotation);
         if (r >= 0) support_rounding_[r] += 16 * kEpsilon * support.rotational.maxCoeff();
       }
@@ -307,7 +307,7 @@ class Solver {
   std::vector<int> targets_;
   Eigen::VectorXd force_, column_, row_, axial_, mismatch_, lengths_;
   Eigen::VectorXd support_rounding_;  ///< of the forces of the supports' springs
-  std::vector<BorderRun> runs_;  // of each target
+  std::vector<BorderRun> runs_;       // of each target
   std::optional<BorderedEnvelope> bordered_;
   Eigen::MatrixXd border_, small_;
   double extent_ = 0, unbalanced_ = 0, scale_ = 0, rounding_ = 0;
