@@ -51,6 +51,20 @@ Json force_window_json(const ident::HammerTest& hammer) {
           {"force_noise_left", before ? Json(left) : Json(nullptr)}};
 }
 
+namespace {
+
+Json point_json(const signal::ModeAtPoint& at) {
+  return {{"name", at.point.name},
+          {"node", at.point.node},
+          {"direction", at.point.direction},
+          {"order", at.order},
+          {"frequency_hz", json_estimate(at.frequency_hz.value, at.frequency_hz.std)},
+          {"damping_ratio", json_estimate(at.damping_ratio.value, at.damping_ratio.std)},
+          {"misfit", at.misfit}};
+}
+
+}  // namespace
+
 Json mode_json(const signal::IdentifiedMode& mode) {
   const bool refused = mode.damping_dominated_by_window;
   Json shape = Json::array(), participation = Json::array();
@@ -61,6 +75,8 @@ Json mode_json(const signal::IdentifiedMode& mode) {
                      {"std_im", mode.shape_std(o, 1)}});
   }
   for (const auto& value : mode.participation) participation.push_back(complex_json(value));
+  Json points = Json::array();
+  for (const auto& point : mode.points) points.push_back(point_json(point));
   const double nothing = std::numeric_limits<double>::quiet_NaN();  // null in the document
   return {{"frequency_hz", json_estimate(mode.frequency_hz.value, mode.frequency_hz.std)},
           {"damping_ratio", json_estimate(refused ? nothing : mode.damping_ratio.value,
@@ -74,6 +90,12 @@ Json mode_json(const signal::IdentifiedMode& mode) {
           {"reconstruction_error", mode.reconstruction_error},
           {"presence", mode.presence},
           {"significance", mode.significance},
+          {"refinement", mode.refinement},
+          {"between_points_std_hz", mode.between_points_std_hz},
+          {"between_points_std_damping", mode.between_points_std_damping},
+          {"trend_hz_per_point", json_estimate(mode.trend_hz.value, mode.trend_hz.std)},
+          {"trend_certain", mode.has_trend},
+          {"points", std::move(points)},
           {"doubtful", mode.doubtful},
           {"doubt", mode.doubt}};
 }

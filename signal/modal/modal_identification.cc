@@ -7,6 +7,7 @@
 #include <complex>
 #include <utility>
 
+#include "signal/modal/local_modes.h"
 #include "signal/modal/mac.h"
 #include "signal/modal/modal_band.h"
 #include "signal/modal/modal_synthesis.h"
@@ -23,6 +24,65 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
+
+/// Modes of a band, and how they came about.
+struct Search {
+  FoundModes found;
+  bool global = true;             ///< maximum likelihood of all FRFs; else local fits
+  std::vector<LocalMode> points;  ///< of each mode
+  std::vector<WeakTrack> weak;    ///< of the local fits
+};
+
+/// Candidates for local fits: columns of the diagrams of the band and of parts of it, and what a
+/// global search found, each once.
+std::vector<Complex> local_candidates(const ModalBand& band,
+                                      const std::vector<PoleCluster>& clusters,
+                                      const FoundModes& found, const FrfNoise& noise,
+                                      const ModalOptions& options) {
+  std::vector<Complex> candidates;
+  const auto add = [&](Complex pole) {
+    const bool known = std::any_of(candidates.begin(), candidates.end(), [&](Complex other) {
+      return std::abs(other - pole) < 0.5 * (2 * band.window - other.real() - pole.real());
+    });
+    if (!known && pole.real() < band.window) candidates.push_back(pole);
+  };
+  for (const PoleCluster& cluster : clusters) add(cluster.pole_rad_s + band.window);
+  for (Index parts = 4, pass = 0; pass < options.searches; parts *= 4, ++pass) {
+    for (const PoleCluster& cluster : search_parts(band, band.lines.H, noise, options, parts)) {
+      add(cluster.pole_rad_s + band.window);
+    }
+  }
+  if (!found.exhausted && found.covariance.full_rank) {
+    for (const Complex pole : found.fit.poles) add(pole);
+  }
+  return candidates;
+}
+
+/// All FRFs together where the misfit then looks like noise, else point by point.
+Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters,
+                 const FrfNoise& noise, const ModalOptions& options) {
+  Search search;
+  search.found = search_modes(band, clusters, noise, options);
+  const FoundModes& found = search.found;
+  const bool solved = !found.exhausted && found.fit.residues.cols() > 0;
+  if (solved && found.covariance.full_rank) {
+    search.points = check_points(band, found.fit.poles, options);
+    const MatrixXcd misfit = band.lines.H - found.model;
+    const double excess = misfit_correlation(found.noise, misfit).excess;
+    const bool exact = misfit.norm() < options.min_prominence * band.lines.H.norm();
+    search.global =
+        (exact || excess < 0.2) && like_noise(search.points, found, options.min_prominence);
+    if (search.global) return search;
+  }
+  if (!found.exhausted && !solved) return search;
+  LocalModes local =
+      find_local_modes(band, local_candidates(band, clusters, found, noise, options), options);
+  search.global = false;
+  search.found = as_found_modes(band, local, noise, clusters);
+  search.points = std::move(local.modes);
+  search.weak = std::move(local.weak);
+  return search;
+}
 
 /// Frequency and damping ratio of a pole, and their derivatives with respect to its two parts.
 void fill_frequency_and_damping(Complex pole, IdentifiedMode& mode, Eigen::Matrix2d& jacobian) {
@@ -78,8 +138,32 @@ void fill_shape(const ModalRefineResult& fit, const ModalCovariance& covariance,
   mode.modal_phase_collinearity = modal_phase_collinearity(mode.shape);
 }
 
-void export_modes(const FrfSet& frfs, const ModalBand& band, const FoundModes& found,
+/// A mode as the points show it, and how it varies between them.
+void fill_points(const FrfSet& frfs, const ModalBand& band, const LocalMode& local,
+                 IdentifiedMode& mode) {
+  const double w = std::abs(mode.pole_rad_s);
+  mode.between_points_std_hz = local.frequency.between_std / kTwoPi;
+  mode.between_points_std_damping = local.decay.between_std / w;
+  mode.trend_hz = {local.frequency.trend.value / kTwoPi, local.frequency.trend.std / kTwoPi};
+  mode.has_trend = local.frequency.has_trend;
+  if (local.together || columns_of_points(band).size() < 2) return;
+  const bool by_input = points_are_inputs(band);
+  for (const PointPole& found : local.points) {
+    const auto at = static_cast<std::size_t>(found.point);
+    ModeAtPoint point;
+    point.point = by_input ? frfs.inputs[at] : frfs.responses[at];
+    point.order = found.point;
+    const double magnitude = std::abs(found.pole);
+    point.frequency_hz = {magnitude / kTwoPi, found.std_im / kTwoPi};
+    point.damping_ratio = {-found.pole.real() / magnitude, found.std_re / magnitude};
+    point.misfit = found.misfit;
+    mode.points.push_back(point);
+  }
+}
+
+void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& search,
                   ModalResult& result) {
+  const FoundModes& found = search.found;
   const ModalRefineResult& fit = found.fit;
   const ModalCovariance& covariance = found.covariance;
   const Index inputs = band.lines.inputs;
@@ -116,6 +200,8 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const FoundModes& f
                          .sqrt();
     mode.presence = found.presence[static_cast<std::size_t>(r)];
     mode.significance = std::sqrt(covariance.significance[r] / found.penalty);
+    mode.refinement = search.global ? "global" : "local";
+    fill_points(frfs, band, search.points[static_cast<std::size_t>(r)], mode);
     model.modes.push_back(std::move(mode));
   }
   model.pole_covariance = jacobian * covariance.poles * jacobian.transpose();
@@ -130,8 +216,9 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const FoundModes& f
 }
 
 /// Columns without a mode: clusters that were given up, and tracks too short to be clusters.
-void list_rejected(const ModalBand& band, const ModalOptions& options, const FoundModes& found,
+void list_rejected(const ModalBand& band, const ModalOptions& options, const Search& search,
                    ModalResult& result) {
+  const FoundModes& found = search.found;
   const auto apart = [](Complex p, Complex q) {
     return std::abs(p - q) / (std::abs(p.real()) + std::abs(q.real()));
   };
@@ -149,6 +236,12 @@ void list_rejected(const ModalBand& band, const ModalOptions& options, const Fou
   for (const DroppedCluster& dropped : found.dropped) {
     const PoleCluster& cluster = result.clusters[dropped.cluster];
     if (!is_mode(cluster.pole_rad_s)) add(cluster, dropped.code, dropped.reason);
+  }
+  for (const WeakTrack& track : search.weak) {
+    const double magnitude = std::abs(track.pole);
+    if (is_mode(track.pole - band.window)) continue;
+    result.rejected.push_back(
+        {magnitude / kTwoPi, -track.pole.real() / magnitude, 0, track.code, track.reason});
   }
   PoleClusterOptions shorter = options.clusters;
   shorter.min_presence /= 2;
@@ -202,7 +295,8 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
 
   result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
   result.clusters = cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
-  const FoundModes found = search_modes(band, result.clusters, first, options);
+  const Search search = search_of(band, result.clusters, first, options);
+  const FoundModes& found = search.found;
   result.end = found.fit.end;
   result.iterations = found.iterations;
   result.noise = found.noise;
@@ -214,13 +308,20 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
         {"rank_deficient", "the lines of the band do not determine any mode", ""});
     return result;
   }
-  export_modes(frfs, band, found, result);
-  list_rejected(band, options, found, result);
+  export_modes(frfs, band, search, result);
+  list_rejected(band, options, search, result);
   if (model.modes.empty()) {
     model.notes.push_back(
         {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});
   }
   measure_errors(model, frfs, result.low_hz, result.high_hz);
+  for (IdentifiedMode& mode : model.modes) {
+    if (mode.refinement == "global" || mode.points.empty()) continue;
+    // Each point with its own pole: what a mode that varies leaves unexplained.
+    double sum = 0;
+    for (const ModeAtPoint& point : mode.points) sum += point.misfit * point.misfit;
+    mode.reconstruction_error = std::sqrt(sum / static_cast<double>(mode.points.size()));
+  }
   if (has_error_bars) {
     const MatrixXcd& m = found.model;
     double sum = 0;

@@ -34,6 +34,9 @@ struct ModalOptions {
   /// this. Transducers and structures are not linear to better than about this; in data with less
   /// noise than that, whatever the model leaves out would pass for a mode.
   double min_prominence = 1e-3;
+  /// Multiplications that the global search may take, some seconds; beyond it modes come from local
+  /// fits.
+  double max_work = 6e9;
   int searches = 3;  ///< at most, of what is left for further modes; 0: the whole band only
 };
 

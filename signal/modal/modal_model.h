@@ -10,12 +10,22 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <string>
 #include <vector>
 
 #include "signal/numerics/estimate.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
+
+/// A mode as one measured point shows it by itself.
+struct ModeAtPoint {
+  MeasuredPoint point;     ///< struck point or response, whichever vary
+  Eigen::Index order = 0;  ///< place in the file, from 0
+  Estimate frequency_hz;   ///< window damping removed
+  Estimate damping_ratio;
+  double misfit = 0;  ///< rms misfit over rms FRF within the half bandwidth, own pole
+};
 
 struct IdentifiedMode {
   Estimate frequency_hz;   ///< undamped natural frequency |p| / 2 pi, window damping removed
@@ -35,6 +45,15 @@ struct IdentifiedMode {
   /// The window's decay rate is more than half of what was measured: the corrected damping is
   /// mostly a difference of large numbers and is not to be used.
   bool damping_dominated_by_window = false;
+  /// What gave the pole: "global" (maximum likelihood of all FRFs, whose misfit looks like noise),
+  /// "local" (fits of the lines around it, point by point, and their mean).
+  std::string refinement = "global";
+  /// Scatter of the frequency between points beyond the points' own errors (tau), drift included.
+  double between_points_std_hz = 0;
+  double between_points_std_damping = 0;
+  Estimate trend_hz;  ///< change of frequency from one point to the next; NaN: fewer than 4 points
+  bool has_trend = false;           ///< chance of such a trend without one below 1 %
+  std::vector<ModeAtPoint> points;  ///< where several points were measured, in their order
   bool doubtful = false;
   std::string doubt;  ///< why, for a person; empty when not doubtful
 };

@@ -21,43 +21,6 @@ using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-/// Clusters of what is left, from overlapping parts of the band, `parts` and a half of them wide.
-std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& left,
-                                      const FrfNoise& noise, const ModalOptions& options,
-                                      Index parts) {
-  const Index lines = band.frequency_hz.size();
-  // An order of a quarter of the lines leaves each polynomial well determined.
-  const Index width = std::max<Index>(lines / parts, 32);
-  LscfOptions lscf_options = options.lscf;
-  lscf_options.max_order = static_cast<int>(std::min<Index>(options.lscf.max_order / 2, width / 4));
-  std::vector<PoleCluster> found;
-  const Index steps = std::max<Index>(0, (2 * (lines - width) + width - 1) / width);
-  for (Index i = 0; i <= steps; ++i) {
-    const Index first = std::min(i * width / 2, lines - width);
-    const LscfResult diagram = stabilise(band, left, noise, lscf_options, first, width);
-    for (const PoleCluster& cluster : cluster_poles(diagram, band.spacing_hz, options.clusters)) {
-      // The outer eighths belong to the neighbours; the ends of the band have none.
-      const double f = cluster.pole_rad_s.imag() / kTwoPi;
-      const double margin = static_cast<double>(width) / 8 * band.spacing_hz;
-      if ((first > 0 && f < band.frequency_hz[first] + margin) ||
-          (first + width < lines && f > band.frequency_hz[first + width - 1] - margin)) {
-        continue;
-      }
-      const auto twin = std::find_if(found.begin(), found.end(), [&](const PoleCluster& other) {
-        return std::abs(other.pole_rad_s - cluster.pole_rad_s) <
-               options.clusters.radius *
-                   (std::abs(other.pole_rad_s.real()) + std::abs(cluster.pole_rad_s.real()));
-      });
-      if (twin == found.end()) {
-        found.push_back(cluster);
-      } else if (cluster.scatter < twin->scatter) {
-        *twin = cluster;
-      }
-    }
-  }
-  return found;
-}
-
 struct Candidate {
   Complex pole;  ///< window removed
   double presence = 0;
@@ -92,6 +55,7 @@ class ModeSearch {
     for (;;) {
       const ModalRefineOptions& refine_options = settled ? options().refine : rough;
       refine(refine_options);
+      if (exhausted()) return;
       if (fit_.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
       update_noise();
       if (settled) {
@@ -159,6 +123,9 @@ class ModeSearch {
   const FrfNoise& noise() const { return noise_; }
   double penalty() const { return penalty_; }
   int iterations() const { return iterations_; }
+  /// The work of a search that is compared with this one.
+  void charge(const ModeSearch& other) { work_ = other.work_; }
+  bool exhausted() const { return work_ > options().max_work; }
 
  private:
   const ModalBand& band() const { return band_of_; }
@@ -171,6 +138,10 @@ class ModeSearch {
     }
     fit_ = refine_modes(band().lines, noise_, start, refine_options);
     iterations_ += fit_.iterations;
+    // Gram matrices and products with the FRFs of each step, and as much for noise and covariance.
+    const double columns = 2 * static_cast<double>(candidates_.size()) + 4;
+    work_ += (fit_.iterations + 3.0) * 4 * static_cast<double>(band().frequency_hz.size()) *
+             columns * (columns + static_cast<double>(band().lines.H.cols()));
     for (std::size_t r = 0; r < candidates_.size(); ++r) {
       candidates_[r].pole = fit_.poles[static_cast<Index>(r)];
     }
@@ -307,6 +278,7 @@ class ModeSearch {
   ModalRefineResult fit_;
   ModalCovariance covariance_;
   int iterations_ = 0;
+  double work_ = 0;
 };
 
 }  // namespace
@@ -333,13 +305,50 @@ LscfResult stabilise(const ModalBand& band, const MatrixXcd& all, const FrfNoise
               options);
 }
 
+std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& left,
+                                      const FrfNoise& noise, const ModalOptions& options,
+                                      Index parts) {
+  const Index lines = band.frequency_hz.size();
+  // An order of a quarter of the lines leaves each polynomial well determined.
+  const Index width = std::max<Index>(lines / parts, 32);
+  LscfOptions lscf_options = options.lscf;
+  lscf_options.max_order = static_cast<int>(std::min<Index>(options.lscf.max_order / 2, width / 4));
+  std::vector<PoleCluster> found;
+  const Index steps = std::max<Index>(0, (2 * (lines - width) + width - 1) / width);
+  for (Index i = 0; i <= steps; ++i) {
+    const Index first = std::min(i * width / 2, lines - width);
+    const LscfResult diagram = stabilise(band, left, noise, lscf_options, first, width);
+    for (const PoleCluster& cluster : cluster_poles(diagram, band.spacing_hz, options.clusters)) {
+      // The outer eighths belong to the neighbours; the ends of the band have none.
+      const double f = cluster.pole_rad_s.imag() / kTwoPi;
+      const double margin = static_cast<double>(width) / 8 * band.spacing_hz;
+      if ((first > 0 && f < band.frequency_hz[first] + margin) ||
+          (first + width < lines && f > band.frequency_hz[first + width - 1] - margin)) {
+        continue;
+      }
+      const auto twin = std::find_if(found.begin(), found.end(), [&](const PoleCluster& other) {
+        return std::abs(other.pole_rad_s - cluster.pole_rad_s) <
+               options.clusters.radius *
+                   (std::abs(other.pole_rad_s.real()) + std::abs(cluster.pole_rad_s.real()));
+      });
+      if (twin == found.end()) {
+        found.push_back(cluster);
+      } else if (cluster.scatter < twin->scatter) {
+        *twin = cluster;
+      }
+    }
+  }
+  return found;
+}
+
 FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& clusters,
                         const FrfNoise& first, const ModalOptions& options) {
   ModeSearch search(band, options, first);
   search.add(clusters, true);
   search.settle();
   Index parts = 1;
-  for (int pass = 0; pass < options.searches && search.fit().residues.cols() > 0; ++pass) {
+  for (int pass = 0;
+       pass < options.searches && !search.exhausted() && search.fit().residues.cols() > 0; ++pass) {
     parts *= 4;
     // Weighted by the noise as it was before the fit: lines of a missing mode look noisy
     // afterwards.
@@ -349,10 +358,14 @@ FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& c
     ModeSearch wider = search;
     wider.add(more);
     wider.settle();
+    search.charge(wider);
+    if (search.exhausted()) break;
     if (wider.cost_with(first) < search.cost_with(first)) search = std::move(wider);
   }
   FoundModes found;
+  found.exhausted = search.exhausted();
   found.fit = search.fit();
+  if (found.exhausted) return found;
   found.covariance = search.covariance();
   if (found.covariance.full_rank && found.fit.residues.cols() > 0) {
     found.covariance = modal_covariance(band.lines, search.noise(), found.fit);

@@ -37,7 +37,15 @@ struct FoundModes {
   Eigen::MatrixXcd model;               ///< lines x FRFs; empty without residues
   double penalty = 0;                   ///< the least significance of a mode
   int iterations = 0;
+  bool exhausted = false;  ///< given up for its cost before it settled
 };
+
+/// Clusters of `H` in overlapping parts of the band, `parts` and a half of them wide.
+[[nodiscard]] std::vector<PoleCluster> search_parts(const ModalBand& band,
+                                                    const Eigen::MatrixXcd& H,
+                                                    const FrfNoise& noise,
+                                                    const ModalOptions& options,
+                                                    Eigen::Index parts);
 
 /// From the clusters of the whole band's stabilisation diagram, with the noise `first` that the
 /// diagram was weighted by.

@@ -17,32 +17,39 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::VectorXcd;
 
-void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+MisfitCorrelation misfit_correlation(const FrfNoise& noise,
+                                     const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   const Index pairs = misfit.rows() - 1;
   Complex product = 0;
   double power = 0, frfs = 0;
   for (Index c = 0; c < misfit.cols(); ++c) {
-    if (!std::isfinite(result.noise.column[c])) continue;
-    const VectorXcd r = misfit.col(c).cwiseQuotient(result.noise.line.cwiseSqrt().cast<Complex>()) /
-                        std::sqrt(result.noise.column[c]);
+    if (!std::isfinite(noise.column[c])) continue;
+    const VectorXcd r = misfit.col(c).cwiseQuotient(noise.line.cwiseSqrt().cast<Complex>()) /
+                        std::sqrt(noise.column[c]);
     product += r.head(pairs).dot(r.tail(pairs));
     power += 0.5 * (r.head(pairs).squaredNorm() + r.tail(pairs).squaredNorm());
     ++frfs;
   }
-  if (!(power > 0)) return;
-  const double expected = line_correlation(result.noise, 1).real();
-  result.misfit_line_correlation = product.real() / power - expected;
-  const double chance = 5 / std::sqrt(2 * frfs * static_cast<double>(pairs));
-  if (std::abs(result.misfit_line_correlation) > std::max(chance, 0.2)) {
-    result.model.notes.push_back(
-        {"systematic_misfit",
-         fmt::format(
-             "the misfit is not like noise: neighbouring lines correlate by {:.2f} more than "
-             "noise does. Something is left out (non-linearity, change between hits, modes "
-             "outside the band); error bars of the modes are too small then",
-             result.misfit_line_correlation),
-         ""});
-  }
+  if (!(power > 0)) return {};
+  return {product.real() / power - line_correlation(noise, 1).real(),
+          5 / std::sqrt(2 * frfs * static_cast<double>(pairs))};
+}
+
+void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  const MisfitCorrelation found = misfit_correlation(result.noise, misfit);
+  result.misfit_line_correlation = found.excess;
+  if (std::abs(found.excess) <= std::max(found.chance, 0.2)) return;
+  const bool local = std::any_of(result.model.modes.begin(), result.model.modes.end(),
+                                 [](const auto& mode) { return mode.refinement != "global"; });
+  result.model.notes.push_back(
+      {"systematic_misfit",
+       fmt::format("the misfit is not like noise: neighbouring lines correlate by {:.2f} more than "
+                   "noise does. Something is left out (non-linearity, change between hits or "
+                   "points, modes outside the band); {}",
+                   found.excess,
+                   local ? "modes are fitted point by point and their error bars count the misfit"
+                         : "error bars of the modes are too small then"),
+       ""});
 }
 
 namespace {
@@ -106,6 +113,17 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
     const double f = mode.frequency_hz.value, half = measured / kTwoPi;
     if (f - half < result.low_hz || f + half > result.high_hz) {
       doubts.push_back("its resonance is cut by the end of the band");
+    }
+    if (mode.between_points_std_hz * kTwoPi > 0.5 * measured) {
+      doubts.push_back(
+          fmt::format("its frequency differs between points by {:.2g} Hz rms, {:.1f} half "
+                      "bandwidths: the points "
+                      "do not show one and the same rig",
+                      mode.between_points_std_hz, mode.between_points_std_hz * kTwoPi / measured));
+    }
+    if (mode.reconstruction_error > 0.3 && mode.refinement != "global") {
+      doubts.push_back(fmt::format("{:.0f} % of the FRFs around it are not explained by it",
+                                   100 * mode.reconstruction_error));
     }
     if (mode.presence < 0.6) {
       doubts.push_back(

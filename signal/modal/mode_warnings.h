@@ -9,7 +9,16 @@
 
 namespace rigfit::signal {
 
-/// Correlation of the weighted misfit at neighbouring lines, less what the noise model expects;
+struct MisfitCorrelation {
+  double excess = 0;  ///< of the weighted misfit at neighbouring lines, less what the noise expects
+  double chance = 0;  ///< five standard deviations of that under noise
+};
+
+/// `misfit`: lines x FRFs.
+[[nodiscard]] MisfitCorrelation misfit_correlation(
+    const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+
+/// The excess into the result;
 /// noted when it is beyond chance and large enough to matter for the error bars. `misfit`: lines x
 /// FRFs.
 void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);

@@ -147,6 +147,13 @@ void print(std::ostream& out, const signal::ModalResult& result) {
                        mode.modal_phase_collinearity, 100 * mode.reconstruction_error,
                        mode.doubtful ? "doubtful: " + mode.doubt : "");
   }
+  for (const auto& mode : result.model.modes) {
+    if (mode.refinement == "global" || mode.points.size() < 2) continue;
+    out << fmt::format(
+        "{:.6g} Hz is the mean of {} points; scatter between them {:.2g} Hz{}\n",
+        mode.frequency_hz.value, mode.points.size(), mode.between_points_std_hz,
+        mode.has_trend ? fmt::format(", {:+.2g} Hz from point to point", mode.trend_hz.value) : "");
+  }
   out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", result.low_hz,
                      result.high_hz, result.lines_used, result.stabilisation.orders_solved);
   if (result.misfit_over_error_bars) {

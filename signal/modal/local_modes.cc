@@ -1,0 +1,236 @@
+#include "signal/modal/local_modes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "signal/modal/modal_noise.h"
+#include "signal/numerics/numbers.h"
+#include "signal/refinement/residues.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+/// Share of the points that must show a mode.
+constexpr double kShareOfPoints = 0.3;
+
+PointPoleOptions point_options(const ModalOptions& options, std::size_t points) {
+  PointPoleOptions result;
+  result.clusters = options.clusters;
+  result.max_damping_ratio = options.lscf.max_damping_ratio;
+  // Work of all diagrams, order^4 each, bounded to that of 16 points of order 40.
+  const double order = 40 * std::pow(16.0 / std::max(16.0, static_cast<double>(points)), 0.25);
+  result.max_order = std::min(options.lscf.max_order, static_cast<int>(order));
+  return result;
+}
+
+/// Values over the points of a track.
+void average(LocalMode& mode, Index points) {
+  const auto n = static_cast<Index>(mode.points.size());
+  VectorXd decay(n), decay_std(n), frequency(n), frequency_std(n), order(n);
+  double misfit = 0, correlation = 0;
+  for (Index i = 0; i < n; ++i) {
+    const PointPole& point = mode.points[static_cast<std::size_t>(i)];
+    decay[i] = -point.pole.real();
+    decay_std[i] = point.std_re;
+    frequency[i] = point.pole.imag();
+    frequency_std[i] = point.std_im;
+    order[i] = static_cast<double>(point.point);
+    misfit += point.misfit * point.misfit;
+    correlation += point.line_correlation;
+  }
+  mode.decay = mean_over_points(decay, decay_std, order, points);
+  mode.frequency = mean_over_points(frequency, frequency_std, order, points);
+  mode.misfit = std::sqrt(misfit / static_cast<double>(std::max<Index>(n, 1)));
+  mode.line_correlation = correlation / static_cast<double>(std::max<Index>(n, 1));
+}
+
+double total_significance(const LocalMode& mode) {
+  return std::accumulate(mode.points.begin(), mode.points.end(), 0.0,
+                         [](double sum, const PointPole& p) { return sum + p.significance; });
+}
+
+/// Lowest and highest Im p of a track, widened by its half bandwidth.
+bool covers(const LocalMode& mode, const ModalBand& band, Complex pole) {
+  const double half = band.window + mode.decay.value.value + band.window - pole.real();
+  const auto [low, high] = std::minmax_element(
+      mode.points.begin(), mode.points.end(),
+      [](const auto& a, const auto& b) { return a.pole.imag() < b.pole.imag(); });
+  return pole.imag() > low->pole.imag() - half && pole.imag() < high->pole.imag() + half;
+}
+
+}  // namespace
+
+LocalModes find_local_modes(const ModalBand& band, const std::vector<Complex>& common,
+                            const ModalOptions& options) {
+  LocalModes result;
+  const auto points = columns_of_points(band);
+  const auto count = static_cast<Index>(points.size());
+  const PointPoleOptions with = point_options(options, points.size());
+  std::vector<PointPole> all;
+  for (Index i = 0; i < count; ++i) {
+    for (PointPole& pole :
+         point_poles(band, points[static_cast<std::size_t>(i)], i, common, with)) {
+      all.push_back(std::move(pole));
+    }
+  }
+  const double needed =
+      count < 2 ? 1 : std::max(2.0, std::ceil(kShareOfPoints * static_cast<double>(count)));
+  for (std::vector<PointPole>& track : link_points(band, std::move(all))) {
+    LocalMode mode;
+    mode.points = std::move(track);
+    average(mode, count);
+    const Complex pole(-mode.decay.value.value, mode.frequency.value.value);
+    const double half = band.window + mode.decay.value.value;
+    const double scatter = mode.frequency.between_std / half;
+    const double share = static_cast<double>(mode.points.size()) / static_cast<double>(count);
+    if (static_cast<double>(mode.points.size()) < needed) {
+      result.weak.push_back({pole, "points",
+                             fmt::format("{} of {} points show it, of which {:.0f} are asked",
+                                         mode.points.size(), count, needed)});
+      continue;
+    }
+    if (count > 1 && share < 0.8 && scatter > 0.4) {
+      result.weak.push_back(
+          {pole, "scatter",
+           fmt::format("its frequency scatters by {:.1f} half bandwidths over the {} of {} points "
+                       "that show it: neither one mode of all nor one of few",
+                       scatter, mode.points.size(), count)});
+      continue;
+    }
+    result.modes.push_back(std::move(mode));
+  }
+  if (count > 1) {
+    std::vector<Index> every;
+    for (const auto& columns : points) every.insert(every.end(), columns.begin(), columns.end());
+    PointPoleOptions joint = with;
+    joint.max_order = 0;
+    for (PointPole& pole : point_poles(band, every, 0, common, joint)) {
+      if (pole.explained < 0.5 || pole.misfit > 0.5 ||
+          std::any_of(result.modes.begin(), result.modes.end(),
+                      [&](const LocalMode& mode) { return covers(mode, band, pole.pole); })) {
+        continue;
+      }
+      LocalMode mode;
+      mode.together = true;
+      mode.points.push_back(std::move(pole));
+      average(mode, 1);
+      result.modes.push_back(std::move(mode));
+    }
+  }
+  std::sort(result.modes.begin(), result.modes.end(), [](const auto& a, const auto& b) {
+    return a.frequency.value.value < b.frequency.value.value;
+  });
+  return result;
+}
+
+std::vector<LocalMode> check_points(const ModalBand& band, const VectorXcd& poles,
+                                    const ModalOptions& options) {
+  std::vector<LocalMode> modes(static_cast<std::size_t>(poles.size()));
+  const auto points = columns_of_points(band);
+  PointPoleOptions with = point_options(options, points.size());
+  with.max_order = 0;
+  const std::vector<Complex> common(poles.begin(), poles.end());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (const PointPole& found : point_poles(band, points[i], Index(i), common, with)) {
+      Index nearest = 0;
+      (poles.array() - found.pole).abs().minCoeff(&nearest);
+      LocalMode& mode = modes[static_cast<std::size_t>(nearest)];
+      const bool near = std::abs(poles[nearest] - found.pole) <
+                        2 * (2 * band.window - poles[nearest].real() - found.pole.real());
+      if (near && (mode.points.empty() || mode.points.back().point != found.point)) {
+        mode.points.push_back(found);
+      }
+    }
+  }
+  for (LocalMode& mode : modes) {
+    if (!mode.points.empty()) average(mode, static_cast<Index>(points.size()));
+  }
+  return modes;
+}
+
+bool like_noise(const std::vector<LocalMode>& checked, const FoundModes& found,
+                double least_misfit) {
+  for (const LocalMode& mode : checked) {
+    if (mode.points.empty() || mode.misfit < least_misfit) continue;
+    if (mode.points.size() > 1 &&
+        std::min(mode.decay.excess_chance, mode.frequency.excess_chance) < 1e-4) {
+      return false;
+    }
+    // At least 17 lines a point: the mean correlation of noise scatters by a sixth of one point's.
+    const double chance = 4 / std::sqrt(17.0 * static_cast<double>(mode.points.size()));
+    if (mode.line_correlation > std::max(0.3, chance)) return false;
+  }
+  return found.covariance.full_rank;
+}
+
+FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const FrfNoise& noise,
+                          const std::vector<PoleCluster>& clusters) {
+  FoundModes found;
+  const auto count = static_cast<Index>(local.modes.size());
+  const MatrixXcd& H = band.lines.H;
+  ModalRefineResult& fit = found.fit;
+  fit.end = RefineEnd::converged;
+  fit.poles.resize(count);
+  for (Index r = 0; r < count; ++r) {
+    const LocalMode& mode = local.modes[static_cast<std::size_t>(r)];
+    fit.poles[r] = {-mode.decay.value.value, mode.frequency.value.value};
+  }
+  const ResidueResult linear = fit_residues(band.lines.s, band.lines.power, H, fit.poles);
+  fit.residues = linear.residues;
+  found.covariance.full_rank = true;
+  found.covariance.poles = MatrixXd::Zero(2 * count, 2 * count);
+  found.covariance.residue_std_re = fit.residues.cwiseAbs();
+  found.covariance.significance.resize(count);
+  const auto points = columns_of_points(band);
+  for (Index r = 0; r < count; ++r) {
+    const LocalMode& mode = local.modes[static_cast<std::size_t>(r)];
+    found.covariance.poles(2 * r, 2 * r) = std::pow(mode.decay.value.std, 2);
+    found.covariance.poles(2 * r + 1, 2 * r + 1) = std::pow(mode.frequency.value.std, 2);
+    found.covariance.significance[r] = total_significance(mode);
+    std::vector<Index> every;
+    for (const auto& columns : points) every.insert(every.end(), columns.begin(), columns.end());
+    for (const PointPole& point : mode.points) {
+      const auto& columns = mode.together ? every : points[static_cast<std::size_t>(point.point)];
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        const auto at = static_cast<Index>(i);
+        fit.residues(r, columns[i]) = point.residues[at];
+        found.covariance.residue_std_re(r, columns[i]) = point.residue_std[at];
+      }
+    }
+    double presence = mode.together ? 0
+                                    : static_cast<double>(mode.points.size()) /
+                                          static_cast<double>(points.size());
+    for (const PoleCluster& cluster : clusters) {
+      const Complex pole = cluster.pole_rad_s + band.window;
+      if (covers(mode, band, pole)) presence = std::max(presence, cluster.presence);
+    }
+    found.presence.push_back(presence);
+  }
+  found.covariance.residue_std_im = found.covariance.residue_std_re;
+  const MatrixXcd without = synthesise(band.lines.s, band.lines.power, fit.poles, fit.residues,
+                                       VectorXcd::Zero(H.cols()), VectorXcd::Zero(H.cols()));
+  const ResidueResult rest =
+      fit_residues(band.lines.s, band.lines.power, H - without, VectorXcd(0));
+  fit.lower = rest.lower;
+  fit.upper = rest.upper;
+  found.model =
+      synthesise(band.lines.s, band.lines.power, fit.poles, fit.residues, fit.lower, fit.upper);
+  found.noise = noise_from_residuals(found.model, H - found.model, VectorXd::Zero(H.rows()),
+                                     band.lines.inputs, band.correlation_lines);
+  found.noise.lead = noise.lead;
+  const double frfs = static_cast<double>(H.cols());
+  found.penalty = (2 * frfs + 2) * std::log(2 * static_cast<double>(H.rows()) * frfs);
+  return found;
+}
+
+}  // namespace rigfit::signal
