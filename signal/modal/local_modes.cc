@@ -22,6 +22,9 @@ using Eigen::VectorXd;
 
 /// Share of the points that must show a mode.
 constexpr double kShareOfPoints = 0.3;
+/// Of the FRFs around a mode. A global fit that leaves less has found the modes that are there;
+/// measured structures are not linear to much better.
+constexpr double kSmallMisfit = 0.02;
 
 PointPoleOptions point_options(const ModalOptions& options, std::size_t points) {
   PointPoleOptions result;
@@ -139,6 +142,7 @@ std::vector<LocalMode> check_points(const ModalBand& band, const VectorXcd& pole
   const auto points = columns_of_points(band);
   PointPoleOptions with = point_options(options, points.size());
   with.max_order = 0;
+  with.twin_misfit = 0;  // the global fit has chosen them
   const std::vector<Complex> common(poles.begin(), poles.end());
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (const PointPole& found : point_poles(band, points[i], Index(i), common, with)) {
@@ -158,19 +162,77 @@ std::vector<LocalMode> check_points(const ModalBand& band, const VectorXcd& pole
   return modes;
 }
 
-bool like_noise(const std::vector<LocalMode>& checked, const FoundModes& found,
-                double least_misfit) {
-  for (const LocalMode& mode : checked) {
-    if (mode.points.empty() || mode.misfit < least_misfit) continue;
-    if (mode.points.size() > 1 &&
-        std::min(mode.decay.excess_chance, mode.frequency.excess_chance) < 1e-4) {
-      return false;
+namespace {
+
+/// Share of the FRFs within the half bandwidth of each mode that a global fit leaves.
+VectorXd misfit_around_modes(const ModalBand& band, const FoundModes& found) {
+  const MatrixXcd& H = band.lines.H;
+  VectorXd share(found.fit.poles.size());
+  for (Index r = 0; r < share.size(); ++r) {
+    const double centre = found.fit.poles[r].imag() / kTwoPi;
+    const double half =
+        std::max((band.window - found.fit.poles[r].real()) / kTwoPi, band.spacing_hz);
+    double above = 0, below = 0;
+    for (Index k = 0; k < H.rows(); ++k) {
+      if (std::abs(band.frequency_hz[k] - centre) > half) continue;
+      above += (H.row(k) - found.model.row(k)).squaredNorm();
+      below += H.row(k).squaredNorm();
     }
-    // At least 17 lines a point: the mean correlation of noise scatters by a sixth of one point's.
-    const double chance = 4 / std::sqrt(17.0 * static_cast<double>(mode.points.size()));
-    if (mode.line_correlation > std::max(0.3, chance)) return false;
+    share[r] = below > 0 ? std::sqrt(above / below) : 0;
   }
-  return found.covariance.full_rank;
+  return share;
+}
+
+bool points_differ(const LocalMode& mode) {
+  return mode.points.size() > 1 &&
+         std::min(mode.decay.excess_chance, mode.frequency.excess_chance) < 1e-4;
+}
+
+bool lines_correlate(const LocalMode& mode) {
+  // At least 17 lines a point: the mean correlation of noise scatters by a sixth of one point's.
+  const double chance = 4 / std::sqrt(17.0 * static_cast<double>(mode.points.size()));
+  return !mode.points.empty() && mode.line_correlation > std::max(0.3, chance);
+}
+
+}  // namespace
+
+bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
+                      const FoundModes& found, double excess) {
+  if (!found.covariance.full_rank) return false;
+  const VectorXd left = misfit_around_modes(band, found);
+  if (left.size() == 0 || left.maxCoeff() < kSmallMisfit) return true;
+  if (excess > 0.2) return false;
+  for (std::size_t r = 0; r < checked.size(); ++r) {
+    if (left[static_cast<Index>(r)] < kSmallMisfit) continue;
+    if (points_differ(checked[r]) || lines_correlate(checked[r])) return false;
+  }
+  return true;
+}
+
+std::vector<bool> take_points(const std::vector<LocalMode>& checked, Index points,
+                              double least_misfit, FoundModes& found) {
+  std::vector<bool> taken(checked.size(), false);
+  MatrixXd& covariance = found.covariance.poles;
+  for (std::size_t i = 0; i < checked.size(); ++i) {
+    const LocalMode& mode = checked[i];
+    const auto r = static_cast<Index>(i);
+    const double share = static_cast<double>(mode.points.size()) / static_cast<double>(points);
+    if (mode.points.empty() || mode.misfit < least_misfit) continue;
+    const bool differ = points_differ(mode) && share > kShareOfPoints && mode.points.size() > 2;
+    if (!differ && !lines_correlate(mode)) continue;
+    if (differ) {
+      found.fit.poles[r] = {-mode.decay.value.value, mode.frequency.value.value};
+      taken[i] = true;
+    }
+    const double wanted[2] = {mode.decay.value.std, mode.frequency.value.std};
+    for (Index part = 0; part < 2; ++part) {
+      const Index row = 2 * r + part;
+      const double factor = std::max(1.0, wanted[part] / std::sqrt(covariance(row, row)));
+      covariance.row(row) *= factor;
+      covariance.col(row) *= factor;
+    }
+  }
+  return taken;
 }
 
 FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const FrfNoise& noise,

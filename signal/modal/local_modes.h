@@ -51,11 +51,18 @@ struct LocalModes {
                                                   const Eigen::VectorXcd& poles,
                                                   const ModalOptions& options);
 
-/// Whether what a global fit leaves looks like noise around every mode: points agree on its pole
-/// (chance above 1e-4) and neighbouring lines of the misfit do not correlate. Modes whose misfit is
-/// below `least_misfit` of the FRFs around them pass.
-[[nodiscard]] bool like_noise(const std::vector<LocalMode>& checked, const FoundModes& found,
-                              double least_misfit);
+/// Whether the modes of a global fit are to be kept: around every mode it leaves less than 2 % of
+/// the FRFs, or what looks like noise (points agree on the pole, chance above 1e-4, and
+/// neighbouring lines of the misfit do not correlate). `excess`: of the line correlation of the
+/// whole misfit.
+[[nodiscard]] bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
+                                    const FoundModes& found, double excess);
+
+/// Poles of a global fit whose points differ all the same become the mean over points, and error
+/// bars cover what the points show; modes whose own misfit is below `least_misfit` stay as they
+/// are. True: the pole is taken from the points.
+std::vector<bool> take_points(const std::vector<LocalMode>& checked, Eigen::Index points,
+                              double least_misfit, FoundModes& found);
 
 /// The same form as a global search gives, for export.
 [[nodiscard]] FoundModes as_found_modes(const ModalBand& band, const LocalModes& local,

@@ -28,7 +28,7 @@ using Eigen::VectorXd;
 /// Modes of a band, and how they came about.
 struct Search {
   FoundModes found;
-  bool global = true;             ///< maximum likelihood of all FRFs; else local fits
+  std::vector<bool> from_points;  ///< of each mode: local fits; else maximum likelihood of all
   std::vector<LocalMode> points;  ///< of each mode
   std::vector<WeakTrack> weak;    ///< of the local fits
 };
@@ -69,16 +69,19 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
     search.points = check_points(band, found.fit.poles, options);
     const MatrixXcd misfit = band.lines.H - found.model;
     const double excess = misfit_correlation(found.noise, misfit).excess;
-    const bool exact = misfit.norm() < options.min_prominence * band.lines.H.norm();
-    search.global =
-        (exact || excess < 0.2) && like_noise(search.points, found, options.min_prominence);
-    if (search.global) return search;
+    if (global_fit_holds(band, search.points, found, excess)) {
+      const auto points = static_cast<Index>(columns_of_points(band).size());
+      search.from_points = take_points(search.points, points, options.min_prominence, search.found);
+      return search;
+    }
   }
   if (!found.exhausted && !solved) return search;
   LocalModes local =
       find_local_modes(band, local_candidates(band, clusters, found, noise, options), options);
-  search.global = false;
+  search.from_points.assign(local.modes.size(), true);
+  std::vector<DroppedCluster> dropped = std::move(search.found.dropped);
   search.found = as_found_modes(band, local, noise, clusters);
+  search.found.dropped = std::move(dropped);
   search.points = std::move(local.modes);
   search.weak = std::move(local.weak);
   return search;
@@ -200,7 +203,7 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
                          .sqrt();
     mode.presence = found.presence[static_cast<std::size_t>(r)];
     mode.significance = std::sqrt(covariance.significance[r] / found.penalty);
-    mode.refinement = search.global ? "global" : "local";
+    mode.refinement = search.from_points[static_cast<std::size_t>(r)] ? "local" : "global";
     fill_points(frfs, band, search.points[static_cast<std::size_t>(r)], mode);
     model.modes.push_back(std::move(mode));
   }

@@ -36,7 +36,7 @@ struct ModalOptions {
   double min_prominence = 1e-3;
   /// Multiplications that the global search may take, some seconds; beyond it modes come from local
   /// fits.
-  double max_work = 6e9;
+  double max_work = 4e9;
   int searches = 3;  ///< at most, of what is left for further modes; 0: the whole band only
 };
 

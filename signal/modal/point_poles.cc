@@ -17,6 +17,8 @@ using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
+constexpr double kNever = 1e300;
+
 double half_bandwidth(const ModalBand& band, Complex pole) { return band.window - pole.real(); }
 
 /// Distance in half bandwidths of both; below half a line no data tell poles apart.
@@ -145,27 +147,35 @@ class PointFit {
   }
 
   /// A pole of a group that another one beside it makes needless; -1: none. Where resonances
-  /// overlap, one pole must leave more than `twin_misfit` of the FRFs before a second is believed:
-  /// a resonance that is not quite linear is fitted better by two poles than by one.
+  /// overlap, one pole must leave more than `twin_misfit` of the FRFs before a second is believed,
+  /// or several times what two of like damping at a distance leave: a resonance that is not quite
+  /// linear is fitted better by two poles than by one.
   Index needless_twin(const std::vector<Complex>& group, const std::vector<Complex>& others,
-                      const LocalFit& both) const {
+                      const LocalFit& both, const Window& span) const {
     for (Index r = 0; r < both.poles.size(); ++r) {
       for (Index q = 0; q < both.poles.size(); ++q) {
         if (q == r || apart(band, both.poles[r], both.poles[q]) > 1.5) continue;
         if (both.gain.row(r).sum() > both.gain.row(q).sum()) continue;
+        const double hr = half_bandwidth(band, both.poles[r]);
+        const double hq = half_bandwidth(band, both.poles[q]);
+        const double distance = std::abs(both.poles[r].imag() - both.poles[q].imag()) / (hr + hq);
+        const bool alike = std::max(hr, hq) < 2 * std::min(hr, hq);
+        const double asked = !alike || distance < 0.5 ? kNever : distance < 0.8 ? 10 : 4;
         std::vector<Complex> fewer = group;
         fewer.erase(fewer.begin() + r);
         Window window;
         const LocalFit fit = this->fit(fewer, others, options.bandwidths, 2, window);
         if (!fit.usable) continue;
         double worst = 0;
+        const double left = std::max(misfit_around(both, span, both.poles[r]),
+                                     misfit_around(both, span, both.poles[q]));
         for (const Complex pole : fit.poles) {
           if (apart(band, pole, both.poles[r]) > 1.5 && apart(band, pole, both.poles[q]) > 1.5) {
             continue;
           }
           worst = std::max(worst, misfit_around(fit, window, pole));
         }
-        if (worst < options.twin_misfit) return r;
+        if (worst < options.twin_misfit && worst < asked * left) return r;
       }
     }
     return -1;
@@ -312,7 +322,7 @@ std::vector<PointPole> point_poles(const ModalBand& band, const std::vector<Inde
       while (!groups[g].empty()) {
         const LocalFit fit = point.fit(groups[g], others, options.bandwidths, 2, window);
         Index worst = fit.usable ? point.weakest(fit) : Index(groups[g].size()) - 1;
-        if (worst < 0) worst = point.needless_twin(groups[g], others, fit);
+        if (worst < 0) worst = point.needless_twin(groups[g], others, fit, window);
         if (worst < 0) {
           for (Index r = 0; r < fit.poles.size(); ++r) {
             groups[g][static_cast<std::size_t>(r)] = fit.poles[r];

@@ -1,0 +1,87 @@
+#include "tests/reference/defective_frfs.h"
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <random>
+#include <string>
+
+namespace rigfit::testing {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::VectorXcd;
+
+/// Transform at the lines of a ring-down whose frequency follows its amplitude: w(t) = w (1 + shift
+/// exp(-2 zeta w t)), to first order in closed form by the series of exp(i integral):
+/// sum_m (i b)^m / m! (...), b = shift w / (2 zeta w), each term a pole damped (1 + 2 m) times.
+VectorXcd ring_down(const VectorXcd& s, Complex pole, double shift) {
+  const double decay = -pole.real();
+  const Complex b = Complex(0, 1) * (shift * pole.imag() / (2 * decay));
+  VectorXcd sum = VectorXcd::Zero(s.size());
+  // exp(i phi), phi = b/i (1 - exp(-2 decay t)): exp(b) sum_m (-b)^m / m! exp(-2 m decay t).
+  Complex term = std::exp(b);
+  for (int m = 0; m < 60; ++m) {
+    const Complex p = pole - Complex(2.0 * m * decay, 0);
+    sum.array() += term / (s.array() - p);
+    term *= -b / static_cast<double>(m + 1);
+    if (std::abs(term) < 1e-14) break;
+  }
+  return sum;
+}
+
+}  // namespace
+
+signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
+  std::mt19937_64 random(options.seed);
+  std::normal_distribution<double> normal;
+  signal::FrfSet set;
+  set.form = signal::FrfForm::accelerance;
+  const Index lines =
+      static_cast<Index>((options.high_hz - options.low_hz) / options.spacing_hz) + 1;
+  set.frequency_hz = Eigen::VectorXd::LinSpaced(
+      lines, options.low_hz, options.low_hz + options.spacing_hz * static_cast<double>(lines - 1));
+  const VectorXcd s = Complex(0, 2 * std::numbers::pi) * set.frequency_hz.cast<Complex>();
+  set.H.resize(lines, options.points);
+  const Index modes = options.frequency_hz.size();
+  const double reference = 0.37;  // of the length: where the fixed end of each FRF is
+  for (Index c = 0; c < options.points; ++c) {
+    const double x = (static_cast<double>(c) + 0.7) / (static_cast<double>(options.points) + 0.4);
+    const double place =
+        options.points > 1 ? static_cast<double>(c) / static_cast<double>(options.points - 1) - 0.5
+                           : 0;
+    VectorXcd sum = VectorXcd::Zero(lines);
+    for (Index r = 0; r < modes; ++r) {
+      const double zeta = options.damping_ratio,
+                   number = std::numbers::pi * static_cast<double>(r + 1);
+      const double shift = options.drift * place + options.scatter * normal(random);
+      const double w = 2 * std::numbers::pi * options.frequency_hz[r] * (1 + 2 * zeta * shift);
+      const double size = std::sin(number * x), own = std::sin(number * reference);
+      const Complex pole(-zeta * w, w * std::sqrt(1 - zeta * zeta));
+      Complex residue = size * own / Complex(0, 2 * pole.imag());
+      if (options.record_s > 0) residue *= 1.0 - std::exp(pole * options.record_s);
+      const double hit = std::pow(1 + 0.3 * normal(random), 2);
+      const double softening = -2 * zeta * options.softening * hit * size * size;
+      VectorXcd part = ring_down(s, pole, softening);
+      sum += residue * part + std::conj(residue) * (s.array() - std::conj(pole)).inverse().matrix();
+    }
+    set.H.col(c) = s.cwiseProduct(s).cwiseProduct(sum);
+  }
+  const double rms = std::sqrt(set.H.squaredNorm() / static_cast<double>(set.H.size()));
+  for (Index k = 0; k < lines; ++k) {
+    const Complex common(options.common * normal(random), options.common * normal(random));
+    for (Index c = 0; c < options.points; ++c) {
+      set.H(k, c) = set.H(k, c) * (1.0 + common) +
+                    options.noise * rms * Complex(normal(random), normal(random));
+    }
+  }
+  for (Index c = 0; c < options.points; ++c) {
+    signal::MeasuredPoint point{"p" + std::to_string(c + 1), static_cast<int>(c + 1), 3};
+    (options.points_are_inputs ? set.inputs : set.responses).push_back(point);
+  }
+  (options.points_are_inputs ? set.responses : set.inputs).push_back({"fixed", 100, 3});
+  return set;
+}
+
+}  // namespace rigfit::testing
