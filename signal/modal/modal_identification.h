@@ -44,7 +44,8 @@ struct ModalOptions {
 struct RejectedColumn {
   double frequency_hz = 0, damping_ratio = 0;  ///< as the diagram shows it, window removed
   double presence = 0;                         ///< share of the upper half of the orders, 0..1
-  /// "presence", "band", "damping", "prominence", "significance", "twin".
+  /// "presence", "band", "damping", "prominence", "significance", "twin"; of local fits: "points"
+  /// (too few show it), "scatter" (they do not agree).
   std::string code;
   std::string reason;  ///< for a person, with the figure and the limit
 };
