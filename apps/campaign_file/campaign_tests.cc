@@ -37,6 +37,7 @@ std::size_t column(TomlTable& table, const ResultColumns& columns, const std::st
   try {
     return columns.table.column(name);
   } catch (const model::SceneError& error) {
+    if (error.where().column > 0) throw;  // a cell of the table, not its name
     throw table.error(key, columns.table.file + " " + error.problem(), error.remedy());
   }
 }

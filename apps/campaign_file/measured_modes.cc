@@ -1,14 +1,9 @@
 #include "apps/campaign_file/measured_modes.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <fstream>
-#include <limits>
 
-#include "apps/campaign_file/table_cells.h"
+#include "apps/campaign_file/text_table.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 
@@ -17,6 +12,64 @@ namespace {
 
 using signal::kNaN;
 
+/// A table of modes: cells by the name of their column.
+class ModeTable {
+ public:
+  explicit ModeTable(TextTable table) : table_(std::move(table)) {
+    for (const auto& column : table_.columns) names_.push_back(column.name);
+  }
+
+  [[nodiscard]] const std::vector<TextTable::Row>& rows() const { return table_.rows; }
+  [[nodiscard]] std::ptrdiff_t column(const std::string& name) const {
+    return find_column(names_, name);
+  }
+  [[noreturn]] void fail(long line, const std::string& key, const std::string& problem,
+                         const std::string& remedy) const {
+    throw model::SceneError({table_.file, line, 0, key}, problem, remedy);
+  }
+  [[nodiscard]] std::string cell(const TextTable::Row& row, const std::string& name) const {
+    const auto at = column(name);
+    return at < 0 ? "" : row.cells[static_cast<std::size_t>(at)];
+  }
+  /// NaN for a blank or without such a column.
+  [[nodiscard]] double value(const TextTable::Row& row, const std::string& name,
+                             bool positive) const {
+    const auto at = column(name);
+    if (at < 0) return kNaN;
+    const double value = table_.number(row, static_cast<std::size_t>(at));
+    if (positive && value <= 0) {
+      fail(row.line, name, "\"" + cell(row, name) + "\" is no positive number",
+           "correct it, or leave the cell blank");
+    }
+    return value;
+  }
+
+  /// Throws unless there is a column of frequencies, and every column of shapes is of a sensor.
+  void check(const std::string& frequency, const std::vector<std::string>& sensors) const {
+    const auto listed = [](const std::vector<std::string>& words) {
+      std::string all;
+      for (const auto& word : words) all += (all.empty() ? "" : ", ") + word;
+      return all;
+    };
+    if (column(frequency) < 0) {
+      fail(table_.header_line, frequency, "there is no such column",
+           "name the column of the frequencies with --column; there are: " + listed(names_));
+    }
+    for (const auto& name : names_) {
+      if (!name.starts_with("shape:") ||
+          std::find(sensors.begin(), sensors.end(), name.substr(6)) != sensors.end()) {
+        continue;
+      }
+      fail(table_.header_line, name, "the scene has no such sensor",
+           sensors.empty() ? "add one to the scene" : "there are: " + listed(sensors));
+    }
+  }
+
+ private:
+  TextTable table_;
+  std::vector<std::string> names_;
+};
+
 }  // namespace
 
 std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& path,
@@ -24,67 +77,13 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
                                                   std::optional<model::ModePlane> plane,
                                                   const std::vector<std::string>& sensors,
                                                   const std::vector<std::string>& compare) {
-  const auto fail = [&](long line, const std::string& key, const std::string& problem,
-                        const std::string& remedy) -> void {
-    throw model::SceneError({path.string(), line, 0, key}, problem, remedy);
-  };
-  std::ifstream file(path, std::ios::binary);
-  if (!file || !std::filesystem::is_regular_file(path)) {
-    fail(0, "", "cannot be read", "check the path and its permissions");
-  }
+  const ModeTable table(read_text_table(path, ShortRows::filled));
   const std::string frequency = column.empty() ? "frequency_hz" : column;
-  std::vector<std::string> names;
+  table.check(frequency, sensors);
   std::vector<MeasuredTableRow> rows;
-  char separator = ',';
-  std::string line;
-  for (long number = 1; std::getline(file, line); ++number) {
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
-    const std::string text = trimmed(line);
-    if (text.empty() || text[0] == '#') continue;
-    if (names.empty()) {
-      if (text.find(';') != std::string::npos) separator = ';';
-      names = cells_of(line, separator);
-      if (std::find(names.begin(), names.end(), frequency) == names.end()) {
-        std::string known;
-        for (const auto& name : names) known += (known.empty() ? "" : ", ") + name;
-        fail(number, frequency, "there is no such column",
-             "name the column of the frequencies with --column; there are: " + known);
-      }
-      for (const auto& name : names) {
-        if (!name.starts_with("shape:") ||
-            std::find(sensors.begin(), sensors.end(), name.substr(6)) != sensors.end()) {
-          continue;
-        }
-        std::string known;
-        for (const auto& sensor : sensors) known += (known.empty() ? "" : ", ") + sensor;
-        fail(number, name, "the scene has no such sensor",
-             known.empty() ? "add one to the scene" : "there are: " + known);
-      }
-      continue;
-    }
-    const auto cells = cells_of(line, separator);
-    if (cells.size() > names.size()) {
-      fail(number, "", fmt::format("{} cells under {} columns", cells.size(), names.size()),
-           "give every cell a column, or remove it");
-    }
-    const auto cell = [&](const std::string& name) -> std::string {
-      for (std::size_t i = 0; i < cells.size(); ++i) {
-        if (names[i] == name) return cells[i];
-      }
-      return "";
-    };
+  for (const auto& line : table.rows()) {
     const auto value = [&](const std::string& name, bool positive) {
-      const std::string content = cell(name);
-      if (content.empty()) return kNaN;
-      double parsed = 0;
-      const auto [end, error] =
-          std::from_chars(content.data(), content.data() + content.size(), parsed);
-      if (error != std::errc() || end != content.data() + content.size() ||
-          !std::isfinite(parsed) || (positive && parsed <= 0)) {
-        fail(number, name, "\"" + content + "\" is no " + (positive ? "positive " : "") + "number",
-             "write it with a decimal point, or leave the cell blank");
-      }
-      return parsed;
+      return table.value(line, name, positive);
     };
     MeasuredTableRow row;
     row.mode.frequency_hz.value = value(frequency, true);
@@ -92,17 +91,19 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
     row.mode.frequency_hz.std = value("std", true);
     row.mode.damping_ratio.value = value("damping_ratio", true);
     if (row.mode.damping_ratio.value >= 1) {
-      fail(number, "damping_ratio", "is not below 1", "give it as a fraction, not percent");
+      table.fail(line.line, "damping_ratio", "is not below 1",
+                 "give it as a fraction, not percent");
     }
     row.mode.damping_ratio.std = value("damping_std", true);
     row.mode.plane = plane;
-    const std::string word = cell("plane");
+    const std::string word = table.cell(line, "plane");
     if (word == "in") {
       row.mode.plane = model::ModePlane::in;
     } else if (word == "out") {
       row.mode.plane = model::ModePlane::out;
     } else if (!word.empty()) {
-      fail(number, "plane", "\"" + word + "\" is no plane", "write in, out, or leave it blank");
+      table.fail(line.line, "plane", "\"" + word + "\" is no plane",
+                 "write in, out, or leave it blank");
     }
     for (const auto& name : compare) row.compared.push_back(value(name, true));
     const double tension = value("tension_N", true);
@@ -117,7 +118,8 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
     if (whole) row.mode.shape = shape;
     rows.push_back(std::move(row));
   }
-  if (rows.empty()) fail(0, frequency, "no mode is listed", "one line a mode below the names");
+  if (rows.empty())
+    table.fail(0, frequency, "no mode is listed", "one line a mode below the names");
   return rows;
 }
 

@@ -1,5 +1,5 @@
 // A small table of results as people publish or keep them: a header line of names, numbers below,
-// blank where there is none. CSV with commas or semicolons; lines that start with # are remarks.
+// blank where there is none (text_table.h).
 #pragma once
 
 #include <filesystem>
@@ -7,16 +7,23 @@
 #include <string>
 #include <vector>
 
+#include "model/scene/scene_error.h"
+
 namespace rigfit::apps {
 
 struct ResultTable {
   std::string file;
   std::vector<std::string> columns;
-  std::vector<std::vector<double>> rows;  ///< NaN: blank
+  std::vector<std::vector<double>> rows;  ///< SI; NaN: blank
   std::vector<long> lines;                ///< of each row in the file, 1-based
+  long header_line = 1;
 
-  /// Throws model::SceneError naming the columns there are, when it is missing.
+  /// By its title, with or without its unit. Throws model::SceneError naming the columns there are,
+  /// when it is missing, and for a cell of it that is no number, with line and column.
   [[nodiscard]] std::size_t column(const std::string& name) const;
+
+  /// By column: the first cell that is no number; empty: all are.
+  std::vector<std::optional<model::SceneError>> faults;
 };
 
 /// Throws model::SceneError with file, line and column for what is not such a table.

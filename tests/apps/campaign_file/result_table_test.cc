@@ -28,6 +28,33 @@ TEST(ResultTable, ReadsNumbersBlanksAndRemarks) {
   EXPECT_EQ(semicolons.rows[0][1], 2);
 }
 
+// As a spreadsheet of a country with decimal commas writes it: a title, units in brackets or in a
+// line of their own, semicolons or tabs.
+TEST(ResultTable, ReadsWhatARecordingReaderReads) {
+  const TemporaryFolder folder;
+  for (const char* text :
+       {"\xef\xbb\xbfTension (kN);test [Hz];note\r\n0,025;5,26;first\r\n0,1;;\r\n",
+        "Cable 7x19\n\nTension (kN)\ttest [Hz]\n0,025\t5,26\n# remark\n0,1\t-\n",
+        "tension_kN,test_Hz\n0.025,5.26\n0.1,n/a\n", "tension;test\nkN;Hz\n0,025;5,26\n0,1;\n",
+        "\"tension [kN]\",\"test [Hz]\"\n\"0,025\",\"5,26\"\n\"0,1\",\"\"\n"}) {
+    SCOPED_TRACE(text);
+    const auto table = read_result_table(folder.write("t.csv", text));
+    const bool suffix = table.columns[0] == "tension_kN";
+    const auto tension = table.column(suffix ? "tension_kN" : "tension (kN)");
+    const auto test = table.column(suffix ? "test_Hz" : "Test");
+    ASSERT_EQ(table.rows.size(), 2u);
+    // Products of decimals with 1000: one rounding each.
+    EXPECT_DOUBLE_EQ(table.rows[0][tension], 25);
+    EXPECT_DOUBLE_EQ(table.rows[1][tension], 100);
+    EXPECT_EQ(table.rows[0][test], 5.26);
+    EXPECT_TRUE(std::isnan(table.rows[1][test]));
+  }
+  // A suffix that looks like a unit stays a name: neither inches nor degrees Celsius.
+  const auto names = read_result_table(folder.write("n.csv", "f_in,case_C\n5,6\n7,8\n"));
+  EXPECT_EQ(names.rows[0][names.column("f_in")], 5);
+  EXPECT_EQ(names.rows[1][names.column("case_C")], 8);
+}
+
 TEST(ResultTable, RefusesWhatIsNoTable) {
   const TemporaryFolder folder;
   const auto message = [&](const std::string& text) -> std::string {
@@ -41,6 +68,10 @@ TEST(ResultTable, RefusesWhatIsNoTable) {
   EXPECT_THAT(message("a,test_Hz\n1,x\n"), HasSubstr("t.csv:2:2: \"x\" in column \"test_Hz\""));
   EXPECT_THAT(message("a,test_Hz\n1,inf\n"), HasSubstr("is not a number"));
   EXPECT_THAT(message("a,test_Hz\n1,2,3\n"), HasSubstr("has 3 values, the header 2"));
+  // The first and the last row as well; a line is not taken for a header or a footer.
+  EXPECT_THAT(message("a,test_Hz\n1,x\n2,3\n4,5\n"), HasSubstr("t.csv:2:2: \"x\" in column"));
+  EXPECT_THAT(message("a;test_Hz\n1,5;3,5\n2;x\n"), HasSubstr("t.csv:3:2: \"x\" in column"));
+  EXPECT_THAT(message("a,test_Hz\n1,3\n2,y y\n"), HasSubstr("t.csv:3:2: \"y y\" in column"));
   EXPECT_THAT(message("a,test_Hz\n"), HasSubstr("no rows"));
   EXPECT_THAT(message(""), HasSubstr("no rows"));
   EXPECT_THAT(message("a,tset_Hz\n1,2\n"), HasSubstr("did you mean \"tset_Hz\"?"));

@@ -1,0 +1,52 @@
+// A small table of text as people keep results: names above, a row of cells a line below.
+//
+// Separator, decimal sign, byte-order mark, quotes, units and lines above the names are found as
+// for a recording (signal/readers/csv/csv_layout.h), but nothing is left out: every line below the
+// names is a row, and a cell that is no number is an error where a number is asked for. Lines that
+// start with # are remarks. Numbers come in SI: of a unit in brackets, "tension (kN)", and of a
+// force or frequency behind an underscore, "tension_kN".
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rigfit::apps {
+
+struct TextTable {
+  struct Column {
+    std::string name;  ///< without a unit in brackets
+    std::string unit;  ///< as written; empty: none
+    double si_per_number = 1, si_offset = 0;
+    bool known_unit = true;  ///< false: numbers cannot be had in SI
+  };
+  struct Row {
+    long line = 0;  ///< in the file, 1-based
+    std::vector<std::string> cells;
+  };
+  std::string file;
+  long header_line = 1;
+  std::vector<Column> columns;
+  std::vector<Row> rows;
+  char decimal = '.';
+
+  /// The cell in SI; NaN for a blank or a word for none ("-", "NaN"). Throws model::SceneError with
+  /// line and column for what is no finite number.
+  [[nodiscard]] double number(const Row& row, std::size_t column) const;
+};
+
+/// Index of the column of that title, with or without its unit, in any case of letters; -1: none.
+[[nodiscard]] std::ptrdiff_t find_column(const std::vector<std::string>& names,
+                                         const std::string& title);
+
+enum class ShortRows { refused, filled };  ///< what is absent at the end is blank
+
+/// Every row has a cell for each column. Throws model::SceneError for what is no such table.
+[[nodiscard]] TextTable read_text_table(const std::filesystem::path& path,
+                                        ShortRows short_rows = ShortRows::refused);
+[[nodiscard]] TextTable parse_text_table(std::string_view bytes, const std::string& file,
+                                         ShortRows short_rows = ShortRows::refused);
+
+}  // namespace rigfit::apps
