@@ -152,16 +152,16 @@ class Reader {
     fit.reference_name = table.string_or("reference_name", fit.reference_name);
     std::vector<std::string> known;
     for (const auto& test : campaign_.tests) {
-      if (test.kind == CampaignTest::Kind::modal) known.push_back(test.name);
+      if (test.kind == CampaignTest::Kind::modal && test.scene) known.push_back(test.name);
     }
     for (const auto& name : table.string_or_strings("tests")) {
       const auto at = std::find_if(campaign_.tests.begin(), campaign_.tests.end(),
                                    [&](const CampaignTest& test) { return test.name == name; });
-      if (at == campaign_.tests.end() || at->kind != CampaignTest::Kind::modal) {
+      if (at == campaign_.tests.end() || at->kind != CampaignTest::Kind::modal || !at->scene) {
         const auto nearest = model::nearest_word(name, known);
         throw table.error("tests", "there is no modal test \"" + name + "\"",
                           nearest ? "did you mean \"" + *nearest + "\"?"
-                                  : "name tests of kind \"modal\" by their name");
+                                  : "name tests of kind \"modal\" that have a scene");
       }
       fit.tests.push_back(static_cast<std::size_t>(at - campaign_.tests.begin()));
     }

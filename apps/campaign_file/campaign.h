@@ -16,7 +16,8 @@
 //     kind = "decay"     free decays: channels (default: all), band; with scene, tension_of, EI_of,
 //                        EA_of, damping_of (parameters that take the axial test's damping ratio),
 //                        load: the scene's release or impact is simulated and laid over them
-//     kind = "modal"     scene, planes, tension_of, EI_of, EA_of, damping_of, and one or both of
+//     kind = "modal"     recordings of hammer hits alone, or with scene, planes, tension_of,
+//                        EI_of, EA_of, damping_of: one or both of
 //                        a [test.table] with columns tension (none: one state), measured,
 //                        models = { label = column, ... }; and recordings of hammer hits: force
 //                        (channel), responses (default: every other), sensors = { channel = sensor

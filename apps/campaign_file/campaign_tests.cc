@@ -260,7 +260,9 @@ void CampaignTestReader::read_scene_keys(TomlTable& table, CampaignTest& test) {
 }
 
 void CampaignTestReader::read_modal(TomlTable& table, CampaignTest& test) {
-  read_scene_keys(table, test);
+  if (table.has("scene") || !table.has("recording") || table.has("table")) {
+    read_scene_keys(table, test);
+  }
   if (table.has("planes")) {
     const auto planes = table.string_or_strings("planes");
     test.in_plane = test.out_of_plane = false;
@@ -299,6 +301,14 @@ void CampaignTestReader::read_hammer(TomlTable& table, CampaignTest& test) {
       throw table.error("direction", "is zero", "give the direction struck and measured along");
     }
     test.direction = direction.normalized();
+  }
+  if (!test.scene) {  // places struck have any names
+    hammer.load = table.string_or("load", "");
+    read_recordings(table, test);
+    for (auto& group : test.recordings) {
+      if (group.load.empty()) group.load = hammer.load;
+    }
+    return;
   }
   const auto& scene = campaign_.scenes[*test.scene].scene;
   std::vector<std::string> impacts;

@@ -171,7 +171,7 @@ class Stages {
     }
     for (std::size_t i = 0; i < tests; ++i) {
       const auto& test = campaign_.tests[i];
-      if (test.kind == CampaignTest::Kind::modal) {
+      if (test.kind == CampaignTest::Kind::modal && test.scene) {
         tasks.emplace_back([&, i] { second[i] = modal_part(campaign_, test, known_, states[i]); });
       }
     }

@@ -6,41 +6,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "ident/statistics/in_parallel.h"
 #include "signal/spectra/fft.h"
 
 namespace rigfit::apps {
 namespace {
 
 using Eigen::Index;
-constexpr double kLongest_s = 10;  // of a simulated answer
-constexpr double kAlike_s = 0.5;   // over which record and answer are brought together
-constexpr double kFirst_s = 0.5;   // of the first moments
-
-/// Where the model's answer starts in the record: the shift at which they are most alike over the
-/// model's first `length` samples.
-Index best_shift(const Eigen::VectorXd& record, const Eigen::VectorXd& model, Index length) {
-  const Index n = std::min({length, record.size(), model.size()});
-  Index best = 0;
-  double most = -1;
-  const Eigen::VectorXd head = model.head(n).array() - model.head(n).mean();
-  for (Index shift = 0; shift + n <= record.size(); ++shift) {
-    const auto part = record.segment(shift, n);
-    // Where the model starts, the record moves most: alike in size as well as in shape.
-    const double product = (part.array() - part.mean()).matrix().dot(head);
-    if (product > most) most = product, best = shift;
-  }
-  return best;
-}
-
-/// Missing samples at the mean of the others.
-Eigen::VectorXd filled(const Eigen::VectorXd& samples) {
-  double sum = 0, count = 0;
-  for (const double v : samples) {
-    if (std::isfinite(v)) sum += v, ++count;
-  }
-  return samples.unaryExpr([&](double v) { return std::isfinite(v) ? v : sum / count; });
-}
+constexpr double kFirst_s = 0.5;  // of the first moments
 
 PlotSeries spectrum_of(const Eigen::Ref<const Eigen::VectorXd>& samples, double rate_hz,
                        double high_hz, PlotSeries series) {
@@ -90,42 +62,6 @@ void keep_between(Plot& plot, double from, double to) {
 
 }  // namespace
 
-std::vector<ReleaseAnswer> release_answers(const AnalysedDecay& decay,
-                                           const signal::DecayOptions& options,
-                                           const std::vector<ModelVersion>& versions, int threads) {
-  const Eigen::VectorXd record = filled(decay.samples);
-  std::vector<ReleaseAnswer> answers(versions.size());
-  ident::in_parallel(versions.size(), threads, [&](std::size_t k) {
-    const auto& version = versions[k];
-    model::ResponseOptions response;
-    response.sampling.rate_hz = decay.rate_hz;
-    response.sampling.duration_s =
-        std::min(kLongest_s, static_cast<double>(record.size()) / decay.rate_hz);
-    ReleaseAnswer& answer = answers[k];
-    answer.label = version.label;
-    answer.response = model::simulate_response(version.scene, response);
-    if (!answer.response.completed || answer.response.samples.rows() < 16) {
-      answer.failure = "the model gives no answer: " + answer.response.reason;
-    } else {
-      const Eigen::VectorXd model = answer.response.samples.col(0);
-      answer.start =
-          best_shift(record, model, static_cast<Index>(std::lround(kAlike_s * decay.rate_hz)));
-      // The same stretch of the motion as in the record: a large motion's frequency falls with it.
-      const Index first = std::max<Index>(0, decay.result.start - answer.start);
-      const Index last = std::min(model.size(), decay.result.end - answer.start);
-      if (last - first < 16) {
-        answer.failure = "the record was analysed where the model has ended";
-      } else {
-        signal::DecayOptions same = options;
-        same.choose_window = same.trim_start = false;
-        answer.found =
-            signal::estimate_decay(model.segment(first, last - first), decay.rate_hz, same);
-      }
-    }
-  });
-  return answers;
-}
-
 std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& decay,
                                 const std::vector<ReleaseAnswer>& answers, double high_hz) {
   const auto time = [&](Index i) { return decay.start_s + static_cast<double>(i) / decay.rate_hz; };
@@ -152,7 +88,7 @@ std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& deca
   spectra.y_label = fmt::format("amplitude, {}", unit_words(decay.unit));
   spectra.log_y = true;
 
-  const Eigen::VectorXd record = filled(decay.samples);
+  const Eigen::VectorXd record = ident::filled(decay.samples);
   plot.series.push_back(test);
   for (Index i = 0; i < record.size(); ++i) {
     plot.series.back().x.push_back(time(i));
@@ -186,18 +122,6 @@ std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& deca
   zoom.caption = "The same, half a second from the start on.";
   keep_between(zoom, time(first) - 0.02, time(first) + kFirst_s);
   return {std::move(plot), std::move(zoom), std::move(spectra)};
-}
-
-const signal::DecayMode* same_oscillation(const signal::DecayMode& mode,
-                                          const ReleaseAnswer& answer) {
-  const auto off = [&](const signal::DecayMode& other) {
-    return std::abs(std::log(other.frequency_hz.value / mode.frequency_hz.value));
-  };
-  const signal::DecayMode* nearest = nullptr;
-  for (const auto& other : answer.found.modes) {
-    if (off(other) < 0.15 && (!nearest || off(other) < off(*nearest))) nearest = &other;
-  }
-  return nearest;
 }
 
 }  // namespace rigfit::apps

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "apps/report/modal/modal_tables.h"
-#include "apps/report/modal/mode_lines.h"
+#include "ident/campaign/mode_lines.h"
 
 namespace rigfit::apps {
 namespace {
@@ -79,9 +79,9 @@ TensionPlot tension_plot(const Campaign& campaign, const CampaignTest& test,
       if (row.measured_hz > highest) highest = row.measured_hz;
     }
   }
-  const auto followed =
-      follow_modes([&](double tension_N) { return scene_at(campaign, test, known, tension_N); },
-                   *states.front().tension_N, *states.back().tension_N, kSteps, 1.1 * highest);
+  const auto followed = ident::follow_modes(
+      [&](double tension_N) { return scene_at(campaign, test, known, tension_N); },
+      *states.front().tension_N, *states.back().tension_N, kSteps, 1.1 * highest);
   const auto name_of_line = [&](std::size_t l) {
     const auto& line = followed.lines[l];
     return fmt::format("{} {}", line.plane == model::ModePlane::in ? "in" : "out", line.number);

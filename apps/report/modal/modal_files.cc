@@ -86,8 +86,9 @@ std::string frf_file(const signal::FrfSet& frfs) {
   return signal::uff_text(frfs, signal::UffEncoding::binary);
 }
 
-std::string mode_file(const model::Scene& scene, const signal::ModalModel& modes) {
-  return signal::uff_text(modes, positions_of(scene));
+std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes) {
+  if (!scene) return signal::uff_text(modes);
+  return signal::uff_text(modes, positions_of(*scene));
 }
 
 std::string model_mode_file(const model::ModalAnalysis& analysis) {

@@ -17,8 +17,8 @@ namespace rigfit::apps {
                                               const std::string& shown_name);
 
 [[nodiscard]] std::string frf_file(const signal::FrfSet& frfs);
-/// Identified modes at the scene's sensors.
-[[nodiscard]] std::string mode_file(const model::Scene& scene, const signal::ModalModel& modes);
+/// Identified modes, at the scene's sensors where there is a scene (else null).
+[[nodiscard]] std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes);
 /// Modelled modes at every node of the chain, three directions each.
 [[nodiscard]] std::string model_mode_file(const model::ModalAnalysis& analysis);
 

@@ -1,157 +1,11 @@
 #include "apps/report/modal/modal_states.h"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <limits>
 
-#include "signal/numerics/numbers.h"
-
 namespace rigfit::apps {
-namespace {
 
-using signal::kNaN;
-
-RmsError rms(double sum, int rows) { return {rows > 0 ? std::sqrt(sum / rows) : kNaN, rows}; }
-
-/// The state of that tension, made when there is none; tensions that agree to a part in 200 are
-/// one.
-ModalState& state_of(std::vector<ModalState>& states, std::optional<double> tension) {
-  for (auto& state : states) {
-    if (state.tension_N.has_value() != tension.has_value()) continue;
-    if (!tension || std::abs(*state.tension_N - *tension) <= 0.005 * *tension) return state;
-  }
-  states.emplace_back();
-  states.back().tension_N = tension;
-  return states.back();
-}
-
-void add_recorded(std::vector<ModalState>& states, const ident::ModalTestState& recorded,
-                  std::size_t published_models) {
-  ModalState& state = state_of(states, recorded.tension_N);
-  state.recorded = &recorded;
-  for (const auto& mode : recorded.modal->model.modes) {
-    MeasuredRow row;
-    row.measured_hz = mode.frequency_hz.value;
-    row.std_hz = mode.frequency_hz.std;
-    const bool damping = !mode.damping_dominated_by_window;
-    row.damping = damping ? mode.damping_ratio.value : kNaN;
-    row.damping_std = damping ? mode.damping_ratio.std : kNaN;
-    row.origin = recorded.origin;
-    row.shape = mode.shape;
-    row.models_hz.assign(published_models, kNaN);
-    state.rows.push_back(std::move(row));
-  }
-}
-
-void add_published(std::vector<ModalState>& states, const ResultColumns& results) {
-  for (const auto& values : results.table.rows) {
-    std::optional<double> tension;
-    if (results.tension) tension = values[*results.tension];
-    MeasuredRow row;
-    row.measured_hz = results.measured ? values[*results.measured] : kNaN;
-    row.std_hz = row.damping = row.damping_std = kNaN;
-    for (const auto& [label, column] : results.models) row.models_hz.push_back(values[column]);
-    state_of(states, tension).rows.push_back(std::move(row));
-  }
-}
-
-double typical_segments_error(const model::ModalAnalysis& analysis) {
-  std::vector<double> errors;
-  for (const auto& mode : analysis.modes) {
-    const double error = std::abs(mode.extrapolated_hz / mode.frequency_hz - 1);
-    if (std::isfinite(error)) errors.push_back(error);
-  }
-  if (errors.empty()) return 0;
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
-}
-
-bool own(const ModalState& state, const MeasuredRow& row) {
-  return !state.recorded || row.origin == state.recorded->origin;
-}
-
-}  // namespace
-
-void pair_rows(const CampaignTest& test, const model::ModalAnalysis& analysis,
-               std::vector<MeasuredRow>& rows) {
-  // Recorded and published rows are two tests: the same mode may be seen by both.
-  std::vector<Origin> origins;
-  for (auto& row : rows) {
-    row.mode.reset();
-    row.mac = kNaN;
-    row.other_plane = false;
-    if (std::find(origins.begin(), origins.end(), row.origin) == origins.end()) {
-      origins.push_back(row.origin);
-    }
-  }
-  std::vector<ident::PairingMode> modelled;
-  for (const auto& mode : analysis.modes) {
-    if (!(mode.frequency_hz > 0)) continue;
-    modelled.push_back(
-        {mode.frequency_hz, mode.plane, mode.sensor_shape.cast<std::complex<double>>(), 1});
-  }
-  const auto first = analysis.modes.size() - modelled.size();  // rigid motions come first
-  for (const Origin origin : origins) {
-    std::vector<ident::PairingMode> measured;
-    std::vector<std::size_t> row_of;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (rows[i].origin != origin || !std::isfinite(rows[i].measured_hz)) continue;
-      measured.push_back({rows[i].measured_hz, test.plane(), rows[i].shape, 1});
-      row_of.push_back(i);
-    }
-    if (measured.empty() || modelled.empty()) continue;
-    const auto pairing = ident::pair_modes(measured, modelled);
-    for (const auto& pair : pairing.pairs) {
-      auto& row = rows[row_of[static_cast<std::size_t>(pair.measured)]];
-      row.mode = first + static_cast<std::size_t>(pair.model);
-      row.mac = pair.mac;
-      row.other_plane = pair.cross_plane;
-    }
-  }
-}
-
-Instrumented instrumented(model::Scene scene, const CampaignTest& test,
-                          const ident::ModalTestState& recorded) {
-  Instrumented rig;
-  const auto form = recorded.hammer.frfs.form;
-  const auto quantity = form == signal::FrfForm::receptance ? model::Sensor::Quantity::displacement
-                        : form == signal::FrfForm::mobility ? model::Sensor::Quantity::velocity
-                                                            : model::Sensor::Quantity::acceleration;
-  const auto oriented = [&](Eigen::Vector3d& direction, const Eigen::Vector3d& recorded_direction) {
-    if (recorded_direction.norm() > 0.5) direction = recorded_direction.normalized();
-    // A test said to go along one direction: as the scene's, it is struck and measured there.
-    if (test.direction) {
-      const double sign = direction.dot(*test.direction) < 0 ? -1 : 1;
-      direction = sign * *test.direction;
-    }
-  };
-  std::vector<model::Sensor> sensors;
-  for (std::size_t r = 0; r < recorded.channels.size(); ++r) {
-    const auto other = test.hammer.sensors.find(recorded.channels[r]);
-    const auto& name = other == test.hammer.sensors.end() ? recorded.channels[r] : other->second;
-    for (const auto& sensor : scene.sensors) {
-      if (sensor.name != name) continue;
-      sensors.push_back(sensor);
-      sensors.back().quantity = quantity;
-      oriented(sensors.back().direction, recorded.directions[r]);
-      rig.response.push_back(static_cast<Eigen::Index>(r));
-    }
-  }
-  std::vector<model::Load> loads;
-  for (std::size_t i = 0; i < recorded.hammer.frfs.inputs.size(); ++i) {
-    for (const auto& load : scene.loads) {
-      if (load.name != recorded.hammer.frfs.inputs[i].name) continue;
-      loads.push_back(load);
-      oriented(loads.back().direction, recorded.force_directions[i]);
-      rig.input.push_back(static_cast<Eigen::Index>(i));
-    }
-  }
-  scene.sensors = std::move(sensors);
-  scene.loads = std::move(loads);
-  rig.scene = std::move(scene);
-  return rig;
+ident::TestSetup setup_of(const CampaignTest& test) {
+  return {test.direction, test.hammer.sensors, test.plane()};
 }
 
 model::Scene scene_at(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
@@ -169,71 +23,26 @@ model::Scene scene_at(const Campaign& campaign, const CampaignTest& test, const 
 std::vector<ModalState> modal_states(const Campaign& campaign, const CampaignTest& test,
                                      const KnownValues& known,
                                      const std::vector<ident::ModalTestState>& recorded) {
-  std::vector<ModalState> states;
-  const std::size_t models = test.results ? test.results->models.size() : 0;
-  for (const auto& one : recorded) add_recorded(states, one, models);
-  if (test.results) add_published(states, *test.results);
-  std::sort(states.begin(), states.end(),
-            [](const ModalState& a, const ModalState& b) { return a.tension_N < b.tension_N; });
-  for (auto& state : states) {
-    if (state.tension_N && !known.EI.empty() && !test.EI_of.empty()) {
-      state.EI_Nm2 = known.EI.at(*state.tension_N);
-    }
-    state.rig.scene = scene_at(campaign, test, known, state.tension_N);
-    if (state.recorded) {
-      state.rig = instrumented(std::move(state.rig.scene), test, *state.recorded);
-      for (auto& row : state.rows) {
-        if (row.shape.size() == 0) continue;
-        Eigen::VectorXcd shape(static_cast<Eigen::Index>(state.rig.response.size()));
-        for (std::size_t s = 0; s < state.rig.response.size(); ++s) {
-          shape[static_cast<Eigen::Index>(s)] = row.shape[state.rig.response[s]];
-        }
-        row.shape = shape;
-      }
-    }
-    double highest = 0;
-    for (const auto& row : state.rows) {
-      if (row.measured_hz > highest) highest = row.measured_hz;
-    }
-    model::ModesOptions options;
-    // A third above the highest measured frequency: beyond that no pair would be accepted.
-    options.band_hz = {{0.0, 1.35 * highest}};
-    const auto begin = std::chrono::steady_clock::now();
-    state.analysis = model::analyse_modes(state.rig.scene, options);
-    state.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    state.segments_error = typical_segments_error(state.analysis);
-    pair_rows(test, state.analysis, state.rows);
-  }
-  return states;
-}
-
-RmsError rms_of_model(const std::vector<ModalState>& states) {
-  double sum = 0;
-  int rows = 0;
-  for (const auto& state : states) {
-    for (const auto& row : state.rows) {
-      if (!row.mode || !own(state, row)) continue;
-      const double error = state.analysis.modes[*row.mode].frequency_hz / row.measured_hz - 1;
-      sum += error * error;
-      ++rows;
+  std::vector<ident::PublishedMode> published;
+  if (test.results) {
+    const auto& results = *test.results;
+    for (const auto& values : results.table.rows) {
+      ident::PublishedMode mode;
+      if (results.tension) mode.tension_N = values[*results.tension];
+      mode.measured_hz =
+          results.measured ? values[*results.measured] : std::numeric_limits<double>::quiet_NaN();
+      for (const auto& [label, column] : results.models) mode.models_hz.push_back(values[column]);
+      published.push_back(std::move(mode));
     }
   }
-  return rms(sum, rows);
-}
-
-RmsError rms_of_published(const std::vector<ModalState>& states, std::size_t model) {
-  double sum = 0;
-  int rows = 0;
-  for (const auto& state : states) {
-    for (const auto& row : state.rows) {
-      if (row.models_hz.size() <= model) continue;
-      const double error = row.models_hz[model] / row.measured_hz - 1;
-      if (!std::isfinite(error)) continue;
-      sum += error * error;
-      ++rows;
+  const auto at = [&](std::optional<double> tension_N) {
+    ident::SceneOfState state{scene_at(campaign, test, known, tension_N), {}};
+    if (tension_N && !known.EI.empty() && !test.EI_of.empty()) {
+      state.EI_Nm2 = known.EI.at(*tension_N);
     }
-  }
-  return rms(sum, rows);
+    return state;
+  };
+  return ident::modal_states(setup_of(test), at, recorded, published);
 }
 
 }  // namespace rigfit::apps

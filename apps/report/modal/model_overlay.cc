@@ -7,14 +7,11 @@
 #include <limits>
 
 #include "apps/report/figures/frf_plots.h"
-#include "model/linear/frf_synthesis.h"
-#include "signal/modal/modal_synthesis.h"
 
 namespace rigfit::apps {
 namespace {
 
 using Eigen::Index;
-constexpr Index kModelLines = 1500;  // of a model's FRF: more than a screen has pixels across
 
 PlotSeries::Style style_of(std::size_t version, std::size_t versions) {
   // The last version is what the report stands for; those before it are broken lines.
@@ -40,22 +37,12 @@ const char* axis_of(signal::FrfForm form) {
 
 Plot frf_overlay_plot(const std::string& id, const ident::ModalTestState& recorded,
                       const Instrumented& rig, const std::vector<ModelVersion>& versions) {
-  const auto& frfs = recorded.hammer.frfs;
-  const LineRange range = lines_between(frfs, recorded.modal->low_hz, recorded.modal->high_hz);
+  const auto compared = ident::compare_frfs(recorded, versions);
+  const auto& frfs = compared.test;
   // An exponential window lowers every peak of the measured FRFs; the model has none. Then the test
   // is shown by its identified modes, from which the window's damping has been taken.
-  const bool windowed = frfs.exponential_decay_rate_1_s > 0 &&
-                        !recorded.modal->model.modes.empty() && range.last >= range.first;
-  Plot plot;
-  if (windowed) {
-    signal::FrfSet free = signal::synthesised(
-        recorded.modal->model, frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
-        frfs.form, 0);
-    free.unit = frfs.unit;
-    plot = magnitude_plot(id, free, {0, free.frequency_hz.size() - 1}, recorded.origin, nullptr);
-  } else {
-    plot = magnitude_plot(id, frfs, range, recorded.origin, nullptr);
-  }
+  const bool windowed = compared.rebuilt;
+  Plot plot = magnitude_plot(id, frfs, {0, frfs.frequency_hz.size() - 1}, recorded.origin, nullptr);
   plot.title = "Frequency response, test and model";
   plot.caption =
       std::string(windowed ? "The test, rebuilt from its modes so that the window's damping "
@@ -64,12 +51,9 @@ Plot frf_overlay_plot(const std::string& id, const ident::ModalTestState& record
       " and what the model answers to the same force. Peaks side by side: the frequency is "
       "off; peaks of another height: the damping is.";
   for (auto& series : plot.series) series.name += windowed ? ", test (no window)" : ", test";
-  const Index all = range.last - range.first + 1;
-  const Index every = 1 + all / kModelLines;
-  Eigen::VectorXd lines((all + every - 1) / every);
-  for (Index k = 0; k < lines.size(); ++k) lines[k] = frfs.frequency_hz[range.first + k * every];
+  const auto& lines = compared.lines_hz;
   for (std::size_t v = 0; v < versions.size(); ++v) {
-    const auto model = model::synthesize_frfs(versions[v].scene, lines);
+    const auto& model = compared.versions[v];
     if (model.H.empty()) continue;
     for (std::size_t s = 0; s < rig.response.size(); ++s) {
       for (std::size_t l = 0; l < rig.input.size(); ++l) {
@@ -141,27 +125,15 @@ std::vector<Plot> hit_overlay_plots(const std::string& id, const ident::ModalTes
     }
     plot.series.push_back(std::move(series));
   }
-  model::ForceHistory force;
-  for (Index i = hit.pulse_first; i <= hit.pulse_last; ++i) {
-    force.time_s.push_back(static_cast<double>(i) / hit.rate_hz);
-    force.force_N.push_back(hit.force[i]);
-  }
+  const auto answers = ident::answers_to_hit(hit, versions);
   for (std::size_t v = 0; v < versions.size(); ++v) {
-    model::Scene scene = versions[v].scene;
-    model::ResponseOptions options;
-    scene.loads.resize(1);
-    scene.loads.front().kind = model::Load::Kind::record;
-    options.records = {force};
-    options.sampling.duration_s = static_cast<double>(n) / hit.rate_hz;
-    options.sampling.rate_hz = hit.rate_hz;
-    options.sampling.energy_samples = 0;  // not shown here, and as long to compute as the rest
-    const auto result = model::simulate_response(scene, options);
+    const auto& result = answers[v];
     if (!result.completed) continue;
     costs.push_back(
         response_cost(fmt::format("{}: answer to a hit, {}", id, versions[v].label), result));
     for (std::size_t s = 0; s < rig.response.size(); ++s) {
       PlotSeries series;
-      series.name = scene.sensors[s].name + ", " + versions[v].label;
+      series.name = versions[v].scene.sensors[s].name + ", " + versions[v].label;
       series.group = versions[v].label;
       series.origin = Origin::modelled;
       series.style = style_of(v, versions.size());

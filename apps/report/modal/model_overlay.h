@@ -6,15 +6,11 @@
 
 #include "apps/report/modal/modal_states.h"
 #include "apps/report/report_part.h"
-#include "model/response/response.h"
+#include "ident/campaign/model_answers.h"
 
 namespace rigfit::apps {
 
-/// One version of the model: as given, fitted, ...
-struct ModelVersion {
-  std::string label;
-  model::Scene scene;  ///< instrumented as the test was
-};
+using ident::ModelVersion;
 
 /// Magnitudes of the test with their band, and of every version; empty series when nothing could be
 /// computed.

@@ -26,7 +26,7 @@ class RecordedModalAnalysis {
     part().json_key = "recorded_modal";
     part().json["test"] = test.name;
     part().json["states"] = Json::array();
-    scene_ = &campaign.scenes[*test.scene].scene;
+    if (test.scene) scene_ = &campaign.scenes[*test.scene].scene;
   }
 
   RecordedModal run() {
@@ -161,6 +161,7 @@ class RecordedModalAnalysis {
   /// UFF node numbers and directions from the scene's sensors and loads.
   void name_points(std::vector<signal::MeasuredPoint>& responses,
                    std::vector<signal::MeasuredPoint>& inputs) const {
+    if (!scene_) return;
     for (auto& response : responses) {
       const auto other = test_.hammer.sensors.find(response.name);
       const std::string& name = other == test_.hammer.sensors.end() ? response.name : other->second;
@@ -265,7 +266,7 @@ class RecordedModalAnalysis {
   void add_files(const ident::ModalTestState& found) {
     const std::string label = state_label(found.tension_N);
     part().files.push_back({uff_path("frf", label), frf_file(found.hammer.frfs)});
-    part().files.push_back({uff_path("modes", label), mode_file(*scene_, found.modal->model)});
+    part().files.push_back({uff_path("modes", label), mode_file(scene_, found.modal->model)});
   }
 
   void finish(std::size_t files) {
@@ -298,7 +299,7 @@ class RecordedModalAnalysis {
   }
 
   const CampaignTest& test_;
-  const model::Scene* scene_ = nullptr;
+  const model::Scene* scene_ = nullptr;  ///< null: points keep their numbers
   RecordedModal result_;
   ReportTable hits_, modes_, rejected_columns_;
   std::vector<PlotTab> tabs_;

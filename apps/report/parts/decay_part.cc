@@ -9,6 +9,7 @@
 
 #include "apps/report/figures/decay_overlay.h"
 #include "apps/report/html_text.h"
+#include "apps/report/modal/model_overlay.h"
 #include "apps/report/parts/recording_blocks.h"
 #include "ident/campaign/decay_test.h"
 #include "ident/statistics/in_parallel.h"
@@ -150,7 +151,9 @@ class DecayAnalysis {
     const auto scenes = versions(group, sensor);
     if (scenes.empty()) return;
     job.modelled = true;
-    job.answers = release_answers(decay, options(), scenes, threads);
+    job.answers =
+        ident::release_answers({decay.samples, decay.rate_hz, decay.result.start, decay.result.end},
+                               options(), scenes, threads);
   }
 
   void tell(Job& job, PlotTab& tab, Json& list) {
@@ -213,13 +216,13 @@ class DecayAnalysis {
   }
 
   /// As given, and with what each fit found: its state at this tension, else what its states share.
-  [[nodiscard]] std::vector<ModelVersion> versions(const RecordingGroup& group,
-                                                   const std::string& sensor) const {
+  [[nodiscard]] std::vector<ident::ModelVersion> versions(const RecordingGroup& group,
+                                                          const std::string& sensor) const {
     model::Scene scene = scene_at(campaign_, test_, known_, group.tension_N);
     std::erase_if(scene.sensors, [&](const auto& one) { return one.name != sensor; });
     std::erase_if(scene.loads, [&](const auto& load) { return load.name != test_.hammer.load; });
     if (scene.sensors.empty() || scene.loads.empty()) return {};
-    std::vector<ModelVersion> all{{"as given", scene}};
+    std::vector<ident::ModelVersion> all{{"as given", scene}};
     for (const auto& fit : fits_) {
       const FittedValues* state = nullptr;
       for (const auto& one : fit.values) {
@@ -268,7 +271,7 @@ class DecayAnalysis {
       const auto rate = [](const signal::DecayMode& m) {
         return 2 * std::numbers::pi * m.frequency_hz.value * m.damping_ratio.value;
       };
-      const auto* same = same_oscillation(mode, answer);
+      const auto* same = ident::same_oscillation(mode, answer);
       const double error = same ? same->frequency_hz.value / mode.frequency_hz.value - 1 : 0;
       compared_.rows.push_back(
           {first ? short_name(decay.file) : "", first ? answer.label : "",

@@ -1,4 +1,4 @@
-#include "apps/report/modal/mode_lines.h"
+#include "ident/campaign/mode_lines.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 
-namespace rigfit::apps {
+namespace rigfit::ident {
 namespace {
 
 ModeLine line(int first, std::vector<double> frequency_hz) {
@@ -83,4 +83,4 @@ TEST(ModeLines, CableCrossesWhereIrvineSays) {
 }
 
 }  // namespace
-}  // namespace rigfit::apps
+}  // namespace rigfit::ident

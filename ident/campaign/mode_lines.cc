@@ -1,10 +1,10 @@
-#include "apps/report/modal/mode_lines.h"
+#include "ident/campaign/mode_lines.h"
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
-namespace rigfit::apps {
+namespace rigfit::ident {
 namespace {
 
 using Eigen::Index;
@@ -139,4 +139,4 @@ std::vector<ModeCrossing> crossings_of(const std::vector<double>& tension_N,
   return crossings;
 }
 
-}  // namespace rigfit::apps
+}  // namespace rigfit::ident

@@ -12,7 +12,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 
-namespace rigfit::apps {
+namespace rigfit::ident {
 
 struct ModeLine {
   model::ModePlane plane = model::ModePlane::in;
@@ -42,4 +42,4 @@ struct ModeLines {
                                                      const std::vector<ModeLine>& lines,
                                                      double resolution = 5e-3);
 
-}  // namespace rigfit::apps
+}  // namespace rigfit::ident

@@ -1,0 +1,96 @@
+// A modal test against its scene: at every state of the rig the scene takes what earlier tests
+// found (EI at the tension, EA, damping), its modes are computed and paired with what was measured,
+// by recordings, by a published table, or both.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/campaign/modal_test.h"
+#include "ident/campaign/origin.h"
+#include "model/linear/modal_analysis.h"
+#include "model/scene/scene.h"
+
+namespace rigfit::ident {
+
+/// The scene that stands for the rig at a tension (empty: as built), with all that tests made
+/// before found of it, and EI where a test gave it.
+struct SceneOfState {
+  model::Scene scene;
+  std::optional<double> EI_Nm2;
+};
+using SceneAt = std::function<SceneOfState(std::optional<double> tension_N)>;
+
+/// How a test was made, as its scene needs to know.
+struct TestSetup {
+  /// Struck and measured along this, whatever the scene says; unit vector.
+  std::optional<Eigen::Vector3d> direction;
+  std::map<std::string, std::string> sensors;  ///< channel -> sensor, where names differ
+  std::optional<model::ModePlane> plane;       ///< what all modes of the test lie in, leakage apart
+};
+
+/// The scene with the sensors and loads that a test had, in the order of its FRFs.
+struct Instrumented {
+  model::Scene scene;
+  std::vector<Eigen::Index> response, input;  ///< of the FRFs, by sensor and load of `scene`
+};
+
+/// `scene` with the sensors and loads of these FRFs; those that it does not have are left out.
+[[nodiscard]] Instrumented instrumented(model::Scene scene, const TestSetup& test,
+                                        const ModalTestState& recorded);
+
+/// A frequency of a table, with those of published models beside it.
+struct PublishedMode {
+  std::optional<double> tension_N;
+  double measured_hz = 0;         ///< NaN: dash
+  std::vector<double> models_hz;  ///< by published model; NaN: dash
+};
+
+struct MeasuredRow {
+  double measured_hz = 0;               ///< NaN: dash
+  double std_hz = 0;                    ///< NaN: not known
+  double damping = 0, damping_std = 0;  ///< NaN: not measured
+  Origin origin = Origin::published;
+  Eigen::VectorXcd shape;           ///< at the instrumented scene's sensors; empty: not measured
+  std::vector<double> models_hz;    ///< by published model; NaN: dash
+  std::optional<std::size_t> mode;  ///< index of the modelled mode paired with it
+  double mac = 0;                   ///< of that pair; NaN: fewer than two sensors
+  bool other_plane = false;         ///< that mode lies in a plane the test was not made to see
+};
+
+struct ModalState {
+  std::optional<double> tension_N;
+  std::optional<double> EI_Nm2;
+  Instrumented rig;
+  const ModalTestState* recorded = nullptr;
+  model::ModalAnalysis analysis;
+  double wall_s = 0;  ///< of the analysis
+  /// What the number of segments costs in frequency: median over the modes (where two modes cross,
+  /// the number of segments may swap them, and the largest error says nothing).
+  double segments_error = 0;
+  std::vector<MeasuredRow> rows;
+};
+
+/// Modes of the scene at every state of the test, by rising tension, and their pairing. `recorded`
+/// must outlive the result. Tensions that agree to a part in 200 are one state.
+[[nodiscard]] std::vector<ModalState> modal_states(const TestSetup& test, const SceneAt& scene_at,
+                                                   const std::vector<ModalTestState>& recorded,
+                                                   const std::vector<PublishedMode>& published);
+
+/// Pairs rows with modes of an analysis of the instrumented scene: fills mode, mac, other_plane.
+void pair_rows(const TestSetup& test, const model::ModalAnalysis& analysis,
+               std::vector<MeasuredRow>& rows);
+
+struct RmsError {
+  double value = 0;  ///< rms relative error; NaN without rows
+  int rows = 0;
+};
+/// Over the rows of the test's own recordings where there are any, else over the published ones;
+/// leakage from the other plane counts as paired.
+[[nodiscard]] RmsError rms_of_model(const std::vector<ModalState>& states);
+[[nodiscard]] RmsError rms_of_published(const std::vector<ModalState>& states, std::size_t model);
+
+}  // namespace rigfit::ident
