@@ -366,6 +366,29 @@ TEST_F(BrokenRecordings, AreNamedInTheirPlaceAndTheRestGoesOn) {
   EXPECT_THAT(page, HasSubstr("Refused"));
 }
 
+// Hits alone: FRFs, modes and files, without a scene to compare them with.
+TEST(ModalTestOfACampaign, NeedsNoScene) {
+  const TemporaryFolder folder;
+  const auto campaign = folder.write("campaign.toml", R"(title = "Hits"
+[[test]]
+name = "hits"
+kind = "modal"
+force = "force"
+band = [1.0, 160.0]
+exponential_window = 0.05
+[[test.recording]]
+files = [")" + kLaboratory + R"(/beam/rig/hammer-hit*.uff"]
+)");
+  const auto run = run_program({"report", campaign, "--out", (folder.path() / "out").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json document = parsed(folder.read("out/report.json"));
+  const auto& state = document["recorded_modal"][0]["states"][0];
+  EXPECT_GE(state["modes"].size(), 4u);
+  EXPECT_FALSE(document.contains("modal"));
+  const std::string modes = state["uff"][1];
+  EXPECT_THAT(folder.read("out/" + modes), HasSubstr("\n    55"));
+}
+
 // A release that the model itself answered: its record is found at the model's frequencies and
 // damping by the same estimator, moved in time or not.
 TEST(DecayTest, ModelOverItsOwnRecordAgrees) {

@@ -153,7 +153,7 @@ std::vector<Plot> hit_overlay_plots(const std::string& id, const ident::ModalTes
   Plot zoom = plot;
   zoom.id = id + "-first";
   zoom.title = "The first moments of it";
-  zoom.caption = "The same, a quarter of a second from the blow on.";
+  zoom.caption = "The same, the first quarter of a second after the hit.";
   for (auto& series : zoom.series) {
     PlotSeries cut = series;
     cut.x.clear();

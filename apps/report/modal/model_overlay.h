@@ -1,4 +1,4 @@
-// The model laid over a hammer test: FRFs, and the answer in time to a hit as it was recorded.
+// Figures of the model against a hammer test: FRFs, and the response to a hit as it was recorded.
 #pragma once
 
 #include <string>

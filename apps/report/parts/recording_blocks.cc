@@ -92,7 +92,7 @@ class Listing {
     if (table_.rows.size() > 8) {
       table_.fold = fmt::format("{} channels in {} recordings: {}", channels_, list_.size(),
                                 findings_ == 0 && refused_ == 0
-                                    ? std::string("nothing to object to")
+                                    ? std::string("no remarks")
                                     : fmt::format("{} remarks, {} refused", findings_, refused_));
     }
     part_.blocks.push_back(std::move(table_));

@@ -1,0 +1,108 @@
+// Hits of the virtual laboratory's beam (testdata/virtual_laboratory), some of them made unfit.
+#include "ident/campaign/modal_test.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "signal/readers/read_recording.h"
+
+namespace rigfit::ident {
+namespace {
+
+using ::testing::HasSubstr;
+
+signal::Recording hit(int number) {
+  return signal::read_recording(std::string(RIGFIT_TESTDATA) +
+                                "/virtual_laboratory/beam/rig/hammer-hit" + std::to_string(number) +
+                                ".uff");
+}
+
+ModalTestOptions options() {
+  ModalTestOptions options;
+  options.hammer.force = "force";
+  options.hammer.impact.hits.band_hz = {1.0, 160.0};
+  options.hammer.impact.exponential_end_level = 0.05;
+  return options;
+}
+
+std::vector<ModalRecording> hits(const std::string& place, std::optional<double> tension_N) {
+  std::vector<ModalRecording> list;
+  for (int k = 1; k <= 4; ++k) list.push_back({hit(k), tension_N, place, Origin::synthetic});
+  return list;
+}
+
+TEST(ModalTest, StatesByTensionAndTheSameNumbersWhateverTheyAreBeside) {
+  auto recordings = hits("", 300.0);
+  for (auto& one : hits("", 200.0)) recordings.push_back(std::move(one));
+  const auto test = run_modal_test(std::move(recordings), options());
+  ASSERT_EQ(test.states.size(), 2u);
+  EXPECT_EQ(test.states[0].tension_N, 200.0);
+  EXPECT_TRUE(test.findings.empty());
+  const auto& state = test.states[1];
+  ASSERT_TRUE(state.has_modes());
+  EXPECT_EQ(state.hammer.frfs.inputs[0].name, "hammer");
+  EXPECT_EQ(state.channels.size(), state.directions.size());
+  EXPECT_EQ(state.hits.size(), 1u);
+  // The hammer test by itself, and its modes: nothing is added on the way.
+  const auto alone = run_modal_test(hits("", {}), options());
+  const auto& modes = alone.states.at(0).modal->model.modes;
+  ASSERT_EQ(modes.size(), state.modal->model.modes.size());
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    EXPECT_EQ(modes[k].pole_rad_s, state.modal->model.modes[k].pole_rad_s);
+  }
+}
+
+TEST(ModalTest, WhatCannotTakePartIsRefusedWithItsReason) {
+  auto recordings = hits("", {});
+  const auto spoilt = [&](const char* path, auto change) {
+    ModalRecording one{hit(5), {}, "", Origin::synthetic};
+    one.recording.path = path;
+    change(one.recording);
+    recordings.push_back(std::move(one));
+  };
+  spoilt("slow", [](signal::Recording& r) { r.sample_rate_hz /= 2; });
+  spoilt("renamed", [](signal::Recording& r) { r.channels[0].name = "trigger"; });
+  spoilt("volts", [](signal::Recording& r) { r.channels[0].unit = "V"; });
+  const auto test = run_modal_test(std::move(recordings), options());
+  ASSERT_EQ(test.findings.size(), 3u);
+  const char* reasons[] = {"is sampled at", "has no channel \"force\"", "is in V, not in N"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_TRUE(test.findings[k].refused);
+    EXPECT_THAT(test.findings[k].message, HasSubstr(reasons[k]));
+  }
+  EXPECT_TRUE(test.states.at(0).has_modes());
+}
+
+TEST(ModalTest, APlaceWithoutAHitIsLeftOutAndDoesNotShortenTheOthers) {
+  auto recordings = hits("tip", {});
+  ModalRecording quiet{hit(5), {}, "foot", Origin::synthetic};
+  quiet.recording.channels[0].samples.setZero();
+  recordings.push_back(std::move(quiet));
+  const auto test = run_modal_test(std::move(recordings), options());
+  const auto& state = test.states.at(0);
+  ASSERT_EQ(state.hammer.frfs.inputs.size(), 1u);
+  const auto alone = run_modal_test(hits("tip", {}), options());
+  EXPECT_EQ(state.hammer.frfs.H, alone.states[0].hammer.frfs.H);
+  ASSERT_FALSE(state.findings.empty());
+  bool said = false;
+  for (const auto& finding : state.findings) {
+    said = said || (finding.code == "point_left_out" && finding.where == "foot");
+  }
+  EXPECT_TRUE(said);
+}
+
+TEST(HammerTest, ContradictingOptionsAreRefused) {
+  const std::vector<StruckPlace> places{{"", {hit(1)}}};
+  HammerTestOptions wrong;
+  wrong.force = "force";
+  wrong.responses = {"force"};
+  EXPECT_THROW((void)analyse_hammer_test(places, wrong), std::invalid_argument);
+  wrong.responses = {"beam 0.65 m"};
+  wrong.driving_point = "force";
+  EXPECT_THROW((void)analyse_hammer_test(places, wrong), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rigfit::ident
