@@ -13,6 +13,7 @@
 #include "model/linear/modal_analysis.h"
 #include "signal/decay/decay_modes.h"
 #include "signal/decay/decay_window.h"
+#include "signal/numerics/robust.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::ident {
@@ -87,8 +88,12 @@ struct ModeOfDecay {
   double log_EA = 0, share = 0;  // of the energy of the decay's modes
 };
 
+// Beyond so many times the median standard uncertainty a record says less than a hundredth of it.
+constexpr double kImprecise = 10;
+
+// `decaying`: only modes that are seen to decay, which hum and ambient motion are not.
 std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
-                                        const std::vector<AxialFoundDecay>& decays) {
+                                        const std::vector<AxialFoundDecay>& decays, bool decaying) {
   std::vector<ModeOfDecay> all;
   const auto& setup = inputs.setup;
   for (std::size_t k = 0; k < decays.size(); ++k) {
@@ -102,6 +107,7 @@ std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
       const double omega = 2 * std::numbers::pi * mode.frequency_hz.value;
       const bool swings = model::kStandardGravity > 0.1 * omega * omega * length;
       if (swings && inputs.band_high_hz == 0 && inputs.band_low_hz == 0) continue;
+      if (decaying && !(mode.damping_ratio.value > 2 * mode.damping_ratio.std)) continue;
       const auto rod = rod_stiffness(
           {omega * omega, setup.mass_kg.value, setup.mass_per_length_kg_m.value, length, 0});
       all.push_back({k, m, std::log(rod.cable_N_m * length), mode.energy / energy});
@@ -112,7 +118,8 @@ std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
 
 // The strongest mode of every decay among those at the EA that most of the energy has.
 void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
-  const auto all = possible_modes(inputs, result.decays);
+  auto all = possible_modes(inputs, result.decays, true);
+  if (all.empty()) all = possible_modes(inputs, result.decays, false);
   constexpr double kSame = 0.5;  // of ln EA: 1.6 either way
   const auto score = [&](double log_EA, bool take) {
     std::vector<double> best(result.decays.size(), 0);
@@ -131,17 +138,35 @@ void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
     if (sum > most) most = sum, at = one.log_EA;
   }
   if (most > 0) score(at, true);
-  for (auto& d : result.decays) {
-    if (!d.left_out.empty() || d.mode) continue;
-    d.left_out = "other_mode";
+  const auto leave_out = [&](AxialFoundDecay& d, const char* code, std::string why) {
+    d.left_out = code, d.mode.reset();
     result.findings.push_back(
-        {d.left_out,
-         fmt::format("left out: its strongest mode, {:.4g} Hz, is not the axial one of the other "
-                     "records; give a band",
-                     d.result.modes.front().frequency_hz.value),
+        {d.left_out, std::move(why),
          fmt::format("{}: {} at {:.4g} s", inputs.recordings[d.recording].name, d.channel,
                      d.start_s),
          false});
+  };
+  std::vector<double> stds;
+  for (auto& d : result.decays) {
+    if (d.mode) stds.push_back(d.result.modes[*d.mode].damped_frequency_hz.std);
+  }
+  const double median = stds.empty() ? 0 : signal::median(stds);
+  for (auto& d : result.decays) {
+    if (!d.left_out.empty()) continue;
+    if (!d.mode) {
+      leave_out(d, "other_mode",
+                fmt::format("left out: its strongest mode, {:.4g} Hz, is not the axial one of the "
+                            "other records or does not decay; give a band",
+                            d.result.modes.front().frequency_hz.value));
+      continue;
+    }
+    const auto& f = d.result.modes[*d.mode].damped_frequency_hz;
+    if (f.std > kImprecise * median) {
+      leave_out(d, "imprecise_decay",
+                fmt::format("left out: {:.4g} Hz is known to {:.2g} Hz, the other records to "
+                            "{:.2g} Hz: all records of a length count the same",
+                            f.value, f.std, median));
+    }
   }
 }
 

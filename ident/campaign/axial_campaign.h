@@ -5,7 +5,8 @@
 // The axial mode: the band given, or else that mode which most of the decays' energy has at one EA
 // (a factor of 1.6 either way). A mode at which the hung mass would stretch the cable by more than
 // a tenth, g / (omega^2 L) > 0.1, is none: the mass swings (1 for its pendulum, 1/4 for the ripple
-// that this makes in the tension).
+// that this makes in the tension). A mode that is not seen to decay (hum, ambient motion) is none
+// where others do.
 #pragma once
 
 #include <cstddef>

@@ -42,7 +42,7 @@ class DeckWriter {
     line("*FREQUENCY");
     line(fmt::format("{}", options_.frequencies));
     line("*END STEP");
-    return {std::move(text_), std::move(notes_)};
+    return {std::move(text_), std::move(members_), std::move(notes_)};
   }
 
  private:
@@ -113,7 +113,7 @@ class DeckWriter {
 
   // Local direction 1 of the section is the horizontal one across the member (z for the rig's
   // plane), about which EI[0] bends.
-  std::string section(const Member& member, std::size_t i, const Eigen::Vector3d& span) const {
+  std::string section(const Member& member, std::size_t i, const Eigen::Vector3d& span) {
     const double total_mass = member.mass_per_length * unstretched_of(member);
     const double height = std::sqrt(12 * member.EI[0] / member.EA);
     const double width = std::sqrt(12 * member.EI[1] / member.EA);
@@ -124,6 +124,7 @@ class DeckWriter {
     const double modulus =
         member.EA * ratio * ratio * ratio / ((1 + e) * (1 + e / 2)) / (height * width);
     const double density = total_mass / (height * width * span.norm());
+    add_rest(member, modulus * height * width, span.norm());
     const Eigen::Vector3d axis = span.normalized();
     Eigen::Vector3d across = Eigen::Vector3d::UnitZ() - axis.z() * axis;
     if (across.norm() < 1e-6) across = Eigen::Vector3d::UnitX();
@@ -137,12 +138,29 @@ class DeckWriter {
         across.z(), expansion(member, span.norm()));
   }
 
+  // What the deck's cable bears where it is as long as the scene's at rest.
+  void add_rest(const Member& member, double EA, double length) {
+    const double L0 = unstretched_of(member), now = L0 * (1 + strain_of(member)) / length;
+    const double a = member.kind == Member::Kind::cable ? thermal_strain(member, length) : 0;
+    const double taken = a - a * a / 2;
+    const double force = EA * ((now * now - 1) / 2 - taken) * now;
+    const double slope = EA * (1.5 * now * now - 0.5 - taken) / length;
+    members_.push_back(
+        {member.name, force, strain_of(member) * member.EA, L0 > 0 ? slope / (member.EA / L0) : 1});
+  }
+
+  // a with a - a^2/2 = g, Green's strain from the straight length to the unstretched one.
+  double thermal_strain(const Member& member, double length) const {
+    const double stretch = unstretched_of(member) / length;
+    const double green = (stretch * stretch - 1) / 2;
+    return 2 * green / (1 + std::sqrt(1 - 2 * green));
+  }
+
   // One temperature serves all cables: strain = alpha(t) t is tight at t = 1 and as the scene asks
   // at t = 2.
   std::string expansion(const Member& member, double length) const {
     if (member.kind != Member::Kind::cable) return "";
-    const double stretch = unstretched_of(member) / length;
-    const double strain = (stretch * stretch - 1) / 2;  // Green's
+    const double strain = thermal_strain(member, length);
     return fmt::format("*EXPANSION\n{:.12g},{}\n{:.12g},{}\n", (strain - kTightStrain) / kDegree,
                        kDegree, strain / (2 * kDegree), 2 * kDegree);
   }
@@ -261,6 +279,7 @@ class DeckWriter {
   const Equilibrium& equilibrium_;
   const CalculixOptions& options_;
   std::string text_, nodes_;
+  std::vector<CalculixMember> members_;
   std::vector<std::string> notes_;
   std::map<std::string, int> numbers_;
   int next_node_ = 1;

@@ -6,12 +6,15 @@
 // in each direction, E = EA/(b h), density from its mass (the rectangular form of Jalali and
 // Rideout 2021, eq. (16), chosen because ccx integrates a rectangle exactly and a circle only
 // nearly). Torsion follows from that section and Poisson's ratio, not from the scene's GJ. A cable
-// starts straight between its nodes; a thermal strain gives it its unstretched length. It is first
-// cooled to a tight state, from which the sagging one is reached without passing through slack. Its
-// pinned ends are left free to twist: ccx turns a node with a held rotation into a rigid body, and
-// once such an end has turned by the sag's slope, holding one component resists the others as well
-// (frequencies of the 25 N cable rise by 0.12 % when its modes are even, 0.35 % when odd). The
-// spinning mode that this leaves is not the scene's.
+// starts straight between its nodes; a thermal strain gives it its unstretched length. Of a thermal
+// strain a, ccx 2.20 takes a - a^2/2 off Green's strain (strings at tensions from 0.005 to 0.08 EA
+// tell that from a to 2e-5 of the tension); a is chosen such that the force at rest is the scene's.
+// About rest its axial stiffness is then 1 + 1.5 e of the scene's, e the strain at rest. A cable is
+// first cooled to a tight state, from which the sagging one is reached without passing through
+// slack. Its pinned ends are left free to twist: ccx turns a node with a held rotation into a rigid
+// body, and once such an end has turned by the sag's slope, holding one component resists the
+// others as well (frequencies of the 25 N cable rise by 0.12 % when its modes are even, 0.35 % when
+// odd). The spinning mode that this leaves is not the scene's.
 #pragma once
 
 #include <string>
@@ -28,8 +31,17 @@ struct CalculixOptions {
   double poisson_ratio = 0.3;
 };
 
+/// A member at rest in the deck.
+struct CalculixMember {
+  std::string name;
+  double tension_N = 0;              ///< of the deck, where it lies as the scene's does
+  double scene_tension_N = 0;        ///< axial force at rest, a cable's horizontal one
+  double axial_stiffness_ratio = 1;  ///< about rest, deck's over scene's
+};
+
 struct CalculixDeck {
   std::string text;
+  std::vector<CalculixMember> members;
   std::vector<std::string> notes;  ///< what the deck cannot say as the scene does
 };
 

@@ -39,7 +39,17 @@ Json run(const ExportOptions& options, VerbContext& context) {
   context.write(path, deck.text);
   context.out << fmt::format("wrote {}\nrun it there with: ccx {}\n", path.string(),
                              path.stem().string());
+  Json members = Json::array();
+  for (const auto& member : deck.members) {
+    context.out << fmt::format("{}: {:.6g} N at rest in the deck, {:.6g} N in the scene\n",
+                               member.name, member.tension_N, member.scene_tension_N);
+    members.push_back({{"member", member.name},
+                       {"deck_tension_N", member.tension_N},
+                       {"scene_tension_N", member.scene_tension_N},
+                       {"axial_stiffness_ratio", member.axial_stiffness_ratio}});
+  }
   Json result;
+  result["members"] = std::move(members);
   result["files"] = Json::array({path.string()});
   return result;
 }
@@ -62,7 +72,9 @@ void add_export(CLI::App& program, Verbs& verbs) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app->footer(
-      "Example:\n  rigfit export testdata/jalali2021/scenes/cable.toml --calculix build/ccx");
+      "The deck's tensions at rest are the scene's; both are printed, with the ratio of the axial "
+      "stiffnesses about rest (1 + 1.5 T/EA) in the JSON.\nExample:\n  rigfit export "
+      "testdata/jalali2021/scenes/cable.toml --calculix build/ccx");
   verbs.push_back({app, [options](VerbContext& context) { return run(*options, context); }});
 }
 

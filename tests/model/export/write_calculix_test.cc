@@ -91,6 +91,46 @@ TEST(WriteCalculix, SaggingCableAt25NAgrees) {
   expect_agreement(cable(25, 0.2549), 6, 5e-4, 40, true);
 }
 
+// Strains of per cents: were T/EA left out of the thermal strain, the first frequency would be
+// T/4EA off, 1 %. Only what the frequencies of a taut string depend on is compared: not modes that
+// stretch.
+TEST(WriteCalculix, TensionsAreTheScenesAtLargeStrains) {
+  Scene scene = cable(400, 0.0005);
+  scene.gravity.setZero();
+  scene.members[0].EA = 1e4;
+  ModesOptions options;
+  options.count = 2;
+  const auto one = analyse_modes(scene, options);
+  ASSERT_EQ(one.equilibrium.status, EquilibriumStatus::converged);
+  const auto deck = calculix_deck(scene, one.equilibrium);
+  ASSERT_EQ(deck.members.size(), 1u);
+  EXPECT_NEAR(deck.members[0].tension_N, 400, 1e-6);
+  // 1 + 1.5 e - 1.25 e^2 and higher.
+  EXPECT_NEAR(deck.members[0].axial_stiffness_ratio, 1 + 1.5 * 0.04, 1.5 * 0.04 * 0.04);
+  const auto frequencies = solved_by_ccx(deck);
+  ASSERT_GE(frequencies.size(), 2u);
+  EXPECT_NEAR(frequencies[0] / one.modes[0].extrapolated_hz, 1, 1e-4);
+
+  // Two cables in line, of unequal stiffness, whose joint is free to find its place.
+  scene.nodes.resize(3);
+  scene.nodes[2] = scene.nodes[1];
+  scene.nodes[1].name = "middle", scene.nodes[1].position = {1, 0, 0};
+  scene.nodes[1].support = {};
+  scene.nodes[2].name = "end";
+  scene.members.push_back(scene.members[0]);
+  scene.members[0].nodes = {"left", "middle"};
+  scene.members[1].name = "soft", scene.members[1].nodes = {"middle", "end"};
+  scene.members[1].EA = 5e3;
+  const auto two = analyse_modes(scene, options);
+  ASSERT_EQ(two.equilibrium.status, EquilibriumStatus::converged) << two.equilibrium.reason;
+  const auto unequal = calculix_deck(scene, two.equilibrium);
+  ASSERT_EQ(unequal.members.size(), 2u);
+  for (const auto& member : unequal.members) EXPECT_NEAR(member.tension_N, 400, 1e-6);
+  const auto both = solved_by_ccx(unequal);
+  ASSERT_GE(both.size(), 2u);
+  EXPECT_NEAR(both[0] / two.modes[0].extrapolated_hz, 1, 2e-4);
+}
+
 TEST(WriteCalculix, CantileverWithTipMassAgrees) {
   Scene scene;
   scene.nodes.resize(2);
