@@ -10,6 +10,7 @@
 
 #include "apps/campaign_file/stiffness_table.h"
 #include "apps/cli/exit_code.h"
+#include "ident/campaign/axial_campaign.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {
@@ -239,30 +240,44 @@ std::vector<ident::UncertainInput> aim_inputs(const std::vector<std::string>& te
   return inputs;
 }
 
-ident::UncertainInput axial_input(const std::string& path, UpdateStates& states) {
+std::vector<ident::UncertainInput> axial_inputs(const std::string& path, bool with_damping,
+                                                UpdateStates& states) {
   std::ifstream file(path, std::ios::binary);
   const auto document = nlohmann::json::parse(file, nullptr, false);
-  const auto number = [&](const char* key) {
-    if (!document.is_object() || !document.contains("EA_N")) return std::nan("");
-    const auto& EA = document["EA_N"];
-    return EA.is_object() && EA.contains(key) && EA[key].is_number() ? EA[key].get<double>()
-                                                                     : std::nan("");
-  };
-  const double value = number("value"), std = number("std");
-  if (!(value > 0) || !(std > 0)) {
-    throw model::SceneError({path, 0, 0, "EA_N"},
-                            "is no result of the axial test with EA and its std",
-                            "give what rigfit axial ... --json FILE wrote");
-  }
-  ident::UncertainInput input{"EA (axial test)", {}};
-  for (std::size_t s = 0; s < states.states.size(); ++s) {
-    for (auto& member : states.states[s].scene.members) {
-      if (member.kind != model::Member::Kind::cable) continue;
-      member.EA = value;
-      input.effects.push_back({static_cast<int>(s), member.name + ".EA", std});
+  const auto read = [&](const char* quantity) {
+    const auto number = [&](const char* key) {
+      if (!document.is_object() || !document.contains(quantity)) return std::nan("");
+      const auto& value = document[quantity];
+      return value.is_object() && value.contains(key) && value[key].is_number()
+                 ? value[key].get<double>()
+                 : std::nan("");
+    };
+    const signal::Estimate estimate{number("value"), number("std")};
+    if (!(estimate.value > 0) || !(estimate.std > 0)) {
+      throw model::SceneError({path, 0, 0, quantity}, "is no result of the axial test with its std",
+                              "give what rigfit axial ... --json FILE wrote");
     }
+    return estimate;
+  };
+  ident::AxialKnowledge known{read("EA_N"), {}};
+  if (with_damping) known.damping_ratio = read("damping_ratio");
+  ident::AxialUncertainty uncertainty;
+  for (std::size_t s = 0; s < states.states.size(); ++s) {
+    auto& scene = states.states[s].scene;
+    std::vector<std::string> EA_of, damping_of;
+    for (auto& member : scene.members) {
+      if (member.kind != model::Member::Kind::cable) continue;
+      EA_of.push_back(member.name + ".EA");
+      if (!with_damping) continue;
+      member.damping = {};  // the ratio takes the place of joint dampers
+      member.damping_ratio = known.damping_ratio.value;
+      damping_of.push_back(member.name + ".damping_ratio");
+    }
+    ident::apply_axial(known, EA_of, damping_of, scene, static_cast<int>(s), &uncertainty);
   }
-  return input;
+  std::vector<ident::UncertainInput> inputs{std::move(uncertainty.EA)};
+  if (with_damping) inputs.push_back(std::move(uncertainty.damping));
+  return inputs;
 }
 
 }  // namespace rigfit::apps

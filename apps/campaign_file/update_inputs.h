@@ -24,8 +24,11 @@ namespace rigfit::apps {
 [[nodiscard]] std::vector<ident::UncertainInput> aim_inputs(const std::vector<std::string>& texts,
                                                             const UpdateStates& states);
 
-/// Puts the EA of a result of `rigfit axial` (JSON) into all cables of all states; the input that
-/// it is. Throws model::SceneError for what is no such result.
-[[nodiscard]] ident::UncertainInput axial_input(const std::string& path, UpdateStates& states);
+/// Puts the EA of a result of `rigfit axial` (JSON), and its damping ratio when asked for, into all
+/// cables of all states; what each is known to, as inputs that move all of them together. Throws
+/// model::SceneError.
+[[nodiscard]] std::vector<ident::UncertainInput> axial_inputs(const std::string& path,
+                                                              bool with_damping,
+                                                              UpdateStates& states);
 
 }  // namespace rigfit::apps

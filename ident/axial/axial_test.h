@@ -15,9 +15,8 @@
 // Uncertainty by the GUM (JCGM 100), with a budget, and by Monte Carlo (JCGM 101) on closed forms,
 // a second way through (axial_monte_carlo.h).
 //
-// Damping ratios are averaged over records and lengths (random_effects.h). That is the
-// least-squares solution, linear in its one unknown, in closed form; Ceres gives the same to 1e-12
-// (axial_test_test.cc).
+// Damping ratios are averaged over records and lengths (random_effects.h): the weighted mean is the
+// least-squares solution of a model linear in its one unknown, and needs no iteration.
 #pragma once
 
 #include <cstdint>

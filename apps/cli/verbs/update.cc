@@ -26,6 +26,7 @@ struct UpdateCommand {
   std::vector<double> band;
   std::vector<std::string> free, priors, inputs, aims;
   std::string out, axial;
+  bool axial_damping = false;
   bool hold_out = false, profile = false;
   int monte_carlo = 0, starts = 4;
   double start_spread = 3, assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
@@ -249,7 +250,9 @@ Json run_update(VerbContext& context, UpdateCommand options) {
   update.threads = context.threads;
   if (!options.axial.empty()) {
     context.input(options.axial);
-    update.inputs.push_back(axial_input(options.axial, states));
+    for (auto& input : axial_inputs(options.axial, options.axial_damping, states)) {
+      update.inputs.push_back(std::move(input));
+    }
   }
   if (options.stiffness_common_std > 0 && states.stiffness.empty()) {
     throw UsageError("--stiffness-std is of the --stiffness table, and there is none");
@@ -427,6 +430,9 @@ void add_update(CLI::App& program, Verbs& verbs) {
   verb->add_option("--axial", options->axial,
                    "JSON result of rigfit axial: EA of all cables, with its uncertainty")
       ->check(CLI::ExistingFile);
+  verb->add_flag("--axial-damping", options->axial_damping,
+                 "With --axial: its damping ratio too becomes that of all cables")
+      ->needs("--axial");
   verb->add_option("--input", options->inputs,
                    "Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets "
                    "with commas (-TARGET: opposite), `tension` for the cables' reading, @each at "

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -127,8 +128,11 @@ TEST(WriteCalculix, TensionsAreTheScenesAtLargeStrains) {
   ASSERT_EQ(unequal.members.size(), 2u);
   for (const auto& member : unequal.members) EXPECT_NEAR(member.tension_N, 400, 1e-6);
   const auto both = solved_by_ccx(unequal);
-  ASSERT_GE(both.size(), 2u);
-  EXPECT_NEAR(both[0] / two.modes[0].extrapolated_hz, 1, 2e-4);
+  // Its ends free to twist, the deck spins at no frequency before it swings.
+  const auto swings = std::find_if(
+      both.begin(), both.end(), [&](double hz) { return hz > 0.5 * two.modes[0].extrapolated_hz; });
+  ASSERT_NE(swings, both.end());
+  EXPECT_NEAR(*swings / two.modes[0].extrapolated_hz, 1, 2e-4);
 }
 
 TEST(WriteCalculix, CantileverWithTipMassAgrees) {
