@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "signal/readers/read_recording.h"
@@ -75,11 +76,11 @@ TEST(ModalTest, WhatCannotTakePartIsRefusedWithItsReason) {
   EXPECT_TRUE(test.states.at(0).has_modes());
 }
 
-TEST(ModalTest, APlaceWithoutAHitIsLeftOutAndDoesNotShortenTheOthers) {
+TEST(ModalTest, APlaceWithoutAUsableHitIsLeftOutAndDoesNotShortenTheOthers) {
   auto recordings = hits("tip", {});
-  ModalRecording quiet{hit(5), {}, "foot", Origin::synthetic};
-  quiet.recording.channels[0].samples.setZero();
-  recordings.push_back(std::move(quiet));
+  ModalRecording gaps{hit(5), {}, "foot", Origin::synthetic};
+  gaps.recording.channels[1].samples.segment(200, 40).setConstant(std::nan(""));
+  recordings.push_back(std::move(gaps));
   const auto test = run_modal_test(std::move(recordings), options());
   const auto& state = test.states.at(0);
   ASSERT_EQ(state.hammer.frfs.inputs.size(), 1u);
