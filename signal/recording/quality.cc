@@ -336,8 +336,8 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel,
     q.mains_rms = spectrum.mains_rms;
     if (q.mains_hz > 0) {
       add("mains_hum",
-          fmt::format("mains hum at {:.0f} Hz and {} harmonics, {} rms", q.mains_hz,
-                      spectrum.harmonics - 1, with_unit(q.mains_rms, channel)),
+          fmt::format("may be mains hum: steady lines at {:.0f} Hz and {} harmonics, {} rms",
+                      q.mains_hz, spectrum.harmonics - 1, with_unit(q.mains_rms, channel)),
           0, -1);
     }
     if (std > 0 && q.noise_floor > 0.5 * std && count >= 256) {

@@ -136,8 +136,9 @@ SpectralQuality spectral_quality(const Eigen::Ref<const Eigen::VectorXd>& sample
       fundamental = fundamental || harmonic == 1;
       power += line.rms * line.rms;
     }
-    // Rectified hum may lack its fundamental, but not stand at one multiple alone.
-    if ((fundamental || found >= 2) && power > result.mains_rms * result.mains_rms) {
+    // Rectified hum may lack its fundamental, but then has several multiples; one or two alone are
+    // as likely a machine or a shaker.
+    if ((fundamental || found >= 3) && power > result.mains_rms * result.mains_rms) {
       result.mains_hz = mains;
       result.mains_rms = std::sqrt(power);
       result.harmonics = found;

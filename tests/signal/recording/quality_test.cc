@@ -153,6 +153,15 @@ TEST(Quality, HumWithItsHarmonicsAndTheFloor) {
   EXPECT_NEAR(q.noise_floor, 0.02, 0.05 * 0.02);
   const Eigen::VectorXd us = noise(40000, 0.02, 9) + sine(40000, 59.97, rate, 0.1);
   EXPECT_EQ(check(recording_of(us, rate)).mains_hz, 60);
+  // A shaker that steps through 100, 120 and 150 Hz is no hum.
+  for (const double high : {100.0, 150.0}) {
+    const Eigen::VectorXd shaken =
+        noise(40000, 0.02, 10) + sine(40000, 120, rate, 0.5) + sine(40000, high, rate, 0.5);
+    EXPECT_EQ(check(recording_of(shaken, rate)).mains_hz, 0) << high;
+  }
+  const Eigen::VectorXd both = noise(40000, 0.02, 10) + sine(40000, 100, rate, 0.5) +
+                               sine(40000, 120, rate, 0.5) + sine(40000, 150, rate, 0.5);
+  EXPECT_EQ(check(recording_of(both, rate)).mains_hz, 0);
 }
 
 TEST(Quality, ConstantAndEmptyChannels) {
