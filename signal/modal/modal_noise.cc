@@ -105,6 +105,20 @@ void update_columns(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& po
   }
 }
 
+/// b_i of inputs with one FRF each, where noise on the force shows only as errors that go with |H|
+/// from line to line: b power + a, by weighted least squares.
+void update_single_commons(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
+                           const ArrayXd& freedom) {
+  for (Index c = 0; c < squares.cols(); ++c) {
+    if (!std::isfinite(noise.column[c])) continue;
+    double& b = noise.common[c % noise.inputs()];
+    const ArrayXd weight = freedom * power.col(c) / (noise.column[c] + b * power.col(c)).square();
+    const ArrayXd scaled = squares.col(c) / (noise.line.array() * freedom);
+    const double below = (weight * power.col(c)).sum();
+    b = below > 0 ? std::max(0.0, (weight * (scaled - noise.column[c])).sum() / below) : 0;
+  }
+}
+
 }  // namespace
 
 FrfNoise noise_unknown(const Eigen::Ref<const MatrixXcd>& H, Index inputs,
@@ -159,9 +173,15 @@ FrfNoise noise_from_residuals(const Eigen::Ref<const MatrixXcd>& model,
   const VectorXd freedom = (1 - leverage.array()).max(0.02);
   FrfNoise noise = noise_unknown(model, inputs, correlation_lines);
   noise.column = (squares.colwise().sum().transpose() / freedom.sum()).matrix().cwiseMax(least);
-  for (int round = 0; round < 6; ++round) {
-    update_lines(noise, squares, power, freedom);
+  const bool single = model.cols() == inputs;
+  for (int round = 0; round < (single ? 12 : 6); ++round) {
+    // Of one FRF alone the line factor would take a resonance's share for itself.
+    if (!single || round >= 8) update_lines(noise, squares, power, freedom);
     update_columns(noise, squares, power, freedom.array(), least);
+    if (single) {
+      update_single_commons(noise, squares, power, freedom.array());
+      continue;
+    }
     // The common factor seen by all FRFs of an input together: variance q (b + 1 / h).
     const MatrixXd h = signal_to_noise(noise, power);
     for (Index i = 0; i < inputs; ++i) {

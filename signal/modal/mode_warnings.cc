@@ -114,7 +114,7 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
     if (f - half < result.low_hz || f + half > result.high_hz) {
       doubts.push_back("its resonance is cut by the end of the band");
     }
-    if (mode.between_points_std_hz * kTwoPi > 0.5 * measured) {
+    if (mode.between_points_std_hz * kTwoPi > 4 * measured) {
       doubts.push_back(
           fmt::format("its frequency differs between points by {:.2g} Hz rms, {:.1f} half "
                       "bandwidths: the points "

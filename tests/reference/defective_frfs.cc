@@ -47,7 +47,7 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
   const Index modes = options.frequency_hz.size();
   const double reference = 0.37;  // of the length: where the fixed end of each FRF is
   for (Index c = 0; c < options.points; ++c) {
-    const double x = (static_cast<double>(c) + 0.7) / (static_cast<double>(options.points) + 0.4);
+    const double x = (static_cast<double>(c) + 0.63) / (static_cast<double>(options.points) + 0.37);
     const double place =
         options.points > 1 ? static_cast<double>(c) / static_cast<double>(options.points - 1) - 0.5
                            : 0;
