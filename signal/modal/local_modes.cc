@@ -24,7 +24,7 @@ using Eigen::VectorXd;
 constexpr double kShareOfPoints = 0.3;
 /// Of the FRFs around a mode. A global fit that leaves less has found the modes that are there;
 /// measured structures are not linear to much better.
-constexpr double kSmallMisfit = 0.02;
+constexpr double kSmallMisfit = 0.01;
 
 PointPoleOptions point_options(const ModalOptions& options, std::size_t points) {
   PointPoleOptions result;

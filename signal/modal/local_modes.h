@@ -51,7 +51,7 @@ struct LocalModes {
                                                   const Eigen::VectorXcd& poles,
                                                   const ModalOptions& options);
 
-/// Whether the modes of a global fit are to be kept: around every mode it leaves less than 2 % of
+/// Whether the modes of a global fit are to be kept: around every mode it leaves less than 1 % of
 /// the FRFs, or what looks like noise (points agree on the pole, chance above 1e-4, and
 /// neighbouring lines of the misfit do not correlate). `excess`: of the line correlation of the
 /// whole misfit.
