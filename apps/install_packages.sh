@@ -12,7 +12,7 @@ build="ca-certificates cmake g++ ninja-build pkg-config
 test="libgtest-dev libgmock-dev libbenchmark-dev python3 chromium chromium-driver poppler-utils
   calculix-ccx"
 study="snakemake"
-check="clang clang-format clang-tidy clang-tools"
+check="clang clang-format clang-tidy clang-tools doxygen"
 
 case "${1:-}" in
   build) wanted="$build" ;;

@@ -8,7 +8,8 @@
 //     kind = "bending"   span (m), and a [test.table] with columns tension, EI, or recordings:
 //                        span_std (m), tension_zero_std (N), tension_calibration_std,
 //                        load_calibration_std, deflection_calibration_std (relative),
-//                        channels = { tension, load, deflection }
+//                        channels = { tension, load, deflection } (default: as
+//                        `rigfit bending` finds them); a table may hold several tensions
 //     kind = "axial"     mass (kg, hung), mass_std, mass_per_length (kg/m), mass_per_length_std,
 //                        length_std (m), adapter_stiffness (N/m), adapter_stiffness_std,
 //                        compliance_std (m/N, of what else gives way in series; 0: rigid),
@@ -100,8 +101,8 @@ struct CampaignTest {
   double tension_zero_std_N = 0;  ///< bending: of the tension cell's zero
   // Bending: relative standard uncertainties of calibration.
   double tension_calibration_std = 0, load_calibration_std = 0, deflection_calibration_std = 0;
-  /// Bending: names of the channels.
-  std::string tension_channel = "tension", load_channel = "load", deflection_channel = "deflection";
+  /// Bending: names of the channels; empty: as `rigfit bending` finds them.
+  std::string tension_channel, load_channel, deflection_channel;
   ident::AxialSetup axial;
   std::vector<std::string> channels;  ///< axial: one or none; decay
   std::optional<std::pair<double, double>> band_hz;

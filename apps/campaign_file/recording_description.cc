@@ -1,173 +1,18 @@
 #include "apps/campaign_file/recording_description.h"
 
-#include <cmath>
-#include <fstream>
-#include <iterator>
-
 #include "signal/readers/read_recording.h"
-#include "signal/recording/recording_error.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
-namespace {
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw model::SceneError({path.string(), 0, 0, ""}, "cannot be read",
-                            "check the rights of the file");
-  }
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// "mV/N" -> {"mV", "N"}: the slash that parts two units, the first one from the left that does.
-bool split_quotient(const std::string& text, std::string& over, std::string& under) {
-  for (std::size_t at = text.find('/'); at != std::string::npos; at = text.find('/', at + 1)) {
-    over = text.substr(0, at);
-    under = text.substr(at + 1);
-    if (signal::parse_unit(over) && signal::parse_unit(under)) return true;
-  }
-  return false;
-}
-
-ChannelDescription read_channel(model::TomlTable& table) {
-  ChannelDescription channel;
-  channel.source = table.string("source");
-  channel.name = table.string_or("name", "");
-  channel.unit = table.string_or("unit", "");
-  channel.scale = table.optional_number("scale", model::Bound::any, "unit per number in the file");
-  channel.offset = table.number_or("offset", model::Bound::any, "unit", 0);
-  channel.sensitivity = table.optional_number("sensitivity", model::Bound::any, "sensitivity_unit");
-  channel.sensitivity_unit = table.string_or("sensitivity_unit", "");
-  channel.range = table.number_or("range", model::Bound::not_negative, "unit", 0);
-  if (table.has("direction")) {
-    const auto d = table.numbers("direction", 3, 3, model::Bound::any, "1");
-    const double length = std::hypot(d[0], d[1], d[2]);
-    if (!(length > 0)) {
-      throw table.error("direction", "is zero", "give the direction of positive values");
-    }
-    channel.direction = {d[0] / length, d[1] / length, d[2] / length};
-  }
-  if (channel.scale && *channel.scale == 0) {
-    throw table.error("scale", "is zero", "give unit per number in the file");
-  }
-  if (channel.sensitivity && *channel.sensitivity == 0) {
-    throw table.error("sensitivity", "is zero", "give the transducer's, such as 2.27 mV/N");
-  }
-  if (channel.sensitivity && channel.scale) {
-    throw table.error("scale", "stands beside a sensitivity", "give one of the two");
-  }
-  std::string over, under;
-  if (channel.sensitivity.has_value() != !channel.sensitivity_unit.empty() ||
-      (channel.sensitivity && !split_quotient(channel.sensitivity_unit, over, under))) {
-    throw table.error("sensitivity_unit", "is not a quotient of two units",
-                      "write the sensitivity with its unit, such as 2.27 and \"mV/N\"");
-  }
-  if (channel.sensitivity && !channel.unit.empty()) {
-    throw table.error("unit", "stands beside a sensitivity",
-                      "the unit follows from sensitivity_unit; leave it out");
-  }
-  if (!channel.unit.empty() && !signal::parse_unit(channel.unit)) {
-    throw table.error("unit", "\"" + channel.unit + "\" is no unit we know",
-                      "write it like \"N\", \"m/s^2\", \"g\", \"mm\"");
-  }
-  return channel;
-}
-
-void apply_channel(const ChannelDescription& given, signal::Recording& recording) {
-  signal::Channel& channel =
-      recording.channels[static_cast<std::size_t>(recording.channel_index(given.source))];
-  // Back to the file's numbers: x = a * file + b is replaced as a whole.
-  double a = channel.si_per_source, b = channel.si_offset;
-  if (given.sensitivity) {
-    std::string over, under;
-    split_quotient(given.sensitivity_unit, over, under);
-    const auto from = signal::parse_unit(over);
-    const auto to = signal::parse_unit(under);
-    const auto file_unit = signal::parse_unit(channel.source_unit);
-    if (file_unit && file_unit->si != from->si) {
-      throw signal::RecordingError(
-          {recording.path.string(), 0, 0, channel.name, channel.source_unit},
-          "the file's unit does not fit a sensitivity in " + given.sensitivity_unit,
-          "give the sensitivity in that unit per unit of what is measured");
-    }
-    // Without a unit in the file its numbers are in the sensitivity's own.
-    const double si_per_number = file_unit ? file_unit->factor : from->factor;
-    a = si_per_number / (*given.sensitivity * from->factor) * to->factor;
-    b = 0;
-    channel.unit = to->si;
-    channel.quantity = to->quantity;
-  } else if (!given.unit.empty() || given.scale || given.offset != 0) {
-    const auto unit = signal::parse_unit(given.unit.empty() ? channel.source_unit : given.unit);
-    const double factor = unit ? unit->factor : 1;
-    a = given.scale.value_or(1) * factor;
-    b = given.offset * factor + (unit ? unit->offset : 0);
-    channel.unit = unit ? unit->si : "";
-    channel.quantity = unit ? unit->quantity : signal::Quantity::unknown;
-  }
-  if (a != channel.si_per_source || b != channel.si_offset) {
-    const double ratio = a / channel.si_per_source;
-    channel.samples = ((channel.samples.array() - channel.si_offset) * ratio + b).matrix();
-    channel.nominal_range *= std::abs(ratio);
-    channel.si_per_source = a;
-    channel.si_offset = b;
-  }
-  if (given.range > 0) {
-    const auto unit = signal::parse_unit(given.unit);
-    channel.nominal_range = given.range * (unit ? unit->factor : 1);
-  }
-  if (given.direction) channel.direction = *given.direction;
-  if (!given.name.empty()) channel.name = given.name;
-}
-
-}  // namespace
-
-RecordingDescription read_description(model::TomlTable& table) {
-  RecordingDescription description;
-  description.sample_rate_hz =
-      table.optional_number("sample_rate_hz", model::Bound::positive, "Hz").value_or(0);
-  for (auto& entry : table.tables_or_empty("channel")) {
-    description.channels.push_back(read_channel(entry));
-    entry.finish();
-  }
-  return description;
-}
-
-void apply_description(const RecordingDescription& description, signal::Recording& recording) {
-  for (const auto& channel : description.channels) apply_channel(channel, recording);
-  // What is described has its unit from the description; the reader's remark no longer holds.
-  std::string unitless;
-  for (const auto& channel : recording.channels) {
-    if (channel.unit.empty()) unitless += (unitless.empty() ? "\"" : ", \"") + channel.name + "\"";
-  }
-  auto& notes = recording.notes;
-  for (auto note = notes.begin(); note != notes.end();) {
-    if (note->code != "no_unit") {
-      ++note;
-    } else if (unitless.empty()) {
-      note = notes.erase(note);
-    } else {
-      note->where = unitless;
-      ++note;
-    }
-  }
-}
 
 signal::Recording load_recording(const fs::path& path, VerbContext& context,
                                  const signal::ReadOptions& options,
                                  const RecordingDescription& given) {
-  fs::path beside = path;
-  beside.replace_extension(".toml");
   RecordingDescription description;
-  std::error_code ignored;
-  const bool described = beside != path && fs::is_regular_file(beside, ignored);
   context.input(path.string());
-  if (described) {
-    context.input(beside.string());
-    auto table = model::TomlTable::parse(text_of(beside), beside.string());
-    description = read_description(table);
-    table.finish();
+  if (const auto beside = signal::description_beside(path)) {
+    context.input(beside->string());
+    description = signal::read_description(*beside);
   }
   signal::ReadOptions used = options;
   if (used.sample_rate_hz == 0) {
@@ -175,8 +20,8 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
         given.sample_rate_hz > 0 ? given.sample_rate_hz : description.sample_rate_hz;
   }
   signal::Recording recording = signal::read_recording(path, used);
-  apply_description(description, recording);
-  apply_description(given, recording);
+  signal::apply_description(description, recording);
+  signal::apply_description(given, recording);
   for (const auto& note : recording.notes) {
     const std::string where =
         note.where.empty() ? path.string() : path.string() + ": " + note.where;

@@ -54,7 +54,7 @@ std::vector<RecordingGroup> read_recording_groups(model::TomlTable& test, const 
     group.length_m = table.optional_number("length", model::Bound::positive, "m");
     group.load = table.string_or("load", "");
     group.synthetic = table.boolean_or("synthetic", false);
-    group.description = read_description(table);
+    group.description = signal::read_description(table);
     table.finish();
     groups.push_back(std::move(group));
   }

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_description.h"
-#include "apps/campaign_file/stiffness_table.h"
 #include "apps/cli/exit_code.h"
 #include "model/scene/read_scene.h"
 #include "signal/decay/decay.h"
@@ -35,8 +35,8 @@ class StateReader {
     }
     if (!data.stiffness.empty()) {
       context.input(data.stiffness);
-      stiffness_ = read_stiffness_table(data.stiffness);
-      result_.stiffness = stiffness_points(*stiffness_);
+      result_.stiffness = read_stiffness_curve(data.stiffness);
+      if (result_.stiffness.empty()) throw Refused(data.stiffness + " holds no EI over tension");
     }
     for (const auto& scene : data.scenes) several_ = several_ || scene != data.scenes.front();
   }
@@ -50,7 +50,8 @@ class StateReader {
     for (const auto& path : data_.responses) read_response(path, file++, tension_of(test++));
     check_compared();
     const auto known = [](const auto& tension) { return tension.has_value(); };
-    if (stiffness_ && std::none_of(result_.tension.begin(), result_.tension.end(), known)) {
+    if (!result_.stiffness.empty() &&
+        std::none_of(result_.tension.begin(), result_.tension.end(), known)) {
       throw UsageError("--stiffness goes by tension: give a tension_N column or --tension");
     }
     return std::move(result_);
@@ -106,9 +107,9 @@ class StateReader {
       for (const auto& member : scene.members) {
         if (member.kind != model::Member::Kind::cable) continue;
         model::set_parameter(state.scene, member.name + ".tension", *tension);
-        if (!stiffness_) continue;
+        if (result_.stiffness.empty()) continue;
         model::set_parameter(state.scene, member.name + ".EI",
-                             stiffness_at(*stiffness_, *tension, context_));
+                             stiffness_at(result_.stiffness, *tension, data_.stiffness, context_));
       }
     }
     result_.states.push_back(std::move(state));
@@ -364,7 +365,6 @@ class StateReader {
   std::size_t files_ = 0;
   std::size_t taken_ = 0;  // modes of universal files
   bool several_ = false;   // scenes
-  std::optional<ResultTable> stiffness_;
   UpdateStates result_;
 };
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/campaign_file/stiffness_table.h"
 #include "apps/cli/verb.h"
+#include "ident/bending/stiffness_curve.h"
 #include "ident/update/model_update.h"
 
 namespace rigfit::apps {
@@ -21,7 +21,7 @@ struct UpdateData {
   std::vector<std::string> compare;  ///< further columns: frequencies of other models
   std::vector<std::string> nodes;    ///< SENSOR=NODE[+X] of universal files of modes
   std::string decay_channel;
-  std::string stiffness;  ///< table of tension_N, EI_Nm2, or the JSON result of a bending test
+  std::string stiffness;  ///< table of tension_N, EI_Nm2, or JSON result of bending tests
   int segments = 0;       ///< of every member while fitting; 0: the scene's
   std::optional<std::pair<double, double>> band_hz;  ///< of FRFs, decays, universal files
 };
@@ -30,7 +30,7 @@ struct UpdateStates {
   std::vector<ident::UpdateState> states;
   std::vector<std::string> scene_files;  ///< by state
   std::vector<std::optional<double>> tension;
-  std::vector<StiffnessPoint> stiffness;   ///< that gave the states' EI; empty: none
+  ident::StiffnessCurve stiffness;         ///< that gave the states' EI; empty: none
   std::vector<std::vector<int>> segments;  ///< by state, of each member as its file says
   /// By state, measured mode, column of `compare`: what another model says; NaN where it is blank.
   std::vector<std::vector<std::vector<double>>> compared;

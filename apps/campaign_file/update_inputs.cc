@@ -8,9 +8,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "apps/campaign_file/stiffness_table.h"
 #include "apps/cli/exit_code.h"
 #include "ident/campaign/axial_campaign.h"
+#include "ident/campaign/stiffness_inputs.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {
@@ -89,7 +89,7 @@ void add_tension(const UpdateStates& states, std::size_t state, double std, bool
     const double change = relative ? std * *member.tension : std;
     effects.push_back({static_cast<int>(s), member.name + ".tension", change});
     if (states.stiffness.empty() || !states.tension[s]) return;
-    const double slope = stiffness_share(states.stiffness, *states.tension[s]).slope;
+    const double slope = states.stiffness.at(*states.tension[s]).slope_m2;
     effects.push_back({static_cast<int>(s), member.name + ".EI", slope * change});
   });
 }
@@ -153,30 +153,20 @@ std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::strin
     }
     if (!all.effects.empty()) inputs.push_back(std::move(all));
   }
-  const auto add_stiffness = [&](const std::string& name, auto std_at) {
-    ident::UncertainInput input{name, {}};
-    for_each_cable(states, [&](std::size_t s, const model::Member& member) {
-      if (!states.tension[s]) return;
-      const double change = std_at(stiffness_share(states.stiffness, *states.tension[s]), member);
-      if (change != 0) input.effects.push_back({static_cast<int>(s), member.name + ".EI", change});
-    });
-    if (!input.effects.empty()) inputs.push_back(std::move(input));
-  };
-  for (std::size_t p = 0; p < states.stiffness.size(); ++p) {
-    const auto& point = states.stiffness[p];
-    if (!std::isfinite(point.std)) continue;
-    add_stiffness(fmt::format("EI at {:g} N", point.tension_N),
-                  [&](const StiffnessShare& share, const model::Member&) {
-                    return point.std * ((share.first == p ? 1 - share.share : 0) +
-                                        (share.second == p ? share.share : 0));
-                  });
+  if (states.stiffness.empty()) return inputs;
+  std::vector<ident::StiffnessUse> uses;
+  ident::UncertainInput common{"EI, common to all tests", {}};
+  for_each_cable(states, [&](std::size_t s, const model::Member& member) {
+    if (!states.tension[s]) return;
+    const std::string name = member.name + ".EI";
+    uses.push_back({static_cast<int>(s), name, *states.tension[s]});
+    const double change = stiffness_common_std * member.EI[0];
+    if (change > 0) common.effects.push_back({static_cast<int>(s), name, change});
+  });
+  for (auto& input : ident::stiffness_inputs(states.stiffness, uses)) {
+    inputs.push_back(std::move(input));
   }
-  if (stiffness_common_std > 0 && !states.stiffness.empty()) {
-    add_stiffness("EI, common to all tests",
-                  [&](const StiffnessShare&, const model::Member& member) {
-                    return stiffness_common_std * member.EI[0];
-                  });
-  }
+  if (!common.effects.empty()) inputs.push_back(std::move(common));
   return inputs;
 }
 

@@ -96,6 +96,12 @@ Json mode_json(const signal::IdentifiedMode& mode) {
           {"trend_hz_per_point", json_estimate(mode.trend_hz.value, mode.trend_hz.std)},
           {"trend_certain", mode.has_trend},
           {"points", std::move(points)},
+          {"between_hits", mode.between_hits.hits > 1
+                               ? Json{{"hits", mode.between_hits.hits},
+                                      {"frequency_std_hz", mode.between_hits.frequency_std_hz},
+                                      {"damping_std", mode.between_hits.damping_std},
+                                      {"beyond_noise", mode.between_hits.beyond_noise}}
+                               : Json(nullptr)},
           {"doubtful", mode.doubtful},
           {"doubt", mode.doubt}};
 }

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/cli/json_document.h"
+#include "ident/campaign/fit_campaign.h"
 
 namespace rigfit::apps {
 namespace {
@@ -33,8 +35,8 @@ Json spread_json(const Eigen::VectorXd& mean, const Eigen::VectorXd& std,
 
 }  // namespace
 
-Json pair_json(const ident::UpdatedPair& pair, const UpdateStates& states) {
-  Json json{{"state", states.states[static_cast<std::size_t>(pair.state)].name},
+Json pair_json(const ident::UpdatedPair& pair, const States& states) {
+  Json json{{"state", states[static_cast<std::size_t>(pair.state)].name},
             {"measured_hz", pair.measured_hz},
             {"model_hz", pair.model_hz},
             {"relative_error", pair.relative_error},
@@ -50,11 +52,14 @@ Json pair_json(const ident::UpdatedPair& pair, const UpdateStates& states) {
   return json;
 }
 
-Json pairs_json(const ident::UpdateResult& result, const UpdateStates& states) {
+namespace {
+
+Json pairs_json(const std::vector<ident::UpdatedPair>& paired,
+                const std::vector<ident::UpdatedUnpaired>& unpaired, const States& states) {
   Json pairs = Json::array();
-  for (const auto& pair : result.pairs) pairs.push_back(pair_json(pair, states));
-  for (const auto& lone : result.unpaired) {
-    pairs.push_back({{"state", states.states[static_cast<std::size_t>(lone.state)].name},
+  for (const auto& pair : paired) pairs.push_back(pair_json(pair, states));
+  for (const auto& lone : unpaired) {
+    pairs.push_back({{"state", states[static_cast<std::size_t>(lone.state)].name},
                      {"measured_hz", lone.measured ? Json(lone.frequency_hz) : Json(nullptr)},
                      {"model_hz", lone.measured ? Json(nullptr) : Json(lone.frequency_hz)},
                      {"relative_error", nullptr},
@@ -63,7 +68,116 @@ Json pairs_json(const ident::UpdateResult& result, const UpdateStates& states) {
   return pairs;
 }
 
-Json monte_carlo_json(const ident::UpdateResult& result, const UpdateStates& states,
+Json parameters_json(const std::vector<ident::UpdatedParameter>& parameters) {
+  Json list = Json::array();
+  for (const auto& p : parameters) {
+    Json budget = Json::array();
+    for (const auto& term : p.budget)
+      budget.push_back({{"source", term.source}, {"std", term.std}});
+    list.push_back({{"name", p.name},
+                    {"start", p.start},
+                    {"value", p.value},
+                    {"std", json_number(p.std)},
+                    {"low", json_number(p.low)},
+                    {"high", json_number(p.high)},
+                    {"interval", p.interval_by_profile ? "profile" : "linear"},
+                    {"identifiable", p.identifiable},
+                    {"std_from_data", json_number(p.std_from_data)},
+                    {"at_bound", p.at_bound},
+                    {"segment_shift", json_number(p.segment_shift)},
+                    {"segments_taken_off", json_number(p.segments_taken_off)},
+                    {"budget", std::move(budget)}});
+  }
+  return list;
+}
+
+Json fit_json(const ident::UpdateFit& fit) {
+  return {{"chi2", fit.chi2},
+          {"degrees_of_freedom", fit.degrees_of_freedom},
+          {"p_value", json_number(fit.p_value)},
+          {"uncertainties", fit.stated ? "stated" : "assumed"},
+          {"model_std", fit.model_std}};
+}
+
+Json alternatives_json(const ident::UpdateResult& result, const States& states) {
+  Json list = Json::array();
+  for (const auto& one : result.alternatives) {
+    list.push_back({{"weight", one.weight},
+                    {"log_evidence", one.log_evidence},
+                    {"log_detected", one.log_detected},
+                    {"log_false", one.log_false},
+                    {"log_missed", one.log_missed},
+                    {"model_std", one.model_std},
+                    {"parameters", parameters_json(one.parameters)},
+                    {"pairs", pairs_json(one.pairs, one.unpaired, states)},
+                    {"rms_relative_error", json_number(one.rms_relative_error)}});
+  }
+  return list;
+}
+
+Json correlation_json(const Eigen::MatrixXd& matrix) {
+  Json correlation = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(json_number(matrix(i, j)));
+    correlation.push_back(std::move(row));
+  }
+  return correlation;
+}
+
+}  // namespace
+
+Json update_json(const ident::UpdateResult& result, const States& states) {
+  Json json{{"status", ident::name_of(result.status)},
+            {"parameters", parameters_json(result.parameters)},
+            {"fit", fit_json(result.fit)},
+            {"alternatives", alternatives_json(result, states)},
+            {"log_evidence", json_number(result.log_evidence)}};
+  json["correlation"] = correlation_json(result.correlation);
+  json["rank"] = result.identifiability.rank;
+  json["condition"] = json_number(result.identifiability.condition);
+  json["not_identifiable"] = result.open;
+  json["pairs"] = pairs_json(result.pairs, result.unpaired, states);
+  json["rms_relative_error"] = json_number(result.rms_relative_error);
+  json["rms_relative_error_before"] = json_number(result.rms_relative_error_before);
+  json["chi_squared"] = result.chi_squared;
+  json["degrees_of_freedom"] = result.degrees_of_freedom;
+  json["coverage_factor"] = result.coverage_factor;
+  json["starts"] = result.starts;
+  json["starts_agreeing"] = result.starts_agreeing;
+  json["model_evaluations"] = result.model_evaluations;
+  json["auto_segments"] = result.auto_segments;
+  if (result.frf_lines > 0) {
+    json["frf_lines"] = result.frf_lines;
+    json["rms_log_frf_error"] = json_number(result.rms_log_frf_error);
+    json["rms_log_frf_error_before"] = json_number(result.rms_log_frf_error_before);
+  }
+  if (std::isfinite(result.history_error)) {
+    json["history_error"] = result.history_error;
+    json["history_error_before"] = json_number(result.history_error_before);
+  }
+  return json;
+}
+
+Json held_out_json(const std::vector<ident::HeldOut>& held, const States& states) {
+  Json json = Json::array();
+  for (const auto& one : held) {
+    Json pairs = Json::array();
+    for (const auto& pair : one.pairs) pairs.push_back(pair_json(pair, states));
+    json.push_back({{"state", states[static_cast<std::size_t>(one.state)].name},
+                    {"status", ident::name_of(one.status)},
+                    {"rms_relative_error_before", json_number(one.rms_before)},
+                    {"rms_relative_error_fitted", json_number(one.rms_fitted)},
+                    {"rms_relative_error_predicted", json_number(one.rms_predicted)},
+                    {"rms_log_frf_error_before", json_number(one.frf_before)},
+                    {"rms_log_frf_error_fitted", json_number(one.frf_fitted)},
+                    {"rms_log_frf_error_predicted", json_number(one.frf_predicted)},
+                    {"pairs", std::move(pairs)}});
+  }
+  return json;
+}
+
+Json monte_carlo_json(const ident::UpdateResult& result, const States& states,
                       const ident::UpdateMonteCarlo& study) {
   Json rows = Json::array(), pairs = Json::array();
   for (Eigen::Index j = 0; j < study.mean.size(); ++j) {
@@ -75,7 +189,7 @@ Json monte_carlo_json(const ident::UpdateResult& result, const UpdateStates& sta
     const auto& pair = result.pairs[i];
     const auto &fitted = study.fitted, &before = study.before;
     pairs.push_back(
-        {{"state", states.states[static_cast<std::size_t>(pair.state)].name},
+        {{"state", states[static_cast<std::size_t>(pair.state)].name},
          {"measured_hz", pair.measured_hz},
          {"fitted_hz", spread_json(fitted.mean, fitted.std, fitted.low, fitted.high, j)},
          {"before_hz", spread_json(before.mean, before.std, before.low, before.high, j)}});
@@ -90,12 +204,18 @@ std::string percent(double ratio) {
   return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
 }
 
-void print_update(std::ostream& out, const ident::UpdateResult& result,
-                  const UpdateStates& states) {
-  out << fmt::format("{:<34} {:>12} {:>12} {:>10}\n", "parameter", "start", "value", "std");
+void print_update(std::ostream& out, const ident::UpdateResult& result, const States& states) {
+  if (result.fit.ruled_out())
+    out << "the data rule this model out: " << ident::fit_text(result.fit) << '\n';
+  const auto end = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:.5g}", value) : std::string("open");
+  };
+  out << fmt::format("{:<34} {:>12} {:>12} {:>10}   {}\n", "parameter", "start", "value", "std",
+                     "95 % interval");
   for (const auto& p : result.parameters) {
-    out << fmt::format("{:<34} {:>12.5g} {:>12.5g} {:>10}\n", p.name, p.start, p.value,
-                       p.identifiable ? fmt::format("{:.2g}", p.std) : "not known");
+    out << fmt::format("{:<34} {:>12.5g} {:>12.5g} {:>10}   {} .. {}{}\n", p.name, p.start, p.value,
+                       p.identifiable ? fmt::format("{:.2g}", p.std) : "not known", end(p.low),
+                       end(p.high), p.interval_by_profile ? " (profile)" : "");
   }
   print_budget(out, result);
   out << fmt::format("{:<24} {:>12} {:>12} {:>9} {:>9}  {}\n", "state", "measured, Hz", "model, Hz",
@@ -103,13 +223,13 @@ void print_update(std::ostream& out, const ident::UpdateResult& result,
   for (const auto& pair : result.pairs) {
     out << fmt::format(
         "{:<24} {:>12.4f} {:>12.4f} {:>9} {:>7.2f} %  {} {}{}\n",
-        states.states[static_cast<std::size_t>(pair.state)].name, pair.measured_hz, pair.model_hz,
+        states[static_cast<std::size_t>(pair.state)].name, pair.measured_hz, pair.model_hz,
         std::isfinite(pair.model_std_hz) ? fmt::format("{:.2g}", pair.model_std_hz) : "-",
         100 * pair.relative_error, model::name_of(pair.plane), pair.order + 1,
         pair.cross_plane ? " (leakage, not fitted)" : "");
   }
   for (const auto& lone : result.unpaired) {
-    const auto& name = states.states[static_cast<std::size_t>(lone.state)].name;
+    const auto& name = states[static_cast<std::size_t>(lone.state)].name;
     const std::string hz = fmt::format("{:.4f}", lone.frequency_hz);
     out << fmt::format("{:<24} {:>12} {:>12} {:>9} {:>9}  {}\n", name, lone.measured ? hz : "-",
                        lone.measured ? "-" : hz, "", "unpaired", lone.reason);
@@ -118,6 +238,12 @@ void print_update(std::ostream& out, const ident::UpdateResult& result,
     out << fmt::format("rms of the paired errors: {} before, {} fitted\n",
                        percent(result.rms_relative_error_before),
                        percent(result.rms_relative_error));
+  }
+  out << "fit: " << ident::fit_text(result.fit) << '\n';
+  if (result.alternatives.size() > 1) {
+    out << fmt::format("this answer has a weight of {:.3f}; others that the data support:\n",
+                       result.alternatives.front().weight);
+    for (const auto& text : ident::alternative_texts(result)) out << "  " << text << '\n';
   }
   if (result.frf_lines > 0) {
     out << fmt::format(

@@ -56,7 +56,7 @@ void put(const fs::path& path, const std::string& content) {
   write_whole_file(path, content);
 }
 
-const char* word_of(SummaryItem::Kind kind) {
+const char* word_of_kind(SummaryItem::Kind kind) {
   switch (kind) {
     case SummaryItem::Kind::result:
       return "result";
@@ -255,7 +255,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
   Json summary = Json::array();
   for (const auto& part : parts) {
     for (const auto& item : part.summary) {
-      summary.push_back({{"kind", word_of(item.kind)},
+      summary.push_back({{"kind", word_of_kind(item.kind)},
                          {"label", item.label},
                          {"text", item.text},
                          {"origin", item.origin ? Json(word_of(*item.origin)) : Json(nullptr)}});

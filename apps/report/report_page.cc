@@ -180,7 +180,7 @@ class PageWriter {
     lines(parts, SummaryItem::Kind::result, "Found", "lines");
     lines(parts, SummaryItem::Kind::error, "Model against test", "lines");
     html_ += "<div>\n";
-    lines(parts, SummaryItem::Kind::distrust, "What to distrust", "lines distrust");
+    lines(parts, SummaryItem::Kind::distrust, "Warnings", "lines distrust");
     lines(parts, SummaryItem::Kind::recorded, "Recorded", "lines");
     html_ += "</div>\n</div>\n";
     html_ +=

@@ -191,6 +191,14 @@ double midspan_compliance(double EI_Nm2, double tension_N, double span_m) {
   return span_m * span_m * span_m / (192 * EI_Nm2) * tension_factor(lambda);
 }
 
+double clamp_compliance(double EI_Nm2, double tension_N, double span_m) {
+  const double lambda = span_m / 2 * std::sqrt(tension_N / EI_Nm2);
+  const double beam = 6 * EI_Nm2 / span_m;
+  if (!(lambda > 1e-4)) return beam;
+  const double tanh = std::tanh(lambda / 2);
+  return 2 * EI_Nm2 * tanh * tanh / (span_m * bending_ratio(lambda));
+}
+
 StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& measured) {
   StiffnessFromBending result;
   const double slope = measured.compliance_m_N.value, tension = measured.tension_N.value,

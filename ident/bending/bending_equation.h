@@ -41,6 +41,10 @@ struct LambdaSolution {
 /// std::invalid_argument for EI or span not positive, a negative tension, or what is not finite.
 [[nodiscard]] double midspan_compliance(double EI_Nm2, double tension_N, double span_m);
 
+/// Relative change of the compliance by clamps that turn, times their rotational stiffness k (each,
+/// N m/rad), to first order in 1/k: 2 EI tanh^2(lambda / 2) / (l F). Without tension 6 EI / l.
+[[nodiscard]] double clamp_compliance(double EI_Nm2, double tension_N, double span_m);
+
 /// What was measured at one tension. A standard uncertainty of zero means exactly known; one that
 /// is not finite means that it is not known, and no interval is given then.
 struct ComplianceMeasurement {

@@ -7,8 +7,10 @@
 #include <limits>
 #include <stdexcept>
 
+#include "ident/bending/bending_spikes.h"
 #include "ident/bending/bending_strokes.h"
 #include "ident/bending/friction_transient.h"
+#include "ident/bending/table_line.h"
 #include "signal/numerics/robust.h"
 
 namespace rigfit::ident {
@@ -20,6 +22,9 @@ double variance_of(const signal::Estimate& slope) {
   return std * std;
 }
 
+/// Strokes of fewer rows are analysed as a table: the noise is not seen from row to row.
+constexpr Eigen::Index kShortStroke = 40;
+
 class Analysis {
  public:
   Analysis(const BendingRecord& record, const BendingTestOptions& options) : options_(options) {
@@ -27,10 +32,11 @@ class Analysis {
   }
 
   BendingTestResult run() {
+    leave_spikes_out();
     const Eigen::Index n = d_.size();
-    if (n < 4) {
+    if (n < 3) {
       refuse("too_few_points",
-             fmt::format("{} complete rows of tension, load and deflection; at least 4 are needed",
+             fmt::format("{} complete rows of tension, load and deflection; at least 3 are needed",
                          n));
       return finish();
     }
@@ -90,6 +96,34 @@ class Analysis {
     if (kept < n) {
       note("missing", fmt::format("{} of {} rows miss a value and were left out", n - kept, n));
     }
+  }
+
+  void leave_spikes_out() {
+    const bool table = d_.size() < kShortStroke;
+    std::vector<std::pair<Eigen::Index, std::string>> rows;
+    if (table) {
+      for (const auto i : find_table_spikes(d_, Q_)) rows.emplace_back(i, "load or deflection");
+    } else {
+      for (const auto& [channel, name] :
+           {std::pair{&d_, "deflection"}, {&Q_, "load"}, {&P_, "tension"}}) {
+        for (const auto i : find_spikes(*channel)) rows.emplace_back(i, name);
+      }
+    }
+    if (rows.empty()) return;
+    std::sort(rows.begin(), rows.end());
+    const auto& [first, channel] = rows.front();
+    const std::string where =
+        fmt::format("row {} ({} {:.4g} N, {:.4g} m)", first + 1, channel, Q_[first], d_[first]);
+    std::vector<Eigen::Index> kept;
+    std::size_t at = 0;
+    for (Eigen::Index i = 0; i < d_.size(); ++i) {
+      while (at < rows.size() && rows[at].first < i) ++at;
+      if (at == rows.size() || rows[at].first != i) kept.push_back(i);
+    }
+    const auto left_out = d_.size() - static_cast<Eigen::Index>(kept.size());
+    P_ = P_(kept).eval(), Q_ = Q_(kept).eval(), d_ = d_(kept).eval();
+    note("spike",
+         fmt::format("{} rows hold a spike and were left out, the first: {}", left_out, where));
   }
 
   void note(std::string code, std::string message) {
@@ -157,8 +191,14 @@ class Analysis {
     std::vector<StrokeRange> runs;
     for (const StrokeRange& run : find_strokes(d_, least)) {
       const bool whole = std::abs(d_[run.last] - d_[run.first]) >= 0.5 * range_d_;
-      if (whole && run.last - run.first + 1 >= 4) runs.push_back(run);
+      if (whole) runs.push_back(run);
     }
+    Eigen::Index longest = 0;
+    for (const auto& run : runs) longest = std::max(longest, run.last - run.first + 1);
+    if (longest < kShortStroke) {
+      if (d_.size() < 2 * kShortStroke || longest >= 4) return fit_table(std::move(runs));
+    }
+    std::erase_if(runs, [](const StrokeRange& run) { return run.last - run.first + 1 < 4; });
     if (runs.empty()) {
       refuse("no_loading", "no loading or unloading stroke of four samples or more was found");
       return;
@@ -192,10 +232,140 @@ class Analysis {
       if (!take_friction(tension_corrected(EI), straight_)) break;
       EI = EI_of_slope();
     }
+    solve_for_EI();
+  }
+
+  void solve_for_EI() {
     result_.tension_N = {mean_tension_, std::hypot(options_.tension_calibration_std * mean_tension_,
                                                    options_.tension_zero_std_N)};
     result_.stiffness = stiffness_from_compliance(
         {result_.compliance_m_N, result_.tension_N, options_.span_m, result_.degrees_of_freedom});
+  }
+
+  /// Strokes of few rows: nothing is left out before an F-test says so (table_line.h).
+  void fit_table(std::vector<StrokeRange> runs) {
+    Eigen::Index in_runs = 0;
+    for (const auto& run : runs) in_runs += run.last - run.first + 1;
+    if (10 * in_runs < 7 * d_.size()) {  // weights in any order
+      runs = {{0, d_.size() - 1, 1}};
+    }
+    const double digits =
+        std::hypot(resolution_of(Q_, 1), resolution_of(d_, 1) * range_Q_ / range_d_);
+    double EI = 0, before = -1;
+    for (int pass = 0; pass < 8; ++pass) {
+      const Eigen::VectorXd x = tension_corrected(EI);
+      std::vector<TableStroke> strokes;
+      for (std::size_t k = 0; k < runs.size(); ++k) {
+        // The row of a turn belongs to the stroke before.
+        const Eigen::Index first = runs[k].first + (k > 0 && runs[k].first == runs[k - 1].last);
+        const Eigen::Index n = runs[k].last - first + 1;
+        TableStroke stroke;
+        stroke.loading = runs[k].direction > 0;
+        stroke.x_m = x.segment(first, n), stroke.load_N = Q_.segment(first, n);
+        strokes.push_back(std::move(stroke));
+      }
+      const double stated =
+          std::hypot(options_.load_noise_N, options_.deflection_noise_m * range_Q_ / range_d_);
+      table_ = fit_table_line(strokes, digits / std::sqrt(12.0), stated);
+      if (!table_.usable) {
+        refuse("no_slope", fmt::format("{} rows give no line of load over deflection that rises "
+                                       "and whose scatter shows; add rows",
+                                       d_.size()));
+        return;
+      }
+      take_table(runs);
+      EI = EI_of_slope();
+      if (std::abs(EI - before) <= 1e-7 * EI) break;
+      before = EI;
+    }
+    solve_for_EI();
+  }
+
+  void take_table(const std::vector<StrokeRange>& runs) {
+    result_.strokes.clear();
+    result_.load_noise_N = table_.noise_N;
+    std::vector<signal::Estimate> slopes;
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      BendingStroke stroke;
+      stroke.loading = runs[k].direction > 0;
+      stroke.first = runs[k].first, stroke.last = runs[k].last;
+      const auto& used = table_.used[k];
+      const auto rows = static_cast<Eigen::Index>(used.size());
+      const Eigen::Index first = stroke.last - rows + 1;
+      const auto begin = std::find(used.begin(), used.end(), 1);
+      const auto end = std::find(used.rbegin(), used.rend(), 1);
+      if (begin == used.end() || !std::isfinite(table_.stroke_slopes[k].value)) continue;
+      stroke.used_first = first + (begin - used.begin());
+      stroke.used_last = stroke.last - (end - used.rbegin());
+      stroke.stiffness_N_m = table_.stroke_slopes[k];
+      stroke.offset_N = table_.offsets_N[k];
+      stroke.residual_rms_N = table_.residual_N;
+      stroke.curvature = table_.curvature;
+      result_.strokes.push_back(stroke);
+      slopes.push_back(stroke.stiffness_N_m);
+    }
+    Pooled pooled;
+    pooled.K = table_.slope_N_m;
+    pooled.variance = std::pow(std::max(table_.slope_std_N_m, 1e-10 * pooled.K), 2);
+    pooled.welch = pooled.variance * pooled.variance / table_.degrees_of_freedom;
+    if (table_.strokes_differ) {
+      const Pooled apart =
+          pool(slopes, std::vector<double>(slopes.size(), table_.degrees_of_freedom));
+      if (apart.variance > pooled.variance) pooled = apart;
+    }
+    pooled.variance += std::pow(table_.friction_std_N_m, 2);
+    take(pooled);
+  }
+
+  void judge_table() {
+    const auto& t = table_;
+    const auto rows = [](std::size_t n) {
+      return n == 1 ? std::string("1 row") : fmt::format("{} rows", n);
+    };
+    result_.hysteresis_N = t.hysteresis_N;
+    if (!t.spikes.empty()) {
+      note("spike", fmt::format("{} far off the line left out", rows(t.spikes.size())));
+    }
+    if (t.toe_share > 0) {
+      note("toe", fmt::format("the first {:.0f} % of the deflection are a toe (F-test) and were "
+                              "left out",
+                              100 * t.toe_share));
+    }
+    if (t.top_share > 0) {
+      note("top",
+           fmt::format("the last {:.0f} % of the deflection leave the straight line (F-test) "
+                       "and were left out",
+                       100 * t.top_share));
+    }
+    if (t.hysteresis_N > 0) {
+      note("friction", fmt::format("loading and unloading lie {:.2g} N apart: wire friction, which "
+                                   "stiffens the strand after every turn; the rows after the turns "
+                                   "are left out and what that changes is uncertainty",
+                                   2 * t.hysteresis_N));
+    }
+    if (t.strokes_differ) {
+      note("strokes_differ",
+           "the slopes of the strokes differ by more than their noise (5 %): "
+           "their scatter is in the uncertainty");
+    }
+    if (t.curved) {
+      const std::string message =
+          fmt::format("the slope changes by {:+.0f} % over the table (F-test)", 100 * t.curvature);
+      if (std::abs(t.curvature) > options_.curvature_refusal) {
+        refuse("curved", message +
+                             ": a curved load-deflection diagram has no one EI; load less, or "
+                             "look for slip, a stop or loose clamps");
+      } else if (std::abs(t.curvature) > options_.curvature_warning) {
+        note("curved", message + "; EI is that of its mean slope");
+      }
+    } else if (t.curvature_half > options_.curvature_refusal) {
+      note("straightness_unknown",
+           std::isfinite(t.curvature_half)
+               ? fmt::format("the rows are too few or too scattered to show whether the diagram is "
+                             "straight: its slope may change by {:.0f} % unseen",
+                             100 * (std::abs(t.curvature) + t.curvature_half))
+               : std::string("the rows are too few to show whether the diagram is straight"));
+    }
   }
 
   // 0 for what is softer than a string: its changing tension is then that of a string.
@@ -280,14 +450,14 @@ class Analysis {
       stroke.load_N = Q_.segment(first, n);
       strokes.push_back(std::move(stroke));
     }
-    struct Candidate {
+    struct FrictionCandidate {
       Pooled pooled;
       FrictionFit fit;
     };
-    std::vector<Candidate> candidates;
+    std::vector<FrictionCandidate> candidates;
     double least = std::numeric_limits<double>::infinity();
     for (const FrictionLaw law : kFrictionLaws) {
-      Candidate one;
+      FrictionCandidate one;
       one.fit = fit_friction(strokes, law, result_.deflection_noise_m);
       if (!one.fit.usable) return false;
       one.pooled = pool(one.fit.stiffness_N_m,
@@ -394,6 +564,10 @@ class Analysis {
         result_.tension_high_N = std::max(result_.tension_high_N, P_[i]);
       }
     }
+    if (table_.usable) {
+      judge_table();
+      return judge_slope();
+    }
     if (loadings > 0 && unloadings > 0) {
       result_.hysteresis_N = 0.5 * (loading_offset / loadings - unloading_offset / unloadings);
     }
@@ -435,12 +609,22 @@ class Analysis {
                std::abs(curvature) > 3 * curvature_std) {
       const std::string message =
           fmt::format("the slope changes by {:+.0f} % over the straight part", 100 * curvature);
-      if (std::abs(curvature) > options_.curvature_refusal) {
+      if (result_.friction_probability > 0.9 &&
+          std::abs(curvature) > 2 * options_.curvature_warning) {
+        refuse("friction",
+               message +
+                   " although wire friction after the turns is taken out: it turns round "
+                   "over most of a stroke, and no slope is free of it; deflect further");
+      } else if (std::abs(curvature) > options_.curvature_refusal) {
         refuse("curved", message + ": a curved load-deflection diagram has no one EI");
       } else {
         note("curved", message + "; EI is that of its mean slope");
       }
     }
+    judge_slope();
+  }
+
+  void judge_slope() {
     if (result_.compliance_m_N.std / result_.compliance_m_N.value > 0.3) {
       refuse("no_slope",
              fmt::format("the slope is uncertain by {:.0f} %: noise, or strokes that do "
@@ -460,6 +644,7 @@ class Analysis {
   BendingTestResult result_;
   Eigen::VectorXd P_, Q_, d_;
   Pooled straight_;  // by the straight parts alone
+  TableLine table_;  // of strokes of few rows
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;
 };
 

@@ -211,6 +211,8 @@ double longest(FrictionLaw law) {
       return 0.5;
     case FrictionLaw::parabola:
       return 0.37;
+    case FrictionLaw::hyperbola:
+      return 0.071;
     default:
       return law == FrictionLaw::exponential ? 0.24 : 0.135;
   }
@@ -257,6 +259,8 @@ const char* name_of(FrictionLaw law) {
       return "long tail";
     case FrictionLaw::parabola:
       return "parabola";
+    case FrictionLaw::hyperbola:
+      return "hyperbola";
   }
   return "none";
 }
@@ -271,6 +275,8 @@ double friction_transient(FrictionLaw law, double z) {
       return std::exp(-z);
     case FrictionLaw::long_tail:
       return 1 / ((1 + 0.5 * z) * (1 + 0.5 * z));
+    case FrictionLaw::hyperbola:
+      return 1 / (1 + z);
     case FrictionLaw::parabola:
       return z < 2 ? (1 - 0.5 * z) * (1 - 0.5 * z) : 0;
   }

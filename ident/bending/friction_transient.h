@@ -8,6 +8,7 @@
 // such a stroke is too steep by about a / travel. u falls from 1 to 0; which law it follows is not
 // known, so several are fitted, Dahl's (1968) with different exponents,
 //   du/ds = -u^i / delta:  i = 0 a ramp (bilinear), 1/2 a parabola, 1 exponential, 3/2 a long tail,
+//   2 a longer one,
 // all strokes of a record together with one delta, and the caller averages over the laws by AICc
 // (Burnham and Anderson 2002, ch. 4), "no friction" among them. Linear in c, K, a for given delta,
 // which is found by profile. Strokes are averaged into bins first; Huber weights. A stroke in which
@@ -26,10 +27,10 @@
 
 namespace rigfit::ident {
 
-enum class FrictionLaw { none, ramp, parabola, exponential, long_tail };
-inline constexpr std::array<FrictionLaw, 5> kFrictionLaws{
-    FrictionLaw::none, FrictionLaw::ramp, FrictionLaw::parabola, FrictionLaw::exponential,
-    FrictionLaw::long_tail};
+enum class FrictionLaw { none, ramp, parabola, exponential, long_tail, hyperbola };
+inline constexpr std::array<FrictionLaw, 6> kFrictionLaws{
+    FrictionLaw::none,        FrictionLaw::ramp,      FrictionLaw::parabola,
+    FrictionLaw::exponential, FrictionLaw::long_tail, FrictionLaw::hyperbola};
 [[nodiscard]] const char* name_of(FrictionLaw law);
 
 /// u(z), z = s / delta.

@@ -96,11 +96,14 @@ Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOption
     }
     log_sum += std::log(point.tension_N);
     Weights weights;
+    // What the points share is no weight between them.
+    const double shared = std::min(0.999 * point.std, point.shared_relative_std * point.EI_Nm2);
+    const double own = shared > 0 ? std::sqrt(1 - std::pow(shared / point.std, 2)) : 1;
     if (point.low < point.EI_Nm2 && point.EI_Nm2 < point.high) {
-      weights.below = (point.EI_Nm2 - point.low) / 1.959964;
-      weights.above = (point.high - point.EI_Nm2) / 1.959964;
+      weights.below = own * (point.EI_Nm2 - point.low) / 1.959964;
+      weights.above = own * (point.high - point.EI_Nm2) / 1.959964;
     } else if (std::isfinite(point.std) && point.std > 0) {
-      weights.below = weights.above = point.std;
+      weights.below = weights.above = own * point.std;
     } else if (options.assumed_relative_std > 0) {
       weights.below = weights.above = options.assumed_relative_std * point.EI_Nm2;
     } else {
@@ -213,6 +216,9 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   law.parameters = parameters_of(kind, options);
   law.reference_tension_N = kind == LawKind::power ? data.reference_tension : 1;
   law.common_relative_std = options.common_relative_std;
+  for (const auto& point : data.points) {
+    law.common_relative_std = std::max(law.common_relative_std, point.shared_relative_std);
+  }
   const int size = static_cast<int>(law.parameters.size());
   std::vector<int> fixed;
   std::vector<int> free;
@@ -416,7 +422,10 @@ const char* name_of(LawKind kind) {
   return "linear";
 }
 
-StiffnessPrediction predict(const FittedLaw& law, double tension_N) {
+namespace {
+
+// EI of a law and its derivatives by the free parameters.
+double evaluate(const FittedLaw& law, double tension_N, Eigen::VectorXd& by) {
   if (!(std::isfinite(tension_N) && tension_N > 0)) {
     throw std::invalid_argument("stiffness law: the tension must be positive");
   }
@@ -427,12 +436,24 @@ StiffnessPrediction predict(const FittedLaw& law, double tension_N) {
     if (!law.parameters[j].fixed) free.push_back(static_cast<int>(j));
   }
   Gradient gradient;
+  const double EI = evaluate(law.kind, tension_N, law.reference_tension_N, values, gradient);
+  by = gradient(free);
+  return EI;
+}
+
+}  // namespace
+
+Eigen::VectorXd law_gradient(const FittedLaw& law, double tension_N) {
+  Eigen::VectorXd by;
+  evaluate(law, tension_N, by);
+  return by;
+}
+
+StiffnessPrediction predict(const FittedLaw& law, double tension_N) {
   StiffnessPrediction prediction;
-  prediction.EI_Nm2 = evaluate(law.kind, tension_N, law.reference_tension_N, values, gradient);
-  const auto p = static_cast<Eigen::Index>(free.size());
-  Eigen::VectorXd by(p);
-  for (Eigen::Index j = 0; j < p; ++j) by[j] = gradient[free[static_cast<std::size_t>(j)]];
-  const double own = law.covariance.rows() == p ? by.dot(law.covariance * by) : kNaN;
+  Eigen::VectorXd by;
+  prediction.EI_Nm2 = evaluate(law, tension_N, by);
+  const double own = law.covariance.rows() == by.size() ? by.dot(law.covariance * by) : kNaN;
   const double common = law.common_relative_std * prediction.EI_Nm2;
   const double scatter = law.scatter_relative_std * prediction.EI_Nm2;
   prediction.std = std::sqrt(own + common * common);

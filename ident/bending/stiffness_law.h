@@ -33,6 +33,9 @@ struct StiffnessPoint {
   double std = std::numeric_limits<double>::quiet_NaN();
   double low = std::numeric_limits<double>::quiet_NaN();
   double high = std::numeric_limits<double>::quiet_NaN();
+  /// Part of the uncertainty that it shares with the other points (span, calibration), relative to
+  /// EI: no part of its weight, but of every band.
+  double shared_relative_std = 0;
 };
 
 struct StiffnessLawOptions {
@@ -40,8 +43,7 @@ struct StiffnessLawOptions {
                             LawKind::saturating};
   std::optional<StiffnessBounds> bounds =
       std::nullopt;  ///< of the strand; fixes the saturating law's ends
-  /// Uncertainty that all points share (span, calibration), relative to EI: not a weight, added to
-  /// every band.
+  /// As the points' shared_relative_std, of all of them; the largest counts.
   double common_relative_std = 0;
   /// Used for points without an interval instead of their scatter; 0: the scatter is used.
   double assumed_relative_std = 0;
@@ -85,6 +87,8 @@ struct StiffnessPrediction {
 
 /// EI by a law at a tension > 0, with its bands. NaN bands where a parameter is not determined.
 [[nodiscard]] StiffnessPrediction predict(const FittedLaw& law, double tension_N);
+/// d EI / d (free parameter), in the order of the covariance, at a tension > 0.
+[[nodiscard]] Eigen::VectorXd law_gradient(const FittedLaw& law, double tension_N);
 
 struct StiffnessLaws {
   std::vector<FittedLaw> laws;  ///< best first

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -43,20 +44,29 @@ void leave_out_contradictions(const UpdateProblem& problem, const UpdateOptions&
     const Eigen::VectorXd from = trial.q;
     std::size_t best = all.size();
     left = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (all[i].cross_plane) continue;
+    // Which one: by what its loss leaves to first order, r_i^2 / (1 - h_ii); that one is fitted.
+    Eigen::VectorXd r;
+    Eigen::MatrixXd J;
+    if (!problem.residuals(from, all, UpdateStage::full, r, &J)) return;
+    const Eigen::MatrixXd leverage =
+        (J.transpose() * J).completeOrthogonalDecomposition().solve(J.transpose());
+    double most_gained = 0;
+    for (const auto& row : problem.frequency_rows(all, UpdateStage::full)) {
+      const double h = J.row(row.row).dot(leverage.col(row.row));
+      const double gained = r[row.row] * r[row.row] / std::max(1 - h, 1e-6);
+      if (gained <= most_gained) continue;
+      most_gained = gained;
+      best = row.match;
+    }
+    if (best < all.size()) {
       std::vector<UpdateMatch> rest = all;
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(best));
       Eigen::VectorXd q = from;
       double cost = 0;
-      if (!minimise(problem, rest, UpdateStage::full, options, q, cost)) continue;
-      const double after = chi_squared_per_degree(problem, rest, q);
-      if (after < left) {
-        left = after;
-        best = i;
-        trial.q = q;
-        trial.matches.matches = std::move(rest);
-      }
+      if (!minimise(problem, rest, UpdateStage::full, options, q, cost)) return;
+      left = chi_squared_per_degree(problem, rest, q);
+      trial.q = q;
+      trial.matches.matches = std::move(rest);
     }
     if (best == all.size()) return;
     out.push_back(all[best]);

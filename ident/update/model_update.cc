@@ -7,6 +7,9 @@
 #include <stdexcept>
 
 #include "ident/update/contradicting_modes.h"
+#include "ident/update/update_alternatives.h"
+#include "ident/update/update_intervals.h"
+#include "ident/update/update_misfit.h"
 #include "ident/update/update_problem.h"
 #include "ident/update/update_segments.h"
 #include "ident/update/update_solver.h"
@@ -19,30 +22,7 @@ namespace {
 using signal::kNaN;
 
 constexpr int kRefinements = 3;
-
-// Perhaps nothing but wrong pairs far from the truth: twice as many starts, ten times as far. Taken
-// when they explain the data, and no fewer of them.
-template <typename Count>
-void look_wider(const UpdateProblem& problem, const UpdateOptions& options, UpdateSolution& answer,
-                UpdateProblem& settled, const Count& count, UpdateResult& result) {
-  UpdateOptions wider = options;
-  wider.start_spread = 10 * options.start_spread;
-  wider.starts = 2 * options.starts + 1;
-  ++wider.seed;
-  std::vector<UpdateSolution> found;
-  for (auto& one : solve_from_all_starts(settled, wider)) {
-    if (one.q.size() > 0 && one.matches.unpaired_measured <= answer.matches.unpaired_measured &&
-        !is_misfit(settled, one)) {
-      found.push_back(std::move(one));
-    }
-  }
-  if (found.empty()) return;
-  answer = *std::min_element(found.begin(), found.end(),
-                             [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  result.starts_agreeing = 0;
-  count(found, answer.cost);
-  settled = take_segments_off(problem, options, answer);
-}
+constexpr double kUnlikely = 0.05;  // probability of a misfit that is none of the data's
 
 // Everything in the result that follows from the answer.
 void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
@@ -77,7 +57,69 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
   if (problem.has_histories()) result.history_error = problem.history_error(answer.q);
   result.shift_sources.clear();
   result.open.clear();
+  const double model_std = result.fit.model_std;
+  result.fit = misfit_of(problem, matches, answer.q);
+  result.fit.model_std = model_std;
   state_uncertainty(problem, options, matches, result);
+}
+
+// The error of the model that the misfit at the answer asks for, and the answer with it.
+void allow_for_misfit(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
+                      UpdateResult& result) {
+  result.fit.model_std = 0;
+  settled = settled.with_model_std(0);
+  if (!settled.modes_only()) return;
+  const UpdateFit fit = misfit_of(settled, answer.matches.matches, answer.q);
+  if (!(fit.p_value < kUnlikely)) return;
+  // Assumed uncertainties are scaled by the scatter; only Huber's loss should not take it for
+  // outliers.
+  if (!fit.stated && fit.chi2 < 2 * fit.degrees_of_freedom) return;
+  const auto& matches = answer.matches.matches;
+  for (int pass = 0; pass < 2; ++pass) {
+    const double tau = model_std_of(settled, matches, answer.q);
+    if (!(tau > 0)) return;
+    const UpdateProblem trial = settled.with_model_std(tau);
+    Eigen::VectorXd q = answer.q;
+    double cost = 0;
+    if (!minimise(trial, matches, UpdateStage::full, options, q, cost)) return;
+    answer.q = std::move(q);
+    settled = trial;
+    result.fit.model_std = tau;
+  }
+}
+
+UpdateAlternative alternative_of(const UpdateAnswer& answer, const UpdateResult& result) {
+  UpdateAlternative alternative;
+  alternative.weight = answer.weight;
+  alternative.log_evidence = answer.log_evidence;
+  alternative.log_detected = answer.solution.matches.log_detected;
+  alternative.log_false = answer.solution.matches.log_false;
+  alternative.log_missed = answer.solution.matches.log_missed;
+  alternative.parameters = result.parameters;
+  alternative.pairs = result.pairs;
+  alternative.unpaired = result.unpaired;
+  alternative.rms_relative_error = result.rms_relative_error;
+  alternative.model_std = result.fit.model_std;
+  return alternative;
+}
+
+// The answers beside the first, each with its own uncertainty; then the intervals of all together.
+void state_alternatives(const UpdateProblem& problem, const UpdateOptions& options,
+                        const std::vector<UpdateAnswer>& answers, UpdateResult& result) {
+  for (std::size_t k = 1; k < answers.size(); ++k) {
+    UpdateResult other;
+    other.parameters = result.parameters;
+    for (auto& parameter : other.parameters) {
+      parameter.std = parameter.low = parameter.high = kNaN;
+    }
+    UpdateSolution solution = answers[k].solution;
+    UpdateProblem settled = take_segments_off(problem, options, solution);
+    allow_for_misfit(options, settled, solution, other);
+    state_answer(settled, options, solution, other);
+    state_intervals(settled, options, solution.matches.matches, other);
+    result.alternatives.push_back(alternative_of(answers[k], other));
+  }
+  if (answers.size() > 1) state_mixture(result);
 }
 
 }  // namespace
@@ -95,6 +137,46 @@ const char* name_of(UpdateStatus status) {
   }
   return "not converged";
 }
+
+namespace {
+
+// Fits to modes: all answers. Others: the best of the starts.
+std::vector<UpdateAnswer> answers_of(const UpdateProblem& problem, const UpdateOptions& options,
+                                     UpdateResult& result, std::string& failure) {
+  if (problem.modes_only()) {
+    auto answers = find_answers(problem, options, result.starts, failure);
+    double all = 0;
+    for (const auto& answer : answers) {
+      const double more = answer.log_evidence - answers.front().log_evidence;
+      all += std::exp(more);
+      result.pairings += answer.solution.pairings;
+    }
+    if (!answers.empty()) result.log_evidence = answers.front().log_evidence + std::log(all);
+    result.starts_agreeing = result.starts;
+    return answers;
+  }
+  const auto solved = solve_from_all_starts(problem, options);
+  const UpdateSolution* best = nullptr;
+  for (const auto& one : solved) {
+    if (one.q.size() > 0 && (best == nullptr || one.cost < best->cost)) best = &one;
+  }
+  result.starts = static_cast<int>(solved.size());
+  if (best == nullptr) {
+    failure = solved.front().failure;
+    return {};
+  }
+  for (const auto& one : solved) {
+    result.pairings += one.pairings;
+    // The same answer: a cost that differs by less than what a hundredth of a standard deviation
+    // in one residual makes.
+    result.starts_agreeing += one.q.size() > 0 && one.cost <= best->cost * (1 + 1e-4) + 1e-4;
+  }
+  std::vector<UpdateAnswer> answers(1);
+  answers.front().solution = *best;
+  return answers;
+}
+
+}  // namespace
 
 UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& options) {
   UpdateResult result;
@@ -122,33 +204,17 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   if (problem.has_frfs()) result.rms_log_frf_error_before = problem.rms_log_frf_error(start);
   if (problem.has_histories()) result.history_error_before = problem.history_error(start);
 
-  auto solved = solve_from_all_starts(problem, options);
-  const UpdateSolution* best = nullptr;
-  for (const auto& one : solved) {
-    if (one.q.size() > 0 && (best == nullptr || one.cost < best->cost)) best = &one;
-  }
-  const auto count = [&result](const std::vector<UpdateSolution>& some, double cost) {
-    result.starts += static_cast<int>(some.size());
-    for (const auto& one : some) {
-      result.pairings += one.pairings;
-      // The same answer: a cost that differs by less than what a hundredth of a standard deviation
-      // in one residual makes.
-      result.starts_agreeing += one.q.size() > 0 && one.cost <= cost * (1 + 1e-4) + 1e-4;
-    }
-  };
-  count(solved, best != nullptr ? best->cost : 0);
-  if (best == nullptr) {
+  std::vector<UpdateAnswer> answers = answers_of(problem, options, result, failure);
+  if (answers.empty()) {
     result.status = UpdateStatus::no_model;
-    result.message = "from no start could the model be fitted: " + solved.front().failure;
+    result.message = "from no start could the model be fitted: " + failure;
     result.model_evaluations = problem.evaluations();
     return result;
   }
-  UpdateSolution answer = *best;
+  UpdateSolution answer = answers.front().solution;
   UpdateProblem settled = take_segments_off(problem, options, answer);
-  if (options.starts > 1 && is_misfit(settled, answer)) {
-    look_wider(problem, options, answer, settled, count, result);
-  }
   leave_out_contradictions(settled, options, answer);
+  allow_for_misfit(options, settled, answer, result);
   result.auto_segments = options.auto_segments;
   state_answer(settled, options, answer, result);
   for (int round = 0; round < kRefinements; ++round) {
@@ -163,6 +229,16 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     settled = take_segments_off(finer, options, answer);
     result.auto_segments = more;
     state_answer(settled, options, answer, result);
+  }
+  // Of differences of the cost only: the segments of the beginning serve, at their own error.
+  const UpdateProblem quick =
+      result.auto_segments > options.auto_segments
+          ? settled.with_auto_segments(options.auto_segments).with_segment_errors_off(answer.q)
+          : settled;
+  state_intervals(quick, options, answer.matches.matches, result);
+  if (problem.modes_only()) {
+    result.alternatives.push_back(alternative_of(answers.front(), result));
+    state_alternatives(problem, options, answers, result);
   }
   for (int s = 0; s < static_cast<int>(problem.states().size()); ++s) {
     result.scenes.push_back(problem.scene_at(s, result.coordinates));

@@ -1,4 +1,6 @@
 // Hold-out, Monte Carlo and profile intervals of the update.
+#include "ident/update/update_checks.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -7,7 +9,7 @@
 #include <thread>
 
 #include "ident/statistics/in_parallel.h"
-#include "ident/update/model_update.h"
+#include "ident/update/update_intervals.h"
 #include "ident/update/update_segments.h"
 #include "ident/update/update_solver.h"
 #include "ident/update/update_uncertainty.h"
@@ -60,39 +62,6 @@ bool frequencies_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
     frequencies[static_cast<Eigen::Index>(i)] = mode->frequency_hz;
   }
   return true;
-}
-
-// How far the deviance is above the solution's, as a standard normal would have it; NaN: no model.
-double signed_root(double cost, double least, double variance_factor) {
-  return std::sqrt(std::max(0.0, 2 * (cost - least) / variance_factor));
-}
-
-// One end of the profile interval of coordinate j, in q; NaN: the cost stays below.
-double profile_end(const UpdateProblem& problem, const UpdateOptions& options,
-                   const std::vector<UpdateMatch>& matches, const UpdateResult& solution,
-                   Eigen::Index j, double direction, double least) {
-  const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
-  const double goal = solution.coverage_factor;
-  const double at = solution.coordinates[j];
-  const double bound = direction > 0 ? coordinate.high : coordinate.low;
-  // The root of the deviance is nearly a straight line in q: secants on it from the linear answer.
-  double near = 0, near_root = 0, step = goal * solution.identifiability.std[j];
-  Eigen::VectorXd q = solution.coordinates;
-  for (int round = 0; round < 12; ++round) {
-    if (std::abs(bound - at) < step) step = std::abs(bound - at);
-    q[j] = at + direction * step;
-    double cost = 0;
-    (void)minimise(problem, matches, UpdateStage::full, options, q, cost, static_cast<int>(j));
-    if (!robust_cost(problem, matches, UpdateStage::full, options, q, cost)) return kNaN;
-    const double root = signed_root(cost, least, solution.variance_factor);
-    if (std::abs(root - goal) < 2e-3 * goal) return q[j];
-    if (root < goal && q[j] == bound) return kNaN;
-    const double slope = (root - near_root) / (step - near);
-    const double next = slope > 0 ? step + (goal - root) / slope : 2 * step;
-    near = step, near_root = root;
-    step = std::clamp(next, 0.2 * step, 3 * step);
-  }
-  return kNaN;
 }
 
 std::vector<UpdateMatch> matches_of(const UpdateResult& solution) {

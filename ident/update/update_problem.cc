@@ -361,6 +361,11 @@ UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q,
     mode.plane = natural.plane;
     mode.order = seen[natural.plane]++;
     mode.shape = natural.sensor_shape.cast<std::complex<double>>();
+    if (natural.sensor_shape.size() > 0) {
+      mode.visibility =
+          natural.sensor_shape.cwiseAbs().maxCoeff() *
+          (natural.load_shape.size() > 0 ? natural.load_shape.cwiseAbs().maxCoeff() : 1);
+    }
     if (!known(mode.frequency_hz)) continue;  // a rigid motion: nothing that was measured
     if (derivatives) {
       mode.dlog_frequency = mode.dlog_damping = Eigen::VectorXd::Zero(size());
@@ -436,7 +441,7 @@ double UpdateProblem::relative_std(int state, int measured) const {
       states_[static_cast<std::size_t>(state)].measured[static_cast<std::size_t>(measured)];
   const double own = known(mode.frequency_hz.std) ? mode.frequency_hz.std / mode.frequency_hz.value
                                                   : options_.assumed_relative_std;
-  return std::hypot(own, options_.model_relative_std);
+  return std::hypot(std::hypot(own, options_.model_relative_std), model_std_);
 }
 
 std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,

@@ -38,6 +38,7 @@ struct UpdateModelMode {
   model::ModePlane plane = model::ModePlane::in;
   int order = 0;  ///< among those of its plane
   Eigen::VectorXcd shape;
+  double visibility = 0;  ///< response at a sensor to a load of the scene; 0: none there
   Eigen::VectorXd dlog_frequency, dlog_damping;  ///< by coordinate
   Eigen::MatrixXd dshape;                        ///< sensors x coordinates; empty: not asked for
 };
@@ -65,6 +66,7 @@ struct UpdateMatches {
   std::vector<UpdateMatch> matches;
   std::vector<UpdatedUnpaired> unpaired;
   int unpaired_measured = 0;
+  double log_likelihood = 0, log_detected = 0, log_false = 0, log_missed = 0;  ///< of an assignment
 };
 
 /// What counts as data: first the modes alone, then everything (modes that only lead drop out).
@@ -130,6 +132,23 @@ class UpdateProblem {
   [[nodiscard]] std::vector<UpdatedPair> pairs(const Eigen::VectorXd& q,
                                                const std::vector<UpdateMatch>& matches) const;
 
+  /// The assignment of the largest likelihood (mode_assignment.h) in every state that takes part.
+  [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure) const;
+  /// The same for one state with these modes, all frequencies times `factor`.
+  [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled,
+                                           double factor = 1) const;
+
+  /// The same with a further relative error of the model, of its own in every frequency.
+  [[nodiscard]] UpdateProblem with_model_std(double relative) const;
+  /// Rows of the residuals that are frequencies of fitted pairs, with their match.
+  struct FrequencyRow {
+    Eigen::Index row = 0;
+    std::size_t match = 0;
+  };
+  [[nodiscard]] std::vector<FrequencyRow> frequency_rows(const std::vector<UpdateMatch>& matches,
+                                                         UpdateStage stage) const;
+  [[nodiscard]] bool modes_only() const { return has_modes() && !has_frfs() && !has_histories(); }
+
   [[nodiscard]] double relative_std(int state, int measured) const;
   [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
   [[nodiscard]] int evaluations() const { return shared_->evaluations; }
@@ -189,6 +208,7 @@ class UpdateProblem {
   Eigen::Index priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
   double segment_factor_ = 1;
+  double model_std_ = 0;
   // Of ln f, by state; with as many segments as there are, and with twice as many.
   struct ModeError {
     model::ModePlane plane;

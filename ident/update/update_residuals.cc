@@ -7,7 +7,6 @@
 #include "ident/update/update_problem.h"
 
 namespace rigfit::ident {
-namespace {}  // namespace
 
 bool UpdateProblem::counts(int state, UpdateStage stage) const {
   return stage == UpdateStage::lead || !states_[static_cast<std::size_t>(state)].modes_lead_only;

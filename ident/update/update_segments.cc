@@ -148,7 +148,8 @@ int auto_segments_needed(const UpdateProblem& problem, const UpdateOptions& opti
 
 UpdateProblem as_solved(const UpdateProblem& problem, const UpdateOptions& options,
                         const UpdateResult& solution, const Eigen::VectorXd& q) {
-  const UpdateProblem same = problem.with_auto_segments(solution.auto_segments);
+  const UpdateProblem same =
+      problem.with_auto_segments(solution.auto_segments).with_model_std(solution.fit.model_std);
   return options.segment_uncertainty ? same.with_segment_errors_off(q) : same;
 }
 

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
+#include "ident/update/update_misfit.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -54,12 +56,6 @@ void state_variance_factor(const UpdateProblem& problem, UpdateResult& result) {
   const bool stated = problem.uncertainties_known();
   if (stated) {
     result.variance_factor = reduced > 1 ? reduced : 1;
-    if (reduced > 9) {
-      result.message += fmt::format(
-          "the misfit is {:.1f} times what the stated uncertainties allow: the model, a pair or an "
-          "uncertainty is wrong; ",
-          std::sqrt(reduced));
-    }
   } else {
     result.variance_factor = std::isfinite(reduced) ? reduced : 1;
   }
@@ -121,6 +117,38 @@ void state_shifts(const UpdateProblem& problem, const UpdateOptions& options,
   }
 }
 
+// What the model's own error does to the coordinates.
+struct ModelPart {
+  Eigen::VectorXd widening;       // of the standard uncertainties, for errors that modes share
+  Eigen::VectorXd data_variance;  // by the stated uncertainties alone; empty: no error of the model
+};
+
+ModelPart model_part(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                     const Eigen::VectorXd& r, const Eigen::MatrixXd& J,
+                     const Eigen::VectorXd& scales, const std::vector<std::string>& names,
+                     const UpdateResult& result) {
+  ModelPart part{Eigen::VectorXd::Ones(J.cols()), {}};
+  if (!(result.fit.model_std > 0)) return part;
+  const Eigen::VectorXd clustered = clustered_variance(problem, matches, r, J);
+  for (Eigen::Index i = 0; i < part.widening.size(); ++i) {
+    const double own = result.identifiability.std[i];
+    if (own > 0) part.widening[i] = std::sqrt(std::max(1.0, clustered[i] / (own * own)));
+  }
+  if (!result.fit.stated) return part;
+  const UpdateProblem plain = problem.with_model_std(0);
+  Eigen::MatrixXd stated = J;
+  for (const auto& row : plain.frequency_rows(matches, UpdateStage::full)) {
+    const auto& match = matches[row.match];
+    stated.row(row.row) *= problem.relative_std(match.state, match.measured) /
+                           plain.relative_std(match.state, match.measured);
+  }
+  part.data_variance = identifiability(stated, scales, names).std.cwiseAbs2();
+  for (double& variance : part.data_variance) {
+    if (!std::isfinite(variance)) variance = std::numeric_limits<double>::max();
+  }
+  return part;
+}
+
 }  // namespace
 
 void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
@@ -170,9 +198,12 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   for (Eigen::Index i = 0; i < n; ++i) {
     by[i] = problem.coordinates()[static_cast<std::size_t>(i)].derivative(q[i]);
   }
-  result.covariance = by.asDiagonal() *
-                      (known.covariance + result.shifts * result.shifts.transpose()) *
-                      by.asDiagonal();
+  const ModelPart model = model_part(problem, matches, r, J, scales, names, result);
+  result.covariance =
+      by.asDiagonal() *
+      (model.widening.asDiagonal() * known.covariance * model.widening.asDiagonal() +
+       result.shifts * result.shifts.transpose()) *
+      by.asDiagonal();
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
     auto& parameter = result.parameters[static_cast<std::size_t>(i)];
@@ -188,7 +219,15 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
     }
     const double by_data =
         known.std[i] * known.std[i] - (priors.cols() > 0 ? priors.row(i).squaredNorm() : 0);
-    parameter.budget.push_back({"data", std::abs(by[i]) * std::sqrt(std::max(by_data, 0.0))});
+    const double by_noise = model.data_variance.size() > 0
+                                ? std::min(std::max(by_data, 0.0), model.data_variance[i])
+                                : std::max(by_data, 0.0);
+    parameter.budget.push_back({"data", std::abs(by[i]) * std::sqrt(by_noise)});
+    if (model.data_variance.size() > 0) {
+      const double widened = known.std[i] * known.std[i] * (std::pow(model.widening[i], 2) - 1);
+      parameter.budget.push_back(
+          {"model", std::abs(by[i]) * std::sqrt(std::max(by_data, 0.0) - by_noise + widened)});
+    }
     for (Eigen::Index k = 0; k < priors.cols(); ++k) {
       parameter.budget.push_back(
           {prior_names[static_cast<std::size_t>(k)], std::abs(by[i] * priors(i, k))});

@@ -12,40 +12,14 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
 #include <vector>
 
 #include "model/algebra/envelope_matrix.h"
 #include "model/chain/chain.h"
+#include "model/chain/energy_account.h"
+#include "model/chain/numbering.h"
 
 namespace rigfit::model {
-
-enum class Motion { in_plane, out_of_plane, space };
-
-/// Unknowns by what they are; -1: not an unknown of this motion. Numbered along the chain so that
-/// coupled unknowns have near numbers.
-struct Numbering {
-  Motion motion = Motion::space;
-  int size = 0;
-  Eigen::Matrix3Xi displacement;  ///< 3 x nodes
-  Eigen::VectorXi twist;          ///< segments
-  Eigen::Matrix3Xi rotation;      ///< 3 x rotating nodes
-  std::shared_ptr<const Envelope> envelope;
-};
-
-/// J, per member; `nodes` holds the scene's nodes (supports' springs count as axial, point masses
-/// and their gravity).
-struct Energy {
-  double axial = 0, bending = 0, torsion = 0, gravity = 0, kinetic = 0;
-  [[nodiscard]] double potential() const { return axial + bending + torsion + gravity; }
-  [[nodiscard]] double total() const { return potential() + kinetic; }
-  Energy& operator+=(const Energy& other);
-};
-struct EnergyAccount {
-  std::vector<Energy> members;
-  Energy nodes;
-  [[nodiscard]] Energy sum() const;
-};
 
 class Assembly {
  public:
@@ -109,8 +83,5 @@ class Assembly {
   const Chain* chain_;
   Numbering numbering_;
 };
-
-/// Unknowns of a motion of a chain, as `Assembly` numbers them.
-[[nodiscard]] Numbering number_unknowns(const Chain& chain, Motion motion);
 
 }  // namespace rigfit::model

@@ -84,7 +84,7 @@ EnergyAccount Assembly::energy(const ChainState& state, const Eigen::VectorXd& v
         node = state.rotation[static_cast<std::size_t>(joint.rotation)] * node;
       }
       JointSprings springs = joint.springs;
-      if (joint.made_at_rest && !chain.settled) springs.about_1 = springs.about_2 = 0;
+      if (joint.stress_free_at_equilibrium && !chain.settled) springs.about_1 = springs.about_2 = 0;
       if (chain.segments[static_cast<std::size_t>(joint.segment)].frame < 0) {
         node.rightCols<2>().setZero();
       }

@@ -2,8 +2,8 @@
 // unknowns of a motion. Inside `assembly*.cc`.
 #pragma once
 
-#include "model/chain/assembly.h"
 #include "model/chain/joint_energy.h"
+#include "model/chain/numbering.h"
 
 namespace rigfit::model {
 
@@ -174,7 +174,7 @@ class Scatter {
 /// The stiffnesses that act in the chain's present stage.
 inline JointSprings acting(const Chain& chain, const EndJoint& joint) {
   JointSprings springs = joint.springs;
-  if (joint.made_at_rest && !chain.settled) springs.about_1 = springs.about_2 = 0;
+  if (joint.stress_free_at_equilibrium && !chain.settled) springs.about_1 = springs.about_2 = 0;
   return springs;
 }
 

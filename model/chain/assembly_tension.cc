@@ -1,5 +1,6 @@
 // How the tension of cables whose unstretched length is sought goes with the unknowns and with that
 // length.
+#include "model/chain/assembly.h"
 #include "model/chain/assembly_scatter.h"
 
 namespace rigfit::model {

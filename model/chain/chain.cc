@@ -137,11 +137,11 @@ Eigen::Matrix3d permute(const Eigen::Matrix3d& axes, const Eigen::Vector3d& diag
 
 Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
   const auto ends = member_nodes(scene);
-  const SceneNeeds needs = needs_of(scene, options.torsion);
+  const ModelReduction reduction = reduce_model(scene, options.torsion);
   Chain chain;
-  chain.axes = needs.axes;
+  chain.axes = reduction.axes;
   chain.gravity = chain.axes * scene.gravity;
-  chain.planar = needs.planar;
+  chain.planar = reduction.planar;
   chain.rotary_inertia = options.rotary_inertia;
 
   // Nodes: the scene's, then those inside each member.
@@ -177,7 +177,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     if (node.mass > 0) chain.masses.push_back({{k, k}, 0, node.mass, -1});
     NodeSupport support;
     support.node = k;
-    if (needs.attitude[index] == NodeAttitude::turning) {
+    if (reduction.attitude[index] == NodeAttitude::turning) {
       rotation_of[index] = support.rotation = static_cast<int>(chain.rotating_node.size());
       chain.rotating_node.push_back(k);
     }
@@ -231,7 +231,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       if (level.norm() > 0.0872 * chord.norm()) out.tension_direction = level.normalized();
     }
 
-    const bool framed = needs.torsion[m];
+    const bool framed = reduction.torsion[m];
     const Eigen::Matrix3d axes = chain.axes * material_axes(chain.axes.transpose() * chord);
     const Sections sections(member, n, out.unstretched_length);
     const bool accurate = options.rotary_inertia == RotaryInertia::accurate;
@@ -240,7 +240,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     std::array<bool, 2> bent{false, false};  // ends that bear a moment
     for (std::size_t e = 0; e < 2; ++e) {
       bent[e] = member.joint[e] == Member::Joint::rigid &&
-                needs.attitude[static_cast<std::size_t>(ends[m][e])] != NodeAttitude::released;
+                reduction.attitude[static_cast<std::size_t>(ends[m][e])] != NodeAttitude::released;
     }
     const std::vector<double> flexibility =
         joint_flexibilities(sections, n, tension, accurate, bent);
@@ -288,8 +288,9 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
           sections.springs(end == 0 ? place : 1 - place, flexibility[end == 0 ? 0 : std::size_t(n)],
                            0.5, framed, axial.at(end) * kClampedAxial);
       joint.directors = axes;
-      joint.made_at_rest = out.cable && member.assembled == Member::Assembled::hanging;
-      if (needs.attitude[node] == NodeAttitude::released) {
+      joint.stress_free_at_equilibrium =
+          out.cable && member.assembled == Member::Assembled::hanging;
+      if (reduction.attitude[node] == NodeAttitude::released) {
         // Only a pinned support's hold on the twist.
         if (scene.nodes[node].support.kind != Support::Kind::pinned || !framed) continue;
         joint.springs.about_1 = joint.springs.about_2 = joint.springs.bending_damping = 0;
@@ -429,7 +430,7 @@ void Chain::set_unstretched_length(int index, double length) {
 
 void settle(Chain& chain, const ChainState& state) {
   for (EndJoint& joint : chain.end_joints) {
-    if (!joint.made_at_rest) continue;
+    if (!joint.stress_free_at_equilibrium) continue;
     Eigen::Matrix3d directors;
     double length = 0;
     directors_of(chain, state, joint.segment, directors, length);

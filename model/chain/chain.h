@@ -22,7 +22,7 @@
 #include <optional>
 #include <vector>
 
-#include "model/linear/modal_analysis.h"
+#include "model/chain/segment_lumping.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::model {
@@ -30,7 +30,7 @@ namespace rigfit::model {
 struct ChainOptions {
   std::vector<int> segments;  ///< by member; empty or zero: the member's own number (30 if "auto")
   RotaryInertia rotary_inertia = RotaryInertia::accurate;
-  std::optional<bool> torsion;  ///< else where torque can enter (needs.h)
+  std::optional<bool> torsion;  ///< else where torque can enter (model_reduction.h)
 };
 
 struct Segment {
@@ -64,7 +64,7 @@ struct EndJoint {
   int end = 0;        ///< 0: at the member's first node
   int rotation = -1;  ///< column of ChainState::rotation; -1: fixed
   JointSprings springs;
-  bool made_at_rest = false;  ///< a hanging cable's: no moment at the equilibrium
+  bool stress_free_at_equilibrium = false;  ///< a hanging cable's: no moment at the equilibrium
   /// The node's side at no rotation of the node: columns tangent, axis 1, axis 2.
   Eigen::Matrix3d directors = Eigen::Matrix3d::Identity();
 };
@@ -125,7 +125,8 @@ struct Chain {
   /// such as a cable's own axis where it transmits no torque.
   std::vector<Eigen::Matrix3d> rotation_basis;
   Eigen::Matrix<bool, 3, Eigen::Dynamic> rotation_fixed;  ///< 3 x rotations
-  /// False while the equilibrium is sought: joints made at rest bear no bending moment yet.
+  /// False while the equilibrium is sought: joints stress-free at equilibrium bear no bending
+  /// moment yet.
   bool settled = false;
 
   std::vector<ChainMember> members;
@@ -151,7 +152,8 @@ struct ChainState {
   std::vector<Eigen::Matrix3d> rotation;  ///< of each rotating node, from its drawn attitude
 };
 
-/// Sets the directors of all joints made at rest to the given equilibrium, and `settled`.
+/// Sets the directors of all joints stress-free at equilibrium to the given equilibrium, and
+/// `settled`.
 void settle(Chain& chain, const ChainState& state);
 /// Columns tangent, axis 1, axis 2 of a segment (axes zero where it has no frame), and |e|.
 void directors_of(const Chain& chain, const ChainState& state, int segment,

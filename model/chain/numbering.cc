@@ -1,7 +1,9 @@
+#include "model/chain/numbering.h"
+
 #include <algorithm>
 #include <deque>
-
-#include "model/chain/assembly.h"
+#include <utility>
+#include <vector>
 
 namespace rigfit::model {
 namespace {
@@ -53,6 +55,79 @@ std::vector<int> walk(const Chain& chain) {
   return rank;
 }
 
+/// Of each unknown the lowest one that it is coupled with through a segment, joint, support or
+/// mass.
+std::vector<int> first_coupled(const Chain& chain, const Numbering& out) {
+  std::vector<int> first(static_cast<std::size_t>(out.size));
+  for (std::size_t k = 0; k < first.size(); ++k) first[k] = static_cast<int>(k);
+  std::vector<int> group;
+  const auto node = [&](int n) {
+    for (int axis = 0; axis < 3; ++axis) group.push_back(out.displacement(axis, n));
+  };
+  const auto segment = [&](int s) {
+    node(chain.segments[static_cast<std::size_t>(s)].a);
+    node(chain.segments[static_cast<std::size_t>(s)].b);
+    group.push_back(out.twist[s]);
+  };
+  const auto rotation = [&](int r) {
+    for (int axis = 0; r >= 0 && axis < 3; ++axis) group.push_back(out.rotation(axis, r));
+  };
+  const auto couple = [&] {
+    int low = out.size;
+    for (const int i : group) {
+      if (i >= 0) low = std::min(low, i);
+    }
+    for (const int i : group) {
+      if (i >= 0)
+        first[static_cast<std::size_t>(i)] = std::min(first[static_cast<std::size_t>(i)], low);
+    }
+    group.clear();
+  };
+  for (int s = 0; s < static_cast<int>(chain.segments.size()); ++s) {
+    segment(s);
+    couple();
+  }
+  for (const InnerJoint& joint : chain.inner_joints) {
+    segment(joint.segment[0]);
+    segment(joint.segment[1]);
+    couple();
+  }
+  for (const EndJoint& joint : chain.end_joints) {
+    segment(joint.segment);
+    rotation(joint.rotation);
+    couple();
+  }
+  for (const NodeSupport& support : chain.supports) {
+    node(support.node);
+    couple();
+    rotation(support.rotation);
+    couple();
+  }
+  for (const PointMass& mass : chain.masses) {
+    node(mass.node[0]);
+    node(mass.node[1]);
+    couple();
+  }
+  return first;
+}
+
+/// By rotating node: whether something bears a moment there in the chain's present stage.
+std::vector<bool> borne_rotations(const Chain& chain) {
+  std::vector<bool> borne(chain.rotating_node.size(), false);
+  for (const EndJoint& joint : chain.end_joints) {
+    if (joint.rotation < 0 || (joint.stress_free_at_equilibrium && !chain.settled)) continue;
+    if (joint.springs.about_1 + joint.springs.about_2 > 0) {
+      borne[static_cast<std::size_t>(joint.rotation)] = true;
+    }
+  }
+  for (const NodeSupport& support : chain.supports) {
+    if (support.rotation >= 0 && support.rotational.maxCoeff() > 0) {
+      borne[static_cast<std::size_t>(support.rotation)] = true;
+    }
+  }
+  return borne;
+}
+
 }  // namespace
 
 Numbering number_unknowns(const Chain& chain, Motion motion) {
@@ -64,20 +139,7 @@ Numbering number_unknowns(const Chain& chain, Motion motion) {
   out.twist.setConstant(segments, -1);
   out.rotation.setConstant(3, rotations, -1);
 
-  // A node's rotation is an unknown when something bears a moment there in the chain's present
-  // stage.
-  std::vector<bool> borne(chain.rotating_node.size(), false);
-  for (const EndJoint& joint : chain.end_joints) {
-    if (joint.rotation < 0 || (joint.made_at_rest && !chain.settled)) continue;
-    if (joint.springs.about_1 + joint.springs.about_2 > 0) {
-      borne[static_cast<std::size_t>(joint.rotation)] = true;
-    }
-  }
-  for (const NodeSupport& support : chain.supports) {
-    if (support.rotation >= 0 && support.rotational.maxCoeff() > 0) {
-      borne[static_cast<std::size_t>(support.rotation)] = true;
-    }
-  }
+  const std::vector<bool> borne = borne_rotations(chain);
 
   struct Unknown {
     long key;
@@ -119,58 +181,7 @@ Numbering number_unknowns(const Chain& chain, Motion motion) {
                    [](const Unknown& x, const Unknown& y) { return x.key < y.key; });
   out.size = static_cast<int>(unknowns.size());
   for (std::size_t k = 0; k < unknowns.size(); ++k) *unknowns[k].number = static_cast<int>(k);
-
-  std::vector<int> first(unknowns.size());
-  for (std::size_t k = 0; k < first.size(); ++k) first[k] = static_cast<int>(k);
-  std::vector<int> group;
-  const auto node = [&](int n) {
-    for (int axis = 0; axis < 3; ++axis) group.push_back(out.displacement(axis, n));
-  };
-  const auto segment = [&](int s) {
-    node(chain.segments[static_cast<std::size_t>(s)].a);
-    node(chain.segments[static_cast<std::size_t>(s)].b);
-    group.push_back(out.twist[s]);
-  };
-  const auto rotation = [&](int r) {
-    for (int axis = 0; r >= 0 && axis < 3; ++axis) group.push_back(out.rotation(axis, r));
-  };
-  const auto couple = [&] {
-    int low = out.size;
-    for (const int i : group) {
-      if (i >= 0) low = std::min(low, i);
-    }
-    for (const int i : group) {
-      if (i >= 0)
-        first[static_cast<std::size_t>(i)] = std::min(first[static_cast<std::size_t>(i)], low);
-    }
-    group.clear();
-  };
-  for (int s = 0; s < static_cast<int>(segments); ++s) {
-    segment(s);
-    couple();
-  }
-  for (const InnerJoint& joint : chain.inner_joints) {
-    segment(joint.segment[0]);
-    segment(joint.segment[1]);
-    couple();
-  }
-  for (const EndJoint& joint : chain.end_joints) {
-    segment(joint.segment);
-    rotation(joint.rotation);
-    couple();
-  }
-  for (const NodeSupport& support : chain.supports) {
-    node(support.node);
-    couple();
-    rotation(support.rotation);
-    couple();
-  }
-  for (const PointMass& mass : chain.masses) {
-    node(mass.node[0]);
-    node(mass.node[1]);
-    couple();
-  }
-  out.envelope = Envelope::from_rows(std::move(first));
+  out.envelope = Envelope::from_rows(first_coupled(chain, out));
   return out;
 }
 

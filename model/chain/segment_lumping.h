@@ -33,6 +33,11 @@
 
 namespace rigfit::model {
 
+/// How segments are lumped. rigid_rod is the paper's: rotary inertia m l^2/12 about a transverse
+/// axis, joints of EI / l, half a segment at a clamp; frequencies err by l^2. Accurate takes the
+/// inertia and the joints for which they err by l^4, tension and clamps included.
+enum class RotaryInertia { accurate, rigid_rod };
+
 /// A clamp's joint, and what it adds to the joints one and two segments away, in l / EI.
 struct ClampFlexibility {
   double end = 0.5, next = 0, second = 0;
@@ -49,6 +54,7 @@ struct ClampFlexibility {
 /// Linear along a member, tension positive, N.
 struct AxialForce {
   double first = 0, second = 0;
+  /// At `s` from 0 (first node) to 1 (second), N.
   [[nodiscard]] double at(double s) const { return first + (second - first) * s; }
 };
 

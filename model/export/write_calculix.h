@@ -25,6 +25,7 @@
 
 namespace rigfit::model {
 
+/// Size of the deck.
 struct CalculixOptions {
   int elements_per_member = 40;  ///< B32R, three nodes each
   int frequencies = 12;
@@ -39,6 +40,7 @@ struct CalculixMember {
   double axial_stiffness_ratio = 1;  ///< about rest, deck's over scene's
 };
 
+/// An input deck and what it leaves out.
 struct CalculixDeck {
   std::string text;
   std::vector<CalculixMember> members;

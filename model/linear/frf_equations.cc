@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/linear/damped_modes.h"
+#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 
@@ -14,16 +15,8 @@ Complex laplace_variable(double frequency_hz, double decay_rate_1_s) {
 }
 
 Complex quantity_factor(Sensor::Quantity quantity, Complex s) {
-  switch (quantity) {
-    case Sensor::Quantity::acceleration:
-      return s * s;
-    case Sensor::Quantity::velocity:
-      return s;
-    case Sensor::Quantity::displacement:
-    case Sensor::Quantity::force:
-      break;
-  }
-  return 1;
+  const int derivatives = described(quantity).derivatives;
+  return derivatives == 0 ? Complex(1) : derivatives == 1 ? s : s * s;
 }
 
 FrfEquations frf_equations(const MotionModes& motion, const ChainState& state, const Scene& scene) {

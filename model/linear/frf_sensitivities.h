@@ -19,6 +19,7 @@
 
 namespace rigfit::model {
 
+/// FRFs and their derivatives by the parameters asked for.
 struct FrfSensitivities {
   SynthesizedFrfs frfs;  ///< as `synthesize_frfs` gives them; H empty unless the rig rests
   /// By parameter, then line: sensors x loads, unit of H per unit of the parameter. Empty like H.

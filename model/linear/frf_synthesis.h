@@ -23,6 +23,7 @@
 
 namespace rigfit::model {
 
+/// FRFs of a scene from its loads to its sensors.
 struct SynthesizedFrfs {
   Equilibrium equilibrium;  ///< H is empty unless converged
   Eigen::VectorXd frequency_hz;

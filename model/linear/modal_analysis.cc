@@ -3,176 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/linear/damped_modes.h"
+#include "model/linear/mode_description.h"
 #include "model/linear/modes.h"
 #include "model/linear/segment_choice.h"
 #include "model/response/model_reduction.h"
 
 namespace rigfit::model {
-namespace {
-
-constexpr double kMostly = 0.9;  // share of kinetic energy that gives a mode its family or plane
-
-struct Motions {
-  double in = 0, out = 0, twist = 0, along = 0;  // shares of the members' kinetic energy
-};
-
-Motions motions_of(const Chain& chain, const ChainState& state, const Assembly& assembly,
-                   const Eigen::VectorXd& q) {
-  Motions sum;
-  const Numbering& numbering = assembly.numbering();
-  const auto at = [&](int node) {
-    Eigen::Vector3d v = Eigen::Vector3d::Zero();
-    for (int axis = 0; axis < 3; ++axis) {
-      const int i = numbering.displacement(axis, node);
-      if (i >= 0) v[axis] = q[i];
-    }
-    return v;
-  };
-  double total = 0;
-  for (std::size_t k = 0; k < chain.segments.size(); ++k) {
-    const Segment& s = chain.segments[k];
-    const Eigen::Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
-    const Eigen::Vector3d v = 0.5 * (at(s.a) + at(s.b));
-    sum.out += s.mass * v.z() * v.z();
-    sum.in += s.mass * v.head<2>().squaredNorm();
-    sum.along += s.mass * v.dot(t) * v.dot(t);
-    total += s.mass * v.squaredNorm();
-    const int twist = numbering.twist[static_cast<Eigen::Index>(k)];
-    if (twist >= 0) {
-      sum.twist += s.polar * q[twist] * q[twist];
-      total += s.polar * q[twist] * q[twist];
-    }
-  }
-  if (total > 0) {
-    sum.in /= total, sum.out /= total, sum.twist /= total, sum.along /= total;
-  }
-  return sum;
-}
-
-ModePlane plane_of(const Motions& share, Motion motion) {
-  if (share.twist > 0.5) return ModePlane::torsion;
-  if (share.along > 0.5) return ModePlane::axial;
-  if (motion == Motion::in_plane) return ModePlane::in;
-  if (motion == Motion::out_of_plane) return ModePlane::out;
-  if (share.in > kMostly) return ModePlane::in;
-  if (share.out > kMostly) return ModePlane::out;
-  return ModePlane::mixed;
-}
-
-void fill_shape(const ChainModes& modes, const MotionModes& motion, const Scene& scene,
-                const Eigen::VectorXd& q, NaturalMode& out) {
-  const Chain& chain = *modes.chain;
-  const Numbering& numbering = motion.assembly->numbering();
-  const Eigen::Matrix3d back = chain.axes.transpose();
-  for (const ChainMember& member : chain.members) {
-    ModeShape shape;
-    shape.member = scene.members[std::size_t(member.scene_member)].name;
-    shape.displacement.resize(3, member.segments + 1);
-    for (int i = 0; i <= member.segments; ++i) {
-      Eigen::Vector3d v = Eigen::Vector3d::Zero();
-      for (int axis = 0; axis < 3; ++axis) {
-        const int k = numbering.displacement(axis, member.nodes[std::size_t(i)]);
-        if (k >= 0) v[axis] = q[k];
-      }
-      shape.displacement.col(i) = back * v;
-    }
-    if (chain.segments[std::size_t(member.first_segment)].frame >= 0) {
-      shape.twist.setZero(member.segments);
-      for (int i = 0; i < member.segments; ++i) {
-        const int k = numbering.twist[member.first_segment + i];
-        if (k >= 0) shape.twist[i] = q[k];
-      }
-    }
-    out.shape.push_back(std::move(shape));
-  }
-}
-
-}  // namespace
-
-const char* name_of(ModePlane plane) {
-  switch (plane) {
-    case ModePlane::in:
-      return "in";
-    case ModePlane::out:
-      return "out";
-    case ModePlane::mixed:
-      return "mixed";
-    case ModePlane::axial:
-      return "axial";
-    case ModePlane::torsion:
-      break;
-  }
-  return "torsion";
-}
-
-const char* name_of(ModeFamily family) {
-  switch (family) {
-    case ModeFamily::cable:
-      return "cable";
-    case ModeFamily::beam:
-      return "beam";
-    case ModeFamily::hybrid:
-      break;
-  }
-  return "hybrid";
-}
-
-std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& scene,
-                                       const ModesOptions& options) {
-  std::vector<NaturalMode> out;
-  const Chain& chain = *modes.chain;
-  const ChainState& state = modes.equilibrium.state;
-  struct Prepared {
-    DampedModes damped;
-    Eigen::MatrixXd sensors, loads;  // rows by sensor, load
-  };
-  std::vector<Prepared> prepared(modes.motions.size());
-  for (std::size_t k = 0; k < prepared.size(); ++k) {
-    const MotionModes& motion = modes.motions[k];
-    if (options.damped) prepared[k].damped = damped_modes(motion, state, scene);
-    const auto sensors = static_cast<Eigen::Index>(scene.sensors.size());
-    const auto loads = static_cast<Eigen::Index>(scene.loads.size());
-    prepared[k].sensors.resize(sensors, motion.shapes.cols());
-    prepared[k].loads.resize(loads, motion.shapes.cols());
-    for (Eigen::Index i = 0; i < sensors; ++i) {
-      prepared[k].sensors.row(i) =
-          sensor_row(*motion.assembly, state, scene, int(i)).transpose() * motion.shapes;
-    }
-    for (Eigen::Index i = 0; i < loads; ++i) {
-      prepared[k].loads.row(i) = load_row(*motion.assembly, int(i)).transpose() * motion.shapes;
-    }
-  }
-  for (std::size_t i = 0; i < modes.order.size(); ++i) {
-    const auto& which = modes.order[i];
-    const auto k = std::size_t(which.motion);
-    const MotionModes& motion = modes.motions[k];
-    const Eigen::VectorXd q = motion.shapes.col(which.mode);
-    NaturalMode mode;
-    mode.frequency_hz = mode.extrapolated_hz = modes.frequency_hz(i);
-    if (options.damped) {
-      mode.damping_ratio = damping_ratio_of(prepared[k].damped.poles[which.mode]);
-    }
-    const EnergyAccount energy = motion.assembly->energy(state, q);
-    double beams = 0, all = 0;
-    for (std::size_t m = 0; m < energy.members.size(); ++m) {
-      const double part = 2 * energy.members[m].kinetic;  // q' M q = 1
-      mode.kinetic_energy.push_back(part);
-      all += part;
-      if (!chain.members[m].cable) beams += part;
-    }
-    const double share = all > 0 ? beams / all : 0;
-    mode.family = share > kMostly       ? ModeFamily::beam
-                  : share < 1 - kMostly ? ModeFamily::cable
-                                        : ModeFamily::hybrid;
-    mode.plane = plane_of(motions_of(chain, state, *motion.assembly, q), motion.motion);
-    if (options.shapes) fill_shape(modes, motion, scene, q, mode);
-    mode.sensor_shape = prepared[k].sensors.col(which.mode);
-    mode.load_shape = prepared[k].loads.col(which.mode);
-    out.push_back(std::move(mode));
-  }
-  return out;
-}
 
 ModalAnalysis analyse_modes(const Scene& scene, const ModesOptions& options) {
   ModalAnalysis out;
@@ -199,9 +35,9 @@ ModalAnalysis analyse_modes(const Scene& scene, const ModesOptions& options) {
   if (chain.torsion) {
     out.kept.push_back("torsion");
   } else {
-    const SceneNeeds needs = needs_of(scene, options.torsion);
+    const ModelReduction reduction = reduce_model(scene, options.torsion);
     double error = 0;
-    if (needs.torsion_left_out) {
+    if (reduction.torsion_left_out) {
       ModesOptions with = options;
       with.torsion.reset();
       const ChainModes full = find_modes(scene, with, choice.segments);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/algebra/eigenpairs.h"
+#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 namespace {
@@ -137,7 +138,7 @@ Eigen::VectorXd sensor_row(const Assembly& assembly, const ChainState& state, co
   const auto k = static_cast<std::size_t>(sensor);
   const Chain& chain = assembly.chain();
   const ChainPoint& point = chain.sensors[k];
-  if (scene.sensors[k].quantity != Sensor::Quantity::force) {
+  if (described(scene.sensors[k].quantity).reading == SensorReading::displacement) {
     return assembly.row_of(point, chain.sensor_direction[k]);
   }
   Eigen::VectorXd row = Eigen::VectorXd::Zero(assembly.size());

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "model/chain/assembly.h"
-#include "model/linear/modal_analysis.h"
+#include "model/linear/natural_mode.h"
+#include "model/scene/scene.h"
 #include "model/statics/equilibrium.h"
 
 namespace rigfit::model {
@@ -40,10 +41,6 @@ struct ChainModes {
 /// count, band, rotary inertia, torsion.
 [[nodiscard]] ChainModes find_modes(const Scene& scene, const ModesOptions& options,
                                     const std::vector<int>& segments = {});
-
-/// What a user sees of them: planes, families, damping, shapes, sensors (modal_analysis.cc).
-[[nodiscard]] std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& scene,
-                                                     const ModesOptions& options);
 
 /// Row of a sensor's quantity in a motion's unknowns: displacement along its direction, or for a
 /// force sensor the change of axial force, N per m.

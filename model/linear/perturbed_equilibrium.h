@@ -60,7 +60,7 @@ class EquilibriumPerturber {
   std::unique_ptr<Bordered> bordered_;
 };
 
-/// Stiffness and mass of one motion of a moved rig, without modes.
+/// Stiffness and mass of one motion of a perturbed equilibrium, without modes.
 [[nodiscard]] MotionModes motion_of(const PerturbedEquilibrium& rig, Motion motion);
 
 }  // namespace rigfit::model

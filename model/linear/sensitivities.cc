@@ -8,6 +8,7 @@
 
 #include "model/linear/damped_modes.h"
 #include "model/linear/modal_analysis.h"
+#include "model/linear/mode_description.h"
 #include "model/linear/perturbed_equilibrium.h"
 #include "model/linear/segment_choice.h"
 

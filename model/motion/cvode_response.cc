@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "model/motion/motion_kernel.h"
+#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 namespace {
@@ -33,8 +34,8 @@ using NonlinearSolver =
 void free_linear(SUNLinearSolver solver) { SUNLinSolFreeEmpty(solver); }
 using LinearSolver = std::unique_ptr<std::remove_pointer_t<SUNLinearSolver>, Free<free_linear>>;
 
-// State y: positions and velocities of the free slots' unknowns (Assembly's without massless ones),
-// then supplied and dissipated energy.
+// State y: positions and velocities of the free entries' unknowns (Assembly's without massless
+// ones), then supplied and dissipated energy.
 template <int D>
 class CvodeRun {
  public:
@@ -59,26 +60,27 @@ class CvodeRun {
     }
     mass_factor_.factor(inertia_);
     const Chain& chain = *problem.chain;
-    // Slots of each unknown with mass: the first of a shared node is enough to write, all to read.
+    // Entries of each unknown with mass: the first of a shared node is enough to write, all to
+    // read.
     const Numbering& numbering = assembly_.numbering();
     Eigen::VectorXd mark = Eigen::VectorXd::Zero(n);
     for (int i = 0; i < n; ++i) mark(i) = i + 1;
-    const Eigen::VectorXd marks = kernel_.slot_values(mark, numbering);
+    const Eigen::VectorXd marks = kernel_.entry_values(mark, numbering);
     std::vector<int> position_of_unknown(static_cast<std::size_t>(n), -1);
     for (std::size_t k = 0; k < massive_.size(); ++k) {
       position_of_unknown[static_cast<std::size_t>(massive_[k])] = static_cast<int>(k);
     }
-    slot_unknown_.assign(static_cast<std::size_t>(kernel_.size()), -1);
-    unknown_slot_.assign(massive_.size(), -1);
+    entry_unknown_.assign(static_cast<std::size_t>(kernel_.size()), -1);
+    unknown_entry_.assign(massive_.size(), -1);
     for (int s = 0; s < kernel_.size(); ++s) {
       const int unknown = static_cast<int>(std::lround(marks(s))) - 1;
       if (unknown < 0) continue;
       const int k = position_of_unknown[static_cast<std::size_t>(unknown)];
-      slot_unknown_[static_cast<std::size_t>(s)] = k;
-      if (k >= 0) unknown_slot_[static_cast<std::size_t>(k)] = s;
+      entry_unknown_[static_cast<std::size_t>(s)] = k;
+      if (k >= 0) unknown_entry_[static_cast<std::size_t>(k)] = s;
     }
-    slots_ = kernel_.positions(problem.start);
-    velocity_slots_ = acceleration_ = external_ = Eigen::VectorXd::Zero(kernel_.size());
+    entries_ = kernel_.positions(problem.start);
+    velocity_entries_ = acceleration_ = external_ = Eigen::VectorXd::Zero(kernel_.size());
     rest_ = kernel_.positions(problem.rest);
     for (std::size_t l = 0; l < chain.loads.size(); ++l) {
       load_rows_.push_back(kernel_.row(chain.loads[l], chain.load_direction[l]));
@@ -109,7 +111,7 @@ class CvodeRun {
     double* absolute = N_VGetArrayPointer(tolerance.get());
     for (sunindextype k = 0; k < m; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      values[k] = slots_(unknown_slot_[i]);
+      values[k] = entries_(unknown_entry_[i]);
       values[m + k] = problem_.start_velocity.size() > 0 ? problem_.start_velocity(massive_[i]) : 0;
       absolute[k] = options_.absolute_displacement_m;
       absolute[m + k] = options_.absolute_velocity_m_s;
@@ -176,7 +178,7 @@ class CvodeRun {
         spread(values);
         out.energy.time_s.push_back(target);
         out.energy.account.push_back(assembly_.energy(
-            kernel_.state(slots_), kernel_.unknowns(velocity_slots_, assembly_.numbering())));
+            kernel_.state(entries_), kernel_.unknowns(velocity_entries_, assembly_.numbering())));
         out.energy.supplied.push_back(values[2 * m]);
         out.energy.dissipated.push_back(values[2 * m + 1]);
       }
@@ -193,15 +195,15 @@ class CvodeRun {
  private:
   void spread(const double* y) {
     const std::size_t m = massive_.size();
-    for (std::size_t s = 0; s < slot_unknown_.size(); ++s) {
-      const int k = slot_unknown_[s];
+    for (std::size_t s = 0; s < entry_unknown_.size(); ++s) {
+      const int k = entry_unknown_[s];
       if (k < 0) continue;
-      slots_(static_cast<Eigen::Index>(s)) = y[k];
-      velocity_slots_(static_cast<Eigen::Index>(s)) = y[m + static_cast<std::size_t>(k)];
+      entries_(static_cast<Eigen::Index>(s)) = y[k];
+      velocity_entries_(static_cast<Eigen::Index>(s)) = y[m + static_cast<std::size_t>(k)];
     }
   }
 
-  // Accelerations in slots; adds the powers of loads and dampers to the last two rates.
+  // Accelerations in entries; adds the powers of loads and dampers to the last two rates.
   void evaluate(double t, const double* y, double* supplied_rate, double* dissipated_rate) {
     spread(y);
     ++evaluations_;
@@ -215,15 +217,15 @@ class CvodeRun {
       for (std::size_t i = 0; i < load_rows_[l].index.size(); ++i) {
         external_(load_rows_[l].index[i]) += f * load_rows_[l].weight[i];
       }
-      power += f * load_rows_[l].dot(velocity_slots_.data());
+      power += f * load_rows_[l].dot(velocity_entries_.data());
     }
-    kernel_.acceleration(slots_.data(), external, acceleration_.data());
+    kernel_.acceleration(entries_.data(), external, acceleration_.data());
     double lost = 0;
     if (problem_.joint_damping || momentum_.size() > 0) {
-      full_ = kernel_.unknowns(velocity_slots_, assembly_.numbering());
+      full_ = kernel_.unknowns(velocity_entries_, assembly_.numbering());
       rhs_.setZero();
       if (problem_.joint_damping) {
-        assembly_.damping(kernel_.state(slots_), damping_);
+        assembly_.damping(kernel_.state(entries_), damping_);
         turn_with(full_);
         damping_.multiply(full_, rhs_);
         lost += full_.dot(rhs_);
@@ -237,7 +239,7 @@ class CvodeRun {
         if (mass_.at(i, i) == 0) rhs_(i) = 0;
       }
       mass_factor_.solve_in_place(rhs_);
-      acceleration_ -= kernel_.slot_values(rhs_, assembly_.numbering());
+      acceleration_ -= kernel_.entry_values(rhs_, assembly_.numbering());
     }
     *supplied_rate = power;
     *dissipated_rate = lost;
@@ -265,7 +267,7 @@ class CvodeRun {
     self.evaluate(t, values, out + 2 * m, out + 2 * m + 1);
     for (std::size_t k = 0; k < m; ++k) {
       out[k] = values[m + k];
-      out[m + k] = self.acceleration_(self.unknown_slot_[k]);
+      out[m + k] = self.acceleration_(self.unknown_entry_[k]);
     }
     return 0;
   }
@@ -286,7 +288,7 @@ class CvodeRun {
     CVodeGetNumSteps(self.memory_, &steps);
     if (steps != self.factored_step_ || gamma != self.factored_gamma_) {
       self.spread(N_VGetArrayPointer(now ? now : predicted));
-      const ChainState state = self.kernel_.state(self.slots_);
+      const ChainState state = self.kernel_.state(self.entries_);
       self.assembly_.force_and_tangent(state, self.force_, self.tangent_);
       self.system_.values() = self.mass_.values() + gamma * gamma * self.tangent_.values();
       if (self.problem_.joint_damping) {
@@ -321,7 +323,7 @@ class CvodeRun {
   void sample(MotionOutput& out, long row, double t, const double* y) {
     bool accelerations = false;
     for (const auto q : problem_.quantities) {
-      accelerations = accelerations || q == Sensor::Quantity::acceleration;
+      accelerations = accelerations || described(q).derivatives == 2;
     }
     double a = 0, b = 0;
     if (accelerations) {
@@ -330,22 +332,12 @@ class CvodeRun {
       spread(y);
     }
     for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
-      double value = 0;
-      switch (problem_.quantities[s]) {
-        case Sensor::Quantity::displacement:
-          value = sensor_rows_[s].dot(slots_.data()) - sensor_rows_[s].dot(rest_.data());
-          break;
-        case Sensor::Quantity::velocity:
-          value = sensor_rows_[s].dot(velocity_slots_.data());
-          break;
-        case Sensor::Quantity::acceleration:
-          value = sensor_rows_[s].dot(acceleration_.data());
-          break;
-        case Sensor::Quantity::force:
-          value = kernel_.axial_force(problem_.chain->sensors[s].segment, slots_.data());
-          break;
-      }
-      out.samples(row, static_cast<Eigen::Index>(s)) = value;
+      const SensorQuantity& q = described(problem_.quantities[s]);
+      out.samples(row, static_cast<Eigen::Index>(s)) =
+          q.derivatives == 0
+              ? kernel_.reading(q.reading, s, sensor_rows_[s], entries_.data(), rest_.data())
+              : sensor_rows_[s].dot(q.derivatives == 1 ? velocity_entries_.data()
+                                                       : acceleration_.data());
     }
   }
 
@@ -355,8 +347,8 @@ class CvodeRun {
   Assembly assembly_;
   EnvelopeMatrix mass_, inertia_, damping_, tangent_, system_;
   EnvelopeFactor mass_factor_, system_factor_;
-  std::vector<int> massive_, slot_unknown_, unknown_slot_;
-  Eigen::VectorXd slots_, velocity_slots_, acceleration_, external_, rest_, full_, force_, rhs_,
+  std::vector<int> massive_, entry_unknown_, unknown_entry_;
+  Eigen::VectorXd entries_, velocity_entries_, acceleration_, external_, rest_, full_, force_, rhs_,
       solution_;
   Eigen::MatrixXd momentum_;
   std::vector<typename MotionKernel<D>::Row> load_rows_, sensor_rows_;

@@ -7,6 +7,7 @@
 #include "model/motion/motion_kernel.h"
 #include "model/motion/segment_loops.h"
 #include "model/motion/step_forces.h"
+#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 namespace {
@@ -40,7 +41,7 @@ class ExplicitRun {
     rest_ = kernel_.positions(problem.rest);
     if (kappa > 0) kernel_.slow_axial(kappa, rest_);
     v_ = problem.start_velocity.size() > 0
-             ? kernel_.slot_values(problem.start_velocity, assembly_.numbering())
+             ? kernel_.entry_values(problem.start_velocity, assembly_.numbering())
              : Eigen::VectorXd::Zero(n);
     a_ = first_ = ahead_ = vp_ = rate_ = other_ = scratch_ = v_before_ = Eigen::VectorXd::Zero(n);
     external_ = Eigen::VectorXd::Zero(n);
@@ -52,7 +53,7 @@ class ExplicitRun {
       sensor_rows_.push_back(kernel_.row(chain.sensors[s], chain.sensor_direction[s]));
     }
     for (const auto quantity : problem_.quantities) {
-      velocity_wanted_ = velocity_wanted_ || quantity == Sensor::Quantity::velocity;
+      velocity_wanted_ = velocity_wanted_ || described(quantity).derivatives == 1;
     }
   }
 
@@ -231,7 +232,7 @@ class ExplicitRun {
   // The dampers' part of accelerations at a sample, of which they act half before and half after.
   void add_damping(MotionOutput& out, long row, double time) const {
     for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
-      if (problem_.quantities[s] != Sensor::Quantity::acceleration) continue;
+      if (described(problem_.quantities[s]).derivatives != 2) continue;
       out.samples(row, static_cast<Eigen::Index>(s)) +=
           (sensor_rows_[s].dot(v_.data()) - sensor_rows_[s].dot(v_before_.data())) / time;
     }
@@ -241,20 +242,10 @@ class ExplicitRun {
     const double* p = (options_.verlet ? q_ : ahead_).data();
     for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
       const auto column = static_cast<Eigen::Index>(s);
-      switch (problem_.quantities[s]) {
-        case Sensor::Quantity::displacement:
-          out.samples(row, column) = sensor_rows_[s].dot(p) - sensor_rows_[s].dot(rest_.data());
-          break;
-        case Sensor::Quantity::velocity:
-          out.samples(row, column) = sensor_rows_[s].dot(vp_.data());
-          break;
-        case Sensor::Quantity::acceleration:
-          out.samples(row, column) = sensor_rows_[s].dot(a_.data());
-          break;
-        case Sensor::Quantity::force:
-          out.samples(row, column) = kernel_.axial_force(problem_.chain->sensors[s].segment, p);
-          break;
-      }
+      const SensorQuantity& q = described(problem_.quantities[s]);
+      out.samples(row, column) =
+          q.derivatives == 0 ? kernel_.reading(q.reading, s, sensor_rows_[s], p, rest_.data())
+                             : sensor_rows_[s].dot(q.derivatives == 1 ? vp_.data() : a_.data());
     }
   }
 

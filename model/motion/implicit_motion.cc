@@ -1,4 +1,5 @@
 #include "model/motion/implicit_motion.h"
+#include "model/scene/sensor_quantity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -218,7 +219,7 @@ class ImplicitRun {
   void sample(MotionOutput& out, long row, double t) {
     bool accelerations = false;
     for (const auto q : problem_.quantities) {
-      accelerations = accelerations || q == Sensor::Quantity::acceleration;
+      accelerations = accelerations || described(q).derivatives == 2;
     }
     if (accelerations) {
       assembly_.force(state_, force_);
@@ -234,24 +235,17 @@ class ImplicitRun {
     }
     for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
       const ChainPoint& point = problem_.chain->sensors[s];
+      const SensorQuantity& q = described(problem_.quantities[s]);
       double value = 0;
-      switch (problem_.quantities[s]) {
-        case Sensor::Quantity::displacement:
-          value = problem_.chain->sensor_direction[s].dot(position_of(point, state_.position)) -
-                  rest_[s];
-          break;
-        case Sensor::Quantity::velocity:
-          value = sensor_rows_[s].dot(v_);
-          break;
-        case Sensor::Quantity::acceleration:
-          value = sensor_rows_[s].dot(scratch_);
-          break;
-        case Sensor::Quantity::force: {
-          axial_.resize(static_cast<Eigen::Index>(problem_.chain->segments.size()));
-          assembly_.axial_forces(state_, axial_);
-          value = axial_(point.segment);
-          break;
-        }
+      if (q.derivatives > 0) {
+        value = sensor_rows_[s].dot(q.derivatives == 1 ? v_ : scratch_);
+      } else if (q.reading == SensorReading::axial_force) {
+        axial_.resize(static_cast<Eigen::Index>(problem_.chain->segments.size()));
+        assembly_.axial_forces(state_, axial_);
+        value = axial_(point.segment);
+      } else {
+        value =
+            problem_.chain->sensor_direction[s].dot(position_of(point, state_.position)) - rest_[s];
       }
       out.samples(row, static_cast<Eigen::Index>(s)) = value;
     }

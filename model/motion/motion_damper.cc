@@ -24,15 +24,15 @@ MotionDamper<D>::MotionDamper(const MotionProblem& problem, const MotionKernel<D
   const int n = assembly_.size();
   u_.setZero(n);
   w_.setZero(n);
-  // Which unknown each slot holds, found by numbers carried there.
+  // Which unknown each entry holds, found by numbers carried there.
   const Eigen::VectorXd marks =
-      kernel.slot_values(Eigen::VectorXd::LinSpaced(n, 1, n), assembly_.numbering());
-  unknown_of_slot_.assign(static_cast<std::size_t>(kernel.size()), -1);
-  slot_of_unknown_.assign(static_cast<std::size_t>(n), -1);
+      kernel.entry_values(Eigen::VectorXd::LinSpaced(n, 1, n), assembly_.numbering());
+  unknown_of_entry_.assign(static_cast<std::size_t>(kernel.size()), -1);
+  entry_of_unknown_.assign(static_cast<std::size_t>(n), -1);
   for (int s = 0; s < kernel.size(); ++s) {
     const int unknown = static_cast<int>(std::lround(marks(s))) - 1;
-    unknown_of_slot_[static_cast<std::size_t>(s)] = unknown;
-    if (unknown >= 0) slot_of_unknown_[static_cast<std::size_t>(unknown)] = s;
+    unknown_of_entry_[static_cast<std::size_t>(s)] = unknown;
+    if (unknown >= 0) entry_of_unknown_[static_cast<std::size_t>(unknown)] = s;
   }
   assembly_.mass(mass_);
   if (modal_) {
@@ -47,18 +47,18 @@ MotionDamper<D>::MotionDamper(const MotionProblem& problem, const MotionKernel<D
 }
 
 template <int D>
-void MotionDamper<D>::gather(const Eigen::VectorXd& slots) {
+void MotionDamper<D>::gather(const Eigen::VectorXd& entries) {
   for (Eigen::Index k = 0; k < u_.size(); ++k) {
-    const int slot = slot_of_unknown_[static_cast<std::size_t>(k)];
-    u_(k) = slot >= 0 ? slots(slot) : 0;
+    const int entry = entry_of_unknown_[static_cast<std::size_t>(k)];
+    u_(k) = entry >= 0 ? entries(entry) : 0;
   }
 }
 
 template <int D>
-void MotionDamper<D>::scatter(const Eigen::VectorXd& unknowns, Eigen::VectorXd& slots) const {
-  for (Eigen::Index s = 0; s < slots.size(); ++s) {
-    const int unknown = unknown_of_slot_[static_cast<std::size_t>(s)];
-    if (unknown >= 0) slots(s) = unknowns(unknown);
+void MotionDamper<D>::scatter(const Eigen::VectorXd& unknowns, Eigen::VectorXd& entries) const {
+  for (Eigen::Index s = 0; s < entries.size(); ++s) {
+    const int unknown = unknown_of_entry_[static_cast<std::size_t>(s)];
+    if (unknown >= 0) entries(s) = unknowns(unknown);
   }
 }
 
@@ -92,12 +92,12 @@ void MotionDamper<D>::apply(double time, const Eigen::VectorXd& positions,
 // nodes' moves over its length.
 template <int D>
 double MotionDamper<D>::turn(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
-  const int slots = kernel_.slots();
+  const int entries = kernel_.entries();
   double largest = 0;
-  for (int i = 0; i + 1 < slots; ++i) {
+  for (int i = 0; i + 1 < entries; ++i) {
     double length = 0, moved = 0;
     for (int c = 0; c < D; ++c) {
-      const int k = c * slots + i;
+      const int k = c * entries + i;
       const double now = to(k + 1) - to(k), then = from(k + 1) - from(k);
       length += now * now;
       moved += (now - then) * (now - then);

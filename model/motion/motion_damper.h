@@ -1,4 +1,4 @@
-// Dampers on the velocities of slots (motion_kernel.h), for schemes that split them from the rest
+// Dampers on the velocities of entries (motion_kernel.h), for schemes that split them from the rest
 // of the motion: the exact decay of modal ratios, v += Phi (e^{-rate t} - 1) Phi' M v, and joint
 // dampers M v' = -C(q) v by an L-stable SDIRK pair (gamma = 1 - sqrt(2)/2) with C taken a little
 // ahead and renewed whenever a segment has turned by more than 2 mrad from there.
@@ -25,8 +25,8 @@ class MotionDamper {
   void apply(double time, const Eigen::VectorXd& positions, Eigen::VectorXd& velocities);
 
  private:
-  void gather(const Eigen::VectorXd& slots);
-  void scatter(const Eigen::VectorXd& unknowns, Eigen::VectorXd& slots) const;
+  void gather(const Eigen::VectorXd& entries);
+  void scatter(const Eigen::VectorXd& unknowns, Eigen::VectorXd& entries) const;
   const Eigen::MatrixXd& decay(double time);
   void damp_joints(double time, const Eigen::VectorXd& positions, Eigen::VectorXd& velocities);
   [[nodiscard]] double turn(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
@@ -36,7 +36,7 @@ class MotionDamper {
   Assembly assembly_;
   EnvelopeMatrix mass_;
   bool joints_, modal_;
-  std::vector<int> unknown_of_slot_, slot_of_unknown_;
+  std::vector<int> unknown_of_entry_, entry_of_unknown_;
   Eigen::VectorXd u_, w_;
   // Modal ratios: e^{-rate t} - 1 as a matrix over the unknowns, for each time asked so far.
   Eigen::MatrixXd momentum_;

@@ -26,15 +26,15 @@ bool kernel_supports(const Chain& chain, int dimensions) {
 template <int D>
 MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
   assert(kernel_supports(chain, D));
-  slot_of_node_.assign(at(chain.nodes), -1);
-  slot_of_segment_.assign(chain.segments.size(), -1);
+  entry_of_node_.assign(at(chain.nodes), -1);
+  entry_of_segment_.assign(chain.segments.size(), -1);
   turning_.resize(chain.rotating_node.size());
   if constexpr (D == 2) {
     for (std::size_t r = 0; r < turning_.size(); ++r) {
       turning_[r].held = chain.rotation_fixed(2, static_cast<Eigen::Index>(r));
     }
   }
-  std::vector<typename SlotMass<D>::Member> masses;
+  std::vector<typename NodeMass<D>::Member> masses;
   make_members(masses);
   add_masses(masses);
   for (const NodeSupport& support : chain.supports) {
@@ -45,23 +45,23 @@ MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
     }
     if (support.rotation >= 0) turning_[at(support.rotation)].spring += support.rotational(2);
   }
-  std::vector<typename SlotMass<D>::Shared> shared;
+  std::vector<typename NodeMass<D>::Shared> shared;
   for (SharedNode& node : shared_) {
-    shared.push_back({node.slots, {node.held[0], node.held[1], node.held[2]}});
+    shared.push_back({node.entries, {node.held[0], node.held[1], node.held[2]}});
     for (int c = 0; c < D; ++c) node.free = node.free || !node.held[c];
   }
-  mass_ = SlotMass<D>(std::move(masses), std::move(shared), slots_);
+  mass_ = NodeMass<D>(std::move(masses), std::move(shared), entries_);
 }
 
 template <int D>
-void MotionKernel<D>::make_members(std::vector<typename SlotMass<D>::Member>& masses) {
+void MotionKernel<D>::make_members(std::vector<typename NodeMass<D>::Member>& masses) {
   const Chain& chain = *chain_;
   std::vector<int> shared_of_node(at(chain.nodes), -1);
   int scratch = 0;
   for (const ChainMember& member : chain.members) {
     MemberPlan plan;
-    typename SlotMass<D>::Member mass;
-    plan.offset = mass.offset = slots_;
+    typename NodeMass<D>::Member mass;
+    plan.offset = mass.offset = entries_;
     plan.segments = mass.segments = member.segments;
     plan.scratch = scratch;
     scratch += plan.segments + 2;
@@ -70,8 +70,8 @@ void MotionKernel<D>::make_members(std::vector<typename SlotMass<D>::Member>& ma
     plan.joint.assign(at(plan.segments + 1), 0);
     plan.end_direction.setZero();
     for (int i = 0; i <= plan.segments; ++i) {
-      const int node = member.nodes[at(i)], slot = slots_ + i;
-      if (slot_of_node_[at(node)] < 0) slot_of_node_[at(node)] = slot;
+      const int node = member.nodes[at(i)], entry = entries_ + i;
+      if (entry_of_node_[at(node)] < 0) entry_of_node_[at(node)] = entry;
       if (i > 0 && i < plan.segments) continue;
       if (shared_of_node[at(node)] < 0) {
         shared_of_node[at(node)] = static_cast<int>(shared_.size());
@@ -80,11 +80,11 @@ void MotionKernel<D>::make_members(std::vector<typename SlotMass<D>::Member>& ma
         for (int c = 0; c < 3; ++c) shared_.back().held[c] = chain.fixed(c, node);
       }
       plan.shared[i == 0 ? 0 : 1] = mass.shared[i == 0 ? 0 : 1] = shared_of_node[at(node)];
-      shared_[at(shared_of_node[at(node)])].slots.push_back(slot);
+      shared_[at(shared_of_node[at(node)])].entries.push_back(entry);
     }
     for (int i = 0; i < plan.segments; ++i) {
       const Segment& segment = chain.segments[at(member.first_segment + i)];
-      slot_of_segment_[at(member.first_segment + i)] = slots_ + i;
+      entry_of_segment_[at(member.first_segment + i)] = entries_ + i;
       plan.axial.push_back(segment.EA / segment.length);
       plan.length.push_back(segment.length);
       const double own = segment.mass * (0.5 - segment.coupling);
@@ -110,7 +110,7 @@ void MotionKernel<D>::make_members(std::vector<typename SlotMass<D>::Member>& ma
             {static_cast<int>(members_.size()), end, stiffness});
       }
     }
-    slots_ += plan.segments + 1;
+    entries_ += plan.segments + 1;
     members_.push_back(std::move(plan));
     masses.push_back(std::move(mass));
   }
@@ -124,9 +124,9 @@ void MotionKernel<D>::make_members(std::vector<typename SlotMass<D>::Member>& ma
 
 // Point masses, in the mass and in gravity (each node's share of what lies beside it).
 template <int D>
-void MotionKernel<D>::add_masses(std::vector<typename SlotMass<D>::Member>& masses) {
+void MotionKernel<D>::add_masses(std::vector<typename NodeMass<D>::Member>& masses) {
   const Chain& chain = *chain_;
-  std::vector<double> weight(at(slots_), 0);
+  std::vector<double> weight(at(entries_), 0);
   for (const auto& member : masses) {
     for (int i = 0; i <= member.segments; ++i) {
       double sum = member.diagonal[at(i)];
@@ -138,12 +138,12 @@ void MotionKernel<D>::add_masses(std::vector<typename SlotMass<D>::Member>& mass
   for (const PointMass& mass : chain.masses) {
     const double f = mass.fraction;
     if (f == 0 || mass.member < 0) {
-      const int slot = slot_of_node_[at(mass.node[0])];
-      if (slot < 0) continue;
-      weight[at(slot)] += mass.mass;
+      const int entry = entry_of_node_[at(mass.node[0])];
+      if (entry < 0) continue;
+      weight[at(entry)] += mass.mass;
       for (auto& member : masses) {
-        if (slot >= member.offset && slot <= member.offset + member.segments) {
-          member.diagonal[at(slot - member.offset)] += mass.mass;
+        if (entry >= member.offset && entry <= member.offset + member.segments) {
+          member.diagonal[at(entry - member.offset)] += mass.mass;
         }
       }
       continue;
@@ -165,11 +165,12 @@ void MotionKernel<D>::add_masses(std::vector<typename SlotMass<D>::Member>& mass
   for (const MemberPlan& plan : members_) {
     for (int i = 1; i < plan.segments; ++i) {
       for (int c = 0; c < D; ++c) {
-        gravity_[at(c * slots_ + plan.offset + i)] = weight[at(plan.offset + i)] * chain.gravity(c);
+        gravity_[at(c * entries_ + plan.offset + i)] =
+            weight[at(plan.offset + i)] * chain.gravity(c);
       }
     }
-    for (const auto& [end, slot] : {std::pair{0, 0}, std::pair{1, plan.segments}}) {
-      shared_[at(plan.shared[end])].gravity += weight[at(plan.offset + slot)] * chain.gravity;
+    for (const auto& [end, entry] : {std::pair{0, 0}, std::pair{1, plan.segments}}) {
+      shared_[at(plan.shared[end])].gravity += weight[at(plan.offset + entry)] * chain.gravity;
     }
   }
 }
@@ -188,10 +189,10 @@ void MotionKernel<D>::tangents(const double* positions) {
       t[c][n + 1] = plan.end_direction(c, 1);
     }
     if constexpr (D == 2) {
-      segment_tangents(n, x, x + slots_, plan.axial.data(), plan.length.data(), t[0], t[1], inverse,
-                       tension);
+      segment_tangents(n, x, x + entries_, plan.axial.data(), plan.length.data(), t[0], t[1],
+                       inverse, tension);
     } else {
-      segment_tangents(n, x, x + slots_, x + 2 * slots_, plan.axial.data(), plan.length.data(),
+      segment_tangents(n, x, x + entries_, x + 2 * entries_, plan.axial.data(), plan.length.data(),
                        t[0], t[1], t[2], inverse, tension);
     }
   }
@@ -218,10 +219,10 @@ void MotionKernel<D>::turn_nodes() {
       node.sine = s;
       for (const auto& end : node.ends) {
         const MemberPlan& plan = members_[at(end.member)];
-        const int slot = plan.scratch + (end.end == 0 ? 0 : plan.segments + 1);
+        const int entry = plan.scratch + (end.end == 0 ? 0 : plan.segments + 1);
         const double dx = plan.end_direction(0, end.end), dy = plan.end_direction(1, end.end);
-        direction_[0][at(slot)] = c * dx - s * dy;
-        direction_[1][at(slot)] = s * dx + c * dy;
+        direction_[0][at(entry)] = c * dx - s * dy;
+        direction_[1][at(entry)] = s * dx + c * dy;
       }
     }
   }
@@ -251,13 +252,13 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
       segment_forces(n, joint, inverse, tension, t[0], t[1], t[2], f[0], f[1], f[2]);
     }
     for (int c = 0; c < D; ++c) {
-      const int first = c * slots_ + plan.offset;
+      const int first = c * entries_ + plan.offset;
       node_forces(n, f[c], gravity_.data() + first, acceleration + first);
       if (!external) continue;
       for (int i = 1; i < n; ++i) acceleration[first + i] += external[first + i];
     }
   }
-  // And on the nodes at members' ends, in the first slot of each.
+  // And on the nodes at members' ends, in the first entry of each.
   for (const SharedNode& node : shared_) {
     if (!node.free) continue;
     for (int c = 0; c < D; ++c) {
@@ -265,13 +266,13 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
       for (int d = 0; d < D; ++d) {
         const double spring = node.spring(c, d);
         if (spring != 0) {
-          sum -= spring * (positions[d * slots_ + node.slots[0]] - node.anchor(d));
+          sum -= spring * (positions[d * entries_ + node.entries[0]] - node.anchor(d));
         }
       }
       if (external) {
-        for (int slot : node.slots) sum += external[c * slots_ + slot];
+        for (int entry : node.entries) sum += external[c * entries_ + entry];
       }
-      acceleration[c * slots_ + node.slots[0]] = sum;
+      acceleration[c * entries_ + node.entries[0]] = sum;
     }
   }
   for (const MemberPlan& plan : members_) {
@@ -279,8 +280,8 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
     const SharedNode& last = shared_[at(plan.shared[1])];
     for (int c = 0; c < D; ++c) {
       const double* f = force_[c].data() + plan.scratch;
-      if (first.free) acceleration[c * slots_ + first.slots[0]] += f[0];
-      if (last.free) acceleration[c * slots_ + last.slots[0]] -= f[plan.segments - 1];
+      if (first.free) acceleration[c * entries_ + first.entries[0]] += f[0];
+      if (last.free) acceleration[c * entries_ + last.entries[0]] -= f[plan.segments - 1];
     }
   }
   mass_.solve(acceleration);
@@ -307,7 +308,7 @@ double MotionKernel<D>::potential(const Eigen::VectorXd& positions) {
     }
     for (int i = 1; i < plan.segments; ++i) {
       for (int c = 0; c < D; ++c) {
-        const int k = c * slots_ + plan.offset + i;
+        const int k = c * entries_ + plan.offset + i;
         sum -= gravity_[at(k)] * positions(k);
       }
     }
@@ -315,7 +316,7 @@ double MotionKernel<D>::potential(const Eigen::VectorXd& positions) {
   for (const SharedNode& node : shared_) {
     Eigen::Vector3d away = -node.anchor;
     for (int c = 0; c < D; ++c) {
-      const double x = positions(c * slots_ + node.slots[0]);
+      const double x = positions(c * entries_ + node.entries[0]);
       sum -= node.gravity(c) * x;
       away(c) += x;
     }
@@ -333,7 +334,7 @@ Eigen::VectorXd MotionKernel<D>::positions(const ChainState& state) const {
     for (int i = 0; i <= members_[m].segments; ++i) {
       const int node = chain_->members[m].nodes[at(i)];
       for (int c = 0; c < D; ++c) {
-        result(c * slots_ + members_[m].offset + i) = state.position(c, node);
+        result(c * entries_ + members_[m].offset + i) = state.position(c, node);
       }
     }
   }
@@ -347,7 +348,7 @@ ChainState MotionKernel<D>::state(const Eigen::VectorXd& positions) const {
     for (int i = 0; i <= members_[m].segments; ++i) {
       const int node = chain_->members[m].nodes[at(i)];
       for (int c = 0; c < D; ++c) {
-        result.position(c, node) = positions(c * slots_ + members_[m].offset + i);
+        result.position(c, node) = positions(c * entries_ + members_[m].offset + i);
       }
     }
   }
@@ -377,30 +378,30 @@ ChainState MotionKernel<D>::state(const Eigen::VectorXd& positions) const {
 }
 
 template <int D>
-Eigen::VectorXd MotionKernel<D>::unknowns(const Eigen::VectorXd& slots,
+Eigen::VectorXd MotionKernel<D>::unknowns(const Eigen::VectorXd& entries,
                                           const Numbering& numbering) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(numbering.size);
   for (int node = 0; node < chain_->nodes; ++node) {
-    const int slot = slot_of_node_[at(node)];
-    if (slot < 0) continue;
+    const int entry = entry_of_node_[at(node)];
+    if (entry < 0) continue;
     for (int c = 0; c < D; ++c) {
       const int k = numbering.displacement(c, node);
-      if (k >= 0) result(k) = slots(c * slots_ + slot);
+      if (k >= 0) result(k) = entries(c * entries_ + entry);
     }
   }
   return result;
 }
 
 template <int D>
-Eigen::VectorXd MotionKernel<D>::slot_values(const Eigen::VectorXd& unknowns,
-                                             const Numbering& numbering) const {
+Eigen::VectorXd MotionKernel<D>::entry_values(const Eigen::VectorXd& unknowns,
+                                              const Numbering& numbering) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(size());
   for (std::size_t m = 0; m < members_.size(); ++m) {
     for (int i = 0; i <= members_[m].segments; ++i) {
       const int node = chain_->members[m].nodes[at(i)];
       for (int c = 0; c < D; ++c) {
         const int k = numbering.displacement(c, node);
-        if (k >= 0) result(c * slots_ + members_[m].offset + i) = unknowns(k);
+        if (k >= 0) result(c * entries_ + members_[m].offset + i) = unknowns(k);
       }
     }
   }
@@ -412,12 +413,12 @@ typename MotionKernel<D>::Row MotionKernel<D>::row(const ChainPoint& point,
                                                    const Eigen::Vector3d& direction) const {
   Row result;
   for (int i = 0; i < point.count; ++i) {
-    const int slot = slot_of_node_[at(point.node[at(i)])];
-    if (slot < 0) continue;
+    const int entry = entry_of_node_[at(point.node[at(i)])];
+    if (entry < 0) continue;
     for (int c = 0; c < D; ++c) {
       const double weight = point.weight[at(i)] * direction(c);
       if (weight == 0) continue;
-      result.index.push_back(c * slots_ + slot);
+      result.index.push_back(c * entries_ + entry);
       result.weight.push_back(weight);
     }
   }
@@ -426,10 +427,10 @@ typename MotionKernel<D>::Row MotionKernel<D>::row(const ChainPoint& point,
 
 template <int D>
 double MotionKernel<D>::axial_force(int segment, const double* positions) const {
-  const int slot = slot_of_segment_[at(segment)];
+  const int entry = entry_of_segment_[at(segment)];
   double square = 0;
   for (int c = 0; c < D; ++c) {
-    const double e = positions[c * slots_ + slot + 1] - positions[c * slots_ + slot];
+    const double e = positions[c * entries_ + entry + 1] - positions[c * entries_ + entry];
     square += e * e;
   }
   const Segment& s = chain_->segments[at(segment)];

@@ -2,9 +2,9 @@
 // evaluations a second: what explicit time integration spends its time on.
 //
 // The same energies as Assembly's (chain.h), written for two or three components (D) over arrays in
-// which every member's nodes lie one after the other ("slots"; a node that members share has a slot
-// in each). A joint between directions t_i, t_j stores K (1 - t_i . t_j), so with e_i the segment's
-// vector and L its length
+// which every member's nodes lie one after the other ("entries"; a node that members share has an
+// entry in each). A joint between directions t_i, t_j stores K (1 - t_i . t_j), so with e_i the
+// segment's vector and L its length
 //   dV/de_i = EA/l (L - l) t_i - (I - t_i t_i') g_i / L,   g_i = sum over its joints of K t_other
 // without any angle. A node's rotation has no inertia and follows: in the plane it is the argument
 // of sum K t conj(d) over the members (and the ground's spring) joined there. The mass is constant
@@ -17,6 +17,7 @@
 #include "model/chain/assembly.h"
 #include "model/chain/chain.h"
 #include "model/motion/node_mass.h"
+#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 
@@ -30,26 +31,26 @@ class MotionKernel {
   /// The chain must be supported and settled (its equilibrium found).
   explicit MotionKernel(const Chain& chain);
 
-  /// Length of the arrays below: D times the slots, component after component.
-  [[nodiscard]] int size() const { return D * slots_; }
-  [[nodiscard]] int slots() const { return slots_; }
+  /// Length of the arrays below: D times the entries, component after component.
+  [[nodiscard]] int size() const { return D * entries_; }
+  [[nodiscard]] int entries() const { return entries_; }
 
   [[nodiscard]] Eigen::VectorXd positions(const ChainState& state) const;
   /// The state with these positions; rotations as they follow.
   [[nodiscard]] ChainState state(const Eigen::VectorXd& positions) const;
-  /// Rates of Assembly's unknowns for velocities of the slots (those of turning nodes zero).
-  [[nodiscard]] Eigen::VectorXd unknowns(const Eigen::VectorXd& slots,
+  /// Rates of Assembly's unknowns for velocities of the entries (those of turning nodes zero).
+  [[nodiscard]] Eigen::VectorXd unknowns(const Eigen::VectorXd& entries,
                                          const Numbering& numbering) const;
-  /// The way back: slots from Assembly's unknowns.
-  [[nodiscard]] Eigen::VectorXd slot_values(const Eigen::VectorXd& unknowns,
-                                            const Numbering& numbering) const;
+  /// The way back: entries from Assembly's unknowns.
+  [[nodiscard]] Eigen::VectorXd entry_values(const Eigen::VectorXd& unknowns,
+                                             const Numbering& numbering) const;
 
-  /// acceleration = M^-1 (external - dV/dx), zero where held. Slots' arrays; `external` (N, may be
-  /// null) is given in any one of a shared node's slots or split among them. Not thread-safe: uses
-  /// the kernel's own scratch space.
+  /// acceleration = M^-1 (external - dV/dx), zero where held. Entries' arrays; `external` (N, may
+  /// be null) is given in any one of a shared node's entries or split among them. Not thread-safe:
+  /// uses the kernel's own scratch space.
   void acceleration(const double* positions, const double* external, double* acceleration);
 
-  /// x . (M y) for two arrays of slots (momentum, kinetic energy).
+  /// x . (M y) for two arrays of entries (momentum, kinetic energy).
   [[nodiscard]] double mass_product(const Eigen::VectorXd& x, const Eigen::VectorXd& y) const {
     return mass_.product(x.data(), y.data());
   }
@@ -58,7 +59,7 @@ class MotionKernel {
   void slow_axial(double kappa, const Eigen::VectorXd& positions) {
     mass_.slow_axial(kappa, positions.data());
   }
-  [[nodiscard]] const SlotMass<D>& mass() const { return mass_; }
+  [[nodiscard]] const NodeMass<D>& mass() const { return mass_; }
   /// Potential energy, J; its zero is that of Assembly.
   [[nodiscard]] double potential(const Eigen::VectorXd& positions);
 
@@ -75,6 +76,14 @@ class MotionKernel {
   [[nodiscard]] Row row(const ChainPoint& point, const Eigen::Vector3d& direction) const;
   /// Axial force of a segment, N.
   [[nodiscard]] double axial_force(int segment, const double* positions) const;
+  /// What sensor `s` of the chain, with its row, reads there before it is differentiated.
+  [[nodiscard]] double reading(SensorReading what, std::size_t s, const Row& row,
+                               const double* positions, const double* rest) const {
+    if (what == SensorReading::axial_force) {
+      return axial_force(chain_->sensors[s].segment, positions);
+    }
+    return row.dot(positions) - row.dot(rest);
+  }
 
  private:
   struct MemberPlan {
@@ -88,7 +97,7 @@ class MotionKernel {
   };
   struct SharedNode {
     int node = 0;
-    std::vector<int> slots;
+    std::vector<int> entries;
     bool held[3] = {false, false, false};
     bool free = false;  // in some component
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
@@ -106,20 +115,20 @@ class MotionKernel {
     double cosine = 1, sine = 0;  // of its angle
   };
 
-  void make_members(std::vector<typename SlotMass<D>::Member>& masses);
-  void add_masses(std::vector<typename SlotMass<D>::Member>& masses);
+  void make_members(std::vector<typename NodeMass<D>::Member>& masses);
+  void add_masses(std::vector<typename NodeMass<D>::Member>& masses);
   void tangents(const double* positions);
   void turn_nodes();
 
   const Chain* chain_;
-  int slots_ = 0;
+  int entries_ = 0;
   std::vector<MemberPlan> members_;
   std::vector<SharedNode> shared_;
   std::vector<Turning> turning_;
-  std::vector<int> slot_of_node_;
-  std::vector<int> slot_of_segment_;
-  std::vector<double> gravity_;  // D x slots, inner slots only
-  SlotMass<D> mass_;
+  std::vector<int> entry_of_node_;
+  std::vector<int> entry_of_segment_;
+  std::vector<double> gravity_;  // D x entries, inner entries only
+  NodeMass<D> mass_;
   // Scratch: directions with room for the node's side before and behind, 1/L, axial force.
   std::vector<double> direction_[D], inverse_length_, axial_force_, force_[D];
 };

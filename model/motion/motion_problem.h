@@ -9,6 +9,7 @@
 
 #include "model/chain/assembly.h"
 #include "model/chain/chain.h"
+#include "model/motion/sampling.h"
 #include "model/scene/force_history.h"
 
 namespace rigfit::model {
@@ -33,18 +34,6 @@ struct MotionProblem {
   ModalDamping modal_damping;
 };
 
-/// Where the energy was over time: J, by member and kind.
-struct EnergyHistory {
-  std::vector<double> time_s;
-  std::vector<EnergyAccount> account;
-  std::vector<double> supplied;    ///< by loads since t = 0
-  std::vector<double> dissipated;  ///< by dampers since t = 0
-
-  /// Largest |E(t) - E(0) - supplied + dissipated| over the energy that was in motion: the largest
-  /// kinetic energy there was. Zero for a history without motion.
-  [[nodiscard]] double drift() const;
-};
-
 struct MotionOutput {
   Eigen::MatrixXd samples;  ///< rows x sensors, at 0, 1/rate, ...
   EnergyHistory energy;
@@ -56,16 +45,7 @@ struct MotionOutput {
   std::string reason;      ///< for a person, when not completed
 };
 
-struct SamplingOptions {
-  double duration_s = 1;
-  double rate_hz = 1000;
-  int energy_samples = 200;         ///< instants of the energy account besides the first; 0: none
-  [[nodiscard]] long rows() const;  ///< samples at 0, 1/rate, ... up to the duration
-  /// Rows between two entries of the energy account.
-  [[nodiscard]] long energy_stride() const;
-};
-
-/// A value linear in the chain's motion that a sensor reads (see Sensor::Quantity).
+/// Whether any segment or joint has a damper.
 [[nodiscard]] bool any_joint_damping(const Chain& chain);
 
 }  // namespace rigfit::model

@@ -8,8 +8,8 @@
 
 namespace rigfit::model {
 template <int D>
-SlotMass<D>::SlotMass(std::vector<Member> members, std::vector<Shared> shared, int slots)
-    : members_(std::move(members)), shared_(std::move(shared)), slots_(slots) {
+NodeMass<D>::NodeMass(std::vector<Member> members, std::vector<Shared> shared, int entries)
+    : members_(std::move(members)), shared_(std::move(shared)), entries_(entries) {
   plans_.resize(members_.size());
   for (std::size_t m = 0; m < members_.size(); ++m) plans_[m].plain = factor(members_[m], 0);
   first_free_.assign(shared_.size(), -1);
@@ -26,7 +26,7 @@ SlotMass<D>::SlotMass(std::vector<Member> members, std::vector<Shared> shared, i
 }
 
 template <int D>
-typename SlotMass<D>::Inner SlotMass<D>::factor(const Member& member, double kappa) {
+typename NodeMass<D>::Inner NodeMass<D>::factor(const Member& member, double kappa) {
   const int n = member.segments;
   std::vector<double> diagonal = member.diagonal, off = member.off;
   for (int i = 0; kappa > 0 && i < n; ++i) {
@@ -74,7 +74,7 @@ typename SlotMass<D>::Inner SlotMass<D>::factor(const Member& member, double kap
 }
 
 template <int D>
-void SlotMass<D>::slow_axial(double kappa, const double* positions) {
+void NodeMass<D>::slow_axial(double kappa, const double* positions) {
   kappa_ = kappa;
   for (std::size_t m = 0; m < members_.size(); ++m) {
     Plan& plan = plans_[m];
@@ -85,7 +85,7 @@ void SlotMass<D>::slow_axial(double kappa, const double* positions) {
     plan.slowed = factor(member, kappa);
     Eigen::Matrix<double, D, 1> chord;
     for (int c = 0; c < D; ++c) {
-      const double* x = positions + c * slots_ + member.offset;
+      const double* x = positions + c * entries_ + member.offset;
       chord(c) = x[member.segments] - x[0];
     }
     chord.normalize();
@@ -108,7 +108,7 @@ void SlotMass<D>::slow_axial(double kappa, const double* positions) {
 
 // The mass of the components of shared nodes that move, the inner nodes following them.
 template <int D>
-void SlotMass<D>::reduce() {
+void NodeMass<D>::reduce() {
   const auto count = static_cast<Eigen::Index>(free_.size());
   std::vector<int> row(shared_.size() * D, -1);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -147,11 +147,11 @@ void SlotMass<D>::reduce() {
 }
 
 template <int D>
-void SlotMass<D>::rotate(const Plan& plan, const Member& member, bool back, double* values) const {
+void NodeMass<D>::rotate(const Plan& plan, const Member& member, bool back, double* values) const {
   Eigen::Matrix<double, D, D> turn = plan.axes;
   if (!back) turn.transposeInPlace();
   double* a[D];
-  for (int c = 0; c < D; ++c) a[c] = values + c * slots_ + member.offset;
+  for (int c = 0; c < D; ++c) a[c] = values + c * entries_ + member.offset;
   for (int i = 1; i < member.segments; ++i) {
     Eigen::Matrix<double, D, 1> value;
     for (int c = 0; c < D; ++c) value(c) = a[c][i];
@@ -161,7 +161,7 @@ void SlotMass<D>::rotate(const Plan& plan, const Member& member, bool back, doub
 }
 
 template <int D>
-void SlotMass<D>::solve(double* values) {
+void NodeMass<D>::solve(double* values) {
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const Plan& plan = plans_[m];
     const Member& member = members_[m];
@@ -175,16 +175,16 @@ void SlotMass<D>::solve(double* values) {
     };
     double* x = values + member.offset;
     if constexpr (D == 2) {
-      solve_twisted(of(0), of(1), x, x + slots_);
+      solve_twisted(of(0), of(1), x, x + entries_);
     } else {
-      solve_twisted(of(0), of(1), of(2), x, x + slots_, x + 2 * slots_);
+      solve_twisted(of(0), of(1), of(2), x, x + entries_, x + 2 * entries_);
     }
   }
 
   // Forces on the free end nodes less what the inner nodes' accelerations take.
   for (std::size_t i = 0; i < free_.size(); ++i) {
     const Shared& node = shared_[at(free_[i].node)];
-    force_[i] = values[free_[i].component * slots_ + node.slots[0]];
+    force_[i] = values[free_[i].component * entries_ + node.entries[0]];
   }
   const auto count = static_cast<int>(free_.size());
   if (count > 0) {
@@ -195,7 +195,7 @@ void SlotMass<D>::solve(double* values) {
       for (int c = 0; c < D; ++c) {
         const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
         pull(c) = end == 0 ? inner.first_off : inner.last_off;
-        pull(c) *= values[c * slots_ + member.offset + (end == 0 ? 1 : member.segments - 1)];
+        pull(c) *= values[c * entries_ + member.offset + (end == 0 ? 1 : member.segments - 1)];
       }
       if (plan.rotated) pull = plan.axes * pull;
       return pull;
@@ -220,13 +220,13 @@ void SlotMass<D>::solve(double* values) {
     }
   }
   for (const Shared& node : shared_) {
-    for (int slot : node.slots) {
-      for (int c = 0; c < D; ++c) values[c * slots_ + slot] = 0;
+    for (int entry : node.entries) {
+      for (int c = 0; c < D; ++c) values[c * entries_ + entry] = 0;
     }
   }
   for (int i = 0; i < count; ++i) {
-    for (int slot : shared_[at(free_[at(i)].node)].slots) {
-      values[free_[at(i)].component * slots_ + slot] = motion_[at(i)];
+    for (int entry : shared_[at(free_[at(i)].node)].entries) {
+      values[free_[at(i)].component * entries_ + entry] = motion_[at(i)];
     }
   }
 
@@ -238,13 +238,13 @@ void SlotMass<D>::solve(double* values) {
     for (int end = 0; count > 0 && end < 2; ++end) {
       if (first_free_[at(member.shared[end])] < 0) continue;
       Eigen::Matrix<double, D, 1> own;
-      const int slot = member.offset + (end == 0 ? 0 : member.segments);
-      for (int c = 0; c < D; ++c) own(c) = values[c * slots_ + slot];
+      const int entry = member.offset + (end == 0 ? 0 : member.segments);
+      for (int c = 0; c < D; ++c) own(c) = values[c * entries_ + entry];
       if (plan.rotated) own = plan.axes.transpose() * own;
       for (int c = 0; c < D; ++c) {
         const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
         const std::vector<double>& from = end == 0 ? inner.from_first : inner.from_last;
-        double* a = values + c * slots_ + member.offset + 1;
+        double* a = values + c * entries_ + member.offset + 1;
         add_multiple(member.segments - 1, a, -own(c), from.data() + 1, a);
       }
     }
@@ -253,12 +253,12 @@ void SlotMass<D>::solve(double* values) {
 }
 
 template <int D>
-double SlotMass<D>::product(const double* x, const double* y) const {
+double NodeMass<D>::product(const double* x, const double* y) const {
   double sum = 0;
   for (const Member& member : members_) {
     for (int c = 0; c < D; ++c) {
-      const double* a = x + c * slots_ + member.offset;
-      const double* b = y + c * slots_ + member.offset;
+      const double* a = x + c * entries_ + member.offset;
+      const double* b = y + c * entries_ + member.offset;
       for (int i = 0; i <= member.segments; ++i) sum += member.diagonal[at(i)] * a[i] * b[i];
       for (int i = 0; i < member.segments; ++i) {
         sum += member.off[at(i)] * (a[i] * b[i + 1] + a[i + 1] * b[i]);
@@ -269,7 +269,7 @@ double SlotMass<D>::product(const double* x, const double* y) const {
 }
 
 template <int D>
-double SlotMass<D>::slowed_product(const double* x, const double* y) const {
+double NodeMass<D>::slowed_product(const double* x, const double* y) const {
   double sum = 0;
   for (std::size_t m = 0; kappa_ > 0 && m < members_.size(); ++m) {
     const Plan& plan = plans_[m];
@@ -279,7 +279,7 @@ double SlotMass<D>::slowed_product(const double* x, const double* y) const {
     for (int i = 0; i < member.segments; ++i) {
       double dx = 0, dy = 0;
       for (int c = 0; c < D; ++c) {
-        const int k = c * slots_ + member.offset + i;
+        const int k = c * entries_ + member.offset + i;
         dx += axis(c) * (x[k + 1] - x[k]);
         dy += axis(c) * (y[k + 1] - y[k]);
       }
@@ -289,7 +289,7 @@ double SlotMass<D>::slowed_product(const double* x, const double* y) const {
   return product(x, y) + sum;
 }
 
-template class SlotMass<2>;
-template class SlotMass<3>;
+template class NodeMass<2>;
+template class NodeMass<3>;
 
 }  // namespace rigfit::model

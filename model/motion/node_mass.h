@@ -1,6 +1,6 @@
 // The constant mass of a chain whose only inertia is that of its nodes, and its inverse, over
-// "slots": every member's nodes one after the other, component after component, a node that members
-// share having a slot in each.
+// entries: every member's nodes one after the other, component after component, a node that members
+// share having an entry in each.
 //
 // A member's mass is tridiagonal, the same in every component; its inner nodes are eliminated, the
 // nodes at members' ends remain in a small matrix that is inverted once.
@@ -20,7 +20,7 @@
 namespace rigfit::model {
 
 template <int D>
-class SlotMass {
+class NodeMass {
  public:
   struct Member {
     int offset = 0, segments = 0;
@@ -29,18 +29,18 @@ class SlotMass {
     std::vector<double> axial;          ///< EA / l of the segments, N / m
   };
   struct Shared {
-    std::vector<int> slots;
+    std::vector<int> entries;
     bool held[3] = {false, false, false};
   };
 
-  SlotMass() = default;
-  SlotMass(std::vector<Member> members, std::vector<Shared> shared, int slots);
+  NodeMass() = default;
+  NodeMass(std::vector<Member> members, std::vector<Shared> shared, int entries);
 
-  /// `kappa` in s^2, zero: all waves at their own speed. `positions`: slots, gives the chords.
+  /// `kappa` in s^2, zero: all waves at their own speed. `positions`: entries, gives the chords.
   void slow_axial(double kappa, const double* positions);
   [[nodiscard]] double kappa() const { return kappa_; }
 
-  /// Forces to accelerations, in place. A shared node's force stands in its first slot; its
+  /// Forces to accelerations, in place. A shared node's force stands in its first entry; its
   /// acceleration is put in all of them, zero where held. Not thread-safe (own scratch space).
   void solve(double* values);
 
@@ -78,7 +78,7 @@ class SlotMass {
   std::vector<Member> members_;
   std::vector<Shared> shared_;
   std::vector<Plan> plans_;
-  int slots_ = 0;
+  int entries_ = 0;
   double kappa_ = 0;
   std::vector<Free> free_;       // components of shared nodes that move, node by node
   std::vector<int> first_free_;  // of each shared node; -1: held altogether
@@ -86,7 +86,7 @@ class SlotMass {
   std::vector<double> force_, motion_;
 };
 
-extern template class SlotMass<2>;
-extern template class SlotMass<3>;
+extern template class NodeMass<2>;
+extern template class NodeMass<3>;
 
 }  // namespace rigfit::model

@@ -5,6 +5,7 @@
 #include "model/algebra/general_eigen.h"
 #include "model/linear/damped_modes.h"
 #include "model/motion/motion_problem.h"
+#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 namespace {
@@ -221,8 +222,8 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene,
   assembly.axial_forces(rest, axial);
   for (Eigen::Index s = 0; s < sensors; ++s) {
     const int segment = modes.chain->sensors[static_cast<std::size_t>(s)].segment;
-    if (scene.sensors[static_cast<std::size_t>(s)].quantity == Sensor::Quantity::force &&
-        segment >= 0) {
+    const auto quantity = scene.sensors[static_cast<std::size_t>(s)].quantity;
+    if (described(quantity).reading == SensorReading::axial_force && segment >= 0) {
       out.sensors.offset(s) = axial(segment);
     }
   }

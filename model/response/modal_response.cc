@@ -1,4 +1,5 @@
 #include "model/response/modal_response.h"
+#include "model/scene/sensor_quantity.h"
 
 #include <algorithm>
 #include <cassert>
@@ -205,14 +206,13 @@ Eigen::MatrixXd modal_response(const PoleModel& model,
   Eigen::MatrixXcd weights = model.output;
   Eigen::MatrixXd direct = Eigen::MatrixXd::Zero(sensors, model.input.cols());
   for (Eigen::Index k = 0; k < sensors; ++k) {
-    const auto quantity = quantities[static_cast<std::size_t>(k)];
-    const bool acceleration = quantity == Sensor::Quantity::acceleration;
-    if (!acceleration && quantity != Sensor::Quantity::velocity) {
+    const int derivatives = described(quantities[static_cast<std::size_t>(k)]).derivatives;
+    if (derivatives == 0) {
       if (model.direct.size() > 0) direct.row(k) = model.direct.row(k);
       continue;
     }
     weights.row(k) = weights.row(k).cwiseProduct(model.poles.transpose());
-    if (acceleration) {
+    if (derivatives == 2) {
       if (poles > 0) direct.row(k) = (weights.row(k) * model.input).real();
       weights.row(k) = weights.row(k).cwiseProduct(model.poles.transpose());
     }

@@ -68,9 +68,9 @@ Eigen::Matrix3d material_axes(const Eigen::Vector3d& chord) {
   return axes;
 }
 
-SceneNeeds needs_of(const Scene& scene, std::optional<bool> torsion) {
+ModelReduction reduce_model(const Scene& scene, std::optional<bool> torsion) {
   const auto ends = member_nodes(scene);
-  SceneNeeds needs;
+  ModelReduction reduction;
   std::vector<int> rigid(scene.nodes.size(), 0);
   for (std::size_t m = 0; m < ends.size(); ++m) {
     for (int end = 0; end < 2; ++end) {
@@ -79,32 +79,32 @@ SceneNeeds needs_of(const Scene& scene, std::optional<bool> torsion) {
       }
     }
   }
-  needs.attitude.resize(scene.nodes.size(), NodeAttitude::released);
+  reduction.attitude.resize(scene.nodes.size(), NodeAttitude::released);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     const Support& support = scene.nodes[k].support;
     switch (support.kind) {
       case Support::Kind::clamped:
-        needs.attitude[k] = NodeAttitude::held;
+        reduction.attitude[k] = NodeAttitude::held;
         break;
       case Support::Kind::pinned:
         break;
       case Support::Kind::free:
-        if (rigid[k] > 1) needs.attitude[k] = NodeAttitude::turning;
+        if (rigid[k] > 1) reduction.attitude[k] = NodeAttitude::turning;
         break;
       case Support::Kind::elastic: {
         const bool all_infinite = support.rotational.array().isInf().all();
         const bool some = (support.rotational.array() > 0).any();
         if (all_infinite) {
-          needs.attitude[k] = NodeAttitude::held;
+          reduction.attitude[k] = NodeAttitude::held;
         } else if (rigid[k] > 1 || (rigid[k] == 1 && some)) {
-          needs.attitude[k] = NodeAttitude::turning;
+          reduction.attitude[k] = NodeAttitude::turning;
         }
         break;
       }
     }
   }
 
-  needs.torsion.resize(scene.members.size(), false);
+  reduction.torsion.resize(scene.members.size(), false);
   for (std::size_t m = 0; m < ends.size(); ++m) {
     const Member& member = scene.members[m];
     const auto chord_of = [&](std::size_t other) {
@@ -116,7 +116,7 @@ SceneNeeds needs_of(const Scene& scene, std::optional<bool> torsion) {
     for (std::size_t end = 0; end < 2; ++end) {
       if (member.joint[end] != Member::Joint::rigid) continue;
       const auto node = static_cast<std::size_t>(ends[m][end]);
-      const NodeAttitude attitude = needs.attitude[node];
+      const NodeAttitude attitude = reduction.attitude[node];
       if (attitude != NodeAttitude::released ||
           scene.nodes[node].support.kind == Support::Kind::pinned) {
         twist_held = true;
@@ -135,18 +135,18 @@ SceneNeeds needs_of(const Scene& scene, std::optional<bool> torsion) {
       }
     }
     const bool wanted = member.GJ > 0 && twist_held && (torque_enters || member.polar_inertia > 0);
-    needs.torsion[m] = unequal || (torsion ? *torsion && member.GJ > 0 && twist_held : wanted);
-    if (!needs.torsion[m] && wanted) needs.torsion_left_out = true;
+    reduction.torsion[m] = unequal || (torsion ? *torsion && member.GJ > 0 && twist_held : wanted);
+    if (!reduction.torsion[m] && wanted) reduction.torsion_left_out = true;
   }
 
   // The plane of symmetry: z first, then the other axes, then that of the first inclined member.
   for (const int k : {2, 0, 1}) {
     if (!symmetric_about(scene, ends, Eigen::Vector3d::Unit(k), true)) continue;
-    needs.planar = true;
+    reduction.planar = true;
     for (int row = 0; row < 3; ++row) {
-      needs.axes.row(row) = Eigen::Vector3d::Unit((k + 1 + row) % 3).transpose();
+      reduction.axes.row(row) = Eigen::Vector3d::Unit((k + 1 + row) % 3).transpose();
     }
-    return needs;
+    return reduction;
   }
   for (std::size_t m = 0; m < ends.size(); ++m) {
     const Eigen::Vector3d chord = scene.nodes[static_cast<std::size_t>(ends[m][1])].position -
@@ -155,14 +155,14 @@ SceneNeeds needs_of(const Scene& scene, std::optional<bool> torsion) {
     if (normal.norm() < 1e-9 * chord.norm() * scene.gravity.norm()) continue;
     const Eigen::Vector3d n = normal.normalized();
     if (!symmetric_about(scene, ends, n, false)) break;
-    needs.planar = true;
+    reduction.planar = true;
     const Eigen::Vector3d up = (-scene.gravity).normalized();
-    needs.axes.row(0) = up.cross(n).transpose();
-    needs.axes.row(1) = up.transpose();
-    needs.axes.row(2) = n.transpose();
+    reduction.axes.row(0) = up.cross(n).transpose();
+    reduction.axes.row(1) = up.transpose();
+    reduction.axes.row(2) = n.transpose();
     break;
   }
-  return needs;
+  return reduction;
 }
 
 }  // namespace rigfit::model

@@ -1,4 +1,5 @@
-// What a scene's model needs and what can be left out without loss: the plane of symmetry, torsion.
+// Model reduction: the degrees of freedom that a scene keeps, and what can be left out without
+// loss: the plane of symmetry, torsion.
 //
 // Torsion is kept in a member with GJ > 0 where torque can enter: its bending stiffnesses differ,
 // it has polar inertia (torsional modes), or an end is rigidly joined to a node that turns with
@@ -21,7 +22,8 @@ enum class NodeAttitude {
   turning    ///< a rotation of its own, common to the members rigidly joined there
 };
 
-struct SceneNeeds {
+/// Degrees of freedom kept.
+struct ModelReduction {
   std::vector<NodeAttitude> attitude;  ///< by node
   std::vector<bool> torsion;           ///< by member
   bool torsion_left_out = false;       ///< some member has GJ or polar inertia that is not modelled
@@ -32,7 +34,8 @@ struct SceneNeeds {
 
 /// Index of each member's two nodes. Throws SceneError when one is missing.
 [[nodiscard]] std::vector<std::array<int, 2>> member_nodes(const Scene& scene);
-[[nodiscard]] SceneNeeds needs_of(const Scene& scene, std::optional<bool> torsion = std::nullopt);
+[[nodiscard]] ModelReduction reduce_model(const Scene& scene,
+                                          std::optional<bool> torsion = std::nullopt);
 
 /// Material axes of a straight member: columns tangent, "about z" (z made normal to the tangent; x
 /// for a member along z), and their product ("about the horizontal in-plane axis"). Scene axes.

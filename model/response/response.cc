@@ -352,7 +352,7 @@ class Simulation {
     } else if (std::any_of(scene_.members.begin(), scene_.members.end(),
                            [](const Member& m) { return m.GJ > 0; })) {
       // Where no torque enters it is zero to first order, and exactly so in the plane.
-      const bool forced = !plane_ && needs_of(scene_, options_.torsion).torsion_left_out;
+      const bool forced = !plane_ && reduce_model(scene_, options_.torsion).torsion_left_out;
       leave_out("torsion", forced ? torsion_shift(scene_, wanted_, modes_, answer, weights_) : 0);
     }
     if (plane_) {

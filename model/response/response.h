@@ -17,12 +17,15 @@
 #include <string>
 #include <vector>
 
-#include "model/linear/modal_analysis.h"
-#include "model/motion/motion_problem.h"
+#include "model/motion/sampling.h"
+#include "model/response/left_out.h"
+#include "model/scene/force_history.h"
 #include "model/scene/scene.h"
+#include "model/statics/equilibrium_result.h"
 
 namespace rigfit::model {
 
+/// How the equations of motion are solved.
 enum class ResponseSolver {
   automatic,
   modal,         ///< linear, exact
@@ -32,8 +35,10 @@ enum class ResponseSolver {
   cvode_adams,   ///< reference: Adams formulas, fixed point (the paper's)
   cvode_banded,  ///< reference: BDF, banded Newton
 };
+/// The word in JSON, such as "modal".
 [[nodiscard]] const char* name_of(ResponseSolver solver);
 
+/// What time history is wanted, and what is forced of the choices above.
 struct ResponseOptions {
   SamplingOptions sampling;
   ResponseSolver solver = ResponseSolver::automatic;
@@ -52,6 +57,7 @@ struct ResponseOptions {
   bool resolution_estimate = false;
 };
 
+/// The time history, and how it was found.
 struct ResponseResult {
   Equilibrium equilibrium;  ///< look at `status` first: nothing else is set unless it converged
   bool completed = false;

@@ -1,4 +1,5 @@
 #include "model/response/response_estimates.h"
+#include "model/scene/sensor_quantity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -104,8 +105,9 @@ double truncated_part(const LinearAnswer& answer, const ModeWeights& weights, co
   // top there is 1/7 of what its upper half holds, as much, or no end.
   double factor = 1.0 / 7;
   for (const Sensor& sensor : scene.sensors) {
-    if (sensor.quantity == Sensor::Quantity::velocity) factor = std::max(factor, 1.0);
-    if (sensor.quantity == Sensor::Quantity::acceleration) return upper > 0 ? 1 : 0;
+    const int derivatives = described(sensor.quantity).derivatives;
+    if (derivatives == 1) factor = std::max(factor, 1.0);
+    if (derivatives == 2) return upper > 0 ? 1 : 0;
   }
   return root_part(factor * upper, weights.sensors.sum());
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/algebra/eigenpairs.h"
+#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 namespace {
@@ -85,10 +86,8 @@ ModeWeights mode_weights(const LinearAnswer& answer, const Scene& scene,
   if (out.energy.sum() > 0) out.energy /= out.energy.sum();
 
   for (Eigen::Index s = 0; s < answer.sensors.output.rows(); ++s) {
-    const auto quantity = scene.sensors[static_cast<std::size_t>(s)].quantity;
-    const int derivatives = quantity == Sensor::Quantity::acceleration ? 2
-                            : quantity == Sensor::Quantity::velocity   ? 1
-                                                                       : 0;
+    const int derivatives =
+        described(scene.sensors[static_cast<std::size_t>(s)].quantity).derivatives;
     Eigen::VectorXd own(poles);
     for (Eigen::Index p = 0; p < poles; ++p) {
       own(p) = std::norm(answer.sensors.output(s, p) * z(p)) *

@@ -13,6 +13,7 @@ struct ForceHistory {
   std::vector<double> force_N;
 };
 
+/// The force of a load of a scene as a function of time.
 class LoadForce {
  public:
   /// `record` is used (and must be there) for a load of kind `record`; it must outlive this object.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/linear/modal_analysis.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::model {

@@ -1,5 +1,4 @@
-// The numbers of a scene by name, for fits and sensitivities: see modal_analysis.h for the names
-// and for `parameter`, `set_parameter`, `parameter_names`.
+// The numbers of a scene by name, for fits and sensitivities.
 #pragma once
 
 #include <functional>
@@ -10,6 +9,19 @@
 
 namespace rigfit::model {
 
+/// A number of the scene by name: "<member>.EI" (".EI_z", ".EI_y" for one of two), ".EA", ".GJ",
+/// ".mass_per_length", ".tension", ".unstretched_length", ".stretch", ".taper", ".damping_ratio",
+/// ".damping_axial", ".damping_bending", ".damping_torsion", "<node>.mass", "<node>.x|.y|.z",
+/// "<node>.translational_x|_y|_z", "<node>.rotational_x|_y|_z", "<load>.mass", "<load>.peak",
+/// "<load>.position" (0..1, on a member), "<load>.direction_x|_y|_z" (turns the unit vector).
+/// Both throw SceneError naming the parameters there are when the name is unknown.
+[[nodiscard]] double parameter(const Scene& scene, const std::string& name);
+/// Sets it; throws SceneError for an unknown name.
+void set_parameter(Scene& scene, const std::string& name, double value);
+/// All names that the scene has.
+[[nodiscard]] std::vector<std::string> parameter_names(const Scene& scene);
+
+/// A parameter's name and unit, and how it is read and set.
 struct ParameterAccess {
   std::string name;
   std::string unit;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "model/scene/scene_repeat.h"
+#include "model/scene/sensor_quantity.h"
 #include "model/scene/toml_table.h"
 
 namespace rigfit::model {
@@ -270,13 +271,10 @@ Sensor read_sensor(TomlTable& table, std::size_t index) {
   sensor.name = name_in(table, fmt::format("sensor-{}", index + 1));
   sensor.place = read_place(table);
   sensor.direction = unit_vector(table, "direction", {0, 1, 0});
-  const std::string word = table.choice_or(
-      "quantity", {"acceleration", "velocity", "displacement", "force"}, "acceleration");
-  sensor.quantity = word == "acceleration"   ? Sensor::Quantity::acceleration
-                    : word == "velocity"     ? Sensor::Quantity::velocity
-                    : word == "displacement" ? Sensor::Quantity::displacement
-                                             : Sensor::Quantity::force;
-  if (sensor.quantity == Sensor::Quantity::force && !sensor.place.node.empty()) {
+  sensor.quantity = sensor_quantity_named(
+      table.choice_or("quantity", sensor_quantity_names(), sensor_quantities().front().name));
+  if (described(sensor.quantity).reading == SensorReading::axial_force &&
+      !sensor.place.node.empty()) {
     throw table.error("node", "cannot carry a force sensor: tension belongs to a member",
                       "name a member and a position");
   }

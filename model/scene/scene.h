@@ -17,12 +17,14 @@ inline constexpr double kStandardGravity = 9.80665;  // m/s^2, ISO 80000-3
 
 /// Stiffness of an elastic support; infinity: fixed, zero: free.
 struct Support {
+  /// What kind it is; the keys of the scene file.
   enum class Kind { free, pinned, clamped, elastic };
   Kind kind = Kind::free;
   Eigen::Vector3d translational = Eigen::Vector3d::Zero();  ///< N/m along x, y, z (elastic only)
   Eigen::Vector3d rotational = Eigen::Vector3d::Zero();  ///< N m/rad about x, y, z (elastic only)
 };
 
+/// A point where members end.
 struct SceneNode {
   std::string name;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m
@@ -44,9 +46,13 @@ struct AttachedMass {
   double mass = 0;      ///< kg
 };
 
+/// A cable or a beam between two nodes.
 struct Member {
+  /// What kind it is; the keys of the scene file.
   enum class Kind { cable, beam };
+  /// Whether rigid ends are stress-free at the equilibrium or along the straight line.
   enum class Assembled { hanging, straight };
+  /// How a member meets a free node.
   enum class Joint { rigid, pinned };
 
   std::string name;
@@ -83,7 +89,9 @@ struct Place {
   double position = 0;
 };
 
+/// A force on the rig, or a mass released from it.
 struct Load {
+  /// What kind it is; the keys of the scene file.
   enum class Kind { impact, release, record };
   std::string name;
   Kind kind = Kind::impact;
@@ -92,11 +100,13 @@ struct Load {
   double peak = 0;                      ///< N (impact)
   double duration = 0;                  ///< s (impact, half-sine)
   double start = 0;                     ///< s (impact)
-  double mass = 0;                      ///< kg (release: hung there, string cut at t = 0)
+  double mass = 0;                      ///< kg (release: hung there, released at t = 0)
   std::string file;  ///< record: CSV of time, force; resolved against the scene's folder
 };
 
+/// A point and a direction at which a quantity is read.
 struct Sensor {
+  /// What it reads along its direction; `force` is the axial force of the member.
   enum class Quantity { acceleration, velocity, displacement, force };
   std::string name;
   Place place;
@@ -104,6 +114,7 @@ struct Sensor {
   Quantity quantity = Quantity::acceleration;
 };
 
+/// A rig: nodes, members, loads and sensors.
 struct Scene {
   std::string title;
   std::string file;  ///< where it was read from, empty: made in memory

@@ -1,30 +1,11 @@
-// What is wrong with a scene or campaign file, said such that the person who wrote it can mend it.
+// What is wrong with a scene: the error of every TOML document, with file, line, key and remedy.
 #pragma once
 
-#include <stdexcept>
-#include <string>
+#include "document/document_error.h"
 
 namespace rigfit::model {
 
-/// A TOML document that cannot be used. `what()` is the whole message for a person.
-class SceneError : public std::runtime_error {
- public:
-  struct Where {
-    std::string file;
-    long line = 0;    ///< 1-based; 0: not tied to a line
-    long column = 0;  ///< 1-based; 0: none
-    std::string key;  ///< such as "member[0].EI", empty: none
-  };
-  SceneError(Where where, std::string problem, std::string remedy);
-
-  const Where& where() const { return where_; }
-  const std::string& problem() const { return problem_; }
-  const std::string& remedy() const { return remedy_; }
-
- private:
-  Where where_;
-  std::string problem_;
-  std::string remedy_;
-};
+/// A scene that cannot be used; `what()` is the whole message.
+using SceneError = document::DocumentError;
 
 }  // namespace rigfit::model

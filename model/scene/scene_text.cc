@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/scene/read_scene.h"
+#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 namespace {
@@ -137,23 +138,9 @@ std::string load_text(const Load& load, const std::string& scene_file) {
 }
 
 std::string sensor_text(const Sensor& sensor) {
-  const char* quantity = "acceleration";
-  switch (sensor.quantity) {
-    case Sensor::Quantity::acceleration:
-      break;
-    case Sensor::Quantity::velocity:
-      quantity = "velocity";
-      break;
-    case Sensor::Quantity::displacement:
-      quantity = "displacement";
-      break;
-    case Sensor::Quantity::force:
-      quantity = "force";
-      break;
-  }
   return fmt::format("\n[[sensor]]\nname = {}\n{}direction = {}\nquantity = \"{}\"\n",
                      quoted(sensor.name), place_text(sensor.place), vector(sensor.direction),
-                     quantity);
+                     described(sensor.quantity).name);
 }
 
 }  // namespace

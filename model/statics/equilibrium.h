@@ -13,8 +13,8 @@
 
 #include "model/chain/assembly.h"
 #include "model/chain/chain.h"
-#include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
+#include "model/statics/equilibrium_result.h"
 
 namespace rigfit::model {
 
@@ -34,7 +34,8 @@ struct ChainEquilibrium {
   ChainState state;
 };
 
-/// Sets the chain's unstretched lengths, settles its joints made at rest. `scene` gives names.
+/// Sets the chain's unstretched lengths, settles its joints stress-free at equilibrium. `scene`
+/// gives names.
 [[nodiscard]] ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
                                                 const EquilibriumOptions& options = {});
 

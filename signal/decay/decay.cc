@@ -12,6 +12,7 @@
 #include "signal/decay/decay_judgement.h"
 #include "signal/decay/decay_modes.h"
 #include "signal/decay/decay_start.h"
+#include "signal/decay/decay_tones.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/sinusoids/decay_search.h"
@@ -49,6 +50,7 @@ class Estimation {
 
   DecayResult run() {
     if (!usable() || !choose_window() || !take_samples() || !find_modes()) return result_;
+    if (!leave_out_tones()) return result_;
     leave_out_the_tail();
     trim_start();
     if (!options_.choose_window) warn_of_rails();
@@ -56,7 +58,23 @@ class Estimation {
       note(result_, "start_chosen",
            fmt::format("the fit starts at sample {}, after the impact or release", result_.start));
     }
+    stretches_.start = result_.start, stretches_.end = result_.end;
+    if (!tones_.empty()) {
+      fit_->unit_covariance = covariance_beside_tones(*fit_, tones_, stretches_);
+      fit_->degrees -= 3 * static_cast<Index>(tones_.size());
+    }
+    if (fit_->unit_covariance.size() == 0 || fit_->degrees < 1) {
+      refuse(result_, "not_determined",
+             "modes and steady tones cannot be told apart in so short a record");
+      return result_;
+    }
     describe_decay(result_, samples_, *fit_, band_, rate_, options_);
+    for (const SteadyTone& tone : tones_) {
+      DecayMode steady;
+      steady.frequency_hz.value = steady.damped_frequency_hz.value = tone.w * rate_ / kTwoPi;
+      steady.amplitude = std::abs(tone.amplitude);
+      result_.steady_tones.push_back(steady);
+    }
     if (result_.refusal_code.empty()) judge_decay(result_, rate_);
     return result_;
   }
@@ -178,6 +196,24 @@ class Estimation {
     return false;
   }
 
+  // Steady tones, from where they stand alone; the modes are looked for anew without them.
+  bool leave_out_tones() {
+    if (result_.fitted_decay == 0 && moved_start_) {
+      // A cycle and a half before the impact belongs to it.
+      const double cycle = kTwoPi / fit_->poles[strongest_mode(*fit_, band_)].imag();
+      stretches_.quiet = std::max<Index>(
+          0,
+          result_.start - static_cast<Index>(std::ceil(0.5 * cycle + 1.5 * std::max(cycle, 8.0))));
+    }
+    stretches_.start = result_.start, stretches_.end = result_.end;
+    tones_ = steady_tones(y_, stretches_, *fit_, options_.false_alarm);
+    if (tones_.empty()) return true;
+    subtract_tones(y_, tones_);
+    samples_ = decay_samples(y_, result_.start, result_.end);
+    peaks_.clear();
+    return find_modes();
+  }
+
   // Behind what the slowest mode has left the record only costs time and invites drift.
   void leave_out_the_tail() {
     double slowest = std::numeric_limits<double>::infinity();
@@ -214,7 +250,7 @@ class Estimation {
                      result_.start + clip));
   }
 
-  const Eigen::Ref<const Eigen::VectorXd>& y_;
+  Eigen::VectorXd y_;  // without the tones, once they are known
   double rate_;
   const DecayOptions& options_;
   DecayBand band_;
@@ -223,6 +259,8 @@ class Estimation {
   DecaySamples samples_;
   std::vector<DecayCandidate> peaks_;  // of the window, where they are known
   std::optional<DampedSinusoidsFit> fit_;
+  std::vector<SteadyTone> tones_;
+  ToneStretches stretches_;
   bool moved_start_ = false;
 };
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <optional>
 
 #include "signal/decay/decay_modes.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/decay_search.h"
+#include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
 namespace {
@@ -30,6 +30,7 @@ constexpr std::size_t kMostTested = 64;
 struct Jump {
   Index at = 0;
   double size = 0;
+  double w = 0;  // of the mode that jumps
 };
 
 // Local maxima of |J| that stand out of what the record shows elsewhere, over 2 and over 6 cycles.
@@ -72,7 +73,7 @@ std::vector<Jump> jumps(const Eigen::VectorXd& y, double w, const Eigen::VectorX
       const auto from = k - std::min<std::ptrdiff_t>(reach, k - size.begin());
       const auto to = k + std::min<std::ptrdiff_t>(reach + 1, size.end() - k);
       if (std::max_element(from, to) != k) continue;
-      found.push_back({2 * cycle + static_cast<Index>(k - size.begin()) * step, *k});
+      found.push_back({2 * cycle + static_cast<Index>(k - size.begin()) * step, *k, w});
     }
   }
   return found;
@@ -107,27 +108,32 @@ Side fitted(const Eigen::VectorXd& y, Index from, Index to, Index gap_from, Inde
   return side;
 }
 
+std::size_t nearest(const DampedSinusoidsFit& fit, double w) {
+  std::size_t best = 0;
+  for (std::size_t m = 1; m < fit.poles.size(); ++m) {
+    if (std::abs(fit.poles[m].imag() - w) < std::abs(fit.poles[best].imag() - w)) best = m;
+  }
+  return best;
+}
+
 // Complex amplitude of a fit's mode nearest to `pole` at sample `at` of it; 0: has none there.
 Complex amplitude_near(const Side& side, Complex pole, double at) {
   if (!side.fit) return 0;
   const auto& poles = side.fit->poles;
-  std::size_t best = 0;
-  for (std::size_t m = 1; m < poles.size(); ++m) {
-    if (std::abs(poles[m].imag() - pole.imag()) < std::abs(poles[best].imag() - pole.imag())) {
-      best = m;
-    }
-  }
+  const std::size_t best = nearest(*side.fit, pole.imag());
   const double width = kTwoPi / static_cast<double>(side.samples) - pole.real();
   if (std::abs(poles[best].imag() - pole.imag()) > 2 * width) return 0;
   return side.fit->amplitudes[best] * std::exp(poles[best] * at);
 }
 
-// Whether two decays, the second behind `at`, explain the samples of [from, to) better than one.
-bool is_impact(const Eigen::VectorXd& y, Index at, Index from, Index to, Index half_cycle,
+// Whether two decays, the second behind the jump, explain the samples of [from, to) better than
+// one.
+bool is_impact(const Eigen::VectorXd& y, const Jump& place, Index from, Index to, Index half_cycle,
                double largest) {
+  const Index at = place.at;
   const Index gap_from = at - half_cycle, gap_to = at + half_cycle;
   if (gap_from - from < 4 * half_cycle || to - gap_to < 4 * half_cycle) return false;
-  if (gap_from - from < 12 || to - gap_to < 12) return false;
+  if (gap_from - from < 24 || to - gap_to < 24) return false;
   const Side before = fitted(y, from, gap_from, 0, 0), behind = fitted(y, gap_to, to, 0, 0);
   if (!behind.fit) return false;  // an impact sets something off
   const Side one = fitted(y, from, to, gap_from, gap_to);
@@ -141,23 +147,25 @@ bool is_impact(const Eigen::VectorXd& y, Index at, Index from, Index to, Index h
   if (!(ratio > 0) || gsl_cdf_fdist_Q(ratio, more, degrees) > kFalseAlarm) return false;
   // Where amplitudes may change with the cube of time, a beat or friction is explained as well; of
   // a step, 44 % of what a straight line leaves.
-  if (one.fit) {
-    std::vector<std::size_t> modes(one.fit->poles.size());
-    std::iota(modes.begin(), modes.end(), std::size_t{0});
-    if (8 * static_cast<Index>(modes.size()) + 8 < one.samples) {
-      const double smooth = departing_residual(*one.fit, one.missing, modes);
-      if (one.sum_squares - smooth > 0.88 * (one.sum_squares - apart)) return false;
-    }
+  if (one.fit && one.samples > 16) {
+    const std::size_t mode = nearest(*one.fit, place.w);
+    const double smooth = departing_residual(*one.fit, one.missing, std::span(&mode, 1));
+    if (one.sum_squares - smooth > 0.88 * (one.sum_squares - apart)) return false;
   }
-  double jump = 0;
-  for (std::size_t m = 0; m < behind.fit->poles.size(); ++m) {
-    const Complex pole = behind.fit->poles[m];
-    const Complex now =
-        behind.fit->amplitudes[m] * std::exp(-pole * static_cast<double>(half_cycle));
-    const Complex then = amplitude_near(before, pole, static_cast<double>(at - from));
-    jump = std::max(jump, std::abs(now - then));
-  }
-  return jump > kLeastShare * largest;
+  const auto noise = residual_noise(behind.fit->residual, behind.fit->degrees);
+  const auto noise_before =
+      before.fit ? residual_noise(before.fit->residual, before.fit->degrees) : noise;
+  const Complex pole = behind.fit->poles[nearest(*behind.fit, place.w)];
+  if (std::abs(pole.imag() - place.w) > 0.1 * place.w) return false;
+  const Complex now = behind.fit->amplitudes[nearest(*behind.fit, place.w)] *
+                      std::exp(-pole * static_cast<double>(half_cycle));
+  const Complex then = amplitude_near(before, pole, static_cast<double>(at - from));
+  const double jump = std::norm(now - then), f = pole.imag() / kTwoPi;
+  // Of a line through n amplitudes the end has 4 times the variance of the mean, 4 s^2 / n.
+  const double variance =
+      16 * (noise.white_equivalent(f) / static_cast<double>(behind.samples) +
+            noise_before.white_equivalent(f) / static_cast<double>(before.samples));
+  return jump > std::pow(kLeastShare * largest, 2) && jump > -std::log(kFalseAlarm) * variance;
 }
 
 }  // namespace
@@ -221,7 +229,7 @@ std::vector<Index> further_hits(const Eigen::VectorXd& y, const std::vector<doub
       if (hit < jump.at) from = std::max(from, hit + half_cycle);
       if (hit > jump.at) to = std::min(to, hit - half_cycle);
     }
-    if (is_impact(y, jump.at, from, to, half_cycle, largest)) hits.push_back(jump.at);
+    if (is_impact(y, jump, from, to, half_cycle, largest)) hits.push_back(jump.at);
   }
   std::sort(hits.begin(), hits.end());
   return hits;

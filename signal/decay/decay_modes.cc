@@ -13,6 +13,7 @@
 #include "signal/numerics/scaled_gram.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/power_sums.h"
+#include "signal/sinusoids/subspace_poles.h"
 
 namespace rigfit::signal {
 namespace {
@@ -81,6 +82,32 @@ class DecayModeSearch {
     return {};
   }
 
+  // Two modes in place of the strongest where it leaves something that is smooth over a beat or
+  // less, which no line of the residual shows: started by HTLS (subspace_poles.h).
+  std::optional<DampedSinusoidsFit> split(const DampedSinusoidsFit& fit) {
+    std::size_t m = 0;
+    for (std::size_t k = 1; k < fit.poles.size(); ++k) {
+      if (mode_energy(fit, k) > mode_energy(fit, m)) m = k;
+    }
+    const auto needed = static_cast<Index>(4 * fit.poles.size() + 8);
+    if (n_ - static_cast<Index>(samples_.missing.size()) <= needed) return {};
+    const double noise = pair_evidence(fit.residual, fit.poles[m]);
+    if (!(noise > 0)) return {};
+    Eigen::VectorXd alone = fit.mode_signal(m) + fit.residual;
+    const auto pair = pair_of_poles(alone, fit.poles[m]);
+    if (pair.size() != 2) return {};
+    std::vector<Complex> poles;
+    for (std::size_t k = 0; k < fit.poles.size(); ++k) {
+      if (k != m) poles.push_back(fit.poles[k]);
+    }
+    // The new one last, where `worthwhile` looks for it.
+    const bool swap = std::abs(pair[0] - fit.poles[m]) > std::abs(pair[1] - fit.poles[m]);
+    poles.push_back(pair[swap ? 1 : 0]), poles.push_back(pair[swap ? 0 : 1]);
+    auto more = fit_damped_sinusoids(samples_.values, poles, {}, samples_.missing);
+    if (more.unit_covariance.size() == 0 || !worthwhile(fit, more, noise)) return {};
+    return more;
+  }
+
  private:
   double threshold() const { return detection_threshold(n_, options_.false_alarm); }
 
@@ -108,31 +135,42 @@ class DecayModeSearch {
       if (damping_ratio_of(more.poles[m]) > 0.15 && a_std > 0.2 * std::abs(more.poles[m].real()))
         return false;
     }
-    // A pole that left its candidate for the company of another: told apart only when the two beat
-    // at least half a beat while both last, and, under one and a half, when two modes explain twice
-    // as much of the residual as one mode whose amplitude and phase depart from an exponential.
+    return told_apart(fit, more, noise_variance);
+  }
+
+  // Modes that beat for less than 0.4 beats while both last are not told apart; under one and a
+  // half, one mode whose amplitude and phase depart from an exponential (t^2 and t^3: as many
+  // parameters) must explain less than two do: half as much where the two leave something too, or
+  // not more where they leave nothing but noise.
+  bool told_apart(const DampedSinusoidsFit& fit, const DampedSinusoidsFit& more,
+                  double noise_variance) const {
     for (std::size_t i = 0; i < more.poles.size(); ++i) {
       for (std::size_t k = 0; k < i; ++k) {
         const double a = std::max(-more.poles[i].real(), -more.poles[k].real());
         const double both =
             a > 0 ? std::min(static_cast<double>(n_), 3 / a) : static_cast<double>(n_);
         const double beats = std::abs(more.poles[i].imag() - more.poles[k].imag()) / kTwoPi * both;
-        if (beats < 0.5) return false;
-        if (beats < 1.5) {
-          std::size_t nearest = 0;
-          for (std::size_t m = 1; m < fit.poles.size(); ++m) {
-            if (std::abs(fit.poles[m] - more.poles[i]) <
-                std::abs(fit.poles[nearest] - more.poles[i])) {
-              nearest = m;
-            }
-          }
-          if (more.residual_sum_squares >
-              0.5 * departing_residual(fit, samples_.missing, std::span(&nearest, 1)))
-            return false;
-        }
+        if (beats < 0.4) return false;
+        if (beats >= 1.5) continue;
+        const std::size_t near = nearest(fit, more.poles[i]);
+        const double departing = departing_residual(fit, samples_.missing, std::span(&near, 1));
+        if (beats >= 0.5 && more.residual_sum_squares < 0.5 * departing) continue;
+        if (more.residual_sum_squares > departing + 4 * noise_variance) return false;
+        const std::size_t pair[] = {i, k};
+        const double left = departing_residual(more, samples_.missing, pair);
+        const double structure = (more.residual_sum_squares - left) / noise_variance;
+        if (structure > gsl_cdf_chisq_Qinv(1e-3, 8)) return false;
       }
     }
     return true;
+  }
+
+  static std::size_t nearest(const DampedSinusoidsFit& fit, Complex pole) {
+    std::size_t best = 0;
+    for (std::size_t m = 1; m < fit.poles.size(); ++m) {
+      if (std::abs(fit.poles[m] - pole) < std::abs(fit.poles[best] - pole)) best = m;
+    }
+    return best;
   }
 
   // Whether noise of the residual's variance would take out so much with one mode more, in the best
@@ -213,6 +251,7 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
   const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
   while (fit->poles.size() < limit * (band.all ? 1 : 2)) {
     auto more = search.next(*fit, 0, 0.5);
+    if (!more) more = search.split(*fit);
     if (!more) break;
     fit = std::move(more);
   }

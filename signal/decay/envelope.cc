@@ -234,6 +234,8 @@ EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m, doubl
   const WeightedLine trend = weighted_line(logs, zetas, zeta_stds);
   const double trend_excess = std::max(1.0, trend.chi2 / static_cast<double>(k - 2));
   result.damping_per_log_amplitude = {trend.slope, std::sqrt(trend.slope_variance * trend_excess)};
+  // As in the modes: no free oscillation takes energy in.
+  for (auto& p : result.points) p.damping_ratio.value = std::max(0.0, p.damping_ratio.value);
   // Exponential: one constant. Friction and drag: one coefficient more, which must not be negative.
   double weight = 0, mean = 0, constant_chi2 = 0;
   for (std::size_t i = 0; i < k; ++i) {

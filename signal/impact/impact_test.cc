@@ -1,6 +1,7 @@
 #include "signal/impact/impact_test.h"
 
 #include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
 
 #include <algorithm>
 #include <cmath>
@@ -209,8 +210,27 @@ class Analysis {
     return usable;
   }
 
+  /// Lines of single hits that are kept: those modes are looked for in, as far as memory allows.
+  Index lines_of_hits() const {
+    const double high = options_.hits.band_hz ? options_.hits.band_hz->second : usable_hz();
+    const auto lines = static_cast<Index>(std::ceil(1.02 * high * block_duration())) + 10;
+    constexpr Index kMost = 4'000'000;  // complex values, 64 MB
+    const auto hits = static_cast<Index>(test_.search.hits.size());
+    const auto responses = static_cast<Index>(test_.responses.size());
+    return lines * hits * responses <= kMost ? lines : 0;
+  }
+
+  /// Incoherent power per degree of freedom without a hit over that with it, at most, of an
+  /// outlier.
+  double outlier_ratio(std::size_t hits) const {
+    const auto n = static_cast<double>(hits);
+    const double left = gsl_cdf_beta_Pinv(options_.outlier_chance / n, 0.5 * (n - 2), 0.5);
+    return std::min(0.5, left * (n - 1) / (n - 2));
+  }
+
   FrfEstimate average_without_outliers() {
-    const FrfOptions frf = frf_options();
+    FrfOptions frf = frf_options();
+    frf.by_hit_lines = lines_of_hits();
     for (;;) {
       std::vector<FrfBlock> blocks;
       std::vector<Hit*> hits;
@@ -227,7 +247,7 @@ class Analysis {
       Index worst = 0;
       const double without = estimate.incoherence_without.minCoeff(&worst);
       if (estimate.incoherence < options_.outlier_least ||
-          without >= options_.outlier_ratio * estimate.incoherence) {
+          without >= outlier_ratio(blocks.size()) * estimate.incoherence) {
         return estimate;
       }
       hits[static_cast<std::size_t>(worst)]->reject(
@@ -252,6 +272,7 @@ class Analysis {
     frfs.H = estimate.H;
     frfs.H_std = estimate.H_std;
     frfs.coherence = estimate.coherence;
+    frfs.by_hit = estimate.by_hit;
     const Channel& force = channel(0, force_);
     std::vector<FrfForm> forms;
     for (std::size_t r = 0; r < test_.responses.size(); ++r) {
@@ -294,6 +315,9 @@ class Analysis {
           for (int i = 0; i < power; ++i) {
             frfs.H(k, static_cast<Index>(r)) *= s;
             if (frfs.H_std.size() > 0) frfs.H_std(k, static_cast<Index>(r)) *= std::abs(s);
+            for (Eigen::MatrixXcd& hit : frfs.by_hit) {
+              if (k < hit.rows()) hit(k, static_cast<Index>(r)) *= s;
+            }
           }
         }
       }
@@ -368,6 +392,8 @@ class Analysis {
   void judge_force_noise(const FrfEstimate& estimate) {
     const std::vector<double> shares = noise_shares(estimate);
     test_.force_noise_left = *std::max_element(shares.begin(), shares.end());
+    // From an error of 0.1 % of H on.
+    test_.frfs.shared_force_noise = test_.force_window_s > 0 && test_.force_noise_left > 1e-6;
     const auto percent = [](double part) {
       return part >= 3 ? std::string("three times or more") : fmt::format("{:.2g} %", 100 * part);
     };

@@ -33,9 +33,11 @@ struct ImpactTestOptions {
   double exponential_end_level = 0;
   Eigen::Index error_smoothing_lines = 10;  ///< see FrfOptions
   bool reject_outliers = true;              ///< from three accepted hits on
-  /// A hit is an outlier when leaving it out brings the incoherent power (per degree of freedom)
-  /// below this part of what it is with it ...
-  double outlier_ratio = 0.5;
+  /// A hit is an outlier when leaving it out lowers the incoherent power by more than this chance
+  /// allows for the worst of n hits that all differ in one way, as by a frequency that changes
+  /// (Grubbs, Ann. Math. Stat. 21 (1950) 27: the power left over all of it is Beta((n - 2) / 2, 1 /
+  /// 2)) and below half of it per degree of freedom ...
+  double outlier_chance = 0.05;
   double outlier_least = 1e-3;  ///< ... and that power is at least this part of the response power
   std::optional<Eigen::Index> driving_response;  ///< index into the responses
   int threads = 1;

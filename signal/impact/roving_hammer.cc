@@ -64,6 +64,16 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
   all.H.resize(all.frequency_hz.size(), responses * inputs);
   all.H_std.resize(with_std ? all.H.rows() : 0, with_std ? all.H.cols() : 0);
   all.coherence.resize(with_coherence ? all.H.rows() : 0, with_coherence ? all.H.cols() : 0);
+  std::size_t most = 0;
+  Index by_hit_lines = all.H.rows();
+  for (const std::size_t p : kept) {
+    const auto& hits = tests[p].frfs.by_hit;
+    most = std::max(most, hits.size());
+    by_hit_lines = std::min(by_hit_lines, hits.empty() ? 0 : hits.front().rows());
+  }
+  all.by_hit.assign(by_hit_lines > 0 ? most : 0,
+                    Eigen::MatrixXcd::Constant(by_hit_lines, all.H.cols(),
+                                               std::numeric_limits<double>::quiet_NaN()));
   int named = 0;
   for (Index i = 0; i < inputs; ++i) {
     const std::size_t p = kept[static_cast<std::size_t>(i)];
@@ -74,10 +84,14 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
     input.node = response ? all.responses[static_cast<std::size_t>(*response)].node
                           : static_cast<int>(responses) + ++named;
     all.inputs.push_back(input);
+    all.shared_force_noise = all.shared_force_noise || one.shared_force_noise;
     all.averages = std::min(all.averages, one.averages);
     for (Index r = 0; r < responses; ++r) {
       const Index column = r * inputs + i;
       all.H.col(column) = one.H.col(r);
+      for (std::size_t h = 0; h < one.by_hit.size() && h < all.by_hit.size(); ++h) {
+        all.by_hit[h].col(column) = one.by_hit[h].col(r).head(by_hit_lines);
+      }
       if (with_std) all.H_std.col(column) = one.H_std.col(r);
       if (with_coherence) all.coherence.col(column) = one.coherence.col(r);
     }

@@ -25,6 +25,10 @@ constexpr double kShareOfPoints = 0.3;
 /// Of the FRFs around a mode. A global fit that leaves less has found the modes that are there;
 /// measured structures are not linear to much better.
 constexpr double kSmallMisfit = 0.01;
+/// Correlation of the misfit at neighbouring lines beyond that of noise.
+constexpr double kLikeNoise = 0.2;
+/// A twentieth of a half bandwidth changes a peak by 5 % at its flanks.
+constexpr double kScatterThatMatters = 0.05;
 
 PointPoleOptions point_options(const ModalOptions& options, std::size_t points) {
   PointPoleOptions result;
@@ -183,15 +187,15 @@ VectorXd misfit_around_modes(const ModalBand& band, const FoundModes& found) {
   return share;
 }
 
-/// Two poles within half their bandwidths' sum: FRFs of one reference cannot tell such a pair from
-/// one mode that varies between points.
+/// Two poles whose frequencies lie within half their bandwidths: FRFs of one reference cannot tell
+/// such a pair from one mode that varies between points.
 bool twins(const ModalBand& band, const VectorXcd& poles) {
   if (std::min(band.lines.inputs, band.lines.H.cols() / band.lines.inputs) > 1) return false;
   if (band.lines.H.cols() < 2) return false;
   for (Index r = 0; r < poles.size(); ++r) {
     for (Index q = 0; q < r; ++q) {
       const double halves = 2 * band.window - poles[r].real() - poles[q].real();
-      if (std::abs(poles[r] - poles[q]) < 0.5 * halves) return true;
+      if (std::abs(poles[r].imag() - poles[q].imag()) < 0.5 * halves) return true;
     }
   }
   return false;
@@ -200,6 +204,12 @@ bool twins(const ModalBand& band, const VectorXcd& poles) {
 bool points_differ(const LocalMode& mode) {
   return mode.points.size() > 1 &&
          std::min(mode.decay.excess_chance, mode.frequency.excess_chance) < 1e-4;
+}
+
+/// Between points, over the mode's half bandwidth: less does not move a fit of all FRFs together.
+bool scatter_matters(const LocalMode& mode) {
+  return mode.frequency.between_std > kScatterThatMatters * mode.decay.value.value ||
+         mode.decay.between_std > kScatterThatMatters * mode.decay.value.value;
 }
 
 bool lines_correlate(const LocalMode& mode) {
@@ -212,13 +222,13 @@ bool lines_correlate(const LocalMode& mode) {
 
 bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
                       const FoundModes& found, double excess) {
-  if (!found.covariance.full_rank || twins(band, found.fit.poles)) return false;
+  if (!found.covariance.full_rank) return false;
   const VectorXd left = misfit_around_modes(band, found);
   if (left.size() == 0 || left.maxCoeff() < kSmallMisfit) return true;
-  if (excess > 0.2) return false;
+  if (excess > kLikeNoise && twins(band, found.fit.poles)) return false;
   for (std::size_t r = 0; r < checked.size(); ++r) {
     if (left[static_cast<Index>(r)] < kSmallMisfit) continue;
-    if (points_differ(checked[r]) || lines_correlate(checked[r])) return false;
+    if (points_differ(checked[r]) && scatter_matters(checked[r])) return false;
   }
   return true;
 }
@@ -232,12 +242,9 @@ std::vector<bool> take_points(const std::vector<LocalMode>& checked, Index point
     const auto r = static_cast<Index>(i);
     const double share = static_cast<double>(mode.points.size()) / static_cast<double>(points);
     if (mode.points.empty() || mode.misfit < least_misfit) continue;
-    const bool differ = points_differ(mode) && share > kShareOfPoints && mode.points.size() > 2;
+    const bool differ = points_differ(mode) && scatter_matters(mode) && share > kShareOfPoints &&
+                        mode.points.size() > 2;
     if (!differ && !lines_correlate(mode)) continue;
-    if (differ) {
-      found.fit.poles[r] = {-mode.decay.value.value, mode.frequency.value.value};
-      taken[i] = true;
-    }
     const double wanted[2] = {mode.decay.value.std, mode.frequency.value.std};
     for (Index part = 0; part < 2; ++part) {
       const Index row = 2 * r + part;

@@ -7,6 +7,7 @@
 #include <complex>
 #include <utility>
 
+#include "signal/modal/hit_scatter.h"
 #include "signal/modal/local_modes.h"
 #include "signal/modal/mac.h"
 #include "signal/modal/modal_band.h"
@@ -341,6 +342,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   }
   check_misfit(result, H - found.model);
   judge_modes(result, band);
+  allow_for_hits(frfs, model);
   return result;
 }
 

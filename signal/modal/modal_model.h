@@ -27,6 +27,14 @@ struct ModeAtPoint {
   double misfit = 0;  ///< rms misfit over rms FRF within the half bandwidth, own pole
 };
 
+/// What changes from hit to hit, beyond noise (hit_scatter.h).
+struct BetweenHits {
+  int hits = 0;                 ///< that show the mode by themselves; 0: not known
+  double frequency_std_hz = 0;  ///< of one hit
+  double damping_std = 0;
+  bool beyond_noise = false;  ///< then value and standard deviation allow for it
+};
+
 struct IdentifiedMode {
   Estimate frequency_hz;   ///< undamped natural frequency |p| / 2 pi, window damping removed
   Estimate damping_ratio;  ///< window damping removed
@@ -36,7 +44,7 @@ struct IdentifiedMode {
   Eigen::MatrixXd shape_std;             ///< responses x 2, of the real and imaginary parts
   Eigen::VectorXcd participation;        ///< one per input
   double modal_phase_collinearity = 0;   ///< MPC, 0..1
-  double reconstruction_error = 0;       ///< rms misfit over rms FRF near the mode, 0..
+  double reconstruction_error = 0;       ///< rms misfit over rms FRF near the mode
   /// Share of the orders of the stabilisation diagram that show the mode, 0..1.
   double presence = 0;
   /// How far the residues of all FRFs together stand out of their noise: root of the sum over FRFs
@@ -54,6 +62,7 @@ struct IdentifiedMode {
   Estimate trend_hz;  ///< change of frequency from one point to the next; NaN: fewer than 4 points
   bool has_trend = false;           ///< chance of such a trend without one below 1 %
   std::vector<ModeAtPoint> points;  ///< where several points were measured, in their order
+  BetweenHits between_hits;
   bool doubtful = false;
   std::string doubt;  ///< why, for a person; empty when not doubtful
 };

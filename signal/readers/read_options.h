@@ -3,6 +3,7 @@
 
 namespace rigfit::signal {
 
+/// What the person who reads a recording knows of it.
 struct ReadOptions {
   /// Hz; for a file without times or rate. Where the file says otherwise, this is taken and the
   /// disagreement noted. 0: as the file says.

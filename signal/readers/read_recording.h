@@ -9,6 +9,7 @@
 
 namespace rigfit::signal {
 
+/// Formats that are told apart by their content.
 enum class RecordingFormat { csv, lvm, uff };
 
 /// By the first lines: "    -1" begins UFF, "LabVIEW Measurement" LVM; all else is taken as a

@@ -16,6 +16,7 @@
 
 namespace rigfit::signal {
 
+/// Thresholds of the checks.
 struct QualityOptions {
   /// Samples in a row at exactly the extreme value from which it counts as flat: two happen by
   /// chance in a smooth peak that is coarsely quantised, three seldom.
@@ -47,6 +48,7 @@ struct QualityOptions {
   double steps_per_rms = 10;
 };
 
+/// Something found wrong, with its code in JSON.
 struct QualityFinding {
   std::string code;
   std::string message;      ///< with numbers and units
@@ -54,6 +56,7 @@ struct QualityFinding {
   Eigen::Index first = -1;  ///< sample where it begins; -1: everywhere
 };
 
+/// Figures and findings of one channel.
 struct ChannelQuality {
   std::string channel;
   double min = 0, max = 0, mean = 0, rms = 0;  ///< SI, of the samples there are; NaN when none
@@ -69,10 +72,12 @@ struct ChannelQuality {
   std::vector<QualityFinding> findings;
 };
 
+/// One entry a channel, in the recording's order.
 struct QualityResult {
   std::vector<ChannelQuality> channels;
 };
 
+/// Checks every channel of a recording.
 [[nodiscard]] QualityResult check_quality(const Recording& recording,
                                           const QualityOptions& options = {});
 

@@ -13,6 +13,7 @@
 
 namespace rigfit::signal {
 
+/// The physical quantity of a channel.
 enum class Quantity {
   unknown,
   time,
@@ -33,6 +34,7 @@ enum class Quantity {
 /// The word used in JSON and messages, such as "acceleration".
 [[nodiscard]] const char* name_of(Quantity quantity);
 
+/// One channel of a recording, in SI units.
 struct Channel {
   std::string name;
   std::string unit;          ///< SI symbol ("m/s^2", "N", "V"), empty: the file gives none
@@ -54,6 +56,7 @@ struct Note {
   std::string where;  ///< channel or line, may be empty
 };
 
+/// Channels sampled together at a constant rate.
 struct Recording {
   std::filesystem::path path;
   std::string format;         ///< "csv", "lvm", "uff58-ascii", "uff58-binary"
@@ -65,15 +68,18 @@ struct Recording {
       channels;  ///< all of the same length (a shorter one is padded with NaN and noted)
   std::vector<Note> notes;
 
+  /// Samples of each channel.
   [[nodiscard]] Eigen::Index samples() const {
     return channels.empty() ? 0 : channels.front().samples.size();
   }
+  /// s; samples over rate.
   [[nodiscard]] double duration_s() const {
     return sample_rate_hz > 0 ? static_cast<double>(samples()) / sample_rate_hz : 0;
   }
   /// Index of the channel of that name (exact, then case-insensitive, then 1-based "#k").
   /// Throws RecordingError naming the channels there are.
   [[nodiscard]] Eigen::Index channel_index(const std::string& name) const;
+  /// The channel of this name or number ("#5"). Throws RecordingError naming those there are.
   [[nodiscard]] const Channel& channel(const std::string& name) const {
     return channels[static_cast<std::size_t>(channel_index(name))];
   }

@@ -9,6 +9,7 @@ namespace rigfit::signal {
 /// A recording that cannot be read. `what()` is the whole message for a person.
 class RecordingError : public std::runtime_error {
  public:
+  /// Where in the file.
   struct Where {
     std::string file;
     long line = 0;        ///< 1-based; 0: not tied to a line
@@ -16,10 +17,14 @@ class RecordingError : public std::runtime_error {
     std::string channel;  ///< empty: none
     std::string value;    ///< the offending text, empty: none
   };
+  /// `remedy` says what to do about it.
   RecordingError(Where where, std::string problem, std::string remedy);
 
+  /// The place.
   const Where& where() const { return where_; }
+  /// What is wrong, without place and remedy.
   const std::string& problem() const { return problem_; }
+  /// What to do about it; may be empty.
   const std::string& remedy() const { return remedy_; }
 
  private:

@@ -180,7 +180,23 @@ class Averager {
       true_gxx_ = gxx_;
       inverse_true_gxx_ = inverse_gxx_;
     }
+    fill_single();
     share_ = Eigen::ArrayXXd::Zero(hits() + 1, result_.H.cols());
+  }
+
+  /// One over the force's power of each hit, its noise taken off as far as half of it.
+  void fill_single() {
+    const Index lines = std::min(options_.by_hit_lines, gxx_.size());
+    if (lines <= 0) return;
+    result_.by_hit.assign(blocks_.size(), Eigen::MatrixXcd::Zero(lines, result_.H.cols()));
+    single_ = force_.topRows(lines).abs2();
+    for (Index i = 0; i < hits(); ++i) {
+      auto power = single_.col(i);
+      if (noise_.size() > 0 && options_.subtract_force_noise) {
+        power -= noise_.head(lines).min(0.5 * power);
+      }
+      power = power.max(gxx_.maxCoeff() * 1e-30 + std::numeric_limits<double>::min()).inverse();
+    }
   }
 
   void select_lines() {
@@ -200,6 +216,11 @@ class Averager {
       if (i == 0) sums.gyy.setZero(), sums.gxy.setZero();
       accumulate(force_.col(i).data(), fft.spectrum().data(), sums);
       if (options_.leave_one_out) sums.spectra.col(i) = fft.spectrum();
+      if (!result_.by_hit.empty()) {
+        auto hit = result_.by_hit[static_cast<std::size_t>(i)].col(c).array();
+        hit = force_.col(i).head(hit.size()).conjugate() * fft.spectrum().head(hit.size()).array() *
+              single_.col(i).head(hit.size());
+      }
     }
   }
 
@@ -317,6 +338,7 @@ class Averager {
   Windows windows_;
   Eigen::ArrayXXcd force_;  ///< lines x hits
   Eigen::ArrayXd gxx_, inverse_gxx_;
+  Eigen::ArrayXXd single_;                      ///< lines x hits, for single hits
   Eigen::ArrayXd true_gxx_, inverse_true_gxx_;  ///< without the noise
   Eigen::ArrayXd noise_;                        ///< of the force, mean over hits; empty: not known
   std::vector<Index> lines_;                    ///< of leave-one-out

@@ -57,6 +57,7 @@ struct FrfOptions {
   /// scaled. 0: every line by itself.
   Eigen::Index error_smoothing_lines = 10;
   bool subtract_force_noise = true;  ///< from Gxx in H1
+  Eigen::Index by_hit_lines = 0;     ///< of `FrfEstimate::by_hit`; 0: not filled
   bool leave_one_out = false;        ///< fill `FrfEstimate::incoherence_without`
   /// Lines used by leave-one-out: where the force spectrum is within this of its maximum.
   double leave_one_out_range_db = 20;
@@ -65,10 +66,11 @@ struct FrfOptions {
 
 struct FrfEstimate {
   Eigen::VectorXd frequency_hz;
-  Eigen::MatrixXcd H;           ///< lines x responses
-  Eigen::MatrixXd H_std;        ///< of real and imaginary part, each; empty: unknown
-  Eigen::MatrixXd coherence;    ///< empty for one hit, where it says nothing
-  Eigen::VectorXd force_power;  ///< mean |X|^2 a hit, unscaled, lines
+  Eigen::MatrixXcd H;                    ///< lines x responses
+  Eigen::MatrixXd H_std;                 ///< of real and imaginary part, each; empty: unknown
+  Eigen::MatrixXd coherence;             ///< empty for one hit, where it says nothing
+  Eigen::VectorXd force_power;           ///< mean |X|^2 a hit, unscaled, lines
+  std::vector<Eigen::MatrixXcd> by_hit;  ///< H of each hit by itself, first lines x responses
   Eigen::VectorXd force_noise;  ///< the same of the noise left in the force; empty: not known
   bool std_from_noise_before_hit = false;  ///< one hit: from the blocks' noise_std
   /// Part of the response power (all responses, each relative to its own) not explained by the

@@ -71,6 +71,7 @@ FrfSet converted(const FrfSet& frfs, FrfForm form) {
     drop_first_row(result.H);
     drop_first_row(result.H_std);
     drop_first_row(result.coherence);
+    for (Eigen::MatrixXcd& hit : result.by_hit) drop_first_row(hit);
     result.notes.push_back({"line_at_zero_dropped",
                             std::string("a ") + name_of(frfs.form) + " has no " + name_of(form) +
                                 " at 0 Hz; that line is left out",
@@ -83,6 +84,9 @@ FrfSet converted(const FrfSet& frfs, FrfForm form) {
     for (int i = 0; i < std::abs(power); ++i) factor = power > 0 ? factor * s : factor / s;
     result.H.row(k) *= factor;
     if (result.H_std.size() > 0) result.H_std.row(k) *= std::abs(factor);
+    for (Eigen::MatrixXcd& hit : result.by_hit) {
+      if (k < hit.rows()) hit.row(k) *= factor;
+    }
   }
   return result;
 }

@@ -41,6 +41,12 @@ struct FrfSet {
   /// From the beginning of the blocks to the hits' peaks, mean; 0: not known. Tells, under a
   /// window, where in time the noise is.
   double pre_trigger_s = 0;
+  /// FRFs of the single hits behind the average, layout as H, fewer lines; columns of inputs with
+  /// fewer hits are NaN. Tells what changes between hits (hit_scatter.h). Empty: not kept.
+  std::vector<Eigen::MatrixXcd> by_hit;
+  /// A force window leaves noise that is alike on neighbouring lines and common to the responses:
+  /// error bars line by line do not tell what it does to modes.
+  bool shared_force_noise = false;
   int averages = 0;
   double sample_rate_hz = 0;
   std::vector<Note> notes;

@@ -226,7 +226,7 @@ TEST(Refusals, OfUpdate) {
        {modes + "--compare other_hz", 2, "no table has a number in a column \"other_hz\""},
        {modes + "--axial @other.json", 3, "is no result of the axial test"},
        {modes + "--stiffness @other.json", 3, "is no result of a bending test"},
-       {modes + "--stiffness @gaps.csv", 3, "gaps.csv:3: tension_N: is not positive; mend"},
+       {modes + "--stiffness @gaps.csv", 3, "channel \"tension_N\": row 2 has no positive"},
        {modes + "--stiffness @stiffness.csv", 2, "--stiffness goes by tension: give"},
        {modes + "--column zz", 3, "there is no such column; name the column"},
        {table + "@damped.csv", 3, "damped.csv:3: damping_ratio: is not below 1"},
@@ -270,7 +270,7 @@ TEST(Refusals, OfWhatTheModelIsAskedFor) {
        {"synthesize @bare.toml --out @out --bending-span 1 --stiffness @stiffness.csv", 2,
         "--stiffness goes by tension: give --tension"},
        {"synthesize @bare.toml --out @out --bending-span 1 --stiffness @gaps.csv --tension 100", 3,
-        "gaps.csv:3: tension_N: is not positive"},
+        "channel \"tension_N\": row 2 has no positive"},
        {"export @none.toml --calculix @out", 3, "there is no such file"},
        {"new @scene.toml", 2, "cannot make the output folder"}});
 }
@@ -293,7 +293,6 @@ TEST(Refusals, OfRecordings) {
        {"axial @decay.csv @two.csv --mass 2.2 --length 1 2 3", 2, "2 files and 3 lengths"},
        {"bending @table.csv", 2, "--span is needed for load-deflection records"},
        {"bending @table.csv --span 1 --tension zz", 3, "no such column; name it with --tension"},
-       {"bending @table.csv --span 1", 4, "at least 4 are needed"},
        {"bending @gaps.csv", 3, "gaps.csv"},
        {"frf @two.csv --force F --response F", 2, "\"F\" is the force: it cannot be a response"},
        {"frf @two.csv --force F --force-window x", 2,

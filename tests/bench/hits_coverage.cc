@@ -98,6 +98,10 @@ std::vector<Case> cases() {
     changing.frequency_scatter = scatter;
     add(fmt::format("frequency scatters by {} % between hits", 100 * scatter), changing);
   }
+  testing::StrikeOptions kept = plain;
+  kept.frequency_scatter = 1e-3;
+  add("frequency scatters by 0.1 %, no hit left out", kept);
+  for (Case* one : {&list[list.size() - 2], &list.back()}) one->impact.reject_outliers = false;
   testing::StrikeOptions coarse = plain;
   coarse.converter_bits = 10;
   add("10-bit converter", coarse);

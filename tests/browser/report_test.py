@@ -230,7 +230,7 @@ class ReportInBrowser(unittest.TestCase):
         text = subprocess.run(["pdftotext", path, "-"], capture_output=True, text=True, check=True).stdout
         text = " ".join(text.split())
         title = self.browser.run("return document.querySelector('h1').textContent;")
-        for words in (title, "Summary", "Provenance", "What to distrust", "frequency, Hz"):
+        for words in (title, "Summary", "Provenance", "Warnings", "frequency, Hz"):
             self.assertTrue(words in text, "not in the PDF: " + words)
 
     def test_pages_links_and_anchors_lead_somewhere(self):

@@ -18,6 +18,7 @@ void add_new(CLI::App& program, Verbs& verbs);
 void add_report(CLI::App& program, Verbs& verbs);
 void add_respond(CLI::App& program, Verbs& verbs);
 void add_synthesize(CLI::App& program, Verbs& verbs);
+void add_tension(CLI::App& program, Verbs& verbs);
 void add_update(CLI::App& program, Verbs& verbs);
 
 }  // namespace rigfit::apps

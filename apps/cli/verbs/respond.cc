@@ -10,6 +10,7 @@
 #include "model/response/response.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
+#include "model/scene/sensor_quantity.h"
 #include "signal/readers/read_recording.h"
 
 namespace rigfit::apps {
@@ -40,20 +41,6 @@ const std::vector<std::pair<std::string, ResponseSolver>> kSolvers{
 std::optional<bool> forced(const std::string& word) {
   if (word == "auto") return std::nullopt;
   return word == "on";
-}
-
-const char* unit_of(model::Sensor::Quantity quantity) {
-  switch (quantity) {
-    case model::Sensor::Quantity::acceleration:
-      return "m/s^2";
-    case model::Sensor::Quantity::velocity:
-      return "m/s";
-    case model::Sensor::Quantity::displacement:
-      return "m";
-    case model::Sensor::Quantity::force:
-      return "N";
-  }
-  return "";
 }
 
 /// The force of a recorded load: the file's only channel, or the one that is a force.
@@ -107,7 +94,8 @@ std::string samples_csv(const model::Scene& scene, const model::ResponseResult& 
   fmt::format_to(out, "time_s");
   for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
     fmt::format_to(out, ",{}",
-                   csv_cell(response.sensors[s] + " (" + unit_of(scene.sensors[s].quantity) + ")"));
+                   csv_cell(response.sensors[s] + " (" +
+                            model::described(scene.sensors[s].quantity).unit + ")"));
   }
   fmt::format_to(out, "\n");
   for (Eigen::Index row = 0; row < response.samples.rows(); ++row) {
@@ -240,7 +228,7 @@ Json run_respond(VerbContext& context, const RespondCommand& options) {
     const auto column = response.samples.col(static_cast<Eigen::Index>(s));
     sensors.push_back(
         {{"name", response.sensors[s]},
-         {"unit", unit_of(scene.sensors[s].quantity)},
+         {"unit", model::described(scene.sensors[s].quantity).unit},
          {"min", column.minCoeff()},
          {"max", column.maxCoeff()},
          {"rms", std::sqrt(column.squaredNorm() / static_cast<double>(column.size()))}});

@@ -7,7 +7,7 @@
 #include <optional>
 #include <random>
 
-#include "apps/campaign_file/stiffness_table.h"
+#include "apps/campaign_file/bending_files.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/output_file.h"
@@ -225,10 +225,10 @@ std::vector<State> states_of(const SynthesizeOptions& options, const model::Scen
                              VerbContext& context) {
   if (options.tensions.empty()) return {{scene, "", 0, std::nullopt}};
   (void)cable_of(scene, options.scene);
-  std::optional<ResultTable> stiffness;
+  ident::StiffnessCurve stiffness;
   if (!options.stiffness.empty()) {
     context.input(options.stiffness);
-    stiffness = read_result_table(options.stiffness);
+    stiffness = read_stiffness_curve(options.stiffness);
   }
   std::vector<State> states;
   for (const double tension : options.tensions) {
@@ -239,9 +239,9 @@ std::vector<State> states_of(const SynthesizeOptions& options, const model::Scen
     for (const auto& member : scene.members) {
       if (member.kind != model::Member::Kind::cable) continue;
       model::set_parameter(state.scene, member.name + ".tension", tension * (1 + error));
-      if (!stiffness) continue;
+      if (options.stiffness.empty()) continue;
       model::set_parameter(state.scene, member.name + ".EI",
-                           stiffness_at(*stiffness, tension, context));
+                           stiffness_at(stiffness, tension, options.stiffness, context));
     }
     states.push_back(std::move(state));
   }

@@ -15,7 +15,9 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/update_result.h"
 #include "apps/cli/verbs/all.h"
+#include "ident/campaign/fit_campaign.h"
 #include "ident/update/model_update.h"
+#include "ident/update/update_checks.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
@@ -173,30 +175,15 @@ Json comparison_json(const UpdateCommand& options, const UpdateStates& states,
   return {{"rms", std::move(rms)}, {"rows", std::move(rows)}};
 }
 
-Json hold_out_json(const UpdateStates& states, const std::vector<ident::FreeParameter>& free,
-                   const ident::UpdateOptions& options, std::vector<ident::HeldOut>& held,
-                   VerbContext& context) {
-  Json json = Json::array();
-  held = ident::hold_out_each(states.states, free, options);
+void print_held_out(const UpdateStates& states, const std::vector<ident::HeldOut>& held,
+                    VerbContext& context) {
   context.out << fmt::format("{:<24} {:>10} {:>12} {:>12}\n", "held out", "before", "others fitted",
                              "predicted");
   for (const auto& one : held) {
     const auto& name = states.states[static_cast<std::size_t>(one.state)].name;
     context.out << fmt::format("{:<24} {:>10} {:>12} {:>12}\n", name, percent(one.rms_before),
                                percent(one.rms_fitted), percent(one.rms_predicted));
-    Json pairs = Json::array();
-    for (const auto& pair : one.pairs) pairs.push_back(pair_json(pair, states));
-    json.push_back({{"state", name},
-                    {"status", ident::name_of(one.status)},
-                    {"rms_relative_error_before", json_number(one.rms_before)},
-                    {"rms_relative_error_fitted", json_number(one.rms_fitted)},
-                    {"rms_relative_error_predicted", json_number(one.rms_predicted)},
-                    {"rms_log_frf_error_before", json_number(one.frf_before)},
-                    {"rms_log_frf_error_fitted", json_number(one.frf_fitted)},
-                    {"rms_log_frf_error_predicted", json_number(one.frf_predicted)},
-                    {"pairs", std::move(pairs)}});
   }
-  return json;
 }
 
 Json write_scenes(const UpdateCommand& options, const UpdateStates& states,
@@ -261,84 +248,23 @@ Json run_update(VerbContext& context, UpdateCommand options) {
     update.inputs.push_back(std::move(input));
   }
   for (auto& input : aim_inputs(options.aims, states)) update.inputs.push_back(std::move(input));
-  const auto result = ident::update_model(states.states, free, update);
+  const auto outcome = ident::fit_campaign({states.states, free, update, options.hold_out});
+  const auto& result = outcome.result;
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 
-  print_update(context.out, result, states);
+  print_update(context.out, result, states.states);
+  for (const auto& warning : outcome.findings) {
+    if (warning.refused) {
+      context.refuse(warning.code, warning.message);
+    } else {
+      context.warn(warning.code, warning.message, warning.where);
+    }
+  }
   if (result.status == ident::UpdateStatus::not_converged) {
     context.warn("not_converged", result.message);
     context.exit_code = ExitCode::not_converged;
-  } else if (!result.message.empty()) {
-    context.warn("doubtful", result.message);
   }
-  for (const auto& open : result.open) context.refuse("not_identifiable", open);
-  for (const auto& p : result.parameters) {
-    if (p.at_bound) context.warn("at_bound", "ended at its bound", p.name);
-    if (p.identifiable && std::abs(p.segment_shift) > 0.5 * p.std) {
-      context.warn("segments",
-                   fmt::format("is about {:.2g} off for want of segments, which is most of its "
-                               "uncertainty: more segments, or \"auto\", make it smaller",
-                               p.segment_shift),
-                   p.name);
-    }
-    if (p.identifiable && !std::isfinite(p.std_from_data)) {
-      context.warn("from_prior", "is known from its prior only, not from these data", p.name);
-    }
-  }
-  if (result.starts > 1 && result.starts_agreeing < result.starts) {
-    context.warn("starts_differ", fmt::format("{} of {} starts ended in this answer, the others in "
-                                              "worse ones",
-                                              result.starts_agreeing, result.starts));
-  }
-
-  Json json{{"status", ident::name_of(result.status)}, {"parameters", Json::array()}};
-  for (const auto& p : result.parameters) {
-    json["parameters"].push_back({{"name", p.name},
-                                  {"start", p.start},
-                                  {"value", p.value},
-                                  {"std", json_number(p.std)},
-                                  {"identifiable", p.identifiable},
-                                  {"std_from_data", json_number(p.std_from_data)},
-                                  {"at_bound", p.at_bound},
-                                  {"segment_shift", json_number(p.segment_shift)},
-                                  {"segments_taken_off", json_number(p.segments_taken_off)},
-                                  {"budget", Json::array()}});
-    for (const auto& term : p.budget) {
-      json["parameters"].back()["budget"].push_back({{"source", term.source}, {"std", term.std}});
-    }
-  }
-  Json correlation = Json::array();
-  const auto& known = result.identifiability;
-  for (Eigen::Index i = 0; i < result.correlation.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < result.correlation.cols(); ++j) {
-      row.push_back(json_number(result.correlation(i, j)));
-    }
-    correlation.push_back(std::move(row));
-  }
-  json["correlation"] = std::move(correlation);
-  json["rank"] = known.rank;
-  json["condition"] = json_number(known.condition);
-  json["not_identifiable"] = result.open;
-  json["pairs"] = pairs_json(result, states);
-  json["rms_relative_error"] = json_number(result.rms_relative_error);
-  json["rms_relative_error_before"] = json_number(result.rms_relative_error_before);
-  json["chi_squared"] = result.chi_squared;
-  json["degrees_of_freedom"] = result.degrees_of_freedom;
-  json["coverage_factor"] = result.coverage_factor;
-  json["starts"] = result.starts;
-  json["starts_agreeing"] = result.starts_agreeing;
-  json["model_evaluations"] = result.model_evaluations;
-  json["auto_segments"] = result.auto_segments;
-  if (result.frf_lines > 0) {
-    json["frf_lines"] = result.frf_lines;
-    json["rms_log_frf_error"] = json_number(result.rms_log_frf_error);
-    json["rms_log_frf_error_before"] = json_number(result.rms_log_frf_error_before);
-  }
-  if (std::isfinite(result.history_error)) {
-    json["history_error"] = result.history_error;
-    json["history_error_before"] = json_number(result.history_error_before);
-  }
+  Json json = update_json(result, states.states);
   if (options.profile) {
     const auto intervals = ident::profile_intervals(result, states.states, free, update);
     for (std::size_t p = 0; p < intervals.size(); ++p) {
@@ -352,18 +278,19 @@ Json run_update(VerbContext& context, UpdateCommand options) {
                                  end(interval.low), end(interval.high));
     }
   }
-  std::vector<ident::HeldOut> held;
   if (options.hold_out) {
-    json["hold_out"] = hold_out_json(states, free, update, held, context);
+    print_held_out(states, outcome.held, context);
+    json["hold_out"] = held_out_json(outcome.held, states.states);
+    json["rms_relative_error_held_out"] = json_number(outcome.rms_held_out);
   }
   if (!options.data.compare.empty()) {
-    json["comparison"] = comparison_json(options, states, result, held, context);
+    json["comparison"] = comparison_json(options, states, result, outcome.held, context);
   }
   if (options.monte_carlo > 0) {
     Progress progress("Monte Carlo", options.monte_carlo, context.quiet);
     const auto study = ident::update_monte_carlo(result, states.states, free, update,
                                                  options.monte_carlo, [&] { progress.advance(); });
-    json["monte_carlo"] = monte_carlo_json(result, states, study);
+    json["monte_carlo"] = monte_carlo_json(result, states.states, study);
     context.out << fmt::format("Monte Carlo: {} samples, {} failed\n", study.samples, study.failed);
   }
   json["scenes"] = write_scenes(options, states, result, context);

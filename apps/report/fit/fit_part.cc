@@ -7,10 +7,12 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/cli/update_result.h"
 #include "apps/report/fit/fit_figures.h"
 #include "apps/report/fit/fit_tables.h"
 #include "apps/report/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
+#include "ident/campaign/fit_campaign.h"
 
 namespace rigfit::apps {
 namespace {
@@ -31,14 +33,10 @@ class Fit {
     for (const auto& parameter : fit.parameters) free_.push_back(parameter.free);
     for (const std::size_t test : fit.tests) {
       for (auto& modal : modal_states(campaign, campaign.tests[test], known, recorded[test])) {
-        // What the number of segments costs, as the model itself estimates it, is part of what the
-        // model cannot reach.
-        segments_error_ = std::max(segments_error_, modal.segments_error);
         add_state(test, std::move(modal));
       }
     }
-    options_.model_relative_std = std::hypot(fit.model_std, segments_error_);
-    options_.segment_uncertainty = false;  // as it is in there
+    options_.model_relative_std = fit.model_std;
   }
 
   FitPart run() {
@@ -49,7 +47,10 @@ class Fit {
       return finished();
     }
     const auto begin = std::chrono::steady_clock::now();
-    of_.result = ident::update_model(of_.updates, free_, options_);
+    auto outcome = ident::fit_campaign({of_.updates, free_, options_, of_.fit.hold_out});
+    of_.result = std::move(outcome.result);
+    of_.held = std::move(outcome.held);
+    of_.rms_held_out = outcome.rms_held_out;
     const double wall =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     part_.costs.push_back({of_.fit.title + ": fit",
@@ -63,17 +64,18 @@ class Fit {
              of_.result.message.empty() ? ident::name_of(of_.result.status) : of_.result.message,
              of_.fit.name);
       if (of_.result.scenes.empty() || of_.result.pairs.empty()) return finished();
-    } else if (!of_.result.message.empty()) {
-      part_.warnings.push_back({"doubtful", of_.result.message, of_.fit.name, false});
     }
-    for (const auto& open : of_.result.open) {
-      part_.warnings.push_back({"not_identifiable", open, of_.fit.name, false});
-      part_.summary.push_back({SummaryItem::Kind::distrust, of_.fit.title, open, {}, part_.id});
-    }
-    if (of_.fit.hold_out && of_.states.size() > 1) {
-      auto options = options_;
-      options.starts = 1;  // from the scene's own values: the fit above has looked around
-      of_.held = ident::hold_out_each(of_.updates, free_, options);
+    part_.json.update(update_json(of_.result, of_.updates));
+    part_.json["misfit"] = part_.json["fit"];  // "fit" is its name here
+    part_.json["fit"] = of_.fit.name;
+    if (!of_.held.empty()) part_.json["hold_out"] = held_out_json(of_.held, of_.updates);
+    for (const auto& finding : outcome.findings) {
+      part_.warnings.push_back({finding.code, finding.message,
+                                finding.where.empty() ? of_.fit.name : finding.where, false});
+      if (finding.refused || finding.code == "model_ruled_out") {
+        part_.summary.push_back(
+            {SummaryItem::Kind::distrust, of_.fit.title, finding.message, {}, part_.id});
+      }
     }
     add_parameters(part_, of_);
     held_rms_ = add_errors(part_, of_);
@@ -179,7 +181,6 @@ class Fit {
   ident::UpdateOptions options_;
   std::vector<ident::FreeParameter> free_;
   std::size_t measured_ = 0;
-  double segments_error_ = 0;
   double held_rms_ = std::numeric_limits<double>::quiet_NaN();
 };
 

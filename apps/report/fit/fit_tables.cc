@@ -10,6 +10,7 @@
 #include "apps/report/html_text.h"
 #include "apps/report/modal/modal_files.h"
 #include "apps/report/parts/scenes_part.h"
+#include "ident/campaign/fit_campaign.h"
 #include "signal/modal/mac.h"
 
 namespace rigfit::apps {
@@ -39,6 +40,29 @@ std::string unit_of(const FitOutcome& of, const ident::FreeParameter* free) {
   return {};
 }
 
+/// The answers that the data support, each with its weight and what decides.
+void add_alternatives(ReportPart& part, const FitOutcome& of) {
+  ReportTable table;
+  table.id = of.fit.name + "-alternatives";
+  table.caption =
+      "All answers that the data support, by which measured mode is which of the model's.";
+  table.columns = {{"weight", Origin::modelled},
+                   {"parameters", Origin::modelled},
+                   {"rms error", Origin::modelled},
+                   {"why", {}, false}};
+  const auto texts = ident::alternative_texts(of.result);
+  for (std::size_t k = 0; k < of.result.alternatives.size(); ++k) {
+    const auto& one = of.result.alternatives[k];
+    std::string values;
+    for (const auto& parameter : one.parameters) {
+      values += (values.empty() ? "" : ", ") + parameter.name + " " + shown(parameter.value, 4);
+    }
+    table.rows.push_back({fmt::format("{:.3f}", one.weight), values,
+                          percent_words(one.rms_relative_error), k == 0 ? "" : texts[k - 1]});
+  }
+  part.blocks.push_back(std::move(table));
+}
+
 }  // namespace
 
 std::string percent_words(double ratio) {
@@ -63,7 +87,7 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
                    {"data alone ±", Origin::modelled},
                    {of.fit.reference_name, {}, true},
                    {"remark", {}, false}};
-  Json list = Json::array();
+  std::size_t list_index = 0;
   for (const auto& parameter : of.result.parameters) {
     const auto spec = std::find_if(
         of.fit.parameters.begin(), of.fit.parameters.end(), [&](const FitParameter& p) {
@@ -75,9 +99,10 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
     const std::string unit = unit_of(of, spec == of.fit.parameters.end() ? nullptr : &spec->free);
     const std::string in_unit = unit.empty() ? "" : " " + unit;
     const bool known = parameter.identifiable && std::isfinite(parameter.std);
-    const double half = of.result.coverage_factor * parameter.std;
-    const std::string interval = shown_bound(parameter.value - half, parameter.std) + " to " +
-                                 shown_bound(parameter.value + half, parameter.std);
+    const auto bound = [&](double value) {
+      return std::isfinite(value) ? shown_bound(value, parameter.std) : std::string("open");
+    };
+    const std::string interval = bound(parameter.low) + " to " + bound(parameter.high);
     std::string remark;
     if (!parameter.identifiable) {
       remark = "these data cannot tell it";
@@ -97,14 +122,8 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
          : std::isfinite(parameter.std_from_data) ? shown(parameter.std_from_data, 2)
                                                   : "–",
          reference ? shown(*reference, 4) : std::string(), remark_cell});
-    list.push_back({{"name", parameter.name},
-                    {"start", parameter.start},
-                    {"value", parameter.value},
-                    {"std", json_number(parameter.std)},
-                    {"identifiable", parameter.identifiable},
-                    {"std_from_data", json_number(parameter.std_from_data)},
-                    {"at_bound", parameter.at_bound},
-                    {"reference", reference ? Json(*reference) : Json(nullptr)}});
+    part.json["parameters"][list_index++]["reference"] =
+        reference ? Json(*reference) : Json(nullptr);
     if (!known) continue;
     if (parameter.state >= 0) continue;
     part.summary.push_back(
@@ -114,9 +133,12 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
              (reference ? fmt::format("; {} {}", of.fit.reference_name, shown(*reference, 4)) : ""),
          Origin::modelled, part.id});
   }
-  part.json["parameters"] = std::move(list);
   part.blocks.push_back(std::move(table));
-  if (of.result.starts > 1) {
+  part.blocks.push_back(
+      Paragraph{"Fit: " + ident::fit_text(of.result.fit) + ".",
+                of.result.fit.ruled_out() ? Paragraph::Kind::note : Paragraph::Kind::plain});
+  if (of.result.alternatives.size() > 1) add_alternatives(part, of);
+  if (of.result.starts > 1 && of.result.alternatives.empty()) {
     part.blocks.push_back(Paragraph{
         fmt::format("{} of {} starts, spread widely about the first values, ended in this answer.",
                     of.result.starts_agreeing, of.result.starts),
@@ -133,8 +155,6 @@ double add_errors(ReportPart& part, const FitOutcome& of) {
       {"state", {}, false}, {"before", Origin::modelled}, {"fitted", Origin::modelled}};
   if (!of.held.empty()) table.columns.push_back({"held out, predicted", Origin::modelled});
   Json list = Json::array();
-  double held_sum = 0;
-  int held_count = 0;
   for (std::size_t s = 0; s < of.states.size(); ++s) {
     const int state = static_cast<int>(s);
     const double before = rms(of.result.pairs_before, state), after = rms(of.result.pairs, state);
@@ -148,24 +168,16 @@ double add_errors(ReportPart& part, const FitOutcome& of) {
                              ? percent_words(held.rms_predicted)
                              : std::string(ident::name_of(held.status)));
       json["rms_relative_error_held_out"] = json_number(held.rms_predicted);
-      for (const auto& pair : held.pairs) {
-        if (pair.cross_plane) continue;
-        held_sum += pair.relative_error * pair.relative_error;
-        ++held_count;
-      }
     }
     table.rows.push_back(std::move(cells));
     list.push_back(std::move(json));
   }
-  const double held_rms =
-      held_count > 0 ? std::sqrt(held_sum / held_count) : std::numeric_limits<double>::quiet_NaN();
+  const double held_rms = of.rms_held_out;
   std::vector<Cell> all{"all", percent_words(of.result.rms_relative_error_before),
                         percent_words(of.result.rms_relative_error)};
   if (!of.held.empty()) all.emplace_back(percent_words(held_rms));
   table.rows.push_back(std::move(all));
   part.json["states"] = std::move(list);
-  part.json["rms_relative_error_before"] = json_number(of.result.rms_relative_error_before);
-  part.json["rms_relative_error"] = json_number(of.result.rms_relative_error);
   part.json["rms_relative_error_held_out"] = json_number(held_rms);
   part.blocks.push_back(std::move(table));
   return held_rms;

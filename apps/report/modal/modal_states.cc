@@ -15,7 +15,8 @@ model::Scene scene_at(const Campaign& campaign, const CampaignTest& test, const 
   if (!tension_N) return scene;
   for (const auto& name : test.tension_of) model::set_parameter(scene, name, *tension_N);
   if (!known.EI.empty()) {
-    for (const auto& name : test.EI_of) model::set_parameter(scene, name, known.EI.at(*tension_N));
+    for (const auto& name : test.EI_of)
+      model::set_parameter(scene, name, known.EI.at(*tension_N).EI_Nm2);
   }
   return scene;
 }
@@ -38,7 +39,7 @@ std::vector<ModalState> modal_states(const Campaign& campaign, const CampaignTes
   const auto at = [&](std::optional<double> tension_N) {
     ident::SceneOfState state{scene_at(campaign, test, known, tension_N), {}};
     if (tension_N && !known.EI.empty() && !test.EI_of.empty()) {
-      state.EI_Nm2 = known.EI.at(*tension_N);
+      state.EI_Nm2 = known.EI.at(*tension_N).EI_Nm2;
     }
     return state;
   };

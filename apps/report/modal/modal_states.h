@@ -8,7 +8,7 @@
 
 #include "apps/campaign_file/campaign.h"
 #include "apps/report/modal/recorded_modal.h"
-#include "apps/report/parts/bending_part.h"
+#include "ident/bending/stiffness_curve.h"
 #include "ident/campaign/axial_campaign.h"
 #include "ident/campaign/modal_model.h"
 
@@ -16,7 +16,7 @@ namespace rigfit::apps {
 
 /// What the scenes take from tests made before.
 struct KnownValues {
-  StiffnessCurve EI;
+  ident::StiffnessCurve EI;
   std::optional<ident::AxialKnowledge> axial;
 };
 

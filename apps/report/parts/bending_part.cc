@@ -5,61 +5,33 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
+#include "apps/campaign_file/bending_files.h"
+#include "apps/campaign_file/bending_json.h"
 #include "apps/report/html_text.h"
 #include "apps/report/parts/bending_records.h"
 #include "apps/report/parts/recording_blocks.h"
 #include "ident/bending/bending_equation.h"
-#include "ident/bending/stiffness_law.h"
 #include "signal/numerics/numbers.h"
+#include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
 namespace {
 
 using signal::kNaN;
 
-struct Row {
-  double tension_N = 0, published_EI = 0, compliance_m_N = 0;
+/// The slope that a published EI means for the test's span, and EI solved back from it.
+struct RoundTrip {
+  double compliance_m_N = 0;
   ident::StiffnessFromBending solved;
 };
 
-std::vector<Row> solve_rows(const CampaignTest& test) {
-  const auto& results = *test.results;
-  std::vector<Row> rows;
-  for (const auto& values : results.table.rows) {
-    Row row;
-    row.tension_N = values[*results.tension];
-    row.published_EI = values[*results.EI];
-    row.compliance_m_N = ident::midspan_compliance(row.published_EI, row.tension_N, test.span_m);
-    row.solved = ident::stiffness_from_compliance(
-        {{row.compliance_m_N, kNaN}, {row.tension_N, kNaN}, {test.span_m, kNaN}, 0});
-    rows.push_back(row);
-  }
-  std::sort(rows.begin(), rows.end(),
-            [](const Row& a, const Row& b) { return a.tension_N < b.tension_N; });
-  return rows;
-}
-
-ReportTable points_table(const CampaignTest& test, const std::vector<Row>& rows) {
-  ReportTable table;
-  table.id = test.name + "-points";
-  table.caption =
-      "EI at each tension. The slope is what the source's EI means for this span; solving the "
-      "bending equation for EI gives the published value back (round trip).";
-  table.columns = {
-      {"tension, N", Origin::published},           {"EI published, N m²", Origin::published},
-      {"slope d/Q, µm/N", Origin::modelled},       {"4Pd/(Ql)", Origin::modelled},
-      {"EI solved, N m²", Origin::modelled},       {"round trip", Origin::modelled},
-      {"% of EI per % of slope", Origin::modelled}};
-  for (const auto& row : rows) {
-    table.rows.push_back(
-        {shown(row.tension_N, 3), shown(row.published_EI, 4), shown(1e6 * row.compliance_m_N, 4),
-         shown(row.solved.ratio, 4), shown(row.solved.EI_Nm2.value, 4),
-         fmt::format("{:.0e}", std::abs(row.solved.EI_Nm2.value / row.published_EI - 1)),
-         shown(row.solved.log_sensitivity_compliance, 3)});
-  }
-  return table;
+RoundTrip round_trip(const ident::StiffnessPoint& point, double span_m) {
+  RoundTrip trip;
+  trip.compliance_m_N = ident::midspan_compliance(point.EI_Nm2, point.tension_N, span_m);
+  trip.solved = ident::stiffness_from_compliance(
+      {{trip.compliance_m_N, kNaN}, {point.tension_N, kNaN}, {span_m, kNaN}, 0});
+  return trip;
 }
 
 Plot law_plot(const CampaignTest& test, const std::vector<PlotSeries>& points,
@@ -156,175 +128,173 @@ ReportTable law_table(const CampaignTest& test, const ident::StiffnessLaws& laws
   return table;
 }
 
-Json law_json(const ident::FittedLaw& law) {
-  Json parameters = Json::array();
-  for (const auto& parameter : law.parameters) {
-    parameters.push_back({{"name", parameter.name},
-                          {"value", parameter.value},
-                          {"std", parameter.std},
-                          {"unit", parameter.unit},
-                          {"fixed", parameter.fixed}});
+ReportTable published_table(const CampaignTest& test, const ident::BendingCampaignResult& result) {
+  ReportTable table;
+  table.id = test.name + "-points";
+  table.caption =
+      "EI at each tension. The slope is what the source's EI means for this span; solving the "
+      "bending equation for EI gives the published value back (round trip).";
+  table.columns = {
+      {"tension, N", Origin::published},           {"EI published, N m²", Origin::published},
+      {"slope d/Q, µm/N", Origin::modelled},       {"4Pd/(Ql)", Origin::modelled},
+      {"EI solved, N m²", Origin::modelled},       {"round trip", Origin::modelled},
+      {"% of EI per % of slope", Origin::modelled}};
+  for (const auto& one : result.points) {
+    const auto& point = one.point;
+    const RoundTrip trip = round_trip(point, test.span_m);
+    table.rows.push_back(
+        {shown(point.tension_N, 3), shown(point.EI_Nm2, 4), shown(1e6 * trip.compliance_m_N, 4),
+         shown(trip.solved.ratio, 4), shown(trip.solved.EI_Nm2.value, 4),
+         fmt::format("{:.0e}", std::abs(trip.solved.EI_Nm2.value / point.EI_Nm2 - 1)),
+         shown(trip.solved.log_sensitivity_compliance, 3)});
   }
-  return {{"law", name_of(law.kind)},
-          {"formula", law.formula},
-          {"parameters", parameters},
-          {"converged", law.converged},
-          {"rms_relative_error", law.rms_relative_error},
-          {"aicc", law.aicc},
-          {"akaike_weight", law.akaike_weight}};
+  return table;
 }
 
-}  // namespace
-
-double StiffnessCurve::at(double tension) const {
-  const auto above = std::lower_bound(tension_N.begin(), tension_N.end(), tension);
-  if (above == tension_N.begin()) return EI_Nm2.front();
-  if (above == tension_N.end()) return EI_Nm2.back();
-  const auto i = static_cast<std::size_t>(above - tension_N.begin());
-  const double t = (tension - tension_N[i - 1]) / (tension_N[i] - tension_N[i - 1]);
-  return EI_Nm2[i - 1] + t * (EI_Nm2[i] - EI_Nm2[i - 1]);
-}
-
-namespace {
-
-/// What the laws are fitted to, how it is shown, and the blocks above the laws.
-struct Points {
-  std::vector<ident::StiffnessPoint> points;
-  std::vector<PlotSeries> series;
-  Origin origin = Origin::published;
-  std::string remark;  ///< for the summary
+/// What is analysed, and where each source comes from.
+struct Tests {
+  ident::BendingCampaign campaign;
+  std::vector<Origin> origins;  ///< of the sources
 };
 
-Points published_points(const CampaignTest& test, ReportPart& part) {
-  Points found;
-  const auto rows = solve_rows(test);
-  PlotSeries series;
-  series.name = "published EI";
-  series.origin = Origin::published;
-  series.style = PlotSeries::Style::points;
-  double worst = 0;
-  Json tests = Json::array();
-  for (const auto& row : rows) {
-    if (!std::isfinite(row.solved.EI_Nm2.value)) {
-      refuse(part, "bending-not-solved", row.solved.reason,
-             fmt::format("{}, {:g} N", test.name, row.tension_N));
+Tests published(const CampaignTest& test) {
+  Tests tests;
+  const auto& results = *test.results;
+  ident::BendingSource source;
+  source.name = results.table.file;
+  const auto column = [&](const std::string& beginning) -> std::optional<std::size_t> {
+    for (std::size_t i = 0; i < results.table.columns.size(); ++i) {
+      if (results.table.columns[i].starts_with(beginning)) return i;
+    }
+    return std::nullopt;
+  };
+  const auto std = column("std"), low = column("low"), high = column("high");
+  for (const auto& row : results.table.rows) {
+    const auto at = [&](std::optional<std::size_t> index) { return index ? row[*index] : kNaN; };
+    source.values.push_back({row[*results.tension], row[*results.EI], at(std), at(low), at(high)});
+  }
+  tests.campaign.sources.push_back(std::move(source));
+  tests.origins.push_back(Origin::published);
+  return tests;
+}
+
+Tests recorded(const CampaignTest& test, ReportPart& part) {
+  Tests tests;
+  auto loaded = load_recordings(test.recordings);
+  for (auto& entry : loaded) {
+    part.inputs.insert(part.inputs.end(), entry.inputs.begin(), entry.inputs.end());
+    if (entry.recording) drop_time_notes(*entry.recording);
+  }
+  add_recordings(part, test, loaded);
+  BendingColumns columns{test.tension_channel, test.load_channel, test.deflection_channel,
+                         "name it in the campaign, channels = {{ {} = \"...\" }}"};
+  for (const auto& entry : loaded) {
+    if (!entry.recording) continue;
+    std::vector<Warning> warnings;
+    try {
+      tests.campaign.sources.push_back(bending_source(*entry.recording, columns, warnings));
+    } catch (const signal::RecordingError& error) {
+      refuse(part, "channel", error.what(), entry.file);
       continue;
     }
-    worst = std::max(worst, std::abs(row.solved.EI_Nm2.value / row.published_EI - 1));
-    series.x.push_back(row.tension_N);
-    series.y.push_back(row.published_EI);
-    found.points.push_back({row.tension_N, row.solved.EI_Nm2.value, kNaN, kNaN, kNaN});
-    tests.push_back({{"tension_N", row.tension_N},
-                     {"EI_Nm2",
-                      {{"value", row.solved.EI_Nm2.value},
-                       {"std", row.solved.EI_Nm2.std},
-                       {"low", row.solved.low},
-                       {"high", row.solved.high}}},
-                     {"published_EI_Nm2", row.published_EI},
-                     {"slope_m_N", row.compliance_m_N},
-                     {"ratio", row.solved.ratio},
-                     {"lambda", row.solved.lambda}});
+    tests.origins.push_back(test.recordings[entry.group].origin());
+    for (auto& one : warnings) {
+      part.warnings.push_back(
+          {std::move(one.code), std::move(one.message), std::move(one.where), false});
+    }
   }
-  part.blocks.push_back(Paragraph{fmt::format(
-      "A length of cable is clamped at both ends, pulled to a tension and pressed sideways at "
-      "mid-span. From the slope of deflection over load follows its bending stiffness EI. Here the "
-      "EI values themselves are published; no uncertainty was published with them, so none is "
-      "shown. The span of {:g} m only sets the slope shown.",
-      test.span_m)});
-  part.blocks.push_back(points_table(test, rows));
-  part.json["tests"] = std::move(tests);
-  part.json["round_trip_relative_error"] = worst;
-  found.remark =
-      fmt::format("the bending equation gives them back to {:.0e}", std::max(worst, 1e-16));
-  found.series.push_back(std::move(series));
-  return found;
+  return tests;
 }
 
-Points recorded_points(const CampaignTest& test, ReportPart& part) {
-  Points found;
-  const auto loaded = load_recordings(test.recordings);
-  for (const auto& entry : loaded) {
-    part.inputs.insert(part.inputs.end(), entry.inputs.begin(), entry.inputs.end());
-  }
-  part.blocks.push_back(Paragraph{
-      "A length of cable is clamped at both ends, pulled to a tension and pressed sideways at "
-      "mid-span. From the slope of deflection over load follows its bending stiffness EI."});
-  add_recordings(part, test, loaded);
-  const auto records = bending_records(test, loaded, part);
-  Json tests = Json::array();
-  for (const auto& one : records) {
-    tests.push_back(bending_record_json(one));
-    const auto& EI = one.result.stiffness;
-    if (one.result.refused || !std::isfinite(EI.EI_Nm2.value)) continue;
-    auto at = std::find_if(found.series.begin(), found.series.end(),
-                           [&](const PlotSeries& series) { return series.origin == one.origin; });
-    if (at == found.series.end()) {
+/// EI over tension, a series for each origin.
+std::vector<PlotSeries> point_series(const Tests& tests,
+                                     const ident::BendingCampaignResult& result) {
+  std::vector<PlotSeries> list;
+  for (const auto& one : result.points) {
+    if (!one.usable()) continue;
+    const Origin origin = tests.origins[one.source];
+    auto at = std::find_if(list.begin(), list.end(),
+                           [&](const PlotSeries& series) { return series.origin == origin; });
+    if (at == list.end()) {
       PlotSeries series;
-      series.name = fmt::format("EI, {}", name_of(one.origin));
-      series.origin = one.origin;
+      series.name = origin == Origin::published ? std::string("published EI")
+                                                : fmt::format("EI, {}", name_of(origin));
+      series.origin = origin;
       series.style = PlotSeries::Style::points;
-      found.series.push_back(std::move(series));
-      at = found.series.end() - 1;
+      list.push_back(std::move(series));
+      at = list.end() - 1;
     }
-    at->x.push_back(one.result.tension_N.value);
-    at->y.push_back(EI.EI_Nm2.value);
-    at->low.push_back(EI.low);
-    at->high.push_back(EI.high);
-    found.points.push_back(
-        {one.result.tension_N.value, EI.EI_Nm2.value, EI.EI_Nm2.std, EI.low, EI.high});
-    found.origin = one.origin;
+    at->x.push_back(one.point.tension_N);
+    at->y.push_back(one.point.EI_Nm2);
+    at->low.push_back(one.point.low);
+    at->high.push_back(one.point.high);
   }
-  part.json["tests"] = std::move(tests);
-  if (!records.empty()) {
-    part.blocks.push_back(load_deflection_plot(test, records));
-    part.blocks.push_back(bending_records_table(test, records));
+  for (auto& series : list) {
+    const bool known = std::all_of(series.low.begin(), series.low.end(),
+                                   [](double low) { return std::isfinite(low); });
+    if (!known) series.low.clear(), series.high.clear();
   }
-  found.remark = fmt::format("{} of {} recordings gave one", found.points.size(), loaded.size());
-  return found;
+  return list;
 }
 
-/// Means of what was taken at about one tension (within 5 %), so that EI(T) is a function.
-StiffnessCurve curve_of(std::vector<ident::StiffnessPoint> points) {
-  StiffnessCurve curve;
-  std::sort(points.begin(), points.end(),
-            [](const auto& a, const auto& b) { return a.tension_N < b.tension_N; });
-  for (std::size_t i = 0; i < points.size();) {
-    double tension = 0, EI = 0;
-    std::size_t k = i;
-    for (; k < points.size() && points[k].tension_N <= 1.05 * points[i].tension_N; ++k) {
-      tension += points[k].tension_N;
-      EI += points[k].EI_Nm2;
+/// Tests' JSON, tables and warnings; a line on the points for the summary.
+std::string show_points(const CampaignTest& test, const Tests& tests,
+                        const ident::BendingCampaignResult& result, ReportPart& part) {
+  Json& list = part.json["tests"];
+  std::size_t usable = 0;
+  for (std::size_t i = 0; i < result.points.size(); ++i) {
+    const auto& one = result.points[i];
+    usable += one.usable();
+    list[i]["origin"] = word_of(tests.origins[one.source]);
+    if (!one.analysis) continue;
+    list[i]["slope_m_N"] = list[i]["compliance_m_N"];
+    const auto& file = tests.campaign.sources[one.source].name;
+    const std::string where = std::isfinite(one.point.tension_N)
+                                  ? fmt::format("{} at {:.4g} N", file, one.point.tension_N)
+                                  : file;
+    for (const auto& finding : one.analysis->findings) {
+      if (finding.refuses) {
+        refuse(part, finding.code, finding.message, where);
+      } else {
+        part.warnings.push_back({finding.code, finding.message, where, false});
+      }
     }
-    const auto n = static_cast<double>(k - i);
-    curve.tension_N.push_back(tension / n);
-    curve.EI_Nm2.push_back(EI / n);
-    i = k;
   }
-  return curve;
+  if (!test.results) {
+    if (!result.points.empty()) {
+      part.blocks.push_back(load_deflection_plot(test, tests.campaign, tests.origins, result));
+      part.blocks.push_back(bending_records_table(test, tests.campaign, tests.origins, result));
+    }
+    return fmt::format("{} of {} tests gave one", usable, result.points.size());
+  }
+  part.blocks.push_back(published_table(test, result));
+  double worst = 0;
+  for (std::size_t i = 0; i < result.points.size(); ++i) {
+    const auto& point = result.points[i].point;
+    const RoundTrip trip = round_trip(point, test.span_m);
+    if (!std::isfinite(trip.solved.EI_Nm2.value)) {
+      refuse(part, "bending-not-solved", trip.solved.reason,
+             fmt::format("{}, {:g} N", test.name, point.tension_N));
+      continue;
+    }
+    worst = std::max(worst, std::abs(trip.solved.EI_Nm2.value / point.EI_Nm2 - 1));
+    list[i]["published_EI_Nm2"] = point.EI_Nm2;
+    list[i]["slope_m_N"] = trip.compliance_m_N;
+    list[i]["ratio"] = trip.solved.ratio;
+    list[i]["lambda"] = trip.solved.lambda;
+  }
+  part.json["round_trip_relative_error"] = worst;
+  return fmt::format("the bending equation gives them back to {:.0e}", std::max(worst, 1e-16));
 }
 
-}  // namespace
-
-BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
-  BendingPart result;
-  ReportPart& part = result.part;
-  part.id = test.name;
-  part.title = test.title;
-  part.json_key = "bending";
-  part.json["test"] = test.name;
-  part.json["span_m"] = test.span_m;
-  const Points found = test.results ? published_points(test, part) : recorded_points(test, part);
-  result.curve = curve_of(found.points);
-
-  std::optional<ident::StiffnessBounds> bounds;
-  if (campaign.strand) bounds = ident::stiffness_bounds(*campaign.strand);
-  ident::StiffnessLaws laws;
-  if (found.points.size() >= 2) {
-    ident::StiffnessLawOptions options;
-    options.bounds = bounds;
-    laws = ident::fit_stiffness_laws(found.points, options);
-    part.blocks.push_back(law_plot(test, found.series, laws.laws, bounds));
-    part.blocks.push_back(Paragraph{laws.sentence, Paragraph::Kind::note});
+void show_laws(const CampaignTest& test, const std::vector<PlotSeries>& series,
+               const ident::BendingCampaignResult& result, ReportPart& part) {
+  const auto& laws = result.curve.laws();
+  const auto& bounds = result.bounds;
+  if (!laws.laws.empty()) {
+    part.blocks.push_back(law_plot(test, series, laws.laws, bounds));
+    part.blocks.push_back(
+        Paragraph{"For the model: " + result.curve.sentence(), Paragraph::Kind::note});
     part.blocks.push_back(law_table(test, laws));
   }
   if (bounds) {
@@ -334,28 +304,59 @@ BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
                               "does).",
                               shown(bounds->EI_min_Nm2, 4), shown(bounds->EI_max_Nm2, 6))});
   }
-
-  const auto& curve = result.curve;
-  if (!curve.empty()) {
-    part.summary.push_back(
-        {SummaryItem::Kind::result, "EI of the cable",
-         fmt::format("{} N m² at {} N to {} N m² at {} N ({})", shown(curve.EI_Nm2.front(), 4),
-                     shown(curve.tension_N.front(), 3), shown(curve.EI_Nm2.back(), 4),
-                     shown(curve.tension_N.back(), 3), found.remark),
-         found.origin, part.id});
-  }
   if (!laws.laws.empty() && !laws.decided) {
     part.summary.push_back(
-        {SummaryItem::Kind::distrust, "Law for EI(T)", laws.sentence, {}, part.id});
+        {SummaryItem::Kind::distrust, "Law for EI(T)", result.curve.sentence(), {}, part.id});
   }
-  Json law_list = Json::array();
-  for (const auto& law : laws.laws) law_list.push_back(law_json(law));
-  part.json["laws"] = std::move(law_list);
-  part.json["laws_decided"] = laws.decided;
-  if (bounds) {
-    part.json["bounds"] = {{"EI_min_Nm2", bounds->EI_min_Nm2}, {"EI_max_Nm2", bounds->EI_max_Nm2}};
+}
+
+}  // namespace
+
+BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
+  BendingPart bending;
+  ReportPart& part = bending.part;
+  part.id = test.name;
+  part.title = test.title;
+  part.json_key = "bending";
+  part.json["test"] = test.name;
+  part.json["span_m"] = test.span_m;
+  std::string words =
+      "A length of cable is clamped at both ends, pulled to a tension and pressed sideways at "
+      "mid-span. From the slope of deflection over load follows its bending stiffness EI.";
+  if (test.results) {
+    words += fmt::format(
+        " Here the EI values themselves are published; what uncertainty was published with them is "
+        "shown. The span of {:g} m only sets the slope shown.",
+        test.span_m);
   }
-  return result;
+  part.blocks.push_back(Paragraph{std::move(words)});
+  Tests tests = test.results ? published(test) : recorded(test, part);
+  auto& options = tests.campaign.test;
+  options.span_m = {test.span_m, test.span_std_m};
+  options.tension_zero_std_N = test.tension_zero_std_N;
+  options.tension_calibration_std = test.tension_calibration_std;
+  options.load_calibration_std = test.load_calibration_std;
+  options.deflection_calibration_std = test.deflection_calibration_std;
+  tests.campaign.strand = campaign.strand;
+  const auto result = ident::analyse_bending_campaign(tests.campaign);
+  part.json.update(bending_json(tests.campaign, result));
+  part.json["laws_decided"] = result.curve.laws().decided;
+  for (const auto& finding : result.findings) {
+    part.warnings.push_back({finding.code, finding.message, test.name, false});
+  }
+  const std::string remark = show_points(test, tests, result, part);
+  const auto series = point_series(tests, result);
+  show_laws(test, series, result, part);
+  if (!result.curve.empty()) {
+    const auto &first = result.curve.points().front(), &last = result.curve.points().back();
+    part.summary.push_back({SummaryItem::Kind::result, "EI of the cable",
+                            fmt::format("{} N m² at {} N to {} N m² at {} N ({})",
+                                        shown(first.EI_Nm2, 4), shown(first.tension_N, 3),
+                                        shown(last.EI_Nm2, 4), shown(last.tension_N, 3), remark),
+                            series.back().origin, part.id});
+  }
+  bending.curve = result.curve;
+  return bending;
 }
 
 }  // namespace rigfit::apps

@@ -27,6 +27,7 @@ struct Table {
   std::vector<Channel> columns;  ///< of the same length, NaN where empty
   std::vector<Note> notes;
 
+  /// Rows of every column.
   [[nodiscard]] Eigen::Index rows() const {
     return columns.empty() ? 0 : columns.front().samples.size();
   }
@@ -34,7 +35,9 @@ struct Table {
   [[nodiscard]] Eigen::Index column_index(const std::string& name) const;
 };
 
+/// Reads text of a table; `path` is for messages. Throws RecordingError.
 [[nodiscard]] Table read_table(std::string_view bytes, const std::filesystem::path& path);
+/// Reads a file. Throws RecordingError.
 [[nodiscard]] Table read_table(const std::filesystem::path& path);
 
 }  // namespace rigfit::signal

@@ -22,6 +22,7 @@ namespace rigfit::signal {
 /// Throws RecordingError; also when there is no FRF, when FRFs between some points are absent, or
 /// when they do not share their frequencies.
 [[nodiscard]] FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path);
+/// Reads a file. Throws RecordingError.
 [[nodiscard]] FrfSet read_uff_frfs(const std::filesystem::path& path);
 
 /// As read_uff where there is a time history; else functions of any type as channels, for looking

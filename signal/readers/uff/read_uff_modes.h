@@ -17,6 +17,7 @@
 
 namespace rigfit::signal {
 
+/// A node of datasets 15 or 2411.
 struct UffNode {
   int node = 0;
   std::array<double, 3> position_m{0, 0, 0};
@@ -24,11 +25,13 @@ struct UffNode {
   int displacement_system = 0;
 };
 
+/// Displacements of a mode at one node.
 struct UffNodeShape {
   int node = 0;
   std::array<std::complex<double>, 3> translation;  ///< along x, y, z
 };
 
+/// One mode of datasets 55.
 struct UffMode {
   long line = 0;                    ///< of the dataset's number in the file
   double frequency_hz = 0;          ///< undamped natural frequency, positive
@@ -36,6 +39,7 @@ struct UffMode {
   std::vector<UffNodeShape> shape;  ///< by node as written; empty: values without directions
 };
 
+/// Modes and nodes of a file.
 struct UffModes {
   std::vector<UffNode> nodes;
   std::vector<UffMode> modes;        ///< by rising frequency
@@ -44,6 +48,7 @@ struct UffModes {
 
 /// Throws RecordingError with the line for what cannot be read, and when there is no mode.
 [[nodiscard]] UffModes read_uff_modes(std::string_view bytes, const std::filesystem::path& path);
+/// Reads a file. Throws RecordingError.
 [[nodiscard]] UffModes read_uff_modes(const std::filesystem::path& path);
 
 }  // namespace rigfit::signal

@@ -65,13 +65,7 @@ Outcome starts_off_by_ten(bool) {
     for (const double by_mass : {0.1, 10.0}) {
       const UpdateState state{"beam", beam(2.1 * by_EI, 0.02 * by_mass), data};
       const auto found = update_model({state}, stiffness_and_mass());
-      // A tenth of the stiffness under ten times the mass buckles: there is no model to start from.
-      if (by_EI < 1 && by_mass > 1) {
-        worst.require(found.status == UpdateStatus::no_model &&
-                          found.message.find("buckled") != std::string::npos,
-                      "a buckled start: " + found.message);
-        continue;
-      }
+      // A tenth of the stiffness under ten times the mass buckles: the search begins elsewhere.
       worst.require(found.status == UpdateStatus::converged,
                     fmt::format("EI x {}, mass x {}: {}", by_EI, by_mass, found.message));
       worst.require(found.pairs.size() == 5, fmt::format("EI x {}, mass x {}: {} pairs", by_EI,
@@ -192,7 +186,7 @@ std::vector<HardCase> fit_cases() {
   const std::string area = "fits";
   return {
       {area, "starts off by 10, both ways, two unknowns",
-       "the answer from near to 0.01 std; buckled: said", starts_off_by_ten},
+       "the answer from near to 0.01 std, from a buckled start too", starts_off_by_ten},
       {area, "EI and mass collinear", "refused by name, their ratio right", collinear},
       {area, "one frequency of six off by 50 std", "truth within 3.5 std", outlier},
       {area, "one mode for two unknowns", "refused", one_mode},
@@ -200,7 +194,7 @@ std::vector<HardCase> fit_cases() {
       {area, "frequencies all zero", "refused", zero_frequencies},
       {area, "one frequency five times", "refused", constant_data},
       {area, "15 identical axial records without noise", "EA; std of the lengths alone",
-       identical_decays},
+       identical_decays, "the answer counts a compliance in series that nothing rules out"},
   };
 }
 

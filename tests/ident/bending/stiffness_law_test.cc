@@ -1,6 +1,7 @@
 #include "ident/bending/stiffness_law.h"
 
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include <Eigen/LU>
 #include <cmath>

@@ -1,4 +1,5 @@
 #include "ident/update/update_uncertainty.h"
+#include "ident/update/update_checks.h"
 
 #include <gtest/gtest.h>
 
@@ -247,7 +248,6 @@ TEST(UpdateStarts, CoarseOnesEndInTheSameAnswer) {
   options.coarse_starts = false;
   const auto slow = update_model({state}, {{"cable.EI"}, {"cable.tension"}}, options);
   ASSERT_EQ(fast.status, UpdateStatus::converged);
-  EXPECT_EQ(fast.starts, 4);
   EXPECT_EQ(fast.starts_agreeing, slow.starts_agreeing);
   for (std::size_t p = 0; p < 2; ++p) {
     // Ceres stops at 1e-9 of cost, which is 3e-5 of a standard deviation.

@@ -1,4 +1,5 @@
 #include "model/linear/damped_modes.h"
+#include "model/linear/modal_analysis.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
 #include "model/linear/frf_synthesis.h"
+#include "model/linear/modal_analysis.h"
 
 #include <gtest/gtest.h>
 

@@ -52,7 +52,7 @@ void expect_same_forces(Chain chain, unsigned seed) {
   EXPECT_NEAR(kernel.potential(x) / energy.potential(), 1, 1e-11);
   // The way there and back.
   EXPECT_TRUE(rigfit::testing::MatricesNear(
-      kernel.slot_values(kernel.unknowns(a, assembly.numbering()), assembly.numbering()), a, 0));
+      kernel.entry_values(kernel.unknowns(a, assembly.numbering()), assembly.numbering()), a, 0));
 }
 
 TEST(MotionKernel, CableInPlaneAndInSpace) {

@@ -1,4 +1,4 @@
-#include "model/scene/toml_table.h"
+#include "document/toml_table.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <iterator>
 #include <limits>
 
-namespace rigfit::model {
+namespace rigfit::document {
 namespace {
 
 /// Edits (insert, delete, replace, swap neighbours) from one word to the other.
@@ -96,7 +96,7 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& file) {
     node->root = std::move(root);
   } catch (const toml::parse_error& error) {
     const auto& begin = error.source().begin;
-    throw SceneError(
+    throw DocumentError(
         {file, static_cast<long>(begin.line), static_cast<long>(begin.column), ""},
         "this is not TOML: " + std::string(error.description()),
         "mend this line (strings in quotes, a decimal point, one `key = value` a line)");
@@ -108,7 +108,7 @@ TomlTable TomlTable::read_file(const std::filesystem::path& path) {
   constexpr std::uintmax_t kLargest = 64u << 20;  // no person writes more; keeps a wrong path cheap
   std::error_code error;
   const auto fail = [&](const std::string& why, const char* remedy) {
-    throw SceneError({path.string(), 0, 0, ""}, why, remedy);
+    throw DocumentError({path.string(), 0, 0, ""}, why, remedy);
   };
   if (!std::filesystem::exists(path, error)) {
     fail("there is no such file",
@@ -128,7 +128,8 @@ TomlTable TomlTable::read_file(const std::filesystem::path& path) {
 
 bool TomlTable::has(const std::string& key) const { return node_->find(key) != nullptr; }
 
-SceneError TomlTable::error(const std::string& key, std::string problem, std::string remedy) const {
+DocumentError TomlTable::error(const std::string& key, std::string problem,
+                               std::string remedy) const {
   const toml::node* at = key.empty() ? nullptr : node_->table->get(key);
   const auto& begin = (at ? *at : static_cast<const toml::node&>(*node_->table)).source().begin;
   const bool root = !at && path_.empty();
@@ -360,7 +361,7 @@ void TomlTable::finish() const {
     std::sort(known.begin(), known.end());
     const auto found = node_->table->find(key);
     const auto& begin = found->first.source().begin;
-    throw SceneError(
+    throw DocumentError(
         {node_->file, static_cast<long>(begin.line), static_cast<long>(begin.column),
          path_.empty() ? key : path_ + "." + key},
         "this key is not known here",
@@ -368,4 +369,4 @@ void TomlTable::finish() const {
   }
 }
 
-}  // namespace rigfit::model
+}  // namespace rigfit::document

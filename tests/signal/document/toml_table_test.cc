@@ -1,11 +1,11 @@
-#include "model/scene/toml_table.h"
+#include "document/toml_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
 
-namespace rigfit::model::toml_table_test {
+namespace rigfit::document::toml_table_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -97,7 +97,7 @@ TEST(TomlTable, SaysWhatIsWrongWhereAndWhatToDo) {
       auto table = TomlTable::parse(mistake.text, "rig.toml");
       mistake.read(table);
       ADD_FAILURE() << "was accepted";
-    } catch (const SceneError& error) {
+    } catch (const DocumentError& error) {
       EXPECT_EQ(error.where().file, "rig.toml");
       EXPECT_EQ(error.where().line, mistake.line);
       EXPECT_THAT(error.what(), HasSubstr(mistake.message));
@@ -114,4 +114,4 @@ TEST(TomlTable, NearestWordNeedsToBeNear) {
 }
 
 }  // namespace
-}  // namespace rigfit::model::toml_table_test
+}  // namespace rigfit::document::toml_table_test

@@ -1,11 +1,11 @@
-#include "model/scene/scene_error.h"
+#include "document/document_error.h"
 
 #include <fmt/format.h>
 
-namespace rigfit::model {
+namespace rigfit::document {
 namespace {
 
-std::string message(const SceneError::Where& where, const std::string& problem,
+std::string message(const DocumentError::Where& where, const std::string& problem,
                     const std::string& remedy) {
   std::string text = where.file;
   if (where.line > 0) text += fmt::format(":{}", where.line);
@@ -19,10 +19,10 @@ std::string message(const SceneError::Where& where, const std::string& problem,
 
 }  // namespace
 
-SceneError::SceneError(Where where, std::string problem, std::string remedy)
+DocumentError::DocumentError(Where where, std::string problem, std::string remedy)
     : std::runtime_error(message(where, problem, remedy)),
       where_(std::move(where)),
       problem_(std::move(problem)),
       remedy_(std::move(remedy)) {}
 
-}  // namespace rigfit::model
+}  // namespace rigfit::document

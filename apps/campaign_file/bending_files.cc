@@ -1,0 +1,245 @@
+#include "apps/campaign_file/bending_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <streambuf>
+
+#include "apps/cli/exit_code.h"
+#include "model/scene/scene_error.h"
+#include "signal/numerics/numbers.h"
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::apps {
+namespace {
+
+using signal::kNaN;
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// The column a person means: by the name given, else by one of the usual beginnings.
+const signal::Channel* find(const signal::Recording& recording, const std::string& asked,
+                            const std::vector<std::string>& beginnings) {
+  if (!asked.empty()) {
+    try {
+      return &recording.channel(asked);
+    } catch (const signal::RecordingError&) {
+      return nullptr;
+    }
+  }
+  for (const auto& beginning : beginnings) {
+    for (const auto& column : recording.channels) {
+      if (lower(column.name).starts_with(beginning)) return &column;
+    }
+  }
+  return nullptr;
+}
+
+class Columns {
+ public:
+  Columns(const signal::Recording& recording, const BendingColumns& names,
+          std::vector<Warning>& warnings)
+      : recording_(recording), names_(names), warnings_(warnings), file_(recording.path.string()) {}
+
+  ident::BendingSource source() const {
+    ident::BendingSource source;
+    source.name = file_;
+    if (const auto* EI = find(recording_, "", {"ei"})) {
+      source.values = values(*EI);
+    } else {
+      source.record = {
+          column("tension", names_.tension, {"tension", "preload"}, "N").samples,
+          column("load", names_.load, {"load", "force", "q"}, "N").samples,
+          column("deflection", names_.deflection, {"deflection", "displacement", "lvdt", "d"}, "m")
+              .samples};
+    }
+    return source;
+  }
+
+ private:
+  const signal::Channel& column(const std::string& what, const std::string& asked,
+                                const std::vector<std::string>& beginnings,
+                                const std::string& si) const {
+    const auto* found = find(recording_, asked, beginnings);
+    const std::string remedy = fmt::format(fmt::runtime(names_.remedy), what);
+    if (found == nullptr) {
+      std::string known;
+      for (const auto& one : recording_.channels) known += (known.empty() ? "" : ", ") + one.name;
+      throw signal::RecordingError(
+          {.file = file_, .channel = asked.empty() ? what : asked, .value = ""}, "no such column",
+          fmt::format("{}; there are: {}", remedy, known));
+    }
+    if (found->unit.empty()) {
+      warnings_.push_back({"unit_unknown", fmt::format("no unit given, taken as {}", si),
+                           file_ + ": " + found->name});
+    } else if (found->unit != si) {
+      throw signal::RecordingError(
+          {.file = file_, .channel = found->name, .value = found->unit},
+          fmt::format("its unit is not one of {}", si == "N" ? "force" : "length"),
+          remedy + ", or give its unit in a TOML file beside the recording");
+    }
+    return *found;
+  }
+
+  std::vector<ident::StiffnessPoint> values(const signal::Channel& EI) const {
+    const auto& tension = column("tension", names_.tension, {"tension"}, "N");
+    const auto* std = find(recording_, "", {"std", "uncertainty"});
+    const auto* low = find(recording_, "", {"low"});
+    const auto* high = find(recording_, "", {"high"});
+    std::vector<ident::StiffnessPoint> points;
+    for (Eigen::Index i = 0; i < EI.samples.size(); ++i) {
+      const auto at = [&](const signal::Channel* one) {
+        return one == nullptr ? kNaN : one->samples[i];
+      };
+      points.push_back({at(&tension), at(&EI), at(std), at(low), at(high)});
+      const auto point = points.back();
+      if (point.tension_N > 0 && point.EI_Nm2 > 0) continue;
+      if (std::isnan(point.EI_Nm2) && !std::isinf(point.tension_N)) {
+        points.pop_back();
+        warnings_.push_back(
+            {"missing", fmt::format("row {} holds no EI and is left out", i + 1), file_});
+        continue;
+      }
+      const bool bad_EI = point.tension_N > 0;
+      throw signal::RecordingError(
+          {.file = file_,
+           .channel = bad_EI ? EI.name : tension.name,
+           .value = fmt::format("{}", bad_EI ? point.EI_Nm2 : point.tension_N)},
+          fmt::format("row {} has no positive number", i + 1), "mend or remove the row");
+    }
+    if (points.empty()) {
+      throw signal::RecordingError({.file = file_, .channel = EI.name, .value = ""},
+                                   "holds no number", "give at least one row of tension and EI");
+    }
+    return points;
+  }
+
+  const signal::Recording& recording_;
+  const BendingColumns& names_;
+  std::vector<Warning>& warnings_;
+  std::string file_;
+};
+
+class NullBuffer : public std::streambuf {
+  int overflow(int c) override { return c; }
+};
+
+/// The tests of a bending result that gave an EI, fitted again by the same laws.
+ident::StiffnessCurve curve_of_result(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const auto document = nlohmann::json::parse(file, nullptr, false);
+  const auto number = [](const nlohmann::json& from, const char* key) {
+    return from.is_object() && from.contains(key) && from[key].is_number() ? from[key].get<double>()
+                                                                           : kNaN;
+  };
+  std::vector<ident::StiffnessPoint> points;
+  bool tests = false;
+  if (document.is_object() && document.contains("tests") && document["tests"].is_array()) {
+    for (const auto& test : document["tests"]) {
+      if (!test.is_object() || !test.contains("EI_Nm2")) continue;
+      tests = true;
+      const auto& EI = test["EI_Nm2"];
+      const double shared = number(test, "shared_relative_std");
+      ident::StiffnessPoint point{number(test, "tension_N"), number(EI, "value"),
+                                  number(EI, "std"),         number(EI, "low"),
+                                  number(EI, "high"),        std::isfinite(shared) ? shared : 0};
+      if (point.tension_N > 0 && point.EI_Nm2 > 0) points.push_back(point);
+    }
+  }
+  if (!tests) {
+    throw model::SceneError({path.string(), 0, 0, "tests"}, "is no result of a bending test",
+                            "give what rigfit bending ... --json FILE wrote, or a table");
+  }
+  ident::StiffnessLawOptions options;
+  if (document.contains("assumed_relative_std")) {
+    options.assumed_relative_std = number(document, "assumed_relative_std");
+  }
+  if (document.contains("bounds") && document["bounds"].is_object()) {
+    const double least = number(document["bounds"], "EI_min_Nm2");
+    const double most = number(document["bounds"], "EI_max_Nm2");
+    if (least > 0 && most > least) options.bounds = ident::StiffnessBounds{least, most};
+  }
+  return ident::StiffnessCurve(std::move(points), options);
+}
+
+}  // namespace
+
+void drop_time_notes(signal::Recording& recording) {
+  std::erase_if(recording.notes, [](const signal::Note& note) {
+    return note.code == "no_sample_rate" || note.code.starts_with("time_");
+  });
+}
+
+signal::Recording load_bending_file(const std::filesystem::path& path, VerbContext& context,
+                                    const RecordingDescription& given) {
+  NullBuffer nothing;
+  std::ostream sink(&nothing);
+  VerbContext own(sink);
+  own.quiet = true;
+  own.hashes_inputs = false;
+  // The inputs are named before they are read.
+  context.input(path.string());
+  const auto beside = std::filesystem::path(path).replace_extension(".toml");
+  std::error_code ignored;
+  if (beside != path && std::filesystem::is_regular_file(beside, ignored)) {
+    context.input(beside.string());
+  }
+  signal::Recording recording = load_recording(path, own, {}, given);
+  drop_time_notes(recording);
+  for (const auto& note : recording.notes) {
+    if (note.code == "no_unit") continue;  // said of the columns that are used
+    context.warn(note.code, note.message,
+                 note.where.empty() ? path.string() : path.string() + ": " + note.where);
+  }
+  return recording;
+}
+
+ident::BendingSource bending_source(const signal::Recording& recording,
+                                    const BendingColumns& columns, std::vector<Warning>& warnings) {
+  return Columns(recording, columns, warnings).source();
+}
+
+ident::StiffnessCurve read_stiffness_curve(const std::filesystem::path& path) {
+  if (path.extension() == ".json") return curve_of_result(path);
+  NullBuffer nothing;
+  std::ostream sink(&nothing);
+  VerbContext own(sink);
+  own.quiet = true;
+  own.hashes_inputs = false;
+  std::vector<Warning> warnings;
+  const auto source = bending_source(load_bending_file(path, own), {}, warnings);
+  if (source.values.empty()) {
+    throw signal::RecordingError({.file = path.string(), .channel = "EI_Nm2", .value = ""},
+                                 "no such column",
+                                 "give a table with columns tension_N and EI_Nm2");
+  }
+  return ident::StiffnessCurve(source.values);
+}
+
+double stiffness_at(const ident::StiffnessCurve& curve, double tension, const std::string& file,
+                    VerbContext& context) {
+  if (curve.empty()) throw Refused(file + " holds no EI over tension");
+  const auto at = curve.at(tension);
+  if (at.extrapolated) {
+    context.warn(
+        "extrapolated",
+        fmt::format("EI at {:.4g} N lies outside the tested tensions ({:.4g} to {:.4g} N): "
+                    "{:.4g} N m2 by {}",
+                    tension, curve.lowest_tension_N(), curve.highest_tension_N(), at.EI_Nm2,
+                    curve.source() == ident::StiffnessSource::interpolation
+                        ? "the nearest test"
+                        : ident::name_of(curve.source())),
+        file);
+  }
+  return at.EI_Nm2;
+}
+
+}  // namespace rigfit::apps

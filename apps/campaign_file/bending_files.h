@@ -1,0 +1,46 @@
+// Files of bending tests: load-deflection records and tables, tables of EI over tension, and what
+// `rigfit bending --json` wrote. The verb, the report and what takes EI(T) read them here.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/campaign_file/recording_description.h"
+#include "apps/cli/verb_context.h"
+#include "ident/campaign/bending_campaign.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::apps {
+
+/// Names of columns; empty: the first whose name begins in one of the usual ways, such as
+/// "tension", "preload"; "load", "force", "Q"; "deflection", "displacement", "lvdt", "d".
+struct BendingColumns {
+  std::string tension, load, deflection;
+  /// How a person names one, with {} for tension, load or deflection.
+  std::string remedy = "name it with --{}";
+};
+
+/// A recording or table as every reader of it; times and their faults do not matter here and are
+/// not noted. Inputs and notes go to the context.
+[[nodiscard]] signal::Recording load_bending_file(const std::filesystem::path& path,
+                                                  VerbContext& context,
+                                                  const RecordingDescription& given = {});
+/// Takes notes out that only matter where time does.
+void drop_time_notes(signal::Recording& recording);
+
+/// EI values where there is a column of EI (with std, or low and high), else a record. A column
+/// without a unit is taken as SI, with a warning. Throws signal::RecordingError with file, column,
+/// row and remedy for columns that are missing, of another quantity, or EI that is not positive.
+[[nodiscard]] ident::BendingSource bending_source(const signal::Recording& recording,
+                                                  const BendingColumns& columns,
+                                                  std::vector<Warning>& warnings);
+
+/// EI(T) from a table of it, or from what `rigfit bending --json FILE` wrote (.json): its tests
+/// that gave an EI, by the same laws. Throws model::SceneError, signal::RecordingError.
+[[nodiscard]] ident::StiffnessCurve read_stiffness_curve(const std::filesystem::path& path);
+
+/// With a warning outside the tested tensions. Throws Refused for an empty curve.
+[[nodiscard]] double stiffness_at(const ident::StiffnessCurve& curve, double tension_N,
+                                  const std::string& file, VerbContext& context);
+
+}  // namespace rigfit::apps

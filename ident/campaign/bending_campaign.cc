@@ -1,0 +1,133 @@
+#include "ident/campaign/bending_campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ident/bending/bending_equation.h"
+
+namespace rigfit::ident {
+namespace {
+
+void add_values(const BendingSource& source, std::size_t index, std::vector<BendingPoint>& points) {
+  for (std::size_t i = 0; i < source.values.size(); ++i) {
+    BendingPoint one{.source = index, .row = i + 1, .record = {}, .analysis = {}, .point = {}};
+    one.point = source.values[i];
+    auto& point = one.point;
+    if (std::isfinite(point.std) && !std::isfinite(point.low)) {
+      point.low = std::max(0.0, point.EI_Nm2 - 1.959964 * point.std);
+      point.high = point.EI_Nm2 + 1.959964 * point.std;
+    }
+    points.push_back(std::move(one));
+  }
+}
+
+void add_record(const BendingSource& source, std::size_t index, const BendingTestOptions& options,
+                std::vector<BendingPoint>& points) {
+  std::vector<BendingRecord> records;
+  if (source.record.load_N.size() <= kLongestBendingTable) {
+    records = split_by_tension(source.record);
+  }
+  if (records.empty()) records = {source.record};
+  for (auto& record : records) {
+    BendingPoint one{
+        .source = index, .row = 0, .record = std::move(record), .analysis = {}, .point = {}};
+    one.analysis = analyse_bending_test(one.record, options);
+    const auto& result = *one.analysis;
+    const auto& EI = result.stiffness;
+    one.point = {result.tension_N.value,
+                 EI.EI_Nm2.value,
+                 EI.EI_Nm2.std,
+                 EI.low,
+                 EI.high,
+                 shared_relative_std(result, options)};
+    points.push_back(std::move(one));
+  }
+}
+
+/// What no record shows of itself: inputs taken as exact, and what EI changes by where most.
+void name_exact_inputs(const BendingTestOptions& options, BendingCampaignResult& result) {
+  double span = 0, clamps = 0, zero = 0;
+  for (const auto& one : result.points) {
+    if (!one.analysis || !one.usable()) continue;
+    const auto& EI = one.analysis->stiffness;
+    const double T = one.point.tension_N, l = options.span_m.value;
+    span = std::max(span, std::abs(EI.log_sensitivity_span) * 1e-3 / l);
+    clamps = std::max(clamps, std::abs(EI.log_sensitivity_compliance) *
+                                  clamp_compliance(one.point.EI_Nm2, T, l) / 1000);
+    zero = std::max(zero, std::abs(EI.log_sensitivity_tension) * 0.1 / T);
+  }
+  if (!(span > 0)) return;
+  std::string exact = "rigid clamps";
+  if (!(options.span_m.std > 0)) exact += ", span";
+  if (!(options.load_calibration_std > 0)) exact += ", calibration of load";
+  if (!(options.deflection_calibration_std > 0)) exact += ", of deflection";
+  if (!(options.tension_calibration_std > 0)) exact += ", of tension";
+  if (!(options.tension_zero_std_N > 0)) exact += ", zero of tension";
+  result.findings.push_back(
+      {"taken_as_exact",
+       fmt::format(
+           "taken as exact: {}. EI changes by up to {:.2g} % for 1 mm of span, {:.2g} % for "
+           "0.1 N of tension; it is up to {:.2g} % higher where each clamp turns with 1000 N "
+           "m/rad ({:.2g} % with 200)",
+           exact, 100 * span, 100 * zero, 100 * clamps, 500 * clamps),
+       false});
+}
+
+}  // namespace
+
+double shared_relative_std(const BendingTestResult& test, const BendingTestOptions& options) {
+  if (test.refused) return 0;
+  const auto& EI = test.stiffness;
+  const double span = options.span_m.value > 0 ? options.span_m.std / options.span_m.value : 0;
+  const double shared =
+      std::sqrt(std::pow(EI.log_sensitivity_span * span, 2) +
+                std::pow(EI.log_sensitivity_compliance, 2) *
+                    (std::pow(options.load_calibration_std, 2) +
+                     std::pow(options.deflection_calibration_std, 2)) +
+                std::pow(EI.log_sensitivity_tension * options.tension_calibration_std, 2));
+  return std::isfinite(shared) ? shared : 0;
+}
+
+BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) {
+  BendingCampaignResult result;
+  for (std::size_t k = 0; k < campaign.sources.size(); ++k) {
+    const auto& source = campaign.sources[k];
+    if (source.values.empty()) {
+      add_record(source, k, campaign.test, result.points);
+    } else {
+      add_values(source, k, result.points);
+    }
+  }
+  std::stable_sort(result.points.begin(), result.points.end(), [](const auto& a, const auto& b) {
+    const bool known = std::isfinite(a.point.tension_N);
+    if (known != std::isfinite(b.point.tension_N)) return known;
+    return a.point.tension_N < b.point.tension_N;
+  });
+  name_exact_inputs(campaign.test, result);
+  std::vector<StiffnessPoint> points;
+  for (const auto& one : result.points) {
+    if (one.usable()) points.push_back(one.point);
+  }
+  StiffnessLawOptions options;
+  options.assumed_relative_std = campaign.assumed_relative_std;
+  if (campaign.strand) {
+    result.bounds = options.bounds = stiffness_bounds(*campaign.strand);
+    for (const auto& point : points) {
+      if (point.EI_Nm2 >= result.bounds->EI_min_Nm2 && point.EI_Nm2 <= result.bounds->EI_max_Nm2) {
+        continue;
+      }
+      result.findings.push_back(
+          {"outside_bounds",
+           fmt::format("EI = {:.4g} N m2 at {:.4g} N lies outside what the strand's "
+                       "geometry allows",
+                       point.EI_Nm2, point.tension_N),
+           false});
+    }
+  }
+  result.curve = StiffnessCurve(std::move(points), options);
+  return result;
+}
+
+}  // namespace rigfit::ident

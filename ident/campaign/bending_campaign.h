@@ -1,0 +1,68 @@
+// The bending tests of a campaign: load-deflection records at one or more tensions, or EI values
+// already worked out, to EI at each tension, laws EI(T) and the curve that a model takes.
+//
+//   records -> analyse_bending_test (each tension of a table by itself) -> points
+//   EI values ------------------------------------------------------------> points
+//   points -> StiffnessCurve: laws without the uncertainty that the tests share in their weights
+//
+// What tests share: the span, the calibrations of load, deflection and tension, relative to EI by
+// the sensitivities of the bending equation.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/bending/bending_test.h"
+#include "ident/bending/stiffness_curve.h"
+#include "ident/bending/strand.h"
+
+namespace rigfit::ident {
+
+/// One file: a load-deflection record or table, or (`record` empty) EI values.
+struct BendingSource {
+  std::string name;  ///< for messages and results
+  BendingRecord record;
+  std::vector<StiffnessPoint> values;
+};
+
+struct BendingCampaign {
+  std::vector<BendingSource> sources;
+  BendingTestOptions test;  ///< span, calibrations and what they are known to; for records only
+  std::optional<StrandGeometry> strand;
+  double assumed_relative_std = 0;  ///< of EI values that come without an uncertainty; 0: not known
+};
+
+/// One tension of one source.
+struct BendingPoint {
+  std::size_t source = 0;
+  std::size_t row = 0;   ///< of EI values, from 1; 0: from a record
+  BendingRecord record;  ///< the rows at this tension; empty: EI values
+  std::optional<BendingTestResult> analysis;
+  StiffnessPoint point;  ///< NaN where refused
+
+  [[nodiscard]] bool refused() const { return analysis && analysis->refused; }
+  /// An EI that laws and curve take.
+  [[nodiscard]] bool usable() const { return !refused() && point.EI_Nm2 > 0; }
+};
+
+struct BendingCampaignResult {
+  std::vector<BendingPoint> points;  ///< by rising tension
+  StiffnessCurve curve;              ///< of the usable ones; empty: none
+  std::optional<StiffnessBounds> bounds;
+  /// Of the points together: "taken_as_exact", "outside_bounds".
+  std::vector<BendingFinding> findings;
+};
+
+/// A table of at most this many rows is split by tension; a longer one is a record of one test.
+inline constexpr Eigen::Index kLongestBendingTable = 400;
+
+/// Throws std::invalid_argument as analyse_bending_test, stiffness_bounds, fit_stiffness_laws.
+[[nodiscard]] BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign);
+
+/// Uncertainty of a test's EI that it shares with others of the same span and instruments, relative
+/// to EI: root of the sum of squares.
+[[nodiscard]] double shared_relative_std(const BendingTestResult& test,
+                                         const BendingTestOptions& options);
+
+}  // namespace rigfit::ident

@@ -1,0 +1,153 @@
+#include "ident/campaign/fit_campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "signal/numerics/numbers.h"
+
+namespace rigfit::ident {
+namespace {
+
+int missed_of(const UpdateAlternative& one) {
+  return static_cast<int>(std::count_if(one.unpaired.begin(), one.unpaired.end(),
+                                        [](const auto& lone) { return lone.missing; }));
+}
+
+std::string percent(double ratio) {
+  return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
+}
+
+}  // namespace
+
+std::string fit_text(const UpdateFit& fit) {
+  std::string text = fmt::format("chi-square {:.4g} on {:.4g} degrees of freedom", fit.chi2,
+                                 fit.degrees_of_freedom);
+  if (std::isfinite(fit.p_value)) text += fmt::format(", probability {:.2g}", fit.p_value);
+  if (!fit.stated) text += ", with assumed uncertainties";
+  if (fit.model_std > 0) {
+    text += fmt::format("; error of the model in frequency {}", percent(fit.model_std));
+  }
+  return text;
+}
+
+std::vector<std::string> alternative_texts(const UpdateResult& result) {
+  std::vector<std::string> texts;
+  for (std::size_t k = 1; k < result.alternatives.size(); ++k) {
+    const auto &first = result.alternatives.front(), &one = result.alternatives[k];
+    std::string values;
+    for (const auto& p : one.parameters) {
+      values += fmt::format("{}{} {:.4g}", values.empty() ? "" : ", ", p.name, p.value);
+    }
+    const double missed = one.log_missed - first.log_missed;
+    const double assigned = one.log_detected + one.log_false - first.log_detected - first.log_false;
+    const double total = one.log_evidence - first.log_evidence;
+    texts.push_back(fmt::format(
+        "weight {:.3f}: {}; rms {}, {} modes that the tests should have seen. ln of its weight "
+        "over "
+        "the first's {:+.1f}: {:+.1f} by modes missed, {:+.1f} by modes seen and false, {:+.1f} by "
+        "the frequencies",
+        one.weight, values, percent(one.rms_relative_error), missed_of(one), total, missed,
+        assigned, total - missed - assigned));
+  }
+  return texts;
+}
+
+namespace {
+
+std::vector<Finding> findings_of(const UpdateResult& result) {
+  std::vector<Finding> findings;
+  if (result.fit.ruled_out()) {
+    findings.push_back(
+        {"model_ruled_out",
+         "the data rule this model out: " + fit_text(result.fit) +
+             ". An end condition, a mass, a length, a pair or a stated uncertainty "
+             "is wrong; the intervals hold only as far as the model's error is random",
+         "", false});
+  }
+  if (!result.alternatives.empty() && result.alternatives.front().weight < 0.9) {
+    findings.push_back(
+        {"several_answers",
+         fmt::format("the data support {} answers, the heaviest with a weight of {:.2f}: see "
+                     "alternatives; more modes, their planes or shapes, or a prior decide",
+                     result.alternatives.size(), result.alternatives.front().weight),
+         "", true});
+  }
+  if (!result.message.empty() && result.status != UpdateStatus::not_converged) {
+    findings.push_back({"doubtful", result.message, "", false});
+  }
+  for (const auto& open : result.open) findings.push_back({"not_identifiable", open, "", true});
+  for (const auto& p : result.parameters) {
+    if (p.at_bound) findings.push_back({"at_bound", "ended at its bound", p.name, false});
+    if (p.identifiable && std::abs(p.segment_shift) > 0.5 * p.std) {
+      findings.push_back(
+          {"segments",
+           fmt::format("is about {:.2g} off for want of segments, which is most of its "
+                       "uncertainty: more segments, or \"auto\", make it smaller",
+                       p.segment_shift),
+           p.name, false});
+    }
+    if (p.identifiable && !std::isfinite(p.std_from_data)) {
+      findings.push_back(
+          {"from_prior", "is known from its prior only, not from these data", p.name, false});
+    }
+  }
+  if (result.starts > 1 && result.starts_agreeing < result.starts) {
+    findings.push_back(
+        {"starts_differ",
+         fmt::format("{} of {} starts ended in this answer, the others in worse ones",
+                     result.starts_agreeing, result.starts),
+         "", false});
+  }
+  return findings;
+}
+
+double rms_of_state(const std::vector<UpdatedPair>& pairs, int state) {
+  double sum = 0;
+  int count = 0;
+  for (const auto& pair : pairs) {
+    if (pair.cross_plane || (state >= 0 && pair.state != state)) continue;
+    sum += pair.relative_error * pair.relative_error;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : signal::kNaN;
+}
+
+std::vector<HeldOut> held_out(const FitTask& task, const UpdateResult& result) {
+  UpdateOptions options = task.options;
+  std::vector<FreeParameter> free = task.free;
+  const bool modes_only = !result.alternatives.empty();
+  if (modes_only) {
+    options.starts = 1;
+    for (auto& parameter : free) {
+      if (parameter.per_state) continue;
+      for (const auto& found : result.parameters) {
+        if (found.name == parameter.name) parameter.start = found.value;
+      }
+    }
+  }
+  auto held = hold_out_each(task.states, free, options);
+  for (auto& one : held) {
+    if (modes_only) one.rms_before = rms_of_state(result.pairs_before, one.state);
+  }
+  return held;
+}
+
+}  // namespace
+
+FitOutcome fit_campaign(const FitTask& task) {
+  FitOutcome outcome;
+  outcome.result = update_model(task.states, task.free, task.options);
+  outcome.rms_held_out = signal::kNaN;
+  if (outcome.result.status == UpdateStatus::no_model) return outcome;
+  outcome.findings = findings_of(outcome.result);
+  if (!task.hold_out || task.states.size() < 2) return outcome;
+  outcome.held = held_out(task, outcome.result);
+  std::vector<UpdatedPair> all;
+  for (const auto& one : outcome.held) all.insert(all.end(), one.pairs.begin(), one.pairs.end());
+  outcome.rms_held_out = rms_of_state(all, -1);
+  return outcome;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,112 @@
+// Tension of a cable, hanger or stay from its natural frequencies, without a tension to start from.
+//
+// The cable is a segment model (model/linear/modal_analysis.h) of one member with sag, bending,
+// stretch, inclination and masses along it, between ends that are pinned, clamped or held by equal
+// rotational springs. Each kind of end is a fit of its own (model_update.h): orders and planes of
+// the measured modes are part of the estimate, modes may be missing or false. The kinds are weighed
+// by their evidence; the tension's interval is that of the mixture.
+//
+//   p(T | data) = sum_e w_e p(T | data, e),   w_e = Z_e / sum Z
+//
+// The tension is the axial force at mid-span. Along the cable it changes with the height, T(s) =
+// T_mid + w (y(s) - y_mid), w the weight per length (exact for a flexible cable; Irvine, Cable
+// Structures, 1981, ch. 1).
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/update/model_update.h"
+#include "model/scene/scene.h"
+#include "signal/numerics/estimate.h"
+
+namespace rigfit::ident {
+
+enum class CableEnds { pinned, clamped, springs };
+[[nodiscard]] const char* name_of(CableEnds ends);
+
+/// What a mass per length is of: of the cable as it hangs, or of the cable without tension. The two
+/// differ by T / EA.
+enum class MassReference { installed, unstretched };
+
+struct CableDescription {
+  signal::Estimate length_m;         ///< chord between the ends, > 0
+  signal::Estimate mass_per_length;  ///< kg/m, > 0
+  std::optional<MassReference> mass_reference = std::nullopt;
+  std::optional<signal::Estimate> EI_Nm2 =
+      std::nullopt;  ///< none: fitted, where the modes allow it
+  std::optional<signal::Estimate> EA_N =
+      std::nullopt;                              ///< none: a strain of 0.001 within a factor of 2
+  double inclination_deg = 0;                    ///< of the chord, 0 horizontal, 90 vertical
+  double gravity = model::kStandardGravity;      ///< m/s^2
+  std::vector<model::AttachedMass> masses = {};  ///< along the cable
+};
+
+struct TensionOptions {
+  std::vector<CableEnds> ends = {CableEnds::pinned, CableEnds::clamped, CableEnds::springs};
+  UpdateOptions update = {};  ///< probabilities of missed, false and leaked modes; seed; threads
+};
+
+struct TensionMode {
+  int order = 0;  ///< among the modes of its plane, from 1; 0: paired with none
+  model::ModePlane plane = model::ModePlane::in;
+  double measured_hz = 0, model_hz = 0, relative_error = 0;  ///< NaN when paired with none
+};
+
+/// One kind of ends.
+struct TensionCandidate {
+  CableEnds ends = CableEnds::pinned;
+  bool solved = false;
+  std::string message;             ///< why not, or what the fit warns of
+  signal::Estimate tension_N;      ///< at mid-span
+  double low = 0, high = 0;        ///< 95 %
+  signal::Estimate EI_Nm2;         ///< std 0: given as exact
+  signal::Estimate spring_Nm_rad;  ///< of each end; value NaN unless `springs`
+  UpdateFit fit;
+  double weight = 0;               ///< probability among the candidates
+  std::vector<TensionMode> modes;  ///< by measured mode
+  int missed = 0;                  ///< modelled modes that the test should have seen
+  std::vector<UpdateBudgetTerm> budget;
+  UpdateResult update;  ///< all of the fit
+};
+
+struct TensionFormulas {
+  double string_N = 0, pinned_beam_N = 0, clamped_beam_N = 0, zui_N = 0;  ///< NaN: does not apply
+};
+
+struct TensionResult {
+  bool solved = false;
+  std::string message;            ///< why not
+  signal::Estimate tension_N;     ///< at mid-span, over all candidates
+  double low = 0, high = 0;       ///< 95 % of the mixture
+  double start_N = 0, end_N = 0;  ///< at the first (lower) and at the second end
+  signal::Estimate EI_Nm2;
+  double sag_m = 0;
+  double irvine_parameter = 0;   ///< (w L / T)^2 L EA / (T Le), of the heaviest candidate
+  double bending_parameter = 0;  ///< L sqrt(T / EI)
+  bool decided =
+      true;  ///< answers with one and the same order of the modes have 90 % of the weight
+  bool EA_assumed = false, EI_neglected = false, mass_reference_matters = false;
+  std::vector<TensionCandidate> candidates;  ///< heaviest first
+  TensionFormulas formulas;                  ///< from the lowest mode of the heaviest candidate
+  std::vector<UpdateBudgetTerm>
+      budget;  ///< of tension_N; "ends" and "assignment" where they differ
+};
+
+/// The cable as a scene, its ends as asked for; springs start at EI / length.
+[[nodiscard]] model::Scene cable_scene(const CableDescription& cable, CableEnds ends,
+                                       double tension_N, double EI_Nm2);
+
+/// Modes found in several recordings or channels as one list by rising frequency: those that agree
+/// within three standard uncertainties are one, its mean weighted, its uncertainty not below what
+/// their scatter gives. Modes without an uncertainty, or of different planes, stay apart.
+[[nodiscard]] std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes);
+
+/// Throws std::invalid_argument for numbers that make no sense or no mode.
+[[nodiscard]] TensionResult identify_tension(const CableDescription& cable,
+                                             const std::vector<MeasuredMode>& modes,
+                                             const TensionOptions& options = {});
+
+}  // namespace rigfit::ident

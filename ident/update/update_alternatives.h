@@ -1,0 +1,55 @@
+// All answers of a fit to modes that the data support, from the whole range of the parameters.
+//
+// An answer is an assignment of measured to modelled modes that is the most likely one
+// (mode_assignment.h) at the parameters that fit it best. Candidates come from points all over the
+// range of the parameters (a lattice of absolute places in one and two dimensions, a
+// low-discrepancy sequence in more; positive parameters up to a factor of 100 or 10 from their
+// start), where a model of few segments is assigned, its frequencies tried with common factors too;
+// the best are fitted, first with few segments, those that count with all. The weight of an answer
+// is its evidence
+//
+//   Z = sum_tau P(tau) L(q, tau) prior(q) (2 pi)^(n/2) det(H(tau))^(-1/2)      (Laplace)
+//
+// with tau the model's relative error in frequency: 0 (the model is right) with probability 1/2,
+// else 1e-4 to 0.1 on a logarithmic scale, L the likelihood of the assignment, H the Hessian of
+// -ln(L prior). Parameters without a prior get a normal one about the answer, of ln(10) in
+// ln(value) and of a tenth for coordinates: the same for all answers, wherever the search began.
+// Answers closer to each other than three standard deviations are one.
+//
+// The search is skipped where the answer near the start explains all the measured modes, misses
+// none, and could not do so by chance: degrees of freedom times ln(0.1 / error) above 12.
+// Sources: Kass and Raftery, JASA 90 (1995) 773; Beck and Katafygiotis, J. Eng. Mech. 124 (1998)
+// 455. For the update and its checks, not for users.
+#pragma once
+
+#include <vector>
+
+#include "ident/update/update_solver.h"
+
+namespace rigfit::ident {
+
+struct UpdateAnswer {
+  UpdateSolution solution;
+  double model_std = 0;  ///< tau of the largest posterior probability
+  double log_evidence = 0;
+  Eigen::MatrixXd hessian;  ///< of -ln(likelihood times prior), by coordinate
+  double weight = 1;
+};
+
+/// Heaviest first, weights summing to 1; empty: no start led to a model, `failure` says why.
+/// `fits` counts the local fits. For problems of modes alone.
+[[nodiscard]] std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem,
+                                                     const UpdateOptions& options, int& fits,
+                                                     std::string& failure);
+
+/// ln Z of an assignment at q, and the tau of the largest posterior probability.
+struct Evidence {
+  double log_evidence = 0;
+  double model_std = 0;
+  Eigen::MatrixXd hessian;  ///< at that tau, prior widths included
+};
+/// False when there is no model at q.
+[[nodiscard]] bool evidence_of(const UpdateProblem& problem, const UpdateMatches& matches,
+                               const Eigen::VectorXd& q, Evidence& evidence);
+
+}  // namespace rigfit::ident

@@ -1,0 +1,66 @@
+// Checks of an update: states held out, Monte Carlo, profile intervals.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "ident/update/model_update.h"
+
+namespace rigfit::ident {
+
+struct HeldOut {
+  int state = 0;
+  UpdateStatus status = UpdateStatus::not_converged;
+  double rms_fitted = 0;     ///< of the states that were fitted
+  double rms_predicted = 0;  ///< of the one held out
+  double rms_before = 0;     ///< of the one held out, at the start values
+  double frf_fitted = 0, frf_predicted = 0, frf_before = 0;  ///< the same of rms |ln FRF ratio|
+  std::vector<UpdatedPair> pairs;                            ///< of the one held out
+  std::optional<model::Scene> scene = std::nullopt;          ///< of the one held out, as predicted
+};
+
+/// Each state in turn is left out, the others fitted, and it is predicted by what is shared.
+[[nodiscard]] std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
+                                                 const std::vector<FreeParameter>& free,
+                                                 const UpdateOptions& options = {});
+
+struct UpdateMonteCarlo {
+  int samples = 0, failed = 0;
+  Eigen::MatrixXd values;                ///< parameters x successful samples
+  Eigen::VectorXd mean, std, low, high;  ///< central 95 % interval
+  /// Frequencies of the solution's pairs, in their order: as the refitted model gives them, and as
+  /// the scene gives them before any fit (inputs and priors drawn, the rest at its start).
+  struct Frequencies {
+    Eigen::VectorXd mean, std, low, high;  ///< Hz
+  };
+  Frequencies fitted, before;
+};
+
+/// Refits from the solution, with its pairs. Drawn anew in each sample, all normal: measured
+/// frequencies, damping ratios, FRFs and time histories about the fitted model's (by their
+/// uncertainties, the fit's own scatter where they have none), priors, and every input.
+/// `progress` is called after each sample, from any thread.
+[[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
+                                                  const std::vector<UpdateState>& states,
+                                                  const std::vector<FreeParameter>& free,
+                                                  const UpdateOptions& options, int samples,
+                                                  const std::function<void()>& progress = {});
+
+struct ProfileInterval {
+  double low = std::numeric_limits<double>::quiet_NaN();  ///< NaN: open, the cost stays below
+  double high = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// 95 % intervals by profile: where the least cost with that parameter held, all others fitted
+/// anew, exceeds the solution's by half the squared coverage factor (times the variance factor). Of
+/// data and priors; inputs and segments are not in it. NaN for what is not identifiable.
+/// Source: Bates and Watts, Nonlinear Regression Analysis, 6.1.2.
+[[nodiscard]] std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
+                                                             const std::vector<UpdateState>& states,
+                                                             const std::vector<FreeParameter>& free,
+                                                             const UpdateOptions& options);
+
+}  // namespace rigfit::ident

@@ -1,0 +1,124 @@
+// What an update gives: parameters with their uncertainty and its sources, pairs, the misfit, and
+// all answers that the data support.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "ident/statistics/uncertainty.h"
+#include "model/linear/modal_analysis.h"
+
+namespace rigfit::ident {
+
+enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
+[[nodiscard]] const char* name_of(UpdateStatus status);
+
+/// What one source adds to a parameter's uncertainty; the squares of all add up to std^2.
+struct UpdateBudgetTerm {
+  std::string source;  ///< "data", "model", "prior of ...", "segments", or an input's name
+  double std = 0;
+};
+
+struct UpdatedParameter {
+  std::string name;
+  int state = -1;  ///< -1: shared
+  double start = 0, value = 0;
+  double std = 0;  ///< NaN when not identifiable
+  /// 95 % interval; of all alternatives together where there are several; NaN: open to this side.
+  double low = std::numeric_limits<double>::quiet_NaN();
+  double high = std::numeric_limits<double>::quiet_NaN();
+  bool interval_by_profile = false;  ///< else linear, in ln(value) where the value is positive
+  bool identifiable = false;
+  double std_from_data = 0;  ///< without the priors; NaN when the data alone cannot
+  bool at_bound = false;
+  std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
+  /// By how much the value may still be too large for want of segments; NaN: not known.
+  double segment_shift = std::numeric_limits<double>::quiet_NaN();
+  double segments_taken_off = 0;  ///< by how much it would be larger, had nothing been taken off
+};
+
+struct UpdatedPair {
+  int state = 0, measured = 0;
+  model::ModePlane plane = model::ModePlane::in;
+  int order = 0;  ///< among the modelled modes of that plane, from 0
+  double measured_hz = 0, model_hz = 0, relative_error = 0, mac = 0;
+  double measured_damping = 0, model_damping = 0;  ///< NaN when not measured
+  bool cross_plane = false;
+  /// Of model_hz, from parameters, inputs and segments together; NaN: not known.
+  double model_std_hz = std::numeric_limits<double>::quiet_NaN();
+};
+
+struct UpdatedUnpaired {
+  int state = 0;
+  double frequency_hz = 0;
+  bool measured = true;  ///< else modelled
+  bool missing = false;
+  std::string reason;
+};
+
+/// How the fit agrees with the uncertainties that its data come with. Where the probability of the
+/// misfit is below 5 %, what is left over goes into a random effect of the model: a relative error
+/// in frequency of its own in every state and mode, by Paule and Mandel's estimate, and shared by
+/// the states of a mode and by the modes of a state where that makes more of it.
+struct UpdateFit {
+  double chi2 = 0, degrees_of_freedom = 0;
+  double p_value = std::numeric_limits<double>::quiet_NaN();  ///< NaN: no degree of freedom
+  bool stated = false;   ///< the uncertainties came with the data; else they are assumed
+  double model_std = 0;  ///< relative in frequency, of that random effect
+  [[nodiscard]] bool ruled_out() const { return stated && p_value < 0.01; }
+};
+
+/// One of the answers that the data support.
+struct UpdateAlternative {
+  double weight = 1;  ///< probability, all alternatives together 1
+  double log_evidence = 0;
+  /// Parts of ln(evidence) of the assignment alone: pairs, measured modes that are none of the
+  /// model's, modes that the tests should have seen.
+  double log_detected = 0, log_false = 0, log_missed = 0;
+  std::vector<UpdatedParameter> parameters;
+  std::vector<UpdatedPair> pairs;
+  std::vector<UpdatedUnpaired> unpaired;
+  double rms_relative_error = 0;
+  double model_std = 0;  ///< as in UpdateFit
+};
+
+struct UpdateResult {
+  UpdateStatus status = UpdateStatus::not_converged;
+  std::string message;  ///< for a person, when not converged or doubtful
+  std::vector<UpdatedParameter> parameters;
+  Identifiability identifiability;  ///< data and priors, in the fitted coordinates (relative)
+  Eigen::MatrixXd covariance;       ///< of the parameters' values, all sources; NaN where not
+                                    ///< identifiable
+  Eigen::MatrixXd correlation;      ///< the same
+  /// Shifts of the fitted coordinates by one standard uncertainty of each shared source.
+  Eigen::MatrixXd shifts;
+  std::vector<std::string> shift_sources;  ///< "segments" and the inputs; one a column
+  std::vector<std::string> open;           ///< what the data cannot separate, in words
+  std::vector<UpdatedPair> pairs;
+  std::vector<UpdatedUnpaired> unpaired;
+  std::vector<UpdatedPair> pairs_before;                         ///< at the start values
+  double rms_relative_error = 0, rms_relative_error_before = 0;  ///< NaN without pairs
+  /// Rms of |ln(H_model / H_measured)| over the lines that are fitted; NaN without FRFs.
+  double rms_log_frf_error = std::numeric_limits<double>::quiet_NaN();
+  double rms_log_frf_error_before = std::numeric_limits<double>::quiet_NaN();
+  Eigen::Index frf_lines = 0;
+  /// Rms of model less measured over that of the measured, all samples; NaN without histories.
+  double history_error = std::numeric_limits<double>::quiet_NaN();
+  double history_error_before = std::numeric_limits<double>::quiet_NaN();
+  UpdateFit fit;
+  /// Heaviest first, of weight 0.001 or more; the first is this result. Of fits to modes.
+  std::vector<UpdateAlternative> alternatives;
+  double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< of the model, all answers
+  double chi_squared = 0, degrees_of_freedom = 0;  ///< with the weights that the fit ended with
+  double variance_factor = 1;
+  double coverage_factor = 1.96;        ///< for 95 %
+  int auto_segments = 0;                ///< as they were in the end, for members that leave them
+  int starts = 0, starts_agreeing = 0;  ///< that ended in this answer
+  int pairings = 0, model_evaluations = 0;
+  std::vector<model::Scene> scenes;  ///< updated, by state
+  Eigen::VectorXd coordinates;       ///< of the solution, for refits
+};
+
+}  // namespace rigfit::ident

@@ -1,0 +1,28 @@
+// Which unknowns a motion of a chain has, and their order.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "model/algebra/envelope_matrix.h"
+#include "model/chain/chain.h"
+
+namespace rigfit::model {
+
+enum class Motion { in_plane, out_of_plane, space };
+
+/// Unknowns by what they are; -1: not an unknown of this motion. Numbered along the chain so that
+/// coupled unknowns have near numbers.
+struct Numbering {
+  Motion motion = Motion::space;
+  int size = 0;
+  Eigen::Matrix3Xi displacement;  ///< 3 x nodes
+  Eigen::VectorXi twist;          ///< segments
+  Eigen::Matrix3Xi rotation;      ///< 3 x rotating nodes
+  std::shared_ptr<const Envelope> envelope;
+};
+
+/// Unknowns of a motion of a chain, numbered along it.
+[[nodiscard]] Numbering number_unknowns(const Chain& chain, Motion motion);
+
+}  // namespace rigfit::model

@@ -1,0 +1,63 @@
+// A natural mode of a scene, and what may be asked of the modes.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/chain/segment_lumping.h"
+
+namespace rigfit::model {
+
+/// The plane or kind of motion of a mode; the plane of symmetry is "in".
+enum class ModePlane { in, out, mixed, axial, torsion };
+/// Whether cables or beams carry the kinetic energy.
+enum class ModeFamily { cable, beam, hybrid };
+/// The word in JSON, such as "out".
+[[nodiscard]] const char* name_of(ModePlane plane);
+/// The word in JSON, such as "hybrid".
+[[nodiscard]] const char* name_of(ModeFamily family);
+
+/// The shape of a mode on one member.
+struct ModeShape {
+  std::string member;
+  Eigen::Matrix3Xd displacement;  ///< 3 x (segments + 1), mass-normalised, kg^-1/2
+  Eigen::VectorXd twist;          ///< segments; empty when torsion is not modelled
+};
+
+/// One natural mode.
+struct NaturalMode {
+  double frequency_hz = 0;  ///< undamped
+  /// Richardson's value for vanishing segments, from three numbers of segments; the frequency
+  /// itself when no error estimate was asked for.
+  double extrapolated_hz = 0;
+  double damping_ratio = 0;
+  ModePlane plane = ModePlane::in;
+  ModeFamily family = ModeFamily::cable;
+  std::vector<double> kinetic_energy;  ///< fraction by member, in the scene's order; sums to one
+                                       ///< less that of node masses
+  std::vector<ModeShape> shape;        ///< by member
+  Eigen::VectorXd
+      sensor_shape;  ///< modal displacement at each of the scene's sensors along its direction;
+                     ///< of a force sensor the change of axial force, N kg^-1/2
+  Eigen::VectorXd load_shape;  ///< the same at each of the scene's loads
+};
+
+/// Which modes are wanted, and of what model.
+struct ModesOptions {
+  int count = 6;                                     ///< first N, ignored when a band is given
+  std::optional<std::pair<double, double>> band_hz;  ///< all modes inside
+  RotaryInertia rotary_inertia = RotaryInertia::accurate;
+  bool damped = true;          ///< damping ratios too
+  bool shapes = true;          ///< false: frequencies, planes and sensors only
+  bool error_estimate = true;  ///< two finer chains too: 3.5 times the time again
+  /// `in` or `out`: only the motion in or out of the plane of symmetry, where the scene has one;
+  /// `count` is then of its modes. Others: both.
+  std::optional<ModePlane> plane;
+  std::optional<int> segments;  ///< overrides every member's number
+  std::optional<bool> torsion;  ///< force modelling it or not; else by need
+};
+
+}  // namespace rigfit::model

@@ -1,0 +1,36 @@
+// What a static equilibrium is reported as: status, and sag and tension of every member in the
+// scene's axes.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace rigfit::model {
+
+/// How the search for the equilibrium ended.
+enum class EquilibriumStatus { converged, slack, buckled, mechanism, not_converged };
+/// In words, such as "slack".
+[[nodiscard]] const char* name_of(EquilibriumStatus status);
+
+/// One member at rest.
+struct MemberEquilibrium {
+  std::string member;
+  double sag_m = 0;          ///< largest distance from the chord
+  double tension_N = 0;      ///< horizontal component (mean axial force of a beam)
+  double tension_max_N = 0;  ///< along the member
+  double unstretched_length_m = 0;
+  int segments = 0;
+  Eigen::Matrix3Xd positions;  ///< m, 3 x (segments + 1), from the first node to the second
+};
+
+/// The static equilibrium of a scene; look at `status` first.
+struct Equilibrium {
+  EquilibriumStatus status = EquilibriumStatus::not_converged;
+  std::string reason;   ///< for a person, when not converged
+  double residual = 0;  ///< largest unbalanced force over the largest member force
+  int iterations = 0;
+  std::vector<MemberEquilibrium> members;
+};
+
+}  // namespace rigfit::model

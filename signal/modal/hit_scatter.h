@@ -1,0 +1,44 @@
+// How much a mode's frequency and damping differ from hit to hit, and what that makes of them.
+//
+// Each hit's own FRFs are fitted around each mode with the model linearised about the pole p,
+//   H_c(s) = a_c / (s - p) + b_c / (s - p)^2 + neighbours + b_0c + b_1c x + b_2c x^2,
+// x the frequency scaled to the window; the pole moves by sum_c w_c conj(a_c) b_c / sum_c w_c
+// |a_c|^2 until it stands (Gauss-Newton for one pole shared by the responses, w_c one over the
+// variance of what is left). What noise a force window leaves multiplies an FRF by a smooth factor
+// and goes into a, b_0 .. b_2, not into p.
+//
+// Hits on one point are repetitions: their scatter s has sum (hits - 1) degrees of freedom, their
+// mean the uncertainty s / sqrt(n). An F test says whether s is more than the noise left around the
+// modes gives. Where it is, the structure, the hammer or the place struck changed: the average of
+// the FRFs then is no FRF of one structure (its peaks are wider), the mean of the hits' poles is
+// that of the mean structure. The standard deviation is widened by Student's t over 1.96, so that
+// +-1.96 of it hold 95 %.
+#pragma once
+
+#include <vector>
+
+#include "signal/modal/modal_model.h"
+#include "signal/spectra/frf_set.h"
+
+namespace rigfit::signal {
+
+/// Of one mode; by point struck, then hit.
+struct ModeOfHits {
+  std::vector<std::vector<double>> frequency_hz, damping_ratio;
+  double noise_frequency_hz = 0, noise_damping_ratio = 0;  ///< std that noise gives one hit
+  double noise_freedom = 0;                                ///< degrees of freedom of these
+};
+
+/// Fits of every hit in `frfs.by_hit`, in the order of `model.modes`. Hits whose fit does not stand
+/// are left out.
+[[nodiscard]] std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& model);
+
+/// Fills `between_hits` of the modes, widens their standard deviations by it where it is more than
+/// noise (one chance in twenty of the mode, or one in a hundred of all modes), or where the noise
+/// on the force is shared by lines and responses (`FrfSet::shared_force_noise`); there replaces
+/// frequency and damping of a test of one point by the mean over its hits, and notes
+/// "hits_disagree". A mode that half of the hits or fewer show, or that they show as one with
+/// another mode, is called doubtful. Without `by_hit` nothing is done.
+void allow_for_hits(const FrfSet& frfs, ModalModel& model);
+
+}  // namespace rigfit::signal

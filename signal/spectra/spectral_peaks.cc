@@ -1,0 +1,241 @@
+#include "signal/spectra/spectral_peaks.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "signal/numerics/numbers.h"
+#include "signal/spectra/fft.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// A Hann window correlates neighbouring lines: the variance of what is estimated from many lines
+// grows by mean(w^4) / mean(w^2)^2.
+constexpr double kHannVariance = 35.0 / 18;
+
+VectorXd hann(Index n) {
+  return VectorXd::NullaryExpr(
+      n, [n](Index i) { return 0.5 - 0.5 * std::cos(kTwoPi * (i + 0.5) / double(n)); });
+}
+
+/// Power per Hz of one windowed block, one-sided.
+VectorXd block_power(const Eigen::Ref<const VectorXd>& block, const VectorXd& window,
+                     double rate_hz, RealFft& fft) {
+  fft.time() = (block.array() - block.mean()) * window.array();
+  fft.forward();
+  VectorXd power = 2 * fft.spectrum().cwiseAbs2() / (rate_hz * window.squaredNorm());
+  power[0] /= 2;
+  return power;
+}
+
+VectorXd welch(const Eigen::Ref<const VectorXd>& samples, Index length, double rate_hz,
+               Index& averages) {
+  RealFft fft(length);
+  const VectorXd window = hann(length);
+  VectorXd sum = VectorXd::Zero(length / 2 + 1);
+  averages = 0;
+  for (Index first = 0; first + length <= samples.size(); first += length / 2, ++averages) {
+    sum += block_power(samples.segment(first, length), window, rate_hz, fft);
+  }
+  return sum / static_cast<double>(averages);
+}
+
+/// Median of the spectrum over a neighbourhood of each line, peaks included: the floor beside a
+/// peak.
+VectorXd floor_of(const VectorXd& spectrum, Index reach) {
+  VectorXd floor(spectrum.size());
+  std::vector<double> near;
+  for (Index k = 0; k < spectrum.size(); ++k) {
+    const Index from = std::max<Index>(0, k - reach), to = std::min(spectrum.size(), k + reach + 1);
+    near.assign(spectrum.data() + from, spectrum.data() + to);
+    std::nth_element(near.begin(), near.begin() + (to - from) / 2, near.end());
+    floor[k] = near[static_cast<std::size_t>(to - from) / 2];
+  }
+  return floor;
+}
+
+struct Lorentzian {
+  Eigen::Vector4d parameters;  // f0, ln B, ln A, ln C
+
+  /// S at f and its derivatives.
+  double at(double f, Eigen::Vector4d& rate) const {
+    const double d = f - parameters[0], h = std::exp(parameters[1]) / 2,
+                 a = std::exp(parameters[2]);
+    const double c = std::exp(parameters[3]), q = d * d + h * h, l = h * h / q;
+    rate = {2 * a * d * h * h / (q * q), 2 * a * h * h * d * d / (q * q), a * l, c};
+    return a * l + c;
+  }
+};
+
+struct WhittleFit {
+  Lorentzian shape;
+  Eigen::Matrix4d covariance;
+  bool converged = false;
+};
+
+double minus_log_likelihood(const VectorXd& power, double first_hz, double step_hz,
+                            const Lorentzian& shape) {
+  double sum = 0;
+  Eigen::Vector4d rate;
+  for (Index k = 0; k < power.size(); ++k) {
+    const double s = shape.at(first_hz + step_hz * static_cast<double>(k), rate);
+    sum += std::log(s) + power[k] / s;
+  }
+  return sum;
+}
+
+/// Fisher scoring, damped while the likelihood falls.
+WhittleFit fit_peak(const VectorXd& power, double first_hz, double step_hz,
+                    const Eigen::Vector4d& start) {
+  WhittleFit fit;
+  fit.shape.parameters = start;
+  double cost = minus_log_likelihood(power, first_hz, step_hz, fit.shape), damping = 1e-3;
+  for (int iteration = 0; iteration < 200 && !fit.converged; ++iteration) {
+    Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d score = Eigen::Vector4d::Zero(), rate;
+    for (Index k = 0; k < power.size(); ++k) {
+      const double s = fit.shape.at(first_hz + step_hz * static_cast<double>(k), rate);
+      rate /= s;
+      information += rate * rate.transpose();
+      score += (power[k] / s - 1) * rate;
+    }
+    const Eigen::Vector4d scale =
+        information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::Matrix4d scaled = scale.asDiagonal() * information * scale.asDiagonal();
+    fit.covariance =
+        scale.asDiagonal() *
+        (scaled + 1e-12 * Eigen::Matrix4d::Identity()).ldlt().solve(Eigen::Matrix4d::Identity()) *
+        scale.asDiagonal();
+    bool lower = false;
+    for (; damping < 1e12; damping *= 10) {
+      const Eigen::Vector4d step = scale.cwiseProduct(
+          (scaled + damping * Eigen::Matrix4d::Identity()).ldlt().solve(scale.cwiseProduct(score)));
+      Lorentzian next{fit.shape.parameters + step};
+      const double there = minus_log_likelihood(power, first_hz, step_hz, next);
+      if (!(there <= cost)) continue;
+      fit.converged = cost - there < 1e-9 * (1 + std::abs(cost));
+      fit.shape = next;
+      cost = there;
+      lower = true;
+      damping = std::max(1e-12, damping / 10);
+      break;
+    }
+    if (!lower) fit.converged = true;  // no step lowers it any more
+  }
+  return fit;
+}
+
+/// Local maxima of Welch's spectrum that stand out of the floor, strongest first.
+std::vector<Index> candidates(const VectorXd& spectrum, const VectorXd& floor, Index first,
+                              Index last, double limit) {
+  std::vector<Index> found;
+  for (Index k = std::max<Index>(1, first); k <= std::min(last, spectrum.size() - 2); ++k) {
+    if (spectrum[k] < spectrum[k - 1] || spectrum[k] < spectrum[k + 1] ||
+        spectrum[k] < limit * floor[k])
+      continue;
+    // A ripple on a stronger peak's flank: the spectrum does not fall to half of this one between
+    // them.
+    const bool ripple = std::any_of(found.begin(), found.end(), [&](Index other) {
+      return spectrum.segment(other, k - other + 1).minCoeff() >
+             0.5 * std::min(spectrum[k], spectrum[other]);
+    });
+    if (!ripple) {
+      found.push_back(k);
+    } else if (spectrum[k] > spectrum[found.back()]) {
+      found.back() = k;
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& samples, double rate_hz,
+                             const SpectralPeakOptions& options) {
+  if (samples.size() < 256 || !(rate_hz > 0)) {
+    throw std::invalid_argument("spectral peaks need at least 256 samples and a sample rate");
+  }
+  if (!samples.allFinite()) throw std::invalid_argument("a sample is missing or not finite");
+  const double high = options.high_hz > 0 ? std::min(options.high_hz, rate_hz / 2) : rate_hz / 2;
+  if (!(high > options.low_hz))
+    throw std::invalid_argument("the band holds no line below half the sample rate");
+  SpectralPeaks result;
+
+  // At least 8 averages of half-overlapping blocks: a block of 2 / 9 of the record.
+  Index length = good_fft_length_below(std::max<Index>(64, samples.size() * 2 / 9));
+  if (options.resolution_hz > 0) {
+    length = std::clamp<Index>(good_fft_length(std::lround(rate_hz / options.resolution_hz)), 64,
+                               length);
+  } else {
+    length = std::min(length, good_fft_length(std::max<Index>(2048, samples.size() / 100)));
+  }
+  Index averages = 0;
+  result.spectrum = welch(samples, length, rate_hz, averages);
+  result.frequency_hz = line_frequencies(length, rate_hz);
+  const double step = rate_hz / static_cast<double>(length);
+  const Index first = static_cast<Index>(std::ceil(options.low_hz / step));
+  const Index last = static_cast<Index>(std::floor(high / step));
+  const VectorXd floor =
+      floor_of(result.spectrum, std::max<Index>(10, result.spectrum.size() / 40));
+  // The largest of n averages of K powers of noise: about 1 + sqrt(2 ln(n / 0.01) / K) + ln(n /
+  // 0.01) / K means.
+  const double rare = std::log(static_cast<double>(std::max<Index>(2, last - first + 1)) / 0.01);
+  const double k =
+      0.6 * static_cast<double>(averages);  // overlapping blocks count less than one each
+  const double limit = 1 + std::sqrt(2 * rare / k) + rare / k;
+  auto found = candidates(result.spectrum, floor, first, last, limit);
+  std::sort(found.begin(), found.end(),
+            [&](Index a, Index b) { return result.spectrum[a] > result.spectrum[b]; });
+  if (found.size() > static_cast<std::size_t>(options.max_peaks))
+    found.resize(static_cast<std::size_t>(options.max_peaks));
+  std::sort(found.begin(), found.end());
+  if (found.empty()) {
+    result.reason =
+        fmt::format("no peak stands {:.1f} times out of the floor of the averaged spectrum", limit);
+    return result;
+  }
+
+  const Index whole = good_fft_length_below(samples.size());
+  RealFft fft(whole);
+  const VectorXd periodogram = block_power(samples.head(whole), hann(whole), rate_hz, fft);
+  const double line = rate_hz / static_cast<double>(whole);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const double f0 = step * static_cast<double>(found[i]);
+    // Half-way to the neighbours, but no wider than needed for the floor.
+    const double below = i > 0 ? 0.5 * (f0 - step * static_cast<double>(found[i - 1])) : 40 * step;
+    const double above =
+        i + 1 < found.size() ? 0.5 * (step * static_cast<double>(found[i + 1]) - f0) : 40 * step;
+    const Index from = std::max<Index>(1, std::lround((f0 - std::min(below, 40 * step)) / line));
+    const Index to =
+        std::min(periodogram.size() - 1, std::lround((f0 + std::min(above, 40 * step)) / line));
+    if (to - from < 8) continue;
+    const double top = result.spectrum[found[i]], base = std::min(floor[found[i]], 0.5 * top);
+    const auto fit =
+        fit_peak(periodogram.segment(from, to - from + 1), line * static_cast<double>(from), line,
+                 {f0, std::log(2 * step), std::log(top), std::log(std::max(base, 1e-12 * top))});
+    const double B = std::exp(fit.shape.parameters[1]), center = fit.shape.parameters[0];
+    if (!fit.converged || !(center > line * static_cast<double>(from)) ||
+        !(center < line * static_cast<double>(to)))
+      continue;
+    SpectralPeak peak;
+    peak.bandwidth_hz = B;
+    peak.tone = B < 4 * line;
+    peak.signal_to_noise = std::exp(fit.shape.parameters[2] - fit.shape.parameters[3]);
+    // A tone's frequency is known to a part of a line; the resonance's formula does not hold there.
+    const double std = std::sqrt(kHannVariance * fit.covariance(0, 0));
+    peak.frequency_hz = {center, peak.tone ? std::max(std, line / std::sqrt(12.0)) : std};
+    result.peaks.push_back(peak);
+  }
+  if (result.peaks.empty())
+    result.reason = "the peaks of the averaged spectrum have no shape of a resonance";
+  return result;
+}
+
+}  // namespace rigfit::signal

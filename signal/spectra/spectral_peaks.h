@@ -1,0 +1,50 @@
+// Resonances in the motion of a structure that something unknown drives (wind, traffic, a pluck):
+// frequency and half-power bandwidth of each peak with its uncertainty.
+//
+// Peaks are found in Welch's averaged spectrum, where they exceed the local floor by what noise
+// alone would show once in a hundred records. Each is then fitted in the periodogram P(f) of the
+// whole record by Whittle's likelihood
+//
+//   -ln L = sum_lines ln S(f) + P(f) / S(f),   S(f) = A (B/2)^2 / ((f - f0)^2 + (B/2)^2) + C
+//
+// whose information gives the uncertainties: for a resonance driven by white noise var f0 = B / (4
+// pi T), the Cramer-Rao bound, T the record's length. Lines narrower than four lines of the record
+// are not resonances of a driven structure but tones, and are said to be so. Sources: Welch, IEEE
+// Trans. Audio Electroacoust. 15 (1967) 70; Whittle, Ark. Mat. 2 (1953) 423.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "signal/numerics/estimate.h"
+
+namespace rigfit::signal {
+
+struct SpectralPeakOptions {
+  double low_hz = 0, high_hz = 0;  ///< band; high 0: to the end
+  int max_peaks = 12;              ///< the strongest
+  double resolution_hz =
+      0;  ///< of Welch's spectrum; 0: a 200th of the record's lines, at least 8 averages
+};
+
+struct SpectralPeak {
+  Estimate frequency_hz;
+  double bandwidth_hz = 0;     ///< half-power
+  double signal_to_noise = 0;  ///< power at the peak over the floor beside it
+  bool tone = false;           ///< as narrow as the record resolves
+};
+
+struct SpectralPeaks {
+  std::vector<SpectralPeak> peaks;         ///< by rising frequency
+  Eigen::VectorXd frequency_hz, spectrum;  ///< Welch's, one-sided, unit^2/Hz
+  std::string reason;                      ///< why there is no peak
+};
+
+/// `samples`: finite, uniform. Throws std::invalid_argument for fewer than 256 samples, a sample
+/// that is not finite, or a band that holds none of the lines.
+[[nodiscard]] SpectralPeaks spectral_peaks(const Eigen::Ref<const Eigen::VectorXd>& samples,
+                                           double sample_rate_hz,
+                                           const SpectralPeakOptions& options = {});
+
+}  // namespace rigfit::signal

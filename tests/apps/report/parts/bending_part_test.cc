@@ -1,0 +1,123 @@
+// Verb and report of the same bending tests: the same numbers, to the last digit.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "ident/bending/bending_equation.h"
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::bending_part_test {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string kLaboratory = RIGFIT_TESTDATA "/virtual_laboratory/";
+
+/// The bending part of the report of a campaign with this test; what stands beside the verb's keys
+/// is taken out.
+Json reported(const TemporaryFolder& folder, const std::string& test) {
+  folder.write("campaign.toml",
+               "title = \"bending\"\n[strand]\nyoungs_modulus = 195e9\nwires = 133\n"
+               "wire_diameter = 0.397e-3\ndiameter = 6.35e-3\n[[test]]\nname = \"bending\"\nkind = "
+               "\"bending\"\n" +
+                   test);
+  const auto run = run_program({"report", folder.path() / "campaign.toml", "--out",
+                                folder.path() / "out", "--quiet", "--json", "-"});
+  EXPECT_TRUE(run.exit_code == 0 || run.exit_code == 4) << run.err;
+  return parsed(run.out)["bending"][0];
+}
+
+Json said(std::vector<std::string> command) {
+  command.insert(command.begin(), "bending");
+  for (const char* word : {"--strand", "195e9", "133", "0.397e-3", "6.35e-3", "--json", "-"}) {
+    command.emplace_back(word);
+  }
+  return parsed(run_program(command).out);
+}
+
+/// Every key of the verb's document that is no envelope, in the report's part; files by name.
+void expect_same(const Json& verb, const Json& part) {
+  for (const char* key : {"laws", "law_choice", "curve", "bounds"}) {
+    ASSERT_EQ(verb.contains(key), part.contains(key)) << key;
+    if (verb.contains(key)) {
+      EXPECT_EQ(verb[key].dump(), part[key].dump()) << key;
+    }
+  }
+  ASSERT_EQ(verb["tests"].size(), part["tests"].size());
+  for (std::size_t i = 0; i < verb["tests"].size(); ++i) {
+    for (const auto& [key, value] : verb["tests"][i].items()) {
+      if (key == "file") continue;
+      ASSERT_TRUE(part["tests"][i].contains(key)) << key;
+      EXPECT_EQ(value.dump(), part["tests"][i][key].dump()) << key;
+    }
+  }
+}
+
+TEST(BendingPart, RecordsGiveTheVerbsNumbers) {
+  const TemporaryFolder folder;
+  std::vector<std::string> command;
+  for (const char* T : {"25", "100", "200", "300"}) {
+    command.push_back(kLaboratory + "bench/bending/T" + T + "N.csv");
+  }
+  for (const char* word : {"--span", "0.5", "--span-std", "0.0005", "--tension-zero-std", "0.1",
+                           "--load-calibration", "0.002"}) {
+    command.emplace_back(word);
+  }
+  const Json part =
+      reported(folder,
+               "span = 0.5\nspan_std = 0.0005\ntension_zero_std = 0.1\n"
+               "load_calibration_std = 0.002\n[[test.recording]]\nsynthetic = true\nfiles = [\"" +
+                   kLaboratory + "bench/bending/*.csv\"]\n");
+  const Json verb = said(command);
+  ASSERT_EQ(verb["tests"].size(), 4U);
+  EXPECT_GT(verb["tests"][0]["shared_relative_std"], 0.002);
+  expect_same(verb, part);
+}
+
+// Three tensions in one file, without times, in decimal commas: 0.38, 0.52 and 0.70 N m2.
+TEST(BendingPart, ATableOfSeveralTensionsGivesTheVerbsNumbers) {
+  const TemporaryFolder folder;
+  std::string text = "Tension [N];Load [N];Deflection [mm]\n";
+  const std::vector<std::pair<double, double>> truth{{50, 0.38}, {100, 0.52}, {200, 0.70}};
+  for (const auto& [T, EI] : truth) {
+    for (int i = 0; i <= 12; ++i) {
+      const double d = 1e-3 * i / 12;
+      // Readings of a tension cell and a load cell, rounded.
+      std::string row = fmt::format("{:.1f};{:.3f};{:.4f}\n", T + 0.1 * (i % 3),
+                                    d / ident::midspan_compliance(EI, T, 0.5), 1e3 * d);
+      for (char& c : row) c = c == '.' ? ',' : c;
+      text += row;
+    }
+  }
+  const auto file = folder.write("table.csv", text);
+  const Json part = reported(folder, "span = 0.5\n[[test.recording]]\nfiles = [\"table.csv\"]\n");
+  const Json verb = said({file, "--span", "0.5"});
+  ASSERT_EQ(verb["tests"].size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(verb["tests"][i]["EI_Nm2"]["value"].get<double>(), truth[i].second,
+                0.02 * truth[i].second);
+  }
+  expect_same(verb, part);
+}
+
+TEST(BendingPart, PublishedValuesGiveTheVerbsNumbers) {
+  const TemporaryFolder folder;
+  for (const char* text :
+       {"tension_N,EI_Nm2\n25,0.2549\n100,0.4948\n200,0.5972\n300,0.8283\n",
+        "tension_N,EI_Nm2,std\n25,0.2549,0.004\n100,0.4948,0.01\n200,0.5972,0.02\n"
+        "250,0.74,0.02\n300,0.8283,0.02\n"}) {
+    const auto file = folder.write("EI.csv", text);
+    const Json part = reported(folder,
+                               "span = 0.5\ntable = { file = \"EI.csv\", tension = "
+                               "\"tension_N\", EI = \"EI_Nm2\" }\n");
+    expect_same(said({file}), part);
+    EXPECT_EQ(part["tests"][1]["published_EI_Nm2"], 0.4948);
+  }
+}
+
+}  // namespace
+}  // namespace rigfit::apps::bending_part_test

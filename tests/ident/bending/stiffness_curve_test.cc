@@ -1,0 +1,146 @@
+#include "ident/bending/stiffness_curve.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/Dense>
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+namespace rigfit::ident::stiffness_curve_test {
+namespace {
+
+StiffnessPoint point(double T, double EI, double std, double shared = 0) {
+  return {T, EI, std, EI - 1.959964 * std, EI + 1.959964 * std, shared};
+}
+
+double sqrt_law(double T) { return 0.08 + 0.042 * std::sqrt(T); }
+
+// Tests to 0.2 % at six tensions: only the square root passes through them.
+TEST(StiffnessCurve, ADecidedLawIsTheCurve) {
+  std::vector<StiffnessPoint> points;
+  for (double T : {300.0, 25.0, 50.0, 100.0, 150.0, 200.0}) {
+    points.push_back(point(T, sqrt_law(T), 0.002 * sqrt_law(T)));
+  }
+  const StiffnessCurve curve(points);
+  ASSERT_EQ(curve.source(), StiffnessSource::law) << curve.sentence();
+  EXPECT_EQ(curve.laws().laws.front().kind, LawKind::square_root);
+  // Between the tests the law, not the chord: at 37 N the chord lies 0.4 % below.
+  const auto at = curve.at(37);
+  EXPECT_NEAR(at.EI_Nm2, sqrt_law(37), 1e-6);
+  EXPECT_NEAR(at.slope_m2, 0.021 / std::sqrt(37.0), 1e-4);
+  EXPECT_FALSE(at.extrapolated);
+  EXPECT_TRUE(curve.at(310).extrapolated);
+  EXPECT_NEAR(at.high - at.low, 2 * 1.959964 * at.std, 1e-12);
+  // Terms and covariance say the same.
+  const std::array<double, 3> T{25, 120, 300};
+  const Eigen::MatrixXd covariance = curve.covariance(T);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    EXPECT_NEAR(std::sqrt(covariance(i, i)), curve.at(T[static_cast<std::size_t>(i)]).std, 1e-12);
+  }
+  EXPECT_GT(covariance.determinant(), -1e-30);
+}
+
+// Four points to 3 %: several laws pass, their mean is taken and what they differ by is added.
+TEST(StiffnessCurve, CompetingLawsAreWeighed) {
+  std::vector<StiffnessPoint> points;
+  for (double T : {50.0, 100.0, 200.0, 300.0})
+    points.push_back(point(T, sqrt_law(T), 0.03 * sqrt_law(T)));
+  const StiffnessCurve curve(points);
+  ASSERT_EQ(curve.source(), StiffnessSource::weighted_laws) << curve.sentence();
+  const auto at = curve.at(150);
+  double mean = 0;
+  for (const auto& law : curve.laws().laws) {
+    if (std::isfinite(law.akaike_weight)) mean += law.akaike_weight * predict(law, 150).EI_Nm2;
+  }
+  EXPECT_NEAR(at.EI_Nm2, mean, 1e-12);
+  EXPECT_GT(curve.at(600).std, 2 * at.std);
+}
+
+TEST(StiffnessCurve, WithoutALawItIsLinearBetweenTheTests) {
+  const StiffnessCurve published({{100, 0.5}, {25, 0.25}, {200, 0.6}, {300, 0.8}});
+  ASSERT_EQ(published.source(), StiffnessSource::interpolation);
+  EXPECT_DOUBLE_EQ(published.at(100).EI_Nm2, 0.5);
+  EXPECT_NEAR(published.at(150).EI_Nm2, 0.55, 1e-15);
+  EXPECT_NEAR(published.at(150).slope_m2, 0.001, 1e-15);
+  EXPECT_DOUBLE_EQ(published.at(10).EI_Nm2, 0.25);
+  EXPECT_DOUBLE_EQ(published.at(1000).EI_Nm2, 0.8);
+  EXPECT_TRUE(std::isnan(published.at(150).std));
+  EXPECT_TRUE(published.uncertainty(std::array<double, 1>{150}).empty());
+
+  // Known tests: neighbours share a test, far tensions share nothing.
+  const StiffnessCurve known({point(100, 0.5, 0.01), point(200, 0.6, 0.02)});
+  const std::array<double, 3> T{100, 150, 200};
+  const Eigen::MatrixXd covariance = known.covariance(T);
+  EXPECT_NEAR(covariance(0, 0), 1e-4, 1e-12);
+  EXPECT_NEAR(covariance(1, 1), 0.25 * (1e-4 + 4e-4), 1e-12);
+  EXPECT_NEAR(covariance(0, 1), 0.5e-4, 1e-12);
+  EXPECT_NEAR(covariance(0, 2), 0, 1e-15);
+}
+
+// Points that no law passes through: the tests themselves, known to what they scatter by.
+TEST(StiffnessCurve, PointsThatContradictEveryLawAreKept) {
+  std::vector<StiffnessPoint> points;
+  const std::array<double, 6> EI{0.3, 0.5, 0.45, 0.7, 0.62, 0.9};
+  for (std::size_t k = 0; k < EI.size(); ++k) {
+    points.push_back(point(50 + 50 * static_cast<double>(k), EI[k], 0.005));
+  }
+  const StiffnessCurve curve(points);
+  ASSERT_EQ(curve.source(), StiffnessSource::interpolation) << curve.sentence();
+  EXPECT_NE(curve.sentence().find("chi-square"), std::string::npos);
+  EXPECT_DOUBLE_EQ(curve.at(100).EI_Nm2, 0.5);
+  EXPECT_GT(curve.at(100).std, 0.03);
+}
+
+// What tests share moves all tensions alike, and is no part of the weights.
+TEST(StiffnessCurve, SharedUncertaintyIsCorrelatedAndNoWeight) {
+  std::vector<StiffnessPoint> own, shared;
+  for (double T : {25.0, 50.0, 100.0, 200.0, 300.0}) {
+    const double EI = sqrt_law(T), std = 0.004 * EI;
+    own.push_back(point(T, EI * (T == 100 ? 1.004 : 1), std));
+    shared.push_back(point(T, own.back().EI_Nm2, std::hypot(std, 0.02 * own.back().EI_Nm2), 0.02));
+  }
+  const StiffnessCurve plain(own), wide(shared);
+  EXPECT_EQ(plain.source(), wide.source());
+  EXPECT_NEAR(plain.at(150).EI_Nm2, wide.at(150).EI_Nm2, 1e-4 * plain.at(150).EI_Nm2);
+  const std::array<double, 2> T{25, 300};
+  const Eigen::MatrixXd covariance = wide.covariance(T);
+  EXPECT_GT(covariance(0, 1) / std::sqrt(covariance(0, 0) * covariance(1, 1)), 0.8);
+  EXPECT_NEAR(wide.at(150).std, std::hypot(plain.at(150).std, 0.02 * wide.at(150).EI_Nm2), 1e-4);
+}
+
+TEST(StiffnessCurve, RepeatedTestsAreAveraged) {
+  const StiffnessCurve curve(
+      {point(100, 0.50, 0.01), point(100, 0.52, 0.01), point(101, 0.51, 0.01)});
+  EXPECT_NEAR(curve.at(100).EI_Nm2, 0.51, 1e-12);
+  EXPECT_NEAR(curve.at(100).std, 0.01 / std::sqrt(3.0), 1e-4);
+  EXPECT_THROW((void)StiffnessCurve().at(100), std::invalid_argument);
+  EXPECT_THROW((void)curve.at(NAN), std::invalid_argument);
+}
+
+// Intervals between the tensions hold the truth of a law that is among the four: 300 campaigns of
+// five tests, three tensions each; 0.95 within four binomial deviations (sqrt(0.0475 / 900) = 0.7
+// %, three tensions of one campaign count as one and a half).
+TEST(StiffnessCurve, IntervalsHoldTheTruth) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  int held = 0, all = 0;
+  for (int k = 0; k < 300; ++k) {
+    std::vector<StiffnessPoint> points;
+    for (double T : {25.0, 60.0, 100.0, 200.0, 300.0}) {
+      const double std = 0.02 * sqrt_law(T);
+      points.push_back(point(T, sqrt_law(T) + std * normal(random), std));
+    }
+    const StiffnessCurve curve(points);
+    for (double T : {40.0, 120.0, 250.0}) {
+      const auto at = curve.at(T);
+      held += at.low <= sqrt_law(T) && sqrt_law(T) <= at.high;
+      ++all;
+    }
+  }
+  EXPECT_GT(held, 0.92 * all);
+}
+
+}  // namespace
+}  // namespace rigfit::ident::stiffness_curve_test

@@ -1,0 +1,116 @@
+#include "ident/tension/cable_tension.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "model/linear/modal_analysis.h"
+
+namespace rigfit::ident::cable_tension_test {
+namespace {
+
+/// In-plane frequencies of a cable of 200 segments: finer than what is fitted.
+std::vector<MeasuredMode> frequencies(const CableDescription& cable, CableEnds ends,
+                                      double tension_N, double EI, int count, double relative_std) {
+  model::ModesOptions options;
+  options.count = count;
+  options.segments = 200;
+  options.plane = model::ModePlane::in;
+  options.damped = options.shapes = options.error_estimate = false;
+  std::vector<MeasuredMode> modes;
+  for (const auto& mode :
+       model::analyse_modes(cable_scene(cable, ends, tension_N, EI), options).modes) {
+    MeasuredMode one;
+    one.frequency_hz = {mode.frequency_hz, relative_std * mode.frequency_hz};
+    one.damping_ratio = {NAN, NAN};
+    one.plane = model::ModePlane::in;
+    modes.push_back(one);
+  }
+  return modes;
+}
+
+struct Published {
+  const char* name;
+  double H, EI, EA;
+};
+
+class MehrabiTabatabai : public ::testing::TestWithParam<Published> {};
+
+TEST_P(MehrabiTabatabai, TensionFromFrequenciesAlone) {
+  // The four cables of Mehrabi and Tabatabai, J. Struct. Eng. 124 (1998) 1313: 100 m, 400 kg/m,
+  // clamped, from taut to sagging, from flexible to stiff. Asked: 0.2 %.
+  CableDescription cable;
+  cable.length_m = {100, 0};
+  cable.mass_per_length = {400, 0};
+  cable.mass_reference = MassReference::unstretched;
+  cable.EA_N = {GetParam().EA, 0};
+  cable.EI_Nm2 = {GetParam().EI, 0};
+  cable.gravity = 9.81;
+  const auto modes = frequencies(cable, CableEnds::clamped, GetParam().H, GetParam().EI, 5, 5e-4);
+  ASSERT_EQ(modes.size(), 5u);
+  TensionOptions options;
+  options.ends = {CableEnds::clamped};
+  const auto result = identify_tension(cable, modes, options);
+  ASSERT_TRUE(result.solved) << result.message;
+  EXPECT_NEAR(result.tension_N.value / GetParam().H, 1, 2e-3);
+  EXPECT_LT(std::abs(result.tension_N.value - GetParam().H), 3 * result.tension_N.std);
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    EXPECT_EQ(result.candidates[0].modes[i].order, static_cast<int>(i) + 1);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Cables, MehrabiTabatabai,
+                         ::testing::Values(Published{"taut", 2.9036e6, 7.920e4, 1.2552e8},
+                                           Published{"sagging", 7.259e5, 7.922e4, 1.308e8},
+                                           Published{"stiff", 2.61324e7, 1.0247e8, 1.6376e11},
+                                           Published{"stiff_sagging", 7.2594e5, 2.846e6, 1.262e8}),
+                         [](const auto& cable) { return cable.param.name; });
+
+TEST(CableTension, HangerWithoutItsThirdMode) {
+  CableDescription cable;
+  cable.length_m = {10, 0.005};
+  cable.mass_per_length = {30, 0.1};
+  cable.mass_reference = MassReference::unstretched;
+  cable.EA_N = {1e9, 0};
+  cable.EI_Nm2 = {2e5, 0};
+  cable.inclination_deg = 90;
+  auto modes = frequencies(cable, CableEnds::clamped, 5e5, 2e5, 6, 1e-3);
+  modes.erase(modes.begin() + 2);
+  TensionOptions options;
+  options.ends = {CableEnds::pinned, CableEnds::clamped};
+  const auto result = identify_tension(cable, modes, options);
+  ASSERT_TRUE(result.solved) << result.message;
+  EXPECT_EQ(result.candidates[0].ends, CableEnds::clamped);
+  EXPECT_LT(std::abs(result.tension_N.value - 5e5), 3 * result.tension_N.std);
+  EXPECT_LT(result.tension_N.std, 0.02 * 5e5);
+  EXPECT_GT(result.end_N, result.start_N);  // by the weight of what hangs below
+  EXPECT_NEAR(result.end_N - result.start_N, 30 * 10 * model::kStandardGravity, 1);
+}
+
+TEST(CableTension, MergesWhatAgreesAndKeepsTheRestApart) {
+  MeasuredMode a, b, c;
+  a.frequency_hz = {1.000, 0.001};
+  b.frequency_hz = {1.002, 0.001};
+  c.frequency_hz = {1.050, 0.001};
+  const auto merged = merged_modes({c, a, b});
+  ASSERT_EQ(merged.size(), 2u);
+  EXPECT_NEAR(merged[0].frequency_hz.value, 1.001, 1e-12);
+  EXPECT_NEAR(merged[0].frequency_hz.std, 1e-3,
+              1e-12);  // their scatter: chi-square 2 for 1, times 1e-3 / sqrt 2
+  EXPECT_EQ(merged[1].frequency_hz.value, 1.050);
+}
+
+TEST(CableTension, RefusesWhatMakesNoSense) {
+  CableDescription cable;
+  cable.length_m = {10, 0};
+  cable.mass_per_length = {1, 0};
+  EXPECT_THROW((void)identify_tension(cable, {}), std::invalid_argument);
+  MeasuredMode mode;
+  mode.frequency_hz = {1, 0.01};
+  cable.length_m.value = -1;
+  EXPECT_THROW((void)identify_tension(cable, {mode}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rigfit::ident::cable_tension_test
