@@ -167,12 +167,6 @@ void add_impact_options(CLI::App& verb, ImpactCommand& c, bool with_files) {
 }
 
 ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
-  ident::HammerTestOptions options;
-  options.force = command.force;
-  options.responses = command.responses;
-  options.driving_point = command.driving_point;
-  options.impact = options_of(command);
-  options.impact.threads = context.threads;
   if (!command.struck.empty() && command.struck.size() != command.files.size()) {
     throw UsageError(fmt::format("--struck names {} points for {} files: one a file",
                                  command.struck.size(), command.files.size()));
@@ -182,6 +176,17 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
   }
   ImpactRun run;
   run.places = places_of(context, command);
+  run_impact_test(context, command, run);
+  return run;
+}
+
+void run_impact_test(VerbContext& context, const ImpactCommand& command, ImpactRun& run) {
+  ident::HammerTestOptions options;
+  options.force = command.force;
+  options.responses = command.responses;
+  options.driving_point = command.driving_point;
+  options.impact = options_of(command);
+  options.impact.threads = context.threads;
   try {
     run.test = ident::analyse_hammer_test(run.places, options);
   } catch (const std::invalid_argument& error) {
@@ -203,7 +208,6 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
     context.warn("hits_rejected",
                  fmt::format("{} of {} hits rejected; see hits[].reason", hits - accepted, hits));
   }
-  return run;
 }
 
 Json hits_json(const ImpactRun& run) {

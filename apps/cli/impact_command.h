@@ -45,6 +45,8 @@ struct ImpactRun {
 /// options that make no sense, Refused when there is no hit at all; when all hits were rejected the
 /// FRFs are empty and `context.refuse` has said why and what can be had.
 [[nodiscard]] ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command);
+/// The same of recordings at hand, `run.places`: fills `run.test`.
+void run_impact_test(VerbContext& context, const ImpactCommand& command, ImpactRun& run);
 
 /// `hits[]`, as `frf` gives them; each with the point `struck` when the hammer roves.
 [[nodiscard]] Json hits_json(const ImpactRun& run);

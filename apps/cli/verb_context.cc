@@ -26,16 +26,26 @@ Input stamp_of(const std::string& path) {
 }  // namespace
 
 void VerbContext::warn(std::string code, std::string message, std::string where) {
-  if (!quiet) {
+  if (!quiet && !silent) {
     std::cerr << "warning: " << (where.empty() ? "" : where + ": ") << message << '\n';
   }
   warnings_.push_back({std::move(code), std::move(message), std::move(where)});
 }
 
 void VerbContext::refuse(std::string code, std::string message, std::string where) {
-  std::cerr << "refused: " << (where.empty() ? "" : where + ": ") << message << '\n';
+  if (!silent) {
+    std::cerr << "refused: " << (where.empty() ? "" : where + ": ") << message << '\n';
+  }
   warnings_.push_back({std::move(code), std::move(message), std::move(where)});
   exit_code = ExitCode::refused;
+}
+
+void VerbContext::fail(std::string message, std::string where) {
+  if (!silent) {
+    std::cerr << "error: " << (where.empty() ? "" : where + ": ") << message << '\n';
+  }
+  warnings_.push_back({"not_converged", std::move(message), std::move(where)});
+  exit_code = ExitCode::not_converged;
 }
 
 void VerbContext::tell(const std::vector<ident::Finding>& findings) {

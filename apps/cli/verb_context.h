@@ -35,6 +35,7 @@ class VerbContext {
 
   std::ostream& out;  ///< for people; a sink when JSON goes to standard output or with --quiet
   bool quiet = false;
+  bool silent = false;  ///< nothing on standard error: the caller takes all from warnings()
   int threads = 1;
   std::uint64_t seed = 1;
   bool hashes_inputs = true;         ///< false: their names are enough
@@ -46,6 +47,8 @@ class VerbContext {
   void warn(std::string code, std::string message, std::string where = "");
   /// A warning that also ends the run with exit code 4: part of what was asked cannot be had.
   void refuse(std::string code, std::string message, std::string where = "");
+  /// A warning that ends the run with exit code 5: it did not converge.
+  void fail(std::string message, std::string where = "");
   /// What an analysis found: refusals refused, the others warned of.
   void tell(const std::vector<ident::Finding>& findings);
   /// Names a file as an input of this run, before it is read: hashed now, and again at the end if

@@ -9,21 +9,11 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "ident/campaign/axial_campaign.h"
 
 namespace rigfit::apps {
 namespace {
-
-struct AxialCommand {
-  std::vector<std::string> files;
-  std::vector<double> lengths, band;
-  std::string channel;
-  double mass = 0, mass_std = 0, length_std = 0, mass_per_length = 0, mass_per_length_std = 0;
-  double adapter = 0, adapter_std = 0, catalogue = 0, sample_rate_hz = 0;
-  double compliance_std = -1;       // negative: not given
-  std::vector<double> adapter_bar;  // E Pa, A m2, l m
-  int draws = ident::AxialOptions{}.draws;
-};
 
 constexpr const char* kAxialExample = R"(Example:
   rigfit axial a.csv b.csv c.csv --channel tension --mass 2.2 --mass-std 0.001 \
@@ -47,6 +37,20 @@ std::vector<double> length_of_each_file(const AxialCommand& c) {
 }
 
 Json run(const AxialCommand& command, VerbContext& context) {
+  (void)length_of_each_file(command);
+  signal::ReadOptions reading;
+  reading.sample_rate_hz = command.sample_rate_hz;
+  std::vector<signal::Recording> recordings;
+  for (const auto& file : command.files) {
+    recordings.push_back(load_recording(file, context, reading));
+  }
+  return axial_result(command, std::move(recordings), context);
+}
+
+}  // namespace
+
+Json axial_result(const AxialCommand& command, std::vector<signal::Recording> recordings,
+                  VerbContext& context) {
   const auto lengths = length_of_each_file(command);
   ident::AxialInputs inputs;
   auto& setup = inputs.setup;
@@ -69,11 +73,9 @@ Json run(const AxialCommand& command, VerbContext& context) {
   inputs.options.draws = command.draws;
   inputs.options.seed = context.seed;
   inputs.threads = context.threads;
-  signal::ReadOptions reading;
-  reading.sample_rate_hz = command.sample_rate_hz;
   double slowest = 0;
   for (std::size_t i = 0; i < command.files.size(); ++i) {
-    auto recording = load_recording(command.files[i], context, reading);
+    auto& recording = recordings[i];
     (void)chosen_channel(recording, command.channel);
     const double rate = recording.sample_rate_hz;
     if (!(rate > 0)) {
@@ -97,8 +99,6 @@ Json run(const AxialCommand& command, VerbContext& context) {
   if (result.test) print_axial(context.out, *result.test);
   return axial_json(inputs, result);
 }
-
-}  // namespace
 
 void add_axial(CLI::App& program, Verbs& verbs) {
   auto c = std::make_shared<AxialCommand>();

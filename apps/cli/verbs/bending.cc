@@ -10,34 +10,15 @@
 #include "apps/campaign_file/bending_json.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "ident/campaign/bending_campaign.h"
 
 namespace rigfit::apps {
 namespace {
 
-struct BendingCommand {
-  std::vector<std::string> files;
-  BendingColumns columns;
-  ident::BendingCampaign campaign;
-  double span = 0, span_std = 0;
-  std::vector<double> strand;  // E, elements, element diameter, strand diameter
-  std::optional<double> EA, mass_per_length;
-};
-
 void read_sources(BendingCommand& command, VerbContext& context) {
   for (const auto& file : command.files) {
-    std::vector<Warning> warnings;
-    const auto recording = load_bending_file(file, context);
-    auto source = bending_source(recording, command.columns, warnings);
-    if (source.values.empty() && !(command.span > 0)) {
-      throw UsageError(
-          "--span is needed for load-deflection records: the clear length between the "
-          "clamps in metres");
-    }
-    for (auto& warning : warnings) {
-      context.warn(std::move(warning.code), std::move(warning.message), std::move(warning.where));
-    }
-    command.campaign.sources.push_back(std::move(source));
+    add_bending_source(load_bending_file(file, context), command, context);
   }
 }
 
@@ -81,6 +62,27 @@ void print_tension_cell(std::ostream& out, const ident::BendingTestOptions& opti
 
 Json run_bending(VerbContext& context, BendingCommand command) {
   read_sources(command, context);
+  return bending_result(std::move(command), context);
+}
+
+}  // namespace
+
+void add_bending_source(const signal::Recording& recording, BendingCommand& command,
+                        VerbContext& context) {
+  std::vector<Warning> warnings;
+  auto source = bending_source(recording, command.columns, warnings);
+  if (source.values.empty() && !(command.span > 0)) {
+    throw UsageError(
+        "--span is needed for load-deflection records: the clear length between the clamps in "
+        "metres");
+  }
+  for (auto& warning : warnings) {
+    context.warn(std::move(warning.code), std::move(warning.message), std::move(warning.where));
+  }
+  command.campaign.sources.push_back(std::move(source));
+}
+
+Json bending_result(BendingCommand command, VerbContext& context) {
   auto& campaign = command.campaign;
   campaign.test.span_m = {command.span, command.span_std};
   if (!command.strand.empty()) {
@@ -134,8 +136,6 @@ Json run_bending(VerbContext& context, BendingCommand command) {
   if (found.curve.empty()) context.exit_code = ExitCode::refused;
   return result;
 }
-
-}  // namespace
 
 void add_bending(CLI::App& program, Verbs& verbs) {
   const auto options = std::make_shared<BendingCommand>();

@@ -15,20 +15,12 @@
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 
 namespace rigfit::apps {
 namespace {
 
 using Eigen::Index;
-
-struct DecayCommand {
-  std::string file, channel;
-  std::optional<double> start_s, end_s;
-  std::vector<double> band;
-  double sample_rate_hz = 0;
-  bool each = false;
-  int max_modes = signal::DecayOptions{}.max_modes;
-};
 
 constexpr const char* kDecayExample = R"(Example:
   rigfit decay tap.csv --channel tension
@@ -195,7 +187,13 @@ ident::DecayTest run_decay_test(const signal::Recording& recording, const signal
 Json run(const DecayCommand& command, VerbContext& context) {
   signal::ReadOptions reading;
   reading.sample_rate_hz = command.sample_rate_hz;
-  const auto recording = load_recording(command.file, context, reading);
+  return decay_result(load_recording(command.file, context, reading), command, context);
+}
+
+}  // namespace
+
+Json decay_result(const signal::Recording& recording, const DecayCommand& command,
+                  VerbContext& context) {
   const auto& channel = chosen_channel(recording, command.channel);
   if (!(recording.sample_rate_hz > 0)) {
     throw UsageError(command.file + " gives no sample rate: say it with --sample-rate");
@@ -248,8 +246,6 @@ Json run(const DecayCommand& command, VerbContext& context) {
   if (command.each) print(found, context.out);
   return result;
 }
-
-}  // namespace
 
 void add_decay(CLI::App& program, Verbs& verbs) {
   auto command = std::make_shared<DecayCommand>();

@@ -9,17 +9,12 @@
 #include "apps/cli/impact_command.h"
 #include "apps/cli/modal_json.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "signal/writers/write_uff.h"
 
 namespace rigfit::apps {
 namespace {
 using Eigen::Index;
-
-struct FrfCommand {
-  ImpactCommand impact;
-  std::string out, csv;
-  std::string encoding = "binary";
-};
 
 /// Median over the lines of the usable band of |H_std / H| of one response.
 double relative_error(const signal::FrfSet& frfs, Index column, double low, double high) {
@@ -125,8 +120,9 @@ Json driving_json(const signal::DrivingPointCheck& check) {
           {"missing_antiresonances", check.missing_antiresonances}};
 }
 
-Json run_frf(VerbContext& context, const FrfCommand& options) {
-  const ImpactRun run = run_impact_test(context, options.impact);
+}  // namespace
+
+Json frf_result(const ImpactRun& run, const FrfCommand& options, VerbContext& context) {
   const ident::HammerTest& hammer = run.test;
   const signal::FrfSet& frfs = hammer.frfs;
   const bool roving = !options.impact.struck.empty();
@@ -204,8 +200,6 @@ Json run_frf(VerbContext& context, const FrfCommand& options) {
   return result;
 }
 
-}  // namespace
-
 void add_frf(CLI::App& program, Verbs& verbs) {
   const auto options = std::make_shared<FrfCommand>();
   CLI::App* verb = program.add_subcommand(
@@ -222,7 +216,10 @@ void add_frf(CLI::App& program, Verbs& verbs) {
       "Example:\n  rigfit frf hits.csv --force hammer --response a1 a2 --out frf.uff --json -\n"
       "  rigfit frf p1.csv p2.csv --struck a1 a2 --force hammer --response a1 a2 --out frf.uff\n"
       "Exit code 4: no hit can be used; the hits and their reasons are given all the same.");
-  verbs.push_back({verb, [options](VerbContext& context) { return run_frf(context, *options); }});
+  verbs.push_back({verb, [options](VerbContext& context) {
+                     return frf_result(run_impact_test(context, options->impact), *options,
+                                       context);
+                   }});
 }
 
 }  // namespace rigfit::apps

@@ -8,6 +8,7 @@
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "signal/readers/mapped_file.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
@@ -130,25 +131,32 @@ Json inspect(const InspectOptions& options, VerbContext& context) {
   Json result;
   result["recordings"] = Json::array();
   for (const auto& path : options.files) {
-    const signal::Recording recording = load(path, context, options.sample_rate_hz);
-    const signal::QualityResult quality = signal::check_quality(recording);
-    const bool over_time =
-        std::none_of(recording.notes.begin(), recording.notes.end(),
-                     [](const auto& note) { return note.code == "not_a_time_history"; });
-    for (const auto& channel : quality.channels) {
-      for (const auto& finding : channel.findings) {
-        // Spectra neither drift nor clip; what is missing there is missing all the same.
-        if (!over_time && finding.code != "missing") continue;
-        context.warn(finding.code, finding.message, path + ": " + channel.channel);
-      }
-    }
-    print(context.out, recording, quality);
-    result["recordings"].push_back(json_of(recording, quality));
+    result["recordings"].push_back(inspect_file(path, options.sample_rate_hz, context));
   }
   return result;
 }
 
 }  // namespace
+
+Json inspect_file(const std::string& path, double sample_rate_hz, VerbContext& context) {
+  return inspect_result(load(path, context, sample_rate_hz), context);
+}
+
+Json inspect_result(const signal::Recording& recording, VerbContext& context) {
+  const signal::QualityResult quality = signal::check_quality(recording);
+  const bool over_time =
+      std::none_of(recording.notes.begin(), recording.notes.end(),
+                   [](const auto& note) { return note.code == "not_a_time_history"; });
+  for (const auto& channel : quality.channels) {
+    for (const auto& finding : channel.findings) {
+      // Spectra neither drift nor clip; what is missing there is missing all the same.
+      if (!over_time && finding.code != "missing") continue;
+      context.warn(finding.code, finding.message, recording.path.string() + ": " + channel.channel);
+    }
+  }
+  print(context.out, recording, quality);
+  return json_of(recording, quality);
+}
 
 void add_inspect(CLI::App& program, Verbs& verbs) {
   auto options = std::make_shared<InspectOptions>();

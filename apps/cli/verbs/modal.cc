@@ -12,6 +12,7 @@
 #include "apps/cli/modal_json.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "signal/modal/modal_synthesis.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/spectra/coherence_errors.h"
@@ -21,23 +22,6 @@
 namespace rigfit::apps {
 namespace {
 using Eigen::Index;
-
-struct ModalCommand {
-  std::vector<std::string> files;
-  ImpactCommand impact;
-  int order = signal::LscfOptions().max_order;
-  double max_damping = signal::LscfOptions().max_damping_ratio;
-  int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
-  std::string out, synthesis;
-  std::vector<const CLI::Option*> of_hits;  ///< mean nothing for FRFs from a file
-};
-
-struct Measured {
-  signal::FrfSet frfs;
-  double usable_hz = 0;     ///< 0: to the last line
-  bool amplitudes = true;   ///< false: only frequencies and damping mean something
-  Json hits, force_window;  ///< null when the FRFs came from a file
-};
 
 void refuse_options_of_hits(const ModalCommand& options) {
   std::string given;
@@ -69,33 +53,18 @@ void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
   frfs.exponential_decay_rate_1_s = rate;
 }
 
-Measured frfs_of(VerbContext& context, ModalCommand& options) {
-  Measured measured;
+MeasuredFrfs frfs_of(VerbContext& context, ModalCommand& options) {
   if (!options.impact.force.empty()) {
     if (options.averages > 0) throw UsageError("--averages is for FRFs from a file");
     options.impact.files = options.files;
-    ImpactRun run = run_impact_test(context, options.impact);
-    measured.hits = hits_json(run);
-    measured.force_window = force_window_json(run.test);
-    measured.usable_hz = run.test.usable_hz;
-    measured.amplitudes = run.test.amplitudes;
-    measured.frfs = std::move(run.test.frfs);
-    return measured;
+    return measured_frfs(run_impact_test(context, options.impact));
   }
   if (options.files.size() > 1) {
     throw UsageError("FRFs come from one UFF file; recordings of hits need --force C");
   }
   refuse_options_of_hits(options);
   context.input(options.files.front());
-  measured.frfs = signal::read_uff_frfs(options.files.front());
-  take_off_window(options, measured.frfs);
-  std::optional<std::pair<double, double>> band;
-  if (!options.impact.band.empty()) band = {options.impact.band[0], options.impact.band[1]};
-  signal::error_bars_from_coherence(measured.frfs, options.averages, band);
-  for (const signal::Note& note : measured.frfs.notes) {
-    context.warn(note.code, note.message, note.where);
-  }
-  return measured;
+  return measured_frfs(signal::read_uff_frfs(options.files.front()), options, context);
 }
 
 Json number_json(double value) { return value; }
@@ -162,7 +131,7 @@ void print(std::ostream& out, const signal::ModalResult& result) {
   out << '\n';
 }
 
-ident::IdentifiedModes identify(const Measured& measured, const ModalCommand& options) {
+ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand& options) {
   signal::ModalOptions modal;
   std::optional<std::pair<double, double>> band;
   if (!options.impact.band.empty()) band = {options.impact.band[0], options.impact.band[1]};
@@ -173,12 +142,45 @@ ident::IdentifiedModes identify(const Measured& measured, const ModalCommand& op
   return found;
 }
 
-Json run_modal(VerbContext& context, ModalCommand options) {
+void check_band(const ModalCommand& options) {
   const auto& band = options.impact.band;
   if (!band.empty() && !(band[0] >= 0 && band[1] > band[0])) {
     throw UsageError("--band needs two frequencies, the lower one first");
   }
-  const Measured measured = frfs_of(context, options);
+}
+
+Json run_modal(VerbContext& context, ModalCommand options) {
+  check_band(options);
+  return modal_result(frfs_of(context, options), options, context);
+}
+
+}  // namespace
+
+MeasuredFrfs measured_frfs(const ImpactRun& run) {
+  MeasuredFrfs measured;
+  measured.hits = hits_json(run);
+  measured.force_window = force_window_json(run.test);
+  measured.usable_hz = run.test.usable_hz;
+  measured.amplitudes = run.test.amplitudes;
+  measured.frfs = run.test.frfs;
+  return measured;
+}
+
+MeasuredFrfs measured_frfs(signal::FrfSet frfs, const ModalCommand& options, VerbContext& context) {
+  MeasuredFrfs measured;
+  measured.frfs = std::move(frfs);
+  take_off_window(options, measured.frfs);
+  std::optional<std::pair<double, double>> band;
+  if (!options.impact.band.empty()) band = {options.impact.band[0], options.impact.band[1]};
+  signal::error_bars_from_coherence(measured.frfs, options.averages, band);
+  for (const signal::Note& note : measured.frfs.notes) {
+    context.warn(note.code, note.message, note.where);
+  }
+  return measured;
+}
+
+Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, VerbContext& context) {
+  check_band(options);
   Json result{{"modes", Json::array()}};
   if (!measured.hits.is_null()) {
     result["hits"] = measured.hits;
@@ -225,8 +227,6 @@ Json run_modal(VerbContext& context, ModalCommand options) {
   }
   return result;
 }
-
-}  // namespace
 
 void add_modal(CLI::App& program, Verbs& verbs) {
   const auto options = std::make_shared<ModalCommand>();

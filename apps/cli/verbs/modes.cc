@@ -1,25 +1,15 @@
 // rigfit modes: static equilibrium of a scene, then its natural modes.
 #include <fmt/format.h>
 
-#include <iostream>
 #include <memory>
 
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
-
-struct ModesCommand {
-  std::string scene;
-  int count = 6;
-  std::vector<double> band;
-  int segments = 0;
-  std::string rotary_inertia = "accurate";
-  std::string torsion = "auto";
-  bool shapes = false;
-};
 
 Json vectors(const Eigen::Matrix3Xd& columns) {
   Json list = Json::array();
@@ -101,12 +91,12 @@ void print(std::ostream& out, const model::ModalAnalysis& analysis, const model:
                                        : "not proved that none was missed");
 }
 
-Json run_modes(VerbContext& context, const ModesCommand& options) {
+}  // namespace
+
+Json modes_result(const model::Scene& scene, const ModesCommand& options, VerbContext& context) {
   if (!options.band.empty() && !(options.band[0] >= 0 && options.band[1] > options.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz, such as --band 0 50");
   }
-  context.input(options.scene);
-  const model::Scene scene = model::read_scene(options.scene);
   model::ModesOptions wanted;
   wanted.count = options.count;
   if (!options.band.empty()) wanted.band_hz = {options.band[0], options.band[1]};
@@ -122,8 +112,7 @@ Json run_modes(VerbContext& context, const ModesCommand& options) {
   result["modes"] = Json::array();
   result["equilibrium"] = equilibrium_json(analysis.equilibrium);
   if (analysis.equilibrium.status != model::EquilibriumStatus::converged) {
-    std::cerr << "error: " << options.scene << ": " << analysis.equilibrium.reason << '\n';
-    context.exit_code = ExitCode::not_converged;
+    context.fail(analysis.equilibrium.reason, options.scene);
     return result;
   }
   for (const auto& mode : analysis.modes) {
@@ -155,8 +144,6 @@ Json run_modes(VerbContext& context, const ModesCommand& options) {
   return result;
 }
 
-}  // namespace
-
 void add_modes(CLI::App& program, Verbs& verbs) {
   const auto options = std::make_shared<ModesCommand>();
   CLI::App* verb =
@@ -184,7 +171,10 @@ void add_modes(CLI::App& program, Verbs& verbs) {
   verb->add_flag("--shapes", options->shapes, "Mode shapes at every node in the JSON result");
   verb->footer(
       "Example:\n  rigfit modes testdata/jalali2021/scenes/cable.toml --count 6 --json modes.json");
-  verbs.push_back({verb, [options](VerbContext& context) { return run_modes(context, *options); }});
+  verbs.push_back({verb, [options](VerbContext& context) {
+                     context.input(options->scene);
+                     return modes_result(model::read_scene(options->scene), *options, context);
+                   }});
 }
 
 }  // namespace rigfit::apps

@@ -7,6 +7,7 @@
 
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "model/response/response.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
@@ -17,16 +18,6 @@ namespace rigfit::apps {
 namespace {
 
 using model::ResponseSolver;
-
-struct RespondCommand {
-  std::string scene, out, energy;
-  double duration_s = 0, rate_hz = 0;
-  std::string solver = "auto";
-  std::string plane = "auto", torsion = "auto", axial = "auto";
-  int segments = 0;
-  double step_s = 0;
-  double tolerance = 1e-6;
-};
 
 const std::vector<std::pair<std::string, ResponseSolver>> kSolvers{
     {"auto", ResponseSolver::automatic},
@@ -163,15 +154,16 @@ Json account_json(const model::ResponseResult& response) {
           {"dissipated_J", energy.dissipated.back()}};
 }
 
-Json run_respond(VerbContext& context, const RespondCommand& options) {
+}  // namespace
+
+Json respond_result(const model::Scene& scene, const RespondCommand& options, VerbContext& context,
+                    model::ResponseResult& response) {
   const double rows = options.duration_s * options.rate_hz;
   if (!(rows >= 1)) throw UsageError("--duration times --rate must give at least one sample");
   if (rows > 5e7) throw UsageError("more than 50 million samples: lower --rate or --duration");
   if (options.step_s > 0 && options.duration_s / options.step_s > 1e10) {
     throw UsageError("more than 1e10 steps: raise --step or lower --duration");
   }
-  context.input(options.scene);
-  const model::Scene scene = model::read_scene(options.scene);
   if (scene.sensors.empty()) {
     throw model::SceneError({scene.file, 0, 0, "sensor"}, "the scene has no sensor",
                             "add a [[sensor]] with the member and position to look at");
@@ -201,7 +193,7 @@ Json run_respond(VerbContext& context, const RespondCommand& options) {
     context.warn("no-load", "the scene has no load: it stays at rest", options.scene);
   }
 
-  const model::ResponseResult response = model::simulate_response(scene, wanted);
+  response = model::simulate_response(scene, wanted);
   if (response.equilibrium.status != model::EquilibriumStatus::converged) {
     throw NotConverged(fmt::format("{}: no static equilibrium ({}): {}", options.scene,
                                    name_of(response.equilibrium.status), response.reason));
@@ -270,9 +262,11 @@ Json run_respond(VerbContext& context, const RespondCommand& options) {
     context.out << fmt::format("left out: {}: about {:.2g} in {}\n", what.what, what.relative_error,
                                what.of);
   }
-  context.write(options.out, samples_csv(scene, response));
-  result["out"] = options.out;
-  context.out << "response: " << options.out << '\n';
+  if (!options.out.empty()) {
+    context.write(options.out, samples_csv(scene, response));
+    result["out"] = options.out;
+    context.out << "response: " << options.out << '\n';
+  }
   if (!options.energy.empty()) {
     context.write(options.energy, energy_csv(response));
     result["energy_out"] = options.energy;
@@ -280,8 +274,6 @@ Json run_respond(VerbContext& context, const RespondCommand& options) {
   }
   return result;
 }
-
-}  // namespace
 
 void add_respond(CLI::App& program, Verbs& verbs) {
   auto options = std::make_shared<RespondCommand>();
@@ -329,8 +321,12 @@ void add_respond(CLI::App& program, Verbs& verbs) {
       "Example:\n"
       "  rigfit respond testdata/scenes/cable-release.toml --duration 10 --rate 2000 "
       "--out response.csv --energy energy.csv");
-  verbs.push_back(
-      {verb, [options](VerbContext& context) { return run_respond(context, *options); }});
+  verbs.push_back({verb, [options](VerbContext& context) {
+                     context.input(options->scene);
+                     model::ResponseResult response;
+                     return respond_result(model::read_scene(options->scene), *options, context,
+                                           response);
+                   }});
 }
 
 }  // namespace rigfit::apps

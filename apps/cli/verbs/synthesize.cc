@@ -13,6 +13,7 @@
 #include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "ident/virtual_rig/virtual_axial.h"
 #include "ident/virtual_rig/virtual_bending.h"
 #include "ident/virtual_rig/virtual_rig.h"
@@ -26,23 +27,6 @@
 namespace rigfit::apps {
 namespace {
 namespace fs = std::filesystem;
-
-struct SynthesizeOptions {
-  std::string scene;
-  std::string out;
-  std::vector<double> tensions;
-  double tension_std = 0;
-  std::string stiffness;
-  std::string format = "csv";
-  ident::VirtualRigOptions rig;
-  double bending_span = 0;
-  double bending_peak_load = 10;
-  std::vector<double> axial_lengths;
-  double axial_length_std = 0;
-  double axial_mass = 2.2;
-  double axial_damping_ratio = 0.017;
-  int taps = 5;
-};
 
 using Header = std::vector<std::pair<std::string, std::string>>;
 
@@ -248,9 +232,10 @@ std::vector<State> states_of(const SynthesizeOptions& options, const model::Scen
   return states;
 }
 
-Json run(const SynthesizeOptions& options, VerbContext& context) {
-  context.input(options.scene);
-  const model::Scene scene = model::read_scene(options.scene);
+}  // namespace
+
+Json synthesize_result(const model::Scene& scene, const SynthesizeOptions& options,
+                       VerbContext& context) {
   const bool rig = !scene.loads.empty() && !scene.sensors.empty();
   if (!rig && options.bending_span <= 0 && options.axial_lengths.empty()) {
     throw UsageError(options.scene +
@@ -307,8 +292,6 @@ Json run(const SynthesizeOptions& options, VerbContext& context) {
   result["files"] = writer.files();
   return result;
 }
-
-}  // namespace
 
 void add_synthesize(CLI::App& program, Verbs& verbs) {
   auto options = std::make_shared<SynthesizeOptions>();
@@ -378,7 +361,10 @@ void add_synthesize(CLI::App& program, Verbs& verbs) {
   app->footer(
       "Example:\n  rigfit synthesize testdata/jalali2021/scenes/cable.toml --out build/virtual "
       "--seed 7\n      --bending-span 1 --axial-length 0.7 1.0 1.3");
-  verbs.push_back({app, [options](VerbContext& context) { return run(*options, context); }});
+  verbs.push_back({app, [options](VerbContext& context) {
+                     context.input(options->scene);
+                     return synthesize_result(model::read_scene(options->scene), *options, context);
+                   }});
 }
 
 }  // namespace rigfit::apps

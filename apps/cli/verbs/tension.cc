@@ -10,6 +10,7 @@
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "ident/tension/cable_tension.h"
 #include "signal/spectra/spectral_peaks.h"
 
@@ -22,14 +23,6 @@ constexpr const char* kExample =
     "--mass-per-length 0.16667\n"
     "  rigfit tension ambient.csv --channel acc --band 0.5 20 --length 98.3,0.05 --mass-per-length "
     "62.1,0.5 --EA 1.6e9";
-
-struct TensionCommand {
-  std::vector<std::string> files, channels;
-  std::vector<double> frequencies, band;
-  std::string measured, column, plane = "any", length, mass, EI, EA, mass_of, ends = "compare";
-  double frequency_std = 0, inclination = 0, sample_rate_hz = 0, missed = 0.1, false_mode = 0.05;
-  int max_peaks = 12;
-};
 
 /// "V" or "V,STD".
 signal::Estimate value_and_std(const std::string& text, const std::string& option) {
@@ -59,12 +52,11 @@ std::optional<model::ModePlane> plane_of(const TensionCommand& command) {
 }
 
 /// Peaks of the spectra of recordings as measured modes.
-void add_peaks(const TensionCommand& command, VerbContext& context,
-               std::vector<ident::MeasuredMode>& modes, Json& spectra) {
-  for (const auto& file : command.files) {
-    signal::ReadOptions read;
-    read.sample_rate_hz = command.sample_rate_hz;
-    const auto recording = load_recording(file, context, read);
+void add_peaks(const TensionCommand& command, const std::vector<signal::Recording>& recordings,
+               VerbContext& context, std::vector<ident::MeasuredMode>& modes, Json& spectra) {
+  for (std::size_t f = 0; f < recordings.size(); ++f) {
+    const auto& file = command.files[f];
+    const auto& recording = recordings[f];
     for (const auto& channel : recording.channels) {
       if (!command.channels.empty() && std::find(command.channels.begin(), command.channels.end(),
                                                  channel.name) == command.channels.end()) {
@@ -93,10 +85,11 @@ void add_peaks(const TensionCommand& command, VerbContext& context,
   }
 }
 
-std::vector<ident::MeasuredMode> measured_modes(const TensionCommand& command, VerbContext& context,
-                                                Json& spectra) {
+std::vector<ident::MeasuredMode> measured_modes(const TensionCommand& command,
+                                                const std::vector<signal::Recording>& recordings,
+                                                VerbContext& context, Json& spectra) {
   std::vector<ident::MeasuredMode> modes;
-  add_peaks(command, context, modes, spectra);
+  add_peaks(command, recordings, context, modes, spectra);
   if (!command.measured.empty()) {
     context.input(command.measured);
     for (auto& row : read_measured_modes(command.measured, command.column, plane_of(command), {})) {
@@ -264,12 +257,23 @@ void warn_of(const ident::TensionResult& result, const ident::CableDescription& 
 }
 
 Json run(const TensionCommand& command, VerbContext& context) {
+  signal::ReadOptions read;
+  read.sample_rate_hz = command.sample_rate_hz;
+  std::vector<signal::Recording> recordings;
+  for (const auto& file : command.files) recordings.push_back(load_recording(file, context, read));
+  return tension_result(command, recordings, context);
+}
+
+}  // namespace
+
+Json tension_result(const TensionCommand& command, const std::vector<signal::Recording>& recordings,
+                    VerbContext& context) {
   if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz");
   }
   const auto cable = description_of(command);
   Json spectra = Json::array();
-  const auto modes = measured_modes(command, context, spectra);
+  const auto modes = measured_modes(command, recordings, context, spectra);
   if (modes.empty() && command.files.empty()) {
     throw UsageError("give recordings, --measured or --frequencies");
   }
@@ -302,8 +306,6 @@ Json run(const TensionCommand& command, VerbContext& context) {
   if (!spectra.empty()) json["peaks"] = std::move(spectra);
   return json;
 }
-
-}  // namespace
 
 void add_tension(CLI::App& program, Verbs& verbs) {
   const auto c = std::make_shared<TensionCommand>();

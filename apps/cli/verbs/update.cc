@@ -15,6 +15,7 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/update_result.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/model_update.h"
 #include "ident/update/update_checks.h"
@@ -22,18 +23,6 @@
 
 namespace rigfit::apps {
 namespace {
-
-struct UpdateCommand {
-  UpdateData data;
-  std::vector<double> band;
-  std::vector<std::string> free, priors, inputs, aims;
-  std::string out, axial;
-  bool axial_damping = false;
-  bool hold_out = false, profile = false;
-  int monte_carlo = 0, starts = 4;
-  double start_spread = 3, assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
-  double stiffness_common_std = 0;
-};
 
 double number_of(const std::string& text, const std::string& option) {
   try {
@@ -189,43 +178,29 @@ void print_held_out(const UpdateStates& states, const std::vector<ident::HeldOut
 Json write_scenes(const UpdateCommand& options, const UpdateStates& states,
                   const ident::UpdateResult& result, VerbContext& context) {
   Json files = Json::array();
-  for (std::size_t s = 0; s < result.scenes.size(); ++s) {
+  const auto scenes = updated_scenes(states, result);
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
     std::filesystem::path path =
         options.out.empty()
             ? std::filesystem::path(std::filesystem::path(states.scene_files[s]).stem().string() +
                                     ".updated.toml")
             : std::filesystem::path(options.out);
-    if (result.scenes.size() > 1) {
+    if (scenes.size() > 1) {
       const std::string tension =
           states.tension[s] ? fmt::format("-{:g}N", *states.tension[s]) : "";
       const std::string number = options.data.scenes.size() > 1 ? fmt::format("-{}", s + 1) : "";
       path.replace_filename(path.stem().string() + number + tension + path.extension().string());
     }
-    model::Scene scene = result.scenes[s];
-    for (std::size_t m = 0; m < scene.members.size(); ++m) {
-      scene.members[m].segments = states.segments[s][m];
-    }
-    context.write(path, model::scene_text(scene));
+    context.write(path, model::scene_text(scenes[s]));
     context.out << "updated scene: " << path.string() << '\n';
     files.push_back(path.string());
   }
   return files;
 }
 
-Json run_update(VerbContext& context, UpdateCommand options) {
-  if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty() &&
-      options.data.responses.empty()) {
-    throw UsageError("nothing to fit to: give --measured, --frf, --decay or --response");
-  }
-  if (!options.band.empty()) {
-    if (!(options.band[0] < options.band[1])) throw UsageError("--band must rise");
-    options.data.band_hz = {options.band[0], options.band[1]};
-  }
-  UpdateStates states = read_update_states(options.data, context);
-  if (options.hold_out && states.states.size() < 2) {
-    throw UsageError("--hold-out needs several states: a tension_N column or several scenes");
-  }
-  const auto free = free_parameters(options, states.states.front().scene);
+// The fit's options, with what is taken as known.
+ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& states,
+                                 VerbContext& context) {
   ident::UpdateOptions update;
   update.assumed_relative_std = options.assumed_std;
   update.model_relative_std = options.model_std;
@@ -248,8 +223,47 @@ Json run_update(VerbContext& context, UpdateCommand options) {
     update.inputs.push_back(std::move(input));
   }
   for (auto& input : aim_inputs(options.aims, states)) update.inputs.push_back(std::move(input));
-  const auto outcome = ident::fit_campaign({states.states, free, update, options.hold_out});
-  const auto& result = outcome.result;
+  return update;
+}
+
+Json run_update(VerbContext& context, UpdateCommand options) {
+  if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty() &&
+      options.data.responses.empty()) {
+    throw UsageError("nothing to fit to: give --measured, --frf, --decay or --response");
+  }
+  if (!options.band.empty()) {
+    if (!(options.band[0] < options.band[1])) throw UsageError("--band must rise");
+    options.data.band_hz = {options.band[0], options.band[1]};
+  }
+  UpdateStates states = read_update_states(options.data, context);
+  ident::UpdateResult result;
+  Json json = update_result(states, options, context, result);
+  json["scenes"] = write_scenes(options, states, result, context);
+  return json;
+}
+
+}  // namespace
+
+std::vector<model::Scene> updated_scenes(const UpdateStates& states,
+                                         const ident::UpdateResult& result) {
+  std::vector<model::Scene> scenes = result.scenes;
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
+    for (std::size_t m = 0; m < scenes[s].members.size(); ++m) {
+      scenes[s].members[m].segments = states.segments[s][m];
+    }
+  }
+  return scenes;
+}
+
+Json update_result(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
+                   ident::UpdateResult& result) {
+  if (options.hold_out && states.states.size() < 2) {
+    throw UsageError("--hold-out needs several states: a tension_N column or several scenes");
+  }
+  const auto free = free_parameters(options, states.states.front().scene);
+  const auto update = fit_options(options, states, context);
+  auto outcome = ident::fit_campaign({states.states, free, update, options.hold_out});
+  result = std::move(outcome.result);
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 
   print_update(context.out, result, states.states);
@@ -293,11 +307,8 @@ Json run_update(VerbContext& context, UpdateCommand options) {
     json["monte_carlo"] = monte_carlo_json(result, states.states, study);
     context.out << fmt::format("Monte Carlo: {} samples, {} failed\n", study.samples, study.failed);
   }
-  json["scenes"] = write_scenes(options, states, result, context);
   return json;
 }
-
-}  // namespace
 
 void add_update(CLI::App& program, Verbs& verbs) {
   const auto options = std::make_shared<UpdateCommand>();

@@ -1,0 +1,182 @@
+// What verbs do once their files are read, for callers that have no command line (apps/python):
+// options as plain structs, inputs as recordings and scenes, the verb's own JSON keys as the
+// answer. The verbs call the same functions, so that the numbers are the same.
+//
+// Findings go to `context`: warnings, refusals and the exit code that the program would end with.
+// Every function throws UsageError for options that contradict each other, Refused and NotConverged
+// where there is no result at all, and what the library functions behind it throw.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/campaign_file/bending_files.h"
+#include "apps/campaign_file/update_data.h"
+#include "apps/cli/impact_command.h"
+#include "apps/cli/verb.h"
+#include "ident/campaign/axial_campaign.h"
+#include "ident/campaign/bending_campaign.h"
+#include "ident/update/model_update.h"
+#include "ident/virtual_rig/virtual_rig.h"
+#include "model/response/response.h"
+#include "model/scene/scene.h"
+#include "signal/modal/modal_identification.h"
+#include "signal/recording/recording.h"
+#include "signal/spectra/frf_set.h"
+
+namespace rigfit::apps {
+
+/// One entry of `recordings[]`.
+[[nodiscard]] Json inspect_result(const signal::Recording& recording, VerbContext& context);
+/// The same of a file, which may hold functions that are not over time; a rate of 0: as the file
+/// says.
+[[nodiscard]] Json inspect_file(const std::string& path, double sample_rate_hz,
+                                VerbContext& context);
+
+struct DecayCommand {
+  std::string file, channel;  ///< name or "#number"; may be empty where there is one
+  std::optional<double> start_s, end_s;
+  std::vector<double> band;  ///< Hz, two or none
+  double sample_rate_hz = 0;
+  bool each = false;
+  int max_modes = signal::DecayOptions{}.max_modes;
+};
+[[nodiscard]] Json decay_result(const signal::Recording& recording, const DecayCommand& command,
+                                VerbContext& context);
+
+struct FrfCommand {
+  ImpactCommand impact;
+  std::string out, csv;
+  std::string encoding = "binary";
+};
+[[nodiscard]] Json frf_result(const ImpactRun& run, const FrfCommand& command,
+                              VerbContext& context);
+
+struct ModalCommand {
+  std::vector<std::string> files;
+  ImpactCommand impact;
+  int order = signal::LscfOptions().max_order;
+  double max_damping = signal::LscfOptions().max_damping_ratio;
+  int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
+  std::string out, synthesis;
+  std::vector<const CLI::Option*> of_hits;  ///< mean nothing for FRFs from a file
+};
+/// FRFs to identify, and where they are from.
+struct MeasuredFrfs {
+  signal::FrfSet frfs;
+  double usable_hz = 0;     ///< 0: to the last line
+  bool amplitudes = true;   ///< false: only frequencies and damping mean something
+  Json hits, force_window;  ///< null when the FRFs came from a file
+};
+/// Of hits just analysed.
+[[nodiscard]] MeasuredFrfs measured_frfs(const ImpactRun& run);
+/// Of another analyser: its window, and error bars from the coherence where there are none.
+[[nodiscard]] MeasuredFrfs measured_frfs(signal::FrfSet frfs, const ModalCommand& command,
+                                         VerbContext& context);
+[[nodiscard]] Json modal_result(const MeasuredFrfs& measured, const ModalCommand& command,
+                                VerbContext& context);
+
+struct BendingCommand {
+  std::vector<std::string> files;
+  BendingColumns columns;
+  ident::BendingCampaign campaign;  ///< its sources, read
+  double span = 0, span_std = 0;
+  std::vector<double> strand;  ///< E, elements, element diameter, strand diameter
+  std::optional<double> EA, mass_per_length;
+};
+/// Adds a recording's points or record to the campaign.
+void add_bending_source(const signal::Recording& recording, BendingCommand& command,
+                        VerbContext& context);
+[[nodiscard]] Json bending_result(BendingCommand command, VerbContext& context);
+
+struct AxialCommand {
+  std::vector<std::string> files;     ///< names of the recordings
+  std::vector<double> lengths, band;  ///< m: one, one a file, or one a group of files; Hz
+  std::string channel;
+  double mass = 0, mass_std = 0, length_std = 0, mass_per_length = 0, mass_per_length_std = 0;
+  double adapter = 0, adapter_std = 0, catalogue = 0, sample_rate_hz = 0;
+  double compliance_std = -1;       ///< negative: not given
+  std::vector<double> adapter_bar;  ///< E Pa, A m2, l m
+  int draws = ident::AxialOptions{}.draws;
+};
+/// `recordings`: one for each of `command.files`, in that order.
+[[nodiscard]] Json axial_result(const AxialCommand& command,
+                                std::vector<signal::Recording> recordings, VerbContext& context);
+
+struct ModesCommand {
+  std::string scene;  ///< name in messages
+  int count = 6;
+  std::vector<double> band;
+  int segments = 0;
+  std::string rotary_inertia = "accurate";
+  std::string torsion = "auto";
+  bool shapes = false;
+};
+[[nodiscard]] Json modes_result(const model::Scene& scene, const ModesCommand& command,
+                                VerbContext& context);
+
+struct RespondCommand {
+  std::string scene, out, energy;
+  double duration_s = 0, rate_hz = 0;
+  std::string solver = "auto";
+  std::string plane = "auto", torsion = "auto", axial = "auto";
+  int segments = 0;
+  double step_s = 0;
+  double tolerance = 1e-6;
+};
+/// The response with its samples goes to `response`.
+[[nodiscard]] Json respond_result(const model::Scene& scene, const RespondCommand& command,
+                                  VerbContext& context, model::ResponseResult& response);
+
+struct UpdateCommand {
+  UpdateData data;
+  std::vector<double> band;
+  std::vector<std::string> free, priors, inputs, aims;
+  std::string out, axial;
+  bool axial_damping = false;
+  bool hold_out = false, profile = false;
+  int monte_carlo = 0, starts = 4;
+  double start_spread = 3, assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
+  double stiffness_common_std = 0;
+};
+/// The fit with its scenes goes to `result`.
+[[nodiscard]] Json update_result(UpdateStates& states, const UpdateCommand& command,
+                                 VerbContext& context, ident::UpdateResult& result);
+
+/// The fitted scene of each state, with the segments that its file asks for.
+[[nodiscard]] std::vector<model::Scene> updated_scenes(const UpdateStates& states,
+                                                       const ident::UpdateResult& result);
+
+struct TensionCommand {
+  std::vector<std::string> files, channels;
+  std::vector<double> frequencies, band;
+  std::string measured, column, plane = "any", length, mass, EI, EA, mass_of, ends = "compare";
+  double frequency_std = 0, inclination = 0, sample_rate_hz = 0, missed = 0.1, false_mode = 0.05;
+  int max_peaks = 12;
+};
+/// `recordings`: one for each of `command.files`, in that order.
+[[nodiscard]] Json tension_result(const TensionCommand& command,
+                                  const std::vector<signal::Recording>& recordings,
+                                  VerbContext& context);
+
+struct SynthesizeOptions {
+  std::string scene;  ///< name in messages
+  std::string out;
+  std::vector<double> tensions;
+  double tension_std = 0;
+  std::string stiffness;
+  std::string format = "csv";
+  ident::VirtualRigOptions rig;
+  double bending_span = 0;
+  double bending_peak_load = 10;
+  std::vector<double> axial_lengths;
+  double axial_length_std = 0;
+  double axial_mass = 2.2;
+  double axial_damping_ratio = 0.017;
+  int taps = 5;
+};
+[[nodiscard]] Json synthesize_result(const model::Scene& scene, const SynthesizeOptions& options,
+                                     VerbContext& context);
+
+}  // namespace rigfit::apps

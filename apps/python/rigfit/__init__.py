@@ -1,0 +1,49 @@
+"""rigfit: recordings of cables and beams into parameters of a model, with uncertainty.
+
+The functions are those of the program ``rigfit`` and give the same numbers to the last digit. They take files or what is
+at hand (recordings, FRFs, scenes, results), release the interpreter's lock while they work, and raise one family of
+exceptions, `Error`.
+
+>>> import rigfit
+>>> result = rigfit.decay("tap.csv", "tension")        # doctest: +SKIP
+>>> result.modes[0].frequency_hz.value                 # doctest: +SKIP
+"""
+
+import atexit as _atexit
+import os as _os
+import sys as _sys
+
+from . import _core
+from .errors import (ArgumentError, DataWarning, Error, InputError, InternalError, NotConverged, Refused, UsageError)
+from .laboratory import axial, bending, tension
+from .model import Scene, frf_of, modes, report, respond, synthesize, update
+from .recordings import Channel, Recording, read
+from .results import (AxialResult, BendingResult, DecayResult, Estimate, FrfResult, InspectResult, ModalResult,
+                      ModesResult, Record, Records, ReportResult, RespondResult, Result, SceneFrfs, SynthesizeResult,
+                      TensionResult, UpdateResult)
+from .spectra import decay, frf, frfs_of_arrays, inspect, modal, read_frfs
+
+__version__ = _core.version
+
+__all__ = [
+    "ArgumentError", "AxialResult", "BendingResult", "Channel", "DataWarning", "DecayResult", "Error", "Estimate",
+    "FrfResult", "InputError", "InspectResult", "InternalError", "ModalResult", "ModesResult", "NotConverged", "Record",
+    "Recording", "Records", "Refused", "ReportResult", "RespondResult", "Result", "Scene", "SceneFrfs",
+    "SynthesizeResult", "TensionResult", "UpdateResult", "UsageError", "axial", "bending", "decay", "frf", "frf_of",
+    "frfs_of_arrays", "inspect", "modal", "modes", "read", "read_frfs", "report", "respond", "synthesize", "tension",
+    "update",
+]
+
+
+def _leave():
+    """An interrupted call may still work on a thread of its own: the process ends without waiting for it."""
+    if _core.abandoned_calls():
+        for stream in (_sys.stdout, _sys.stderr):
+            try:
+                stream.flush()
+            except (OSError, ValueError, AttributeError):
+                pass
+        _os._exit(130)
+
+
+_atexit.register(_leave)

@@ -1,0 +1,168 @@
+"""Arguments checked before they reach the libraries: each failure names the argument and the reason."""
+
+import math
+import numbers as _numbers
+import os
+
+import numpy as np
+
+from .errors import ArgumentError
+
+
+def fail(argument, reason):
+    """Raises ArgumentError: ``argument: reason``."""
+    raise ArgumentError(f"{argument}: {reason}", argument=argument, problem=reason)
+
+
+def kind(value):
+    """How a message names a value."""
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape} and type {value.dtype}"
+    text = repr(value)
+    return f"{text if len(text) <= 40 else text[:37] + '...'} ({type(value).__name__})"
+
+
+def number(argument, value, low=None, high=None, positive=False):
+    """A finite float, at least ``low``, at most ``high``, above zero where ``positive``."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (_numbers.Real, np.number)) \
+            or isinstance(value, np.complexfloating):
+        fail(argument, f"must be a number, not {kind(value)}")
+    try:
+        value = float(value)
+    except (OverflowError, ValueError):
+        fail(argument, "is too large for a number")
+    if not math.isfinite(value):
+        fail(argument, f"must be finite, not {value}")
+    if positive and not value > 0:
+        fail(argument, f"must be positive, not {value:g}")
+    if low is not None and value < low:
+        fail(argument, f"must be at least {low:g}, not {value:g}")
+    if high is not None and value > high:
+        fail(argument, f"must be at most {high:g}, not {value:g}")
+    return value
+
+
+def integer(argument, value, low, high):
+    """An int between two."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (_numbers.Integral, np.integer)):
+        fail(argument, f"must be a whole number, not {kind(value)}")
+    value = int(value)
+    if not low <= value <= high:
+        fail(argument, f"must be between {low} and {high}, not {value}")
+    return value
+
+
+def flag(argument, value):
+    """A bool."""
+    if not isinstance(value, (bool, np.bool_)):
+        fail(argument, f"must be True or False, not {kind(value)}")
+    return bool(value)
+
+
+def text(argument, value):
+    """A str that is not empty."""
+    if not isinstance(value, str):
+        fail(argument, f"must be a string, not {kind(value)}")
+    if not value:
+        fail(argument, "is empty")
+    if "\0" in value:
+        fail(argument, "holds a null character")
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        fail(argument, "is not valid Unicode")
+    return value
+
+
+def choice(argument, value, known):
+    """One of the words."""
+    if not isinstance(value, str) or value not in known:
+        fail(argument, f"must be one of {', '.join(known)}, not {kind(value)}")
+    return value
+
+
+def path(argument, value):
+    """A file name as str."""
+    if hasattr(value, "read"):
+        fail(argument, "is a file object: give its path")
+    if not isinstance(value, (str, os.PathLike)):
+        fail(argument, f"must be a path, not {kind(value)}")
+    value = os.fspath(value)
+    if isinstance(value, bytes):
+        value = os.fsdecode(value)
+    return text(argument, value)
+
+
+def sequence(argument, value):
+    """A list of what may be one or several."""
+    if isinstance(value, (str, os.PathLike)):
+        return [value]
+    if isinstance(value, (list, tuple)):
+        if not value:
+            fail(argument, "is empty")
+        return list(value)
+    fail(argument, f"must be one or a list of them, not {kind(value)}")
+
+
+def texts(argument, value):
+    """One string or several."""
+    return [text(argument, one) for one in sequence(argument, value)]
+
+
+def paths(argument, value):
+    """One path or several."""
+    return [path(argument, one) for one in sequence(argument, value)]
+
+
+def numbers(argument, value, **limits):
+    """One number or several as a list of floats."""
+    if isinstance(value, np.ndarray):
+        if value.ndim > 1:
+            fail(argument, f"must have one dimension, not {value.ndim}")
+        value = list(np.atleast_1d(value))
+    if isinstance(value, (list, tuple)):
+        if not value:
+            fail(argument, "is empty")
+        return [number(f"{argument}[{i}]", one, **limits) for i, one in enumerate(value)]
+    return [number(argument, value, **limits)]
+
+
+def band(argument, value):
+    """Two rising frequencies in Hz."""
+    values = numbers(argument, value, low=0)
+    if len(values) != 2 or not values[0] < values[1]:
+        fail(argument, f"must be two rising frequencies in Hz, not {kind(value)}")
+    return values
+
+
+def array(argument, value, dimensions, dtype=np.float64, missing=False):
+    """A contiguous array of so many dimensions; the very same where it is one already. ``missing``: NaN may stand in it."""
+    if isinstance(value, (str, bytes)) or hasattr(value, "read"):
+        fail(argument, f"must be an array, not {kind(value)}")
+    try:
+        given = np.asarray(value)
+    except (ValueError, TypeError) as error:
+        fail(argument, f"is no array: {error}")
+    wanted = "biuf" if dtype == np.float64 else "biufc"
+    if given.dtype.kind not in wanted:
+        fail(argument, f"must hold {'real ' if dtype == np.float64 else ''}numbers, not {given.dtype}")
+    if given.ndim != dimensions:
+        fail(argument, f"must have {dimensions} dimension{'s' * (dimensions > 1)}, not {given.ndim}")
+    if given.size == 0:
+        fail(argument, "has no elements")
+    given = np.ascontiguousarray(given, dtype=dtype)
+    if not missing and not np.isfinite(given).all():
+        fail(argument, f"holds {int((~np.isfinite(given)).sum())} values that are not finite")
+    return given
+
+
+def common(threads=None, seed=None):
+    """Options of every call."""
+    options = {}
+    if threads is not None:
+        options["threads"] = integer("threads", threads, 1, 1024)
+    if seed is not None:
+        options["seed"] = integer("seed", seed, 0, 2**64 - 1)
+    return options

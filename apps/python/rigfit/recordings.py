@@ -1,0 +1,262 @@
+"""Recordings: channels sampled together, read from files or made of arrays."""
+
+from collections.abc import Mapping, Sequence
+import html
+import os
+import warnings as _warnings
+
+import numpy as np
+
+from . import _core, checks
+from .errors import DataWarning, Error
+from .results import Record, Records, frame
+
+
+class Channel:
+    """One channel of a recording, in SI units.
+
+    Attributes
+    ----------
+    name, unit, source_unit, quantity : str
+        ``unit`` is the SI symbol, empty where none is known; ``source_unit`` as it was given.
+    data : numpy.ndarray
+        Samples, float64, NaN where missing. A view that cannot be written to.
+    fs : float
+        Sample rate, Hz; 0: not known.
+    missing_samples : int
+    direction : tuple of float
+        Of positive values, in scene axes; zeros: not known.
+    """
+
+    def __init__(self, fields, fs):
+        self.name, self.unit = fields["name"], fields["unit"]
+        self.source_unit, self.quantity = fields["source_unit"], fields["quantity"]
+        self.data, self.missing_samples = fields["data"], fields["missing_samples"]
+        self.direction, self.fs = fields["direction"], fs
+
+    def to_sep005(self):
+        """The channel as a dict ``{name, data, fs, unit_str}`` (SDyPy proposal SEP005), data not copied."""
+        return {"name": self.name, "data": self.data, "fs": self.fs, "unit_str": self.unit}
+
+    def __len__(self):
+        return len(self.data)
+
+    def __repr__(self):
+        return f"Channel({self.name!r}, {len(self.data)} samples, unit {self.unit!r}, fs {self.fs:g} Hz)"
+
+
+class Recording(Sequence):
+    """Channels sampled together at a constant rate.
+
+    Parameters
+    ----------
+    channels : list of dict, or dict of name to array
+        In SEP005 style: ``name`` and ``data`` (one dimension), and where known ``fs`` (Hz), ``unit_str``,
+        ``direction``. NaN is a missing sample. Float64 arrays in SI units are used as they are, without a copy, and
+        must not be changed while the recording is in use; others are converted.
+    fs : float, optional
+        Sample rate in Hz, where the channels do not say it.
+    units : dict of name to str, optional
+        Where the channels do not say them.
+    start_time_s : float
+    name : str
+        For messages and results.
+    """
+
+    def __init__(self, channels, fs=None, units=None, start_time_s=0.0, name="recording"):
+        name = checks.text("name", name)
+        start = checks.number("start_time_s", start_time_s)
+        if isinstance(channels, Mapping):
+            channels = [{"name": key, "data": data} for key, data in channels.items()]
+        if isinstance(channels, Channel):
+            channels = [channels]
+        if not isinstance(channels, (list, tuple)):
+            checks.fail("channels", f"must be a list of dicts with name and data, not {checks.kind(channels)}")
+        if not channels:
+            checks.fail("channels", "is empty")
+        if units is not None and not isinstance(units, Mapping):
+            checks.fail("units", f"must be a dict of channel name to unit, not {checks.kind(units)}")
+        rates, given = set(), []
+        if fs is not None:
+            rates.add(checks.number("fs", fs, positive=True))
+        for i, channel in enumerate(channels):
+            if isinstance(channel, Channel):
+                channel = channel.to_sep005()
+            if not isinstance(channel, Mapping):
+                checks.fail(f"channels[{i}]", f"must be a dict with name and data, not {checks.kind(channel)}")
+            if "data" not in channel:
+                checks.fail(f"channels[{i}]", "has no data")
+            title = checks.text(f"channels[{i}].name", channel.get("name", f"channel {i + 1}"))
+            if channel.get("fs") not in (None, 0):
+                rates.add(checks.number(f"channels[{i}].fs", channel["fs"], positive=True))
+            unit = channel.get("unit_str", channel.get("unit"))
+            if unit is None:
+                unit = (units or {}).get(title, "")
+            if not isinstance(unit, str):
+                checks.fail(f"channels[{i}].unit_str", f"must be a string, not {checks.kind(unit)}")
+            data = checks.array(f"channels[{i}].data", channel["data"], 1, missing=True)
+            missing, infinite = _core.count_not_finite(data)
+            if infinite:
+                checks.fail(f"channels[{i}].data", f"holds {infinite} infinite values (missing samples are NaN)")
+            one = {"name": title, "unit": unit.replace("\0", ""), "data": data, "missing": missing}
+            if channel.get("direction") is not None:
+                direction = checks.numbers(f"channels[{i}].direction", channel["direction"])
+                if len(direction) != 3:
+                    checks.fail(f"channels[{i}].direction", "must be three numbers")
+                one["direction"] = direction
+            given.append(one)
+        if len({len(one["data"]) for one in given}) > 1:
+            checks.fail("channels", "must have the same number of samples: " +
+                        ", ".join(f"{one['name']} {len(one['data'])}" for one in given[:8]))
+        if len(rates) > 1:
+            checks.fail("fs", f"must be the same of all channels, not {', '.join(f'{r:g}' for r in sorted(rates))} Hz")
+        self._set(_core.from_channels(given, rates.pop() if rates else 0.0, start, name))
+
+    def _set(self, core):
+        self._core = core
+        self._channels = [Channel(fields, core.fs) for fields in core.channels()]
+
+    @classmethod
+    def _of(cls, core):
+        recording = cls.__new__(cls)
+        recording._set(core)
+        return recording
+
+    @property
+    def name(self):
+        """File, or the name given."""
+        return self._core.name
+
+    @property
+    def format(self):
+        """``"csv"``, ``"uff58-binary"``, ... or ``"memory"``."""
+        return self._core.format
+
+    @property
+    def fs(self):
+        """Sample rate, Hz; 0: not known."""
+        return self._core.fs
+
+    @property
+    def start_time_s(self):
+        """Time of the first sample, s."""
+        return self._core.start_time_s
+
+    @property
+    def time_s(self):
+        """Times of the samples, s."""
+        if not self._core.uniform:
+            return self._core.time_s
+        if not self.fs > 0:
+            checks.fail("fs", f"{self.name} gives no sample rate")
+        return self.start_time_s + np.arange(len(self._channels[0]) if self._channels else 0) / self.fs
+
+    @property
+    def channels(self):
+        """The channels, in order."""
+        return list(self._channels)
+
+    @property
+    def notes(self):
+        """What the reader found worth knowing: code, message, where."""
+        return Records(Record(note) for note in self._core.notes())
+
+    def __len__(self):
+        return len(self._channels)
+
+    def __getitem__(self, key):
+        if isinstance(key, str):
+            for channel in self._channels:
+                if channel.name == key:
+                    return channel
+            raise KeyError(f"{self.name} has no channel {key!r}; there are: " +
+                           ", ".join(c.name for c in self._channels))
+        return self._channels[key]
+
+    def to_sep005(self):
+        """The channels as list of dicts ``{name, data, fs, unit_str}``, data not copied."""
+        return [channel.to_sep005() for channel in self._channels]
+
+    def to_dict(self):
+        """Name, format, rate and the channels as in `to_sep005`."""
+        return {"name": self.name, "format": self.format, "fs": self.fs, "start_time_s": self.start_time_s,
+                "channels": self.to_sep005()}
+
+    def to_frame(self):
+        """A pandas.DataFrame, a column a channel over time in s (or over the sample number)."""
+        index = self.time_s if self.fs > 0 or not self._core.uniform else None
+        return frame({c.name: c.data for c in self._channels}, index)
+
+    def plot(self, axes=None):
+        """The channels over time; returns the matplotlib axes."""
+        from .plots import plot_recording
+        return plot_recording(self, axes)
+
+    def __repr__(self):
+        samples = len(self._channels[0]) if self._channels else 0
+        return f"Recording({self.name!r}, {len(self)} channels, {samples} samples, fs {self.fs:g} Hz)"
+
+    def _repr_html_(self):
+        rows = "".join(f"<tr><td>{html.escape(c.name)}</td><td>{html.escape(c.unit)}</td><td>{c.quantity}</td>"
+                       f"<td>{c.missing_samples}</td></tr>" for c in self._channels)
+        return (f"<p>{html.escape(repr(self))}</p><table><tr><th>channel</th><th>unit</th><th>quantity</th>"
+                f"<th>missing</th></tr>{rows}</table>")
+
+
+def read(file, sample_rate=None):
+    """Reads a recording: CSV, LabVIEW .lvm, UFF 58 and what else ``rigfit inspect`` reads.
+
+    Parameters
+    ----------
+    file : path
+        A TOML file of its name beside it describes its channels.
+    sample_rate : float, optional
+        Hz, where the file gives none.
+
+    Returns
+    -------
+    Recording
+        Its channels are views of what was read; nothing is copied.
+
+    Raises
+    ------
+    InputError
+        With file, line, channel, value and remedy.
+    """
+    options = {}
+    if sample_rate is not None:
+        options["sample_rate"] = checks.number("sample_rate", sample_rate, positive=True)
+    core, notes = _core.read(checks.path("file", file), options)
+    warn(notes)
+    return Recording._of(core)
+
+
+def warn(found):
+    """Python warnings of what a document lists."""
+    for one in found:
+        where = f"{one['where']}: " if one["where"] else ""
+        _warnings.warn(f"{where}{one['message']} [{one['code']}]", DataWarning, stacklevel=4)
+
+
+def sources(argument, given):
+    """Files and recordings as the module takes them: str and core recordings."""
+    if isinstance(given, Recording):
+        return [given._core]
+    if isinstance(given, Mapping):
+        checks.fail(argument, "is a dict: make a rigfit.Recording of it, with fs=")
+    if isinstance(given, (str, os.PathLike)):
+        return [checks.path(argument, given)]
+    if not isinstance(given, (list, tuple)):
+        if hasattr(given, "read"):
+            checks.fail(argument, "is a file object: give its path")
+        checks.fail(argument, f"must be a path, a Recording, a list of channels, or a list of these, not "
+                              f"{checks.kind(given)}")
+    if not given:
+        checks.fail(argument, "is empty")
+    if all(isinstance(one, (Channel, Mapping)) for one in given):
+        try:
+            return [Recording(list(given), name=argument)._core]
+        except Error as error:
+            error.argument = f"{argument}: {error.argument}"
+            raise
+    return [one for i, item in enumerate(given) for one in sources(f"{argument}[{i}]", item)]

@@ -1,0 +1,333 @@
+"""Results: the program's JSON documents as objects, with values that carry their uncertainty."""
+
+from collections.abc import Mapping
+import copy
+import html
+
+from .errors import Error
+
+
+def frame(columns, index=None):
+    """A pandas.DataFrame, where pandas is installed."""
+    try:
+        import pandas
+    except ImportError as error:
+        raise Error("to_frame() needs pandas (Debian: python3-pandas)", code="not_installed") from error
+    return pandas.DataFrame(columns, index=index)
+
+
+class Estimate:
+    """A value with its standard uncertainty, and the ends of its 95 % interval where they are known.
+
+    Attributes
+    ----------
+    value, std : float or None
+        None: there is no such number.
+    low, high : float or None
+    """
+
+    __slots__ = ("value", "std", "low", "high", "_fields")
+
+    def __init__(self, fields):
+        self._fields = fields
+        self.value, self.std = fields.get("value"), fields.get("std")
+        self.low, self.high = fields.get("low"), fields.get("high")
+
+    def __float__(self):
+        if self.value is None:
+            raise Error("there is no value", code="no_value")
+        return float(self.value)
+
+    def to_dict(self):
+        """As in the JSON document."""
+        return copy.deepcopy(self._fields)
+
+    def to_ufloat(self):
+        """``uncertainties.ufloat(value, std)``, where that package is installed."""
+        try:
+            import uncertainties
+        except ImportError as error:
+            raise Error("to_ufloat() needs the package uncertainties (Debian: python3-uncertainties)",
+                        code="not_installed") from error
+        if self.std is None:
+            raise Error("there is no standard uncertainty", code="no_value")
+        return uncertainties.ufloat(float(self), self.std)
+
+    def __repr__(self):
+        return f"Estimate({self})"
+
+    def __str__(self):
+        value = "-" if self.value is None else f"{self.value:.7g}"
+        return value if self.std is None else f"{value} +- {self.std:.2g}"
+
+    def __eq__(self, other):
+        return isinstance(other, Estimate) and self._fields == other._fields
+
+    __hash__ = None
+
+
+class Records(list):
+    """A list of records, with a table of them."""
+
+    def to_dict(self):
+        """As in the JSON document."""
+        return [one.to_dict() if isinstance(one, (Record, Estimate)) else one for one in self]
+
+    def table(self):
+        """Columns of the entries that are numbers, words or estimates: name to list."""
+        columns = {}
+        for row, record in enumerate(self):
+            for key, value in (record._fields.items() if isinstance(record, Record) else ()):
+                for name, cell in _cells(key, value):
+                    column = columns.setdefault(name, [None] * row)
+                    column.append(cell)
+            for column in columns.values():
+                column.extend([None] * (row + 1 - len(column)))
+        return columns
+
+    def to_frame(self):
+        """A pandas.DataFrame, a row a record; an estimate is two columns or more, ``x``, ``x_std``, ``x_low`` ..."""
+        return frame(self.table())
+
+    def _repr_html_(self):
+        columns = self.table()
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
+        rows = "".join("<tr>" + "".join(f"<td>{html.escape(_shown(column[i]))}</td>" for column in columns.values()) +
+                       "</tr>" for i in range(len(self)))
+        return f"<table><tr>{head}</tr>{rows}</table>"
+
+
+def _cells(key, value):
+    if isinstance(value, Mapping) and "value" in value:
+        yield key, value["value"]
+        for part in ("std", "low", "high"):
+            if part in value:
+                yield f"{key}_{part}", value[part]
+    elif value is None or isinstance(value, (bool, int, float, str)):
+        yield key, value
+
+
+def _shown(value):
+    if value is None:
+        return ""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def wrapped(value):
+    """What an attribute gives: Estimate, Record, Records or the plain value."""
+    if isinstance(value, dict):
+        return Estimate(value) if "value" in value and set(value) <= {"value", "std", "low", "high"} else Record(value)
+    if isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
+        return Records(wrapped(one) for one in value)
+    return value
+
+
+class Record(Mapping):
+    """Named entries of a document: as attributes and by ``[name]``."""
+
+    def __init__(self, fields):
+        self.__dict__["_fields"] = fields
+
+    def __getattr__(self, name):
+        fields = self.__dict__.get("_fields", {})
+        if name in fields:
+            return wrapped(fields[name])
+        raise AttributeError(f"{type(self).__name__} has no {name!r}; there are: {', '.join(fields)}")
+
+    def __setattr__(self, name, value):
+        raise AttributeError(f"{type(self).__name__} cannot be changed")
+
+    def __getitem__(self, name):
+        return wrapped(self._fields[name])
+
+    def __iter__(self):
+        return iter(self._fields)
+
+    def __len__(self):
+        return len(self._fields)
+
+    def __dir__(self):
+        return sorted({*super().__dir__(), *self._fields})
+
+    def to_dict(self):
+        """As in the JSON document."""
+        return copy.deepcopy(self._fields)
+
+    def __repr__(self):
+        shown = ", ".join(f"{key}={_shown(value)}" if not isinstance(value, (dict, list)) else
+                          f"{key}={wrapped(value)!s}" if isinstance(wrapped(value), Estimate) else key
+                          for key, value in self._fields.items())
+        return f"{type(self).__name__}({shown})"
+
+    def _repr_html_(self):
+        rows = "".join(f"<tr><th>{html.escape(key)}</th><td>{_entry(wrapped(value))}</td></tr>"
+                       for key, value in self._fields.items())
+        return f"<table>{rows}</table>"
+
+
+def _entry(value):
+    if isinstance(value, (Record, Records)):
+        return value._repr_html_()
+    if isinstance(value, list):
+        return html.escape(f"{len(value)} entries" if len(value) > 6 else ", ".join(map(_shown, value)))
+    return html.escape(_shown(value) if not isinstance(value, Estimate) else str(value))
+
+
+class Result(Record):
+    """What a function found: the JSON document of the verb of that name.
+
+    Every key of the document is an attribute. ``warnings`` lists what to know of it.
+    """
+
+    main = ""  #: the list that `to_frame` makes a table of
+
+    def __init__(self, fields, **extra):
+        super().__init__(fields)
+        self.__dict__.update(extra)
+
+    def to_frame(self):
+        """A pandas.DataFrame of the main list of the result."""
+        rows = wrapped(self._fields.get(self.main, []))
+        return rows.to_frame() if isinstance(rows, Records) else frame({})
+
+    def plot(self, axes=None):
+        """The result as a plot of matplotlib; returns the axes."""
+        from . import plots
+        return plots.plot(self, axes)
+
+    def _repr_html_(self):
+        title = f"<p><b>{type(self).__name__}</b> (rigfit {html.escape(str(self._fields.get('rigfit', '')))})</p>"
+        shown = {key: value for key, value in self._fields.items() if key not in ("rigfit", "command", "inputs")}
+        return title + Record(shown)._repr_html_()
+
+
+class InspectResult(Result):
+    """Quality of recordings: ``recordings``."""
+
+    main = "recordings"
+
+
+class DecayResult(Result):
+    """Free decay: ``modes``, strongest first, ``decays``, ``frequency_drift_hz``, ``amplitude_dependence``."""
+
+    main = "modes"
+
+
+class FrfResult(Result):
+    """Averaged FRFs of hits: ``hits``, ``averages`` and the arrays.
+
+    Attributes
+    ----------
+    frequency_hz : numpy.ndarray, shape (lines,)
+    H : numpy.ndarray, complex, shape (lines, responses, inputs)
+        SI per N, sign exp(+i 2 pi f t).
+    H_std : numpy.ndarray or None
+        Standard deviation of the real and of the imaginary part, each.
+    coherence : numpy.ndarray or None
+    response_names, input_names : list of str
+    """
+
+    main = "hits"
+
+    @property
+    def frequency_hz(self):
+        """Lines, Hz."""
+        return self._arrays().frequency_hz
+
+    @property
+    def H(self):
+        """lines x responses x inputs."""
+        return self._arrays().H
+
+    @property
+    def H_std(self):
+        """Layout of H; None: not known."""
+        return self._arrays().H_std
+
+    @property
+    def coherence(self):
+        """Layout of H; None: not known."""
+        return self._arrays().coherence
+
+    @property
+    def response_names(self):
+        """Names along the second axis of H."""
+        return self._arrays().responses
+
+    @property
+    def input_names(self):
+        """Names along the third axis of H."""
+        return self._arrays().inputs
+
+    def _arrays(self):
+        frfs = self.__dict__.get("frfs")
+        if frfs is None:
+            raise Error("no hit was accepted: there are no FRFs", code="no_frfs")
+        return frfs
+
+
+class ModalResult(Result):
+    """Modes of FRFs: ``modes`` with ``frequency_hz``, ``damping_ratio``, ``shape``; ``stabilisation`` and more."""
+
+    main = "modes"
+
+
+class BendingResult(Result):
+    """EI at each tension: ``tests``, ``laws``, ``curve``, ``bounds``."""
+
+    main = "tests"
+
+
+class AxialResult(Result):
+    """Hanging-mass test: ``EA_N``, ``damping_ratio``, ``damping_Ns_m``, ``samples``, ``budget``."""
+
+    main = "samples"
+
+
+class ModesResult(Result):
+    """Natural modes of a scene: ``modes``, ``equilibrium``, ``relative_error_estimate``, ``modelled``."""
+
+    main = "modes"
+
+
+class SceneFrfs(Result):
+    """FRFs of a scene: ``frequency_hz`` and ``H``, lines x sensors x loads; ``sensors``, ``loads``, ``units``."""
+
+
+class RespondResult(Result):
+    """Time response: ``time_s``, ``samples`` (rows x sensors), ``solver``, ``energy_drift`` ..."""
+
+    main = "sensors"
+
+    def to_frame(self):
+        """A pandas.DataFrame, a column a sensor over time in s."""
+        names = [sensor["name"] for sensor in self._fields["sensors"]]
+        return frame({name: self.__dict__["response"][:, i] for i, name in enumerate(names)}, self.time_s)
+
+
+class UpdateResult(Result):
+    """A fit: ``parameters``, ``pairs``, ``alternatives``, ``fit``; ``covariance`` of the parameters, fitted ``scenes``.
+
+    Attributes
+    ----------
+    covariance : numpy.ndarray or None
+        Of the parameters in their order; None where one of them cannot be identified.
+    fitted_scenes : list of Scene
+        One a state.
+    """
+
+    main = "parameters"
+
+
+class TensionResult(Result):
+    """Tension of a cable: ``tension_N``, ``EI_Nm2``, ``candidates``, ``modes``, ``formulas``, ``budget``."""
+
+    main = "modes"
+
+
+class SynthesizeResult(Result):
+    """Files that a virtual laboratory wrote: ``files``."""
+
+
+class ReportResult(Result):
+    """The document of a report; the page is ``report.html`` in its folder."""

@@ -1,0 +1,193 @@
+#include "apps/python/src/call.h"
+
+#include <pybind11/stl.h>
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <future>
+#include <new>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "apps/cli/exit_code.h"
+#include "apps/cli/json_document.h"
+#include "document/document_error.h"
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::python {
+namespace {
+
+std::atomic<int> abandoned{0};
+
+[[noreturn]] void raise(const char* kind, const std::string& message, const py::dict& fields) {
+  const py::object type = py::module_::import("rigfit.errors").attr(kind);
+  const py::object error = type(message, **fields);
+  PyErr_SetObject(type.ptr(), error.ptr());
+  throw py::error_already_set();
+}
+
+[[noreturn]] void raise_as_python(const std::exception_ptr& thrown) {
+  using namespace py::literals;
+  try {
+    std::rethrow_exception(thrown);
+  } catch (py::error_already_set&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    PyErr_NoMemory();
+    throw py::error_already_set();
+  } catch (const signal::RecordingError& error) {
+    const auto& where = error.where();
+    raise("InputError", error.what(),
+          py::dict("file"_a = where.file, "line"_a = where.line, "column"_a = where.column,
+                   "channel"_a = where.channel, "value"_a = where.value,
+                   "problem"_a = error.problem(), "remedy"_a = error.remedy()));
+  } catch (const document::DocumentError& error) {
+    const auto& where = error.where();
+    raise(
+        "InputError", error.what(),
+        py::dict("file"_a = where.file, "line"_a = where.line, "column"_a = where.column,
+                 "key"_a = where.key, "problem"_a = error.problem(), "remedy"_a = error.remedy()));
+  } catch (const apps::UsageError& error) {
+    raise("UsageError", error.what(), py::dict());
+  } catch (const apps::InputChanged& error) {
+    raise("InputError", error.what(), py::dict());
+  } catch (const apps::Refused& error) {
+    raise("Refused", error.what(), py::dict());
+  } catch (const apps::NotConverged& error) {
+    raise("NotConverged", error.what(), py::dict());
+  } catch (const std::invalid_argument& error) {
+    raise("UsageError", error.what(), py::dict());
+  } catch (const std::exception& error) {
+    raise("InternalError", error.what(), py::dict());
+  }
+}
+
+/// Work on a thread of its own. It may own objects of Python: destroyed with the lock held.
+struct Job {
+  std::function<void()> work;
+  std::promise<void> done;
+};
+
+bool on_main_thread() {
+  const py::object main = py::module_::import("threading").attr("main_thread")().attr("ident");
+  return py::cast<unsigned long>(main) == PyThread_get_thread_ident();
+}
+
+}  // namespace
+
+py::object to_python(const Json& value) {
+  switch (value.type()) {
+    case Json::value_t::boolean:
+      return py::bool_(value.get<bool>());
+    case Json::value_t::number_integer:
+      return py::int_(value.get<std::int64_t>());
+    case Json::value_t::number_unsigned:
+      return py::int_(value.get<std::uint64_t>());
+    case Json::value_t::number_float:
+      return py::float_(value.get<double>());
+    case Json::value_t::string: {
+      const auto& text = value.get_ref<const std::string&>();
+      return py::reinterpret_steal<py::object>(
+          PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+    }
+    case Json::value_t::array: {
+      py::list list;
+      for (const auto& element : value) list.append(to_python(element));
+      return list;
+    }
+    case Json::value_t::object: {
+      py::dict dict;
+      for (const auto& [key, element] : value.items()) dict[py::str(key)] = to_python(element);
+      return dict;
+    }
+    default:
+      return py::none();
+  }
+}
+
+CallContext::CallContext(const Options& options) : out_(&nothing_), context_(out_) {
+  context_.quiet = true;
+  context_.silent = true;
+  context_.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  options.take("threads", context_.threads);
+  options.take("seed", context_.seed);
+  options.take("command_line", context_.command);
+}
+
+void run_unlocked(std::function<void()> work) {
+  auto job = std::make_shared<Job>();
+  job->work = std::move(work);
+  if (!on_main_thread()) {
+    std::exception_ptr thrown;
+    {
+      const py::gil_scoped_release unlocked;
+      try {
+        job->work();
+      } catch (...) {
+        thrown = std::current_exception();
+      }
+    }
+    if (thrown) raise_as_python(thrown);
+    return;
+  }
+  std::future<void> done = job->done.get_future();
+  // Whoever comes second, the end of the work or an interruption, knows of the other.
+  auto parted = std::make_shared<std::atomic<bool>>(false);
+  std::thread worker([job, parted]() mutable {
+    try {
+      job->work();
+      job->done.set_value();
+    } catch (...) {
+      job->done.set_exception(std::current_exception());
+    }
+    if (!parted->exchange(true)) return;  // the caller joins, then releases the job
+    {
+      const py::gil_scoped_acquire locked;
+      job.reset();
+    }
+    --abandoned;
+  });
+  for (bool ready = false; !ready;) {
+    {
+      const py::gil_scoped_release unlocked;
+      ready = done.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready;
+    }
+    if (ready || PyErr_CheckSignals() == 0) continue;
+    ++abandoned;
+    if (parted->exchange(true)) {
+      --abandoned;  // it has just ended
+      worker.join();
+    } else {
+      worker.detach();
+    }
+    throw py::error_already_set();
+  }
+  worker.join();
+  try {
+    done.get();
+  } catch (...) {
+    raise_as_python(std::current_exception());
+  }
+}
+
+py::tuple run_verb(const char* name, const Options& options,
+                   std::function<Json(apps::VerbContext&)> work) {
+  struct State {
+    explicit State(const Options& from) : context(from) {}
+    CallContext context;
+    Json document;
+  };
+  auto state = std::make_shared<State>(options);
+  run_unlocked([state, name, work = std::move(work)] {
+    Json result = work(state->context.verb());
+    state->document = apps::json_document(state->context.verb(), name, std::move(result));
+  });
+  return py::make_tuple(to_python(state->document),
+                        static_cast<int>(state->context.verb().exit_code));
+}
+
+int abandoned_calls() { return abandoned; }
+
+}  // namespace rigfit::python

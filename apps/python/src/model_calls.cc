@@ -1,0 +1,296 @@
+// Python's Scene and what is done with it: modes, FRFs, responses, fits, virtual laboratories; and
+// reports.
+#include <pybind11/complex.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <complex>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/cli/verbs/calls.h"
+#include "apps/python/src/call.h"
+#include "apps/python/src/module.h"
+#include "apps/report/campaign_report.h"
+#include "model/linear/frf_synthesis.h"
+#include "model/scene/parameters.h"
+#include "model/scene/read_scene.h"
+#include "model/scene/sensor_quantity.h"
+
+namespace rigfit::python {
+namespace {
+
+using SharedScene = std::shared_ptr<model::Scene>;
+
+/// A scene at hand, or the file it is read from in the call.
+struct SceneSource {
+  std::string path;
+  SharedScene scene;
+
+  explicit SceneSource(const py::object& given) {
+    if (py::isinstance<py::str>(given)) {
+      path = given.cast<std::string>();
+    } else {
+      scene = given.cast<SharedScene>();
+      path = scene->file;
+    }
+  }
+  [[nodiscard]] model::Scene load(apps::VerbContext& context) const {
+    if (scene) return *scene;
+    context.input(path);
+    return model::read_scene(path);
+  }
+};
+
+SharedScene parse_scene(const std::string& text, const std::string& name) {
+  auto scene = std::make_shared<model::Scene>();
+  run_unlocked([scene, text, name] { *scene = model::parse_scene(text, name); });
+  return scene;
+}
+
+SharedScene read_scene(const std::string& path) {
+  auto scene = std::make_shared<model::Scene>();
+  run_unlocked([scene, path] { *scene = model::read_scene(path); });
+  return scene;
+}
+
+SharedScene with_parameter(const model::Scene& scene, const std::string& name, double value) {
+  auto changed = std::make_shared<model::Scene>(scene);
+  run_unlocked([changed, name, value] { model::set_parameter(*changed, name, value); });
+  return changed;
+}
+
+py::dict parameters_of(const model::Scene& scene) {
+  py::dict values;
+  for (const auto& name : model::parameter_names(scene)) {
+    values[py::str(name)] = model::parameter(scene, name);
+  }
+  return values;
+}
+
+template <typename Items>
+py::list names_of(const Items& items) {
+  py::list names;
+  for (const auto& item : items) names.append(item.name);
+  return names;
+}
+
+py::tuple modes(const py::object& given, const py::dict& options_given) {
+  const Options options(options_given);
+  const SceneSource source(given);
+  apps::ModesCommand command;
+  command.scene = source.path;
+  options.take("count", command.count);
+  options.take("band", command.band);
+  options.take("segments", command.segments);
+  options.take("rotary_inertia", command.rotary_inertia);
+  options.take("torsion", command.torsion);
+  options.take("shapes", command.shapes);
+  return run_verb("modes", options, [source, command](apps::VerbContext& context) {
+    return apps::modes_result(source.load(context), command, context);
+  });
+}
+
+/// H: lines x sensors x loads.
+py::tuple frf_of(const py::object& given, const py::array_t<double, py::array::c_style>& lines,
+                 const py::dict& options_given) {
+  const Options options(options_given);
+  const SceneSource source(given);
+  struct State {
+    Eigen::VectorXd frequency_hz;
+    model::ModesOptions modes;
+    double decay_rate_1_s = 0;
+    model::SynthesizedFrfs frfs;
+    model::Scene scene;
+  };
+  auto state = std::make_shared<State>();
+  state->frequency_hz = Eigen::Map<const Eigen::VectorXd>(lines.data(), lines.size());
+  int segments = 0;
+  options.take("segments", segments);
+  if (segments > 0) state->modes.segments = segments;
+  options.take("exponential_window", state->decay_rate_1_s);
+  const py::tuple answer = run_verb("frf_of", options, [source, state](apps::VerbContext& context) {
+    state->scene = source.load(context);
+    state->frfs = model::synthesize_frfs(state->scene, state->frequency_hz, state->modes,
+                                         state->decay_rate_1_s);
+    if (state->frfs.equilibrium.status != model::EquilibriumStatus::converged) {
+      throw apps::NotConverged(source.path + ": " + state->frfs.equilibrium.reason);
+    }
+    Json units = Json::array(), sensors = Json::array(), loads = Json::array();
+    for (const auto& sensor : state->scene.sensors) {
+      sensors.push_back(sensor.name);
+      units.push_back("(" + std::string(model::described(sensor.quantity).unit) + ")/N");
+    }
+    for (const auto& load : state->scene.loads) loads.push_back(load.name);
+    return Json{{"sensors", std::move(sensors)}, {"loads", std::move(loads)}, {"units", units}};
+  });
+  const auto sensors = static_cast<py::ssize_t>(state->scene.sensors.size());
+  const auto loads = static_cast<py::ssize_t>(state->scene.loads.size());
+  py::array_t<std::complex<double>> H({lines.size(), sensors, loads});
+  auto values = H.mutable_unchecked<3>();
+  for (py::ssize_t k = 0; k < lines.size(); ++k) {
+    for (py::ssize_t s = 0; s < sensors; ++s) {
+      for (py::ssize_t l = 0; l < loads; ++l) {
+        values(k, s, l) = state->frfs.H[static_cast<std::size_t>(k)](s, l);
+      }
+    }
+  }
+  return py::make_tuple(answer[0], answer[1], H);
+}
+
+py::tuple respond(const py::object& given, const py::dict& options_given) {
+  const Options options(options_given);
+  const SceneSource source(given);
+  apps::RespondCommand command;
+  command.scene = source.path;
+  options.take("duration", command.duration_s);
+  options.take("rate", command.rate_hz);
+  options.take("out", command.out);
+  options.take("energy", command.energy);
+  options.take("solver", command.solver);
+  options.take("plane", command.plane);
+  options.take("torsion", command.torsion);
+  options.take("axial", command.axial);
+  options.take("segments", command.segments);
+  options.take("step", command.step_s);
+  options.take("tolerance", command.tolerance);
+  auto response = std::make_shared<model::ResponseResult>();
+  const py::tuple answer =
+      run_verb("respond", options, [source, command, response](apps::VerbContext& context) {
+        return apps::respond_result(source.load(context), command, context, *response);
+      });
+  const auto owner = py::capsule(new std::shared_ptr<model::ResponseResult>(response), [](void* p) {
+    delete static_cast<std::shared_ptr<model::ResponseResult>*>(p);
+  });
+  const Eigen::MatrixXd& samples = response->samples;
+  constexpr py::ssize_t kSize = sizeof(double);
+  const py::array_t<double> view({samples.rows(), samples.cols()}, {kSize, kSize * samples.rows()},
+                                 samples.data(), owner);
+  return py::make_tuple(answer[0], answer[1], view);
+}
+
+apps::UpdateCommand update_command(const Options& options) {
+  apps::UpdateCommand c;
+  options.take("scenes", c.data.scenes);
+  options.take("measured", c.data.modes);
+  options.take("frf", c.data.frfs);
+  options.take("decay", c.data.decays);
+  options.take("response", c.data.responses);
+  options.take("tension", c.data.tensions);
+  options.take("plane", c.data.planes);
+  options.take("column", c.data.column);
+  options.take("compare", c.data.compare);
+  options.take("node", c.data.nodes);
+  options.take("channel", c.data.decay_channel);
+  options.take("stiffness", c.data.stiffness);
+  options.take("segments", c.data.segments);
+  options.take("band", c.band);
+  options.take("free", c.free);
+  options.take("prior", c.priors);
+  options.take("input", c.inputs);
+  options.take("aim", c.aims);
+  options.take("axial", c.axial);
+  options.take("axial_damping", c.axial_damping);
+  options.take("hold_out", c.hold_out);
+  options.take("profile", c.profile);
+  options.take("monte_carlo", c.monte_carlo);
+  options.take("starts", c.starts);
+  options.take("start_spread", c.start_spread);
+  options.take("assumed_std", c.assumed_std);
+  options.take("model_std", c.model_std);
+  options.take("frf_model_std", c.frf_model_std);
+  options.take("shape_std", c.shape_std);
+  options.take("stiffness_std", c.stiffness_common_std);
+  if (c.band.size() == 2) c.data.band_hz = {c.band[0], c.band[1]};
+  return c;
+}
+
+/// document, exit code, covariance of the parameters, scenes
+py::tuple update(const py::dict& options_given) {
+  const Options options(options_given);
+  auto result = std::make_shared<ident::UpdateResult>();
+  auto scenes = std::make_shared<std::vector<model::Scene>>();
+  const apps::UpdateCommand command = update_command(options);
+  const py::tuple answer =
+      run_verb("update", options, [command, result, scenes](apps::VerbContext& context) {
+        apps::UpdateStates states = apps::read_update_states(command.data, context);
+        Json json = apps::update_result(states, command, context, *result);
+        *scenes = apps::updated_scenes(states, *result);
+        return json;
+      });
+  py::list list;
+  for (auto& scene : *scenes) list.append(std::make_shared<model::Scene>(std::move(scene)));
+  const Eigen::MatrixXd& covariance = result->covariance;
+  py::array_t<double> matrix({covariance.rows(), covariance.cols()});
+  auto values = matrix.mutable_unchecked<2>();
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    for (Eigen::Index j = 0; j < covariance.cols(); ++j) values(i, j) = covariance(i, j);
+  }
+  return py::make_tuple(answer[0], answer[1], matrix, list);
+}
+
+py::tuple synthesize(const py::object& given, const py::dict& options_given) {
+  const Options options(options_given);
+  const SceneSource source(given);
+  apps::SynthesizeOptions command;
+  command.scene = source.path;
+  options.take("out", command.out);
+  options.take("hits", command.rig.hits);
+  options.take("double_hits", command.rig.double_hits);
+  options.take("record", command.rig.record_s);
+  options.take("rate", command.rig.sample_rate_hz);
+  options.take("finer", command.rig.finer);
+  options.take("accelerometer_mass", command.rig.accelerometer_mass_kg);
+  options.take("tension", command.tensions);
+  options.take("tension_std", command.tension_std);
+  options.take("stiffness", command.stiffness);
+  options.take("format", command.format);
+  options.take("bending_span", command.bending_span);
+  options.take("bending_load", command.bending_peak_load);
+  options.take("axial_length", command.axial_lengths);
+  options.take("axial_length_std", command.axial_length_std);
+  options.take("axial_mass", command.axial_mass);
+  options.take("axial_damping", command.axial_damping_ratio);
+  options.take("taps", command.taps);
+  return run_verb("synthesize", options, [source, command](apps::VerbContext& context) {
+    return apps::synthesize_result(source.load(context), command, context);
+  });
+}
+
+py::tuple report(const std::string& campaign, const std::string& out,
+                 const py::dict& options_given) {
+  const Options options(options_given);
+  return run_verb("report", options, [campaign, out](apps::VerbContext& context) {
+    context.input(campaign);
+    return apps::campaign_report(apps::read_campaign(campaign), out, context);
+  });
+}
+
+}  // namespace
+
+void bind_model(py::module_& module) {
+  py::class_<model::Scene, SharedScene>(module, "Scene")
+      .def_readonly("title", &model::Scene::title)
+      .def_readonly("file", &model::Scene::file)
+      .def_readonly("accuracy", &model::Scene::accuracy)
+      .def("text", [](const model::Scene& scene) { return model::scene_text(scene); })
+      .def("parameters", &parameters_of)
+      .def("with_parameter", &with_parameter)
+      .def("nodes", [](const model::Scene& scene) { return names_of(scene.nodes); })
+      .def("members", [](const model::Scene& scene) { return names_of(scene.members); })
+      .def("loads", [](const model::Scene& scene) { return names_of(scene.loads); })
+      .def("sensors", [](const model::Scene& scene) { return names_of(scene.sensors); });
+  module.def("parse_scene", &parse_scene);
+  module.def("read_scene", &read_scene);
+  module.def("modes", &modes);
+  module.def("frf_of", &frf_of);
+  module.def("respond", &respond);
+  module.def("update", &update);
+  module.def("synthesize", &synthesize);
+  module.def("report", &report);
+}
+
+}  // namespace rigfit::python

@@ -1,0 +1,58 @@
+// Recordings as Python holds them.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/cli/verb_context.h"
+#include "signal/readers/read_options.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::python {
+
+namespace py = pybind11;
+
+/// A recording that was read, or one whose samples are NumPy arrays. Never changed once made.
+class RecordingObject {
+ public:
+  RecordingObject() = default;
+  RecordingObject(const RecordingObject&) = delete;
+  RecordingObject& operator=(const RecordingObject&) = delete;
+  ~RecordingObject();
+
+  signal::Recording recording;
+  /// Keeps `array` (one dimension, contiguous, doubles) and uses its memory; copies what is not
+  /// aligned.
+  void set_samples(std::size_t channel, const py::array_t<double>& array);
+
+ private:
+  std::vector<bool> borrowed_;
+  std::vector<py::object> owners_;
+};
+
+/// A file to be read in the call, or a recording at hand.
+struct Source {
+  std::filesystem::path path;
+  std::shared_ptr<const RecordingObject> recording;
+
+  [[nodiscard]] std::string name() const;
+  /// The file read as an input of the run, or a copy of the recording; the recording's notes become
+  /// warnings.
+  [[nodiscard]] signal::Recording load(apps::VerbContext& context,
+                                       const signal::ReadOptions& options = {}) const;
+};
+/// Of str and Recording objects, as the Python layer gives them.
+[[nodiscard]] std::vector<Source> sources_of(const py::list& given);
+
+/// Every note of a recording at hand as a warning, as when its file is read.
+void warn_of_notes(const signal::Recording& recording, apps::VerbContext& context);
+
+void bind_recordings(py::module_& module);
+
+}  // namespace rigfit::python

@@ -1,0 +1,167 @@
+"""Misuse: every call either works or raises rigfit.Error (or what Python itself raises for unknown arguments) that names
+the argument and the reason; a thousand random misuses without a crash."""
+
+import io
+import os
+import pathlib
+import random
+import tempfile
+import unittest
+import warnings
+
+import numpy as np
+
+import rigfit
+
+SOURCE = pathlib.Path(os.environ["RIGFIT_SOURCE"])
+CABLE = str(SOURCE / "testdata/jalali2021/scenes/cable.toml")
+CLOSED = io.StringIO("1,2\n")
+CLOSED.close()
+READ_ONLY = np.arange(64.0)
+READ_ONLY.setflags(write=False)
+GOOD = rigfit.Recording({"force": np.sin(np.arange(64.0)), "a": np.cos(np.arange(64.0))}, fs=64.0)
+
+# What a person passes by mistake.
+ODD = [None, True, 0, -1, 1, 2, 7, 2**70, -2**70, 0.0, -0.5, 0.5, 1e-320, 1e308, float("nan"), float("inf"), 1 + 2j, "",
+       "x", "#0", "#99", "force", "a\0b", "\ud800", "no/such/file.csv", b"bytes", [], [1], [1, 2], [2, 1], [1.0, float("nan")],
+       ["a", 1], (), {}, {"a": 1}, {"name": "a"}, {"name": "a", "data": [1, 2]}, {"a": [1, 2]}, {"a": []}, object(), CLOSED,
+       io.BytesIO(), np.zeros(0), np.zeros((2, 2)), np.zeros((2, 3, 4)), np.array(3.0), np.arange(8), np.arange(8.0)[::2],
+       np.arange(8.0)[::-1], np.arange(8, dtype=np.float32), np.arange(8, dtype=np.complex64), np.array(["a", "b"]),
+       np.array([1, None], dtype=object), np.full(8, np.nan), np.full(8, np.inf), np.zeros(8, dtype=bool), READ_ONLY,
+       np.ma.masked_array([1.0, 2.0], [True, False]), np.asfortranarray(np.zeros((3, 3))),
+       np.zeros(8, dtype=">f8"), np.float32(2), np.int8(3), range(4), lambda: 0, rigfit.Recording, GOOD, [GOOD, GOOD],
+       pathlib.Path("/"), pathlib.Path(CABLE), CABLE, "title = 1\n", rigfit.Scene(CABLE), ...]
+
+FUNCTIONS = {
+    rigfit.read: ["file", "sample_rate"],
+    rigfit.Recording: ["channels", "fs", "units", "start_time_s", "name"],
+    rigfit.inspect: ["recordings", "sample_rate"],
+    rigfit.decay: ["recording", "channel", "start", "end", "band", "each", "max_modes", "sample_rate", "threads", "seed"],
+    rigfit.frf: ["recordings", "force", "response", "band", "encoding", "driving_point", "struck", "estimator",
+                 "force_window", "exponential_window", "exponential_end_level", "sample_rate", "block", "pre_trigger",
+                 "pulse_sign", "trigger", "double_hit", "min_pulse_samples", "max_spectrum_drop", "ring_down_level",
+                 "keep_outliers", "frequencies_only", "error_smoothing", "threads", "seed", "no_such"],
+    rigfit.modal: ["frfs", "force", "response", "band", "order", "max_damping", "averages", "exponential_window", "struck"],
+    rigfit.frfs_of_arrays: ["frequency_hz", "H", "form", "responses", "inputs", "coherence", "averages",
+                            "exponential_window"],
+    rigfit.read_frfs: ["file"],
+    rigfit.bending: ["recordings", "span", "span_std", "tension", "load", "deflection", "load_calibration",
+                     "tension_zero_std", "strand", "relative_std", "EA", "mass_per_length"],
+    rigfit.axial: ["recordings", "mass", "length", "channel", "mass_per_length", "mass_std", "length_std",
+                   "adapter_stiffness", "adapter_bar", "compliance_std", "catalogue_EA", "band", "sample_rate", "draws"],
+    rigfit.tension: ["recordings", "length", "mass_per_length", "frequencies", "frequency_std", "measured", "column",
+                     "channel", "band", "max_peaks", "plane", "mass_of", "EI", "EA", "inclination", "ends", "missed"],
+    rigfit.Scene: ["scene"],
+    rigfit.modes: ["scene", "count", "band", "segments", "rotary_inertia", "torsion", "shapes"],
+    rigfit.frf_of: ["scene", "frequency_hz", "segments", "exponential_window"],
+    rigfit.respond: ["scene", "duration", "rate", "solver", "plane", "segments", "step", "tolerance"],
+    rigfit.update: ["scene", "measured", "frf", "decay", "response", "free", "prior", "tension", "plane", "column",
+                    "compare", "node", "band", "stiffness", "axial", "axial_damping", "input", "aim", "segments",
+                    "starts", "threads", "seed"],
+    rigfit.synthesize: ["scene", "out", "hits", "record", "rate", "tension", "format", "bending_span", "taps"],
+    rigfit.report: ["campaign", "out", "threads"],
+}
+# Arguments that make a call whole, so that one wrong among them is met where it is used; small, that what works is quick.
+WHOLE = {
+    rigfit.decay: {"recording": GOOD, "channel": "a"},
+    rigfit.frf: {"recordings": GOOD, "force": "force"},
+    rigfit.modal: {"frfs": GOOD, "force": "force"},
+    rigfit.frfs_of_arrays: {"frequency_hz": [1.0, 2.0], "H": [1.0, 2.0], "form": "mobility"},
+    rigfit.bending: {"recordings": {"tension_N": [25, 100], "EI_Nm2": [0.2, 0.4]}},
+    rigfit.axial: {"recordings": GOOD, "mass": 1.0, "length": 1.0, "channel": "a", "draws": 10},
+    rigfit.tension: {"frequencies": [7.4], "length": 2.4, "mass_per_length": 0.17, "ends": "pinned", "EI": 0.5},
+    rigfit.modes: {"scene": CABLE, "count": 1},
+    rigfit.frf_of: {"scene": CABLE, "frequency_hz": [1.0]},
+    rigfit.respond: {"scene": CABLE, "duration": 0.01, "rate": 100.0, "solver": "modal", "segments": 8},
+    rigfit.update: {"scene": CABLE, "measured": [7.4], "starts": 1, "segments": 8},
+    rigfit.synthesize: {"scene": CABLE, "out": "out", "hits": 1, "double_hits": 0, "record": 0.2, "rate": 200.0,
+                        "finer": 1},
+    rigfit.report: {"campaign": CABLE, "out": "out"},
+}
+# Sizes that are right and only slow.
+SLOW = {("count", 7), ("segments", 2**70), ("taps", 7), ("monte_carlo", 7)}
+
+
+class Misuse(unittest.TestCase):
+    def setUp(self):
+        warnings.simplefilter("ignore")
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(folder.name)
+
+    def wrong(self, argument, reason, function, *args, **kwargs):
+        with self.assertRaises(rigfit.ArgumentError) as caught:
+            function(*args, **kwargs)
+        self.assertIn(argument, str(caught.exception))
+        self.assertIn(argument.partition("[")[0], caught.exception.argument)
+        self.assertRegex(str(caught.exception), reason)
+        self.assertEqual(caught.exception.code, "argument")
+        self.assertIsInstance(caught.exception, ValueError)
+
+    def test_argument_and_reason(self):
+        x = np.arange(8.0)
+        self.wrong("channels[1].data", "2 dimensions|1 dimension", rigfit.Recording, {"a": x, "b": np.zeros((2, 4))})
+        self.wrong("channels[0].data", "no elements", rigfit.Recording, {"a": []})
+        self.wrong("channels[0].data", "infinite", rigfit.Recording, {"a": np.full(3, np.inf)})
+        self.wrong("channels[0].data", "complex", rigfit.Recording, {"a": x + 1j})
+        self.wrong("channels[0].data", "numbers", rigfit.Recording, {"a": ["1", "2"]})
+        self.wrong("channels", "a 8, b 7", rigfit.Recording, {"a": x, "b": x[:7]})
+        self.wrong("fs", "finite", rigfit.Recording, {"a": x}, fs=float("nan"))
+        self.wrong("fs", "positive", rigfit.Recording, {"a": x}, fs=0)
+        self.wrong("fs", "same of all", rigfit.Recording, [{"name": "a", "data": x, "fs": 1.0},
+                                                           {"name": "b", "data": x, "fs": 2.0}])
+        self.wrong("file", "file object", rigfit.read, CLOSED)
+        self.wrong("recordings", "file object", rigfit.frf, CLOSED, "force")
+        self.wrong("recordings", "is a dict", rigfit.frf, {"a": x}, "force")
+        self.wrong("band", "rising", rigfit.frf, GOOD, "force", band=(5, 1))
+        self.wrong("band[1]", "finite", rigfit.frf, GOOD, "force", band=(5, float("nan")))
+        self.wrong("struck", "one a recording", rigfit.frf, GOOD, "force", struck=["a", "b"])
+        self.wrong("estimator", "h1, h2, hv", rigfit.frf, GOOD, "force", estimator="h3")
+        self.wrong("no_such", "no argument", rigfit.frf, GOOD, "force", no_such=1)
+        self.wrong("H", "not finite", rigfit.frfs_of_arrays, [1.0, 2.0], [1.0, np.nan], form="mobility")
+        self.wrong("H", "3 lines", rigfit.frfs_of_arrays, [1.0, 2.0], [1.0, 2.0, 3.0], form="mobility")
+        self.wrong("frequency_hz", "rise", rigfit.frfs_of_arrays, [2.0, 1.0], [1.0, 2.0], form="mobility")
+        self.wrong("mass", "number", rigfit.axial, GOOD, mass="1 kg", length=1.0)
+        self.wrong("length", "3 values for 1", rigfit.axial, GOOD, mass=1.0, length=[1.0, 2.0, 3.0])
+        self.wrong("count", "whole number", rigfit.modes, CABLE, count=2.5)
+        self.wrong("frequency_hz", "negative", rigfit.frf_of, CABLE, [-1.0])
+        self.wrong("measured[0].plane", "in, out, any", rigfit.update, CABLE,
+                   measured=[{"frequency_hz": 7.0, "plane": "up"}])
+        self.wrong("measured", "unknown column", rigfit.update, CABLE, measured=[{"frequency_hz": 7.0, "x": 1}])
+
+    def test_missing_samples_are_said(self):
+        data = np.sin(np.arange(256.0))
+        data[100:110] = np.nan
+        one = rigfit.Recording({"force": data, "a": data}, fs=64)
+        self.assertEqual(one["a"].missing_samples, 10)
+        self.assertEqual(rigfit.inspect(one).recordings[0].channels[0].missing_samples, 10)
+
+    def test_random_misuse(self):
+        rng = random.Random(7)
+        calls = refused = 0
+        for _ in range(1000):
+            function = rng.choice(list(FUNCTIONS))
+            names = FUNCTIONS[function]
+            arguments = dict(WHOLE.get(function, {})) if rng.random() < 0.8 else {}
+            for name in rng.sample(names, min(len(names), rng.choice((1, 1, 1, 2, 3)))):
+                value = rng.choice(ODD)
+                if (name, value if isinstance(value, (int, str)) else None) not in SLOW:
+                    arguments[name] = value
+            calls += 1
+            try:
+                function(**arguments)
+            except rigfit.InternalError as error:
+                self.fail(f"{function.__name__}({arguments}): {error!r}")
+            except (rigfit.Error, MemoryError):
+                refused += 1
+            except TypeError as error:
+                # A required argument is left out, or one that is not there: Python's own.
+                self.assertRegex(str(error), "missing|unexpected keyword", f"{function.__name__}({arguments})")
+                refused += 1
+        self.assertEqual(calls, 1000)
+        self.assertGreater(refused, 500)
+
+
+if __name__ == "__main__":
+    unittest.main()
