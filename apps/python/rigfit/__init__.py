@@ -14,6 +14,7 @@ import os as _os
 import sys as _sys
 
 from . import _core
+from ._core import FrfSet
 from .errors import (ArgumentError, DataWarning, Error, InputError, InternalError, NotConverged, Refused, UsageError)
 from .laboratory import axial, bending, tension
 from .model import Scene, frf_of, modes, report, respond, synthesize, update
@@ -27,7 +28,7 @@ __version__ = _core.version
 
 __all__ = [
     "ArgumentError", "AxialResult", "BendingResult", "Channel", "DataWarning", "DecayResult", "Error", "Estimate",
-    "FrfResult", "InputError", "InspectResult", "InternalError", "ModalResult", "ModesResult", "NotConverged", "Record",
+    "FrfResult", "FrfSet", "InputError", "InspectResult", "InternalError", "ModalResult", "ModesResult", "NotConverged", "Record",
     "Recording", "Records", "Refused", "ReportResult", "RespondResult", "Result", "Scene", "SceneFrfs",
     "SynthesizeResult", "TensionResult", "UpdateResult", "UsageError", "axial", "bending", "decay", "frf", "frf_of",
     "frfs_of_arrays", "inspect", "modal", "modes", "read", "read_frfs", "report", "respond", "synthesize", "tension",

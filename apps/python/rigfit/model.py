@@ -426,7 +426,7 @@ def synthesize(scene, out, *, seed=None, hits=None, double_hits=None, record=Non
         Its loads are the tests.
     out : path
         Folder to write to; ``truth.json`` says what is true.
-    seed : int, optional
+    seed, threads : int, optional
     hits, double_hits : int, optional
         Of every impact, and how many of them are double.
     record, rate : float, optional

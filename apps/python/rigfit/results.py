@@ -33,6 +33,11 @@ class Estimate:
         self.value, self.std = fields.get("value"), fields.get("std")
         self.low, self.high = fields.get("low"), fields.get("high")
 
+    def __getattr__(self, name):
+        if name != "_fields" and name in self._fields:
+            return self._fields[name]
+        raise AttributeError(f"Estimate has no {name!r}; there are: {', '.join(self._fields)}")
+
     def __float__(self):
         if self.value is None:
             raise Error("there is no value", code="no_value")
@@ -98,7 +103,7 @@ class Records(list):
 
 
 def _cells(key, value):
-    if isinstance(value, Mapping) and "value" in value:
+    if isinstance(value, Mapping) and {"value", "std"} <= set(value):
         yield key, value["value"]
         for part in ("std", "low", "high"):
             if part in value:
@@ -113,10 +118,13 @@ def _shown(value):
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
+_NAMED = {"name", "source"}  # a row of parameters or of a budget, not an estimate
+
+
 def wrapped(value):
     """What an attribute gives: Estimate, Record, Records or the plain value."""
     if isinstance(value, dict):
-        return Estimate(value) if "value" in value and set(value) <= {"value", "std", "low", "high"} else Record(value)
+        return Estimate(value) if {"value", "std"} <= set(value) and not _NAMED & set(value) else Record(value)
     if isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
         return Records(wrapped(one) for one in value)
     return value

@@ -226,6 +226,7 @@ def modal(frfs, *, force=None, response=None, band=None, order=None, max_damping
         Behind the coherence of FRFs from elsewhere.
     out, synthesis : path, optional
         Files to write: modes as UFF 55, FRFs rebuilt from them as UFF 58.
+    threads, seed : int, optional
 
     Returns
     -------
@@ -327,5 +328,15 @@ def frfs_of_arrays(frequency_hz, H, *, form, responses=None, inputs=None, cohere
 
 
 def read_frfs(file):
-    """FRFs of a UFF 58 file, as `frfs_of_arrays` gives them."""
+    """FRFs of a UFF 58 file.
+
+    Parameters
+    ----------
+    file : path
+
+    Returns
+    -------
+    FrfSet
+        As `frfs_of_arrays` gives them.
+    """
     return call(_core.read_frfs, checks.path("file", file))

@@ -1,0 +1,53 @@
+"""The scripts of apps/python/examples run, and print what a reader is told."""
+
+import glob
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+SOURCE = pathlib.Path(os.environ["RIGFIT_SOURCE"])
+LABORATORY = SOURCE / "testdata/virtual_laboratory"
+
+
+def run(name, *arguments):
+    done = subprocess.run([sys.executable, "-W", "ignore", SOURCE / "apps/python/examples" / name, *map(str, arguments)],
+                          capture_output=True, text=True)
+    if done.returncode:
+        raise AssertionError(done.stderr)
+    return done.stdout
+
+
+class Examples(unittest.TestCase):
+    def test_hammer_test(self):
+        out = run("hammer_test.py", *sorted(glob.glob(str(LABORATORY / "beam/rig/hammer-*.uff"))))
+        self.assertIn("hit 1: 1.65 N, double hit", out)
+        self.assertIn("4 hits averaged", out)
+        # The virtual beam's damping ratio is 1 %.
+        self.assertRegex(out, r"41\.859\d Hz \+- 0\.0005, damping 0\.999\d %")
+
+    def test_axial_rigidity(self):
+        groups = [f"{length}=" + ",".join(sorted(glob.glob(str(LABORATORY / f"bench/axial/L{length}m-[12].csv"))))
+                  for length in ("0.7", "1.3")]
+        out = run("axial_rigidity.py", *groups)
+        value, std = map(float, re.search(r"EA +(\S+) \+- (\S+)", out).groups())
+        self.assertLess(abs(value - 205000), 3 * std)  # the truth of the virtual bench
+        self.assertIn("length", out)
+
+    def test_cable_tension(self):
+        out = run("cable_tension.py")
+        stds = [float(s) for s in re.findall(r"N, std (\S+) N", out)]
+        self.assertEqual(len(stds), 3)
+        self.assertGreater(stds[2], stds[0])
+
+    def test_updating(self):
+        out = run("updating.py")
+        for value, std, true in re.findall(r"-> +(\S+) \+- (\S+) +\(truth (\S+)\)", out):
+            self.assertLess(abs(float(value) - float(true)), 3 * float(std))
+        self.assertEqual(out.count("truth"), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
