@@ -242,6 +242,7 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
   constexpr double kMode = 0.05, kAll = 0.01;
   const bool all_differ = chance_of(excess / freedom, freedom, noise_freedom) < kAll;
   double largest = 0, times = 0;
+  bool means = false;
   std::vector<bool> allowed(hits.size(), false);
   for (std::size_t r = 0; r < hits.size(); ++r) {
     IdentifiedMode& mode = model.modes[r];
@@ -263,7 +264,13 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
                          std::sqrt(std::max(0.0, z.variance - z_noise)), differs};
     if (!differs && !frfs.shared_force_noise) continue;
     allowed[r] = true;
-    if (frfs.inputs.size() == 1 && all_differ) {
+    // Poles that scatter by s about i w widen the average's resonance by (s / decay rate)^2.
+    const double decay_rate = mode.damping_ratio.value * std::abs(mode.pole_rad_s);
+    const double widening = mode.damping_ratio.value *
+                            std::pow(kTwoPi * mode.between_hits.frequency_std_hz / decay_rate, 2);
+    const double std = std::max(mode.damping_ratio.std, widened_std(z));
+    if (frfs.inputs.size() == 1 && (frfs.shared_force_noise || widening > 0.5 * std)) {
+      means = true;
       mode.frequency_hz.value = f.mean;
       mode.damping_ratio.value = z.mean;
       const double omega = kTwoPi * f.mean;
@@ -289,11 +296,12 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
   if (!all_differ) return;
   model.notes.push_back(
       {"hits_disagree",
-       fmt::format("frequencies differ from hit to hit by up to {:.2g} % (one standard deviation), "
-                   "{:.1f} times what noise gives: the structure, the hammer or the place struck "
-                   "changes; {}error bars are those of the scatter between hits",
-                   100 * largest, times,
-                   frfs.inputs.size() == 1 ? "values are means over the hits, " : ""),
+       fmt::format(
+           "frequencies differ from hit to hit by up to {:.2g} % (one standard deviation), "
+           "{:.1f} times what noise gives: the structure, the hammer or the place struck "
+           "changes; {}error bars are those of the scatter between hits",
+           100 * largest, times,
+           means ? "values are means over the hits where the average would be biased, " : ""),
        ""});
 }
 

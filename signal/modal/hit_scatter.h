@@ -35,9 +35,12 @@ struct ModeOfHits {
 
 /// Fills `between_hits` of the modes, widens their standard deviations by it where it is more than
 /// noise (one chance in twenty of the mode, or one in a hundred of all modes), or where the noise
-/// on the force is shared by lines and responses (`FrfSet::shared_force_noise`); there replaces
-/// frequency and damping of a test of one point by the mean over its hits, and notes
-/// "hits_disagree". A mode that half of the hits or fewer show, or that they show as one with
+/// on the force is shared by lines and responses (`FrfSet::shared_force_noise`), and notes
+/// "hits_disagree". A test of one point takes frequency and damping from the mean over its hits
+/// where the average's would be biased: where noise of the force is shared, or where poles that
+/// scatter by s widen the average's resonance, damping (s / decay rate)^2 too large to second order
+/// in s, by more than half a standard deviation. Elsewhere the average stays: fits of single hits
+/// are the noisier ones. A mode that half of the hits or fewer show, or that they show as one with
 /// another mode, is called doubtful. Without `by_hit` nothing is done.
 void allow_for_hits(const FrfSet& frfs, ModalModel& model);
 

@@ -233,9 +233,8 @@ bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& check
   return true;
 }
 
-std::vector<bool> take_points(const std::vector<LocalMode>& checked, Index points,
-                              double least_misfit, FoundModes& found) {
-  std::vector<bool> taken(checked.size(), false);
+void widen_to_points(const std::vector<LocalMode>& checked, Index points, double least_misfit,
+                     FoundModes& found) {
   MatrixXd& covariance = found.covariance.poles;
   for (std::size_t i = 0; i < checked.size(); ++i) {
     const LocalMode& mode = checked[i];
@@ -253,7 +252,6 @@ std::vector<bool> take_points(const std::vector<LocalMode>& checked, Index point
       covariance.col(row) *= factor;
     }
   }
-  return taken;
 }
 
 FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const FrfNoise& noise,

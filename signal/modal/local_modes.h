@@ -52,17 +52,17 @@ struct LocalModes {
                                                   const ModalOptions& options);
 
 /// Whether the modes of a global fit are to be kept: around every mode it leaves less than 1 % of
-/// the FRFs, or what looks like noise (points agree on the pole, chance above 1e-4, and
-/// neighbouring lines of the misfit do not correlate). `excess`: of the line correlation of the
-/// whole misfit.
+/// the FRFs, or the points agree on the pole (chance above 1e-4) or scatter about it by less than
+/// 5 % of its half bandwidth. Not kept: two poles within half their bandwidths where FRFs of one
+/// reference leave a misfit that correlates from line to line by more than noise does (`excess`).
 [[nodiscard]] bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
                                     const FoundModes& found, double excess);
 
-/// Poles of a global fit whose points differ all the same become the mean over points, and error
-/// bars cover what the points show; modes whose own misfit is below `least_misfit` stay as they
-/// are. True: the pole is taken from the points.
-std::vector<bool> take_points(const std::vector<LocalMode>& checked, Eigen::Index points,
-                              double least_misfit, FoundModes& found);
+/// Widens the error bars of a kept global fit to what the points show, where they differ or their
+/// misfit correlates from line to line; modes whose own misfit is below `least_misfit` stay as they
+/// are.
+void widen_to_points(const std::vector<LocalMode>& checked, Eigen::Index points,
+                     double least_misfit, FoundModes& found);
 
 /// The same form as a global search gives, for export.
 [[nodiscard]] FoundModes as_found_modes(const ModalBand& band, const LocalModes& local,

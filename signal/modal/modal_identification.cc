@@ -29,7 +29,7 @@ using Eigen::VectorXd;
 /// Modes of a band, and how they came about.
 struct Search {
   FoundModes found;
-  std::vector<bool> from_points;  ///< of each mode: local fits; else maximum likelihood of all
+  bool local = false;             ///< modes of local fits; else maximum likelihood of all FRFs
   std::vector<LocalMode> points;  ///< of each mode
   std::vector<WeakTrack> weak;    ///< of the local fits
 };
@@ -72,14 +72,14 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
     const double excess = misfit_correlation(found.noise, misfit).excess;
     if (global_fit_holds(band, search.points, found, excess)) {
       const auto points = static_cast<Index>(columns_of_points(band).size());
-      search.from_points = take_points(search.points, points, options.min_prominence, search.found);
+      widen_to_points(search.points, points, options.min_prominence, search.found);
       return search;
     }
   }
   if (!found.exhausted && !solved) return search;
   LocalModes local =
       find_local_modes(band, local_candidates(band, clusters, found, noise, options), options);
-  search.from_points.assign(local.modes.size(), true);
+  search.local = true;
   std::vector<DroppedCluster> dropped = std::move(search.found.dropped);
   search.found = as_found_modes(band, local, noise, clusters);
   search.found.dropped = std::move(dropped);
@@ -204,7 +204,7 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
                          .sqrt();
     mode.presence = found.presence[static_cast<std::size_t>(r)];
     mode.significance = std::sqrt(covariance.significance[r] / found.penalty);
-    mode.refinement = search.from_points[static_cast<std::size_t>(r)] ? "local" : "global";
+    mode.refinement = search.local ? "local" : "global";
     fill_points(frfs, band, search.points[static_cast<std::size_t>(r)], mode);
     model.modes.push_back(std::move(mode));
   }

@@ -1,7 +1,10 @@
 #include "signal/spectra/force_noise.h"
 
+#include <gsl/gsl_cdf.h>
+
 #include <algorithm>
 
+#include "signal/numerics/robust.h"
 #include "signal/spectra/fft.h"
 #include "signal/spectra/window.h"
 
@@ -84,31 +87,78 @@ ArrayXd noise_lags(std::span<const FrfBlock> blocks, Index n) {
   return (pairs >= least).select(r / pairs.max(1.0), 0.0);
 }
 
-}  // namespace
-
-VectorXd force_noise_power(std::span<const FrfBlock> blocks, Index n, const VectorXd& exponential,
-                           Index smoothing_lines) {
-  ArrayXd r = noise_lags(blocks, n);
-  if (r.size() == 0) return {};
-  r *= window_lags(blocks, n, exponential);
-  // A Gaussian over lags averages over lines: its transform has the rms width of a box of
-  // `smoothing_lines` on either side.
-  const double width = static_cast<double>(smoothing_lines) / std::sqrt(3.0);
-  const ArrayXd angle = ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)) *
-                        (2 * EIGEN_PI * width / static_cast<double>(n));
-  r *= (-0.5 * angle.square()).exp();
+/// Spectrum of an autocovariance of n lags: n + 1 lines, half a line of a block apart.
+ArrayXd power_of(const ArrayXd& r) {
+  const Index n = r.size();
   RealFft fft(2 * n);
   auto time = fft.time();
   time.setZero();
   time.head(n) = r.matrix();
   time.tail(n - 1) = r.tail(n - 1).reverse().matrix();
   fft.forward();
-  const double scale = 1 / static_cast<double>(blocks.size());
-  VectorXd power(n / 2 + 1);
-  for (Index k = 0; k < power.size(); ++k) {
-    power[k] = scale * std::max(0.0, fft.spectrum()[2 * k].real());
+  return fft.spectrum().real().array().max(0.0);
+}
+
+/// The reverse.
+ArrayXd lags_of(const ArrayXd& power) {
+  RealFft fft(2 * (power.size() - 1));
+  fft.spectrum() = power.matrix().cast<std::complex<double>>();
+  fft.inverse();
+  return fft.time().head(power.size() - 1).array();
+}
+
+/// Of the lines within `half` of each.
+ArrayXd medians(const ArrayXd& values, Index half) {
+  ArrayXd result(values.size());
+  for (Index k = 0; k < values.size(); ++k) {
+    const Index first = std::max<Index>(0, k - half), last = std::min(values.size(), k + half + 1);
+    result[k] = median({values.data() + first, values.data() + last});
   }
-  return power;
+  return result;
+}
+
+ArrayXd means(const ArrayXd& values, Index half) {
+  ArrayXd sums(values.size() + 1), result(values.size());
+  sums[0] = 0;
+  for (Index k = 0; k < values.size(); ++k) sums[k + 1] = sums[k] + values[k];
+  for (Index k = 0; k < values.size(); ++k) {
+    const Index first = std::max<Index>(0, k - half), last = std::min(values.size(), k + half + 1);
+    result[k] = std::max(0.0, sums[last] - sums[first]) / static_cast<double>(last - first);
+  }
+  return result;
+}
+
+/// Largest power of a line over the median that noise of `freedom` degrees of freedom gives, but
+/// for once in a million.
+double most_of_noise(double freedom) {
+  return gsl_cdf_chisq_Qinv(1e-6, freedom) / gsl_cdf_chisq_Pinv(0.5, freedom);
+}
+
+/// Autocovariance without tones: lines are cut to what noise gives.
+ArrayXd without_tones(const ArrayXd& r, double freedom, Index smoothing_lines) {
+  // A Gaussian over lags, two lines wide: a tone's leakage ends some eight lines from it.
+  const auto n = static_cast<double>(r.size());
+  const ArrayXd angle = ArrayXd::LinSpaced(r.size(), 0, n - 1) * (4 * EIGEN_PI / n);
+  const ArrayXd power = power_of(r * (-0.5 * angle.square()).exp());
+  return lags_of(power.min(most_of_noise(freedom) * medians(power, 4 * smoothing_lines)));
+}
+
+ArrayXd every_second(const ArrayXd& values) {
+  return values(Eigen::seqN(0, (values.size() + 1) / 2, 2));
+}
+
+}  // namespace
+
+ForceNoise force_noise_power(std::span<const FrfBlock> blocks, Index n, const VectorXd& exponential,
+                             Index smoothing_lines) {
+  const ArrayXd r = noise_lags(blocks, n);
+  if (r.size() == 0) return {};
+  const auto count = static_cast<double>(blocks.size());
+  const ArrayXd window = window_lags(blocks, n, exponential) / count;
+  const ArrayXd quiet = without_tones(r, 2 * count, smoothing_lines);
+  const ArrayXd smooth = means(every_second(power_of(quiet * window)), smoothing_lines);
+  const ArrayXd tones = every_second(power_of((r - quiet) * window));
+  return {(tones > most_of_noise(2 * count) * smooth).select(smooth + tones, smooth), smooth};
 }
 
 }  // namespace rigfit::signal

@@ -15,14 +15,21 @@
 
 namespace rigfit::signal {
 
+struct ForceNoise {
+  Eigen::VectorXd power;  ///< lines, those of tones (mains hum) as they are
+  /// The part that is smooth over lines. A tone is left out of it: one tone's cross product with
+  /// the force is no mean of zero over a few hits, subtracting its power would make H wrong.
+  Eigen::VectorXd broadband;
+};
+
 /// Mean over the blocks, unscaled sums as `FrfEstimate::force_power`, `block_samples` / 2 + 1
 /// lines: of the noise that each block's force window and the exponential window (empty: none)
 /// leave. Smoothed over some `smoothing_lines` on either side. Empty where it is not known: fewer
 /// than 32 samples outside the pulses of all blocks, or a block that does not say where its pulse
 /// is.
-[[nodiscard]] Eigen::VectorXd force_noise_power(std::span<const FrfBlock> blocks,
-                                                Eigen::Index block_samples,
-                                                const Eigen::VectorXd& exponential,
-                                                Eigen::Index smoothing_lines);
+[[nodiscard]] ForceNoise force_noise_power(std::span<const FrfBlock> blocks,
+                                           Eigen::Index block_samples,
+                                           const Eigen::VectorXd& exponential,
+                                           Eigen::Index smoothing_lines);
 
 }  // namespace rigfit::signal

@@ -168,13 +168,15 @@ class Averager {
     // Where there is no force at all nothing is known: the floor keeps H at zero over zero finite.
     gxx_ = gxx_.max(gxx_.maxCoeff() * 1e-30 + std::numeric_limits<double>::min());
     inverse_gxx_ = gxx_.inverse();
-    result_.force_noise =
+    ForceNoise noise =
         force_noise_power(blocks_, options_.block_samples, windows_.shared,
                           std::max<Index>(kNoiseLines, options_.error_smoothing_lines));
+    result_.force_noise = std::move(noise.power);
     noise_ = result_.force_noise.array();
-    if (noise_.size() > 0 && options_.subtract_force_noise) {
+    if (options_.subtract_force_noise) subtracted_ = noise.broadband.array();
+    if (subtracted_.size() > 0) {
       constexpr double kMost = 0.75;
-      true_gxx_ = gxx_ - (static_cast<double>(hits()) * noise_).min(kMost * gxx_);
+      true_gxx_ = gxx_ - (static_cast<double>(hits()) * subtracted_).min(kMost * gxx_);
       inverse_true_gxx_ = true_gxx_.inverse();
     } else {
       true_gxx_ = gxx_;
@@ -192,9 +194,7 @@ class Averager {
     single_ = force_.topRows(lines).abs2();
     for (Index i = 0; i < hits(); ++i) {
       auto power = single_.col(i);
-      if (noise_.size() > 0 && options_.subtract_force_noise) {
-        power -= noise_.head(lines).min(0.5 * power);
-      }
+      if (subtracted_.size() > 0) power -= subtracted_.head(lines).min(0.5 * power);
       power = power.max(gxx_.maxCoeff() * 1e-30 + std::numeric_limits<double>::min()).inverse();
     }
   }
@@ -341,6 +341,7 @@ class Averager {
   Eigen::ArrayXXd single_;                      ///< lines x hits, for single hits
   Eigen::ArrayXd true_gxx_, inverse_true_gxx_;  ///< without the noise
   Eigen::ArrayXd noise_;                        ///< of the force, mean over hits; empty: not known
+  Eigen::ArrayXd subtracted_;                   ///< its broadband part; empty: nothing
   std::vector<Index> lines_;                    ///< of leave-one-out
   Eigen::ArrayXXd share_;                       ///< hits + 1 x responses
 };

@@ -11,7 +11,8 @@
 // Noise on the force of mean power P a hit (force_noise.h) adds n P to Gxx and nothing to Gxy: H1
 // is taken with Gxx - n P, which is free of that bias (Bendat and Piersol, sec. 9.1), unless
 // `subtract_force_noise` is off. At most three quarters of Gxx are subtracted: beyond that a line
-// tells nothing.
+// tells nothing. Tones (mains hum) are not subtracted: over a few hits their cross product with the
+// force does not vanish.
 // Transforms are unscaled sums over the block; the ratio needs no scale. A window shared by force
 // and response changes no amplitude: see window.h. A ring-down that is cut at the end of the block
 // (no window) leaves the poles in place but scales each mode's residue by 1 - exp(p T), p its pole

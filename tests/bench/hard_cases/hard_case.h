@@ -27,9 +27,6 @@ struct HardCase {
   std::string name;
   std::string must;                        ///< what must happen, and what the tolerance is made of
   std::function<Outcome(bool quick)> run;  ///< quick: a part of it, for slow builds
-  /// Known not to be reached, and why: shown as "not reached" in the table, and no failure of the
-  /// program. Taken out as soon as the case holds.
-  std::string not_reached = {};
 };
 
 /// Held when `figure` is finite and not above `allowed`; `unit` is printed behind both.
