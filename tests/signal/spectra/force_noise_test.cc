@@ -1,0 +1,61 @@
+#include "signal/spectra/force_noise.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace rigfit::signal {
+namespace {
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr Index kSamples = 4096;
+
+/// Blocks of white noise of this standard deviation and a tone on `line`, a pulse in the middle.
+struct QuietBlocks {
+  std::vector<VectorXd> force;
+  std::vector<FrfBlock> blocks;
+
+  QuietBlocks(int hits, double noise, double tone, double line) {
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < hits; ++i) {
+      VectorXd x(kSamples);
+      for (Index n = 0; n < kSamples; ++n) {
+        x[n] = noise * normal(random) +
+               tone * std::cos(2 * EIGEN_PI * line * static_cast<double>(n) / kSamples + 1.7 * i);
+      }
+      x.segment(300, 10).setConstant(1e3);
+      force.push_back(std::move(x));
+    }
+    for (const VectorXd& x : force) {
+      FrfBlock block;
+      block.force = {x.data(), static_cast<std::size_t>(x.size())};
+      block.pulse_first = 300;
+      block.pulse_last = 309;
+      blocks.push_back(block);
+    }
+  }
+};
+
+// A tone between two lines, 44 dB over their noise: its leakage is over the noise to 20 lines away.
+TEST(ForceNoise, ATonesPowerIsInTheWholeAndNotInTheBroadbandPart) {
+  const QuietBlocks made(5, 0.01, 0.05, 200.37);
+  const ForceNoise found = force_noise_power(made.blocks, kSamples, {}, 10);
+  const double white = kSamples * 0.01 * 0.01;
+  ASSERT_EQ(found.broadband.size(), kSamples / 2 + 1);
+  // Means of 21 lines of 5 blocks scatter by 10 %: five of these; more beside the tone.
+  for (Index k = 20; k < kSamples / 2 - 20; ++k) {
+    const double most = std::abs(static_cast<double>(k) - 200.37) < 30 ? 5 : 1.5;
+    EXPECT_LT(found.broadband[k], most * white) << k;
+    EXPECT_GT(found.broadband[k], 0.5 * white) << k;
+  }
+  // |sum cos exp| = A n / 2 sinc(0.37), squared.
+  const double sinc = std::sin(EIGEN_PI * 0.37) / (EIGEN_PI * 0.37);
+  EXPECT_NEAR(found.power[200] / std::pow(0.025 * kSamples * sinc, 2), 1, 0.05);
+}
+
+}  // namespace
+}  // namespace rigfit::signal
