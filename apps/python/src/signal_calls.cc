@@ -222,6 +222,7 @@ SharedFrfs frfs_of_arrays(const py::array_t<double, py::array::c_style>& frequen
   options.take("inputs", inputs);
   const auto points = [](const std::vector<std::string>& names) {
     std::vector<signal::MeasuredPoint> list;
+    list.reserve(names.size());
     for (const auto& name : names) list.push_back({name, static_cast<int>(list.size()) + 1, 0});
     return list;
   };
