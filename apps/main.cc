@@ -15,6 +15,7 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
+#include "apps/cli/plot_option.h"
 #include "apps/cli/verb.h"
 
 namespace rigfit::apps {
@@ -57,7 +58,11 @@ int run(int argc, char** argv) {
   Verbs verbs;
   add_all_verbs(program, verbs);
   CommonOptions common;
-  for (auto& verb : verbs) add_common(*verb.app, common);
+  PlotCommand plots;
+  for (auto& verb : verbs) {
+    add_common(*verb.app, common);
+    if (verb.draws) add_plot_option(*verb.app, plots);
+  }
 
   try {
     program.parse(argc, argv);
@@ -80,7 +85,9 @@ int run(int argc, char** argv) {
   context.seed = common.seed;
   context.command.assign(argv, argv + argc);
 
+  prepare_plots(context, plots);
   Json result = chosen->run(context);
+  write_plots(context, plots, chosen->app->get_name());
   const Json document = json_document(context, chosen->app->get_name(), std::move(result));
   if (common.json == "-") {
     std::cout << document.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';

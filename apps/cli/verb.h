@@ -16,6 +16,7 @@ struct Verb {
   CLI::App* app = nullptr;
   std::function<Json(VerbContext&)>
       run;  ///< the verb's own keys; the envelope is added around them
+  bool draws = false;  ///< takes --plot: adds figures to VerbContext::plots
 };
 
 using Verbs = std::vector<Verb>;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -13,6 +14,8 @@
 #include "ident/campaign/finding.h"
 
 namespace rigfit::apps {
+
+struct PlotSheet;  // apps/cli/plot_option.h
 
 struct Warning {
   std::string code;  ///< stable, for programs
@@ -42,6 +45,7 @@ class VerbContext {
   std::vector<std::string> command;  ///< as typed, for provenance
 
   ExitCode exit_code = ExitCode::done;
+  std::shared_ptr<PlotSheet> plots;  ///< figures of the run, where --plot asks for them; else null
 
   /// Recorded in the document and, unless quiet, said on standard error.
   void warn(std::string code, std::string message, std::string where = "");

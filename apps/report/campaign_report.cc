@@ -84,6 +84,15 @@ void each_plot(const std::vector<ReportPart>& parts, Use use) {
   }
 }
 
+template <class Use>
+void each_picture(const std::vector<ReportPart>& parts, Use use) {
+  for (const auto& part : parts) {
+    for (const auto& block : part.blocks) {
+      if (const auto* picture = std::get_if<Picture>(&block)) use(*picture);
+    }
+  }
+}
+
 /// `first`: tasks that take longest, to start with.
 void write_files(const fs::path& folder, const std::vector<ReportPart>& parts, int threads,
                  std::vector<std::function<void()>> first, Progress& progress) {
@@ -93,6 +102,12 @@ void write_files(const fs::path& folder, const std::vector<ReportPart>& parts, i
     tasks.emplace_back([&folder, &plot] {
       put(folder / "data" / (plot.id + ".csv"), plot_csv(plot));
       put(folder / "figures" / (plot.id + ".svg"), svg_plot(plot));
+    });
+  });
+  each_picture(parts, [&](const Picture& picture) {
+    tasks.emplace_back([&folder, &picture] {
+      put(folder / "data" / (picture.id + ".csv"), picture.csv);
+      put(folder / "figures" / (picture.id + ".svg"), standalone_svg(picture.svg));
     });
   });
   for (const auto& part : parts) {
@@ -284,6 +299,12 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
                        {"title", plot.title},
                        {"data", "data/" + plot.id + ".csv"},
                        {"figure", "figures/" + plot.id + ".svg"}});
+  });
+  each_picture(parts, [&](const Picture& picture) {
+    figures.push_back({{"id", picture.id},
+                       {"title", picture.title},
+                       {"data", "data/" + picture.id + ".csv"},
+                       {"figure", "figures/" + picture.id + ".svg"}});
   });
   result["figures"] = std::move(figures);
 

@@ -63,7 +63,15 @@ struct ShapeViewer {
                 ///< [[x,y,z]..], shape: [[x,y,z]..]}]}]}]
 };
 
-using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, ShapeViewer>;
+/// A drawing that no axes fit: hits beside each other, a rig, shapes.
+struct Picture {
+  std::string id, title, caption;
+  std::string svg;                   ///< an svg element with its own colours and the page's classes
+  std::string csv;                   ///< its data
+  double width = 760, height = 440;  ///< of the svg, px
+};
+
+using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, ShapeViewer, Picture>;
 
 /// A line of the summary: a value found or something to know before trusting the rest.
 struct SummaryItem {

@@ -5,9 +5,9 @@
   var STYLE = getComputedStyle(document.documentElement);
   function colour(word) { return STYLE.getPropertyValue("--" + word).trim() || "#888"; }
   // Series of one origin differ in shade: as it is, towards the ink, towards the paper.
-  function shade(word, variant) {
-    var base = colour(word), other = variant % 3 === 1 ? colour("ink") : colour("paper");
-    if (variant % 3 === 0 || word === "published-model" || !/^#[0-9a-f]{6}$/i.test(base) || !/^#[0-9a-f]{6}$/i.test(other)) return base;
+  function shade(s) {
+    var base = colour(s.origin), other = s.shade === 1 ? colour("ink") : colour("paper");
+    if (!s.shade || !/^#[0-9a-f]{6}$/i.test(base) || !/^#[0-9a-f]{6}$/i.test(other)) return base;
     var mixed = "#";
     for (var i = 1; i < 7; i += 2) {
       var part = Math.round(0.6 * parseInt(base.substr(i, 2), 16) + 0.4 * parseInt(other.substr(i, 2), 16));
@@ -15,6 +15,7 @@
     }
     return mixed;
   }
+  function has_points(s) { return s.marker !== "none"; }
   // Abscissae as written in the page: a list, evenly spaced, or those of an earlier series. Ordinates: a list, or
   // whole steps, each less the one before.
   function unpack(plot) {
@@ -28,7 +29,7 @@
     });
     // A record that goes back along the abscissa (a loop) is drawn as the points it is.
     plot.series.forEach(function (s) {
-      if (s.line && !s.points && s.x.some(function (x, i) { return i > 0 && x < s.x[i - 1]; })) { s.line = false; s.points = true; }
+      if (s.line && !has_points(s) && s.x.some(function (x, i) { return i > 0 && x < s.x[i - 1]; })) { s.line = false; s.marker = "dot"; }
     });
     return plot;
   }
@@ -41,7 +42,7 @@
 
   // Series with their own x values become columns over all of them; null where a series has no value.
   function table(plot) {
-    var banded = plot.series.some(function (s) { return s.low && s.line && !s.points; });
+    var banded = plot.series.some(function (s) { return s.low && s.line && !has_points(s); });
     var row_of = new Map(), rows = [];
     plot.series.forEach(function (s, k) {
       var used = new Set();
@@ -58,7 +59,7 @@
         used.add(row);
         var y = s.y[i];
         if (y === null) y = NaN;
-        row[k + 1] = banded ? (s.low && s.line && !s.points ? [s.low[i], y, s.high[i]] : [y, y, y]) : y;
+        row[k + 1] = banded ? (s.low && s.line && !has_points(s) ? [s.low[i], y, s.high[i]] : [y, y, y]) : y;
         row["i" + k] = i;
       });
     });
@@ -66,44 +67,75 @@
     return { rows: rows, banded: banded };
   }
 
-  function shape(kind, ctx, x, y, size) {
+  function marker(s, ctx, x, y, r) {
     ctx.beginPath();
-    if (kind === "published-model0") ctx.rect(x - size, y - size, 2 * size, 2 * size);
-    else if (kind === "published-model1") { ctx.moveTo(x, y - 1.3 * size); ctx.lineTo(x + 1.3 * size, y); ctx.lineTo(x, y + 1.3 * size); ctx.lineTo(x - 1.3 * size, y); ctx.closePath(); }
-    else if (kind.indexOf("synthetic") === 0) { ctx.moveTo(x, y - size); ctx.lineTo(x + size, y + size); ctx.lineTo(x - size, y + size); ctx.closePath(); }
-    else if (kind === "modelled1") { ctx.moveTo(x - size, y - size); ctx.lineTo(x + size, y + size); ctx.moveTo(x - size, y + size); ctx.lineTo(x + size, y - size); }
-    else if (kind === "modelled2") ctx.arc(x, y, size, 0, 2 * Math.PI);
-    else if (kind.indexOf("modelled") === 0) {  // reaches out of a point that it lies on
-      size *= 1.5; ctx.moveTo(x - size, y); ctx.lineTo(x + size, y); ctx.moveTo(x, y - size); ctx.lineTo(x, y + size);
+    switch (s.marker) {
+      case "square": ctx.rect(x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r); break;
+      case "triangle": ctx.moveTo(x, y - 1.2 * r); ctx.lineTo(x + 1.15 * r, y + 0.8 * r); ctx.lineTo(x - 1.15 * r, y + 0.8 * r); ctx.closePath(); break;
+      case "diamond": ctx.moveTo(x, y - 1.2 * r); ctx.lineTo(x + 1.2 * r, y); ctx.lineTo(x, y + 1.2 * r); ctx.lineTo(x - 1.2 * r, y); ctx.closePath(); break;
+      case "plus": ctx.moveTo(x - 1.5 * r, y); ctx.lineTo(x + 1.5 * r, y); ctx.moveTo(x, y - 1.5 * r); ctx.lineTo(x, y + 1.5 * r); break;
+      case "cross": ctx.moveTo(x - r, y - r); ctx.lineTo(x + r, y + r); ctx.moveTo(x - r, y + r); ctx.lineTo(x + r, y - r); break;
+      case "dot": ctx.arc(x, y, s.shade ? 1.3 : 2.2, 0, 2 * Math.PI); break;
+      default: ctx.arc(x, y, r, 0, 2 * Math.PI);
     }
-    else ctx.arc(x, y, size, 0, 2 * Math.PI);
+    ctx.lineWidth = s.marker === "plus" || s.marker === "cross" ? 2 : 1.6;
+    ctx.strokeStyle = shade(s); ctx.fillStyle = s.hollow ? colour("paper") : shade(s);
+    ctx.fill();
+    if (s.marker !== "dot") ctx.stroke();
+  }
+  function pattern(s) { return s.dash.length ? s.dash : null; }
+  // The same plot with its ordinate in dB against one unit.
+  function in_decibels(plot) {
+    function db(v) { return v === null || v === undefined || !(v > 0) ? null : 20 * Math.log10(v); }
+    return Object.assign({}, plot, { log_y: false, y_label: plot.y_label.replace(/^(\|H\|)(, )?(.*)$/, "$1, dB re 1 $3"), series: plot.series.map(function (s) {
+      return Object.assign({}, s, { y: s.y.map(db), low: s.low && s.low.map(db), high: s.high && s.high.map(db) });
+    }) });
   }
 
-  function kind_of(s) { return s.origin + (s.origin === "modelled" ? s.variant % 3 : s.variant % 2); }
-  function hollow(s) { return s.origin === "published-model" || (s.origin === "modelled" ? s.variant % 3 === 2 : s.variant % 2 === 1); }
-  function pattern(s) { return s.dashed ? [7, 4] : [null, [9, 3], [2, 3], [9, 3, 2, 3]][Math.floor(s.variant / 3) % 4]; }
-
-  // All points with their bars; of bars that would flatten everything else, a part.
+  // All points with their bars and bands.
   function y_range(plot) {
-    var low = Infinity, high = -Infinity, least = Infinity, most = -Infinity, bars = [], log = plot.log_y;
-    function at(v) { return log ? Math.log(v) : v; }
+    var low = Infinity, high = -Infinity, log = plot.log_y;
+    function take(v) {
+      if (v === null || v === undefined || isNaN(v) || (log && v <= 0)) return;
+      var at = log ? Math.log(v) : v;
+      low = Math.min(low, at); high = Math.max(high, at);
+    }
     plot.series.forEach(function (s) {
-      s.y.forEach(function (y, i) {
-        if (y === null || isNaN(y) || (log && y <= 0)) return;
-        low = Math.min(low, at(y)); high = Math.max(high, at(y));
-        if (!s.low || s.low[i] === null || s.high[i] === null) return;
-        var from = !log || s.low[i] > 0 ? at(s.low[i]) : at(y), to = at(s.high[i]);
-        if (!s.points) { low = Math.min(low, from); high = Math.max(high, to); return; }
-        bars.push((to - from) / 2); least = Math.min(least, from); most = Math.max(most, to);
-      });
+      s.y.forEach(take);
+      if (s.low) { s.low.forEach(take); s.high.forEach(take); }
     });
-    if (!bars.length || !(low <= high)) return null;
-    bars.sort(function (a, b) { return a - b; });
-    var room = Math.max(1.5 * (high - low), 1.2 * bars[Math.floor(bars.length / 2)]);
-    least = Math.max(least, low - room); most = Math.min(most, high + room);
-    low = Math.min(low, least); high = Math.max(high, most);
-    var margin = 0.06 * (high - low) || 0.1 * Math.abs(high) || 1;
+    if (!(low <= high)) return null;
+    var margin = 0.05 * (high - low) || 0.1 * Math.abs(high) || 1;
     return log ? [Math.exp(low - margin), Math.exp(high + margin)] : [low - margin, high + margin];
+  }
+
+  // Ticks at decades, with faint lines between; at 2 and 5, or at whole steps, where there are few decades.
+  function decade_ticks(from, to) {
+    var ticks = [], decades = Math.log10(to / from);
+    if (!(decades > 0)) return ticks;
+    if (decades < 0.7) {
+      var rough = (to - from) / 5, power = Math.pow(10, Math.floor(Math.log10(rough))), lead = rough / power;
+      var step = power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
+      for (var k = Math.ceil(from / step); k * step <= to; ++k) ticks.push({ v: k * step, label: tick(k * step) });
+      return ticks;
+    }
+    var every = Math.max(1, Math.ceil(decades / 8)), named = decades < 1.5 ? [1, 2, 3, 5, 7] : decades < 3 ? [1, 2, 5] : [1];
+    for (var e = Math.floor(Math.log10(from)); e <= Math.log10(to); ++e) {
+      for (var m = 1; m < 10; ++m) {
+        var v = m * Math.pow(10, e);
+        if (v < from || v > to || (m > 1 && decades > 6)) continue;
+        var label = named.indexOf(m) >= 0 && e % every === 0;
+        ticks.push({ v: v, label: label ? tick(v) : "" });
+      }
+    }
+    return ticks;
+  }
+  // Parts of a turn.
+  function angle_ticks(from, to) {
+    var step = 30, ticks = [];
+    [45, 90, 180, 360, 720, 1800, 3600, 18000].forEach(function (next) { if ((to - from) / step > 6) step = next; });
+    for (var k = Math.ceil(from / step); k * step <= to; ++k) ticks.push({ v: k * step, label: String(k * step) });
+    return ticks;
   }
 
   // Ticks of an axis that counts.
@@ -111,6 +143,54 @@
     var ticks = [];
     for (var v = Math.ceil(from); v <= to; ++v) ticks.push({ v: v, label: String(v) });
     return ticks;
+  }
+
+  // Plots that share their abscissa: zoom and cursor go to all that are drawn.
+  var families = new Map();
+  function family_of(plot) {
+    if (!plot.link) return [];
+    if (!families.has(plot.link)) families.set(plot.link, []);
+    return families.get(plot.link);
+  }
+  function move_cursor(host, g, x) {
+    var line = host.querySelector(".cursor");
+    if (!line) { line = document.createElement("div"); line.className = "cursor"; host.append(line); }
+    line.style.display = x === null ? "none" : "block";
+    if (x !== null) line.style.left = g.toDomXCoord(x) + "px";
+  }
+  function read_all(host, plot, x) {
+    var list = plot.link ? family_of(plot) : [{ host: host, g: host.dygraph, plot: plot }];
+    list.forEach(function (one) {
+      move_cursor(one.host, one.g, x);
+      if (one.host !== host) one.host.parentNode.querySelector(".readout").textContent = x === null ? "" : values_at(one.plot, x);
+    });
+  }
+  // Values of all series at the abscissa nearest to x.
+  function values_at(plot, x) {
+    return plot.x_label + " " + shown(x) + ": " + plot.series.map(function (s) {
+      if (!s.line || s.x.length < 2) return "";
+      var a = 0, b = s.x.length - 1;
+      while (b - a > 1) { var m = (a + b) >> 1; if (s.x[m] <= x) a = m; else b = m; }
+      var i = x - s.x[a] < s.x[b] - x ? a : b;
+      return s.y[i] === null || isNaN(s.y[i]) ? "" : s.name + " " + shown(s.y[i]);
+    }).filter(Boolean).join("; ");
+  }
+  function draw_marks(plot, ctx, area, g) {
+    var last = -Infinity;
+    ctx.save(); ctx.font = "11px sans-serif"; ctx.textAlign = "center";
+    plot.marks.forEach(function (mark) {
+      var x = Math.round(g.toDomXCoord(mark.x)) + 0.5;
+      if (x < area.x || x > area.x + area.w) return;
+      ctx.strokeStyle = ctx.fillStyle = colour(mark.origin); ctx.globalAlpha = 0.6;
+      ctx.setLineDash(mark.doubtful ? [3, 3] : []);
+      ctx.beginPath(); ctx.moveTo(x, area.y); ctx.lineTo(x, area.y + area.h); ctx.stroke();
+      ctx.globalAlpha = 1;
+      var half = ctx.measureText(mark.label).width / 2;
+      if (x - half < last) return;
+      last = x + half + 4;
+      ctx.fillText(mark.label, Math.min(Math.max(x, area.x + half), area.x + area.w - half), area.y + 11);
+    });
+    ctx.restore();
   }
 
   function draw(host, plot) {
@@ -121,19 +201,17 @@
       var name = s.name;
       while (labels.indexOf(name) >= 0) name += " ";
       labels.push(name);
-      var line_colour = shade(s.origin, s.variant), dense = s.x.length > 150;
-      var kind = kind_of(s);
+      var line_colour = shade(s);
       options[name] = {
         color: line_colour,
         connectSeparatedPoints: true,
         // A test that a model lies on is seen beneath it.
         strokeWidth: !s.line ? 0 : overlaid && s.origin !== "modelled" ? 3.2 : s.x.length > 700 ? 1.3 : 1.8,
         strokePattern: pattern(s),
-        drawPoints: !!s.points, pointSize: s.points ? (dense ? (s.variant % 2 ? 1.5 : 2.5) : 4.5) : 1, highlightCircleSize: 6,
+        drawPoints: has_points(s), pointSize: has_points(s) ? 4.5 : 1, highlightCircleSize: 6,
         drawPointCallback: function (g, series, ctx, x, y, c, size, idx) {
           ctx.save();
           ctx.strokeStyle = line_colour; ctx.lineWidth = 1.6;
-          if (dense) { ctx.fillStyle = line_colour; ctx.beginPath(); ctx.arc(x, y, size, 0, 2 * Math.PI); ctx.fill(); ctx.restore(); return; }
           if (s.low) {
             var i = data.rows[idx]["i" + k], low = s.low[i], high = s.high[i];
             if (low !== null && high !== null) {
@@ -141,9 +219,7 @@
               ctx.beginPath(); ctx.moveTo(x, a); ctx.lineTo(x, b); ctx.moveTo(x - 4, a); ctx.lineTo(x + 4, a); ctx.moveTo(x - 4, b); ctx.lineTo(x + 4, b); ctx.stroke();
             }
           }
-          shape(kind, ctx, x, y, size);
-          ctx.fillStyle = hollow(s) ? colour("paper") : line_colour;
-          ctx.fill(); ctx.stroke();
+          marker(s, ctx, x, y, size);
           ctx.restore();
         }
       };
@@ -156,20 +232,37 @@
     var counted = !plot.log_x && high - low <= 20 && xs.every(function (x) { return Number.isInteger(x); });
     var x_axis = { logscale: plot.log_x, axisLabelFormatter: tick, gridLineColor: colour("rule"), axisLineColor: colour("soft") };
     if (counted) x_axis.ticker = whole_numbers;
+    if (plot.log_x) x_axis.ticker = decade_ticks;
+    var y_axis = { logscale: plot.log_y, axisLabelFormatter: tick, gridLineColor: colour("rule"), axisLineColor: colour("soft"), axisLabelWidth: 58 };
+    if (plot.angle) y_axis.ticker = angle_ticks;
+    else if (plot.log_y) y_axis.ticker = decade_ticks;
+    var family = family_of(plot);
+    if (family.length) whole = family[0].whole;
     var g = new Dygraph(host, data.rows, {
       labels: labels, series: options, customBars: data.banded, fillAlpha: 0.15,
       xlabel: plot.x_label, ylabel: plot.y_label, xLabelHeight: 18, yLabelWidth: 18,
-      axes: { x: x_axis,
-              y: { logscale: plot.log_y, axisLabelFormatter: tick, gridLineColor: colour("rule"), axisLineColor: colour("soft"), axisLabelWidth: 58 } },
-      dateWindow: whole, valueRange: y_whole,
+      axes: { x: x_axis, y: y_axis },
+      dateWindow: family.length ? family[0].g.xAxisRange() : whole, valueRange: y_whole,
+      underlayCallback: function (ctx, area, graph) { draw_marks(plot, ctx, area, graph); },
+      drawCallback: function (graph, first) {
+        if (first) return;
+        var range = graph.xAxisRange();
+        family.forEach(function (one) {
+          var theirs = one.g.xAxisRange();
+          if (one.g === graph || (theirs[0] === range[0] && theirs[1] === range[1])) return;
+          one.g.updateOptions({ dateWindow: range });
+        });
+      },
       legend: "never", includeZero: false, highlightSeriesOpts: null, xRangePad: plot.log_x ? 0 : 6, yRangePad: 12, labelsKMB: false,
       highlightCallback: function (event, x, points) {
         readout.textContent = plot.x_label + " " + shown(x) + ": " + points.filter(function (p) {
           return p.yval !== null && !isNaN(p.yval); }).map(function (p) { return p.name.trim() + " " + shown(p.yval); }).join("; ");
+        read_all(host, plot, x);
       },
-      unhighlightCallback: function () { readout.textContent = ""; }
+      unhighlightCallback: function () { readout.textContent = ""; read_all(host, plot, null); }
     });
     host.dygraph = g;
+    family.push({ host: host, g: g, plot: plot, whole: whole });
     tools(host, plot, g, whole, y_whole);
     keys(host, plot, g, data, readout);
   }
@@ -180,12 +273,11 @@
     canvas.width = 26 * ratio; canvas.height = 14 * ratio; canvas.style.width = "26px"; canvas.style.height = "14px";
     canvas.setAttribute("aria-hidden", "true");
     ctx.scale(ratio, ratio);
-    ctx.strokeStyle = shade(s.origin, s.variant); ctx.lineWidth = 2;
-    if (s.line) { ctx.setLineDash(s.dashed ? [5, 3] : pattern(s) || []); ctx.beginPath(); ctx.moveTo(1, 7); ctx.lineTo(25, 7); ctx.stroke(); }
-    if (s.points) {
-      ctx.setLineDash([]); ctx.lineWidth = 1.6; shape(kind_of(s), ctx, 13, 7, 4.5);
-      ctx.fillStyle = hollow(s) ? colour("paper") : shade(s.origin, s.variant); ctx.fill(); ctx.stroke();
-    }
+    ctx.strokeStyle = shade(s); ctx.lineWidth = 2;
+    if (s.line) { ctx.setLineDash(s.dash); ctx.beginPath(); ctx.moveTo(1, 7); ctx.lineTo(25, 7); ctx.stroke(); }
+    ctx.setLineDash([]);
+    if (s.marker === "dot") [6, 13, 20].forEach(function (x) { marker(s, ctx, x, 7, 2); });
+    else if (has_points(s)) marker(s, ctx, 13, 7, 4.5);
     return canvas;
   }
 
@@ -210,10 +302,20 @@
     }
     button("Whole range", function () { g.updateOptions({ dateWindow: whole, valueRange: log === plot.log_y ? y_whole : null }); });
     var positive = plot.series.every(function (s) { return s.y.every(function (y) { return y === null || y > 0; }); });
-    if (positive) {
+    if (positive && !plot.decibels) {
       var b = button(log ? "Linear y" : "Logarithmic y", function () {
         log = !log; b.textContent = log ? "Linear y" : "Logarithmic y";
-        g.updateOptions({ valueRange: log === plot.log_y ? y_whole : null, axes: { y: { logscale: log } } });
+        g.updateOptions({ valueRange: log === plot.log_y ? y_whole : null, axes: { y: { logscale: log, ticker: log ? decade_ticks : Dygraph.numericTicks } } });
+      });
+    }
+    if (plot.decibels) {
+      var other = in_decibels(plot), shows_db = false;
+      var d = button("dB", function () {
+        shows_db = !shows_db; d.textContent = shows_db ? plot.y_label : "dB";
+        var now = shows_db ? other : plot, range = y_range(now);
+        g.updateOptions({ file: table(now).rows, ylabel: now.y_label, valueRange: range,
+                          axes: { y: { logscale: now.log_y, ticker: now.log_y ? decade_ticks : Dygraph.numericTicks } } });
+        y_whole = range; log = plot.log_y;
       });
     }
   }

@@ -3,6 +3,7 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -36,6 +37,68 @@ const char* word_of(Origin origin) {
       return "synthetic";
     case Origin::modelled:
       return "modelled";
+  }
+  return "";
+}
+
+SeriesLook look_of(const PlotSeries& series) {
+  using Marker = SeriesLook::Marker;
+  constexpr std::size_t kManyPoints = 150;  // as dots from here on
+  constexpr std::size_t kManyNodes = 400;   // of a line: dashes would be lost in its wiggles
+  SeriesLook look;
+  const auto variant = static_cast<std::size_t>(series.variant);
+  look.shade = static_cast<int>(variant % 3);
+  look.line = series.style != PlotSeries::Style::points;
+  if (series.style == PlotSeries::Style::dashed) {
+    look.dash = {6, 4};
+  } else if (look.line && series.x.size() <= kManyNodes) {
+    const std::array<std::vector<double>, 4> dashes{{{}, {9, 3}, {2, 3}, {9, 3, 2, 3}}};
+    look.dash = dashes[variant % dashes.size()];
+  }
+  if (series.style != PlotSeries::Style::points &&
+      series.style != PlotSeries::Style::line_and_points) {
+    return look;
+  }
+  if (series.x.size() > kManyPoints) {
+    look.marker = Marker::dot;
+  } else if (series.origin == Origin::modelled) {  // reaches out of a point that it lies on
+    const std::array<Marker, 4> markers{Marker::plus, Marker::cross, Marker::circle,
+                                        Marker::diamond};
+    look.marker = markers[variant % markers.size()];
+    look.hollow = true;
+  } else if (series.origin == Origin::published_model) {
+    const std::array<Marker, 4> markers{Marker::square, Marker::diamond, Marker::triangle,
+                                        Marker::circle};
+    look.marker = markers[variant % markers.size()];
+    look.hollow = true;
+  } else {
+    const std::array<Marker, 4> markers{Marker::circle, Marker::square, Marker::triangle,
+                                        Marker::diamond};
+    look.marker = markers[variant % markers.size()];
+    look.hollow = variant % 2 == 1;
+  }
+  return look;
+}
+
+const char* word_of(SeriesLook::Marker marker) {
+  using Marker = SeriesLook::Marker;
+  switch (marker) {
+    case Marker::none:
+      return "none";
+    case Marker::dot:
+      return "dot";
+    case Marker::circle:
+      return "circle";
+    case Marker::square:
+      return "square";
+    case Marker::triangle:
+      return "triangle";
+    case Marker::diamond:
+      return "diamond";
+    case Marker::plus:
+      return "plus";
+    case Marker::cross:
+      return "cross";
   }
   return "";
 }

@@ -23,10 +23,32 @@ struct PlotSeries {
   Style style = Style::line;
   std::vector<double> x, y;       ///< NaN in y: a gap
   std::vector<double> low, high;  ///< interval of y (bars at points, a band at lines); empty: none
-  /// Index that varies the shade and marker among series of one origin.
+  /// Index that varies shade, marker and dash among series of one origin: states, responses.
   int variant = 0;
   /// A group of series switched together in the legend; empty: its own name.
   std::string group;
+};
+
+/// How a series is drawn, in the plot and in its legend alike: colour by origin, shade, marker and
+/// dash by variant.
+struct SeriesLook {
+  enum class Marker { none, dot, circle, square, triangle, diamond, plus, cross };
+  Marker marker = Marker::none;
+  bool hollow = false;       ///< a marker of paper with a coloured edge
+  bool line = false;         ///< its points are joined
+  std::vector<double> dash;  ///< lengths of strokes and gaps, px; empty: full line
+  int shade = 0;             ///< 0: the origin's colour, 1: darker, 2: lighter
+};
+[[nodiscard]] SeriesLook look_of(const PlotSeries& series);
+/// Such as "triangle".
+[[nodiscard]] const char* word_of(SeriesLook::Marker marker);
+
+/// An upright line at a place of the abscissa: a mode, an instant.
+struct PlotMark {
+  double x = 0;
+  std::string label;
+  Origin origin = Origin::modelled;
+  bool doubtful = false;  ///< broken
 };
 
 struct Plot {
@@ -36,6 +58,12 @@ struct Plot {
   std::string x_label, y_label;
   bool log_x = false, log_y = false;
   std::vector<PlotSeries> series;
+  std::vector<PlotMark> marks;
+  /// Plots with the same word here share the abscissa: the page zooms and reads them together.
+  std::string link;
+  bool decibels = false;   ///< the page offers the ordinate in dB too
+  bool angle = false;      ///< ordinate in degrees: ticks at parts of a turn
+  bool same_axes = false;  ///< both axes have one range: points on the diagonal are equal
 };
 
 /// Columns series, x, y (and low, high), one line a point; numbers that read back exactly.

@@ -5,68 +5,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <set>
 
+#include "apps/report/figures/palette.h"
+#include "apps/report/figures/svg_series.h"
 #include "apps/report/html_text.h"
 
 namespace rigfit::apps {
 namespace {
 
-/// Colours that stay apart for colour-blind readers (Okabe and Ito 2008).
-const char* colour_of(Origin origin) {
-  switch (origin) {
-    case Origin::measured:
-      return "#0072b2";
-    case Origin::published:
-      return "#00795a";
-    case Origin::published_model:
-      return "#b37400";
-    case Origin::synthetic:
-      return "#a8518a";
-    case Origin::modelled:
-      return "#c2410c";
-  }
-  return "#000";
-}
+constexpr double kPxPerMm = 96 / 25.4;
+constexpr double kPxPerPt = 96.0 / 72;
+constexpr double kCharacter = 6.6;  // px that a character of 12 px takes, on the mean
 
-/// Series of one origin differ in shade: as it is, darker, lighter.
-std::string colour_of(const PlotSeries& series) {
-  const std::string base = colour_of(series.origin);
-  const int variant = series.variant % 3;
-  if (variant == 0 || series.origin == Origin::published_model) return base;
-  const int towards = variant == 1 ? 0x22 : 0xff;
-  std::string mixed = "#";
-  for (std::size_t i = 1; i < 7; i += 2) {
-    const int part = std::stoi(base.substr(i, 2), nullptr, 16);
-    mixed += fmt::format("{:02x}", (6 * part + 4 * towards + 5) / 10);
-  }
-  return mixed;
-}
-
-/// The class that gives a series its colour inside a page.
-std::string class_of(const PlotSeries& series) {
-  std::string name = fmt::format("o-{}", word_of(series.origin));
-  if (series.variant % 3 != 0 && series.origin != Origin::published_model) {
-    name += fmt::format(" v{}", series.variant % 3);
-  }
-  return name;
-}
-
-struct Axis {
-  double low = 0, high = 1, from = 0, to = 1;
-  bool logarithmic = false;
-  std::vector<double> ticks;
-
-  double at(double value) const {
-    const double t =
-        logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
-    return from + t * (to - from);
-  }
-  bool shows(double value) const { return std::isfinite(value) && (!logarithmic || value > 0); }
-};
-
-Axis axis_of(const Plot& plot, bool x_axis) {
-  Axis axis;
+SvgAxis axis_of(const Plot& plot, bool x_axis) {
+  SvgAxis axis;
   axis.logarithmic = x_axis ? plot.log_x : plot.log_y;
   double low = std::numeric_limits<double>::infinity(), high = -low;
   const auto take = [&](const std::vector<double>& values) {
@@ -103,197 +56,259 @@ Axis axis_of(const Plot& plot, bool x_axis) {
   return axis;
 }
 
-constexpr std::size_t kDense = 700;  // more points than a figure has pixels across
-
-/// Points of a line that a reader of the figure can tell apart: at most two per pixel column
-/// (their extremes), so that long records stay small.
-std::vector<std::size_t> visible(const PlotSeries& series, const Axis& x, const Axis& y) {
-  std::vector<std::size_t> kept;
-  const std::size_t n = series.x.size();
-  if (n <= kDense) {
-    for (std::size_t i = 0; i < n; ++i) kept.push_back(i);
-    return kept;
+/// Parts of a turn that cover [low, high].
+std::vector<double> angle_ticks(double low, double high, int count) {
+  double step = 30;
+  for (const double next : {45.0, 90.0, 180.0, 360.0, 720.0, 1800.0, 3600.0, 18000.0}) {
+    if ((high - low) / step <= count) break;
+    step = next;
   }
-  constexpr long kNone = std::numeric_limits<long>::min();
-  long column = kNone;
-  std::size_t lowest = 0, highest = 0;
-  const auto flush = [&] {
-    if (column == kNone) return;
-    kept.push_back(std::min(lowest, highest));
-    if (lowest != highest) kept.push_back(std::max(lowest, highest));
-    column = kNone;
+  std::vector<double> ticks;
+  for (double k = std::ceil(low / step); k * step <= high; ++k)
+    ticks.push_back(k == 0 ? 0 : k * step);
+  return ticks;
+}
+
+/// Tick values in as few digits as tell them apart.
+std::vector<std::string> tick_labels(const SvgAxis& axis) {
+  std::vector<std::string> labels;
+  for (const double tick : axis.ticks) {
+    double step = std::numeric_limits<double>::infinity();
+    if (!axis.logarithmic && axis.ticks.size() > 1) step = axis.ticks[1] - axis.ticks[0];
+    const int decimals = static_cast<int>(-std::floor(std::log10(step) + 1e-9));
+    std::string label = std::isfinite(step) && decimals >= 0 && decimals < 7 && std::abs(tick) < 1e6
+                            ? fmt::format("{:.{}f}", tick, decimals)
+                            : fmt::format("{:g}", tick);
+    if (label.starts_with('-')) label.replace(0, 1, "\u2212");
+    labels.push_back(std::move(label));
+  }
+  return labels;
+}
+
+/// Characters of a UTF-8 text.
+double length_of(const std::string& text) {
+  return static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U;
+  }));
+}
+
+/// One figure being laid out and drawn.
+class SvgFigure {
+ public:
+  SvgFigure(const Plot& plot, const SvgOptions& options)
+      : plot_(plot), options_(options), em_(options.font_size / 12) {
+    x_ = axis_of(plot, true);
+    y_ = axis_of(plot, false);
+    if (plot.same_axes) {
+      x_.low = y_.low = std::min(x_.low, y_.low);
+      x_.high = y_.high = std::max(x_.high, y_.high);
+    }
+    lay_out();
+  }
+
+  std::string drawn() {
+    open();
+    grid();
+    svg_ += fmt::format("<g clip-path=\"url(#clip-{})\">\n", escaped(plot_.id));
+    marks();
+    series();
+    svg_ += "</g>\n";
+    legend();
+    return svg_ + "</svg>\n";
+  }
+
+ private:
+  struct Entry {
+    const PlotSeries* series = nullptr;
+    std::string name;
+    double width = 0;
   };
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) {
-      flush();
-      kept.push_back(i);  // a gap
-      continue;
-    }
-    const long here = std::lround(x.at(series.x[i]));
-    if (here != column) {
-      flush();
-      column = here;
-      lowest = highest = i;
-    }
-    if (series.y[i] < series.y[lowest]) lowest = i;
-    if (series.y[i] > series.y[highest]) highest = i;
-  }
-  flush();
-  return kept;
-}
 
-std::string dash(const PlotSeries& series) {
-  if (series.style == PlotSeries::Style::dashed) return " stroke-dasharray=\"6 4\"";
-  switch (series.variant / 3 % 4) {
-    case 1:
-      return " stroke-dasharray=\"9 3\"";
-    case 2:
-      return " stroke-dasharray=\"2 3\"";
-    case 3:
-      return " stroke-dasharray=\"9 3 2 3\"";
-    default:
-      return "";
-  }
-}
-
-std::string marker(const PlotSeries& series, double x, double y) {
-  const std::string colour = colour_of(series);
-  const std::string word = class_of(series);
-  switch (series.origin) {
-    case Origin::measured:
-    case Origin::published:
-      return fmt::format(
-          "<circle class=\"{}{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\" "
-          "stroke=\"{}\" stroke-width=\"1.5\"/>",
-          word, series.variant % 2 ? " hollow" : "", x, y, series.variant % 2 ? "#fff" : colour,
-          colour);
-    case Origin::published_model:
-      if (series.variant % 2 == 0) {
-        return fmt::format(
-            "<rect class=\"{} hollow\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"7\" height=\"7\" "
-            "fill=\"#fff\" stroke=\"{}\" stroke-width=\"1.5\"/>",
-            word, x - 3.5, y - 3.5, colour);
+  void lay_out() {
+    y_.ticks = plot_.angle
+                   ? angle_ticks(y_.low, y_.high, 6)
+                   : axis_ticks(y_.low, y_.high, ticks_along(options_.height, 62), y_.logarithmic);
+    double longest = 6;
+    for (const auto& label : tick_labels(y_)) longest = std::max(longest, length_of(label));
+    const double left = em_ * (30 + kCharacter * longest), right = 16 * em_;
+    const double top = (plot_.marks.empty() ? 12 : 26) * em_;
+    // The legend stands below in rows; one entry a group.
+    std::set<std::string> listed;
+    double row_width = 0;
+    rows_.emplace_back();
+    for (const auto& one : plot_.series) {
+      const std::string name = one.group.empty() ? one.name : one.group;
+      if (!listed.insert(name).second) continue;
+      const double width = em_ * (44 + kCharacter * length_of(name));
+      if (row_width + width > options_.width - left - right && row_width > 0) {
+        rows_.emplace_back();
+        row_width = 0;
       }
-      return fmt::format(
-          "<path class=\"{} hollow\" d=\"M{:.1f} {:.1f}l4.5 4.5l-4.5 4.5l-4.5 -4.5z\" "
-          "fill=\"#fff\" stroke=\"{}\" stroke-width=\"1.5\"/>",
-          word, x, y - 4.5, colour);
-    case Origin::synthetic:
-      return fmt::format(
-          "<path class=\"{}\" d=\"M{:.1f} {:.1f}l4.5 8h-9z\" fill=\"{}\" stroke=\"{}\"/>", word, x,
-          y - 5, colour, colour);
-    case Origin::modelled:
-      if (series.variant % 3 == 1) {
-        return fmt::format(
-            "<path class=\"{}\" d=\"M{:.1f} {:.1f}l8 8m0 -8l-8 8\" fill=\"none\" stroke=\"{}\" "
-            "stroke-width=\"2\"/>",
-            word, x - 4, y - 4, colour);
+      rows_.back().push_back({&one, name, width});
+      row_width += width;
+    }
+    const double bottom = em_ * (52 + 20 * static_cast<double>(rows_.size()));
+    x_.from = left;
+    x_.to = options_.width - right;
+    y_.from = options_.height - bottom;
+    y_.to = top;
+    if (plot_.same_axes) {  // as high as wide
+      const double side = std::min(x_.to - x_.from, y_.from - y_.to);
+      x_.to = x_.from + side;
+      y_.to = y_.from - side;
+    }
+    x_.ticks = axis_ticks(x_.low, x_.high, ticks_along(options_.width, 86), x_.logarithmic);
+    const auto whole = [](double value) { return value == std::round(value); };
+    if (std::all_of(plot_.series.begin(), plot_.series.end(), [&](const PlotSeries& one) {
+          return std::all_of(one.x.begin(), one.x.end(), whole);
+        })) {
+      std::erase_if(x_.ticks, [&](double tick) { return !whole(tick); });  // what is counted
+    }
+  }
+
+  /// How many ticks have room, so many px of 12 px text apart.
+  [[nodiscard]] int ticks_along(double length, double apart) const {
+    return std::clamp(static_cast<int>(length / (apart * em_)), 2, 12);
+  }
+
+  void open() {
+    const auto& o = options_;
+    if (o.standalone) svg_ += "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+    const std::string size = o.in_mm
+                                 ? fmt::format("width=\"{:g}mm\" height=\"{:g}mm\"",
+                                               o.width / kPxPerMm, o.height / kPxPerMm)
+                                 : fmt::format("width=\"{:g}\" height=\"{:g}\"", o.width, o.height);
+    svg_ += fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:g} {:g}\" {} role=\"img\" "
+        "font-family=\"{}\" font-size=\"{:g}\">\n<title>{}</title>\n<desc>{}</desc>\n",
+        o.width, o.height, size, escaped(o.font), o.font_size, escaped(plot_.title),
+        escaped(plot_.caption));
+    if (o.standalone) svg_ += "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+    svg_ += fmt::format(
+        "<clipPath id=\"clip-{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
+        "height=\"{:.1f}\"/></clipPath>\n",
+        escaped(plot_.id), x_.from, y_.to, x_.to - x_.from, y_.from - y_.to);
+  }
+
+  void text(double x, double y, const char* anchor, const std::string& words,
+            const char* more = "") {
+    svg_ += fmt::format(
+        "<text class=\"t\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" "
+        "fill=\"#222\"{}>{}</text>\n",
+        x, y, anchor, more, escaped(words));
+  }
+
+  /// Faint lines within the decades of a logarithmic axis.
+  template <class Line>
+  static void within_decades(const SvgAxis& axis, Line line) {
+    if (!axis.logarithmic || axis.high / axis.low > 1e6) return;
+    for (int e = static_cast<int>(std::floor(std::log10(axis.low))); std::pow(10, e) <= axis.high;
+         ++e) {
+      for (int m = 2; m < 10; ++m) {
+        const double value = m * std::pow(10, e);
+        if (value > axis.low && value < axis.high) line(axis.at(value));
       }
-      if (series.variant % 3 == 2) {
-        return fmt::format(
-            "<circle class=\"{} hollow\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"#fff\" "
-            "stroke=\"{}\" stroke-width=\"1.5\"/>",
-            word, x, y, colour);
+    }
+  }
+
+  void grid() {
+    std::string minor;
+    within_decades(
+        x_, [&](double at) { minor += fmt::format("M{:.1f} {:.1f}V{:.1f}", at, y_.from, y_.to); });
+    within_decades(
+        y_, [&](double at) { minor += fmt::format("M{:.1f} {:.1f}H{:.1f}", x_.from, at, x_.to); });
+    if (!minor.empty()) {
+      svg_ += fmt::format("<path class=\"grid minor\" d=\"{}\" fill=\"none\" stroke=\"#eee\"/>\n",
+                          minor);
+    }
+    const auto x_labels = tick_labels(x_), y_labels = tick_labels(y_);
+    for (std::size_t i = 0; i < x_.ticks.size(); ++i) {
+      const double at = x_.at(x_.ticks[i]);
+      svg_ += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:.1f}V{:.1f}\" stroke=\"#ddd\"/>", at,
+                          y_.from, y_.to);
+      text(at, y_.from + 17 * em_, "middle", x_labels[i]);
+    }
+    for (std::size_t i = 0; i < y_.ticks.size(); ++i) {
+      const double at = y_.at(y_.ticks[i]);
+      svg_ += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"#ddd\"/>",
+                          x_.from, at, x_.to);
+      text(x_.from - 7 * em_, at + 4 * em_, "end", y_labels[i]);
+    }
+    svg_ += fmt::format(
+        "<rect class=\"frame\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "
+        "fill=\"none\" "
+        "stroke=\"#888\"/>\n",
+        x_.from, y_.to, x_.to - x_.from, y_.from - y_.to);
+    text(0.5 * (x_.from + x_.to), y_.from + 36 * em_, "middle", plot_.x_label);
+    svg_ += fmt::format(
+        "<text class=\"t\" transform=\"translate({:.1f} {:.1f}) rotate(-90)\" "
+        "text-anchor=\"middle\" "
+        "fill=\"#222\">{}</text>\n",
+        16 * em_, 0.5 * (y_.from + y_.to), escaped(plot_.y_label));
+  }
+
+  void marks() {
+    std::string labels;
+    double last = -1e9;
+    for (const auto& mark : plot_.marks) {
+      if (!x_.shows(mark.x) || mark.x < x_.low || mark.x > x_.high) continue;
+      const double at = x_.at(mark.x);
+      svg_ += fmt::format(
+          "<path class=\"o-{} line\" d=\"M{:.1f} {:.1f}V{:.1f}\" fill=\"none\" stroke=\"{}\" "
+          "stroke-opacity=\"0.55\"{}/>\n",
+          word_of(mark.origin), at, y_.from, y_.to, colour_of(mark.origin),
+          mark.doubtful ? " stroke-dasharray=\"3 3\"" : "");
+      const double half = 0.5 * em_ * kCharacter * length_of(mark.label);
+      if (at - half < last) continue;  // no room beside the one before
+      last = at + half + 4 * em_;
+      labels += fmt::format(
+          "<text class=\"o-{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" fill=\"{}\" "
+          "font-size=\"{:g}\">{}</text>\n",
+          word_of(mark.origin),
+          std::clamp(at, x_.from + half, std::max(x_.from + half, x_.to - half)), y_.to - 6 * em_,
+          colour_of(mark.origin), 0.9 * options_.font_size, escaped(mark.label));
+    }
+    labels_ = std::move(labels);
+  }
+
+  void series() {
+    const bool overlaid = std::any_of(
+        plot_.series.begin(), plot_.series.end(),
+        [](const auto& one) { return look_of(one).line && one.origin == Origin::modelled; });
+    for (const bool lines : {true, false}) {
+      for (const auto& one : plot_.series) {
+        if (look_of(one).line != lines) continue;
+        SvgSeriesOptions how;
+        // Inside a page whole pixels do for what is dense; a figure for a paper has tenths.
+        how.digits = options_.standalone || one.x.size() <= kDenseSeries ? 1 : 0;
+        how.beneath = overlaid && one.origin != Origin::modelled;
+        how.scale = em_;
+        draw_series(svg_, one, x_, y_, how);
       }
-      return fmt::format(
-          "<path class=\"{}\" d=\"M{:.1f} {:.1f}h13m-6.5 -6.5v13\" fill=\"none\" stroke=\"{}\" "
-          "stroke-width=\"2\"/>",
-          word, x - 6.5, y, colour);
-  }
-  return "";
-}
-
-bool has_points(const PlotSeries& s) {
-  return s.style == PlotSeries::Style::points || s.style == PlotSeries::Style::line_and_points;
-}
-bool has_line(const PlotSeries& s) { return s.style != PlotSeries::Style::points; }
-
-/// Upper and lower end of a band, one pair a pixel column where it is dense.
-void draw_band(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y) {
-  struct Slice {
-    double px = 0, top = 0, bottom = 0;
-  };
-  std::vector<Slice> slices;
-  const bool dense = series.x.size() > kDense;
-  for (std::size_t i = 0; i < series.x.size() && i < series.low.size(); ++i) {
-    if (!x.shows(series.x[i]) || !y.shows(series.low[i]) || !y.shows(series.high[i])) continue;
-    Slice here{x.at(series.x[i]), y.at(series.high[i]), y.at(series.low[i])};
-    if (dense) here.px = std::round(here.px);
-    if (dense && !slices.empty() && slices.back().px == here.px) {
-      slices.back().top = std::min(slices.back().top, here.top);
-      slices.back().bottom = std::max(slices.back().bottom, here.bottom);
-    } else {
-      slices.push_back(here);
     }
   }
-  if (slices.empty()) return;
-  std::string path;
-  for (const auto& slice : slices) {
-    path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", slice.px, slice.top);
-  }
-  for (auto slice = slices.rbegin(); slice != slices.rend(); ++slice) {
-    path += fmt::format("L{:.1f} {:.1f}", slice->px, slice->bottom);
-  }
-  svg += fmt::format(
-      "<path class=\"{} band\" d=\"{}z\" fill=\"{}\" fill-opacity=\"0.18\" stroke=\"none\"/>\n",
-      class_of(series), path, colour_of(series));
-}
 
-/// `beneath`: a model is drawn over it, and must not hide it.
-void draw_line(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y, int digits,
-               bool beneath) {
-  std::string path;
-  bool pen_down = false;
-  for (const std::size_t i : visible(series, x, y)) {
-    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) {
-      pen_down = false;
-      continue;
-    }
-    path += fmt::format("{}{:.{}f} {:.{}f}", pen_down ? "L" : "M", x.at(series.x[i]), digits,
-                        y.at(series.y[i]), digits);
-    pen_down = true;
-  }
-  const double width = beneath ? 3 : series.x.size() > kDense ? 1.2 : 1.8;
-  svg += fmt::format(
-      "<path class=\"{} line\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
-      "stroke-linejoin=\"round\"{}/>\n",
-      class_of(series), path, colour_of(series), width, dash(series));
-}
-
-void draw_points(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y) {
-  constexpr std::size_t kMany = 150;  // as dots of one path from here on
-  std::string dots;
-  for (std::size_t i = 0; i < series.x.size(); ++i) {
-    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) continue;
-    const double px = x.at(series.x[i]), py = y.at(series.y[i]);
-    if (i < series.low.size() && y.shows(series.low[i]) && y.shows(series.high[i])) {
-      const double top = y.at(series.high[i]), bottom = y.at(series.low[i]);
-      svg += fmt::format(
-          "<path class=\"{0} line\" d=\"M{1:.1f} {2:.1f}V{3:.1f}M{4:.1f} {2:.1f}h8M{4:.1f} "
-          "{3:.1f}h8\" fill=\"none\" stroke=\"{5}\" stroke-width=\"1.3\"/>\n",
-          class_of(series), px, top, bottom, px - 4, colour_of(series));
-    }
-    if (series.x.size() > kMany) {
-      dots += fmt::format("M{:.1f} {:.1f}h0", px, py);
-    } else {
-      svg += marker(series, px, py) + "\n";
+  void legend() {
+    svg_ += labels_;
+    double y = y_.from + 56 * em_;
+    for (const auto& row : rows_) {
+      double x = x_.from;
+      for (const auto& entry : row) {
+        svg_ += legend_key(*entry.series, x, y - 4 * em_, em_);
+        text(x + 30 * em_, y, "start", entry.name);
+        x += entry.width;
+      }
+      y += 20 * em_;
     }
   }
-  if (dots.empty()) return;
-  svg += fmt::format(
-      "<path class=\"{} line\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
-      "stroke-linecap=\"round\"/>\n",
-      class_of(series), dots, colour_of(series), series.variant % 2 ? 2.5 : 4.5);
-}
 
-void draw_series(std::string& svg, const PlotSeries& series, const Axis& x, const Axis& y,
-                 int digits, bool beneath) {
-  if (has_line(series)) {
-    if (!series.low.empty() && !has_points(series)) draw_band(svg, series, x, y);
-    draw_line(svg, series, x, y, digits, beneath);
-  }
-  if (has_points(series)) draw_points(svg, series, x, y);
-}
+  const Plot& plot_;
+  const SvgOptions& options_;
+  double em_;  ///< size of the font against 12 px
+  SvgAxis x_, y_;
+  std::vector<std::vector<Entry>> rows_;
+  std::string svg_, labels_;
+};
 
 }  // namespace
 
@@ -326,114 +341,48 @@ std::vector<double> axis_ticks(double low, double high, int count, bool logarith
   return ticks;
 }
 
-std::string svg_plot(const Plot& plot, const SvgOptions& options) {
-  Axis x = axis_of(plot, true), y = axis_of(plot, false);
-  // The legend stands below in rows; one entry a group.
-  struct Entry {
-    const PlotSeries* series;
-    std::string name;
-    double width;
-  };
-  std::vector<std::vector<Entry>> rows(1);
-  std::map<std::string, bool> listed;
-  double row_width = 0;
-  const double left = 70, right = 16, top = 12;
-  for (const auto& series : plot.series) {
-    const std::string name = series.group.empty() ? series.name : series.group;
-    if (listed[name]) continue;
-    listed[name] = true;
-    const double width = 44 + 6.6 * static_cast<double>(name.size());
-    if (row_width + width > options.width - left - right && row_width > 0) {
-      rows.emplace_back();
-      row_width = 0;
-    }
-    rows.back().push_back({&series, name, width});
-    row_width += width;
-  }
-  const double bottom = 52 + 20 * static_cast<double>(rows.size());
-  x.from = left;
-  x.to = options.width - right;
-  y.from = options.height - bottom;
-  y.to = top;
-  x.ticks = axis_ticks(x.low, x.high, 8, x.logarithmic);
-  y.ticks = axis_ticks(y.low, y.high, 6, y.logarithmic);
-  const auto whole = [](double value) { return value == std::round(value); };
-  if (std::all_of(plot.series.begin(), plot.series.end(), [&](const PlotSeries& series) {
-        return std::all_of(series.x.begin(), series.x.end(), whole);
-      })) {
-    std::erase_if(x.ticks, [&](double tick) { return !whole(tick); });  // what is counted
-  }
+std::string standalone_svg(const std::string& svg) {
+  const auto end = svg.find('>');
+  if (end == std::string::npos) return svg;
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + svg.substr(0, end + 1) +
+         "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>" + svg.substr(end + 1);
+}
 
-  std::string svg;
-  if (options.standalone) svg += "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-  svg += fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
-      "height=\"{1}\" role=\"img\" font-family=\"sans-serif\" "
-      "font-size=\"12\">\n<title>{2}</title>\n"
-      "<desc>{3}</desc>\n",
-      options.width, options.height, escaped(plot.title), escaped(plot.caption));
-  if (options.standalone) svg += "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-  const std::string clip = "clip-" + plot.id;
-  svg += fmt::format(
-      "<clipPath id=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{:.1f}\" "
-      "height=\"{:.1f}\"/></clipPath>\n",
-      escaped(clip), x.from, y.to, x.to - x.from, y.from - y.to);
-  for (const double tick : x.ticks) {
+SvgOptions print_size(double width_mm, double height_mm, const std::string& font, double size_pt) {
+  SvgOptions options;
+  options.width = width_mm * kPxPerMm;
+  options.height = height_mm * kPxPerMm;
+  options.font = font;
+  options.font_size = size_pt * kPxPerPt;
+  options.in_mm = true;
+  return options;
+}
+
+std::string svg_plot(const Plot& plot, const SvgOptions& options) {
+  return SvgFigure(plot, options).drawn();
+}
+
+std::string svg_sheet(const std::string& title, const std::vector<SvgPanel>& panels, double& width,
+                      double& height) {
+  constexpr double kTitle = 30, kGap = 14;
+  width = height = 0;
+  for (const auto& panel : panels) {
+    width = std::max(width, panel.width);
+    height += kTitle + panel.height + kGap;
+  }
+  std::string svg = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+      "viewBox=\"0 0 {0:g} {1:g}\" width=\"{0:g}\" height=\"{1:g}\" font-family=\"sans-serif\" "
+      "font-size=\"12\">\n<title>{2}</title>\n<rect width=\"100%\" height=\"100%\" "
+      "fill=\"#fff\"/>\n",
+      width, height, escaped(title));
+  double y = 0;
+  for (const auto& panel : panels) {
     svg += fmt::format(
-        "<path class=\"grid\" d=\"M{0:.1f} {1:.1f}V{2:.1f}\" stroke=\"#ddd\"/><text class=\"t\" "
-        "x=\"{0:.1f}\" y=\"{3:.1f}\" text-anchor=\"middle\" fill=\"#222\">{4}</text>\n",
-        x.at(tick), y.from, y.to, y.from + 17, fmt::format("{:g}", tick));
-  }
-  for (const double tick : y.ticks) {
-    svg += fmt::format(
-        "<path class=\"grid\" d=\"M{0:.1f} {1:.1f}H{2:.1f}\" stroke=\"#ddd\"/><text class=\"t\" "
-        "x=\"{3:.1f}\" y=\"{4:.1f}\" text-anchor=\"end\" fill=\"#222\">{5}</text>\n",
-        x.from, y.at(tick), x.to, x.from - 7, y.at(tick) + 4, fmt::format("{:g}", tick));
-  }
-  svg += fmt::format(
-      "<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
-      "stroke=\"#888\"/>\n",
-      x.from, y.to, x.to - x.from, y.from - y.to);
-  svg += fmt::format(
-      "<text class=\"t\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" "
-      "fill=\"#222\">{}</text>\n",
-      0.5 * (x.from + x.to), y.from + 36, escaped(plot.x_label));
-  svg += fmt::format(
-      "<text class=\"t\" transform=\"translate(18 {:.1f}) rotate(-90)\" text-anchor=\"middle\" "
-      "fill=\"#222\">{}</text>\n",
-      0.5 * (y.from + y.to), escaped(plot.y_label));
-  svg += fmt::format("<g clip-path=\"url(#{})\">\n", escaped(clip));
-  // Inside a page whole pixels do for what is dense; a figure for a paper has tenths.
-  const auto digits = [&](const PlotSeries& series) {
-    return options.standalone || series.x.size() <= kDense ? 1 : 0;
-  };
-  const bool overlaid = std::any_of(plot.series.begin(), plot.series.end(), [](const auto& s) {
-    return has_line(s) && s.origin == Origin::modelled;
-  });
-  for (const bool lines : {true, false}) {
-    for (const auto& series : plot.series) {
-      if (has_line(series) != lines) continue;
-      draw_series(svg, series, x, y, digits(series), overlaid && series.origin != Origin::modelled);
-    }
-  }
-  svg += "</g>\n";
-  double row_y = y.from + 56;
-  for (const auto& row : rows) {
-    double row_x = left;
-    for (const auto& entry : row) {
-      if (has_line(*entry.series)) {
-        svg += fmt::format(
-            "<path class=\"{} line\" d=\"M{:.1f} {:.1f}h24\" fill=\"none\" stroke=\"{}\" "
-            "stroke-width=\"2\"{}/>\n",
-            class_of(*entry.series), row_x, row_y - 4, colour_of(*entry.series),
-            dash(*entry.series));
-      }
-      if (has_points(*entry.series)) svg += marker(*entry.series, row_x + 12, row_y - 4) + "\n";
-      svg += fmt::format("<text class=\"t\" x=\"{:.1f}\" y=\"{:.1f}\" fill=\"#222\">{}</text>\n",
-                         row_x + 30, row_y, escaped(entry.name));
-      row_x += entry.width;
-    }
-    row_y += 20;
+        "<text x=\"12\" y=\"{:g}\" font-size=\"14\" font-weight=\"bold\" fill=\"#222\">{}</text>\n"
+        "<g transform=\"translate(0 {:g})\">\n{}</g>\n",
+        y + 20, escaped(panel.title), y + kTitle, panel.svg);
+    y += kTitle + panel.height + kGap;
   }
   return svg + "</svg>\n";
 }

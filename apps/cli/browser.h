@@ -1,0 +1,42 @@
+// Programs of the machine that turn a page into a picture or show it: looked for on the PATH, run
+// without a shell.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rigfit::apps {
+
+/// The first of the names that is on the PATH and can be run; empty: none.
+[[nodiscard]] std::filesystem::path find_program(const std::vector<std::string>& names);
+
+/// Chromium or a browser that takes its options; empty: none.
+[[nodiscard]] std::filesystem::path find_chromium();
+
+/// Runs a program with arguments, silently, and waits for it: its exit code; -1 when it cannot be
+/// started, 128 + signal when one ended it.
+int run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments);
+
+/// Runs headless Chromium on a local file with further options, such as --screenshot=F. False when
+/// it fails.
+bool run_chromium(const std::filesystem::path& chromium, const std::vector<std::string>& options,
+                  const std::filesystem::path& page);
+
+/// Opens a file with what the desktop has for it (xdg-open). False when there is no such thing.
+bool open_for_user(const std::filesystem::path& file);
+
+/// A folder of its own for the run's temporary files, removed with everything in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace rigfit::apps

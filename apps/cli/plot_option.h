@@ -1,0 +1,43 @@
+// --plot FILE and --show, common to the verbs that draw: the figures of a run, built by the
+// functions that a report's page uses, as one HTML page, one SVG or one PNG.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "apps/cli/verb_context.h"
+#include "apps/report/report_part.h"
+
+namespace rigfit::apps {
+
+/// As typed.
+struct PlotCommand {
+  std::string file;  ///< ends with .html, .svg or .png; empty: no figures, or a temporary page
+  bool show = false;
+};
+
+/// The figures of a run. A verb adds to it when VerbContext::plots is set.
+struct PlotSheet {
+  std::string title;
+  std::vector<Block> blocks;
+
+  /// Ids are made unique over the sheet.
+  void add(Block block);
+  void add(std::vector<Block> more);
+
+ private:
+  std::set<std::string> ids_;
+};
+
+void add_plot_option(CLI::App& verb, PlotCommand& command);
+
+/// Before the run: throws UsageError when the file cannot be written or its kind cannot be made
+/// here; sets `context.plots` when figures are asked for.
+void prepare_plots(VerbContext& context, const PlotCommand& command);
+
+/// After the run: writes the file and shows it. Without any figure it writes nothing and warns.
+void write_plots(VerbContext& context, const PlotCommand& command, const std::string& verb);
+
+}  // namespace rigfit::apps

@@ -1,0 +1,39 @@
+// Blocks of a report as HTML: paragraphs, tables, figures with their data. A report's page and the
+// page that a verb writes by --plot are made of them, so that a figure looks the same in both.
+#pragma once
+
+#include <string>
+
+#include "apps/report/report_part.h"
+
+namespace rigfit::apps {
+
+/// Collects blocks one after the other; the data of plots go to the end of the page, where the
+/// scripts are.
+class BlockHtml {
+ public:
+  void add(const Block& block);
+  void add(const Paragraph& paragraph);
+  void add(const ReportTable& table);
+  void add(const Plot& plot);
+  void add(const PlotGroup& group);
+  void add(const ShapeViewer& viewer);
+  void add(const Picture& picture);
+
+  /// What was added since the last call.
+  [[nodiscard]] std::string taken();
+
+  /// Style sheets of a page with blocks: a style element for its head.
+  [[nodiscard]] static std::string styles();
+  /// Data and scripts of all plots added: script elements for the end of its body.
+  [[nodiscard]] std::string scripts() const;
+
+ private:
+  void values_table(const Plot& plot);
+
+  std::string html_;
+  int heading_ = 3;    ///< level of a figure's title
+  std::string plots_;  ///< JSON members, by the plot's id
+};
+
+}  // namespace rigfit::apps
