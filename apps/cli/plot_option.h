@@ -22,6 +22,7 @@ struct PlotCommand {
 struct PlotSheet {
   std::string title;
   std::vector<Block> blocks;
+  std::size_t sources = 0;  ///< recordings met so far, where a verb draws only the first
 
   /// Ids are made unique over the sheet.
   void add(Block block);

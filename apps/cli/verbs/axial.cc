@@ -8,6 +8,7 @@
 #include "apps/cli/axial_result.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/number_checks.h"
+#include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "ident/campaign/axial_campaign.h"
@@ -96,6 +97,7 @@ Json axial_result(const AxialCommand& command, std::vector<signal::Recording> re
     f.refused ? context.refuse(f.code, f.message, f.where)
               : context.warn(f.code, f.message, f.where);
   }
+  if (context.plots) draw_axial(*context.plots, inputs, result);
   if (result.test) print_axial(context.out, *result.test);
   return axial_json(inputs, result);
 }
@@ -150,7 +152,7 @@ void add_axial(CLI::App& program, Verbs& verbs) {
   app->add_option("--draws", c->draws, "Monte Carlo draws, 0 for none")
       ->check(CLI::Range(0, 10000000))
       ->capture_default_str();
-  verbs.push_back({app, [c](VerbContext& context) { return run(*c, context); }});
+  verbs.push_back({app, [c](VerbContext& context) { return run(*c, context); }, true});
 }
 
 }  // namespace rigfit::apps

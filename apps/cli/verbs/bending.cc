@@ -9,6 +9,7 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/bending_json.h"
 #include "apps/cli/number_checks.h"
+#include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "ident/campaign/bending_campaign.h"
@@ -105,6 +106,7 @@ Json bending_result(BendingCommand command, VerbContext& context) {
     }
   }
   for (const auto& finding : found.findings) context.warn(finding.code, finding.message);
+  if (context.plots) draw_bending(*context.plots, campaign, found);
   print_points(context.out, command, found);
   print_tension_cell(context.out, campaign.test, found);
   if (found.bounds) {
@@ -183,7 +185,7 @@ void add_bending(CLI::App& program, Verbs& verbs) {
       "> "
       "ei.csv\n  rigfit bending ei.csv --strand 195e9 133 0.397e-3 6.35e-3 --json ei.json");
   verbs.push_back(
-      {verb, [options](VerbContext& context) { return run_bending(context, *options); }});
+      {verb, [options](VerbContext& context) { return run_bending(context, *options); }, true});
 }
 
 }  // namespace rigfit::apps

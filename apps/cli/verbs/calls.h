@@ -7,6 +7,7 @@
 // where there is no result at all, and what the library functions behind it throw.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -65,9 +66,10 @@ struct ModalCommand {
 /// FRFs to identify, and where they are from.
 struct MeasuredFrfs {
   signal::FrfSet frfs;
-  double usable_hz = 0;     ///< 0: to the last line
-  bool amplitudes = true;   ///< false: only frequencies and damping mean something
-  Json hits, force_window;  ///< null when the FRFs came from a file
+  double usable_hz = 0;                  ///< 0: to the last line
+  bool amplitudes = true;                ///< false: only frequencies and damping mean something
+  Json hits, force_window;               ///< null when the FRFs came from a file
+  std::shared_ptr<const ImpactRun> run;  ///< for figures; null: none wanted, FRFs from a file
 };
 /// Of hits just analysed.
 [[nodiscard]] MeasuredFrfs measured_frfs(const ImpactRun& run);

@@ -14,6 +14,7 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
+#include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 
@@ -220,6 +221,7 @@ Json decay_result(const signal::Recording& recording, const DecayCommand& comman
   const auto& found = test.channels.front();
   const auto& r = found.strongest;
   tell(found.findings);
+  if (context.plots) draw_decay(*context.plots, command.file, found);
   result["window"] = {
       {"start_s", found.start_s}, {"end_s", found.end_s}, {"samples", r.end - r.start}};
   result["decays_found"] = found.decays.size();
@@ -270,7 +272,7 @@ void add_decay(CLI::App& program, Verbs& verbs) {
   app->add_option("--sample-rate", command->sample_rate_hz, "Where the file gives none, Hz")
       ->check(positive_number())
       ->type_name("HZ");
-  verbs.push_back({app, [command](VerbContext& context) { return run(*command, context); }});
+  verbs.push_back({app, [command](VerbContext& context) { return run(*command, context); }, true});
 }
 
 }  // namespace rigfit::apps

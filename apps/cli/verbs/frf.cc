@@ -8,6 +8,7 @@
 
 #include "apps/cli/impact_command.h"
 #include "apps/cli/modal_json.h"
+#include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "signal/writers/write_uff.h"
@@ -127,6 +128,11 @@ Json frf_result(const ImpactRun& run, const FrfCommand& options, VerbContext& co
   const signal::FrfSet& frfs = hammer.frfs;
   const bool roving = !options.impact.struck.empty();
   print(context.out, run);
+  if (context.plots) {
+    const auto& asked = options.impact.band;
+    draw_hammer_test(*context.plots, {&run.places, &hammer, frfs, asked.empty() ? 0 : asked[0],
+                                      asked.empty() ? hammer.usable_hz : asked[1]});
+  }
 
   // Blocks are as long for all points; a point without hits has none.
   const auto measured = std::find_if(hammer.tests.begin(), hammer.tests.end(),
@@ -216,10 +222,12 @@ void add_frf(CLI::App& program, Verbs& verbs) {
       "Example:\n  rigfit frf hits.csv --force hammer --response a1 a2 --out frf.uff --json -\n"
       "  rigfit frf p1.csv p2.csv --struck a1 a2 --force hammer --response a1 a2 --out frf.uff\n"
       "Exit code 4: no hit can be used; the hits and their reasons are given all the same.");
-  verbs.push_back({verb, [options](VerbContext& context) {
+  verbs.push_back({verb,
+                   [options](VerbContext& context) {
                      return frf_result(run_impact_test(context, options->impact), *options,
                                        context);
-                   }});
+                   },
+                   true});
 }
 
 }  // namespace rigfit::apps

@@ -7,6 +7,7 @@
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/number_checks.h"
+#include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "signal/readers/mapped_file.h"
@@ -22,6 +23,8 @@ struct InspectOptions {
   std::vector<std::string> files;
   double sample_rate_hz = 0;
 };
+
+constexpr std::size_t kMostDrawn = 20;  // recordings, so that a page opens at once
 
 constexpr const char* kInspectExample = R"(Example:
   rigfit inspect hits.csv
@@ -133,6 +136,10 @@ Json inspect(const InspectOptions& options, VerbContext& context) {
   for (const auto& path : options.files) {
     result["recordings"].push_back(inspect_file(path, options.sample_rate_hz, context));
   }
+  if (context.plots && options.files.size() > kMostDrawn) {
+    context.warn("not_all_drawn", fmt::format("the first {} of {} recordings are drawn", kMostDrawn,
+                                              options.files.size()));
+  }
   return result;
 }
 
@@ -155,6 +162,9 @@ Json inspect_result(const signal::Recording& recording, VerbContext& context) {
     }
   }
   print(context.out, recording, quality);
+  if (context.plots && context.plots->sources++ < kMostDrawn) {
+    draw_recording(*context.plots, recording, quality);
+  }
   return json_of(recording, quality);
 }
 
@@ -170,7 +180,8 @@ void add_inspect(CLI::App& program, Verbs& verbs) {
       ->check(positive_number())
       ->type_name("HZ");
   app->footer(kInspectExample);
-  verbs.push_back({app, [options](VerbContext& context) { return inspect(*options, context); }});
+  verbs.push_back(
+      {app, [options](VerbContext& context) { return inspect(*options, context); }, true});
 }
 
 }  // namespace rigfit::apps

@@ -11,6 +11,7 @@
 #include "apps/cli/impact_command.h"
 #include "apps/cli/modal_json.h"
 #include "apps/cli/number_checks.h"
+#include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "signal/modal/modal_synthesis.h"
@@ -57,7 +58,10 @@ MeasuredFrfs frfs_of(VerbContext& context, ModalCommand& options) {
   if (!options.impact.force.empty()) {
     if (options.averages > 0) throw UsageError("--averages is for FRFs from a file");
     options.impact.files = options.files;
-    return measured_frfs(run_impact_test(context, options.impact));
+    ImpactRun run = run_impact_test(context, options.impact);
+    MeasuredFrfs measured = measured_frfs(run);
+    if (context.plots) measured.run = std::make_shared<const ImpactRun>(std::move(run));
+    return measured;
   }
   if (options.files.size() > 1) {
     throw UsageError("FRFs come from one UFF file; recordings of hits need --force C");
@@ -195,6 +199,11 @@ Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, Ver
   if (!identified.converged()) context.exit_code = ExitCode::not_converged;
   for (const auto& mode : model.modes) result["modes"].push_back(mode_json(mode));
   print(context.out, found);
+  if (context.plots) {
+    const auto& run = measured.run;
+    draw_hammer_test(*context.plots, {run ? &run->places : nullptr, run ? &run->test : nullptr,
+                                      measured.frfs, found.low_hz, found.high_hz, &found});
+  }
 
   result["responses"] = points_json(model.responses);
   result["input_points"] = points_json(model.inputs);
@@ -272,7 +281,8 @@ void add_modal(CLI::App& program, Verbs& verbs) {
       "  rigfit modal hits.csv --force hammer --exponential-window 1\n"
       "Exit code 4: no mode stands out, or a window's damping dominates that of a mode (the\n"
       "frequency is given all the same).");
-  verbs.push_back({verb, [options](VerbContext& context) { return run_modal(context, *options); }});
+  verbs.push_back(
+      {verb, [options](VerbContext& context) { return run_modal(context, *options); }, true});
 }
 
 }  // namespace rigfit::apps

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "model/linear/modal_analysis.h"
@@ -105,7 +106,7 @@ Json modes_result(const model::Scene& scene, const ModesCommand& options, VerbCo
     wanted.rotary_inertia = model::RotaryInertia::rigid_rod;
   }
   if (options.torsion != "auto") wanted.torsion = options.torsion == "on";
-  wanted.shapes = options.shapes;
+  wanted.shapes = options.shapes || context.plots;
   const model::ModalAnalysis analysis = model::analyse_modes(scene, wanted);
 
   Json result{{"title", scene.title}};
@@ -141,6 +142,7 @@ Json modes_result(const model::Scene& scene, const ModesCommand& options, VerbCo
                  options.scene);
   }
   print(context.out, analysis, scene);
+  if (context.plots) draw_modes(*context.plots, scene, analysis);
   return result;
 }
 
@@ -171,10 +173,12 @@ void add_modes(CLI::App& program, Verbs& verbs) {
   verb->add_flag("--shapes", options->shapes, "Mode shapes at every node in the JSON result");
   verb->footer(
       "Example:\n  rigfit modes testdata/jalali2021/scenes/cable.toml --count 6 --json modes.json");
-  verbs.push_back({verb, [options](VerbContext& context) {
+  verbs.push_back({verb,
+                   [options](VerbContext& context) {
                      context.input(options->scene);
                      return modes_result(model::read_scene(options->scene), *options, context);
-                   }});
+                   },
+                   true});
 }
 
 }  // namespace rigfit::apps

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "apps/cli/number_checks.h"
+#include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "model/response/response.h"
@@ -263,6 +264,7 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
                                what.of);
   }
   if (!options.out.empty()) {
+    if (context.plots) draw_response(*context.plots, scene, response);
     context.write(options.out, samples_csv(scene, response));
     result["out"] = options.out;
     context.out << "response: " << options.out << '\n';
@@ -321,12 +323,14 @@ void add_respond(CLI::App& program, Verbs& verbs) {
       "Example:\n"
       "  rigfit respond testdata/scenes/cable-release.toml --duration 10 --rate 2000 "
       "--out response.csv --energy energy.csv");
-  verbs.push_back({verb, [options](VerbContext& context) {
+  verbs.push_back({verb,
+                   [options](VerbContext& context) {
                      context.input(options->scene);
                      model::ResponseResult response;
                      return respond_result(model::read_scene(options->scene), *options, context,
                                            response);
-                   }});
+                   },
+                   true});
 }
 
 }  // namespace rigfit::apps

@@ -9,6 +9,7 @@
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
+#include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "ident/tension/cable_tension.h"
@@ -302,6 +303,7 @@ Json tension_result(const TensionCommand& command, const std::vector<signal::Rec
                    "frequency, --EI or --ends can");
   }
   print(context.out, result);
+  if (context.plots) draw_tension(*context.plots, result);
   Json json = json_of(result);
   if (!spectra.empty()) json["peaks"] = std::move(spectra);
   return json;
@@ -356,7 +358,7 @@ void add_tension(CLI::App& program, Verbs& verbs) {
                   "Probability that a measured mode is none of the cable's")
       ->check(number_within(0.001, 0.9))
       ->capture_default_str();
-  verbs.push_back({app, [c](VerbContext& context) { return run(*c, context); }});
+  verbs.push_back({app, [c](VerbContext& context) { return run(*c, context); }, true});
 }
 
 }  // namespace rigfit::apps

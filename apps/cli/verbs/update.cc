@@ -14,6 +14,7 @@
 #include "apps/cli/number_checks.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/update_result.h"
+#include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "ident/campaign/fit_campaign.h"
@@ -267,6 +268,7 @@ Json update_result(UpdateStates& states, const UpdateCommand& options, VerbConte
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 
   print_update(context.out, result, states.states);
+  if (context.plots) draw_update(*context.plots, states.states, result, outcome.held);
   for (const auto& warning : outcome.findings) {
     if (warning.refused) {
       context.refuse(warning.code, warning.message);
@@ -425,7 +427,7 @@ void add_update(CLI::App& program, Verbs& verbs) {
       "    --measured testdata/jalali2021/table2_beam_frequencies.csv --column bond_graph_Hz \\\n"
       "    --plane in --free beam.EI_z tip.mass --out beam.updated.toml --json fit.json");
   verbs.push_back(
-      {verb, [options](VerbContext& context) { return run_update(context, *options); }});
+      {verb, [options](VerbContext& context) { return run_update(context, *options); }, true});
 }
 
 }  // namespace rigfit::apps

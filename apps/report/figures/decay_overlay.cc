@@ -14,25 +14,6 @@ namespace {
 using Eigen::Index;
 constexpr double kFirst_s = 0.5;  // of the first moments
 
-PlotSeries spectrum_of(const Eigen::Ref<const Eigen::VectorXd>& samples, double rate_hz,
-                       double high_hz, PlotSeries series) {
-  const Index n = samples.size();
-  Eigen::VectorXd windowed(n);
-  const double mean = samples.mean();
-  for (Index i = 0; i < n; ++i) {  // Hann
-    const double phase = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
-    windowed[i] = (0.5 - 0.5 * std::cos(phase)) * (samples[i] - mean);
-  }
-  const Index length = signal::good_fft_length(n);
-  const Eigen::VectorXcd lines = signal::real_spectra(windowed, length).col(0);
-  const Eigen::VectorXd frequency = signal::line_frequencies(length, rate_hz);
-  for (Index k = 1; k < lines.size() && (high_hz <= 0 || frequency[k] <= high_hz); ++k) {
-    series.x.push_back(frequency[k]);
-    series.y.push_back(4 * std::abs(lines[k]) / static_cast<double>(n));
-  }
-  return series;
-}
-
 /// As the answer number `k` of `count` is drawn: the last stands for the report, those before it
 /// are broken lines.
 PlotSeries series_of(const ReleaseAnswer& answer, std::size_t k, std::size_t count) {
@@ -61,6 +42,25 @@ void keep_between(Plot& plot, double from, double to) {
 }
 
 }  // namespace
+
+PlotSeries amplitude_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double rate_hz,
+                              double high_hz, PlotSeries series) {
+  const Index n = samples.size();
+  Eigen::VectorXd windowed(n);
+  const double mean = samples.mean();
+  for (Index i = 0; i < n; ++i) {  // Hann
+    const double phase = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
+    windowed[i] = (0.5 - 0.5 * std::cos(phase)) * (samples[i] - mean);
+  }
+  const Index length = signal::good_fft_length(n);
+  const Eigen::VectorXcd lines = signal::real_spectra(windowed, length).col(0);
+  const Eigen::VectorXd frequency = signal::line_frequencies(length, rate_hz);
+  for (Index k = 1; k < lines.size() && (high_hz <= 0 || frequency[k] <= high_hz); ++k) {
+    series.x.push_back(frequency[k]);
+    series.y.push_back(4 * std::abs(lines[k]) / static_cast<double>(n));
+  }
+  return series;
+}
 
 std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& decay,
                                 const std::vector<ReleaseAnswer>& answers, double high_hz) {
@@ -110,10 +110,10 @@ std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& deca
       first = answer.start;
       common = length;
       spectra.series.push_back(
-          spectrum_of(record.segment(first, common), decay.rate_hz, high_hz, test));
+          amplitude_spectrum(record.segment(first, common), decay.rate_hz, high_hz, test));
     }
-    spectra.series.push_back(spectrum_of(model.head(std::min(common, length)), decay.rate_hz,
-                                         high_hz, series_of(answer, k, answers.size())));
+    spectra.series.push_back(amplitude_spectrum(model.head(std::min(common, length)), decay.rate_hz,
+                                                high_hz, series_of(answer, k, answers.size())));
   }
   if (first < 0) return {};
   Plot zoom = plot;

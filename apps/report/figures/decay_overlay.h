@@ -17,4 +17,8 @@ using ident::ReleaseAnswer;
                                               const std::vector<ReleaseAnswer>& answers,
                                               double high_hz);
 
+/// Amplitudes over frequency up to `high_hz` (0: all) under a Hann window, added to `series`.
+[[nodiscard]] PlotSeries amplitude_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples,
+                                            double rate_hz, double high_hz, PlotSeries series);
+
 }  // namespace rigfit::apps

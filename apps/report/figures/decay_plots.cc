@@ -51,6 +51,22 @@ Plot decay_plot(const std::string& id, const AnalysedDecay& decay) {
                                           : std::numeric_limits<double>::quiet_NaN());
   }
   plot.series.push_back(std::move(fit));
+  const auto& points = r.envelope.points;
+  if (points.size() > 1) {
+    for (const double sign : {1.0, -1.0}) {
+      PlotSeries envelope;
+      envelope.name = sign > 0 ? "envelope of the strongest mode" : "envelope, below";
+      envelope.group = "envelope of the strongest mode";
+      envelope.origin = Origin::modelled;
+      envelope.style = PlotSeries::Style::dashed;
+      envelope.variant = 1;
+      for (const auto& point : points) {
+        envelope.x.push_back(time(r.start) + point.time_s);
+        envelope.y.push_back(sign * point.amplitude);
+      }
+      plot.series.push_back(std::move(envelope));
+    }
+  }
   plot.series.push_back(std::move(residual));
   return plot;
 }

@@ -30,6 +30,37 @@ PlotSeries series_of(const signal::FrfSet& frfs, const LineRange& range, Index r
   return series;
 }
 
+/// The phase of one FRF in degrees without jumps; NaN where it is not known.
+std::vector<double> unwrapped(const signal::FrfSet& frfs, const LineRange& range, Index column) {
+  constexpr double kKnown = 0.35;  // rad, 20 degrees: a jump of half a turn is then no noise
+  std::vector<double> degrees;
+  double last = 0;
+  bool any = false;
+  for (Index k = range.first; k <= range.last; ++k) {
+    const double size = std::abs(frfs.H(k, column));
+    const bool known =
+        size > 0 && (frfs.H_std.size() == 0 || frfs.H_std(k, column) < kKnown * size);
+    if (!known) {
+      degrees.push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const double here = std::arg(frfs.H(k, column)) * 180 / std::numbers::pi;
+    last = any ? here + 360 * std::round((last - here) / 360) : here;
+    any = true;
+    degrees.push_back(last);
+  }
+  return degrees;
+}
+
+std::vector<PlotMark> marks_of(const signal::ModalResult& modal) {
+  std::vector<PlotMark> marks;
+  for (const auto& mode : modal.model.modes) {
+    marks.push_back({mode.frequency_hz.value, fmt::format("{:.4g}", mode.frequency_hz.value),
+                     Origin::modelled, mode.doubtful});
+  }
+  return marks;
+}
+
 template <class Add>
 void each_frf(const signal::FrfSet& frfs, Add add) {
   for (Index r = 0; r < static_cast<Index>(frfs.responses.size()); ++r) {
@@ -71,6 +102,7 @@ Plot magnitude_plot(const std::string& id, const signal::FrfSet& frfs, const Lin
   plot.x_label = "frequency, Hz";
   plot.y_label = magnitude_label(frfs.unit);
   plot.log_y = true;
+  plot.decibels = true;
   each_frf(frfs, [&](Index r, Index i) {
     auto series = series_of(frfs, range, r, i, origin,
                             [&](Index k, Index c) { return std::abs(frfs.H(k, c)); });
@@ -106,12 +138,18 @@ Plot phase_plot(const std::string& id, const signal::FrfSet& frfs, const LineRan
   Plot plot;
   plot.id = id;
   plot.title = "Frequency response, phase";
-  plot.caption = "By how much the response leads the force. It turns by 180° at every mode.";
+  plot.caption =
+      "By how much the response leads the force, without jumps of a whole turn. It falls by 180° "
+      "at "
+      "every mode and rises by as much at every antiresonance. Lines whose phase is not known to "
+      "20° are left out.";
   plot.x_label = "frequency, Hz";
   plot.y_label = "phase, degrees";
+  plot.angle = true;
   each_frf(frfs, [&](Index r, Index i) {
-    plot.series.push_back(series_of(frfs, range, r, i, origin, [&](Index k, Index c) {
-      return std::arg(frfs.H(k, c)) * 180 / std::numbers::pi;
+    const auto degrees = unwrapped(frfs, range, frfs.column(r, i));
+    plot.series.push_back(series_of(frfs, range, r, i, origin, [&](Index k, Index) {
+      return degrees[static_cast<std::size_t>(k - range.first)];
     }));
   });
   return plot;
@@ -177,6 +215,29 @@ Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found,
     if (!series->x.empty()) plot.series.push_back(std::move(*series));
   }
   return plot;
+}
+
+std::vector<Plot> frf_figures(const FrfFigures& of, const signal::FrfSet& frfs,
+                              const LineRange& range, const signal::ModalResult* modal,
+                              const signal::FrfSet* rebuilt) {
+  const auto id = [&](const char* what) {
+    return fmt::format("{}-{}{}{}", of.test, what, of.state.empty() ? "" : "-", of.state);
+  };
+  std::vector<Plot> plots;
+  plots.push_back(magnitude_plot(id("frf"), frfs, range, of.origin, rebuilt));
+  plots.push_back(phase_plot(id("phase"), frfs, range, of.origin));
+  if (frfs.coherence.size() > 0) {
+    plots.push_back(coherence_plot(id("coherence"), frfs, range, of.origin));
+  }
+  for (auto& plot : plots) {
+    plot.link = id("frf");
+    if (modal) plot.marks = marks_of(*modal);
+  }
+  if (modal && !modal->stabilisation.poles.empty()) {
+    plots.push_back(stabilisation_plot(id("stabilisation"), *modal, of.origin));
+    plots.back().link = id("frf");
+  }
+  return plots;
 }
 
 }  // namespace rigfit::apps

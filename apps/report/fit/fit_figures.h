@@ -1,4 +1,4 @@
-// The figures of a fit: errors mode by mode, and test and model laid over each other.
+// Test and model of a fit laid over each other.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,6 @@
 #include "apps/report/report_part.h"
 
 namespace rigfit::apps {
-
-/// Empty series when there is no pair.
-[[nodiscard]] Plot error_by_mode_plot(const FitOutcome& of);
 
 /// FRFs and answers to a hit, a tab a state; no tab when nothing was recorded. Adds what each
 /// computation took to `costs`.

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "apps/cli/update_result.h"
+#include "apps/report/figures/fit_plots.h"
 #include "apps/report/fit/fit_figures.h"
 #include "apps/report/fit/fit_tables.h"
 #include "apps/report/html_text.h"
@@ -79,9 +80,7 @@ class Fit {
     }
     add_parameters(part_, of_);
     held_rms_ = add_errors(part_, of_);
-    if (auto plot = error_by_mode_plot(of_); !plot.series.empty()) {
-      part_.blocks.push_back(std::move(plot));
-    }
+    add_figures();
     add_pairs(part_, of_);
     add_shapes(part_, of_);
     if (auto group = fit_overlays(of_, part_.costs); !group.tabs.empty()) {
@@ -92,6 +91,19 @@ class Fit {
   }
 
  private:
+  void add_figures() {
+    const FitFigures fit{of_.updates, of_.result, of_.held};
+    const std::string& name = of_.fit.name;
+    for (auto plot : {parity_plot(name + "-parity", fit),
+                      error_by_mode_plot(name + "-errors-by-mode", fit)}) {
+      if (!plot.series.empty()) part_.blocks.push_back(std::move(plot));
+    }
+    if (auto mac = pair_mac_plot(name + "-mac", fit)) part_.blocks.push_back(std::move(*mac));
+    if (auto budget = budget_picture(name + "-budget", of_.result)) {
+      part_.blocks.push_back(std::move(*budget));
+    }
+  }
+
   void add_state(std::size_t test, ModalState modal) {
     FittedState state{test, {}};
     ident::UpdateState update;

@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "apps/report/figures/frequency_plots.h"
+#include "apps/report/figures/model_plots.h"
 #include "apps/report/html_text.h"
+#include "apps/report/modal/modal_files.h"
 #include "apps/report/modal/modal_states.h"
 #include "apps/report/modal/modal_tables.h"
 
@@ -60,6 +62,19 @@ ShapeViewer shape_viewer(const CampaignTest& test, const std::vector<ModalState>
     }
   }
   return viewer;
+}
+
+/// The shapes of one state with what was measured of them.
+std::optional<Picture> state_shapes(const CampaignTest& test, const ModalState& state) {
+  std::vector<MeasuredShape> measured;
+  for (const auto& row : state.rows) {
+    if (!row.mode || !std::isfinite(row.measured_hz)) continue;
+    measured.push_back({*row.mode, row.measured_hz, row.shape, row.mac, row.origin});
+  }
+  auto picture = shapes_picture(fmt::format("{}-shapes-{}", test.name, file_word(label_of(state))),
+                                state.rig.scene, state.analysis, measured);
+  if (picture) picture->title += ": " + label_of(state);
+  return picture;
 }
 
 Json state_json(const CampaignTest& test, const ModalState& state) {
@@ -232,6 +247,9 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const 
   }
   part.blocks.push_back(pairs_table(test, states));
   part.blocks.push_back(equilibrium_table(test, states));
+  for (const auto& state : states) {
+    if (auto picture = state_shapes(test, state)) part.blocks.push_back(std::move(*picture));
+  }
   if (any) part.blocks.push_back(shape_viewer(test, states));
   add_summary(part, test, states);
 

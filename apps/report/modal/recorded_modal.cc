@@ -8,6 +8,8 @@
 
 #include "apps/cli/modal_json.h"
 #include "apps/report/figures/frf_plots.h"
+#include "apps/report/figures/hit_gallery.h"
+#include "apps/report/figures/point_plots.h"
 #include "apps/report/html_text.h"
 #include "apps/report/modal/modal_files.h"
 #include "apps/report/parts/recording_blocks.h"
@@ -110,12 +112,21 @@ class RecordedModalAnalysis {
       list_hits(label, state.places[p], state.hammer.tests[p]);
     }
     tell(state.findings, label);
+    if (state.hammer.hits() > 0) {
+      galleries_.push_back(
+          hit_gallery(figure_id("hits", label), state.places, state.hammer, state.origin));
+      galleries_.back().title += ": " + label;
+    }
     for (auto& place : state.places) place.recordings.clear();  // not needed any more
     if (!state.modal) return;
     name_points(state.hammer.frfs.responses, state.hammer.frfs.inputs);
     name_points(state.modal->model.responses, state.modal->model.inputs);
     figures(state, label);
     list_modes(state, label);
+    if (auto table = points_table(figure_id("points-table", label), state.modal->model.modes,
+                                  state.origin)) {
+      point_tables_.push_back(std::move(*table));
+    }
     add_files(state);
     if (state.has_modes()) result_.states.push_back(std::move(state));
   }
@@ -186,15 +197,10 @@ class RecordedModalAnalysis {
           frfs.form, frfs.exponential_decay_rate_1_s);
     }
     PlotTab tab{label, {}};
-    tab.plots.push_back(magnitude_plot(figure_id("frf", label), frfs, range, found.origin,
-                                       rebuilt ? &*rebuilt : nullptr));
-    tab.plots.push_back(phase_plot(figure_id("phase", label), frfs, range, found.origin));
-    if (frfs.coherence.size() > 0) {
-      tab.plots.push_back(coherence_plot(figure_id("coherence", label), frfs, range, found.origin));
-    }
-    if (!modal.stabilisation.poles.empty()) {
-      tab.plots.push_back(
-          stabilisation_plot(figure_id("stabilisation", label), modal, found.origin));
+    tab.plots = frf_figures({test_.name, file_word(label), found.origin}, frfs, range, &modal,
+                            rebuilt ? &*rebuilt : nullptr);
+    if (auto plot = points_plot(figure_id("points", label), modal.model.modes, found.origin)) {
+      tab.plots.push_back(std::move(*plot));
     }
     tabs_.push_back(std::move(tab));
   }
@@ -276,11 +282,13 @@ class RecordedModalAnalysis {
       }
       part().blocks.push_back(std::move(hits_));
     }
+    for (auto& gallery : galleries_) part().blocks.push_back(std::move(gallery));
     if (!tabs_.empty()) {
       part().blocks.push_back(
           PlotGroup{test_.name + "-frfs", "Frequency responses and poles", std::move(tabs_)});
     }
     if (!modes_.rows.empty()) part().blocks.push_back(std::move(modes_));
+    for (auto& table : point_tables_) part().blocks.push_back(std::move(table));
     if (!rejected_columns_.rows.empty()) {
       rejected_columns_.fold = fmt::format("Columns of the diagram that are no mode: {}, and why",
                                            rejected_columns_.rows.size());
@@ -302,6 +310,8 @@ class RecordedModalAnalysis {
   const model::Scene* scene_ = nullptr;  ///< null: points keep their numbers
   RecordedModal result_;
   ReportTable hits_, modes_, rejected_columns_;
+  std::vector<ReportTable> point_tables_;
+  std::vector<Picture> galleries_;
   std::vector<PlotTab> tabs_;
   std::map<std::string, Json> json_hits_;
   std::string last_label_, last_column_label_;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/cli/axial_result.h"
-#include "apps/report/figures/decay_plots.h"
+#include "apps/report/figures/axial_plots.h"
 #include "apps/report/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
 #include "ident/statistics/uncertainty.h"
@@ -74,9 +74,12 @@ class AxialAnalysis {
       break;
     }
     part_.known = ident::knowledge_of(r);
-    part().blocks.push_back(length_plot(r));
+    part().blocks.push_back(axial_length_plot(test_.name + "-EA", r, origin_, reference_EA()));
     part().blocks.push_back(length_table(r));
     if (r.alternatives.size() > 1) part().blocks.push_back(alternatives_table(r));
+    if (auto bars = axial_budget_picture(test_.name + "-budget-bars", r)) {
+      part().blocks.push_back(std::move(*bars));
+    }
     part().blocks.push_back(budget_table(r));
     if (r.draws > 0) {
       part().blocks.push_back(Paragraph{
@@ -93,72 +96,17 @@ class AxialAnalysis {
   }
 
   void figures() {
-    PlotGroup group{test_.name + "-decays", "Decays", {}};
-    std::vector<AnalysedDecay> decays;
-    double last = -1;
-    for (const auto& d : result_.decays) {
-      const auto& recording = inputs_.recordings[d.recording];
-      if (!d.mode || recording.length_m == last) continue;  // the first of each length
-      last = recording.length_m;
-      decays.push_back({recording.name, d.channel, d.unit, origins_[d.recording], d.rate_hz,
-                        d.samples_start_s, d.samples, d.result});
-      group.tabs.push_back(
-          {fmt::format("{:g} m", last),
-           {decay_plot(fmt::format("{}-decay-{:g}m", test_.name, last), decays.back())}});
+    for (auto& block : axial_decay_blocks(test_.name, inputs_, result_, origins_)) {
+      part().blocks.push_back(std::move(block));
     }
-    part().blocks.push_back(std::move(group));
-    auto damping = damping_plot(test_.name + "-damping", decays);
-    if (!damping.series.empty()) part().blocks.push_back(std::move(damping));
   }
 
-  Plot length_plot(const ident::AxialTestResult& r) const {
-    Plot plot;
-    plot.id = test_.name + "-EA";
-    plot.title = "EA by length";
-    plot.caption =
-        "EA at each length as if the cable alone gave way. EA does not depend on the length of "
-        "cable that was tested; a trend is a compliance in series (frame, adapter), which the "
-        "result leaves out. The band is the result with its 95 % interval.";
-    plot.x_label = "length, m";
-    plot.y_label = "EA, kN";
-    PlotSeries all, each, records;
-    double low = r.lengths.front().length_m, high = low;
-    const double k95 = ident::coverage_factor(0.95, 0);
-    each.name = "EA at each length, 95 %";
-    each.origin = records.origin = origin_;
-    each.style = records.style = PlotSeries::Style::points;
-    records.name = "each record";
-    records.variant = 1;
-    for (const auto& sample : r.samples) {
-      records.x.push_back(sample.length_m);
-      records.y.push_back(1e-3 * sample.EA_N.value);
-    }
-    for (const auto& length : r.lengths) {
-      low = std::min(low, length.length_m);
-      high = std::max(high, length.length_m);
-      each.x.push_back(length.length_m);
-      each.y.push_back(1e-3 * length.EA_N.value);
-      each.low.push_back(1e-3 * (length.EA_N.value - k95 * length.EA_N.std));
-      each.high.push_back(1e-3 * (length.EA_N.value + k95 * length.EA_N.std));
-    }
-    const double margin = high > low ? 0.1 * (high - low) : 0.1 * high;
-    all.name = "EA, all lengths";
-    all.origin = Origin::modelled;
-    all.x = {low - margin, high + margin};
-    all.y.assign(2, 1e-3 * r.EA_N.value);
-    all.low.assign(2, 1e-3 * r.EA_low_N);
-    all.high.assign(2, 1e-3 * r.EA_high_N);
-    plot.series = {std::move(all), std::move(records), std::move(each)};
-    if (const auto at = test_.reference.find("EA"); at != test_.reference.end()) {
-      PlotSeries reference;
-      reference.name = test_.reference_name;
-      reference.origin = test_.reference_name == "published" ? Origin::published : origin_;
-      reference.style = PlotSeries::Style::dashed;
-      reference.x = {low - margin, high + margin};
-      reference.y.assign(2, 1e-3 * at->second);
-      plot.series.push_back(std::move(reference));
-    }
-    return plot;
+  [[nodiscard]] std::optional<ReferenceValue> reference_EA() const {
+    const auto at = test_.reference.find("EA");
+    if (at == test_.reference.end()) return std::nullopt;
+    return ReferenceValue{test_.reference_name,
+                          test_.reference_name == "published" ? Origin::published : origin_,
+                          at->second};
   }
 
   ReportTable length_table(const ident::AxialTestResult& r) const {

@@ -8,6 +8,7 @@
 
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/bending_json.h"
+#include "apps/report/figures/bending_plots.h"
 #include "apps/report/html_text.h"
 #include "apps/report/parts/bending_records.h"
 #include "apps/report/parts/recording_blocks.h"
@@ -32,77 +33,6 @@ RoundTrip round_trip(const ident::StiffnessPoint& point, double span_m) {
   trip.solved = ident::stiffness_from_compliance(
       {{trip.compliance_m_N, kNaN}, {point.tension_N, kNaN}, {span_m, kNaN}, 0});
   return trip;
-}
-
-Plot law_plot(const CampaignTest& test, const std::vector<PlotSeries>& points,
-              const std::vector<ident::FittedLaw>& laws,
-              const std::optional<ident::StiffnessBounds>& bounds) {
-  Plot plot;
-  plot.id = test.name + "-EI";
-  plot.title = "Bending stiffness against tension";
-  plot.caption =
-      "The tighter the strand is pulled, the more its wires hold on to each other and the stiffer "
-      "it bends.";
-  plot.x_label = "tension, N";
-  plot.y_label = "EI, N m²";
-  plot.log_y = bounds.has_value();
-  double low = std::numeric_limits<double>::infinity(), high = 0;
-  for (const auto& series : points) {
-    for (const double tension : series.x) {
-      low = std::min(low, tension);
-      high = std::max(high, tension);
-    }
-  }
-  const double from = std::max(1.0, low - 0.1 * (high - low)), to = high + 0.1 * (high - low);
-  // The law that lies closest to the points is drawn full, with its band.
-  std::vector<ident::FittedLaw> closest;
-  for (const auto& law : laws) {
-    if (law.converged) closest.push_back(law);
-  }
-  std::stable_sort(closest.begin(), closest.end(), [](const auto& a, const auto& b) {
-    return a.rms_relative_error < b.rms_relative_error;
-  });
-  int variant = 0;
-  for (const auto& law : closest) {
-    PlotSeries series;
-    series.name = fmt::format("law: {}", name_of(law.kind));
-    series.origin = Origin::modelled;
-    series.variant = variant;
-    for (int i = 0; i <= 80; ++i) {
-      const double tension = from + (to - from) * i * i / 6400;  // laws bend most where slack
-      const auto predicted = ident::predict(law, tension);
-      series.x.push_back(tension);
-      series.y.push_back(predicted.EI_Nm2);
-      if (variant == 0 && predicted.low > 0) {
-        series.low.push_back(predicted.low);
-        series.high.push_back(predicted.high);
-      }
-    }
-    if (series.low.size() != series.x.size()) {
-      series.low.clear();
-      series.high.clear();
-    }
-    if (!series.low.empty()) {
-      plot.caption += " The band is the 95 % band of the law closest to the points.";
-    }
-    ++variant;
-    plot.series.push_back(std::move(series));
-  }
-  if (bounds) {
-    plot.caption += " Between the bounds every strand must lie (free slip below, no slip above).";
-    for (const auto& [name, value] : {std::pair{"EImin, wires slip", bounds->EI_min_Nm2},
-                                      std::pair{"EImax, no slip", bounds->EI_max_Nm2}}) {
-      PlotSeries series;
-      series.name = name;
-      series.origin = Origin::modelled;
-      series.style = PlotSeries::Style::dashed;
-      series.x = {from, to};
-      series.y = {value, value};
-      plot.series.push_back(std::move(series));
-    }
-  }
-  plot.series.insert(plot.series.end(), points.begin(), points.end());
-  return plot;
 }
 
 ReportTable law_table(const CampaignTest& test, const ident::StiffnessLaws& laws) {
@@ -206,37 +136,6 @@ Tests recorded(const CampaignTest& test, ReportPart& part) {
   return tests;
 }
 
-/// EI over tension, a series for each origin.
-std::vector<PlotSeries> point_series(const Tests& tests,
-                                     const ident::BendingCampaignResult& result) {
-  std::vector<PlotSeries> list;
-  for (const auto& one : result.points) {
-    if (!one.usable()) continue;
-    const Origin origin = tests.origins[one.source];
-    auto at = std::find_if(list.begin(), list.end(),
-                           [&](const PlotSeries& series) { return series.origin == origin; });
-    if (at == list.end()) {
-      PlotSeries series;
-      series.name = origin == Origin::published ? std::string("published EI")
-                                                : fmt::format("EI, {}", name_of(origin));
-      series.origin = origin;
-      series.style = PlotSeries::Style::points;
-      list.push_back(std::move(series));
-      at = list.end() - 1;
-    }
-    at->x.push_back(one.point.tension_N);
-    at->y.push_back(one.point.EI_Nm2);
-    at->low.push_back(one.point.low);
-    at->high.push_back(one.point.high);
-  }
-  for (auto& series : list) {
-    const bool known = std::all_of(series.low.begin(), series.low.end(),
-                                   [](double low) { return std::isfinite(low); });
-    if (!known) series.low.clear(), series.high.clear();
-  }
-  return list;
-}
-
 /// Tests' JSON, tables and warnings; a line on the points for the summary.
 std::string show_points(const CampaignTest& test, const Tests& tests,
                         const ident::BendingCampaignResult& result, ReportPart& part) {
@@ -262,7 +161,11 @@ std::string show_points(const CampaignTest& test, const Tests& tests,
   }
   if (!test.results) {
     if (!result.points.empty()) {
-      part.blocks.push_back(load_deflection_plot(test, tests.campaign, tests.origins, result));
+      part.blocks.push_back(load_deflection_plot(test.name + "-load-deflection", tests.campaign,
+                                                 tests.origins, result));
+      auto left =
+          load_residual_plot(test.name + "-load-residual", tests.campaign, tests.origins, result);
+      if (!left.series.empty()) part.blocks.push_back(std::move(left));
       part.blocks.push_back(bending_records_table(test, tests.campaign, tests.origins, result));
     }
     return fmt::format("{} of {} tests gave one", usable, result.points.size());
@@ -292,7 +195,7 @@ void show_laws(const CampaignTest& test, const std::vector<PlotSeries>& series,
   const auto& laws = result.curve.laws();
   const auto& bounds = result.bounds;
   if (!laws.laws.empty()) {
-    part.blocks.push_back(law_plot(test, series, laws.laws, bounds));
+    part.blocks.push_back(stiffness_plot(test.name + "-EI", series, result));
     part.blocks.push_back(
         Paragraph{"For the model: " + result.curve.sentence(), Paragraph::Kind::note});
     part.blocks.push_back(law_table(test, laws));
@@ -345,7 +248,7 @@ BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
     part.warnings.push_back({finding.code, finding.message, test.name, false});
   }
   const std::string remark = show_points(test, tests, result, part);
-  const auto series = point_series(tests, result);
+  const auto series = stiffness_series(result, tests.origins);
   show_laws(test, series, result, part);
   if (!result.curve.empty()) {
     const auto &first = result.curve.points().front(), &last = result.curve.points().back();

@@ -20,39 +20,6 @@ std::string findings_of(const ident::BendingTestResult& result) {
 
 }  // namespace
 
-Plot load_deflection_plot(const CampaignTest& test, const ident::BendingCampaign& campaign,
-                          const std::vector<Origin>& origins,
-                          const ident::BendingCampaignResult& result) {
-  Plot plot;
-  plot.id = test.name + "-load-deflection";
-  plot.title = "Load against deflection";
-  plot.caption =
-      "Each recording loads the cable at mid-span and lets it go again; the slope of the straight "
-      "parts gives EI. The gap between loading and unloading is friction between the wires.";
-  plot.x_label = "deflection, mm";
-  plot.y_label = "load, N";
-  int variant = 0;
-  for (const auto& one : result.points) {
-    if (!one.analysis) continue;
-    PlotSeries series;
-    series.name = fmt::format("{:.0f} N: {}", one.point.tension_N,
-                              short_name(campaign.sources[one.source].name));
-    series.origin = origins[one.source];
-    series.variant = variant++;
-    const Eigen::Index n = one.record.load_N.size();
-    const Eigen::Index every = 1 + n / 600;
-    for (Eigen::Index i = 0; i < n; i += every) {
-      if (!std::isfinite(one.record.load_N[i]) || !std::isfinite(one.record.deflection_m[i])) {
-        continue;
-      }
-      series.x.push_back(1e3 * one.record.deflection_m[i]);
-      series.y.push_back(one.record.load_N[i]);
-    }
-    plot.series.push_back(std::move(series));
-  }
-  return plot;
-}
-
 ReportTable bending_records_table(const CampaignTest& test, const ident::BendingCampaign& campaign,
                                   const std::vector<Origin>& origins,
                                   const ident::BendingCampaignResult& result) {

@@ -1,4 +1,4 @@
-// Load-deflection records of a bending test, drawn and listed.
+// Load-deflection records of a bending test, listed.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,7 @@
 
 namespace rigfit::apps {
 
-/// Load against deflection of every record. `origins`: of the campaign's sources.
-[[nodiscard]] Plot load_deflection_plot(const CampaignTest& test,
-                                        const ident::BendingCampaign& campaign,
-                                        const std::vector<Origin>& origins,
-                                        const ident::BendingCampaignResult& result);
+/// EI from each record with what was remarked. `origins`: of the campaign's sources.
 [[nodiscard]] ReportTable bending_records_table(const CampaignTest& test,
                                                 const ident::BendingCampaign& campaign,
                                                 const std::vector<Origin>& origins,
