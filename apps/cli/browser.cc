@@ -34,7 +34,7 @@ fs::path find_chromium() {
                        "chrome", "microsoft-edge"});
 }
 
-int run_program(const fs::path& program, const std::vector<std::string>& arguments) {
+int run_silently(const fs::path& program, const std::vector<std::string>& arguments) {
   std::vector<std::string> words{program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -59,22 +59,22 @@ int run_program(const fs::path& program, const std::vector<std::string>& argumen
 
 bool run_chromium(const fs::path& chromium, const std::vector<std::string>& options,
                   const fs::path& page) {
-  const TemporaryFolder profile;
+  const ScratchFolder profile;
   std::vector<std::string> arguments{
       "--headless",           "--disable-gpu",     "--no-first-run",
       "--disable-extensions", "--hide-scrollbars", "--user-data-dir=" + profile.path().string()};
   if (::geteuid() == 0) arguments.emplace_back("--no-sandbox");  // it refuses to run as root else
   arguments.insert(arguments.end(), options.begin(), options.end());
   arguments.push_back("file://" + fs::absolute(page).string());
-  return run_program(chromium, arguments) == 0;
+  return run_silently(chromium, arguments) == 0;
 }
 
 bool open_for_user(const fs::path& file) {
   const auto opener = find_program({"xdg-open"});
-  return !opener.empty() && run_program(opener, {fs::absolute(file).string()}) == 0;
+  return !opener.empty() && run_silently(opener, {fs::absolute(file).string()}) == 0;
 }
 
-TemporaryFolder::TemporaryFolder() {
+ScratchFolder::ScratchFolder() {
   std::string name = (fs::temp_directory_path() / "rigfit-XXXXXX").string();
   if (!::mkdtemp(name.data())) {
     throw std::system_error(errno, std::generic_category(), "a temporary folder: " + name);
@@ -82,7 +82,7 @@ TemporaryFolder::TemporaryFolder() {
   path_ = name;
 }
 
-TemporaryFolder::~TemporaryFolder() {
+ScratchFolder::~ScratchFolder() {
   std::error_code none;
   fs::remove_all(path_, none);
 }

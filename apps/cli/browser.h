@@ -16,7 +16,7 @@ namespace rigfit::apps {
 
 /// Runs a program with arguments, silently, and waits for it: its exit code; -1 when it cannot be
 /// started, 128 + signal when one ended it.
-int run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments);
+int run_silently(const std::filesystem::path& program, const std::vector<std::string>& arguments);
 
 /// Runs headless Chromium on a local file with further options, such as --screenshot=F. False when
 /// it fails.
@@ -26,13 +26,13 @@ bool run_chromium(const std::filesystem::path& chromium, const std::vector<std::
 /// Opens a file with what the desktop has for it (xdg-open). False when there is no such thing.
 bool open_for_user(const std::filesystem::path& file);
 
-/// A folder of its own for the run's temporary files, removed with everything in it.
-class TemporaryFolder {
+/// A folder of its own for what a run needs for a moment, removed with everything in it.
+class ScratchFolder {
  public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:

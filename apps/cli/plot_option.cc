@@ -45,12 +45,12 @@ std::string content_of(const fs::path& file) {
 
 /// The picture as PNG, twice as fine as the screen's pixels.
 std::string png_of(const FiguresSvg& figures) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const fs::path svg = folder.path() / "figures.svg", png = folder.path() / "figures.png";
   write_whole_file(svg, figures.svg);
   bool made = false;
   if (const auto converter = find_program({"rsvg-convert"}); !converter.empty()) {
-    made = run_program(converter, {"--zoom=2", "--output=" + png.string(), svg.string()}) == 0;
+    made = run_silently(converter, {"--zoom=2", "--output=" + png.string(), svg.string()}) == 0;
   }
   if (const auto chromium = find_chromium(); !made && !chromium.empty()) {
     made = run_chromium(chromium,
