@@ -229,6 +229,10 @@
     // dygraphs pads a logarithmic abscissa below zero: its range is said.
     var whole = plot.log_x ? [low / Math.pow(high / low, 0.03), high * Math.pow(high / low, 0.03)] : [low - margin, high + margin];
     var readout = host.parentNode.querySelector(".readout"), y_whole = y_range(plot);
+    if (plot.same_axes && y_whole) {  // as high as wide
+      y_whole = whole = [Math.min(whole[0], y_whole[0]), Math.max(whole[1], y_whole[1])];
+      host.style.maxWidth = (host.clientHeight + 40) + "px";
+    }
     var counted = !plot.log_x && high - low <= 20 && xs.every(function (x) { return Number.isInteger(x); });
     var x_axis = { logscale: plot.log_x, axisLabelFormatter: tick, gridLineColor: colour("rule"), axisLineColor: colour("soft") };
     if (counted) x_axis.ticker = whole_numbers;

@@ -86,6 +86,86 @@ TEST(SvgPlot, LongRecordsKeepTheirExtremesAndStaySmall) {
   EXPECT_NE(svg.find(fmt::format(" {:.1f}L", spike)), std::string::npos);
 }
 
+/// The numbers of an attribute such as `y="12.5"` in all elements that begin so.
+std::vector<double> numbers_after(const std::string& text, const std::string& what) {
+  std::vector<double> list;
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos;) {
+    at += what.size();
+    list.push_back(std::stod(text.substr(at)));
+  }
+  return list;
+}
+
+TEST(SvgPlot, ErrorBarsLieInsideTheAxes) {
+  Plot plot;
+  plot.id = "bars";
+  PlotSeries points;
+  points.name = "test";
+  points.style = PlotSeries::Style::line_and_points;
+  points.x = {1, 2};
+  points.y = {1.0, 1.1};
+  points.low = {-50, 1};
+  points.high = {60, 1.2};
+  plot.series = {points};
+  const std::string svg = svg_plot(plot);
+  // Bars are drawn as M x high V low: both between the frame's top (12) and bottom.
+  const double bottom = 440 - 72;
+  for (const double y : numbers_after(svg, "V")) {
+    EXPECT_GE(y, 12);
+    EXPECT_LE(y, bottom);
+  }
+}
+
+TEST(SvgPlot, HasTheSizeAndFontThatAPaperAsksFor) {
+  Plot plot;
+  plot.id = "paper";
+  plot.x_label = "tension, N";
+  PlotSeries line;
+  line.name = "model";
+  line.x = {0, 1};
+  line.y = {0, 1};
+  plot.series = {line};
+  const std::string svg = svg_plot(plot, print_size(85, 60, "Times New Roman", 8));
+  EXPECT_THAT(svg, HasSubstr("width=\"85mm\" height=\"60mm\""));
+  EXPECT_THAT(svg, HasSubstr("font-family=\"Times New Roman\""));
+  EXPECT_THAT(svg, HasSubstr("font-size=\"10.6667\""));  // 8 points of 96 px an inch
+  // 85 mm are 321 px: all labels stand inside.
+  for (const double x : numbers_after(svg, "<text class=\"t\" x=\"")) EXPECT_LT(x, 321.3);
+}
+
+TEST(SvgPlot, MarksStandAtTheirPlaceWithTheirName) {
+  Plot plot;
+  plot.id = "marks";
+  PlotSeries line;
+  line.name = "test";
+  line.x = {0, 100};
+  line.y = {0, 1};
+  plot.series = {line};
+  plot.marks = {{25, "25 Hz", Origin::modelled, false}, {1000, "outside", Origin::modelled, false}};
+  const std::string svg = svg_plot(plot);
+  EXPECT_THAT(svg, HasSubstr(">25 Hz<"));
+  EXPECT_THAT(svg, Not(HasSubstr("outside")));
+}
+
+TEST(SvgPlot, LegendShowsWhatThePlotShows) {
+  PlotSeries points;
+  points.style = PlotSeries::Style::points;
+  points.x.assign(400, 1.0);
+  points.y.assign(400, 1.0);
+  EXPECT_EQ(look_of(points).marker, SeriesLook::Marker::dot);
+  points.x.resize(20);
+  points.y.resize(20);
+  points.origin = Origin::synthetic;
+  EXPECT_EQ(look_of(points).marker, SeriesLook::Marker::circle);
+  // Two states of one origin differ in marker and shade.
+  PlotSeries other = points;
+  other.variant = 1;
+  EXPECT_NE(look_of(points).marker, look_of(other).marker);
+  EXPECT_NE(look_of(points).shade, look_of(other).shade);
+  points.style = other.style = PlotSeries::Style::line;
+  EXPECT_NE(look_of(points).dash, look_of(other).dash);
+}
+
 TEST(PlotCsv, HoldsEveryValueExactly) {
   Plot plot;
   plot.x_label = "x";

@@ -1,0 +1,170 @@
+// --plot: what each verb draws is written, whole and well-formed; what cannot be written is refused
+// before anything is computed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/cli/browser.h"
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::plot_option_test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Words = std::vector<std::string>;
+
+const std::string kLab = RIGFIT_TESTDATA "/virtual_laboratory/";
+const std::string kScene = RIGFIT_TESTDATA "/jalali2021/scenes/cable.toml";
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; ++at) ++n;
+  return n;
+}
+
+/// Every element of an XML text is closed in order and no bare "&" stands in it; else what is
+/// wrong.
+std::string xml_error(const std::string& text) {
+  Words open;
+  for (std::size_t at = 0; (at = text.find_first_of("<&", at)) != std::string::npos;) {
+    if (text[at] == '&') {
+      const auto end = text.find(';', at);
+      if (end == std::string::npos || end - at > 7) return "bare & at " + std::to_string(at);
+      at = end;
+      continue;
+    }
+    const auto end = text.find('>', at);
+    if (end == std::string::npos) return "open tag";
+    const std::string tag = text.substr(at + 1, end - at - 1);
+    at = end;
+    if (tag.starts_with("?") || tag.ends_with("/")) continue;
+    const std::string name =
+        tag.substr(tag.starts_with("/"), tag.find_first_of(" \n") - tag.starts_with("/"));
+    if (!tag.starts_with("/")) {
+      open.push_back(name);
+    } else if (open.empty() || open.back() != name) {
+      return "</" + name + "> closes nothing";
+    } else {
+      open.pop_back();
+    }
+  }
+  return open.empty() ? "" : "<" + open.back() + "> is not closed";
+}
+
+struct PlotOption : ::testing::Test {
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (folder.path() / name).string();
+  }
+  /// The SVG that a verb draws.
+  std::string svg(Words words, int exit_code = 0) {
+    words.insert(words.end(), {"--plot", path("f.svg"), "--quiet"});
+    const auto run = run_program(words);
+    EXPECT_EQ(run.exit_code, exit_code) << run.err;
+    std::string text = folder.read("f.svg");
+    EXPECT_EQ(xml_error(text), "") << words.front();
+    EXPECT_THAT(text, Not(HasSubstr("nan"))) << words.front();
+    return text;
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(PlotOption, RecordsAreDrawnWithTheirQualityMarks) {
+  std::string csv = "time (s),force (N)\n";
+  for (int i = 0; i < 400; ++i) {
+    const double y = 10 * std::sin(0.1 * i);
+    csv += std::to_string(0.01 * i) + "," + std::to_string(std::min(y, 7.0)) + "\n";
+  }
+  const std::string text = svg({"inspect", folder.write("cut.csv", csv)});
+  EXPECT_THAT(text, HasSubstr("cut.csv: force"));
+  EXPECT_THAT(text, HasSubstr(">clipped ("));
+}
+
+TEST_F(PlotOption, ADecayIsDrawnWithItsFitItsEnvelopeAndWhatIsLeft) {
+  const std::string text =
+      svg({"decay", kLab + "bench/axial/L1m-1.csv", "--channel", "tension", "--band", "20", "100"});
+  for (const char* words :
+       {">record<", ">fit<", ">residual<", ">envelope of the strongest mode<"}) {
+    EXPECT_THAT(text, HasSubstr(words));
+  }
+}
+
+TEST_F(PlotOption, BendingDrawsRecordsResidualsAndStiffness) {
+  const std::string text = svg({"bending", kLab + "bench/bending/T100N.csv",
+                                kLab + "bench/bending/T200N.csv", "--span", "0.3"});
+  EXPECT_EQ(count(text, "<clipPath"), 3u) << "load, what is left, and EI over tension";
+  EXPECT_THAT(text, HasSubstr("EI, N m²"));
+}
+
+TEST_F(PlotOption, ModesAreDrawnWithSupportsAndNodes) {
+  const std::string text = svg({"modes", kScene, "--count", "4"});
+  EXPECT_EQ(count(text, "class=\"o-modelled line\" d=\"M"), 4u) << "four moved cables";
+  EXPECT_GE(count(text, "class=\"support\""), 8u) << "two ends in four panels";
+  EXPECT_GT(count(text, "frame node"), 0u);
+}
+
+TEST_F(PlotOption, TensionDrawsFrequenciesAndCandidates) {
+  const std::string text =
+      svg({"tension", "--frequencies", "7.0", "14.0", "21.1", "--length", "2.4,0.001",
+           "--mass-per-length", "0.16667,0.0001", "--frequency-std", "0.02", "--ends", "pinned"});
+  EXPECT_THAT(text, HasSubstr("mode number"));
+  EXPECT_THAT(text, HasSubstr(">measured<"));
+  EXPECT_THAT(text, HasSubstr("Where the uncertainty of the tension comes from"));
+}
+
+TEST_F(PlotOption, HitsAndFrfsAreOneLinkedPage) {
+  const std::string rig = kLab + "beam/rig/hammer-hit";
+  const auto run =
+      run_program({"modal", rig + "1.uff", rig + "2.uff", rig + "3.uff", "--force", "force",
+                   "--force-window", "0.012", "--exponential-window", "0.05", "--band", "1", "160",
+                   "--plot", path("f.html"), "--json", path("f.json"), "--quiet"});
+  ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 4) << run.err;  // 4: a window's damping
+  const std::string page = folder.read("f.html");
+  EXPECT_THAT(page, HasSubstr("double hit"));
+  EXPECT_EQ(count(page, "\"link\":\"test-frf\""), 4u)
+      << "magnitude, phase, coherence, stabilisation";
+  EXPECT_THAT(page, HasSubstr("\"decibels\":true"));
+  EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
+  EXPECT_EQ(count(page, "<script type=\"application/json\" id=\"plots\">"), 1u);
+}
+
+TEST_F(PlotOption, ResponsesAreDrawnWithTheirSpectra) {
+  const std::string text = svg({"respond", RIGFIT_TESTDATA "/scenes/cable-hit.toml", "--duration",
+                                "0.5", "--rate", "1000", "--out", path("r.csv")});
+  EXPECT_THAT(text, HasSubstr("Response: "));
+  EXPECT_THAT(text, HasSubstr("Spectra"));
+}
+
+TEST_F(PlotOption, APictureIsMadeWhereAProgramForItIs) {
+  const auto run =
+      run_program({"modes", kScene, "--count", "2", "--plot", path("f.png"), "--quiet"});
+  if (find_program({"rsvg-convert"}).empty() && find_chromium().empty()) {
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, HasSubstr("rsvg-convert"));
+    return;
+  }
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(folder.read("f.png").starts_with("\x89PNG"));
+}
+
+TEST_F(PlotOption, WhatCannotBeWrittenIsRefusedFirst) {
+  const auto refused = [&](const std::string& file) {
+    const auto run = run_program({"modes", kScene, "--plot", file});
+    EXPECT_EQ(run.exit_code, 2) << file;
+    EXPECT_EQ(run.out, "") << file;
+    return run.err;
+  };
+  EXPECT_THAT(refused(path("f.pdf")), HasSubstr(".html"));
+  EXPECT_THAT(refused(path("f")), HasSubstr(".svg"));
+  EXPECT_THAT(refused(path("none/f.svg")), HasSubstr("there is no folder"));
+  std::filesystem::create_directory(folder.path() / "d.svg");
+  EXPECT_THAT(refused(path("d.svg")), HasSubstr("cannot be written"));
+}
+
+}  // namespace
+}  // namespace rigfit::apps::plot_option_test
