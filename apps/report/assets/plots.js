@@ -206,7 +206,7 @@
         color: line_colour,
         connectSeparatedPoints: true,
         // A test that a model lies on is seen beneath it.
-        strokeWidth: !s.line ? 0 : overlaid && s.origin !== "modelled" ? 3.2 : s.x.length > 700 ? 1.3 : 1.8,
+        strokeWidth: !s.line ? 0 : overlaid && s.origin !== "modelled" && s.shade !== 2 ? 3.2 : s.x.length > 700 ? 1.3 : 1.8,
         strokePattern: pattern(s),
         drawPoints: has_points(s), pointSize: has_points(s) ? 4.5 : 1, highlightCircleSize: 6,
         drawPointCallback: function (g, series, ctx, x, y, c, size, idx) {

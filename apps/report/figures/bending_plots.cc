@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "ident/bending/bending_equation.h"
+
 namespace rigfit::apps {
 namespace {
 
@@ -75,7 +77,8 @@ Plot load_residual_plot(const std::string& id, const ident::BendingCampaign& cam
   plot.id = id;
   plot.title = "What the straight lines leave";
   plot.caption =
-      "Load less the straight line of its stroke, where the line was fitted. Even noise: the line "
+      "Load less the straight line of its stroke, where the line was fitted; deflections are those "
+      "at the mean tension. Even noise: the line "
       "is "
       "all there is; a bow: the stiffness changes with deflection; steps: the wires or the clamp "
       "slip.";
@@ -89,13 +92,20 @@ Plot load_residual_plot(const std::string& id, const ident::BendingCampaign& cam
     series.origin = origins[one.source];
     series.variant = variant++;
     series.style = PlotSeries::Style::points;
+    const double EI = one.point.EI_Nm2, mean = one.analysis->tension_N.value;
+    const double span = campaign.test.span_m.value;
     std::vector<double> load, deflection;  // strokes count rows without gaps
     for (Eigen::Index i = 0; i < one.record.load_N.size(); ++i) {
       const double q = one.record.load_N[i], d = one.record.deflection_m[i];
       if (!std::isfinite(q) || !std::isfinite(d) || !std::isfinite(one.record.tension_N[i]))
         continue;
+      // As it would be at the mean tension: the record's own tension rises as the cable is pressed.
+      const double P = one.record.tension_N[i];
+      const double scale = EI > 0 && span > 0 ? ident::midspan_compliance(EI, mean, span) /
+                                                    ident::midspan_compliance(EI, P, span)
+                                              : P / mean;
       load.push_back(q);
-      deflection.push_back(d);
+      deflection.push_back(d * scale);
     }
     for (const auto& stroke : one.analysis->strokes) {
       add_residuals(series, load, deflection, stroke);
@@ -155,7 +165,7 @@ Plot stiffness_plot(const std::string& id, const std::vector<PlotSeries>& points
       high = std::max(high, tension);
     }
   }
-  const double from = std::max(1.0, low - 0.1 * (high - low)), to = high + 0.1 * (high - low);
+  const double from = std::max(0.5 * low, low - 0.1 * (high - low)), to = high + 0.1 * (high - low);
   // The law that lies closest to the points is drawn full, with its band.
   std::vector<ident::FittedLaw> closest;
   for (const auto& law : laws) {

@@ -60,9 +60,15 @@ Plot decay_plot(const std::string& id, const AnalysedDecay& decay) {
       envelope.origin = Origin::modelled;
       envelope.style = PlotSeries::Style::dashed;
       envelope.variant = 1;
-      for (const auto& point : points) {
-        envelope.x.push_back(time(r.start) + point.time_s);
-        envelope.y.push_back(sign * point.amplitude);
+      for (std::size_t i = 0; i + 1 < points.size(); ++i) {  // exponential between the points
+        for (int k = 0; k <= 8; ++k) {
+          const double part = 0.125 * k,
+                       t = points[i].time_s + part * (points[i + 1].time_s - points[i].time_s);
+          const double amplitude =
+              points[i].amplitude * std::pow(points[i + 1].amplitude / points[i].amplitude, part);
+          envelope.x.push_back(time(r.start) + t);
+          envelope.y.push_back(r.offset + r.drift_per_s * t + sign * amplitude);
+        }
       }
       plot.series.push_back(std::move(envelope));
     }

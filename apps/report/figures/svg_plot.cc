@@ -281,7 +281,7 @@ class SvgFigure {
         SvgSeriesOptions how;
         // Inside a page whole pixels do for what is dense; a figure for a paper has tenths.
         how.digits = options_.standalone || one.x.size() <= kDenseSeries ? 1 : 0;
-        how.beneath = overlaid && one.origin != Origin::modelled;
+        how.beneath = overlaid && one.origin != Origin::modelled && look_of(one).shade != 2;
         how.scale = em_;
         draw_series(svg_, one, x_, y_, how);
       }

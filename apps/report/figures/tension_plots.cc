@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace rigfit::apps {
 namespace {
@@ -28,45 +30,47 @@ void add_modes(Plot& plot, PlotSeries series, const ident::TensionCandidate& can
   if (!series.x.empty()) plot.series.push_back(std::move(series));
 }
 
+/// A value with its interval (NaN: none) as a series of its own, named in the legend.
+void add_value(Plot& plot, PlotSeries series, double value, double low, double high) {
+  series.x = {static_cast<double>(plot.series.size() + 1)};
+  series.y = {value};
+  if (std::isfinite(low) && std::isfinite(high)) {
+    series.low = {low};
+    series.high = {high};
+  }
+  plot.series.push_back(std::move(series));
+}
+
 Plot interval_plot(const std::string& id, const ident::TensionResult& result) {
   Plot plot;
   plot.id = id + "-intervals";
   plot.title = "Tension by kind of ends";
-  plot.caption = "With 95 % intervals. 0: all kinds together, by their weight";
-  plot.x_label = "kind of ends, heaviest first";
+  plot.caption =
+      "All kinds together by their weight, each kind of ends by itself with its 95 % interval, and "
+      "closed formulas from the lowest mode, in the order of the legend.";
+  plot.x_label = "in the order of the legend";
   plot.y_label = "tension at mid-span, N";
-  auto all = points_of("all together", Origin::modelled, 0);
-  all.x = {0};
-  all.y = {result.tension_N.value};
-  all.low = {result.low};
-  all.high = {result.high};
-  plot.series.push_back(std::move(all));
-  auto each = points_of("one kind of ends", Origin::modelled, 2);
-  double number = 0;
+  add_value(plot, points_of("all together", Origin::modelled, 0), result.tension_N.value,
+            result.low, result.high);
+  int variant = 1;
   for (const auto& one : result.candidates) {
     if (!one.solved) continue;
-    ++number;
-    each.x.push_back(number);
-    each.y.push_back(one.tension_N.value);
-    each.low.push_back(one.low);
-    each.high.push_back(one.high);
-    plot.caption +=
-        fmt::format("; {:g}: {} (weight {:.2g})", number, ident::name_of(one.ends), one.weight);
+    add_value(
+        plot,
+        points_of(fmt::format("{} ends (weight {:.2g})", ident::name_of(one.ends), one.weight),
+                  Origin::modelled, variant++),
+        one.tension_N.value, one.low, one.high);
   }
-  plot.series.push_back(std::move(each));
-  auto formulas = points_of("closed formulas, lowest mode", Origin::published_model, 0);
   const auto& f = result.formulas;
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  variant = 0;
   for (const auto& [name, value] :
        {std::pair{"string", f.string_N}, std::pair{"pinned beam", f.pinned_beam_N},
         std::pair{"clamped beam", f.clamped_beam_N}, std::pair{"Zui", f.zui_N}}) {
     if (!std::isfinite(value)) continue;
-    ++number;
-    formulas.x.push_back(number);
-    formulas.y.push_back(value);
-    plot.caption += fmt::format("; {:g}: {}", number, name);
+    add_value(plot, points_of(fmt::format("formula: {}", name), Origin::published_model, variant++),
+              value, none, none);
   }
-  plot.caption += ".";
-  if (!formulas.x.empty()) plot.series.push_back(std::move(formulas));
   return plot;
 }
 
