@@ -47,6 +47,14 @@ void BlockHtml::add(const Block& block) {
 
 std::string BlockHtml::taken() { return std::exchange(html_, {}); }
 
+std::string BlockHtml::links_to(const std::string& id) const {
+  if (!files_) return "";
+  return fmt::format(
+      " <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a>, <a "
+      "href=\"data/{0}.csv\">CSV</a></span>",
+      escaped(id));
+}
+
 std::string BlockHtml::styles() {
   return fmt::format("<style>{}{}{}</style>\n", without_map(assets::dygraph_css),
                      assets::report_css, palette_css());
@@ -64,8 +72,9 @@ std::string BlockHtml::scripts() const {
 void BlockHtml::add(const Picture& picture) {
   html_ += fmt::format(
       "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{1} id=\"{0}-title\">{2}</h{1}>\n"
-      "<div class=\"picture\">{3}</div>\n<figcaption>{4}</figcaption>\n</figure>\n",
-      escaped(picture.id), heading_, escaped(picture.title), picture.svg, escaped(picture.caption));
+      "<div class=\"picture\">{3}</div>\n<figcaption>{4}{5}</figcaption>\n</figure>\n",
+      escaped(picture.id), heading_, escaped(picture.title), picture.svg, escaped(picture.caption),
+      links_to(picture.id));
 }
 
 void BlockHtml::add(const Paragraph& paragraph) {
@@ -162,10 +171,9 @@ void BlockHtml::add(const Plot& plot) {
       "view\"></div>\n<div class=\"plot\" "
       "data-plot=\"{0}\"></div>\n"
       "<div class=\"readout\" aria-live=\"polite\"></div>\n<div class=\"static\">{2}</div>\n"
-      "<figcaption>{3} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a>, <a "
-      "href=\"data/{0}.csv\">CSV</a></span></figcaption>\n",
+      "<figcaption>{3}{5}</figcaption>\n",
       escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption),
-      heading_);
+      heading_, links_to(plot.id));
   values_table(plot);
   html_ += "</figure>\n";
 }

@@ -12,6 +12,9 @@ namespace rigfit::apps {
 /// scripts are.
 class BlockHtml {
  public:
+  /// `files`: figures/ID.svg and data/ID.csv lie beside the page, and figures say so.
+  explicit BlockHtml(bool files = true) : files_(files) {}
+
   void add(const Block& block);
   void add(const Paragraph& paragraph);
   void add(const ReportTable& table);
@@ -31,6 +34,9 @@ class BlockHtml {
  private:
   void values_table(const Plot& plot);
 
+  [[nodiscard]] std::string links_to(const std::string& id) const;
+
+  bool files_;
   std::string html_;
   int heading_ = 3;    ///< level of a figure's title
   std::string plots_;  ///< JSON members, by the plot's id

@@ -22,7 +22,7 @@ SvgPanel panel_of(const Plot& plot, const std::string& state) {
 
 std::string figures_page(const std::string& title, const std::string& repeat,
                          const std::vector<Block>& blocks) {
-  BlockHtml html;
+  BlockHtml html(false);
   for (const auto& block : blocks) html.add(block);
   std::string page =
       "<!DOCTYPE html>\n<html lang=\"en\" class=\"no-script\">\n<head>\n<meta charset=\"utf-8\">\n"

@@ -188,7 +188,9 @@
       var half = ctx.measureText(mark.label).width / 2;
       if (x - half < last) return;
       last = x + half + 4;
-      ctx.fillText(mark.label, Math.min(Math.max(x, area.x + half), area.x + area.w - half), area.y + 11);
+      var at = Math.min(Math.max(x, area.x + half), area.x + area.w - half), ink = ctx.fillStyle;
+      ctx.fillStyle = colour("paper"); ctx.fillRect(at - half - 2, area.y, 2 * half + 4, 14);
+      ctx.fillStyle = ink; ctx.fillText(mark.label, at, area.y + 11);
     });
     ctx.restore();
   }
