@@ -263,8 +263,8 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
     context.out << fmt::format("left out: {}: about {:.2g} in {}\n", what.what, what.relative_error,
                                what.of);
   }
+  if (context.plots) draw_response(*context.plots, scene, response);
   if (!options.out.empty()) {
-    if (context.plots) draw_response(*context.plots, scene, response);
     context.write(options.out, samples_csv(scene, response));
     result["out"] = options.out;
     context.out << "response: " << options.out << '\n';
