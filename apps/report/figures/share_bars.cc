@@ -41,7 +41,7 @@ std::string svg_of(const Picture& picture, const std::string& body) {
 
 Picture share_bars(const std::string& id, const std::string& title, const std::string& caption,
                    const std::vector<ShareBar>& bars) {
-  constexpr double kRow = 30, kName = 190, kValue = 150;
+  constexpr double kRow = 30, kName = 180, kValue = 190;
   Picture picture;
   picture.id = id;
   picture.title = title;
