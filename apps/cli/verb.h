@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 struct Verb {
   CLI::App* app = nullptr;
   std::function<Json(VerbContext&)>
-      run;  ///< the verb's own keys; the envelope is added around them
+      run;             ///< the verb's own keys; the envelope is added around them
   bool draws = false;  ///< takes --plot: adds figures to VerbContext::plots
 };
 

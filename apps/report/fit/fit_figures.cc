@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-
 #include "apps/report/modal/modal_files.h"
 #include "apps/report/modal/model_overlay.h"
 

@@ -94,8 +94,8 @@ class Fit {
   void add_figures() {
     const FitFigures fit{of_.updates, of_.result, of_.held};
     const std::string& name = of_.fit.name;
-    for (auto plot : {parity_plot(name + "-parity", fit),
-                      error_by_mode_plot(name + "-errors-by-mode", fit)}) {
+    for (auto plot :
+         {parity_plot(name + "-parity", fit), error_by_mode_plot(name + "-errors-by-mode", fit)}) {
       if (!plot.series.empty()) part_.blocks.push_back(std::move(plot));
     }
     if (auto mac = pair_mac_plot(name + "-mac", fit)) part_.blocks.push_back(std::move(*mac));
