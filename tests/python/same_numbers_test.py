@@ -173,6 +173,16 @@ class SameNumbers(unittest.TestCase):
         for file in (self.folder / "lab").rglob("*.csv"):
             self.assertEqual(file.read_bytes(), (self.folder / "again" / file.relative_to(self.folder / "lab")).read_bytes())
 
+    def test_report(self):
+        (self.folder / "ei.csv").write_text("tension_N,EI_Nm2\n25,0.2549\n100,0.4948\n200,0.5972\n300,0.8283\n")
+        campaign = self.folder / "campaign.toml"
+        campaign.write_text('title = "one test"\n[[test]]\nname = "bending"\nkind = "bending"\nspan = 1.0\n'
+                            '[test.table]\nfile = "ei.csv"\ntension = "tension_N"\nEI = "EI_Nm2"\n')
+        document = self.program("report", campaign, "--out", self.folder / "by-program")
+        self.same(document, rigfit.report(campaign, self.folder / "by-package"))
+        for file in ("report.html", "report.json"):
+            self.assertTrue((self.folder / "by-package" / file).exists())
+
     def test_refusals(self):
         time = np.arange(1000) / 500
         quiet = rigfit.Recording({"force": np.zeros(1000), "acc": np.sin(time)}, fs=500)
