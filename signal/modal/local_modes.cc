@@ -187,20 +187,6 @@ VectorXd misfit_around_modes(const ModalBand& band, const FoundModes& found) {
   return share;
 }
 
-/// Two poles whose frequencies lie within half their bandwidths: FRFs of one reference cannot tell
-/// such a pair from one mode that varies between points.
-bool twins(const ModalBand& band, const VectorXcd& poles) {
-  if (std::min(band.lines.inputs, band.lines.H.cols() / band.lines.inputs) > 1) return false;
-  if (band.lines.H.cols() < 2) return false;
-  for (Index r = 0; r < poles.size(); ++r) {
-    for (Index q = 0; q < r; ++q) {
-      const double halves = 2 * band.window - poles[r].real() - poles[q].real();
-      if (std::abs(poles[r].imag() - poles[q].imag()) < 0.5 * halves) return true;
-    }
-  }
-  return false;
-}
-
 bool points_differ(const LocalMode& mode) {
   return mode.points.size() > 1 &&
          std::min(mode.decay.excess_chance, mode.frequency.excess_chance) < 1e-4;
@@ -220,12 +206,25 @@ bool lines_correlate(const LocalMode& mode) {
 
 }  // namespace
 
+bool has_twins(const ModalBand& band, const VectorXcd& poles) {
+  if (std::min(band.lines.inputs, band.lines.H.cols() / band.lines.inputs) > 1) return false;
+  if (band.lines.H.cols() < 2) return false;
+  for (Index r = 0; r < poles.size(); ++r) {
+    for (Index q = 0; q < r; ++q) {
+      const double halves = 2 * band.window - poles[r].real() - poles[q].real();
+      if (std::abs(poles[r].imag() - poles[q].imag()) < 0.5 * halves) return true;
+    }
+  }
+  return false;
+}
+
 bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
                       const FoundModes& found, double excess) {
   if (!found.covariance.full_rank) return false;
   const VectorXd left = misfit_around_modes(band, found);
-  if (left.size() == 0 || left.maxCoeff() < kSmallMisfit) return true;
-  if (excess > kLikeNoise && twins(band, found.fit.poles)) return false;
+  if (left.size() == 0) return true;
+  if (left.maxCoeff() < kSmallMisfit) return true;
+  if (excess > kLikeNoise && has_twins(band, found.fit.poles)) return false;
   for (std::size_t r = 0; r < checked.size(); ++r) {
     if (left[static_cast<Index>(r)] < kSmallMisfit) continue;
     if (points_differ(checked[r]) && scatter_matters(checked[r])) return false;

@@ -51,6 +51,10 @@ struct LocalModes {
                                                   const Eigen::VectorXcd& poles,
                                                   const ModalOptions& options);
 
+/// Two poles whose frequencies lie within half their bandwidths: FRFs of one reference may not tell
+/// such a pair from one mode that varies between points.
+[[nodiscard]] bool has_twins(const ModalBand& band, const Eigen::VectorXcd& poles);
+
 /// Whether the modes of a global fit are to be kept: around every mode it leaves less than 1 % of
 /// the FRFs, or the points agree on the pole (chance above 1e-4) or scatter about it by less than
 /// 5 % of its half bandwidth. Not kept: two poles within half their bandwidths where FRFs of one

@@ -59,26 +59,32 @@ std::vector<Complex> local_candidates(const ModalBand& band,
   return candidates;
 }
 
-/// All FRFs together where the misfit then looks like noise, else point by point.
+/// All FRFs together where the misfit then looks like noise, else point by point. Where poles of
+/// all FRFs lie close together, they stand if single points show as many; else they are what one
+/// mode that varies between points makes of a common fit.
 Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters,
                  const FrfNoise& noise, const ModalOptions& options) {
   Search search;
   search.found = search_modes(band, clusters, noise, options);
   const FoundModes& found = search.found;
   const bool solved = !found.exhausted && found.fit.residues.cols() > 0;
+  bool holds = false;
   if (solved && found.covariance.full_rank) {
     search.points = check_points(band, found.fit.poles, options);
     const MatrixXcd misfit = band.lines.H - found.model;
     const double excess = misfit_correlation(found.noise, misfit).excess;
-    if (global_fit_holds(band, search.points, found, excess)) {
-      const auto points = static_cast<Index>(columns_of_points(band).size());
-      widen_to_points(search.points, points, options.min_prominence, search.found);
-      return search;
-    }
+    holds = global_fit_holds(band, search.points, found, excess);
   }
+  const auto keep = [&] {
+    const auto points = static_cast<Index>(columns_of_points(band).size());
+    widen_to_points(search.points, points, options.min_prominence, search.found);
+    return search;
+  };
+  if (holds && !has_twins(band, found.fit.poles)) return keep();
   if (!found.exhausted && !solved) return search;
   LocalModes local =
       find_local_modes(band, local_candidates(band, clusters, found, noise, options), options);
+  if (holds && static_cast<Index>(local.modes.size()) >= found.fit.poles.size()) return keep();
   search.local = true;
   std::vector<DroppedCluster> dropped = std::move(search.found.dropped);
   search.found = as_found_modes(band, local, noise, clusters);
