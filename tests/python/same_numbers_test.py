@@ -189,6 +189,16 @@ class SameNumbers(unittest.TestCase):
         with self.assertRaises(rigfit.Refused) as caught:
             rigfit.frf(quiet, "force")
         self.assertEqual(caught.exception.exit_code, 4)
+        # A refusal with a result: the finding that the program calls refused, with its code in the document.
+        table = self.folder / "still.csv"
+        table.write_text("time (s),a (N)\n" + "".join(f"{i / 500},1\n" for i in range(500)))
+        run = subprocess.run([PROGRAM, "decay", table, "--json", "-"], capture_output=True, text=True)
+        self.assertEqual(run.returncode, 4)
+        with self.assertRaises(rigfit.Refused) as caught:
+            rigfit.decay(table)
+        self.assertIn(caught.exception.problem, run.stderr[run.stderr.index("refused:"):])
+        self.assertIn(caught.exception.code, [w["code"] for w in json.loads(run.stdout)["warnings"]])
+        self.same(json.loads(run.stdout), caught.exception.result)
         (self.folder / "bad.csv").write_text("time (s),a (N)\n0,1\n0.1,x\n0.2,3\n")
         with self.assertRaises(rigfit.Error):
             rigfit.decay(self.folder / "missing.csv")

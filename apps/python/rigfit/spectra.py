@@ -9,6 +9,15 @@ from .recordings import sources, warn
 from .results import DecayResult, FrfResult, InspectResult, ModalResult
 
 
+# Codes of findings that end a run with exit code 4; documents list them among the warnings.
+_REFUSALS = {
+    "axial", "band_not_sampled", "channel", "clamp_slip", "constant", "curved", "friction", "grows", "missing_samples",
+    "no_EI", "no_decay", "no_hit", "no_hit_accepted", "no_loading", "no_modes", "no_response", "no_slope", "no_tension",
+    "not_decided", "not_determined", "not_uniform", "pulse_not_resolved", "rank_deficient", "string_like",
+    "too_few_points", "too_few_samples", "too_noisy", "under_one_cycle", "window_damping",
+}
+
+
 def finish(kind, document, exit_code, **extra):
     """The result of a call; a refusal or a failure to converge raises, with what can be had as its ``result``."""
     result = kind(document, **extra)
@@ -16,9 +25,9 @@ def finish(kind, document, exit_code, **extra):
         warn(document["warnings"])
         return result
     error = errors.Refused if exit_code == 4 else errors.NotConverged
-    # The finding that ended it is the last that the run tells of, unless one says so by its code.
+    known = _REFUSALS if exit_code == 4 else {"not_converged"}
     found = document["warnings"]
-    one = next((w for w in found if w["code"] == "not_converged"), None) if exit_code == 5 else None
+    one = next((w for w in found if w["code"] in known), None)
     one = one or (found[-1] if found else {"code": error.code, "message": "there is no result", "where": ""})
     where = f"{one['where']}: " if one["where"] else ""
     raise error(f"{where}{one['message']}", code=one["code"], where=one["where"], problem=one["message"], result=result)
