@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "ident/update/contradicting_modes.h"
+#include "ident/update/shared_sources.h"
 #include "ident/update/update_alternatives.h"
 #include "ident/update/update_intervals.h"
 #include "ident/update/update_misfit.h"
@@ -57,10 +58,51 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
   if (problem.has_histories()) result.history_error = problem.history_error(answer.q);
   result.shift_sources.clear();
   result.open.clear();
-  const double model_std = result.fit.model_std;
+  const UpdateFit before = result.fit;
   result.fit = misfit_of(problem, matches, answer.q);
-  result.fit.model_std = model_std;
+  result.fit.model_std = before.model_std;
+  if (before.frf_model_std > 0) {  // the misfit is that without the error that it asked for
+    const double correlated = result.fit.correlated_lines;
+    result.fit = before;
+    result.fit.correlated_lines = correlated;
+  }
   state_uncertainty(problem, options, matches, result);
+}
+
+// Fits of FRFs: the sources that lines share, and the error of the model in FRFs that the misfit
+// asks for; the answer with them.
+void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
+                      UpdateResult& result) {
+  if (!settled.has_frfs()) return;
+  settled = settled.with_frf_model_std(0);
+  const auto& matches = answer.matches.matches;
+  const auto again = [&](const UpdateProblem& trial) {
+    Eigen::VectorXd q = answer.q;
+    double cost = 0;
+    const bool converged = minimise(trial, matches, UpdateStage::full, options, q, cost);
+    if (!converged && !robust_cost(trial, matches, UpdateStage::full, options, q, cost)) return;
+    answer.q = std::move(q);
+    answer.cost = cost;
+    answer.converged = converged;
+    settled = trial;
+  };
+  if (settled.inputs().size() == options.inputs.size()) {
+    settled = settled.with_places_of_hits(answer.q);
+  }
+  constexpr int kPasses = 6;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const Eigen::VectorXd before = answer.q, off = settled.inputs_off();
+    again(with_shared_sources(settled, options, matches, answer.q));
+    if (!settled.has_sources()) break;
+    if ((answer.q - before).norm() < 1e-6 && (settled.inputs_off() - off).norm() < 1e-3) break;
+  }
+  const UpdateFit fit = misfit_of(settled, matches, answer.q);
+  if (!(fit.p_value < kUnlikely) || !fit.stated) return;
+  const double tau = frf_model_std_of(settled, matches, answer.q);
+  if (!(tau > 0)) return;
+  result.fit = fit;
+  result.fit.frf_model_std = tau;
+  again(with_shared_sources(settled.with_frf_model_std(tau), options, matches, answer.q));
 }
 
 // The error of the model that the misfit at the answer asks for, and the answer with it.
@@ -215,6 +257,7 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   UpdateProblem settled = take_segments_off(problem, options, answer);
   leave_out_contradictions(settled, options, answer);
   allow_for_misfit(options, settled, answer, result);
+  allow_for_shared(options, settled, answer, result);
   result.auto_segments = options.auto_segments;
   state_answer(settled, options, answer, result);
   for (int round = 0; round < kRefinements; ++round) {
@@ -227,6 +270,8 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     if (!minimise(finer, matches, UpdateStage::full, options, trial.q, cost)) break;
     answer = std::move(trial);
     settled = take_segments_off(finer, options, answer);
+    result.fit.frf_model_std = 0;
+    allow_for_shared(options, settled, answer, result);
     result.auto_segments = more;
     state_answer(settled, options, answer, result);
   }
@@ -241,7 +286,7 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     state_alternatives(problem, options, answers, result);
   }
   for (int s = 0; s < static_cast<int>(problem.states().size()); ++s) {
-    result.scenes.push_back(problem.scene_at(s, result.coordinates));
+    result.scenes.push_back(settled.scene_at(s, result.coordinates));
   }
   result.model_evaluations = problem.evaluations();
   if (result.message.ends_with("; ")) result.message.resize(result.message.size() - 2);

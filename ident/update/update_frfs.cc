@@ -1,6 +1,8 @@
 // FRFs as data of the update: residuals in their logarithm.
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "ident/update/update_problem.h"
 
@@ -29,7 +31,7 @@ UpdateProblem::FrfLines UpdateProblem::lines_of(const MeasuredFrf& frf) const {
       if (!std::isfinite(own)) continue;
     }
     if (own > options_.frf_max_relative_std) continue;
-    const double relative = std::hypot(own, options_.frf_model_relative_std);
+    const double relative = std::hypot(own, options_.frf_model_relative_std, frf_model_std_);
     if (!(relative > 0)) continue;  // exact lines have no weight beside others
     lines.line.push_back(k);
     lines.relative_std.push_back(relative * std::sqrt(frf.lines_per_independent));
@@ -106,38 +108,118 @@ bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::In
   return true;
 }
 
+std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows_of(int state) const {
+  std::vector<FrfRows> all;
+  const auto& frfs = states_[static_cast<std::size_t>(state)].frfs;
+  std::vector<bool> done(frfs.size(), false);
+  for (std::size_t f = 0; f < frfs.size(); ++f) {
+    for (std::size_t g = f; g < frfs.size(); ++g) {
+      if (done[g] || !solved_together(frfs[g], frfs[f])) continue;
+      done[g] = true;
+      all.push_back({0, lines_of(frfs[g]).relative_std, g});
+    }
+  }
+  return all;
+}
+
+std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(
+    const std::vector<UpdateMatch>& matches) const {
+  Eigen::Index row = residual_count(matches, UpdateStage::full) - priors_ - 2 * frf_lines() -
+                     history_samples();
+  std::vector<FrfRows> all;
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    if (!takes_part(s)) continue;
+    for (auto& rows : frf_rows_of(s)) {
+      rows.first = row;
+      row += 2 * static_cast<Eigen::Index>(rows.relative_std.size());
+      all.push_back(std::move(rows));
+    }
+    for (const auto& history : states_[static_cast<std::size_t>(s)].histories) {
+      row += history.samples.array().isFinite().count();
+    }
+  }
+  return all;
+}
+
 double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) const {
   double squares = 0;
   Eigen::Index count = 0;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (only >= 0 ? s != only : !takes_part(s)) continue;
     Eigen::Index lines = 0;
-    std::vector<double> std;
-    for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
-      lines += static_cast<Eigen::Index>(lines_of(frf).line.size());
-    }
+    const auto all = frf_rows_of(s);
+    for (const auto& rows : all) lines += static_cast<Eigen::Index>(rows.relative_std.size());
     if (lines == 0) continue;
     Eigen::VectorXd r = Eigen::VectorXd::Zero(2 * lines);
     Eigen::Index row = 0;
     if (!frf_residuals(s, q, row, r, nullptr)) return std::numeric_limits<double>::quiet_NaN();
-    // In the order in which frf_residuals goes through them.
     row = 0;
-    const auto& frfs = states_[static_cast<std::size_t>(s)].frfs;
-    std::vector<bool> done(frfs.size(), false);
-    for (std::size_t f = 0; f < frfs.size(); ++f) {
-      for (std::size_t g = f; g < frfs.size(); ++g) {
-        if (done[g] || !solved_together(frfs[g], frfs[f])) continue;
-        done[g] = true;
-        for (const double relative : lines_of(frfs[g]).relative_std) {
-          squares += r.segment(row, 2).squaredNorm() * relative * relative;
-          row += 2;
-        }
+    for (const auto& rows : all) {
+      for (const double relative : rows.relative_std) {
+        squares += r.segment(row, 2).squaredNorm() * relative * relative;
+        row += 2;
       }
     }
     count += lines;
   }
   return count > 0 ? std::sqrt(squares / static_cast<double>(count))
                    : std::numeric_limits<double>::quiet_NaN();
+}
+
+UpdateProblem UpdateProblem::with_frf_model_std(double relative) const {
+  UpdateProblem other = *this;
+  other.frf_model_std_ = relative;
+  return other;
+}
+
+bool UpdateProblem::place_is_stated(int state, const std::string& target) const {
+  for (const auto& parameter : free_) {
+    if (std::count(parameter.targets.begin(), parameter.targets.end(), target) > 0) return true;
+  }
+  for (const auto& input : options_.inputs) {
+    for (const auto& effect : input.effects) {
+      if (effect.state == state && effect.target == target) return true;
+    }
+  }
+  return false;
+}
+
+UpdateProblem UpdateProblem::with_places_of_hits(const Eigen::VectorXd& q) const {
+  constexpr double kQuantile = 0.05;
+  UpdateProblem other = *this;
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    const auto& state = states_[static_cast<std::size_t>(s)];
+    if (!takes_part(s)) continue;
+    for (std::size_t l = 0; l < state.scene.loads.size(); ++l) {
+      const auto& load = state.scene.loads[l];
+      const std::string target = load.name + ".position";
+      model::Scene scene;
+      std::string failure;
+      if (!load.place.node.empty() || place_is_stated(s, target)) continue;
+      if (!fixed_scene(s, q, scene, failure)) continue;
+      std::vector<double> largest;  // standard uncertainty that each line allows
+      for (const auto& frf : state.frfs) {
+        if (frf.load != l || frf.std.size() == 0) continue;
+        const auto solved =
+            options_.frf_solver(scene, frf.frequency_hz, {target}, frf.decay_rate_1_s);
+        if (solved.frfs.H.empty()) continue;
+        for (const auto line : lines_of(frf).line) {
+          const auto k = static_cast<std::size_t>(line);
+          const double slope = std::abs(solved.rate[0][k](static_cast<Eigen::Index>(frf.sensor),
+                                                          static_cast<Eigen::Index>(l)));
+          if (slope > 0) largest.push_back(frf.std[line] / slope);
+        }
+      }
+      if (largest.empty()) continue;
+      const auto at = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(largest.size()));
+      std::nth_element(largest.begin(), largest.begin() + at, largest.end());
+      const std::string name = "place of the hits of " + load.name;
+      other.options_.inputs.push_back(
+          {state.name.empty() ? name : name + " [" + state.name + "]",
+           {{s, target, largest[static_cast<std::size_t>(at)]}}});
+    }
+  }
+  return other;
 }
 
 bool UpdateProblem::redraw_frfs(const Eigen::VectorXd& q, double spread,

@@ -19,10 +19,85 @@ UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
   fit.chi2 = r.squaredNorm();
   fit.degrees_of_freedom =
       static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
+  fit.correlated_lines = correlated_lines_of(problem, matches, r);
   if (fit.degrees_of_freedom > 0) {
-    fit.p_value = gsl_cdf_chisq_Q(fit.chi2, fit.degrees_of_freedom);
+    fit.p_value = gsl_cdf_chisq_Q(fit.chi2 / fit.correlated_lines,
+                                  fit.degrees_of_freedom / fit.correlated_lines);
   }
   return fit;
+}
+
+double correlated_lines_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                           const Eigen::VectorXd& r) {
+  if (!problem.has_frfs()) return 1;
+  const auto all = problem.frf_rows(matches);
+  Eigen::Index most = 0, lines = 0;
+  for (const auto& rows : all) {
+    const auto here = static_cast<Eigen::Index>(rows.relative_std.size());
+    most = std::max(most, here / 3);
+    lines += here;
+  }
+  const auto product = [&](Eigen::Index lag) {  // mean over pairs of lines that far apart
+    double sum = 0;
+    Eigen::Index count = 0;
+    for (const auto& rows : all) {
+      const auto here = static_cast<Eigen::Index>(rows.relative_std.size());
+      for (Eigen::Index i = 0; i + lag < here; ++i, ++count) {
+        sum += r.segment<2>(rows.first + 2 * i).dot(r.segment<2>(rows.first + 2 * (i + lag)));
+      }
+    }
+    return count > 0 ? sum / static_cast<double>(count) : 0;
+  };
+  const double variance = product(0);
+  if (!(variance > 0)) return 1;
+  double time = 1;
+  for (Eigen::Index lag = 1; lag <= most; ++lag) {
+    const double correlation = product(lag) / variance;
+    if (correlation < 2 / std::sqrt(2 * static_cast<double>(lines))) break;
+    time += 2 * correlation;
+  }
+  return time;
+}
+
+namespace {
+
+// Root tau of rest + sum e^2 / (s^2 + tau^2) = dof, of (e^2, s^2); 0: there is none to be found.
+double paule_mandel(const std::vector<std::pair<double, double>>& errors, double rest, double dof) {
+  const auto chi2 = [&](double tau) {
+    double sum = rest;
+    for (const auto& [e2, s2] : errors) sum += e2 / (s2 + tau * tau);
+    return sum;
+  };
+  if (dof <= 0 || errors.empty() || chi2(0) <= dof) return 0;
+  double low = 1e-9, high = 1;
+  if (chi2(high) > dof) return 0;  // not these errors' doing
+  for (int k = 0; k < 60; ++k) {
+    const double middle = std::sqrt(low * high);
+    (chi2(middle) > dof ? low : high) = middle;
+  }
+  return std::sqrt(low * high);
+}
+
+}  // namespace
+
+double frf_model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                        const Eigen::VectorXd& q) {
+  Eigen::VectorXd r;
+  if (!problem.residuals(q, matches, UpdateStage::full, r, nullptr)) return 0;
+  double rest = r.squaredNorm();
+  std::vector<std::pair<double, double>> errors;
+  for (const auto& rows : problem.frf_rows(matches)) {
+    for (std::size_t i = 0; i < rows.relative_std.size(); ++i) {
+      const double s2 = rows.relative_std[i] * rows.relative_std[i];
+      for (int part = 0; part < 2; ++part) {
+        const double z = r[rows.first + 2 * static_cast<Eigen::Index>(i) + part];
+        errors.emplace_back(z * z * s2, s2);
+        rest -= z * z;
+      }
+    }
+  }
+  return paule_mandel(errors, rest,
+                      static_cast<double>(r.size() - problem.size()) - problem.shared_residuals());
 }
 
 double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
@@ -40,19 +115,7 @@ double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
     errors.emplace_back(std::pow(r[row.row] * s, 2), s * s);
     rest -= r[row.row] * r[row.row];
   }
-  const auto chi2 = [&](double tau) {
-    double sum = rest;
-    for (const auto& [e2, s2] : errors) sum += e2 / (s2 + tau * tau);
-    return sum;
-  };
-  if (dof <= 0 || errors.empty() || chi2(0) <= dof) return 0;
-  double low = 1e-9, high = 1;
-  if (chi2(high) > dof) return 0;  // not the frequencies' doing
-  for (int k = 0; k < 60; ++k) {
-    const double middle = std::sqrt(low * high);
-    (chi2(middle) > dof ? low : high) = middle;
-  }
-  return std::sqrt(low * high);
+  return paule_mandel(errors, rest, dof);
 }
 
 Eigen::VectorXd clustered_variance(const UpdateProblem& problem,

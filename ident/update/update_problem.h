@@ -98,6 +98,29 @@ class UpdateProblem {
   [[nodiscard]] UpdateProblem with_segment_errors() const;
   /// What is left in these pairs' frequencies over the accuracy that their scenes ask for, largest.
   [[nodiscard]] double left_over_accuracy(const std::vector<UpdateMatch>& matches) const;
+  /// Columns U and factors 1 - (1 + S^2)^(-1/2) of what residuals share (shared_sources.h).
+  struct Sources {
+    Eigen::MatrixXd U;
+    Eigen::ArrayXd less;
+    Eigen::VectorXd off;  ///< C times the estimates of the sources that are in the residuals
+  };
+  /// The same with `off` subtracted from its residuals, then multiplied by L; null: as they are.
+  [[nodiscard]] UpdateProblem with_sources(std::shared_ptr<const Sources> sources) const;
+  [[nodiscard]] bool has_sources() const { return sources_ != nullptr; }
+  [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
+  /// By how many standard uncertainties each input is off.
+  [[nodiscard]] Eigen::VectorXd inputs_off() const;
+  /// The same with further inputs, the mean places of hits that nothing is said of.
+  [[nodiscard]] UpdateProblem with_places_of_hits(const Eigen::VectorXd& q) const;
+  /// The same with a further relative error of the model in FRFs.
+  [[nodiscard]] UpdateProblem with_frf_model_std(double relative) const;
+  /// Residuals of FRFs in the order of their rows: first row, lines, relative uncertainties.
+  struct FrfRows {
+    Eigen::Index first = 0;
+    std::vector<double> relative_std;
+    std::size_t frf = 0;  ///< of the state
+  };
+  [[nodiscard]] std::vector<FrfRows> frf_rows(const std::vector<UpdateMatch>& matches) const;
   /// The same with its inputs off by so many standard uncertainties each.
   [[nodiscard]] UpdateProblem with_inputs(const Eigen::VectorXd& off) const;
   [[nodiscard]] int fewest_segments() const;  ///< of any member
@@ -195,6 +218,9 @@ class UpdateProblem {
   [[nodiscard]] bool history_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
                                        Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
+  [[nodiscard]] std::vector<FrfRows> frf_rows_of(int state) const;  // `first` left 0
+  [[nodiscard]] bool place_is_stated(int state, const std::string& target) const;
+  void whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const;  // columns times L
   [[nodiscard]] bool frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
                                    Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
 
@@ -208,7 +234,7 @@ class UpdateProblem {
   Eigen::Index priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
   double segment_factor_ = 1;
-  double model_std_ = 0;
+  double model_std_ = 0, frf_model_std_ = 0;
   // Of ln f, by state; with as many segments as there are, and with twice as many.
   struct ModeError {
     model::ModePlane plane;
@@ -222,6 +248,7 @@ class UpdateProblem {
   void take_errors_off(int state, std::vector<UpdateModelMode>& modes) const;
   std::shared_ptr<const ModeErrors> mode_errors_;  // null: nothing is taken off
   Eigen::VectorXd inputs_off_;                     // empty: none
+  std::shared_ptr<const Sources> sources_;         // null: residuals are independent
   struct Shared {                                  // by copies of a problem too
     std::atomic<int> evaluations{0};
     std::atomic<bool> narrow{true};  // asking for the paired modes alone has not failed yet

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <utility>
 
 #include "ident/update/update_problem.h"
 
@@ -107,7 +108,29 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
     if (jacobian != nullptr) (*jacobian)(row, j) = 1 / coordinate.prior_std;
     ++row;
   }
+  if (sources_ && sources_->U.rows() == r.size()) {
+    r -= sources_->off;
+    whiten(r);
+    if (jacobian != nullptr) whiten(*jacobian);
+  }
   return r.allFinite() && (jacobian == nullptr || jacobian->allFinite());
+}
+
+void UpdateProblem::whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const {
+  const Eigen::MatrixXd along = sources_->U.transpose() * residuals;
+  residuals -= sources_->U * (sources_->less.matrix().asDiagonal() * along);
+}
+
+Eigen::VectorXd UpdateProblem::inputs_off() const {
+  Eigen::VectorXd off = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(options_.inputs.size()));
+  off.head(inputs_off_.size()) = inputs_off_;
+  return off;
+}
+
+UpdateProblem UpdateProblem::with_sources(std::shared_ptr<const Sources> sources) const {
+  UpdateProblem other = *this;
+  other.sources_ = std::move(sources);
+  return other;
 }
 
 }  // namespace rigfit::ident

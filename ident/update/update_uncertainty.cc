@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 
+#include "ident/update/shared_sources.h"
 #include "ident/update/update_misfit.h"
 #include "signal/numerics/numbers.h"
 
@@ -14,29 +15,8 @@ namespace rigfit::ident {
 namespace {
 
 using signal::kNaN;
-constexpr double kRichardson = 4.0 / 3;  // of the difference between n and 2 n segments
-constexpr double kInputStep = 0.5;       // standard uncertainties, to either side
-
-// Residuals at q of the problem with each shared source moved: what one standard uncertainty of it
-// (the whole estimated error of the segments) adds. False when there is no model there.
+// Residuals or frequencies of a problem; false when there is no model there.
 using Changed = std::function<bool(const UpdateProblem&, Eigen::VectorXd&)>;
-
-bool change_by_segments(const UpdateProblem& problem, const Changed& value,
-                        Eigen::VectorXd& change) {
-  Eigen::VectorXd here, fine;
-  if (!value(problem, here) || !value(problem.with_segments(2), fine)) return false;
-  change = kRichardson * (here - fine);
-  return true;
-}
-
-bool change_by_input(const UpdateProblem& problem, Eigen::Index inputs, Eigen::Index input,
-                     const Changed& value, Eigen::VectorXd& change) {
-  Eigen::VectorXd off = Eigen::VectorXd::Zero(inputs), up, down;
-  off[input] = kInputStep;
-  if (!value(problem.with_inputs(off), up) || !value(problem.with_inputs(-off), down)) return false;
-  change = (up - down) / (2 * kInputStep);
-  return true;
-}
 
 // Huber's weights of the data's residuals, as factors of their rows; one for priors.
 Eigen::VectorXd weights_of(const UpdateProblem& problem, const UpdateOptions& options,
@@ -59,8 +39,15 @@ void state_variance_factor(const UpdateProblem& problem, UpdateResult& result) {
   } else {
     result.variance_factor = std::isfinite(reduced) ? reduced : 1;
   }
-  const bool from_scatter = !stated && std::isfinite(reduced);
-  result.coverage_factor = coverage_factor(0.95, from_scatter ? result.degrees_of_freedom : 0);
+  // Lines that err together say less than as many that do not.
+  const double together = result.fit.correlated_lines;
+  bool from_scatter = !stated && std::isfinite(reduced);
+  if (together > 1 && std::isfinite(reduced) && reduced * together > result.variance_factor) {
+    result.variance_factor = reduced * together;
+    from_scatter = true;
+  }
+  result.coverage_factor =
+      coverage_factor(0.95, from_scatter ? result.degrees_of_freedom / together : 0);
   if (!stated && !std::isfinite(reduced)) {
     result.message +=
         "no more data than unknowns: uncertainties rest on the assumed one of the "
@@ -84,36 +71,13 @@ void state_shifts(const UpdateProblem& problem, const UpdateOptions& options,
                   const std::vector<UpdateMatch>& matches, const Eigen::VectorXd& weights,
                   const Eigen::MatrixXd& J, const IdentifiabilityOptions& limits,
                   UpdateResult& result) {
-  const auto inputs = static_cast<Eigen::Index>(options.inputs.size());
-  const Changed residuals = [&](const UpdateProblem& moved, Eigen::VectorXd& r) {
-    return moved.residuals(result.coordinates, matches, UpdateStage::full, r, nullptr);
-  };
-  std::vector<Eigen::VectorXd> shifts;
-  const auto add = [&](const std::string& source, const Eigen::VectorXd& change) {
-    result.shift_sources.push_back(source);
-    shifts.push_back(result.identifiability.shift_by(J, weights.cwiseProduct(change), limits));
-  };
-  Eigen::VectorXd change;
-  if (options.segment_uncertainty) {
-    if (change_by_segments(problem, residuals, change)) {
-      add("segments", change);
-    } else {
-      result.message += "what the segments cost is not known: no model with twice as many; ";
-    }
-  }
-  for (Eigen::Index i = 0; i < inputs; ++i) {
-    const auto& name = options.inputs[static_cast<std::size_t>(i)].name;
-    if (change_by_input(problem, inputs, i, residuals, change)) {
-      add(name, change);
-    } else {
-      result.message += fmt::format(
-          "{} is not in the uncertainties: no model within half of its standard uncertainty; ",
-          name);
-    }
-  }
-  result.shifts.resize(problem.size(), static_cast<Eigen::Index>(shifts.size()));
-  for (std::size_t i = 0; i < shifts.size(); ++i) {
-    result.shifts.col(static_cast<Eigen::Index>(i)) = shifts[i];
+  const SharedChanges shared = shared_changes(problem, options, matches, result.coordinates);
+  result.message += shared.message;
+  result.shift_sources = shared.names;
+  result.shifts.resize(problem.size(), shared.changes.cols());
+  for (Eigen::Index k = 0; k < shared.changes.cols(); ++k) {
+    result.shifts.col(k) =
+        result.identifiability.shift_by(J, weights.cwiseProduct(shared.changes.col(k)), limits);
   }
 }
 
@@ -198,11 +162,17 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   for (Eigen::Index i = 0; i < n; ++i) {
     by[i] = problem.coordinates()[static_cast<std::size_t>(i)].derivative(q[i]);
   }
+  // Of a problem with its sources the covariance holds their part.
+  Eigen::MatrixXd outside = result.shifts * result.shifts.transpose();
+  Eigen::VectorXd inside = Eigen::VectorXd::Zero(n);
+  if (problem.has_sources()) {
+    inside = outside.diagonal();
+    outside.setZero();
+  }
   const ModelPart model = model_part(problem, matches, r, J, scales, names, result);
   result.covariance =
       by.asDiagonal() *
-      (model.widening.asDiagonal() * known.covariance * model.widening.asDiagonal() +
-       result.shifts * result.shifts.transpose()) *
+      (model.widening.asDiagonal() * known.covariance * model.widening.asDiagonal() + outside) *
       by.asDiagonal();
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
@@ -218,7 +188,8 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
           result.covariance(i, j) / std::sqrt(result.covariance(i, i) * result.covariance(j, j));
     }
     const double by_data =
-        known.std[i] * known.std[i] - (priors.cols() > 0 ? priors.row(i).squaredNorm() : 0);
+        known.std[i] * known.std[i] - (priors.cols() > 0 ? priors.row(i).squaredNorm() : 0) -
+        inside[i];
     const double by_noise = model.data_variance.size() > 0
                                 ? std::min(std::max(by_data, 0.0), model.data_variance[i])
                                 : std::max(by_data, 0.0);
@@ -251,7 +222,6 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateOpti
   for (const auto& pair : pairs) {
     if (states.empty() || states.back() != pair.state) states.push_back(pair.state);
   }
-  const auto inputs = static_cast<Eigen::Index>(options.inputs.size());
   for (const int state : states) {
     std::vector<UpdateMatch> matches;
     std::vector<UpdatedPair*> here;
@@ -281,9 +251,12 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateOpti
       if (k == 0 && options.segment_uncertainty && source == "segments") {
         found = change_by_segments(problem, log_frequencies, change);
       } else {
-        for (Eigen::Index i = 0; i < inputs && !found; ++i) {
-          if (options.inputs[static_cast<std::size_t>(i)].name != source) continue;
-          found = change_by_input(problem, inputs, i, log_frequencies, change);
+        found = true;  // the place of hits, which is not among the inputs of a prediction: no effect
+        change = Eigen::VectorXd::Zero(own.rows());
+        for (Eigen::Index i = 0; i < problem.inputs_off().size(); ++i) {
+          if (problem.inputs()[static_cast<std::size_t>(i)].name != source) continue;
+          found = change_by_input(problem, i, log_frequencies, change);
+          break;
         }
       }
       complete = complete && found;

@@ -1,0 +1,74 @@
+// What moves many residuals of an update together: the error of the segments, what is taken as
+// known with an uncertainty, and where a hammer struck in the mean of its hits.
+//
+// One standard uncertainty of source k changes the residuals (over their own standard deviations)
+// by c_k; with C = [c_1 ...] their covariance is I + C C'. A fit of FRFs minimises r' (I + C C')^-1
+// r: with C = U S V', residuals and Jacobian are multiplied by
+//   L = I - U (1 - (1 + S^2)^(-1/2)) U',   L' L = (I + C C')^-1.
+// Its covariance (J' L' L J)^-1 holds the sources' part; chi-square is |L r|^2 for every kind of
+// data. Without that, one hammer 3 mm off counts as an error of the model in a thousand lines.
+//
+// The place of the hits: an error bar of an averaged FRF holds what the hits scatter by, and hits
+// scatter in place. sigma_x |dH/dx| <= std(H) in every line bounds the standard uncertainty of
+// their mean place x along the member; the bound (its 5 % quantile over the lines, as error bars
+// scatter) is taken where nothing else is said of the place. A mean that was aimed beside is not in
+// the hits' scatter and must be stated. Source: Aitken's generalised least squares, e.g. Rao,
+// Linear Statistical Inference, 4a. For the update and its checks, not for users.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "ident/update/update_problem.h"
+
+namespace rigfit::ident {
+
+struct SharedChanges {
+  std::vector<std::string> names;    ///< "segments", the inputs; one a column
+  std::vector<Eigen::Index> inputs;  ///< which inputs the last columns are
+  Eigen::MatrixXd changes;         ///< of the residuals of `problem`, by one standard uncertainty
+  std::string message;  ///< sources that could not be evaluated, "; " after each
+};
+
+/// Of `problem` as it is (its residuals may be multiplied by L), at q.
+[[nodiscard]] SharedChanges shared_changes(const UpdateProblem& problem,
+                                           const UpdateOptions& options,
+                                           const std::vector<UpdateMatch>& matches,
+                                           const Eigen::VectorXd& q);
+
+/// `problem` with its residuals multiplied by L, C found at q, and its inputs moved to where the
+/// residuals want them: repeated with q, that solves for both without linearising H in the place of
+/// a hammer.
+[[nodiscard]] UpdateProblem with_shared_sources(const UpdateProblem& problem,
+                                                const UpdateOptions& options,
+                                                const std::vector<UpdateMatch>& matches,
+                                                const Eigen::VectorXd& q);
+
+/// Residuals changed by 4/3 of the difference between n and 2 n segments; false without a model.
+/// `value` gives what is compared of a problem.
+template <typename Value>
+[[nodiscard]] bool change_by_segments(const UpdateProblem& problem, const Value& value,
+                                      Eigen::VectorXd& change) {
+  constexpr double kRichardson = 4.0 / 3;
+  Eigen::VectorXd here, fine;
+  if (!value(problem, here) || !value(problem.with_segments(2), fine)) return false;
+  change = kRichardson * (here - fine);
+  return true;
+}
+
+/// The same by one standard uncertainty of an input, from differences over it.
+template <typename Value>
+[[nodiscard]] bool change_by_input(const UpdateProblem& problem, Eigen::Index input,
+                                   const Value& value, Eigen::VectorXd& change) {
+  constexpr double kStep = 0.5;  // standard uncertainties, to either side
+  const Eigen::VectorXd off = problem.inputs_off();
+  const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(off.size(), input);
+  Eigen::VectorXd up, down;
+  if (!value(problem.with_inputs(off + step), up)) return false;
+  if (!value(problem.with_inputs(off - step), down)) return false;
+  change = (up - down) / (2 * kStep);
+  return true;
+}
+
+}  // namespace rigfit::ident
