@@ -96,7 +96,9 @@ Json fit_json(const ident::UpdateFit& fit) {
           {"degrees_of_freedom", fit.degrees_of_freedom},
           {"p_value", json_number(fit.p_value)},
           {"uncertainties", fit.stated ? "stated" : "assumed"},
-          {"model_std", fit.model_std}};
+          {"model_std", fit.model_std},
+          {"frf_model_std", fit.frf_model_std},
+          {"correlated_lines", fit.correlated_lines}};
 }
 
 Json alternatives_json(const ident::UpdateResult& result, const States& states) {

@@ -29,6 +29,13 @@ std::string fit_text(const UpdateFit& fit) {
   if (fit.model_std > 0) {
     text += fmt::format("; error of the model in frequency {}", percent(fit.model_std));
   }
+  if (fit.correlated_lines > 1.5) {
+    text +=
+        fmt::format("; {:.0f} neighbouring lines of the FRFs err together", fit.correlated_lines);
+  }
+  if (fit.frf_model_std > 0) {
+    text += fmt::format("; error of the model {} of the FRFs", percent(fit.frf_model_std));
+  }
   return text;
 }
 

@@ -27,8 +27,8 @@ namespace rigfit::ident {
 struct SharedChanges {
   std::vector<std::string> names;    ///< "segments", the inputs; one a column
   std::vector<Eigen::Index> inputs;  ///< which inputs the last columns are
-  Eigen::MatrixXd changes;         ///< of the residuals of `problem`, by one standard uncertainty
-  std::string message;  ///< sources that could not be evaluated, "; " after each
+  Eigen::MatrixXd changes;           ///< of the residuals of `problem`, by one standard uncertainty
+  std::string message;               ///< sources that could not be evaluated, "; " after each
 };
 
 /// Of `problem` as it is (its residuals may be multiplied by L), at q.

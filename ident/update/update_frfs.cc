@@ -124,8 +124,8 @@ std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows_of(int state) const 
 
 std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(
     const std::vector<UpdateMatch>& matches) const {
-  Eigen::Index row = residual_count(matches, UpdateStage::full) - priors_ - 2 * frf_lines() -
-                     history_samples();
+  Eigen::Index row =
+      residual_count(matches, UpdateStage::full) - priors_ - 2 * frf_lines() - history_samples();
   std::vector<FrfRows> all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (!takes_part(s)) continue;
@@ -214,9 +214,8 @@ UpdateProblem UpdateProblem::with_places_of_hits(const Eigen::VectorXd& q) const
       const auto at = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(largest.size()));
       std::nth_element(largest.begin(), largest.begin() + at, largest.end());
       const std::string name = "place of the hits of " + load.name;
-      other.options_.inputs.push_back(
-          {state.name.empty() ? name : name + " [" + state.name + "]",
-           {{s, target, largest[static_cast<std::size_t>(at)]}}});
+      other.options_.inputs.push_back({state.name.empty() ? name : name + " [" + state.name + "]",
+                                       {{s, target, largest[static_cast<std::size_t>(at)]}}});
     }
   }
   return other;

@@ -14,8 +14,8 @@
 // degrees of freedom are divided by the integrated autocorrelation time of what is left over,
 //   t = 1 + 2 sum_l rho_l, up to the first rho_l below 2 / sqrt(lines),
 // for the probability, and variances multiplied by it (Bartlett's effective number of samples).
-// Sources: Bartlett, J. R. Stat. Soc. 98 (1935) 536; Paule and Mandel, J. Res. NBS 87 (1982) 377; Liang and Zeger, Biometrika 73 (1986) 13.
-// For the update and its checks, not for users.
+// Sources: Bartlett, J. R. Stat. Soc. 98 (1935) 536; Paule and Mandel, J. Res. NBS 87 (1982) 377;
+// Liang and Zeger, Biometrika 73 (1986) 13. For the update and its checks, not for users.
 #pragma once
 
 #include <Eigen/Core>

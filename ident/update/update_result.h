@@ -67,8 +67,8 @@ struct UpdateFit {
   double p_value = std::numeric_limits<double>::quiet_NaN();  ///< NaN: no degree of freedom
   bool stated = false;   ///< the uncertainties came with the data; else they are assumed
   double model_std = 0;  ///< relative in frequency, of that random effect
-  /// The same of FRFs, relative in every line: what is left beyond the lines' uncertainties and what
-  /// they share (segments, inputs, the place of the hits).
+  /// The same of FRFs, relative in every line: what is left beyond the lines' uncertainties and
+  /// what they share (segments, inputs, the place of the hits).
   double frf_model_std = 0;
   /// So many neighbouring lines of FRFs err together, by the autocorrelation of what is left over:
   /// chi2 and its degrees of freedom are divided by it for the probability, and variances

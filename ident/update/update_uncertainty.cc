@@ -187,9 +187,8 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
       result.correlation(i, j) =
           result.covariance(i, j) / std::sqrt(result.covariance(i, i) * result.covariance(j, j));
     }
-    const double by_data =
-        known.std[i] * known.std[i] - (priors.cols() > 0 ? priors.row(i).squaredNorm() : 0) -
-        inside[i];
+    const double by_data = known.std[i] * known.std[i] -
+                           (priors.cols() > 0 ? priors.row(i).squaredNorm() : 0) - inside[i];
     const double by_noise = model.data_variance.size() > 0
                                 ? std::min(std::max(by_data, 0.0), model.data_variance[i])
                                 : std::max(by_data, 0.0);
@@ -251,7 +250,8 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateOpti
       if (k == 0 && options.segment_uncertainty && source == "segments") {
         found = change_by_segments(problem, log_frequencies, change);
       } else {
-        found = true;  // the place of hits, which is not among the inputs of a prediction: no effect
+        found =
+            true;  // the place of hits, which is not among the inputs of a prediction: no effect
         change = Eigen::VectorXd::Zero(own.rows());
         for (Eigen::Index i = 0; i < problem.inputs_off().size(); ++i) {
           if (problem.inputs()[static_cast<std::size_t>(i)].name != source) continue;
