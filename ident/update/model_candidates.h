@@ -1,0 +1,49 @@
+// Model choice: several models of the same measured modes, such as pinned ends, clamped ends and
+// springs, each fitted, weighed by its evidence, their parameters averaged.
+//
+//   w_k = Z_k / sum Z,   p(theta | data) = sum_k w_k p_k(theta | data)
+//
+// with Z_k the evidence of a fit, all its answers together (update_alternatives.h: Laplace, with
+// the model's own error integrated over). Parameters without a prior have the same broad prior in
+// every model, so that one more parameter costs ln(ln(10) sqrt(2 pi) / its standard uncertainty) or
+// so and must earn it. The interval of a parameter is that of the mixture. Candidates are equally
+// probable before the test. Sources: Hoeting et al., Statistical Science 14 (1999) 382; Kass and
+// Raftery, JASA 90 (1995) 773.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ident/update/update_data.h"
+#include "ident/update/update_options.h"
+#include "ident/update/update_result.h"
+
+namespace rigfit::ident {
+
+/// A model by name: the rig's states with its scenes, and what of it is fitted.
+struct ModelCandidate {
+  std::string name;
+  std::vector<UpdateState> states;  ///< the same measured modes in every candidate
+  std::vector<FreeParameter> free;
+};
+
+struct FittedCandidate {
+  std::string name;
+  UpdateResult result;
+  double weight = 0;  ///< 0 without a model
+};
+
+struct CandidateComparison {
+  std::vector<FittedCandidate> candidates;  ///< in the order given
+  int heaviest = -1;                        ///< -1: no candidate could be fitted
+  /// Parameters that all candidates of weight above 0 have by name: value (mean), std and 95 %
+  /// interval of the mixture. `start` is the heaviest candidate's.
+  std::vector<UpdatedParameter> averaged;
+};
+
+/// Fits of modes alone (throws std::invalid_argument for FRFs or histories, candidates without a
+/// name of their own, other numbers of measured modes, or none).
+[[nodiscard]] CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candidates,
+                                                     const UpdateOptions& options);
+
+}  // namespace rigfit::ident
