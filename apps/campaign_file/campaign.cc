@@ -92,6 +92,11 @@ class Reader {
     campaign_.title = root_.string("title");
     campaign_.source = root_.string_or("source", "");
     campaign_.description = root_.string_or("description", "");
+    if (root_.has("report")) {
+      TomlTable report = root_.table("report");
+      campaign_.report = read_report_details(report, folder_);
+      if (!campaign_.report.logo.empty()) add_input(campaign_.report.logo);
+    }
     if (root_.has("strand")) read_strand();
     std::set<std::string> scene_names, test_names;
     for (TomlTable& table : root_.tables_or_empty("scene")) read_campaign_scene(table, scene_names);

@@ -2,6 +2,7 @@
 // published or earlier results to compare with. One TOML file; paths in it are relative to it.
 //
 //   title = "..."        source = "..."        description = "..."
+//   [report]             author, organisation, client, project, date, revision, logo: report_details.h
 //   [strand]             youngs_modulus (Pa), wires, wire_diameter, diameter (m): bounds on EI
 //   [[scene]]            name, file; tables published / inferred / assumed: parameter = how known
 //   [[test]]             name, kind, title, and by kind:
@@ -48,6 +49,7 @@
 #include <vector>
 
 #include "apps/campaign_file/recording_group.h"
+#include "apps/campaign_file/report_details.h"
 #include "apps/campaign_file/result_table.h"
 #include "ident/axial/axial_test.h"
 #include "ident/bending/strand.h"
@@ -144,6 +146,7 @@ struct CampaignFit {
 struct Campaign {
   std::string file;
   std::string title, source, description;
+  ReportDetails report;
   std::optional<ident::StrandGeometry> strand;
   std::vector<CampaignScene> scenes;
   std::vector<CampaignTest> tests;

@@ -19,7 +19,6 @@
 #include "apps/report/parts/cost_part.h"
 #include "apps/report/parts/decay_part.h"
 #include "apps/report/parts/scenes_part.h"
-#include "apps/report/parts/speed_part.h"
 #include "apps/report/report_page.h"
 #include "ident/statistics/in_parallel.h"
 
@@ -199,8 +198,6 @@ class Stages {
         second[i] = decay_part(campaign_, test, known_, fits_of(i, fits), context_.threads);
       });
     }
-    std::vector<Block> speed;
-    tasks.emplace_back([&] { speed = speed_blocks(campaign_); });
     run_all(tasks, context_.threads, progress);
 
     // On the page: what was measured, what the model says of it, what was fitted.
@@ -215,7 +212,7 @@ class Stages {
       add(second[i]);
     }
     for (auto& fit : fits) add(fit.part);
-    auto costs = cost_part(std::move(speed), parts);
+    auto costs = cost_part(parts);
     parts.push_back(scenes_part(campaign_));
     parts.push_back(std::move(costs));
     return parts;

@@ -13,8 +13,12 @@ namespace rigfit::apps {
 [[nodiscard]] std::string shown(double value, int digits = 4);
 /// A ratio as percent with sign: "+1.24 %".
 [[nodiscard]] std::string shown_percent(double ratio);
-/// A value with its standard uncertainty, rounded to two digits of the latter: "0.4948 ± 0.0012".
+/// A value with its standard uncertainty, rounded to two digits of the latter: "0.4948 ± 0.0012",
+/// "205190 ± 340". A value gets five digits at most; an uncertainty below them is rounded up to
+/// one unit of the last: "0.010000 ± 0.000001".
 [[nodiscard]] std::string shown_estimate(double value, double std, int digits = 4);
+/// The first sentence of a message, without its full stop.
+[[nodiscard]] std::string first_sentence(std::string_view text);
 /// "1 state", "4 states".
 [[nodiscard]] std::string counted(std::size_t number, std::string_view what);
 /// A bound of an interval, to the decimals that `shown_estimate` gives the value.

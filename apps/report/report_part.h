@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "apps/report/answer.h"
 #include "apps/report/figures/plot.h"
 
 namespace rigfit::apps {
@@ -81,6 +82,7 @@ struct SummaryItem {
   std::string label, text;
   std::optional<Origin> origin;
   std::string anchor;  ///< id of the part that says more
+  int severity = 1;    ///< of what is not to be trusted: 3 refused, 2 contradicted, 1 to know
 };
 
 /// A warning of the document, raised when the parts are put together.
@@ -105,7 +107,10 @@ struct ModelCost {
 
 struct ReportPart {
   std::string id, title;
+  std::string test;  ///< name of the test whose section it stands in; empty: a section of its own
   std::vector<Block> blocks;
+  std::vector<std::string> brief;  ///< ids of figures and tables for the short report
+  std::vector<Answer> answers;
   std::vector<SummaryItem> summary;
   std::vector<PartWarning> warnings;
   std::vector<OutputFile> files;

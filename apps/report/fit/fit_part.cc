@@ -12,6 +12,7 @@
 #include "apps/report/fit/fit_figures.h"
 #include "apps/report/fit/fit_tables.h"
 #include "apps/report/html_text.h"
+#include "apps/report/parameter_words.h"
 #include "apps/report/parts/recording_blocks.h"
 #include "ident/campaign/fit_campaign.h"
 
@@ -27,6 +28,7 @@ class Fit {
     part_.id = fit.name;
     part_.title = fit.title;
     part_.json_key = "fits";
+    part_.brief = {fit.name + "-parameters", fit.name + "-errors", fit.name + "-errors-by-mode"};
     part_.json["fit"] = fit.name;
     options_.starts = fit.starts;
     options_.seed = seed;
@@ -72,10 +74,11 @@ class Fit {
     if (!of_.held.empty()) part_.json["hold_out"] = held_out_json(of_.held, of_.updates);
     for (const auto& finding : outcome.findings) {
       part_.warnings.push_back({finding.code, finding.message,
-                                finding.where.empty() ? of_.fit.name : finding.where, false});
+                                finding.where.empty() ? of_.fit.name : parameter_words(finding.where),
+                                false});
       if (finding.refused || finding.code == "model_ruled_out") {
         part_.summary.push_back(
-            {SummaryItem::Kind::distrust, of_.fit.title, finding.message, {}, part_.id});
+            {SummaryItem::Kind::distrust, of_.fit.title, finding.message, {}, part_.id, 2});
       }
     }
     add_parameters(part_, of_);
@@ -132,7 +135,7 @@ class Fit {
       tests += (tests.empty() ? "" : "; ") + of_.campaign.tests[test].title;
     }
     for (const auto& parameter : of_.fit.parameters) {
-      parameters += (parameters.empty() ? "" : ", ") + parameter.free.name;
+      parameters += (parameters.empty() ? "" : ", ") + parameter_words(parameter.free.name);
       if (parameter.free.per_state) parameters += " (at each state its own)";
     }
     return fmt::format(

@@ -9,6 +9,7 @@
 #include "apps/cli/json_document.h"
 #include "apps/report/html_text.h"
 #include "apps/report/modal/modal_files.h"
+#include "apps/report/parameter_words.h"
 #include "apps/report/parts/scenes_part.h"
 #include "ident/campaign/fit_campaign.h"
 #include "signal/modal/mac.h"
@@ -55,7 +56,8 @@ void add_alternatives(ReportPart& part, const FitOutcome& of) {
     const auto& one = of.result.alternatives[k];
     std::string values;
     for (const auto& parameter : one.parameters) {
-      values += (values.empty() ? "" : ", ") + parameter.name + " " + shown(parameter.value, 4);
+      values += (values.empty() ? "" : ", ") + parameter_words(parameter.name) + " " +
+                shown(parameter.value, 4);
     }
     table.rows.push_back({fmt::format("{:.3f}", one.weight), values,
                           percent_words(one.rms_relative_error), k == 0 ? "" : texts[k - 1]});
@@ -63,18 +65,48 @@ void add_alternatives(ReportPart& part, const FitOutcome& of) {
   part.blocks.push_back(std::move(table));
 }
 
-}  // namespace
+/// A parameter as it was found, with its words and as an answer of the report.
+struct FoundParameter {
+  std::string words;
+  Answer answer;
+};
 
-std::string percent_words(double ratio) {
-  return std::isfinite(ratio) ? shown(100 * ratio, 3) + " %" : std::string("–");
+FoundParameter found_parameter(const FitOutcome& of, const ident::UpdatedParameter& parameter,
+                               const std::string& anchor) {
+  const auto spec = std::find_if(
+      of.fit.parameters.begin(), of.fit.parameters.end(), [&](const FitParameter& p) {
+        return parameter.name == p.free.name || parameter.name.starts_with(p.free.name + " [");
+      });
+  const bool named = spec != of.fit.parameters.end();
+  const auto* free = named ? &spec->free : nullptr;
+  const std::string name = free ? free->name : parameter.name;
+  const std::string target = free && !free->targets.empty() ? free->targets.front() : name;
+  FoundParameter found;
+  found.words = parameter_words(name);
+  Answer& answer = found.answer;
+  answer.key = of.fit.name + "/" + parameter.name;
+  answer.quantity = found.words;
+  if (parameter.state >= 0) answer.quantity += ", " + of.name_of_state(parameter.state);
+  std::size_t modes = 0;
+  for (const auto& update : of.updates) modes += update.measured.size();
+  answer.how = "fitted to " + counted(modes, "mode");
+  answer.unit = unit_of(of, free);
+  answer.percent = answer.unit.empty() && shown_in_percent(target);
+  answer.value = parameter.value;
+  answer.std = parameter.std;
+  answer.low = parameter.low;
+  answer.high = parameter.high;
+  answer.determined = parameter.identifiable && std::isfinite(parameter.std);
+  if (named) answer.reference = spec->reference;
+  answer.reference_name = of.fit.reference_name;
+  answer.anchor = anchor;
+  answer.rank = parameter.state < 0 ? 0 : 1;
+  return found;
 }
 
-void add_parameters(ReportPart& part, const FitOutcome& of) {
+ReportTable parameter_table(const FitOutcome& of, bool priors) {
   ReportTable table;
   table.id = of.fit.name + "-parameters";
-  const bool priors =
-      std::any_of(of.fit.parameters.begin(), of.fit.parameters.end(),
-                  [](const FitParameter& parameter) { return parameter.free.prior.has_value(); });
   table.caption = "What was found, ± its standard uncertainty, with 95 % intervals.";
   if (priors) {
     table.caption += " Data alone: the standard uncertainty without what was known before.";
@@ -87,22 +119,27 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
                    {"data alone ±", Origin::modelled},
                    {of.fit.reference_name, {}, true},
                    {"remark", {}, false}};
+  return table;
+}
+
+}  // namespace
+
+std::string percent_words(double ratio) {
+  return std::isfinite(ratio) ? shown(100 * ratio, 3) + " %" : std::string("–");
+}
+
+void add_parameters(ReportPart& part, const FitOutcome& of) {
+  const bool priors =
+      std::any_of(of.fit.parameters.begin(), of.fit.parameters.end(),
+                  [](const FitParameter& parameter) { return parameter.free.prior.has_value(); });
+  ReportTable table = parameter_table(of, priors);
   std::size_t list_index = 0;
   for (const auto& parameter : of.result.parameters) {
-    const auto spec = std::find_if(
-        of.fit.parameters.begin(), of.fit.parameters.end(), [&](const FitParameter& p) {
-          return parameter.name == p.free.name || parameter.name.starts_with(p.free.name + " [");
-        });
-    const std::string name = spec == of.fit.parameters.end() ? parameter.name : spec->free.name;
-    const std::optional<double> reference =
-        spec == of.fit.parameters.end() ? std::nullopt : spec->reference;
-    const std::string unit = unit_of(of, spec == of.fit.parameters.end() ? nullptr : &spec->free);
-    const std::string in_unit = unit.empty() ? "" : " " + unit;
+    const FoundParameter found = found_parameter(of, parameter, part.id);
+    const Answer& answer = found.answer;
+    const double scale = answer.percent ? 100 : 1;
+    const std::string unit = shown_unit(answer);
     const bool known = parameter.identifiable && std::isfinite(parameter.std);
-    const auto bound = [&](double value) {
-      return std::isfinite(value) ? shown_bound(value, parameter.std) : std::string("open");
-    };
-    const std::string interval = bound(parameter.low) + " to " + bound(parameter.high);
     std::string remark;
     if (!parameter.identifiable) {
       remark = "these data cannot tell it";
@@ -113,24 +150,26 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
     Cell remark_cell(remark);
     remark_cell.doubtful = !remark.empty();
     table.rows.push_back(
-        {unit.empty() ? name : name + ", " + unit,
-         parameter.state < 0 ? "all" : of.name_of_state(parameter.state), shown(parameter.start, 4),
-         Cell(known ? shown_estimate(parameter.value, parameter.std) : shown(parameter.value, 4),
-              Origin::modelled),
-         known ? interval : std::string("–"),
+        {unit.empty() ? found.words : found.words + ", " + unit,
+         parameter.state < 0 ? "all" : of.name_of_state(parameter.state),
+         shown(scale * parameter.start, 4),
+         Cell(known ? value_words(answer) : shown(scale * parameter.value, 4), Origin::modelled),
+         known ? interval_words(answer) : std::string("–"),
          !priors                                  ? ""
-         : std::isfinite(parameter.std_from_data) ? shown(parameter.std_from_data, 2)
+         : std::isfinite(parameter.std_from_data) ? shown(scale * parameter.std_from_data, 2)
                                                   : "–",
-         reference ? shown(*reference, 4) : std::string(), remark_cell});
+         answer.reference ? shown(scale * *answer.reference, 4) : std::string(), remark_cell});
     part.json["parameters"][list_index++]["reference"] =
-        reference ? Json(*reference) : Json(nullptr);
-    if (!known) continue;
-    if (parameter.state >= 0) continue;
+        answer.reference ? Json(*answer.reference) : Json(nullptr);
+    part.answers.push_back(answer);
+    if (!known || parameter.state >= 0) continue;
     part.summary.push_back(
-        {SummaryItem::Kind::result, of.fit.title + ": " + name,
-         shown_estimate(parameter.value, parameter.std) + in_unit +
-             fmt::format(" (95 %: {})", interval) +
-             (reference ? fmt::format("; {} {}", of.fit.reference_name, shown(*reference, 4)) : ""),
+        {SummaryItem::Kind::result, of.fit.title + ": " + found.words,
+         value_words(answer) + (unit.empty() ? "" : " " + unit) +
+             fmt::format(" (95 %: {})", interval_words(answer)) +
+             (answer.reference ? fmt::format("; {} {}", of.fit.reference_name,
+                                             shown(scale * *answer.reference, 4))
+                               : ""),
          Origin::modelled, part.id});
   }
   part.blocks.push_back(std::move(table));

@@ -189,7 +189,9 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const 
   ReportPart part;
   part.id = test.name;
   part.title = test.title;
+  part.test = test.name;
   part.json_key = "modal";
+  part.brief = {test.name + "-frequency", test.name + "-errors"};
   const auto states = modal_states(campaign, test, known, recorded);
   bool any = false;
   for (const auto& state : states) {

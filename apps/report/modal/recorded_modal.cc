@@ -25,6 +25,7 @@ class RecordedModalAnalysis {
   RecordedModalAnalysis(const Campaign& campaign, const CampaignTest& test) : test_(test) {
     part().id = test.name + "-recordings";
     part().title = test.title + ": recordings";
+    part().test = test.name;
     part().json_key = "recorded_modal";
     part().json["test"] = test.name;
     part().json["states"] = Json::array();
@@ -214,6 +215,7 @@ class RecordedModalAnalysis {
                         {"misfit, %", found.origin},  {"in the diagram, %", found.origin},
                         {"remarks", {}, false}};
     }
+    add_answers(found, label);
     Json list = Json::array();
     bool first = true;
     for (const auto& mode : modal.model.modes) {
@@ -265,6 +267,32 @@ class RecordedModalAnalysis {
     part().json["states"].push_back(std::move(state));
   }
 
+  /// Frequencies and damping; on the first page only where no model says more.
+  void add_answers(const ident::ModalTestState& found, const std::string& label) {
+    int number = 0;
+    for (const auto& mode : found.modal->model.modes) {
+      Answer answer;
+      answer.key = fmt::format("{}/{}/frequency", test_.name, label);
+      answer.quantity = fmt::format("{}, {}: natural frequency {}", test_.title, label, ++number);
+      answer.how = counted(static_cast<std::size_t>(found.hammer.frfs.averages), "hit");
+      answer.unit = "Hz";
+      answer.value = mode.frequency_hz.value;
+      answer.std = mode.frequency_hz.std;
+      answer.origin = found.origin;
+      answer.anchor = part().id;
+      answer.rank = scene_ ? 2 : 0;
+      part().answers.push_back(answer);
+      if (mode.damping_dominated_by_window) continue;
+      answer.key = fmt::format("{}/{}/damping", test_.name, label);
+      answer.quantity = fmt::format("{}, {}: damping ratio ζ {}", test_.title, label, number);
+      answer.unit.clear();
+      answer.percent = true;
+      answer.value = mode.damping_ratio.value;
+      answer.std = mode.damping_ratio.std;
+      part().answers.push_back(std::move(answer));
+    }
+  }
+
   [[nodiscard]] std::string uff_path(const char* what, const std::string& label) const {
     return "uff/" + figure_id(what, label) + ".uff";
   }
@@ -287,6 +315,7 @@ class RecordedModalAnalysis {
       part().blocks.push_back(
           PlotGroup{test_.name + "-frfs", "Frequency responses and poles", std::move(tabs_)});
     }
+    if (!scene_) part().brief = {test_.name + "-identified"};
     if (!modes_.rows.empty()) part().blocks.push_back(std::move(modes_));
     for (auto& table : point_tables_) part().blocks.push_back(std::move(table));
     if (!rejected_columns_.rows.empty()) {

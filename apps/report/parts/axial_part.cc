@@ -86,7 +86,8 @@ class AxialAnalysis {
           fmt::format("Checked by a Monte Carlo of {} draws on closed forms: {} N, 95 % between {} "
                       "and {} N.",
                       r.draws, shown_estimate(r.monte_carlo_EA_N.value, r.monte_carlo_EA_N.std),
-                      shown(r.monte_carlo_low_N, 5), shown(r.monte_carlo_high_N, 5))});
+                      shown_bound(r.monte_carlo_low_N, r.monte_carlo_EA_N.std),
+                      shown_bound(r.monte_carlo_high_N, r.monte_carlo_EA_N.std))});
     }
     if (!r.plausibility.empty()) {
       part().blocks.push_back(Paragraph{r.plausibility, Paragraph::Kind::note});
@@ -178,10 +179,36 @@ class AxialAnalysis {
     return table;
   }
 
+  void add_answer(const char* quantity, const char* unit, const signal::Estimate& value, double low,
+                  double high, const char* reference) {
+    Answer answer;
+    answer.key = test_.name + "/" + reference;
+    answer.quantity = quantity;
+    answer.how = fmt::format("axial test, {} at {}", counted(result_.test->samples.size(), "record"),
+                             counted(result_.test->lengths.size(), "length"));
+    answer.unit = unit;
+    answer.value = value.value;
+    answer.std = value.std;
+    answer.low = low;
+    answer.high = high;
+    answer.percent = answer.unit.empty();
+    if (const auto at = test_.reference.find(reference); at != test_.reference.end()) {
+      answer.reference = at->second;
+      answer.reference_name = test_.reference_name;
+    }
+    answer.origin = origin_;
+    answer.anchor = part().id;
+    part().answers.push_back(std::move(answer));
+  }
+
   void describe(const ident::AxialTestResult& r) {
+    add_answer("Cable axial stiffness EA", "N", r.EA_N, r.EA_low_N, r.EA_high_N, "EA");
+    add_answer("Axial damping ratio ζ", "", r.damping_ratio, r.damping_low, r.damping_high,
+               "damping_ratio");
+    part().brief = {test_.name + "-EA", test_.name + "-lengths"};
     std::string text =
         fmt::format("{} N (95 %: {} to {})", shown_estimate(r.EA_N.value, r.EA_N.std),
-                    shown(r.EA_low_N, 5), shown(r.EA_high_N, 5));
+                    shown_bound(r.EA_low_N, r.EA_N.std), shown_bound(r.EA_high_N, r.EA_N.std));
     const auto& reference = test_.reference;
     if (const auto at = reference.find("EA"); at != reference.end()) {
       text += fmt::format("; {} {} ({})", test_.reference_name, shown(at->second, 5),

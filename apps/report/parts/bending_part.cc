@@ -213,6 +213,37 @@ void show_laws(const CampaignTest& test, const std::vector<PlotSeries>& series,
   }
 }
 
+/// EI at the lowest and the highest tension on the first page, those between where there is room.
+void add_answers(const CampaignTest& test, const ident::BendingCampaignResult& result,
+                 Origin origin, ReportPart& part) {
+  std::vector<const ident::BendingPoint*> points;
+  for (const auto& one : result.points) {
+    if (one.usable()) points.push_back(&one);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& point = points[i]->point;
+    Answer answer;
+    answer.key = fmt::format("{}/EI/{}", test.name, i + 1);
+    answer.quantity =
+        fmt::format("Cable bending stiffness EI at {} N", shown(point.tension_N, 3));
+    answer.how = test.results ? "published" : "bending test";
+    answer.unit = "N m²";
+    answer.value = point.EI_Nm2;
+    answer.std = point.std;
+    answer.low = point.low;
+    answer.high = point.high;
+    if (points[i]->analysis) {  // with what the tests share
+      answer.std = points[i]->analysis->stiffness.EI_Nm2.std;
+      answer.low = points[i]->analysis->stiffness.low;
+      answer.high = points[i]->analysis->stiffness.high;
+    }
+    answer.origin = origin;
+    answer.anchor = part.id;
+    answer.rank = i == 0 || i + 1 == points.size() ? 0 : 1;
+    part.answers.push_back(std::move(answer));
+  }
+}
+
 }  // namespace
 
 BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
@@ -252,6 +283,8 @@ BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
   show_laws(test, series, result, part);
   if (!result.curve.empty()) {
     const auto &first = result.curve.points().front(), &last = result.curve.points().back();
+    add_answers(test, result, series.back().origin, part);
+    part.brief = {test.name + "-EI", test.name + "-points", test.name + "-results"};
     part.summary.push_back({SummaryItem::Kind::result, "EI of the cable",
                             fmt::format("{} N m² at {} N to {} N m² at {} N ({})",
                                         shown(first.EI_Nm2, 4), shown(first.tension_N, 3),

@@ -8,7 +8,7 @@
 
 namespace rigfit::apps {
 
-ReportPart cost_part(std::vector<Block> speed, const std::vector<ReportPart>& parts) {
+ReportPart cost_part(const std::vector<ReportPart>& parts) {
   ReportPart part;
   part.id = "solvers";
   part.title = "What the model did, and what it cost";
@@ -16,8 +16,6 @@ ReportPart cost_part(std::vector<Block> speed, const std::vector<ReportPart>& pa
       Paragraph{"Every computation chooses what to model and how, by the error that it estimates, "
                 "and says what "
                 "it left out. Times are of this run on this machine."});
-  for (Block& block : speed) part.blocks.push_back(std::move(block));
-
   ReportTable table;
   table.id = "solver-costs";
   table.caption =

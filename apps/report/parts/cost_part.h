@@ -1,4 +1,4 @@
-// What the models of a report did, left out and took: speed beside estimated error.
+// What the models of a report did, left out and took.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,8 @@
 
 namespace rigfit::apps {
 
-/// Costs of all parts, behind `speed`: how time and error go with the number of segments
-/// (speed_part.h). Times are of this machine and differ from run to run: they are on the page and
-/// in data/, not in the document.
-[[nodiscard]] ReportPart cost_part(std::vector<Block> speed, const std::vector<ReportPart>& parts);
+/// Costs of all parts. Times are of this machine and differ from run to run: they are on the page,
+/// not in the document.
+[[nodiscard]] ReportPart cost_part(const std::vector<ReportPart>& parts);
 
 }  // namespace rigfit::apps

@@ -78,6 +78,7 @@ class DecayAnalysis {
     }
     part_.json["records"] = std::move(list);
     if (!table_.rows.empty()) part_.blocks.push_back(std::move(table_));
+    part_.brief = {compared_.rows.empty() ? table_.id : compared_.id};
     if (!compared_.rows.empty()) part_.blocks.push_back(std::move(compared_));
     if (!group_.tabs.empty()) {
       group_.id = test_.name + "-decays";
@@ -179,6 +180,7 @@ class DecayAnalysis {
               {"law", name_of(decay.result.envelope.law)},
               {"frequency_drift_hz", estimate_json(decay.result.envelope.frequency_drift_hz)}};
     list_modes(decay, group);
+    add_answers(decay, group);
     if (job.modelled) overlay(decay, job.answers, id, tab, json);
     list.push_back(std::move(json));
     decays_.push_back(std::move(decay));
@@ -288,6 +290,30 @@ class DecayAnalysis {
       first = false;
     }
     if (best_.empty() || decays_.empty()) best_ = last_best_;
+  }
+
+  /// Of the strongest oscillation.
+  void add_answers(const AnalysedDecay& decay, const RecordingGroup& group) {
+    const auto& mode = decay.result.modes.front();
+    const std::string at = group.tension_N ? fmt::format(", {:g} N", *group.tension_N) : "";
+    Answer answer;
+    answer.key = fmt::format("{}{}/frequency", test_.name, at);
+    answer.quantity = fmt::format("{}{}: frequency", test_.title, at);
+    answer.how = fmt::format("decay of {}", decay.channel);
+    answer.unit = "Hz";
+    answer.value = mode.frequency_hz.value;
+    answer.std = mode.frequency_hz.std;
+    answer.origin = decay.origin;
+    answer.anchor = part_.id;
+    answer.rank = test_.scene ? 2 : 0;
+    part_.answers.push_back(answer);
+    answer.key = fmt::format("{}{}/damping", test_.name, at);
+    answer.quantity = fmt::format("{}{}: damping ratio ζ", test_.title, at);
+    answer.unit.clear();
+    answer.percent = true;
+    answer.value = mode.damping_ratio.value;
+    answer.std = mode.damping_ratio.std;
+    part_.answers.push_back(std::move(answer));
   }
 
   void list_modes(const AnalysedDecay& decay, const RecordingGroup& group) {

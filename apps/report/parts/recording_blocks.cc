@@ -21,7 +21,8 @@ void refuse(ReportPart& part, const std::string& code, const std::string& messag
                           part.title + ": refused",
                           short_name(where) + ": " + message,
                           {},
-                          part.id});
+                          part.id,
+                          3});
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/report/html_text.h"
+#include "apps/report/parameter_words.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
 
@@ -52,7 +53,8 @@ ReportPart scenes_part(const Campaign& campaign) {
       Cell known = name_of(origin.kind);
       if (origin.kind == ValueOrigin::Kind::published) known.origin = Origin::published;
       known.doubtful = origin.kind == ValueOrigin::Kind::assumed;
-      table.rows.push_back({first ? scene.name : "", origin.parameter, given_number(value),
+      table.rows.push_back({first ? scene.name : "", parameter_words(origin.parameter),
+                            given_number(value),
                             parameter_unit(scene.scene, origin.parameter), known, origin.how});
       values.push_back({{"parameter", origin.parameter},
                         {"value", value},

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "apps/report/parameter_words.h"
+
 namespace rigfit::apps::html_text_test {
 namespace {
 
@@ -26,8 +28,29 @@ TEST(HtmlText, ShowsNumbersWithTheirDigits) {
   EXPECT_EQ(shown_percent(-0.139), "−13.9 %");
   EXPECT_EQ(shown_percent(1e-9), "0.00 %");
   EXPECT_EQ(shown_estimate(0.49482, 0.00123), "0.4948 ± 0.0012");
-  EXPECT_EQ(shown_estimate(221780, 512), "221780 ± 512");
+  EXPECT_EQ(shown_estimate(221780, 512), "221780 ± 510");
+  EXPECT_EQ(shown_estimate(207420, 1197), "207400 ± 1200");
+  EXPECT_EQ(shown_estimate(-47.99359, 0.99613), "−48.0 ± 1.0");
+  // No more than five digits of a value; the uncertainty is rounded up, never down.
+  EXPECT_EQ(shown_estimate(0.00999993, 0.00000077), "0.0099999 ± 0.0000008");
+  EXPECT_EQ(shown_estimate(47.99359, 0.00013), "47.994 ± 0.001");
+  EXPECT_EQ(shown_estimate(0, 0.0012), "0.0000 ± 0.0012");
+  EXPECT_EQ(shown_bound(204326, 338), "204330");
+  EXPECT_EQ(shown_bound(-0.0000004, 0.0012), "0.0000");
   EXPECT_EQ(shown_estimate(0.5, NAN, 3), "0.500");
+}
+
+TEST(HtmlText, FirstSentence) {
+  EXPECT_EQ(first_sentence("lines correlate by 0.46 more. Something is left out"),
+            "lines correlate by 0.46 more");
+  EXPECT_EQ(first_sentence("one sentence only."), "one sentence only");
+}
+
+TEST(ParameterWords, AreNamesAndSymbols) {
+  EXPECT_EQ(parameter_words("beam.EI_z"), "Beam bending stiffness EI_z");
+  EXPECT_EQ(parameter_words("left cable.damping_ratio"), "Left cable damping ratio ζ");
+  EXPECT_EQ(parameter_words("tip.mass"), "Tip mass");
+  EXPECT_EQ(parameter_words("cable span"), "Cable span");
 }
 
 }  // namespace
