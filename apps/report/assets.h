@@ -9,6 +9,8 @@ namespace rigfit::apps::assets {
 extern const std::string_view dygraph_js;  ///< dygraphs 2, MIT licence
 extern const std::string_view dygraph_css;
 extern const std::string_view report_css;
+extern const std::string_view page_css;
+extern const std::string_view page_js;
 extern const std::string_view plots_js;
 extern const std::string_view shapes_js;
 extern const std::string_view new_campaign_toml;  ///< what `new` writes

@@ -72,9 +72,13 @@ std::string BlockHtml::scripts() const {
 void BlockHtml::add(const Picture& picture) {
   html_ += fmt::format(
       "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{1} id=\"{0}-title\">{2}</h{1}>\n"
-      "<div class=\"picture\">{3}</div>\n<figcaption>{4}{5}</figcaption>\n</figure>\n",
+      "<div class=\"picture\">{3}</div>\n<figcaption>{5} {4}{6}</figcaption>\n</figure>\n",
       escaped(picture.id), heading_, escaped(picture.title), picture.svg, escaped(picture.caption),
-      links_to(picture.id));
+      number("Figure", ++figures_, picture.id), links_to(picture.id));
+}
+
+std::string BlockHtml::number(const char* what, int number, const std::string& id) const {
+  return fmt::format("<a class=\"number\" href=\"#{}\">{}&nbsp;{}.</a>", escaped(id), what, number);
 }
 
 void BlockHtml::add(const Paragraph& paragraph) {
@@ -89,9 +93,9 @@ void BlockHtml::add(const ReportTable& table) {
     html_ += fmt::format("<details class=\"fold\"><summary>{}</summary>\n", escaped(table.fold));
   }
   // A short table stays on one page.
-  html_ += fmt::format("<div class=\"table\"><table id=\"{}\"{}><caption>{}</caption>\n<thead><tr>",
+  html_ += fmt::format("<div class=\"table\"><table id=\"{}\"{}><caption>{} {}</caption>\n<thead><tr>",
                        escaped(table.id), table.rows.size() <= 12 ? " class=\"short\"" : "",
-                       escaped(table.caption));
+                       number("Table", ++tables_, table.id), escaped(table.caption));
   // A column with nothing in it says nothing: remarks where there are none.
   std::vector<bool> shown_column(table.columns.size(), table.rows.empty());
   for (const auto& row : table.rows) {
@@ -153,9 +157,9 @@ void BlockHtml::add(const PlotGroup& group) {
           "<p class=\"panel-title\"><b>{3}</b></p>\n",
           escaped(group.id), i, i == 0 ? "" : " other", escaped(group.tabs[i].label));
     }
-    heading_ = 4;
+    ++heading_;
     for (const auto& plot : group.tabs[i].plots) add(plot);
-    heading_ = 3;
+    --heading_;
     if (several) html_ += "</div>\n";
   }
   html_ += "</div>\n";
@@ -171,9 +175,9 @@ void BlockHtml::add(const Plot& plot) {
       "view\"></div>\n<div class=\"plot\" "
       "data-plot=\"{0}\"></div>\n"
       "<div class=\"readout\" aria-live=\"polite\"></div>\n<div class=\"static\">{2}</div>\n"
-      "<figcaption>{3}{5}</figcaption>\n",
+      "<figcaption>{5} {3}{6}</figcaption>\n",
       escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption),
-      heading_, links_to(plot.id));
+      heading_, number("Figure", ++figures_, plot.id), links_to(plot.id));
   values_table(plot);
   html_ += "</figure>\n";
 }
@@ -211,7 +215,7 @@ void BlockHtml::add(const ShapeViewer& viewer) {
   html_ += fmt::format(
       "<figure id=\"{0}\" class=\"shapes\" data-shapes=\"{0}-data\" "
       "aria-labelledby=\"{0}-title\">"
-      "<h3 id=\"{0}-title\">Mode shapes</h3>\n"
+      "<h{4} id=\"{0}-title\">Mode shapes</h{4}>\n"
       "<div class=\"plot-tools\"><label>State <select "
       "class=\"state\"></select></label><label>Mode "
       "<select class=\"mode\"></select></label><button type=\"button\" "
@@ -221,9 +225,10 @@ void BlockHtml::add(const ShapeViewer& viewer) {
       "style=\"color:var(--hybrid)\">hybrid</span></span></div>\n"
       "<div class=\"shapes-stage\"><canvas tabindex=\"0\" role=\"img\" aria-label=\"Moving mode "
       "shape; "
-      "arrow keys turn it\"></canvas></div>\n<figcaption>{1}</figcaption>\n<script "
+      "arrow keys turn it\"></canvas></div>\n<figcaption>{3} {1}</figcaption>\n<script "
       "type=\"application/json\" id=\"{0}-data\">{2}</script></figure>\n",
-      escaped(viewer.id), escaped(viewer.caption), embedded(viewer.states));
+      escaped(viewer.id), escaped(viewer.caption), embedded(viewer.states),
+      number("Figure", ++figures_, viewer.id), heading_);
 }
 
 }  // namespace rigfit::apps

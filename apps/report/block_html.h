@@ -23,6 +23,9 @@ class BlockHtml {
   void add(const ShapeViewer& viewer);
   void add(const Picture& picture);
 
+  /// Level of the titles of figures from here on; those within a group are one lower.
+  void heading(int level) { heading_ = level; }
+
   /// What was added since the last call.
   [[nodiscard]] std::string taken();
 
@@ -38,7 +41,11 @@ class BlockHtml {
 
   bool files_;
   std::string html_;
+  /// "Figure 3", "Table 2": a link to itself, for those who point at it.
+  [[nodiscard]] std::string number(const char* what, int number, const std::string& id) const;
+
   int heading_ = 3;    ///< level of a figure's title
+  int figures_ = 0, tables_ = 0;  ///< numbered through the page
   std::string plots_;  ///< JSON members, by the plot's id
 };
 

@@ -1,22 +1,37 @@
 // A report as one HTML page that needs nothing else: style, scripts, data and pictures are in it.
+//
+// First page (what was tested, the answers, model against test, the most serious warnings), short
+// report by test, appendix with everything else. On paper the first two take eight pages at most.
 #pragma once
 
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "apps/campaign_file/report_details.h"
 #include "apps/report/report_part.h"
 
 namespace rigfit::apps {
 
+/// Whom the report is for: a client gets the short report and the appendix as a page of its own,
+/// a laboratory one page of both.
+enum class ReportStyle { lab, client };
+
 struct PageFrame {
   std::string title, source, description;
+  ReportDetails details;
+  ReportStyle style = ReportStyle::lab;
   std::string version;  ///< of rigfit
   std::string repeat;   ///< command line that makes the report again
   std::vector<std::pair<std::string, std::string>> inputs;  ///< path, SHA-256
   std::vector<PartWarning> warnings;
 };
 
-[[nodiscard]] std::string report_page(const PageFrame& frame, const std::vector<ReportPart>& parts);
+/// report.html. `overview` (parts/overview_part.h) stands on the first page.
+[[nodiscard]] std::string report_page(const PageFrame& frame, const ReportPart& overview,
+                                      const std::vector<ReportPart>& parts);
+/// appendix.html of a client's report.
+[[nodiscard]] std::string appendix_page(const PageFrame& frame,
+                                        const std::vector<ReportPart>& parts);
 
 }  // namespace rigfit::apps
