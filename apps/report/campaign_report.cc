@@ -3,14 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
-#include <iterator>
 
 #include "apps/cli/json_document.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
-#include "apps/report/figures/svg_plot.h"
 #include "apps/report/fit/fit_part.h"
 #include "apps/report/modal/modal_part.h"
 #include "apps/report/modal/recorded_modal.h"
@@ -18,8 +15,8 @@
 #include "apps/report/parts/bending_part.h"
 #include "apps/report/parts/cost_part.h"
 #include "apps/report/parts/decay_part.h"
+#include "apps/report/parts/overview_part.h"
 #include "apps/report/parts/scenes_part.h"
-#include "apps/report/report_page.h"
 #include "ident/statistics/in_parallel.h"
 
 namespace rigfit::apps {
@@ -48,13 +45,6 @@ std::string repeat_command(const VerbContext& context) {
   return text;
 }
 
-/// Writes a file of the report unless it is there with that content.
-void put(const fs::path& path, const std::string& content) {
-  std::ifstream before(path, std::ios::binary);
-  if (before && std::string(std::istreambuf_iterator<char>(before), {}) == content) return;
-  write_whole_file(path, content);
-}
-
 const char* word_of_kind(SummaryItem::Kind kind) {
   switch (kind) {
     case SummaryItem::Kind::result:
@@ -67,55 +57,6 @@ const char* word_of_kind(SummaryItem::Kind kind) {
       return "recorded";
   }
   return "";
-}
-
-template <class Use>
-void each_plot(const std::vector<ReportPart>& parts, Use use) {
-  for (const auto& part : parts) {
-    for (const auto& block : part.blocks) {
-      if (const auto* plot = std::get_if<Plot>(&block)) use(*plot);
-      if (const auto* group = std::get_if<PlotGroup>(&block)) {
-        for (const auto& tab : group->tabs) {
-          for (const auto& one : tab.plots) use(one);
-        }
-      }
-    }
-  }
-}
-
-template <class Use>
-void each_picture(const std::vector<ReportPart>& parts, Use use) {
-  for (const auto& part : parts) {
-    for (const auto& block : part.blocks) {
-      if (const auto* picture = std::get_if<Picture>(&block)) use(*picture);
-    }
-  }
-}
-
-/// `first`: tasks that take longest, to start with.
-void write_files(const fs::path& folder, const std::vector<ReportPart>& parts, int threads,
-                 std::vector<std::function<void()>> first, Progress& progress) {
-  for (const char* name : {"data", "figures"}) make_output_folder(folder / name);
-  std::vector<std::function<void()>> tasks = std::move(first);
-  each_plot(parts, [&](const Plot& plot) {
-    tasks.emplace_back([&folder, &plot] {
-      put(folder / "data" / (plot.id + ".csv"), plot_csv(plot));
-      put(folder / "figures" / (plot.id + ".svg"), svg_plot(plot));
-    });
-  });
-  each_picture(parts, [&](const Picture& picture) {
-    tasks.emplace_back([&folder, &picture] {
-      put(folder / "data" / (picture.id + ".csv"), picture.csv);
-      put(folder / "figures" / (picture.id + ".svg"), standalone_svg(picture.svg));
-    });
-  });
-  for (const auto& part : parts) {
-    for (const auto& file : part.files) {
-      make_output_folder((folder / file.path).parent_path());
-      tasks.emplace_back([&folder, &file] { put(folder / file.path, file.content); });
-    }
-  }
-  run_all(tasks, threads, progress);
 }
 
 /// Names and hashes all that a campaign reads, before it is read.
@@ -239,16 +180,20 @@ class Stages {
 
 }  // namespace
 
-Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbContext& context) {
+Json campaign_report(const Campaign& campaign, const fs::path& folder,
+                     const ReportOptions& options, VerbContext& context) {
   take_inputs(campaign, context);
   make_output_folder(folder);
   for (const char* place : {"", "data", "figures", "uff"}) sweep_parts(folder / place);
-  const std::vector<ReportPart> parts = Stages(campaign, context).run();
+  std::vector<ReportPart> parts = Stages(campaign, context).run();
+  parts.insert(parts.begin(), overview_part(campaign, parts));
 
   PageFrame frame;
   frame.title = campaign.title;
   frame.source = campaign.source;
   frame.description = campaign.description;
+  frame.details = campaign.report;
+  frame.style = options.style;
   frame.version = RIGFIT_VERSION;
   frame.repeat = repeat_command(context);
   for (const auto& part : parts) {
@@ -282,6 +227,9 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
     }
   }
   result["summary"] = std::move(summary);
+  Json answers = Json::array();
+  for (const auto& answer : all_answers(parts)) answers.push_back(answer_json(answer));
+  result["answers"] = std::move(answers);
   for (const auto& part : parts) {
     if (part.json_key.empty()) continue;
     if (part.json.is_array()) {
@@ -290,30 +238,12 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, VerbConte
       result[part.json_key].push_back(part.json);
     }
   }
-  Json figures = Json::array();
-  each_plot(parts, [&](const Plot& plot) {
-    figures.push_back({{"id", plot.id},
-                       {"title", plot.title},
-                       {"data", "data/" + plot.id + ".csv"},
-                       {"figure", "figures/" + plot.id + ".svg"}});
-  });
-  each_picture(parts, [&](const Picture& picture) {
-    figures.push_back({{"id", picture.id},
-                       {"title", picture.title},
-                       {"data", "data/" + picture.id + ".csv"},
-                       {"figure", "figures/" + picture.id + ".svg"}});
-  });
-  result["figures"] = std::move(figures);
+  result["figures"] = figure_list(parts);
 
   context.check_inputs();
-  Progress progress("figures", 1, true);
-  std::string document, page;
-  write_files(folder, parts, context.threads,
-              {[&] { page = report_page(frame, parts); },
-               [&] { document = json_document(context, "report", result).dump(2) + "\n"; }},
-              progress);
-  write_whole_file(folder / "report.json", document);
-  write_whole_file(folder / "report.html", page);
+  write_report_files(
+      folder, frame, parts, options,
+      [&] { return json_document(context, "report", result).dump(2) + "\n"; }, context);
 
   for (const auto& part : parts) {
     for (const auto& item : part.summary) {

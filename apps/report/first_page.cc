@@ -53,7 +53,7 @@ void heading(std::string& html, const PageFrame& frame) {
   html += "</header>\n";
 }
 
-void answers_table(std::string& html, const std::vector<ReportPart>& parts) {
+void answers_table(std::string& html, std::span<const ReportPart> parts) {
   std::vector<const Answer*> list;
   std::size_t all = 0;
   for (int rank = 0; rank < 2; ++rank) {
@@ -80,7 +80,7 @@ void answers_table(std::string& html, const std::vector<ReportPart>& parts) {
       "</thead>\n<tbody>\n";
   for (const auto* answer : list) {
     html += fmt::format(
-        "<tr><th scope=\"row\"><a href=\"#{}\">{}</a></th><td class=\"n\">{}</td><td>{}</td>"
+        "<tr><th scope=\"row\"><a href=\"#{}\">{}</a></th><td class=\"n\">{}</td><td class=\"u\">{}</td>"
         "<td class=\"o-{}\">{}{}</td><td{}>{}</td></tr>\n",
         escaped(answer->anchor), escaped(answer->quantity), escaped(value_words(*answer)),
         escaped(shown_unit(*answer)), word_of(answer->origin), escaped(answer->how),
@@ -98,7 +98,7 @@ void answers_table(std::string& html, const std::vector<ReportPart>& parts) {
 
 }  // namespace
 
-std::vector<SeriousWarning> serious_warnings(const std::vector<ReportPart>& parts) {
+std::vector<SeriousWarning> serious_warnings(std::span<const ReportPart> parts) {
   struct Found {
     SeriousWarning warning;
     int severity;
@@ -135,7 +135,7 @@ std::string warning_line(const SeriousWarning& warning) {
 }
 
 std::string first_page(const PageFrame& frame, const ReportPart& overview,
-                       const std::vector<ReportPart>& parts, BlockHtml& blocks) {
+                       std::span<const ReportPart> parts, BlockHtml& blocks) {
   std::string html = "<section class=\"first-page\" aria-labelledby=\"summary\">\n";
   heading(html, frame);
   html += "<h2 id=\"summary\" class=\"hidden\">Summary</h2>\n<div class=\"overview\">\n";

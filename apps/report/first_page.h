@@ -2,6 +2,7 @@
 // model against test in one figure, the most serious warnings. One page on paper.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,14 +12,14 @@
 namespace rigfit::apps {
 
 [[nodiscard]] std::string first_page(const PageFrame& frame, const ReportPart& overview,
-                                     const std::vector<ReportPart>& parts, BlockHtml& blocks);
+                                     std::span<const ReportPart> parts, BlockHtml& blocks);
 
 /// What is not to be trusted, the most serious first, one of each kind, one sentence each.
 struct SeriousWarning {
   std::string label, sentence, anchor;
   std::size_t alike = 0;  ///< how many others of its kind there are
 };
-[[nodiscard]] std::vector<SeriousWarning> serious_warnings(const std::vector<ReportPart>& parts);
+[[nodiscard]] std::vector<SeriousWarning> serious_warnings(std::span<const ReportPart> parts);
 
 /// A list item of the page.
 [[nodiscard]] std::string warning_line(const SeriousWarning& warning);

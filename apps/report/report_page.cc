@@ -24,7 +24,7 @@ struct Section {
   std::vector<const ReportPart*> parts;
 };
 
-std::vector<Section> sections_of(const std::vector<ReportPart>& parts) {
+std::vector<Section> sections_of(std::span<const ReportPart> parts) {
   std::vector<Section> sections;
   for (const auto& part : parts) {
     const std::string& id = part.test.empty() ? part.id : part.test;
@@ -67,7 +67,7 @@ double pages_of(const Block& block) {
 
 class PageWriter {
  public:
-  PageWriter(const PageFrame& frame, const std::vector<ReportPart>& parts)
+  PageWriter(const PageFrame& frame, std::span<const ReportPart> parts)
       : frame_(frame), parts_(parts), sections_(sections_of(parts)) {
     choose_short();
   }
@@ -210,8 +210,14 @@ class PageWriter {
     std::size_t warnings = 0;
     for (const auto* part : section.parts) {
       warnings += grouped(*part).size();
+      const bool tabled =
+          std::any_of(part->blocks.begin(), part->blocks.end(), [&](const Block& block) {
+            return std::holds_alternative<ReportTable>(block) && is_short(block);
+          });
       for (const auto& item : part->summary) {
         if (item.kind == SummaryItem::Kind::distrust) continue;
+        // The table says it, and the first page did.
+        if (item.kind == SummaryItem::Kind::result && tabled) continue;
         const bool own = item.label == section.title;
         items += fmt::format(
             "<li{}>{}<span class=\"text\">{}</span></li>\n",
@@ -384,7 +390,7 @@ class PageWriter {
   }
 
   const PageFrame& frame_;
-  const std::vector<ReportPart>& parts_;
+  std::span<const ReportPart> parts_;
   std::vector<Section> sections_;
   std::set<std::string> short_;  ///< ids of what stands in the short report
   std::string html_;
@@ -394,11 +400,11 @@ class PageWriter {
 }  // namespace
 
 std::string report_page(const PageFrame& frame, const ReportPart& overview,
-                        const std::vector<ReportPart>& parts) {
+                        std::span<const ReportPart> parts) {
   return PageWriter(frame, parts).report(overview);
 }
 
-std::string appendix_page(const PageFrame& frame, const std::vector<ReportPart>& parts) {
+std::string appendix_page(const PageFrame& frame, std::span<const ReportPart> parts) {
   return PageWriter(frame, parts).appendix_alone();
 }
 

@@ -4,6 +4,7 @@
 // report by test, appendix with everything else. On paper the first two take eight pages at most.
 #pragma once
 
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,9 +30,9 @@ struct PageFrame {
 
 /// report.html. `overview` (parts/overview_part.h) stands on the first page.
 [[nodiscard]] std::string report_page(const PageFrame& frame, const ReportPart& overview,
-                                      const std::vector<ReportPart>& parts);
+                                      std::span<const ReportPart> parts);
 /// appendix.html of a client's report.
 [[nodiscard]] std::string appendix_page(const PageFrame& frame,
-                                        const std::vector<ReportPart>& parts);
+                                        std::span<const ReportPart> parts);
 
 }  // namespace rigfit::apps

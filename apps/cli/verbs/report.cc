@@ -9,7 +9,11 @@ namespace rigfit::apps {
 
 void add_report(CLI::App& program, Verbs& verbs) {
   struct Options {
-    std::string campaign, out;
+    std::string campaign, out, style = "lab";
+    bool pdf = false;
+    std::vector<double> figure_size;  // mm
+    std::string figure_font = "sans-serif";
+    double figure_font_size = 8;  // pt
   };
   auto options = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand(
@@ -18,11 +22,35 @@ void add_report(CLI::App& program, Verbs& verbs) {
   app->add_option("--out", options->out, "Folder for report.html, report.json, data/ and figures/")
       ->required()
       ->type_name("DIR");
+  app->add_option("--style", options->style,
+                  "lab: one page of everything; client: a short report, the appendix beside it")
+      ->check(CLI::IsMember({"lab", "client"}))
+      ->capture_default_str();
+  app->add_flag("--pdf", options->pdf, "Print to PDF as well, by a Chromium on PATH");
+  app->add_option("--figure-size", options->figure_size,
+                  "Width and height of the figures for a paper; with --pdf also figures.pdf")
+      ->expected(2)
+      ->check(CLI::Range(20.0, 1000.0))
+      ->type_name("MM MM");
+  app->add_option("--figure-font", options->figure_font, "Font of these figures")
+      ->capture_default_str();
+  app->add_option("--figure-font-size", options->figure_font_size, "Its size")
+      ->check(CLI::Range(4.0, 24.0))
+      ->type_name("PT")
+      ->capture_default_str();
   app->footer("Example:\n  rigfit report testdata/jalali2021/campaign.toml --out report");
   verbs.push_back({app, [options](VerbContext& context) {
                      context.input(options->campaign);
                      const Campaign campaign = read_campaign(options->campaign);
-                     return campaign_report(campaign, options->out, context);
+                     ReportOptions report;
+                     if (options->style == "client") report.style = ReportStyle::client;
+                     report.pdf = options->pdf;
+                     if (!options->figure_size.empty()) {
+                       report.figures =
+                           print_size(options->figure_size[0], options->figure_size[1],
+                                      options->figure_font, options->figure_font_size);
+                     }
+                     return campaign_report(campaign, options->out, report, context);
                    }});
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double kWidth = 720, kMargin = 64, kLine = 17;  // px
+constexpr double kWidth = 560, kMargin = 52, kLine = 17;  // px
 
 std::string axis_words(const Vector3d& direction) {
   static constexpr std::array<const char*, 3> kNames{"x", "y", "z"};
@@ -78,7 +78,7 @@ class Drawing {
     const Vector3d size = high - low;
     across_ = size[2] > size[0] ? 2 : 0;
     const double wide = std::max(size[across_], 1e-6), tall = size[1];
-    scale_ = std::min((kWidth - 2 * kMargin) / wide, 300 / std::max(tall, 1e-6));
+    scale_ = std::min((kWidth - 2 * kMargin) / wide, 240 / std::max(tall, 1e-6));
     scale_ = std::min(scale_, 1e6);
     height_ = scale_ * tall;
     origin_ = {kWidth / 2 - scale_ * (low[across_] + high[across_]) / 2,

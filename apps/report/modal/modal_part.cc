@@ -191,7 +191,6 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const 
   part.title = test.title;
   part.test = test.name;
   part.json_key = "modal";
-  part.brief = {test.name + "-frequency", test.name + "-errors"};
   const auto states = modal_states(campaign, test, known, recorded);
   bool any = false;
   for (const auto& state : states) {
@@ -247,7 +246,10 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const 
       part.blocks.push_back(row_plot(test, states));
     }
   }
-  part.blocks.push_back(pairs_table(test, states));
+  ReportTable pairs = pairs_table(test, states);
+  part.brief = {test.name + "-frequency"};
+  part.brief.push_back(pairs.rows.size() <= 14 ? pairs.id : test.name + "-errors");
+  part.blocks.push_back(std::move(pairs));
   part.blocks.push_back(equilibrium_table(test, states));
   for (const auto& state : states) {
     if (auto picture = state_shapes(test, state)) part.blocks.push_back(std::move(*picture));

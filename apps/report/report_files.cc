@@ -1,0 +1,161 @@
+#include "apps/report/report_files.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "apps/cli/output_file.h"
+#include "apps/report/block_html.h"
+#include "apps/report/print_pdf.h"
+#include "ident/statistics/in_parallel.h"
+
+namespace rigfit::apps {
+namespace fs = std::filesystem;
+namespace {
+
+/// Writes a file of the report unless it is there with that content.
+void put(const fs::path& path, const std::string& content) {
+  std::ifstream before(path, std::ios::binary);
+  if (before && std::string(std::istreambuf_iterator<char>(before), {}) == content) return;
+  write_whole_file(path, content);
+}
+
+template <class Use>
+void each_plot(std::span<const ReportPart> parts, Use use) {
+  for (const auto& part : parts) {
+    for (const auto& block : part.blocks) {
+      if (const auto* plot = std::get_if<Plot>(&block)) use(*plot);
+      if (const auto* group = std::get_if<PlotGroup>(&block)) {
+        for (const auto& tab : group->tabs) {
+          for (const auto& one : tab.plots) use(one);
+        }
+      }
+    }
+  }
+}
+
+template <class Use>
+void each_picture(std::span<const ReportPart> parts, Use use) {
+  for (const auto& part : parts) {
+    for (const auto& block : part.blocks) {
+      if (const auto* picture = std::get_if<Picture>(&block)) use(*picture);
+    }
+  }
+}
+
+/// Every figure on a page of its own, of the figures' size.
+std::string figures_page(std::span<const ReportPart> parts, SvgOptions options) {
+  options.standalone = false;
+  const std::string width = fmt::format("{:.2f}mm", options.width * 25.4 / 96),
+                    height = fmt::format("{:.2f}mm", options.height * 25.4 / 96);
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Figures</title>"
+      "<style>@page {{ size: {0} {1}; margin: 0; }} body {{ margin: 0; }} div {{ width: {0}; "
+      "height: {1}; overflow: hidden; break-after: page; }} div:last-child {{ break-after: auto; "
+      "}} svg {{ display: block; }}</style>{2}</head><body>\n",
+      width, height, BlockHtml::styles());
+  each_plot(parts, [&](const Plot& plot) {
+    html += "<div>" + svg_plot(plot, options) + "</div>\n";
+  });
+  return html + "</body></html>\n";
+}
+
+void write_pdfs(const fs::path& folder, std::span<const ReportPart> parts,
+                const ReportOptions& options, VerbContext& context) {
+  const std::string browser = find_browser();
+  if (browser.empty()) {
+    context.refuse("no_browser", std::string(kNoBrowser), folder.string());
+    return;
+  }
+  std::vector<std::string> names{"report"};
+  if (options.style == ReportStyle::client) names.emplace_back("appendix");
+  if (options.figures) {
+    write_whole_file(folder / "figures.html", figures_page(parts, *options.figures));
+    names.emplace_back("figures");
+  }
+  for (const auto& name : names) {
+    const std::string failure =
+        print_pdf(browser, folder / (name + ".html"), folder / (name + ".pdf"));
+    if (!failure.empty()) context.refuse("not_printed", failure, name + ".pdf");
+  }
+  std::error_code error;
+  fs::remove(folder / "figures.html", error);
+}
+
+}  // namespace
+
+Json figure_list(std::span<const ReportPart> parts) {
+  Json figures = Json::array();
+  each_plot(parts, [&](const Plot& plot) {
+    figures.push_back({{"id", plot.id},
+                       {"title", plot.title},
+                       {"data", "data/" + plot.id + ".csv"},
+                       {"figure", "figures/" + plot.id + ".svg"}});
+  });
+  each_picture(parts, [&](const Picture& picture) {
+    Json one{{"id", picture.id}, {"title", picture.title}};
+    if (!picture.csv.empty()) one["data"] = "data/" + picture.id + ".csv";
+    one["figure"] = "figures/" + picture.id + ".svg";
+    figures.push_back(std::move(one));
+  });
+  return figures;
+}
+
+std::vector<Answer> all_answers(std::span<const ReportPart> parts) {
+  std::vector<Answer> answers;
+  for (const auto& part : parts) {
+    answers.insert(answers.end(), part.answers.begin(), part.answers.end());
+  }
+  return answers;
+}
+
+void write_report_files(const fs::path& folder, const PageFrame& frame,
+                        std::span<const ReportPart> parts, const ReportOptions& options,
+                        const std::function<std::string()>& document, VerbContext& context) {
+  for (const char* name : {"data", "figures"}) make_output_folder(folder / name);
+  const auto& overview = parts.front();
+  const auto rest = parts.subspan(1);
+  std::string json, page, appendix;
+  std::vector<std::function<void()>> tasks{[&] { page = report_page(frame, overview, rest); },
+                                           [&] { json = document(); }};
+  if (options.style == ReportStyle::client) {
+    tasks.emplace_back([&] { appendix = appendix_page(frame, rest); });
+  }
+  const SvgOptions figures = options.figures.value_or(SvgOptions{});
+  each_plot(parts, [&](const Plot& plot) {
+    tasks.emplace_back([&folder, &plot, &figures] {
+      put(folder / "data" / (plot.id + ".csv"), plot_csv(plot));
+      put(folder / "figures" / (plot.id + ".svg"), svg_plot(plot, figures));
+    });
+  });
+  each_picture(parts, [&](const Picture& picture) {
+    tasks.emplace_back([&folder, &picture] {
+      if (!picture.csv.empty()) put(folder / "data" / (picture.id + ".csv"), picture.csv);
+      put(folder / "figures" / (picture.id + ".svg"), standalone_svg(picture.svg));
+    });
+  });
+  for (const auto& part : parts) {
+    for (const auto& file : part.files) {
+      make_output_folder((folder / file.path).parent_path());
+      tasks.emplace_back([&folder, &file] { put(folder / file.path, file.content); });
+    }
+  }
+  const auto answers = all_answers(parts);
+  tasks.emplace_back([&] {
+    put(folder / "data" / "results.csv", answers_csv(answers));
+    put(folder / "data" / "results.tex", answers_latex(answers, frame.title));
+  });
+  ident::in_parallel(tasks.size(), context.threads, [&](std::size_t i) { tasks[i](); });
+  write_whole_file(folder / "report.json", json);
+  write_whole_file(folder / "report.html", page);
+  std::error_code error;
+  if (appendix.empty()) {
+    fs::remove(folder / "appendix.html", error);
+  } else {
+    write_whole_file(folder / "appendix.html", appendix);
+  }
+  if (options.pdf) write_pdfs(folder, parts, options, context);
+}
+
+}  // namespace rigfit::apps

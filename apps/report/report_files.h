@@ -1,0 +1,38 @@
+// What a report leaves in its folder: pages, figures, data, tables for papers, files for other
+// programs.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/cli/verb.h"
+#include "apps/report/figures/svg_plot.h"
+#include "apps/report/report_page.h"
+
+namespace rigfit::apps {
+
+struct ReportOptions {
+  ReportStyle style = ReportStyle::lab;
+  bool pdf = false;  ///< report.pdf (and appendix.pdf) beside the page
+  /// Size and font of the figures for papers; none: as on the page. With `pdf` also figures.pdf, a
+  /// figure a page.
+  std::optional<SvgOptions> figures;
+};
+
+/// All figures of the parts for the document: id, title, data, figure.
+[[nodiscard]] Json figure_list(std::span<const ReportPart> parts);
+
+/// Every answer of the parts, in their order.
+[[nodiscard]] std::vector<Answer> all_answers(std::span<const ReportPart> parts);
+
+/// Writes everything but report.json, of which `document` is the text, made beside the figures.
+/// `parts`: the overview first.
+void write_report_files(const std::filesystem::path& folder, const PageFrame& frame,
+                        std::span<const ReportPart> parts, const ReportOptions& options,
+                        const std::function<std::string()>& document, VerbContext& context);
+
+}  // namespace rigfit::apps
