@@ -88,6 +88,7 @@ std::string interval_words(const Answer& answer) {
 std::string shown_unit(const Answer& answer) { return answer.percent ? "%" : answer.unit; }
 
 std::string verdict_words(const Answer& answer) {
+  if (!answer.verdict.empty()) return answer.verdict;
   if (!answer.determined) return "these data cannot tell it";
   std::string words;
   const double half = relative_half_width(answer);
@@ -114,6 +115,7 @@ std::string verdict_words(const Answer& answer) {
 }
 
 bool doubtful(const Answer& answer) {
+  if (!answer.verdict.empty()) return false;
   if (!answer.determined) return true;
   const double half = relative_half_width(answer);
   return !(half < 0.5) || (answer.reference && !holds(answer, *answer.reference));

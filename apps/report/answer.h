@@ -26,7 +26,8 @@ struct Answer {
   std::optional<double> reference = std::nullopt;
   std::string reference_name = "";  ///< "published", "truth"
   ident::Origin origin = ident::Origin::modelled;
-  std::string anchor = "";  ///< id of the part that says more
+  std::string anchor = "";   ///< id of the part that says more
+  std::string verdict = "";  ///< instead of that of the interval
   int rank = 0;             ///< 0: first page; 1: where there is room
 };
 

@@ -8,6 +8,7 @@
 #include "apps/cli/json_document.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
+#include "apps/report/compare_reports.h"
 #include "apps/report/fit/fit_part.h"
 #include "apps/report/modal/modal_part.h"
 #include "apps/report/modal/recorded_modal.h"
@@ -253,6 +254,55 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder,
     }
   }
   context.out << fmt::format("report: {}\n", (folder / "report.html").string());
+  return result;
+}
+
+Json compared_campaigns(const Campaign& before, const Campaign& after, const fs::path& folder,
+                        const ReportOptions& options, VerbContext& context) {
+  make_output_folder(folder);
+  for (const char* place : {"", "data", "figures"}) sweep_parts(folder / place);
+  ComparedReport first{before.title, "before", {}}, second{after.title, "after", {}};
+  first.document = campaign_report(before, folder / "before", options, context);
+  second.document = campaign_report(after, folder / "after", options, context);
+  std::vector<ReportPart> parts{{}, compare_reports(first, second)};
+  parts.front().id = "overview";
+
+  PageFrame frame;
+  frame.title = after.title == before.title ? before.title + ": before and after"
+                                            : before.title + " against " + after.title;
+  frame.description =
+      fmt::format("Before: {} ({}). After: {} ({}).", before.title, before.file, after.title,
+                  after.file);
+  frame.details = after.report;
+  frame.version = RIGFIT_VERSION;
+  frame.repeat = repeat_command(context);
+  for (const auto& input : context.inputs()) {
+    frame.inputs.emplace_back(input.path, input.sha256);
+  }
+  frame.links = {{"before/report.html", "Before: " + before.title},
+                 {"after/report.html", "After: " + after.title}};
+  Json result;
+  result["title"] = frame.title;
+  result["source"] = after.source;
+  result["seed"] = context.seed;
+  result["summary"] = Json::array();
+  for (const auto& item : parts.back().summary) {
+    result["summary"].push_back({{"kind", word_of_kind(item.kind)},
+                                 {"label", item.label},
+                                 {"text", item.text},
+                                 {"origin", nullptr}});
+    context.out << fmt::format("{}: {}\n", item.label, item.text);
+  }
+  result["scenes"] = Json::array();
+  result["comparison"] = parts.back().json;
+  result["figures"] = figure_list(parts);
+  context.check_inputs();
+  ReportOptions one_page = options;
+  one_page.style = ReportStyle::lab;
+  write_report_files(
+      folder, frame, parts, one_page,
+      [&] { return json_document(context, "report", result).dump(2) + "\n"; }, context);
+  context.out << fmt::format("comparison: {}\n", (folder / "report.html").string());
   return result;
 }
 

@@ -14,4 +14,10 @@ namespace rigfit::apps {
 [[nodiscard]] Json campaign_report(const Campaign& campaign, const std::filesystem::path& folder,
                                    const ReportOptions& options, VerbContext& context);
 
+/// Two campaigns, before and after (compare_reports.h): each reported under `folder` in a folder of
+/// its own, before/ and after/, and the comparison as report.html and report.json.
+[[nodiscard]] Json compared_campaigns(const Campaign& before, const Campaign& after,
+                                      const std::filesystem::path& folder,
+                                      const ReportOptions& options, VerbContext& context);
+
 }  // namespace rigfit::apps

@@ -94,10 +94,11 @@ Json figure_list(std::span<const ReportPart> parts) {
                        {"figure", "figures/" + plot.id + ".svg"}});
   });
   each_picture(parts, [&](const Picture& picture) {
-    Json one{{"id", picture.id}, {"title", picture.title}};
-    if (!picture.csv.empty()) one["data"] = "data/" + picture.id + ".csv";
-    one["figure"] = "figures/" + picture.id + ".svg";
-    figures.push_back(std::move(one));
+    if (picture.csv.empty()) return;
+    figures.push_back({{"id", picture.id},
+                       {"title", picture.title},
+                       {"data", "data/" + picture.id + ".csv"},
+                       {"figure", "figures/" + picture.id + ".svg"}});
   });
   return figures;
 }

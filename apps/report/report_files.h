@@ -23,7 +23,7 @@ struct ReportOptions {
   std::optional<SvgOptions> figures;
 };
 
-/// All figures of the parts for the document: id, title, data, figure.
+/// All figures of the parts that have data, for the document: id, title, data, figure.
 [[nodiscard]] Json figure_list(std::span<const ReportPart> parts);
 
 /// Every answer of the parts, in their order.

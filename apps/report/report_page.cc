@@ -186,6 +186,9 @@ class PageWriter {
       html += "<li><a href=\"appendix.html\">Appendix</a></li>\n";
     }
     if (report) html += "<li><a href=\"#provenance\">Provenance</a></li>\n";
+    for (const auto& [file, title] : frame_.links) {
+      html += fmt::format("<li><a href=\"{}\">{}</a></li>\n", escaped(file), escaped(title));
+    }
     return html + "</ol>\n";
   }
 

@@ -26,6 +26,7 @@ struct PageFrame {
   std::string repeat;   ///< command line that makes the report again
   std::vector<std::pair<std::string, std::string>> inputs;  ///< path, SHA-256
   std::vector<PartWarning> warnings;
+  std::vector<std::pair<std::string, std::string>> links;  ///< other pages: file, title
 };
 
 /// report.html. `overview` (parts/overview_part.h) stands on the first page.

@@ -9,7 +9,8 @@ namespace rigfit::apps {
 
 void add_report(CLI::App& program, Verbs& verbs) {
   struct Options {
-    std::string campaign, out, style = "lab";
+    std::vector<std::string> campaigns;
+    std::string out, style = "lab";
     bool pdf = false;
     std::vector<double> figure_size;  // mm
     std::string figure_font = "sans-serif";
@@ -18,7 +19,10 @@ void add_report(CLI::App& program, Verbs& verbs) {
   auto options = std::make_shared<Options>();
   CLI::App* app = program.add_subcommand(
       "report", "Everything a campaign names, from recordings to model against test");
-  app->add_option("campaign", options->campaign, "Campaign (TOML)")->required();
+  app->add_option("campaign", options->campaigns,
+                  "Campaign (TOML); two: before and after, compared value by value")
+      ->required()
+      ->expected(1, 2);
   app->add_option("--out", options->out, "Folder for report.html, report.json, data/ and figures/")
       ->required()
       ->type_name("DIR");
@@ -38,10 +42,9 @@ void add_report(CLI::App& program, Verbs& verbs) {
       ->check(CLI::Range(4.0, 24.0))
       ->type_name("PT")
       ->capture_default_str();
-  app->footer("Example:\n  rigfit report testdata/jalali2021/campaign.toml --out report");
+  app->footer("Example:\n  rigfit report testdata/jalali2021/campaign.toml --out report\n"
+              "  rigfit report spring.toml autumn.toml --out change --pdf");
   verbs.push_back({app, [options](VerbContext& context) {
-                     context.input(options->campaign);
-                     const Campaign campaign = read_campaign(options->campaign);
                      ReportOptions report;
                      if (options->style == "client") report.style = ReportStyle::client;
                      report.pdf = options->pdf;
@@ -50,7 +53,15 @@ void add_report(CLI::App& program, Verbs& verbs) {
                            print_size(options->figure_size[0], options->figure_size[1],
                                       options->figure_font, options->figure_font_size);
                      }
-                     return campaign_report(campaign, options->out, report, context);
+                     std::vector<Campaign> campaigns;
+                     for (const auto& file : options->campaigns) {
+                       context.input(file);
+                       campaigns.push_back(read_campaign(file));
+                     }
+                     return campaigns.size() == 1
+                                ? campaign_report(campaigns[0], options->out, report, context)
+                                : compared_campaigns(campaigns[0], campaigns[1], options->out,
+                                                     report, context);
                    }});
 }
 

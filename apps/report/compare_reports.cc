@@ -1,0 +1,206 @@
+#include "apps/report/compare_reports.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/report/html_text.h"
+
+namespace rigfit::apps {
+namespace {
+
+constexpr double kPerhaps = 1.96, kSurely = 3;  // standard uncertainties of the difference
+constexpr double kFarthest = 0.15;  // log of the ratio of two values that may be the same mode
+
+double number(const Json& answer, const char* key) {
+  const auto at = answer.find(key);
+  return at != answer.end() && at->is_number() ? at->get<double>() : Answer::kNone;
+}
+
+struct Pair {
+  const Json* before = nullptr;
+  const Json* after = nullptr;
+};
+
+/// Pairs of equal keys, nearest first where a key has several values; then the lonely ones.
+std::vector<Pair> pairs_of(const Json& before, const Json& after) {
+  struct Candidate {
+    double distance;
+    std::size_t a, b;
+  };
+  std::vector<Candidate> candidates;
+  for (std::size_t a = 0; a < before.size(); ++a) {
+    const auto count = std::count_if(before.begin(), before.end(), [&](const Json& one) {
+      return one["key"] == before[a]["key"];
+    });
+    for (std::size_t b = 0; b < after.size(); ++b) {
+      if (before[a]["key"] != after[b]["key"]) continue;
+      const double distance =
+          std::abs(std::log(number(after[b], "value") / number(before[a], "value")));
+      if (count > 1 && !(distance < kFarthest)) continue;
+      candidates.push_back({std::isfinite(distance) ? distance : 0, a, b});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& x, const auto& y) { return x.distance < y.distance; });
+  std::vector<std::size_t> partner(before.size(), after.size());
+  std::vector<bool> taken(after.size(), false);
+  for (const auto& one : candidates) {
+    if (partner[one.a] < after.size() || taken[one.b]) continue;
+    partner[one.a] = one.b;
+    taken[one.b] = true;
+  }
+  std::vector<Pair> pairs;
+  for (std::size_t a = 0; a < before.size(); ++a) {
+    pairs.push_back({&before[a], partner[a] < after.size() ? &after[partner[a]] : nullptr});
+  }
+  for (std::size_t b = 0; b < after.size(); ++b) {
+    if (!taken[b]) pairs.push_back({nullptr, &after[b]});
+  }
+  return pairs;
+}
+
+struct Change {
+  double value = Answer::kNone, std = Answer::kNone, relative = Answer::kNone;
+  std::string verdict;
+  bool changed = false;
+};
+
+Change change_of(const Pair& pair) {
+  Change change;
+  if (!pair.before || !pair.after) {
+    change.verdict = pair.before ? "only before" : "only after";
+    return change;
+  }
+  const bool known =
+      (*pair.before)["determined"].get<bool>() && (*pair.after)["determined"].get<bool>();
+  const double a = number(*pair.before, "value"), b = number(*pair.after, "value");
+  change.value = b - a;
+  change.relative = b / a - 1;
+  change.std = std::hypot(number(*pair.before, "std"), number(*pair.after, "std"));
+  if (!known) {
+    change.verdict = "not determined in one of them";
+  } else if (!(change.std > 0)) {
+    change.verdict = "uncertainty not known";
+  } else {
+    const double ratio = std::abs(change.value) / change.std;
+    change.changed = ratio >= kSurely;
+    change.verdict = ratio < kPerhaps  ? "no change beyond its uncertainty"
+                     : ratio < kSurely ? "perhaps changed"
+                                       : "changed";
+  }
+  return change;
+}
+
+std::string shown_side(const Json* answer) {
+  if (!answer) return "–";
+  const double scale = (*answer)["unit"] == "1" ? 100 : 1;
+  return shown_estimate(scale * number(*answer, "value"), scale * number(*answer, "std"));
+}
+
+Json side_json(const Json* answer) {
+  if (!answer) return nullptr;
+  return {{"value", (*answer)["value"]}, {"std", (*answer)["std"]}};
+}
+
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+/// The change for the first page.
+Answer answer_of(const Pair& pair, const Change& change) {
+  const Json& one = *pair.after;
+  Answer answer;
+  answer.key = one["key"].get<std::string>();
+  answer.quantity = one["quantity"].get<std::string>();
+  answer.how = fmt::format("{} before, {} after", shown_side(pair.before), shown_side(pair.after));
+  answer.percent = one["unit"] == "1";
+  if (!answer.percent) answer.unit = one["unit"].get<std::string>();
+  answer.value = change.value;
+  answer.std = change.std;
+  answer.verdict =
+      change.verdict + (std::isfinite(change.relative)
+                            ? fmt::format(" ({})", shown_percent(change.relative))
+                            : std::string());
+  answer.anchor = "comparison";
+  answer.rank = change.changed ? 0 : 1;
+  return answer;
+}
+
+}  // namespace
+
+ReportPart compare_reports(const ComparedReport& before, const ComparedReport& after) {
+  ReportPart part;
+  part.id = "comparison";
+  part.title = "Before and after";
+  part.json_key = "comparison";
+  ReportTable table;
+  table.id = "comparison-values";
+  table.caption = fmt::format(
+      "Before: {}. After: {}. Changed: the difference is three of its standard uncertainties or "
+      "more; perhaps changed: between 1.96 and three, as one value in twenty is by chance.",
+      before.title, after.title);
+  table.columns = {{"quantity", {}, false}, {"unit", {}, false},
+                   {"before", {}, true},    {"after", {}, true},
+                   {"change", {}, true},    {"relative", {}, true},
+                   {"verdict", {}, false}};
+  Plot plot;
+  plot.id = "comparison-changes";
+  plot.title = "Changes with their 95 % intervals";
+  plot.caption = "Relative change of every value, in the order of the table.";
+  plot.x_label = "row of the table";
+  plot.y_label = "change, %";
+  PlotSeries series;
+  series.name = "after over before";
+  series.style = PlotSeries::Style::points;
+  Json list = Json::array();
+  std::size_t changed = 0, compared = 0;
+  for (const auto& pair : pairs_of(before.document["answers"], after.document["answers"])) {
+    const Change change = change_of(pair);
+    const Json& one = pair.after ? *pair.after : *pair.before;
+    const double scale = one["unit"] == "1" ? 100 : 1;
+    Cell verdict(change.verdict);
+    verdict.doubtful = change.changed;
+    table.rows.push_back({one["quantity"].get<std::string>(),
+                          one["unit"] == "1" ? "%" : one["unit"].get<std::string>(),
+                          shown_side(pair.before), shown_side(pair.after),
+                          std::isfinite(change.value)
+                              ? shown_estimate(scale * change.value, scale * change.std)
+                              : std::string("–"),
+                          shown_percent(change.relative), std::move(verdict)});
+    list.push_back({{"key", one["key"]},
+                    {"quantity", one["quantity"]},
+                    {"unit", one["unit"]},
+                    {"before", side_json(pair.before)},
+                    {"after", side_json(pair.after)},
+                    {"change", finite(change.value)},
+                    {"change_std", finite(change.std)},
+                    {"relative_change", finite(change.relative)},
+                    {"changed", change.changed},
+                    {"verdict", change.verdict}});
+    if (!pair.before || !pair.after) continue;
+    ++compared;
+    changed += change.changed;
+    part.answers.push_back(answer_of(pair, change));
+    if (!std::isfinite(change.relative) || !(change.std > 0)) continue;
+    const double half = 196 * change.std / std::abs(number(*pair.before, "value"));
+    series.x.push_back(static_cast<double>(table.rows.size()));
+    series.y.push_back(100 * change.relative);
+    series.low.push_back(100 * change.relative - half);
+    series.high.push_back(100 * change.relative + half);
+  }
+  part.summary.push_back({SummaryItem::Kind::result,
+                          "Changed",
+                          fmt::format("{} of {} compared", changed, counted(compared, "value")),
+                          {},
+                          part.id});
+  part.brief = {table.rows.size() <= 16 ? table.id : std::string(), plot.id};
+  if (!series.x.empty()) {
+    plot.series.push_back(std::move(series));
+    part.blocks.push_back(std::move(plot));
+  }
+  part.blocks.push_back(std::move(table));
+  part.json = std::move(list);
+  return part;
+}
+
+}  // namespace rigfit::apps
