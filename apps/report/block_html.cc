@@ -113,7 +113,8 @@ void BlockHtml::add(const ReportTable& table) {
                                        : escaped(column.name));
   }
   html_ += "</tr></thead>\n<tbody>\n";
-  for (const auto& row : table.rows) {
+  for (const std::size_t row_index : rows_on_page(table)) {
+    const auto& row = table.rows[row_index];
     const bool starts = !row.empty() && !row[0].text.empty() && table.rows.size() > 6;
     html_ += starts ? "<tr class=\"state\">" : "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -131,17 +132,29 @@ void BlockHtml::add(const ReportTable& table) {
     html_ += "</tr>\n";
   }
   html_ += "</tbody></table></div>\n";
+  if (table.rows.size() > kMostRows) {
+    html_ += fmt::format(
+        "<p class=\"small\">{} of {} rows, those with remarks first; <a "
+        "href=\"data/{}.csv\">all as CSV</a>.</p>\n",
+        kMostRows, table.rows.size(), escaped(table.id));
+  }
   if (!table.fold.empty()) html_ += "</details>\n";
 }
 
 void BlockHtml::add(const PlotGroup& group) {
-  html_ += fmt::format("<div class=\"group\" id=\"{0}\"><h3>{1}</h3>\n", escaped(group.id),
-                       escaped(group.title));
+  html_ += fmt::format("<div class=\"group\" id=\"{0}\"><h{2}>{1}</h{2}>\n", escaped(group.id),
+                       escaped(group.title), heading_);
   const bool several = group.tabs.size() > 1;
+  const std::size_t tabs = std::min(group.tabs.size(), kMostTabs);
+  if (tabs < group.tabs.size()) {
+    html_ += fmt::format(
+        "<p class=\"note\">The first {} of {} states; figures/ and data/ have all.</p>\n", tabs,
+        group.tabs.size());
+  }
   if (several) {
     html_ += fmt::format("<div class=\"tabs\" role=\"tablist\" aria-label=\"{}: state shown\">",
                          escaped(group.title));
-    for (std::size_t i = 0; i < group.tabs.size(); ++i) {
+    for (std::size_t i = 0; i < tabs; ++i) {
       html_ += fmt::format(
           "<button type=\"button\" role=\"tab\" id=\"{0}-t{1}\" aria-controls=\"{0}-p{1}\" "
           "aria-selected=\"{2}\" tabindex=\"{3}\">{4}</button>",
@@ -149,7 +162,7 @@ void BlockHtml::add(const PlotGroup& group) {
     }
     html_ += "</div>\n";
   }
-  for (std::size_t i = 0; i < group.tabs.size(); ++i) {
+  for (std::size_t i = 0; i < tabs; ++i) {
     if (several) {
       html_ += fmt::format(
           "<div role=\"tabpanel\" id=\"{0}-p{1}\" aria-labelledby=\"{0}-t{1}\" "
@@ -165,7 +178,10 @@ void BlockHtml::add(const PlotGroup& group) {
   html_ += "</div>\n";
 }
 
-void BlockHtml::add(const Plot& plot) {
+void BlockHtml::add(const Plot& whole) {
+  const Plot thin = limits_.points > 0 ? on_screen(whole, limits_.points) : Plot();
+  const Plot& plot = limits_.points > 0 ? thin : whole;
+  const bool picture = limits_.pictures || always_on_paper_;
   plots_ += (plots_.empty() ? "" : ",\n") + json_text(plot.id) + ":" + plot_data(plot);
   SvgOptions options;
   options.standalone = false;
@@ -176,7 +192,10 @@ void BlockHtml::add(const Plot& plot) {
       "data-plot=\"{0}\"></div>\n"
       "<div class=\"readout\" aria-live=\"polite\"></div>\n<div class=\"static\">{2}</div>\n"
       "<figcaption>{5} {3}{6}</figcaption>\n",
-      escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption),
+      escaped(plot.id), escaped(plot.title),
+      picture ? svg_plot(plot, options)
+              : fmt::format("On paper: figures/{}.svg", escaped(plot.id)),
+      escaped(plot.caption),
       heading_, number("Figure", ++figures_, plot.id), links_to(plot.id));
   values_table(plot);
   html_ += "</figure>\n";
@@ -212,6 +231,8 @@ void BlockHtml::values_table(const Plot& plot) {
 }
 
 void BlockHtml::add(const ShapeViewer& viewer) {
+  Json states = viewer.states;
+  if (states.size() > kMostTabs) states.erase(states.begin() + kMostTabs, states.end());
   html_ += fmt::format(
       "<figure id=\"{0}\" class=\"shapes\" data-shapes=\"{0}-data\" "
       "aria-labelledby=\"{0}-title\">"
@@ -227,7 +248,7 @@ void BlockHtml::add(const ShapeViewer& viewer) {
       "shape; "
       "arrow keys turn it\"></canvas></div>\n<figcaption>{3} {1}</figcaption>\n<script "
       "type=\"application/json\" id=\"{0}-data\">{2}</script></figure>\n",
-      escaped(viewer.id), escaped(viewer.caption), embedded(viewer.states),
+      escaped(viewer.id), escaped(viewer.caption), embedded(states),
       number("Figure", ++figures_, viewer.id), heading_);
 }
 

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "apps/report/page_limits.h"
 #include "apps/report/report_part.h"
 
 namespace rigfit::apps {
@@ -26,6 +27,11 @@ class BlockHtml {
   /// Level of the titles of figures from here on; those within a group are one lower.
   void heading(int level) { heading_ = level; }
 
+  /// What the page carries of large figures.
+  void limit(const PageLimits& limits) { limits_ = limits; }
+  /// Whether figures are drawn for paper as well, whatever the limits say.
+  void always_on_paper(bool always) { always_on_paper_ = always; }
+
   /// What was added since the last call.
   [[nodiscard]] std::string taken();
 
@@ -44,6 +50,8 @@ class BlockHtml {
   /// "Figure 3", "Table 2": a link to itself, for those who point at it.
   [[nodiscard]] std::string number(const char* what, int number, const std::string& id) const;
 
+  PageLimits limits_;
+  bool always_on_paper_ = false;
   int heading_ = 3;    ///< level of a figure's title
   int figures_ = 0, tables_ = 0;  ///< numbered through the page
   std::string plots_;  ///< JSON members, by the plot's id

@@ -7,6 +7,7 @@
 
 #include "apps/cli/output_file.h"
 #include "apps/report/block_html.h"
+#include "apps/report/page_limits.h"
 #include "apps/report/print_pdf.h"
 #include "ident/statistics/in_parallel.h"
 
@@ -140,6 +141,15 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
     for (const auto& file : part.files) {
       make_output_folder((folder / file.path).parent_path());
       tasks.emplace_back([&folder, &file] { put(folder / file.path, file.content); });
+    }
+  }
+  for (const auto& part : parts) {
+    for (const auto& block : part.blocks) {
+      const auto* table = std::get_if<ReportTable>(&block);
+      if (!table || table->rows.size() <= kMostRows) continue;
+      tasks.emplace_back([&folder, table] {
+        put(folder / "data" / (table->id + ".csv"), table_csv(*table));
+      });
     }
   }
   const auto answers = all_answers(parts);

@@ -70,6 +70,8 @@ class PageWriter {
   PageWriter(const PageFrame& frame, std::span<const ReportPart> parts)
       : frame_(frame), parts_(parts), sections_(sections_of(parts)) {
     choose_short();
+    blocks_.limit(limits_for(parts));
+    blocks_.always_on_paper(true);  // until the appendix
   }
 
   std::string report(const ReportPart& overview) {
@@ -268,6 +270,7 @@ class PageWriter {
   }
 
   void appendix() {
+    blocks_.always_on_paper(false);
     html_ += "<section class=\"appendix\" aria-labelledby=\"appendix\"><h2 id=\"appendix\">Appendix"
              "</h2>\n<p class=\"small\">Where a value comes from, in colour and in words:</p>"
              "<ul class=\"key\">";

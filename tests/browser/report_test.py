@@ -11,6 +11,7 @@ import sys
 import tempfile
 import unittest
 
+from page_checks import PageChecks
 from webdriver import Browser
 
 PROGRAM, CAMPAIGN = sys.argv[1:3]
@@ -31,7 +32,7 @@ PAINTED = """
 """
 
 
-class ReportInBrowser(unittest.TestCase):
+class ReportInBrowser(PageChecks, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory(prefix="rigfit-report-")

@@ -1,0 +1,173 @@
+"""The page around the figures: navigation, search, links into folds, widths, contrast, paper."""
+
+import os
+import re
+import subprocess
+
+# Text that does not stand out from what is behind it: contrast under 4.5, or under 3 for large letters (WCAG 2.1, 1.4.3).
+FAINT = """
+  const parts = c => (c.match(/[\\d.]+/g) || []).map(Number);
+  const canvas = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
+  const rgba = c => { canvas.clearRect(0, 0, 1, 1); canvas.fillStyle = c; canvas.fillRect(0, 0, 1, 1);
+                      const d = canvas.getImageData(0, 0, 1, 1).data; return [d[0], d[1], d[2], d[3] / 255]; };
+  const linear = v => (v /= 255) <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
+  const light = c => 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]);
+  const over = (top, below) => [0, 1, 2].map(k => top[3] * top[k] + (1 - top[3]) * below[k]);
+  const known = new Map();
+  const behind = e => {
+    if (!e) return [255, 255, 255];
+    if (known.has(e)) return known.get(e);
+    const own = rgba(getComputedStyle(e).backgroundColor);
+    const result = own[3] === 1 ? own : over(own, behind(e.parentElement));
+    known.set(e, result); return result;
+  };
+  const faint = [];
+  for (const e of document.querySelectorAll('body *')) {
+    if (!e.getClientRects().length || e.closest('script, style, option')) continue;
+    if (![...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim())) continue;
+    const style = getComputedStyle(e);
+    const drawn = e instanceof SVGElement ? style.fill : style.color;
+    const under = behind(e), text = over(rgba(drawn), under);
+    const pair = [light(text), light(under)].sort((a, b) => b - a);
+    const size = parseFloat(style.fontSize), large = size >= 24 || (size >= 18.66 && +style.fontWeight >= 700);
+    const ratio = (pair[0] + 0.05) / (pair[1] + 0.05);
+    if (ratio < (large ? 3 : 4.5)) faint.push(e.tagName + '.' + e.className + ' ' + ratio.toFixed(2) + ' ' + drawn + ' ' + e.textContent.trim().slice(0, 40));
+  }
+  return faint.slice(0, 20);
+"""
+
+# What reaches out of the page to the right, but for what scrolls by itself.
+WIDER = """
+  const wide = document.documentElement.clientWidth + 1, out = [];
+  if (document.documentElement.scrollWidth > wide) out.push('the page: ' + document.documentElement.scrollWidth);
+  for (const e of document.querySelectorAll('main *')) {
+    const box = e.getBoundingClientRect();
+    if (!box.width || box.right <= wide || e.closest('.table, .hidden, svg, .dygraph-legend')) continue;
+    out.push(e.tagName + '.' + e.className + '#' + e.id + ' ' + Math.round(box.right));
+  }
+  return out.slice(0, 10);
+"""
+
+
+class PageChecks:
+    """Mixed into the tests of a report: `browser`, `url`, `folder`, `page` are theirs."""
+
+    def at_width(self, width, height=900, dark=False):
+        self.browser.devtools("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
+                              mobile=width < 600)
+        self.browser.media("prefers-color-scheme", "dark" if dark else "light")
+        self.browser.open(self.url)
+
+    def back_to_normal(self):
+        self.browser.devtools("Emulation.clearDeviceMetricsOverride")
+
+    def test_fits_every_width_and_stands_out_in_light_and_dark(self):
+        self.addCleanup(self.back_to_normal)
+        for width in (390, 1024, 1440):
+            for dark in (False, True):
+                with self.subTest(width=width, dark=dark):
+                    self.at_width(width, dark=dark)
+                    self.browser.run("rigfit_draw_all();")
+                    self.assertEqual(self.browser.run(WIDER), [])
+                    if width != 1024:
+                        self.assertEqual(self.browser.run(FAINT), [])
+                    self.shot("%d-%s.png" % (width, "dark" if dark else "light"))
+
+    def test_navigation_stays_in_view(self):
+        self.addCleanup(self.back_to_normal)
+        seen = ("const box = document.querySelector('.side .bar').getBoundingClientRect();"
+                "return [box.top >= -1, box.bottom <= innerHeight, box.width > 0];")
+        for width in (390, 1440):
+            self.at_width(width)
+            self.browser.run("window.scrollTo(0, document.documentElement.scrollHeight / 2);")
+            self.assertEqual(self.browser.run(seen), [True, True, True], width)
+        self.at_width(390)
+        shown = "return document.getElementById('side-list').getClientRects().length > 0;"
+        self.assertFalse(self.browser.run(shown))
+        self.browser.run("document.querySelector('.menu').click();")
+        self.assertTrue(self.browser.run(shown))
+        self.assertEqual(self.browser.run("return document.querySelector('.menu').getAttribute('aria-expanded');"), "true")
+        self.browser.run("document.querySelector('.side ol a').click();")
+        self.assertFalse(self.browser.run(shown))
+
+    def test_search_finds_what_is_folded_and_goes_there(self):
+        found = self.browser.run(
+            "const input = document.getElementById('search'); input.value = 'sha-256';"
+            "input.dispatchEvent(new Event('input')); return document.querySelectorAll('#found a').length;")
+        self.assertGreater(found, 0)
+        self.browser.run("const input = document.getElementById('search'); input.value = 'campaign.toml';"
+                         "input.dispatchEvent(new Event('input'));"
+                         "[...document.querySelectorAll('#found a')].pop().click();"
+                         "await new Promise(r => setTimeout(r, 50));")
+        self.assertEqual(self.browser.run(
+            "const e = document.querySelector('.found-here'), box = e.getBoundingClientRect();"
+            "return [e.closest('details:not([open])') === null, box.top >= 0 && box.top < innerHeight];"), [True, True])
+        none = self.browser.run("const input = document.getElementById('search'); input.value = 'qqqqq';"
+                                "input.dispatchEvent(new Event('input')); return document.getElementById('found').innerText;")
+        self.assertIn("nothing found", none)
+
+    def test_links_lead_into_folds_and_tabs(self):
+        for css in ("details.fold table[id]", ".panel.other figure[id]"):
+            target = self.browser.run("const e = document.querySelector(arguments[0]); return e && e.id;", css)
+            if not target:
+                continue
+            self.browser.open("about:blank")
+            self.browser.open(self.url + "#" + target)
+            self.assertEqual(self.browser.run(
+                "await new Promise(r => setTimeout(r, 300)); const e = document.getElementById(arguments[0]);"
+                "return [e.getClientRects().length > 0, e.closest('.panel.other') === null];", target), [True, True], target)
+
+    def test_figures_and_tables_are_numbered_through(self):
+        for what in ("Figure", "Table"):
+            numbers = self.browser.run(
+                "return [...document.querySelectorAll('.number')].map(a => a.textContent)"
+                ".filter(t => t.startsWith(arguments[0])).map(t => parseInt(t.replace(/\\D/g, '')));", what)
+            self.assertGreater(len(numbers), 2)
+            self.assertEqual(numbers, list(range(1, len(numbers) + 1)), what)
+
+    def test_first_page_has_answers_with_verdicts(self):
+        rows = self.browser.run("return [...document.querySelectorAll('#answers tbody tr')].map(r => [...r.cells].map(c => c.innerText));")
+        self.assertTrue(2 <= len(rows) <= 12)
+        for quantity, value, unit, how, verdict in rows:
+            self.assertRegex(quantity, r"^[A-Z]")
+            self.assertNotRegex(quantity, r"\w\.\w", "names are words")
+            self.assertRegex(value, r"\d|not determined")
+            self.assertTrue(how and verdict)
+        self.assertEqual(self.browser.run("return document.querySelectorAll('.first-page svg.rig').length;"), 1)
+        self.assertLessEqual(self.browser.run("return document.querySelectorAll('.first-page .distrust li').length;"), 3)
+
+    def words_of(self, pdf):
+        """By page: (xMin, yMin, xMax, yMax, word), in points."""
+        text = subprocess.run(["pdftotext", "-bbox", pdf, "-"], capture_output=True, text=True, check=True).stdout
+        pages = []
+        for page in text.split("<page ")[1:]:
+            size = [float(v) for v in re.search(r'width="([\d.]+)" height="([\d.]+)"', page).groups()]
+            words = [tuple(float(v) for v in m[:4]) + (m[4],) for m in
+                     re.findall(r'<word xMin="([-\d.]+)" yMin="([-\d.]+)" xMax="([-\d.]+)" yMax="([-\d.]+)">([^<]*)<', page)]
+            pages.append((size, words))
+        return pages
+
+    def test_paper_has_a_first_page_a_short_report_and_no_clipped_or_empty_pages(self):
+        path = os.path.join(self.folder.name, "paper.pdf")
+        self.browser.pdf(path)
+        pages = self.words_of(path)
+        appendix = None
+        for number, (size, words) in enumerate(pages, 1):
+            body = [w for w in words if w[3] < size[1] - 45]
+            self.assertGreater(len(body), 5, "page %d is empty" % number)
+            for x_low, _, x_high, _, word in words:
+                self.assertTrue(x_low > 14 and x_high < size[0] - 14, "page %d: %s is cut" % (number, word))
+            top = min(body, key=lambda w: (round(w[1] / 4), w[0]))
+            if top[4] == "Appendix" and appendix is None:
+                appendix = number
+        self.assertIn("Warnings", [w[4] for w in pages[0][1]], "the first page is one page")
+        self.assertIn("Contents", [w[4] for w in pages[1][1]])
+        self.assertIsNotNone(appendix)
+        self.assertLessEqual(appendix - 1, 8)
+        # Where nothing forces a new page, one that ends in its upper half is a gap; figures carry no words at their foot.
+        short = [number for number, (size, words) in enumerate(pages, 1)
+                 if number not in (1, appendix - 1, len(pages))
+                 and max(w[3] for w in words if w[3] < size[1] - 45) < 0.5 * size[1]]
+        self.assertLessEqual(len(short), max(1, len(pages) // 12), short)
+        last = [w[4] for w in pages[-1][1] if w[1] > pages[-1][0][1] - 45]
+        self.assertIn(str(len(pages)), last, "page numbers")
