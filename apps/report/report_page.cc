@@ -84,6 +84,7 @@ class PageWriter {
     more_warnings();
     if (all) appendix();
     provenance();
+    if (!all) link_to_appendix();
     return finished();
   }
 
@@ -98,6 +99,19 @@ class PageWriter {
   }
 
  private:
+  /// What stands in the appendix is in another file of a client's report.
+  void link_to_appendix() {
+    for (const auto& part : parts_) {
+      const auto section = std::find_if(sections_.begin(), sections_.end(),
+                                        [&](const Section& one) { return one.id == part.id; });
+      if (section != sections_.end() && has_short(*section)) continue;
+      const std::string link = fmt::format("href=\"#{}\"", escaped(part.id));
+      for (std::size_t at = 0; (at = html_.find(link, at)) != std::string::npos; at += 6) {
+        html_.insert(at + 6, "appendix.html");
+      }
+    }
+  }
+
   /// What the short report has room for: its own ids of figures and tables.
   void choose_short() {
     double room = kShortPages;
@@ -289,6 +303,7 @@ class PageWriter {
 
   /// Everything of a test that the short report has no room for: recordings, FRFs, modes, model.
   void details(const Section& section) {
+    if (!has_short(section)) html_ += fmt::format("<div id=\"{}\"></div>\n", escaped(section.id));
     html_ += fmt::format(
         "<section class=\"details\" aria-labelledby=\"{0}-details\"><h2 "
         "id=\"{0}-details\">{1}</h2>\n",

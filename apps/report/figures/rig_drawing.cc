@@ -191,7 +191,7 @@ class Drawing {
     line(a, b, beam ? 5 : 2, beam ? " stroke-linecap=\"round\"" : "");
     // Copies of one member (`[[repeat]]`) are not named one by one.
     if (scene_.members.size() > 8) return;
-    const Vector2d along = b - a, middle = a + 0.3 * along;
+    const Vector2d along = b - a, middle = a + clear_place(a, along) * along;
     const std::string words = fmt::format("{}, {} m", member.name, shown((to - from).norm(), 3));
     if (std::abs(along[1]) > std::abs(along[0])) {
       text(middle + Vector2d(12, 4), words, "start");
@@ -201,6 +201,24 @@ class Drawing {
     for (const auto& one : member.masses) {
       disc(at(from + one.position * (to - from)), 2.5 + 1.5 * std::cbrt(one.mass * 100));
     }
+  }
+
+  /// Where along a member its name is farthest from what is marked on paper.
+  [[nodiscard]] double clear_place(const Vector2d& from, const Vector2d& along) const {
+    double best = 0.3, farthest = -1;
+    for (const double place : {0.3, 0.7, 0.5}) {
+      double nearest = std::numeric_limits<double>::infinity();
+      const auto look = [&](const Vector2d& mark) {
+        nearest = std::min(nearest, (mark - (from + place * along)).norm());
+      };
+      for (const auto& sensor : scene_.sensors) look(at(position(sensor.place)));
+      for (const auto& load : scene_.loads) look(at(position(load.place)));
+      if (nearest > farthest * 1.01) {
+        farthest = nearest;
+        best = place;
+      }
+    }
+    return best;
   }
 
   void disc(const Vector2d& centre, double radius) {

@@ -139,11 +139,9 @@ class Fit {
       if (parameter.free.per_state) parameters += " (at each state its own)";
     }
     return fmt::format(
-        "Fitted: {}. To: {} in {} of: {}. Each measured mode is paired with the one "
-        "of the model that it is, and the parameters move until the differences, weighed by their "
-        "uncertainties, are least; {}. A model fitted "
-        "to everything explains nothing: where states are "
-        "held out, they are predicted from the others.",
+        "Fitted: {}. To: {} in {} of: {}. Each measured mode is paired with one of the model, and "
+        "the parameters minimise the differences over their uncertainties; {}. A state held out is "
+        "predicted from the others.",
         parameters, counted(measured_, "mode"), counted(of_.states.size(), "state"), tests,
         options_.model_relative_std < 1e-5
             ? std::string("the model's own error is less than 0.001 % of a frequency")
