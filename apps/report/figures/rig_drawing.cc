@@ -41,6 +41,23 @@ const char* words_of(model::Sensor::Quantity quantity) {
   return "";
 }
 
+Vector3d node_in(const model::Scene& scene, const std::string& name) {
+  for (const auto& one : scene.nodes) {
+    if (one.name == name) return one.position;
+  }
+  return Vector3d::Zero();
+}
+
+Vector3d position_in(const model::Scene& scene, const model::Place& place) {
+  if (!place.node.empty()) return node_in(scene, place.node);
+  for (const auto& member : scene.members) {
+    if (member.name != place.member) continue;
+    const Vector3d from = node_in(scene, member.nodes[0]), to = node_in(scene, member.nodes[1]);
+    return from + place.position * (to - from);
+  }
+  return Vector3d::Zero();
+}
+
 class Drawing {
  public:
   explicit Drawing(const model::Scene& scene) : scene_(scene) { fit(); }
@@ -91,26 +108,10 @@ class Drawing {
     return {origin_[0] + scale_ * p[0], origin_[1] - scale_ * p[1]};
   }
 
-  [[nodiscard]] const model::SceneNode* node(const std::string& name) const {
-    for (const auto& one : scene_.nodes) {
-      if (one.name == name) return &one;
-    }
-    return nullptr;
-  }
-
-  [[nodiscard]] Vector3d point(const std::string& name) const {
-    const auto* found = node(name);
-    return found ? found->position : Vector3d(Vector3d::Zero());
-  }
+  [[nodiscard]] Vector3d point(const std::string& name) const { return node_in(scene_, name); }
 
   [[nodiscard]] Vector3d position(const model::Place& place) const {
-    if (!place.node.empty()) return point(place.node);
-    for (const auto& member : scene_.members) {
-      if (member.name != place.member) continue;
-      const Vector3d from = point(member.nodes[0]), to = point(member.nodes[1]);
-      return from + place.position * (to - from);
-    }
-    return Vector3d::Zero();
+    return position_in(scene_, place);
   }
 
   /// Unit vector on paper from a node into the rig: away from its support.
@@ -341,5 +342,20 @@ class Drawing {
 }  // namespace
 
 std::string rig_drawing(const model::Scene& scene) { return Drawing(scene).svg(); }
+
+std::string rig_places(const model::Scene& scene) {
+  std::string text = "series,origin,\"x, m\",\"y, m\",\"z, m\"\n";
+  const auto add = [&](const char* what, const std::string& name, const Vector3d& at) {
+    std::string plain;
+    for (const char c : name) plain += c == '"' ? '\'' : c;
+    text += fmt::format("\"{}: {}\",scene,{},{},{}\n", what, plain, at[0], at[1], at[2]);
+  };
+  for (const auto& node : scene.nodes) add("node", node.name, node.position);
+  for (const auto& sensor : scene.sensors) {
+    add("sensor", sensor.name, position_in(scene, sensor.place));
+  }
+  for (const auto& load : scene.loads) add("load", load.name, position_in(scene, load.place));
+  return text;
+}
 
 }  // namespace rigfit::apps

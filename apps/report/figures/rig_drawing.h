@@ -12,4 +12,7 @@ namespace rigfit::apps {
 /// and loads are numbered, the list below the drawing names them.
 [[nodiscard]] std::string rig_drawing(const model::Scene& scene);
 
+/// Nodes, sensors and loads with their places in metres, as CSV.
+[[nodiscard]] std::string rig_places(const model::Scene& scene);
+
 }  // namespace rigfit::apps

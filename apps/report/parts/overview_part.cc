@@ -97,6 +97,7 @@ ReportPart overview_part(const Campaign& campaign, const std::vector<ReportPart>
     picture.caption = fmt::format("{}, to scale. S: sensor, H: where it is struck or released.",
                                   scene->title.empty() ? "The rig" : scene->title);
     picture.svg = rig_drawing(*scene);
+    picture.csv = rig_places(*scene);
     part.blocks.push_back(std::move(picture));
   }
   if (auto plot = all_modes_plot(parts); !plot.series.empty()) {
