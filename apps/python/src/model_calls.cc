@@ -265,7 +265,7 @@ py::tuple report(const std::string& campaign, const std::string& out,
   const Options options(options_given);
   return run_verb("report", options, [campaign, out](apps::VerbContext& context) {
     context.input(campaign);
-    return apps::campaign_report(apps::read_campaign(campaign), out, context);
+    return apps::campaign_report(apps::read_campaign(campaign), out, {}, context);
   });
 }
 
