@@ -74,11 +74,11 @@ void BlockHtml::add(const Picture& picture) {
       "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{1} id=\"{0}-title\">{2}</h{1}>\n"
       "<div class=\"picture\">{3}</div>\n<figcaption>{5} {4}{6}</figcaption>\n</figure>\n",
       escaped(picture.id), heading_, escaped(picture.title), picture.svg, escaped(picture.caption),
-      number("Figure", ++figures_, picture.id), links_to(picture.id));
+      number("Figure", ++figures_), links_to(picture.id));
 }
 
-std::string BlockHtml::number(const char* what, int number, const std::string& id) const {
-  return fmt::format("<a class=\"number\" href=\"#{}\">{}&nbsp;{}.</a>", escaped(id), what, number);
+std::string BlockHtml::number(const char* what, int number) {
+  return fmt::format("<span class=\"number\">{}&nbsp;{}.</span>", what, number);
 }
 
 void BlockHtml::add(const Paragraph& paragraph) {
@@ -95,7 +95,7 @@ void BlockHtml::add(const ReportTable& table) {
   // A short table stays on one page.
   html_ += fmt::format("<div class=\"table\"><table id=\"{}\"{}><caption>{} {}</caption>\n<thead><tr>",
                        escaped(table.id), table.rows.size() <= 12 ? " class=\"short\"" : "",
-                       number("Table", ++tables_, table.id), escaped(table.caption));
+                       number("Table", ++tables_), escaped(table.caption));
   // A column with nothing in it says nothing: remarks where there are none.
   std::vector<bool> shown_column(table.columns.size(), table.rows.empty());
   for (const auto& row : table.rows) {
@@ -196,7 +196,7 @@ void BlockHtml::add(const Plot& whole) {
       picture ? svg_plot(plot, options)
               : fmt::format("On paper: figures/{}.svg", escaped(plot.id)),
       escaped(plot.caption),
-      heading_, number("Figure", ++figures_, plot.id), links_to(plot.id));
+      heading_, number("Figure", ++figures_), links_to(plot.id));
   values_table(plot);
   html_ += "</figure>\n";
 }
@@ -249,7 +249,7 @@ void BlockHtml::add(const ShapeViewer& viewer) {
       "arrow keys turn it\"></canvas></div>\n<figcaption>{3} {1}</figcaption>\n<script "
       "type=\"application/json\" id=\"{0}-data\">{2}</script></figure>\n",
       escaped(viewer.id), escaped(viewer.caption), embedded(states),
-      number("Figure", ++figures_, viewer.id), heading_);
+      number("Figure", ++figures_), heading_);
 }
 
 }  // namespace rigfit::apps

@@ -47,8 +47,8 @@ class BlockHtml {
 
   bool files_;
   std::string html_;
-  /// "Figure 3", "Table 2": a link to itself, for those who point at it.
-  [[nodiscard]] std::string number(const char* what, int number, const std::string& id) const;
+  /// "Figure 3.", "Table 2."
+  [[nodiscard]] static std::string number(const char* what, int number);
 
   PageLimits limits_;
   bool always_on_paper_ = false;
