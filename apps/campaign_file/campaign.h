@@ -2,8 +2,9 @@
 // published or earlier results to compare with. One TOML file; paths in it are relative to it.
 //
 //   title = "..."        source = "..."        description = "..."
-//   [report]             author, organisation, client, project, date, revision, logo: report_details.h
-//   [strand]             youngs_modulus (Pa), wires, wire_diameter, diameter (m): bounds on EI
+//   [report]             author, organisation, client, project, date, revision, logo:
+//   report_details.h [strand]             youngs_modulus (Pa), wires, wire_diameter, diameter (m):
+//   bounds on EI
 //   [[scene]]            name, file; tables published / inferred / assumed: parameter = how known
 //   [[test]]             name, kind, title, and by kind:
 //     kind = "bending"   span (m), and a [test.table] with columns tension, EI, or recordings:

@@ -50,13 +50,11 @@ std::string base64(const std::string& bytes) {
 
 ReportDetails read_report_details(model::TomlTable& table, const fs::path& folder) {
   ReportDetails details;
-  for (const auto& [key, value] : {std::pair{"author", &details.author},
-                                   std::pair{"organisation", &details.organisation},
-                                   std::pair{"client", &details.client},
-                                   std::pair{"project", &details.project},
-                                   std::pair{"revision", &details.revision},
-                                   std::pair{"date", &details.date},
-                                   std::pair{"logo", &details.logo}}) {
+  for (const auto& [key, value] :
+       {std::pair{"author", &details.author}, std::pair{"organisation", &details.organisation},
+        std::pair{"client", &details.client}, std::pair{"project", &details.project},
+        std::pair{"revision", &details.revision}, std::pair{"date", &details.date},
+        std::pair{"logo", &details.logo}}) {
     *value = table.string_or(key, "");
   }
   if (!details.logo.empty()) {

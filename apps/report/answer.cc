@@ -12,9 +12,8 @@ namespace {
 double scale_of(const Answer& answer) { return answer.percent ? 100 : 1; }
 
 std::string bound_words(const Answer& answer, double bound) {
-  return std::isfinite(bound)
-             ? shown_bound(scale_of(answer) * bound, scale_of(answer) * answer.std)
-             : std::string("open");
+  return std::isfinite(bound) ? shown_bound(scale_of(answer) * bound, scale_of(answer) * answer.std)
+                              : std::string("open");
 }
 
 nlohmann::ordered_json number(double value) {
@@ -107,7 +106,7 @@ std::string verdict_words(const Answer& answer) {
     const double off = answer.value / *answer.reference - 1;
     const std::string value = shown(scale_of(answer) * *answer.reference, 4);
     words += fmt::format("; {} {}: {}", answer.reference_name, value,
-                         std::isnan(half)         ? shown_percent(off)
+                         std::isnan(half)                   ? shown_percent(off)
                          : holds(answer, *answer.reference) ? "inside the interval"
                                                             : "outside the interval");
   }
@@ -155,11 +154,11 @@ std::string answers_csv(const std::vector<Answer>& answers) {
     return std::isfinite(value) ? fmt::format("{}", value) : std::string();
   };
   for (const auto& answer : answers) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(answer.key),
-                        csv_cell(answer.quantity), cell(answer.value), cell(answer.std),
-                        cell(answer.low), cell(answer.high),
-                        csv_cell(answer.unit.empty() ? "1" : answer.unit), csv_cell(answer.how),
-                        csv_cell(verdict_words(answer)));
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(answer.key), csv_cell(answer.quantity),
+                    cell(answer.value), cell(answer.std), cell(answer.low), cell(answer.high),
+                    csv_cell(answer.unit.empty() ? "1" : answer.unit), csv_cell(answer.how),
+                    csv_cell(verdict_words(answer)));
   }
   return text;
 }

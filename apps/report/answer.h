@@ -28,7 +28,7 @@ struct Answer {
   ident::Origin origin = ident::Origin::modelled;
   std::string anchor = "";   ///< id of the part that says more
   std::string verdict = "";  ///< instead of that of the interval
-  int rank = 0;             ///< 0: first page; 1: where there is room
+  int rank = 0;              ///< 0: first page; 1: where there is room
 };
 
 /// "2.1714 ± 0.0045", in the unit that is shown.

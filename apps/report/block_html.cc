@@ -93,9 +93,10 @@ void BlockHtml::add(const ReportTable& table) {
     html_ += fmt::format("<details class=\"fold\"><summary>{}</summary>\n", escaped(table.fold));
   }
   // A short table stays on one page.
-  html_ += fmt::format("<div class=\"table\"><table id=\"{}\"{}><caption>{} {}</caption>\n<thead><tr>",
-                       escaped(table.id), table.rows.size() <= 12 ? " class=\"short\"" : "",
-                       number("Table", ++tables_), escaped(table.caption));
+  html_ +=
+      fmt::format("<div class=\"table\"><table id=\"{}\"{}><caption>{} {}</caption>\n<thead><tr>",
+                  escaped(table.id), table.rows.size() <= 12 ? " class=\"short\"" : "",
+                  number("Table", ++tables_), escaped(table.caption));
   // A column with nothing in it says nothing: remarks where there are none.
   std::vector<bool> shown_column(table.columns.size(), table.rows.empty());
   for (const auto& row : table.rows) {
@@ -193,10 +194,8 @@ void BlockHtml::add(const Plot& whole) {
       "<div class=\"readout\" aria-live=\"polite\"></div>\n<div class=\"static\">{2}</div>\n"
       "<figcaption>{5} {3}{6}</figcaption>\n",
       escaped(plot.id), escaped(plot.title),
-      picture ? svg_plot(plot, options)
-              : fmt::format("On paper: figures/{}.svg", escaped(plot.id)),
-      escaped(plot.caption),
-      heading_, number("Figure", ++figures_), links_to(plot.id));
+      picture ? svg_plot(plot, options) : fmt::format("On paper: figures/{}.svg", escaped(plot.id)),
+      escaped(plot.caption), heading_, number("Figure", ++figures_), links_to(plot.id));
   values_table(plot);
   html_ += "</figure>\n";
 }
@@ -248,8 +247,8 @@ void BlockHtml::add(const ShapeViewer& viewer) {
       "shape; "
       "arrow keys turn it\"></canvas></div>\n<figcaption>{3} {1}</figcaption>\n<script "
       "type=\"application/json\" id=\"{0}-data\">{2}</script></figure>\n",
-      escaped(viewer.id), escaped(viewer.caption), embedded(states),
-      number("Figure", ++figures_), heading_);
+      escaped(viewer.id), escaped(viewer.caption), embedded(states), number("Figure", ++figures_),
+      heading_);
 }
 
 }  // namespace rigfit::apps

@@ -52,9 +52,9 @@ class BlockHtml {
 
   PageLimits limits_;
   bool always_on_paper_ = false;
-  int heading_ = 3;    ///< level of a figure's title
+  int heading_ = 3;               ///< level of a figure's title
   int figures_ = 0, tables_ = 0;  ///< numbered through the page
-  std::string plots_;  ///< JSON members, by the plot's id
+  std::string plots_;             ///< JSON members, by the plot's id
 };
 
 }  // namespace rigfit::apps

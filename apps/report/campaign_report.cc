@@ -181,8 +181,8 @@ class Stages {
 
 }  // namespace
 
-Json campaign_report(const Campaign& campaign, const fs::path& folder,
-                     const ReportOptions& options, VerbContext& context) {
+Json campaign_report(const Campaign& campaign, const fs::path& folder, const ReportOptions& options,
+                     VerbContext& context) {
   take_inputs(campaign, context);
   make_output_folder(folder);
   for (const char* place : {"", "data", "figures", "uff"}) sweep_parts(folder / place);
@@ -270,9 +270,8 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
   PageFrame frame;
   frame.title = after.title == before.title ? before.title + ": before and after"
                                             : before.title + " against " + after.title;
-  frame.description =
-      fmt::format("Before: {} ({}). After: {} ({}).", before.title, before.file, after.title,
-                  after.file);
+  frame.description = fmt::format("Before: {} ({}). After: {} ({}).", before.title, before.file,
+                                  after.title, after.file);
   frame.details = after.report;
   frame.version = RIGFIT_VERSION;
   frame.repeat = repeat_command(context);

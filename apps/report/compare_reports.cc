@@ -117,10 +117,9 @@ Answer answer_of(const Pair& pair, const Change& change) {
   if (!answer.percent) answer.unit = one["unit"].get<std::string>();
   answer.value = change.value;
   answer.std = change.std;
-  answer.verdict =
-      change.verdict + (std::isfinite(change.relative)
-                            ? fmt::format(" ({})", shown_percent(change.relative))
-                            : std::string());
+  answer.verdict = change.verdict + (std::isfinite(change.relative)
+                                         ? fmt::format(" ({})", shown_percent(change.relative))
+                                         : std::string());
   answer.anchor = "comparison";
   answer.rank = change.changed ? 0 : 1;
   return answer;
@@ -139,9 +138,8 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
       "Before: {}. After: {}. Changed: the difference is three of its standard uncertainties or "
       "more; perhaps changed: between 1.96 and three, as one value in twenty is by chance.",
       before.title, after.title);
-  table.columns = {{"quantity", {}, false}, {"unit", {}, false},
-                   {"before", {}, true},    {"after", {}, true},
-                   {"change", {}, true},    {"relative", {}, true},
+  table.columns = {{"quantity", {}, false}, {"unit", {}, false},  {"before", {}, true},
+                   {"after", {}, true},     {"change", {}, true}, {"relative", {}, true},
                    {"verdict", {}, false}};
   Plot plot;
   plot.id = "comparison-changes";

@@ -80,7 +80,8 @@ void answers_table(std::string& html, std::span<const ReportPart> parts) {
       "</thead>\n<tbody>\n";
   for (const auto* answer : list) {
     html += fmt::format(
-        "<tr><th scope=\"row\"><a href=\"#{}\">{}</a></th><td class=\"n\">{}</td><td class=\"u\">{}</td>"
+        "<tr><th scope=\"row\"><a href=\"#{}\">{}</a></th><td class=\"n\">{}</td><td "
+        "class=\"u\">{}</td>"
         "<td class=\"o-{}\">{}{}</td><td{}>{}</td></tr>\n",
         escaped(answer->anchor), escaped(answer->quantity), escaped(value_words(*answer)),
         escaped(shown_unit(*answer)), word_of(answer->origin), escaped(answer->how),
@@ -128,10 +129,10 @@ std::vector<SeriousWarning> serious_warnings(std::span<const ReportPart> parts) 
 }
 
 std::string warning_line(const SeriousWarning& warning) {
-  return fmt::format("<li><a href=\"#{}\">{}</a>: {}{}</li>\n", escaped(warning.anchor),
-                     escaped(warning.label), escaped(warning.sentence),
-                     warning.alike > 0 ? fmt::format(" (and {} more like it)", warning.alike)
-                                       : std::string());
+  return fmt::format(
+      "<li><a href=\"#{}\">{}</a>: {}{}</li>\n", escaped(warning.anchor), escaped(warning.label),
+      escaped(warning.sentence),
+      warning.alike > 0 ? fmt::format(" (and {} more like it)", warning.alike) : std::string());
 }
 
 std::string first_page(const PageFrame& frame, const ReportPart& overview,

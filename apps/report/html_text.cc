@@ -119,9 +119,8 @@ std::string shown_estimate(double value, double std, int digits) {
   if (places > 9 || std::abs(value) >= 1e7) return shown(value, digits) + " ± " + shown(std, 2);
   // Rounded up where the value's digits end before the uncertainty's second one.
   const double unit = std::pow(10, -places);
-  const double shown_std = unit > 0.1 * power_of_ten_below(std) * (1 + 1e-9)
-                               ? unit * std::ceil(std / unit - 1e-9)
-                               : std;
+  const double shown_std =
+      unit > 0.1 * power_of_ten_below(std) * (1 + 1e-9) ? unit * std::ceil(std / unit - 1e-9) : std;
   return rounded(value, places) + " ± " + rounded(shown_std, places);
 }
 

@@ -65,8 +65,8 @@ bool run(std::vector<std::string> command) {
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   posix_spawnattr_setpgroup(&attributes, 0);
   pid_t program = 0;
-  const int error =
-      posix_spawn(&program, command.front().c_str(), &files, &attributes, arguments.data(), environ);
+  const int error = posix_spawn(&program, command.front().c_str(), &files, &attributes,
+                                arguments.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   return error == 0 && finished(program);

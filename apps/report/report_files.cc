@@ -56,9 +56,8 @@ std::string figures_page(std::span<const ReportPart> parts, SvgOptions options) 
       "height: {1}; overflow: hidden; break-after: page; }} div:last-child {{ break-after: auto; "
       "}} svg {{ display: block; }}</style>{2}</head><body>\n",
       width, height, BlockHtml::styles());
-  each_plot(parts, [&](const Plot& plot) {
-    html += "<div>" + svg_plot(plot, options) + "</div>\n";
-  });
+  each_plot(parts,
+            [&](const Plot& plot) { html += "<div>" + svg_plot(plot, options) + "</div>\n"; });
   return html + "</body></html>\n";
 }
 
@@ -147,9 +146,8 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
     for (const auto& block : part.blocks) {
       const auto* table = std::get_if<ReportTable>(&block);
       if (!table || table->rows.size() <= kMostRows) continue;
-      tasks.emplace_back([&folder, table] {
-        put(folder / "data" / (table->id + ".csv"), table_csv(*table));
-      });
+      tasks.emplace_back(
+          [&folder, table] { put(folder / "data" / (table->id + ".csv"), table_csv(*table)); });
     }
   }
   const auto answers = all_answers(parts);

@@ -91,9 +91,10 @@ class PageWriter {
   std::string appendix_alone() {
     head(frame_.title + ": appendix");
     navigation(false, true);
-    html_ += fmt::format("<main>\n<header><h1>{}: appendix</h1>\n<p><a href=\"report.html\">"
-                         "Report</a></p></header>\n",
-                         escaped(frame_.title));
+    html_ += fmt::format(
+        "<main>\n<header><h1>{}: appendix</h1>\n<p><a href=\"report.html\">"
+        "Report</a></p></header>\n",
+        escaped(frame_.title));
     appendix();
     return finished();
   }
@@ -222,9 +223,9 @@ class PageWriter {
   /// What was found, with the figure and the table that say most.
   void short_section(const Section& section) {
     if (!has_short(section)) return;
-    html_ += fmt::format(
-        "<section class=\"brief\" aria-labelledby=\"{0}\"><h2 id=\"{0}\">{1}</h2>\n",
-        escaped(section.id), escaped(section.title));
+    html_ +=
+        fmt::format("<section class=\"brief\" aria-labelledby=\"{0}\"><h2 id=\"{0}\">{1}</h2>\n",
+                    escaped(section.id), escaped(section.title));
     std::string items;
     std::size_t warnings = 0;
     for (const auto* part : section.parts) {
@@ -238,11 +239,11 @@ class PageWriter {
         // The table says it, and the first page did.
         if (item.kind == SummaryItem::Kind::result && tabled) continue;
         const bool own = item.label == section.title;
-        items += fmt::format(
-            "<li{}>{}<span class=\"text\">{}</span></li>\n",
-            item.origin ? fmt::format(" class=\"o-{}\"", word_of(*item.origin)) : "",
-            own ? std::string() : fmt::format("<b>{}</b>: ", escaped(item.label)),
-            escaped(item.text));
+        items +=
+            fmt::format("<li{}>{}<span class=\"text\">{}</span></li>\n",
+                        item.origin ? fmt::format(" class=\"o-{}\"", word_of(*item.origin)) : "",
+                        own ? std::string() : fmt::format("<b>{}</b>: ", escaped(item.label)),
+                        escaped(item.text));
       }
     }
     if (!items.empty()) html_ += "<ul class=\"lines\">\n" + items + "</ul>\n";
@@ -254,10 +255,10 @@ class PageWriter {
       }
     }
     html_ += blocks_.taken() + "</div>\n";
-    html_ += fmt::format("<p class=\"small more\"><a href=\"{}#{}-details\">Details{}</a></p>\n",
-                         frame_.style == ReportStyle::client ? "appendix.html" : "",
-                         escaped(section.id),
-                         warnings > 0 ? " and " + counted(warnings, "warning") : std::string());
+    html_ +=
+        fmt::format("<p class=\"small more\"><a href=\"{}#{}-details\">Details{}</a></p>\n",
+                    frame_.style == ReportStyle::client ? "appendix.html" : "", escaped(section.id),
+                    warnings > 0 ? " and " + counted(warnings, "warning") : std::string());
     html_ += "</section>\n";
   }
 
@@ -285,9 +286,10 @@ class PageWriter {
 
   void appendix() {
     blocks_.always_on_paper(false);
-    html_ += "<section class=\"appendix\" aria-labelledby=\"appendix\"><h2 id=\"appendix\">Appendix"
-             "</h2>\n<p class=\"small\">Where a value comes from, in colour and in words:</p>"
-             "<ul class=\"key\">";
+    html_ +=
+        "<section class=\"appendix\" aria-labelledby=\"appendix\"><h2 id=\"appendix\">Appendix"
+        "</h2>\n<p class=\"small\">Where a value comes from, in colour and in words:</p>"
+        "<ul class=\"key\">";
     for (const auto& [origin, what] :
          {std::pair{Origin::measured, "from recordings of this campaign"},
           std::pair{Origin::published, "a measurement someone published"},
@@ -313,9 +315,9 @@ class PageWriter {
       if (several) {
         const bool own = part->id == section.id;
         html_ += fmt::format("<h3 id=\"{}{}\">{}</h3>\n", escaped(part->id), own ? "-model" : "",
-                             escaped(own ? "Model against test"
-                                         : part->id.ends_with("-recordings") ? "Recordings"
-                                                                             : part->title));
+                             escaped(own                                 ? "Model against test"
+                                     : part->id.ends_with("-recordings") ? "Recordings"
+                                                                         : part->title));
       }
       blocks_.heading(several ? 4 : 3);
       for (const auto& warning : part->warnings) {
@@ -358,9 +360,10 @@ class PageWriter {
   void warnings(const ReportPart& part) {
     const auto list = grouped(part);
     if (list.empty()) return;
-    html_ += fmt::format("<details class=\"fold\"><summary>{} of {}</summary>\n<ul "
-                         "class=\"small\">\n",
-                         counted(list.size(), "warning"), escaped(part.title));
+    html_ += fmt::format(
+        "<details class=\"fold\"><summary>{} of {}</summary>\n<ul "
+        "class=\"small\">\n",
+        counted(list.size(), "warning"), escaped(part.title));
     for (const auto& one : list) {
       html_ += fmt::format("<li>{}: {}", escaped(one.first->where), escaped(one.first->message));
       constexpr std::size_t kMost = 12;
@@ -383,7 +386,8 @@ class PageWriter {
     html_ += fmt::format(
         "<details class=\"fold\"><summary>{} input files and their SHA-256</summary>\n<div "
         "class=\"table\"><table class=\"hashes\"><caption>Inputs and their SHA-256{}.</caption>"
-        "<thead><tr><th scope=\"col\">file</th><th scope=\"col\">SHA-256</th></tr></thead><tbody>\n",
+        "<thead><tr><th scope=\"col\">file</th><th "
+        "scope=\"col\">SHA-256</th></tr></thead><tbody>\n",
         frame_.inputs.size(),
         frame_.inputs.size() > kMost ? fmt::format(", the first {}; report.json has all", kMost)
                                      : std::string());

@@ -33,7 +33,6 @@ struct PageFrame {
 [[nodiscard]] std::string report_page(const PageFrame& frame, const ReportPart& overview,
                                       std::span<const ReportPart> parts);
 /// appendix.html of a client's report.
-[[nodiscard]] std::string appendix_page(const PageFrame& frame,
-                                        std::span<const ReportPart> parts);
+[[nodiscard]] std::string appendix_page(const PageFrame& frame, std::span<const ReportPart> parts);
 
 }  // namespace rigfit::apps

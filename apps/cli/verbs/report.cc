@@ -42,16 +42,16 @@ void add_report(CLI::App& program, Verbs& verbs) {
       ->check(CLI::Range(4.0, 24.0))
       ->type_name("PT")
       ->capture_default_str();
-  app->footer("Example:\n  rigfit report testdata/jalali2021/campaign.toml --out report\n"
-              "  rigfit report spring.toml autumn.toml --out change --pdf");
+  app->footer(
+      "Example:\n  rigfit report testdata/jalali2021/campaign.toml --out report\n"
+      "  rigfit report spring.toml autumn.toml --out change --pdf");
   verbs.push_back({app, [options](VerbContext& context) {
                      ReportOptions report;
                      if (options->style == "client") report.style = ReportStyle::client;
                      report.pdf = options->pdf;
                      if (!options->figure_size.empty()) {
-                       report.figures =
-                           print_size(options->figure_size[0], options->figure_size[1],
-                                      options->figure_font, options->figure_font_size);
+                       report.figures = print_size(options->figure_size[0], options->figure_size[1],
+                                                   options->figure_font, options->figure_font_size);
                      }
                      std::vector<Campaign> campaigns;
                      for (const auto& file : options->campaigns) {

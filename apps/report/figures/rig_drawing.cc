@@ -80,9 +80,7 @@ class Drawing {
   }
 
  private:
-  [[nodiscard]] Vector2d flat(const Vector3d& point) const {
-    return {point[across_], point[1]};
-  }
+  [[nodiscard]] Vector2d flat(const Vector3d& point) const { return {point[across_], point[1]}; }
 
   /// Seen along z, or along x where the rig reaches further across.
   void fit() {
@@ -137,9 +135,9 @@ class Drawing {
 
   void text(const Vector2d& where, const std::string& words, const char* anchor = "middle",
             const char* css = "t") {
-    svg_ += fmt::format(
-        "<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", css,
-        where[0], where[1], anchor, escaped(words));
+    svg_ +=
+        fmt::format("<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n",
+                    css, where[0], where[1], anchor, escaped(words));
   }
 
   void hatch(const Vector2d& centre, const Vector2d& in) {
@@ -244,7 +242,8 @@ class Drawing {
     if (direction.norm() == 0) {  // out of the paper
       svg_ += fmt::format(
           "<circle class=\"{0} hollow\" fill=\"#fff\" stroke=\"{1}\" stroke-width=\"1.6\" "
-          "cx=\"{2:.1f}\" cy=\"{3:.1f}\" r=\"7\"/><circle class=\"{0}\" fill=\"{1}\" cx=\"{2:.1f}\" "
+          "cx=\"{2:.1f}\" cy=\"{3:.1f}\" r=\"7\"/><circle class=\"{0}\" fill=\"{1}\" "
+          "cx=\"{2:.1f}\" "
           "cy=\"{3:.1f}\" r=\"2\"/>\n",
           css, colour, tip[0], tip[1]);
       return;
@@ -310,8 +309,8 @@ class Drawing {
     line(from, to, 2);
     line(from - Vector2d(0, 4), from + Vector2d(0, 4), 1.5);
     line(to - Vector2d(0, 4), to + Vector2d(0, 4), 1.5);
-    text(to + Vector2d(8, 4), length < 0.1 ? fmt::format("{:g} mm", 1e3 * length)
-                                           : fmt::format("{:g} m", length),
+    text(to + Vector2d(8, 4),
+         length < 0.1 ? fmt::format("{:g} mm", 1e3 * length) : fmt::format("{:g} m", length),
          "start");
   }
 

@@ -73,9 +73,9 @@ class Fit {
     part_.json["fit"] = of_.fit.name;
     if (!of_.held.empty()) part_.json["hold_out"] = held_out_json(of_.held, of_.updates);
     for (const auto& finding : outcome.findings) {
-      part_.warnings.push_back({finding.code, finding.message,
-                                finding.where.empty() ? of_.fit.name : parameter_words(finding.where),
-                                false});
+      part_.warnings.push_back(
+          {finding.code, finding.message,
+           finding.where.empty() ? of_.fit.name : parameter_words(finding.where), false});
       if (finding.refused || finding.code == "model_ruled_out") {
         part_.summary.push_back(
             {SummaryItem::Kind::distrust, of_.fit.title, finding.message, {}, part_.id, 2});

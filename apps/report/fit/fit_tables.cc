@@ -73,8 +73,8 @@ struct FoundParameter {
 
 FoundParameter found_parameter(const FitOutcome& of, const ident::UpdatedParameter& parameter,
                                const std::string& anchor) {
-  const auto spec = std::find_if(
-      of.fit.parameters.begin(), of.fit.parameters.end(), [&](const FitParameter& p) {
+  const auto spec =
+      std::find_if(of.fit.parameters.begin(), of.fit.parameters.end(), [&](const FitParameter& p) {
         return parameter.name == p.free.name || parameter.name.starts_with(p.free.name + " [");
       });
   const bool named = spec != of.fit.parameters.end();
@@ -163,14 +163,13 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
         answer.reference ? Json(*answer.reference) : Json(nullptr);
     part.answers.push_back(answer);
     if (!known || parameter.state >= 0) continue;
-    part.summary.push_back(
-        {SummaryItem::Kind::result, of.fit.title + ": " + found.words,
-         value_words(answer) + (unit.empty() ? "" : " " + unit) +
-             fmt::format(" (95 %: {})", interval_words(answer)) +
-             (answer.reference ? fmt::format("; {} {}", of.fit.reference_name,
-                                             shown(scale * *answer.reference, 4))
-                               : ""),
-         Origin::modelled, part.id});
+    part.summary.push_back({SummaryItem::Kind::result, of.fit.title + ": " + found.words,
+                            value_words(answer) + (unit.empty() ? "" : " " + unit) +
+                                fmt::format(" (95 %: {})", interval_words(answer)) +
+                                (answer.reference ? fmt::format("; {} {}", of.fit.reference_name,
+                                                                shown(scale * *answer.reference, 4))
+                                                  : ""),
+                            Origin::modelled, part.id});
   }
   part.blocks.push_back(std::move(table));
   part.blocks.push_back(

@@ -184,8 +184,9 @@ class AxialAnalysis {
     Answer answer;
     answer.key = test_.name + "/" + reference;
     answer.quantity = quantity;
-    answer.how = fmt::format("axial test, {} at {}", counted(result_.test->samples.size(), "record"),
-                             counted(result_.test->lengths.size(), "length"));
+    answer.how =
+        fmt::format("axial test, {} at {}", counted(result_.test->samples.size(), "record"),
+                    counted(result_.test->lengths.size(), "length"));
     answer.unit = unit;
     answer.value = value.value;
     answer.std = value.std;

@@ -224,8 +224,7 @@ void add_answers(const CampaignTest& test, const ident::BendingCampaignResult& r
     const auto& point = points[i]->point;
     Answer answer;
     answer.key = fmt::format("{}/EI/{}", test.name, i + 1);
-    answer.quantity =
-        fmt::format("Cable bending stiffness EI at {} N", shown(point.tension_N, 3));
+    answer.quantity = fmt::format("Cable bending stiffness EI at {} N", shown(point.tension_N, 3));
     answer.how = test.results ? "published" : "bending test";
     answer.unit = "N m²";
     answer.value = point.EI_Nm2;

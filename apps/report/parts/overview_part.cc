@@ -38,7 +38,8 @@ Plot all_modes_plot(const std::vector<ReportPart>& parts) {
   Plot plot;
   plot.id = "model-against-test";
   plot.title = "Model against test, all modes";
-  plot.caption = "How far a model's natural frequency lies above the measured one, every paired mode.";
+  plot.caption =
+      "How far a model's natural frequency lies above the measured one, every paired mode.";
   plot.x_label = "measured frequency, Hz";
   plot.y_label = "model over test, %";
   plot.log_x = true;

@@ -54,8 +54,8 @@ ReportPart scenes_part(const Campaign& campaign) {
       if (origin.kind == ValueOrigin::Kind::published) known.origin = Origin::published;
       known.doubtful = origin.kind == ValueOrigin::Kind::assumed;
       table.rows.push_back({first ? scene.name : "", parameter_words(origin.parameter),
-                            given_number(value),
-                            parameter_unit(scene.scene, origin.parameter), known, origin.how});
+                            given_number(value), parameter_unit(scene.scene, origin.parameter),
+                            known, origin.how});
       values.push_back({{"parameter", origin.parameter},
                         {"value", value},
                         {"known", name_of(origin.kind)},

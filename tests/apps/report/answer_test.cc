@@ -85,7 +85,8 @@ TEST(CompareReports, SayWhatChangedBeyondItsUncertainty) {
   Answer second = stiffness(100, 0.3), third = stiffness(100, 0.3);
   second.key = "b";
   third.key = "c";
-  Answer second_after = stiffness(100 + 2.5 * step, 0.4), third_after = stiffness(100 + 8 * step, 0.4);
+  Answer second_after = stiffness(100 + 2.5 * step, 0.4),
+         third_after = stiffness(100 + 8 * step, 0.4);
   second_after.key = "b";
   third_after.key = "c";
   const auto part = compare_reports(
