@@ -121,6 +121,28 @@ class ReportInBrowser(PageChecks, unittest.TestCase):
             "b.click(); return [!!was, !!p.dygraph.getOptionForAxis('logscale', 'y')];")
         self.assertNotEqual(*logarithmic)
 
+    def test_linked_plots_zoom_together_and_turn_to_decibels(self):
+        self.plots()
+        seen = self.browser.run("""
+          const data = JSON.parse(document.getElementById('plots').textContent);
+          const of_link = new Map();
+          for (const p of document.querySelectorAll('.plot')) {
+            const link = p.dygraph && data[p.dataset.plot].link;
+            if (link) of_link.set(link, [...(of_link.get(link) || []), p]);
+          }
+          const first = [...of_link.values()].find(list => list.length > 2 && data[list[0].dataset.plot].decibels);
+          if (!first) return null;
+          const g = first[0].dygraph, whole = g.xAxisRange(), range = [whole[0] + 1, whole[1] - 1];
+          g.updateOptions({ dateWindow: range });
+          const others = first.map(p => p.dygraph.xAxisRange());
+          [...first[0].parentNode.querySelectorAll('button')].find(b => b.textContent === 'dB').click();
+          return [range, others, g.getOptionForAxis('logscale', 'y')];""")
+        if seen is None:
+            self.skipTest("no recorded FRFs in this campaign")
+        for other in seen[1]:
+            self.assertEqual(other, seen[0])
+        self.assertFalse(seen[2])
+
     def test_values_by_keyboard(self):
         plot = self.plots()[0]
         said = self.browser.run(
