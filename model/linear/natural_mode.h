@@ -30,8 +30,8 @@ struct ModeShape {
 /// One natural mode.
 struct NaturalMode {
   double frequency_hz = 0;  ///< undamped
-  /// Richardson's value for vanishing segments, from three numbers of segments; the frequency
-  /// itself when no error estimate was asked for.
+  /// For vanishing segments, from one more number of segments than `frequency_hz` where that is
+  /// extrapolated itself, else from three; the frequency when no error estimate was asked for.
   double extrapolated_hz = 0;
   double damping_ratio = 0;
   ModePlane plane = ModePlane::in;

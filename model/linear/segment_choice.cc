@@ -102,6 +102,17 @@ ResolutionError resolution_error(const Scene& scene, const ModesOptions& options
   return out;
 }
 
+std::vector<double> wave_phases(const Scene& scene, const ChainModes& modes) {
+  const Equilibrium rest = describe(*modes.chain, modes.equilibrium, scene);
+  const double omega = 2 * M_PI * modes.frequency_hz(modes.order.size() - 1);
+  std::vector<double> phase;
+  for (std::size_t m = 0; m < scene.members.size(); ++m) {
+    phase.push_back(rest.members[m].unstretched_length_m *
+                    wave_number(scene.members[m], rest.members[m].tension_N, omega));
+  }
+  return phase;
+}
+
 SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
   SegmentChoice choice;
   const std::size_t members = scene.members.size();
@@ -129,15 +140,10 @@ SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
   }
 
   // Shares by the phase of the highest wave asked for.
-  const Equilibrium rest = describe(*choice.modes.chain, choice.modes.equilibrium, scene);
-  const double omega = 2 * M_PI * choice.modes.frequency_hz(choice.modes.order.size() - 1);
-  std::vector<double> phase(members, 0);
+  const std::vector<double> phase = wave_phases(scene, choice.modes);
   double largest = 0;
   for (std::size_t m = 0; m < members; ++m) {
-    if (!free[m]) continue;
-    phase[m] = rest.members[m].unstretched_length_m *
-               wave_number(scene.members[m], rest.members[m].tension_N, omega);
-    largest = std::max(largest, phase[m]);
+    if (free[m]) largest = std::max(largest, phase[m]);
   }
   const auto share_out = [&](int n) {
     std::vector<int> segments = choice.segments;

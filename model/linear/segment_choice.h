@@ -24,6 +24,10 @@ struct ResolutionError {
                                                const ChainModes& modes,
                                                const std::vector<int>& segments);
 
+/// By member: the phase (rad) that a wave of the highest of `modes` runs through on it. There must
+/// be a mode.
+[[nodiscard]] std::vector<double> wave_phases(const Scene& scene, const ChainModes& modes);
+
 struct SegmentChoice {
   std::vector<int> segments;  ///< by member
   ChainModes modes;

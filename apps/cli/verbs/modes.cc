@@ -86,6 +86,9 @@ void print(std::ostream& out, const model::ModalAnalysis& analysis, const model:
                        mode.damping_ratio, model::name_of(mode.plane), model::name_of(mode.family),
                        energy);
   }
+  if (analysis.extrapolated) {
+    out << "\nfrequencies extrapolated to vanishing segments; shapes of the segments above\n";
+  }
   out << fmt::format("\n{} unknowns, relative error of a frequency at most about {:.2g}; {}\n",
                      analysis.unknowns, analysis.relative_error_estimate,
                      analysis.complete ? "a Sturm count shows that none was missed"
@@ -120,6 +123,7 @@ Json modes_result(const model::Scene& scene, const ModesCommand& options, VerbCo
     result["modes"].push_back(mode_json(mode, scene, options.shapes));
   }
   result["relative_error_estimate"] = analysis.relative_error_estimate;
+  result["frequencies"] = analysis.extrapolated ? "extrapolated" : "chain";
   result["complete"] = analysis.complete;
   Json left_out = Json::array();
   for (const auto& one : analysis.left_out) {
