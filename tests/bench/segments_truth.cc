@@ -1,0 +1,191 @@
+// How honest the estimate of extrapolated frequencies is, what they cost, and what batches save.
+//
+//   segments_truth [SCENES]
+//
+// Random scenes: pinned cables, clamped ones, cables with a mass at a node of every chain or
+// anywhere, standing beams, rigs of three members (12 modes, others 6). Truth: another sequence of
+// chains, to 3e-9. Times are the processor's, the least of five runs.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "model/linear/modal_analysis.h"
+#include "model/linear/mode_batch.h"
+#include "model/linear/segment_extrapolation.h"
+#include "tests/model/test_scenes.h"
+
+namespace {
+
+using namespace rigfit::model;
+
+constexpr int kKinds = 6;
+constexpr const char* kKind[kKinds]{"pinned cable",  "clamped cable",  "mass at a node",
+                                    "mass anywhere", "beam, tip mass", "rig, 12 modes"};
+
+Scene random_scene(int kind, unsigned seed) {
+  std::mt19937 generator(seed);
+  const auto even = [&](double low, double high) {
+    return std::uniform_real_distribution<>(low, high)(generator);
+  };
+  const auto log = [&](double low, double high) {
+    return std::exp(even(std::log(low), std::log(high)));
+  };
+  if (kind == 5) {
+    Scene scene = testing::cable_beam_rig(log(50, 500), log(0.1, 2), 0);
+    scene.nodes[1].mass = even(0, 0.1);
+    return scene;
+  }
+  if (kind == 4) {
+    Scene scene = testing::vertical_beam(even(0.3, 1), log(1, 10), log(0.1, 1), 0);
+    scene.nodes[1].mass = even(0, 0.1);
+    return scene;
+  }
+  Scene scene = testing::paper_cable(log(20, 2000), log(0.05, 5), 0);
+  scene.nodes[1].position << even(1, 4), even(0, 1), 0;
+  if (kind == 1) {
+    for (auto& node : scene.nodes) node.support.kind = Support::Kind::clamped;
+  }
+  const double place = even(0.1, 0.9), mass = log(0.002, 0.05);
+  if (kind == 2) scene.members[0].masses = {{std::round(20 * place) / 20, mass}};
+  if (kind == 3) scene.members[0].masses = {{place, mass}};
+  return scene;
+}
+
+template <class Work>
+double least_ms(Work work) {
+  double least = 1e99;
+  for (int run = 0; run < 5; ++run) {
+    const std::clock_t begin = std::clock();
+    work();
+    least = std::min(least, 1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+  }
+  return least;
+}
+
+ModesOptions modes_of(int kind) {
+  ModesOptions options;
+  options.count = kind == 5 ? 12 : 6;
+  return options;
+}
+
+void honesty(int scenes) {
+  std::printf(
+      "| asked | scenes | estimate / error: least | median | largest | within 3 | error above "
+      "asked | median ms |\n|---|---|---|---|---|---|---|---|\n");
+  for (const double accuracy : {1e-4, 1e-5, 1e-6}) {
+    for (int kind = 0; kind < kKinds; ++kind) {
+      std::vector<double> ratios, times;
+      int near = 0, above = 0;
+      for (int i = 0; i < scenes / kKinds; ++i) {
+        const Scene scene = random_scene(kind, static_cast<unsigned>(i * kKinds + kind));
+        const ModesOptions options = modes_of(kind);
+        const ChainModes coarse =
+            find_modes(scene, options, std::vector<int>(scene.members.size(), 12));
+        if (coarse.order.empty()) continue;
+        const SequenceStart start = sequence_start(scene, coarse);
+        SequenceStart finer = start;
+        for (int& n : finer.first) n = kind == 2 ? 2 * n : std::max(13, 17 * n / 10);
+        const ExtrapolatedModes truth = extrapolate_modes(scene, options, finer, 3e-9);
+        const std::clock_t begin = std::clock();
+        const ExtrapolatedModes found = extrapolate_modes(scene, options, start, accuracy);
+        times.push_back(1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+        double worst = 0;
+        for (std::size_t k = 0; k < found.frequency_hz.size(); ++k) {
+          worst = std::max(worst, std::abs(found.frequency_hz[k] / truth.limit_hz[k] - 1));
+        }
+        ratios.push_back(found.relative_error / worst);
+        near += ratios.back() > 1.0 / 3 && ratios.back() < 3;
+        above += worst > accuracy;
+      }
+      std::sort(ratios.begin(), ratios.end());
+      std::sort(times.begin(), times.end());
+      std::printf("| %.0e | %s | %.2f | %.2f | %.2f | %d of %zu | %d | %.2f |\n", accuracy,
+                  kKind[kind], ratios.front(), ratios[ratios.size() / 2], ratios.back(), near,
+                  ratios.size(), above, times[times.size() / 2]);
+    }
+  }
+}
+
+void costs() {
+  std::printf(
+      "\n| scene | asked | longest chain | estimate | error | ms |\n|---|---|---|---|---|---|\n");
+  const auto row = [](const char* name, Scene scene, int count) {
+    ModesOptions options;
+    options.count = count;
+    options.shapes = options.damped = false;
+    scene.accuracy = 1e-8;
+    const ModalAnalysis truth = analyse_modes(scene, options);
+    for (const double accuracy : {1e-4, 1e-6}) {
+      scene.accuracy = accuracy;
+      ModalAnalysis found;
+      const double ms = least_ms([&] { found = analyse_modes(scene, options); });
+      double worst = 0;
+      for (std::size_t k = 0; k < found.modes.size(); ++k) {
+        worst = std::max(worst,
+                         std::abs(found.modes[k].frequency_hz / truth.modes[k].frequency_hz - 1));
+      }
+      std::printf("| %s | %.0e | %d | %.1e | %.1e | %.2f |\n", name, accuracy,
+                  found.equilibrium.members[0].segments, found.relative_error_estimate, worst, ms);
+    }
+  };
+  row("cable, 200 N, 6 modes", testing::paper_cable(200, 0.5972, 0), 6);
+  row("cable, 25 N, 6 modes", testing::paper_cable(25, 0.2549, 0), 6);
+  row("standing beam, 6 modes", testing::vertical_beam(0.75, 2.1, 0.295, 0), 6);
+  row("rig, 12 modes", testing::cable_beam_rig(200, 0.5972, 0), 12);
+}
+
+void batches() {
+  std::printf(
+      "\n| 200 scenes | asked | one by one, ms | batch, ms | ratio | estimate | error |\n"
+      "|---|---|---|---|---|---|---|\n");
+  for (const bool rig : {false, true}) {
+    std::mt19937 generator(3);
+    std::normal_distribution<> normal;
+    std::vector<Scene> scenes;
+    for (int i = 0; i < 200; ++i) {
+      const double tension = 200 * std::exp(0.03 * normal(generator));
+      const double EI = 0.5972 * std::exp(0.1 * normal(generator));
+      scenes.push_back(rig ? testing::cable_beam_rig(tension, EI, 0)
+                           : testing::paper_cable(tension, EI, 0));
+    }
+    ModesOptions options = modes_of(rig ? 5 : 0);
+    options.shapes = options.damped = false;
+    for (const double accuracy : {1e-4, 1e-6}) {
+      for (Scene& scene : scenes) scene.accuracy = accuracy;
+      ModeBatch batch;
+      const double alone = least_ms([&] {
+        for (const Scene& scene : scenes) (void)analyse_modes(scene, options);
+      });
+      const double together = least_ms([&] { batch = batch_modes(scenes, options, accuracy); });
+      double worst = 0;
+      for (std::size_t i = 0; i < scenes.size(); i += 10) {
+        Scene scene = scenes[i];
+        scene.accuracy = 1e-8;
+        const ModalAnalysis truth = analyse_modes(scene, options);
+        for (int k = 0; k < options.count; ++k) {
+          worst =
+              std::max(worst, std::abs(batch.frequency_hz(static_cast<Eigen::Index>(i), k) /
+                                           truth.modes[static_cast<std::size_t>(k)].frequency_hz -
+                                       1));
+        }
+      }
+      std::printf("| %s | %.0e | %.1f | %.1f | %.1f | %.1e | %.1e |\n",
+                  rig ? "rig, 12 modes" : "cable, 6 modes", accuracy, alone, together,
+                  alone / together, batch.relative_error_estimate, worst);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  honesty(argc > 1 ? std::atoi(argv[1]) : 200);
+  costs();
+  batches();
+  return 0;
+}
