@@ -196,6 +196,7 @@ class Batch {
   /// All scenes as the cheapest set of chains that meets the accuracy; false: there is none.
   bool solve(std::vector<bool>& left) {
     std::vector<Logs> common;
+    common.reserve(scenes_.size());
     for (std::size_t i = 0; i < scenes_.size(); ++i) common.push_back(chain_logs(i, kCommon));
     const std::vector<std::size_t> chosen = pilots(common);
     if (chosen.empty() || common[0].empty() || !extrapolate_pilots(chosen)) return false;
@@ -209,6 +210,7 @@ class Batch {
     };
     for (const ChainSet& set : kSets) {
       std::vector<Logs> logs;
+      logs.reserve(chosen.size());
       for (const std::size_t pilot : chosen) logs.push_back(value_of(pilot, set));
       double error = pilot_error_;
       const auto corrections = corrections_of(logs, error);

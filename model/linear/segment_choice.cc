@@ -106,6 +106,7 @@ std::vector<double> wave_phases(const Scene& scene, const ChainModes& modes) {
   const Equilibrium rest = describe(*modes.chain, modes.equilibrium, scene);
   const double omega = 2 * M_PI * modes.frequency_hz(modes.order.size() - 1);
   std::vector<double> phase;
+  phase.reserve(scene.members.size());
   for (std::size_t m = 0; m < scene.members.size(); ++m) {
     phase.push_back(rest.members[m].unstretched_length_m *
                     wave_number(scene.members[m], rest.members[m].tension_N, omega));

@@ -90,7 +90,7 @@ Eigen::MatrixXd common_shapes(const ChainModes& modes, const MotionModes& motion
     const ChainMember& member = chain.members[m];
     const int stride = member.segments / common[m];
     for (int i = 0; i <= common[m]; ++i) {
-      const int node = member.nodes[static_cast<std::size_t>(i * stride)];
+      const int node = member.nodes[static_cast<std::size_t>(i) * static_cast<std::size_t>(stride)];
       for (int axis = 0; axis < 3; ++axis) rows.push_back(numbering.displacement(axis, node));
     }
   }
