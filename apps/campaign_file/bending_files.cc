@@ -187,10 +187,9 @@ signal::Recording load_bending_file(const std::filesystem::path& path, VerbConte
   own.hashes_inputs = false;
   // The inputs are named before they are read.
   context.input(path.string());
-  const auto beside = std::filesystem::path(path).replace_extension(".toml");
-  std::error_code ignored;
-  if (beside != path && std::filesystem::is_regular_file(beside, ignored)) {
-    context.input(beside.string());
+  own.reading = context.reading;
+  for (const auto& file : {signal::description_of_folder(path), signal::description_beside(path)}) {
+    if (file) context.input(file->string());
   }
   signal::Recording recording = load_recording(path, own, {}, given);
   drop_time_notes(recording);

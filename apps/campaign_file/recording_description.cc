@@ -1,5 +1,7 @@
 #include "apps/campaign_file/recording_description.h"
 
+#include <vector>
+
 #include "signal/readers/read_recording.h"
 
 namespace rigfit::apps {
@@ -8,20 +10,21 @@ namespace fs = std::filesystem;
 signal::Recording load_recording(const fs::path& path, VerbContext& context,
                                  const signal::ReadOptions& options,
                                  const RecordingDescription& given) {
-  RecordingDescription description;
+  std::vector<RecordingDescription> descriptions;  // what wins stands last
   context.input(path.string());
-  if (const auto beside = signal::description_beside(path)) {
-    context.input(beside->string());
-    description = signal::read_description(*beside);
+  for (const auto& file :
+       {signal::description_of_folder(path), signal::description_beside(path)}) {
+    if (!file || *file == path) continue;
+    context.input(file->string());
+    descriptions.push_back(signal::read_description(*file));
   }
-  signal::ReadOptions used = options;
-  if (used.sample_rate_hz == 0) {
-    used.sample_rate_hz =
-        given.sample_rate_hz > 0 ? given.sample_rate_hz : description.sample_rate_hz;
+  descriptions.push_back(given);
+  signal::ReadOptions used = merged(options, context.reading);
+  for (auto one = descriptions.rbegin(); one != descriptions.rend(); ++one) {
+    used = merged(used, one->reading);
   }
   signal::Recording recording = signal::read_recording(path, used);
-  signal::apply_description(description, recording);
-  signal::apply_description(given, recording);
+  for (const auto& description : descriptions) signal::apply_description(description, recording);
   for (const auto& note : recording.notes) {
     const std::string where =
         note.where.empty() ? path.string() : path.string() + ": " + note.where;

@@ -1,12 +1,15 @@
 #include "apps/cli/verb_context.h"
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <iostream>
 #include <system_error>
 
 #include "apps/cli/output_file.h"
 #include "apps/cli/sha256.h"
+#include "apps/cli/terminal.h"
 
 namespace rigfit::apps {
 namespace {
@@ -26,15 +29,14 @@ Input stamp_of(const std::string& path) {
 }  // namespace
 
 void VerbContext::warn(std::string code, std::string message, std::string where) {
-  if (!quiet && !silent) {
-    std::cerr << "warning: " << (where.empty() ? "" : where + ": ") << message << '\n';
-  }
+  unsaid_.push_back(warnings_.size());
   warnings_.push_back({std::move(code), std::move(message), std::move(where)});
 }
 
 void VerbContext::refuse(std::string code, std::string message, std::string where) {
   if (!silent) {
-    std::cerr << "refused: " << (where.empty() ? "" : where + ": ") << message << '\n';
+    std::cerr << on_terminal(Colour::red, "refused:") << ' ' << (where.empty() ? "" : where + ": ")
+              << message << '\n';
   }
   warnings_.push_back({std::move(code), std::move(message), std::move(where)});
   exit_code = ExitCode::refused;
@@ -42,10 +44,46 @@ void VerbContext::refuse(std::string code, std::string message, std::string wher
 
 void VerbContext::fail(std::string message, std::string where) {
   if (!silent) {
-    std::cerr << "error: " << (where.empty() ? "" : where + ": ") << message << '\n';
+    std::cerr << on_terminal(Colour::red, "error:") << ' ' << (where.empty() ? "" : where + ": ") << message << '\n';
   }
   warnings_.push_back({"not_converged", std::move(message), std::move(where)});
   exit_code = ExitCode::not_converged;
+}
+
+void VerbContext::say_warnings() const {
+  if (quiet || silent) return;
+  std::unordered_set<std::string> said;
+  for (const std::size_t first : unsaid_) {
+    const Warning& warning = warnings_[first];
+    if (!said.insert(warning.code).second) continue;
+    std::size_t more = 0;
+    bool alike = true;
+    std::vector<std::string> places;
+    for (const std::size_t k : unsaid_) {
+      if (warnings_[k].code != warning.code) continue;
+      more += k == first ? 0 : 1;
+      alike &= warnings_[k].message == warning.message;
+      const std::string& where = warnings_[k].where;
+      if (!where.empty() && std::find(places.begin(), places.end(), where) == places.end()) {
+        places.push_back(where);
+      }
+    }
+    std::string line = on_terminal(Colour::yellow, "warning:") + ' ';
+    if (more == 0 || !alike) {
+      line += (warning.where.empty() ? "" : warning.where + ": ") + warning.message;
+      if (more > 0) line += fmt::format(" (and {} more of this kind; all with --json)", more);
+    } else {
+      constexpr std::size_t kShown = 3;
+      std::string list;
+      for (std::size_t k = 0; k < std::min(kShown, places.size()); ++k) {
+        list += (k == 0 ? "" : ", ") + places[k];
+      }
+      if (places.size() > kShown) list += " ...";
+      line += fmt::format("{} times: {}{}", more + 1, warning.message,
+                          list.empty() ? "" : " (" + list + ")");
+    }
+    std::cerr << line << '\n';
+  }
 }
 
 void VerbContext::tell(const std::vector<ident::Finding>& findings) {

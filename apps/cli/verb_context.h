@@ -1,6 +1,7 @@
 // What every verb gets from the common options, and what it leaves behind besides its result.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -12,6 +13,7 @@
 
 #include "apps/cli/exit_code.h"
 #include "ident/campaign/finding.h"
+#include "signal/readers/read_options.h"
 
 namespace rigfit::apps {
 
@@ -35,19 +37,25 @@ struct Input {
 class VerbContext {
  public:
   explicit VerbContext(std::ostream& out_stream) : out(out_stream) {}
+  /// Says the warnings, however the run ends.
+  ~VerbContext() { say_warnings(); }
+  VerbContext(const VerbContext&) = delete;
+  VerbContext& operator=(const VerbContext&) = delete;
 
   std::ostream& out;  ///< for people; a sink when JSON goes to standard output or with --quiet
   bool quiet = false;
   bool silent = false;  ///< nothing on standard error: the caller takes all from warnings()
   int threads = 1;
   std::uint64_t seed = 1;
+  signal::ReadOptions reading;       ///< of every recording, by the command line
   bool hashes_inputs = true;         ///< false: their names are enough
   std::vector<std::string> command;  ///< as typed, for provenance
 
   ExitCode exit_code = ExitCode::done;
   std::shared_ptr<PlotSheet> plots;  ///< figures of the run, where --plot asks for them; else null
 
-  /// Recorded in the document and, unless quiet, said on standard error.
+  /// Recorded in the document and, unless quiet, said on standard error at the end: those of one
+  /// code in one line.
   void warn(std::string code, std::string message, std::string where = "");
   /// A warning that also ends the run with exit code 4: part of what was asked cannot be had.
   void refuse(std::string code, std::string message, std::string where = "");
@@ -67,7 +75,10 @@ class VerbContext {
   const std::vector<Input>& inputs() const { return inputs_; }
 
  private:
+  void say_warnings() const;
+
   std::vector<Warning> warnings_;
+  std::vector<std::size_t> unsaid_;  ///< places of warnings to be said at the end
   std::vector<Input> inputs_;
   std::unordered_set<std::string> known_;
 };

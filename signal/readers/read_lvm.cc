@@ -215,6 +215,7 @@ double clock_of(const Header& header, std::size_t column) {
 struct SegmentTimes {
   double start_s = 0;
   double stated_rate_hz = 0;
+  double rate_relative_std = 0;  ///< of the stated rate: its step is printed with few digits
   Eigen::VectorXd x;  ///< empty: no X column
   double printed_resolution_s = 0;
 };
@@ -231,7 +232,9 @@ SegmentTimes times_of(const Segment& segment, std::size_t reference) {
     const std::string text = segment.header.at("Delta_X", reference);
     const double half_digit =
         0.5 * std::pow(10.0, -std::max(printed_decimals(text, '.'), printed_decimals(text, ',')));
-    times.stated_rate_hz = round_rate(1 / delta, std::min(1e-4, half_digit / delta));
+    const RateOfStep rate = rate_of_step(delta, half_digit);
+    times.stated_rate_hz = rate.rate_hz;
+    times.rate_relative_std = rate.relative_std;
   }
   times.start_s = std::isfinite(x0) ? x0 : 0;
   for (const std::size_t c : segment.x_columns) {
@@ -363,7 +366,21 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
   } else {
     recording.start_time_s = first_times.start_s;
   }
-  if (recording.sample_rate_hz == 0) recording.sample_rate_hz = first_times.stated_rate_hz;
+  if (recording.sample_rate_hz == 0) {
+    recording.sample_rate_hz = first_times.stated_rate_hz;
+    recording.sample_rate_relative_std = first_times.rate_relative_std;
+  }
+  if (options.sample_rate_hz > 0) recording.sample_rate_relative_std = 0;
+  // 20 ppm: what ordinary loggers' clocks are off by anyhow.
+  if (recording.sample_rate_relative_std > 2e-5) {
+    recording.notes.push_back(
+        {"rate_rounded",
+         fmt::format("Delta_X is printed as {}: {:.9g} Hz is taken, known to {:.2g} Hz, and so is "
+                     "every frequency in proportion; give sample_rate_hz where it is known better",
+                     first.header.at("Delta_X", reference), recording.sample_rate_hz,
+                     recording.sample_rate_relative_std * recording.sample_rate_hz),
+         ""});
+  }
   if (options.sample_rate_hz > 0) {
     if (recording.sample_rate_hz > 0 &&
         std::abs(recording.sample_rate_hz / options.sample_rate_hz - 1) > 1e-4) {

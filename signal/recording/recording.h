@@ -59,8 +59,10 @@ struct Note {
 /// Channels sampled together at a constant rate.
 struct Recording {
   std::filesystem::path path;
-  std::string format;         ///< "csv", "lvm", "uff58-ascii", "uff58-binary"
+  std::string format;         ///< "csv", "lvm", "uff58-ascii", "uff58-binary", "wav", "npy", "mat"
   double sample_rate_hz = 0;  ///< from the time column where there is one; 0: not known
+  /// Of the rate, where the file states it rounded; a relative error of every frequency. 0: none.
+  double sample_rate_relative_std = 0;
   double start_time_s = 0;
   double time_jitter_s = 0;  ///< rms departure of the time column from uniform sampling
   Eigen::VectorXd time_s;    ///< kept only when sampling is not uniform, else empty

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "document/toml_table.h"
 #include "signal/recording/recording_error.h"
@@ -117,8 +119,32 @@ void apply_channel(const ChannelDescription& given, Recording& recording) {
 
 RecordingDescription read_description(document::TomlTable& table) {
   RecordingDescription description;
-  description.sample_rate_hz =
+  ReadOptions& reading = description.reading;
+  reading.sample_rate_hz =
       table.optional_number("sample_rate_hz", document::Bound::positive, "Hz").value_or(0);
+  if (table.has("time_unit")) {
+    const std::string text = table.string("time_unit");
+    const auto unit = parse_unit(text);
+    if (!unit || unit->quantity != Quantity::time) {
+      throw table.error("time_unit", "\"" + text + "\" is no unit of time",
+                        "write \"s\", \"ms\", \"us\" or \"min\"");
+    }
+    reading.time_unit_s = unit->factor;
+  }
+  const auto sign = [&](const char* key, const std::string& allowed, const char* remedy) {
+    if (!table.has(key)) return char{0};
+    const std::string text = table.string(key);
+    const char found = sign_named(text);
+    if (found == 0 || allowed.find(found) == std::string::npos) {
+      throw table.error(key, "does not know \"" + text + "\"", remedy);
+    }
+    return found;
+  };
+  reading.decimal = sign("decimal", ".,", "write \".\" or \",\"");
+  reading.separator = sign("separator", ",;\t ",
+                           "write \"comma\", \"semicolon\", \"tab\" or \"blank\", or the sign");
+  if (table.has("format")) reading.format = table.choice_or("format", format_names(), "");
+  if (table.has("variables")) reading.variables = table.string_or_strings("variables");
   for (auto& entry : table.tables_or_empty("channel")) {
     description.channels.push_back(read_channel(entry));
     entry.finish();
@@ -126,8 +152,53 @@ RecordingDescription read_description(document::TomlTable& table) {
   return description;
 }
 
+std::vector<std::string> format_names() {
+  return {"csv", "lvm", "uff", "wav", "npy", "mat"};
+}
+
+char sign_named(const std::string& text) {
+  if (text.size() == 1 && std::string(",;.\t ").find(text[0]) != std::string::npos) return text[0];
+  for (const auto& [name, sign] : {std::pair<const char*, char>{"comma", ','},
+                                   {"semicolon", ';'},
+                                   {"tab", '\t'},
+                                   {"\\t", '\t'},
+                                   {"blank", ' '},
+                                   {"space", ' '},
+                                   {"point", '.'}}) {
+    if (text == name) return sign;
+  }
+  return 0;
+}
+
+ReadOptions merged(ReadOptions first, const ReadOptions& second) {
+  if (first.sample_rate_hz == 0) first.sample_rate_hz = second.sample_rate_hz;
+  if (first.time_unit_s == 0) first.time_unit_s = second.time_unit_s;
+  if (first.decimal == 0) first.decimal = second.decimal;
+  if (first.separator == 0) first.separator = second.separator;
+  if (first.format.empty()) first.format = second.format;
+  if (first.variables.empty()) first.variables = second.variables;
+  return first;
+}
+
 void apply_description(const RecordingDescription& description, Recording& recording) {
-  for (const auto& channel : description.channels) apply_channel(channel, recording);
+  std::string absent;
+  for (const auto& channel : description.channels) {
+    if (description.of_folder) {
+      try {
+        (void)recording.channel_index(channel.source);
+      } catch (const RecordingError&) {
+        absent += (absent.empty() ? "\"" : ", \"") + channel.source + "\"";
+        continue;
+      }
+    }
+    apply_channel(channel, recording);
+  }
+  if (!absent.empty()) {
+    recording.notes.push_back({"described_channel_absent",
+                               "channels.toml of the folder describes " + absent +
+                                   ", which this recording does not have",
+                               ""});
+  }
   // What is described has its unit from the description; the reader's remark no longer holds.
   std::string unitless;
   for (const auto& channel : recording.channels) {
@@ -154,10 +225,18 @@ std::optional<fs::path> description_beside(const fs::path& recording) {
   return beside;
 }
 
+std::optional<fs::path> description_of_folder(const fs::path& recording) {
+  const fs::path common = recording.parent_path() / "channels.toml";
+  std::error_code ignored;
+  if (!fs::is_regular_file(common, ignored)) return std::nullopt;
+  return common;
+}
+
 RecordingDescription read_description(const fs::path& file) {
   auto table = document::TomlTable::read_file(file);
   RecordingDescription description = read_description(table);
   table.finish();
+  description.of_folder = file.filename() == "channels.toml";
   return description;
 }
 

@@ -2,6 +2,11 @@
 // the sample rate. A TOML file beside it (`name.csv` -> `name.toml`) or a table of a campaign.
 //
 //   sample_rate_hz = 500.0        # where the file gives none, or a wrong one
+//   time_unit = "ms"              # of the time column, where the file does not say
+//   decimal = ","                 # decimal sign, where a table can be read in two ways
+//   separator = ";"               # between columns: "comma", "semicolon", "tab", "blank" or the sign
+//   format = "csv"                # where the content does not tell (read_recording.h)
+//   variables = ["acc", "force"]  # arrays to take of a file that names several (.mat)
 //   [[channel]]
 //   source = "CH8"                # the file's name for it, or "#5" for the fifth
 //   name = "hammer"               # to be called so from here on
@@ -20,6 +25,7 @@
 #include <string>
 #include <vector>
 
+#include "signal/readers/read_options.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::document {
@@ -43,21 +49,36 @@ struct ChannelDescription {
 
 /// A whole description.
 struct RecordingDescription {
-  double sample_rate_hz = 0;  ///< 0: as the file says
+  ReadOptions reading;
   std::vector<ChannelDescription> channels;
+  bool of_folder = false;  ///< for all recordings of a folder: channels that one lacks are passed over
 };
 
 /// The TOML file of a recording's name in its folder, if there is one.
 [[nodiscard]] std::optional<std::filesystem::path> description_beside(
     const std::filesystem::path& recording);
 
+/// `channels.toml` in a recording's folder, which describes all recordings there, if there is one.
+[[nodiscard]] std::optional<std::filesystem::path> description_of_folder(
+    const std::filesystem::path& recording);
+
+/// Names of formats that `format` may say (read_recording.h tells them apart by content).
+[[nodiscard]] std::vector<std::string> format_names();
+
+/// Separator or decimal sign by its sign or name ("tab", "comma", "point"); 0: not known.
+[[nodiscard]] char sign_named(const std::string& text);
+
+/// What `first` says, and what `second` says where `first` says nothing.
+[[nodiscard]] ReadOptions merged(ReadOptions first, const ReadOptions& second);
+
 /// Reads a whole file. Throws document::DocumentError for what makes no sense.
 [[nodiscard]] RecordingDescription read_description(const std::filesystem::path& file);
-/// Takes the keys `sample_rate_hz` and `channel` of a table; the caller calls finish().
+/// Takes the keys of reading and `channel` of a table; the caller calls finish().
 [[nodiscard]] RecordingDescription read_description(document::TomlTable& table);
 
 /// Renames, rescales and orients the recording's channels as described; its notes of missing units
-/// follow. Throws RecordingError for a channel that is not there or a unit that does not fit.
+/// follow. Throws RecordingError for a channel that is not there (unless the description is of the
+/// folder) or a unit that does not fit.
 void apply_description(const RecordingDescription& description, Recording& recording);
 
 }  // namespace rigfit::signal

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "signal/numerics/robust.h"
 
 namespace rigfit::signal {
-namespace {}  // namespace
 
 double round_rate(double rate_hz, double tolerance) {
   if (!(rate_hz > 0) || !std::isfinite(rate_hz)) return rate_hz;
@@ -137,6 +137,71 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
     return none;
   }
   return axis;
+}
+
+double clock_tick(const Eigen::Ref<const Eigen::VectorXd>& time_s, double printed_resolution_s) {
+  const Eigen::Index n = time_s.size();
+  if (n < 16 || !time_s.allFinite()) return 0;
+  // Differences of printed times are off by one digit, and by rounding of the doubles themselves.
+  const double slack = 1.01 * printed_resolution_s + 4e-16 * time_s.cwiseAbs().maxCoeff();
+  double tick = std::numeric_limits<double>::infinity();
+  for (Eigen::Index k = 1; k < n; ++k) {
+    const double h = time_s[k] - time_s[k - 1];
+    if (h < -slack) return 0;
+    if (h > slack) tick = std::min(tick, h);
+  }
+  if (!std::isfinite(tick) || tick < 4 * slack) return 0;
+  // The smallest step may be two ticks of 1, 2 or 2, 3 ...: its usual divisors are tried.
+  for (const int divisor : {1, 2, 3, 4, 5}) {
+    const double unit = tick / divisor;
+    if (unit < 4 * slack) return 0;
+    long low = std::numeric_limits<long>::max(), high = 0, at_low = 0;
+    bool whole = true;
+    for (Eigen::Index k = 1; k < n && whole; ++k) {
+      const double h = time_s[k] - time_s[k - 1];
+      const double multiple = std::round(h / unit);
+      whole = multiple < 1e6 && std::abs(h - multiple * unit) <= slack * (1 + multiple);
+      const auto m = static_cast<long>(whole ? multiple : 0);
+      at_low = m < low ? 1 : at_low + (m == low ? 1 : 0);
+      low = std::min(low, m);
+      high = std::max(high, m);
+    }
+    if (!whole || high != low + 1 || std::min(at_low, n - 1 - at_low) < 4) continue;
+    // Even samples seen through the clock stay within one tick of a line; lost samples do not.
+    TimeAxisOptions options;
+    options.printed_resolution_s = 0.74 * unit;
+    if (time_axis(time_s, options).uniform) return unit;
+  }
+  return 0;
+}
+
+RateOfStep rate_of_step(double step_s, double half_digit) {
+  RateOfStep result;
+  if (!(step_s > 0) || !std::isfinite(1 / step_s)) return result;
+  result.rate_hz = 1 / step_s;
+  const double tolerance = std::min(0.1, half_digit / step_s);
+  // A round rate (four digits or fewer) whose step is this very decimal: printed in full.
+  const double round = round_rate(result.rate_hz, 1e-12);
+  const double four = std::pow(10.0, std::floor(std::log10(round)) - 3);
+  if (std::abs(round / four - std::round(round / four)) < 1e-9) {
+    result.rate_hz = round;
+    return result;
+  }
+  result.relative_std = tolerance / std::sqrt(3.0);
+  std::vector<double> usual;
+  const double power = std::exp2(std::round(std::log2(result.rate_hz)));
+  const double decade = std::pow(10.0, std::floor(std::log10(result.rate_hz)) - 1);
+  // Powers of two, those times 25 (51200 Hz and its parts), and rates of two digits.
+  const double times25 = 25 * std::exp2(std::round(std::log2(result.rate_hz / 25)));
+  for (const double rate : {power, times25, std::round(result.rate_hz / decade) * decade}) {
+    if (std::abs(1 / rate - step_s) > half_digit * (1 + 1e-9)) continue;
+    if (std::find(usual.begin(), usual.end(), rate) == usual.end()) usual.push_back(rate);
+  }
+  if (usual.size() == 1) {
+    result.chosen = std::abs(usual.front() / result.rate_hz - 1) > 1e-9;
+    result.rate_hz = usual.front();
+  }
+  return result;
 }
 
 }  // namespace rigfit::signal

@@ -90,9 +90,10 @@ std::string_view text_without_mark(std::string_view bytes, std::string& converte
 }
 
 CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
-                          const std::function<void(std::size_t)>& done_with) {
+                          const std::function<void(std::size_t)>& done_with,
+                          const ReadOptions& options) {
   CsvTable table;
-  table.layout = find_csv_layout(bytes, file);
+  table.layout = find_csv_layout(bytes, file, options);
   const CsvLayout& layout = table.layout;
   const std::size_t n = layout.columns.size();
   std::vector<bool> wanted(n, false);
@@ -122,6 +123,14 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
                          "check the recording");
   }
 
+  if (!layout.unmatched_titles.empty()) {
+    table.notes.push_back({"titles_not_matched",
+                           "the titles \"" + layout.unmatched_titles + "\" do not part into " +
+                               std::to_string(n) +
+                               " columns: columns are named by their number; part the titles by "
+                               "tabs, or name channels in a TOML file",
+                           ""});
+  }
   // Columns that looked empty in the lines looked at but hold something are stray, too.
   std::vector<std::size_t> unnamed = stray;
   unnamed.insert(unnamed.end(), nothing.begin(), nothing.end());

@@ -24,7 +24,8 @@ struct CsvTable {
 /// `bytes`: text as text_without_mark gives it. `done_with` is told how far the body has been read.
 /// Throws RecordingError.
 [[nodiscard]] CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
-                                        const std::function<void(std::size_t)>& done_with);
+                                        const std::function<void(std::size_t)>& done_with,
+                                        const ReadOptions& options = {});
 
 /// Text without its byte-order mark; UTF-16 is put into `converted`. Throws RecordingError for
 /// binary data.

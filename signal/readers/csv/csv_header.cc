@@ -91,6 +91,83 @@ std::vector<CsvField> row_of(std::string_view line, const CsvDialect& dialect) {
   return fields;
 }
 
+/// Fields of titles, parted by `parted`, which is asked at each blank or sign outside brackets and
+/// says how many characters end a field there (0: none).
+template <typename Parted>
+std::vector<CsvField> titles_by(std::string_view line, Parted&& parted) {
+  std::vector<CsvField> fields;
+  std::size_t first = 0;
+  int depth = 0;
+  const auto finish = [&](std::size_t end) {
+    const auto text = trim_blanks(line.substr(first, end - first));
+    if (!text.empty()) fields.push_back({text, false});
+  };
+  for (std::size_t at = 0; at < line.size();) {
+    if (line[at] == '(' || line[at] == '[') ++depth;
+    if (line[at] == ')' || line[at] == ']') depth = std::max(0, depth - 1);
+    const std::size_t width = depth == 0 ? parted(line, at) : 0;
+    if (width == 0) {
+      ++at;
+      continue;
+    }
+    finish(at);
+    at += width;
+    first = at;
+  }
+  finish(line.size());
+  return fields;
+}
+
+std::size_t blanks_at(std::string_view line, std::size_t at) {
+  std::size_t end = at;
+  while (end < line.size() && (line[end] == ' ' || line[end] == '\t')) ++end;
+  return end - at;
+}
+
+/// Titles above a table parted by blanks, which may hold blanks themselves: parted by tabs, by two
+/// blanks or more, by a sign, or by blanks that stand before no unit in brackets, whichever gives as
+/// many titles as there are columns. Empty: none does.
+std::vector<CsvField> titles_with_blanks(std::string_view line, std::size_t columns) {
+  line = trim_blanks(line);
+  while (!line.empty() && (line[0] == '#' || line[0] == '%' || line[0] == '!')) {
+    line = trim_blanks(line.substr(1));
+  }
+  const auto sign = [](char s) {
+    return [s](std::string_view text, std::size_t at) -> std::size_t { return text[at] == s; };
+  };
+  const auto wide = [](std::string_view text, std::size_t at) {
+    const std::size_t blanks = blanks_at(text, at);
+    return blanks >= 2 ? blanks : std::size_t{0};
+  };
+  const auto before_no_unit = [](std::string_view text, std::size_t at) {
+    const std::size_t blanks = blanks_at(text, at);
+    const char next = at + blanks < text.size() ? text[at + blanks] : 'x';
+    return next == '(' || next == '[' ? std::size_t{0} : blanks;
+  };
+  for (auto fields : {titles_by(line, sign('\t')), titles_by(line, wide), titles_by(line, sign(';')),
+                      titles_by(line, sign(',')), titles_by(line, sign('|')),
+                      titles_by(line, before_no_unit)}) {
+    if (fields.size() == columns) return fields;
+  }
+  return {};
+}
+
+/// Titles that cannot be told apart: the time, first or last of them, is known all the same.
+void name_time_only(std::string_view line, std::vector<std::string>& names) {
+  const auto is_time = [](std::string_view text) {
+    const std::string word = lower_case(text);
+    return word == "time" || word == "t" || word == "zeit" || word == "temps";
+  };
+  std::vector<CsvField> words;
+  split_fields(line, {' ', '.'}, words);
+  while (words.size() > 1 && (words.back().text.front() == '(' || words.back().text.front() == '[')) {
+    words.pop_back();
+  }
+  if (words.empty()) return;
+  if (is_time(words.front().text)) names.front() = "Time";
+  if (is_time(words.back().text)) names.back() = "Time";
+}
+
 std::string unquoted(std::string_view text) {
   std::string out = to_utf8(text);
   for (std::size_t at = 0; (at = out.find("\"\"", at)) != std::string::npos; ++at) out.erase(at, 1);
@@ -244,6 +321,15 @@ void read_csv_header(const std::vector<std::string_view>& lines, const std::stri
     if (lines[k].size() > (std::size_t{1} << 22)) continue;
     auto row = row_of(lines[k], layout.dialect);
     if (row.empty()) continue;
+    const bool by_blanks = layout.dialect.separator == ' ' && columns > 1;
+    bool unmatched = by_blanks && row.size() != columns;
+    if (unmatched) {
+      auto titles = titles_with_blanks(lines[k], columns);
+      if (!titles.empty()) {
+        row = std::move(titles);
+        unmatched = false;
+      }
+    }
     const std::string label = normal_label(row[0].text);
     const bool labelled = row.size() > 1;
     if (labelled && is_one_of(label, kUnitLabels)) {
@@ -302,6 +388,13 @@ void read_csv_header(const std::vector<std::string_view>& lines, const std::stri
       }
       continue;
     }
+    if (unmatched) {
+      if (unit_words < filled && !have_names && layout.unmatched_titles.empty() && row.size() > 1) {
+        layout.unmatched_titles = unquoted(trim_blanks(lines[k]).substr(0, 200));
+        name_time_only(lines[k], names);
+      }
+      continue;
+    }
     if (!have_units && !have_names && unit_words == filled) {
       copy_row(row, units, 0);
       for (auto& unit : units) unit = bare_unit(unit);
@@ -309,7 +402,7 @@ void read_csv_header(const std::vector<std::string_view>& lines, const std::stri
       title_line = static_cast<long>(k) + 1;
       continue;
     }
-    if (!have_names && !have_numbers) {
+    if (!have_names && !have_numbers && layout.unmatched_titles.empty()) {
       if (columns >= 2 && 2 * row.size() == columns) wide_title_fields = row.size();
       copy_row(row, names, 0);
       // Titles further right than the table's columns are reported by the caller's column count.
@@ -342,7 +435,7 @@ void read_csv_header(const std::vector<std::string_view>& lines, const std::stri
         std::isfinite(coefficient)) {
       layout.columns[c].range *= std::abs(coefficient);
     }
-    std::string title = have_names ? names[c] : "";
+    std::string title = names[c];
     if (title.empty() && have_numbers) title = numbers[c];
     const TitledUnit titled = split_title(title);
     layout.columns[c].name = titled.name;

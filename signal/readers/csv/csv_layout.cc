@@ -5,9 +5,11 @@
 #include <cctype>
 #include <cmath>
 
+#include "signal/readers/csv/csv_comma.h"
 #include "signal/readers/csv/csv_header.h"
 #include "signal/readers/number_text.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 namespace {
@@ -70,7 +72,7 @@ bool is_good(const std::vector<CsvField>& fields, char decimal, long& numbers) {
   return numbers > 0 && words <= numbers;
 }
 
-Trial best_dialect(const Sample& sample) {
+Trial best_dialect(const Sample& sample, const ReadOptions& options) {
   constexpr std::array<CsvDialect, 7> kDialects = {
       {{'\t', '.'}, {'\t', ','}, {';', '.'}, {';', ','}, {',', '.'}, {' ', '.'}, {' ', ','}}};
   Trial best;
@@ -100,13 +102,54 @@ Trial best_dialect(const Sample& sample) {
       best_words = words;
     }
   };
-  for (const auto& dialect : kDialects) consider(dialect);
+  const auto allowed = [&](const CsvDialect& dialect) {
+    return (options.separator == 0 || dialect.separator == options.separator) &&
+           (options.decimal == 0 || dialect.decimal == options.decimal);
+  };
+  for (const auto& dialect : kDialects) {
+    if (allowed(dialect)) consider(dialect);
+  }
   // "1,5","2,5": a comma inside quotes is the decimal sign of a table separated by commas.
   const bool quotes = std::any_of(sample.lines.begin(), sample.lines.end(), [](const auto& line) {
     return line.find('"') != std::string_view::npos;
   });
-  if (quotes) consider({',', ','});
+  if (quotes && allowed({',', ','})) consider({',', ','});
   return best;
+}
+
+/// The table of commas again, where these are decimal signs or may be.
+void decide_commas(const Sample& sample, std::size_t columns,
+                   const std::vector<std::string_view>& header, const std::string& file,
+                   CsvDialect& dialect) {
+  std::vector<std::string_view> rows;
+  std::vector<CsvField> fields;
+  for (const auto& line : sample.lines) {
+    long numbers = 0;
+    split_fields(line, dialect, fields);
+    if (is_good(fields, dialect.decimal, numbers) && fields.size() <= columns) rows.push_back(line);
+  }
+  std::string_view titles;
+  for (const auto& line : header) {
+    if (!trim_blanks(line).empty()) titles = line;
+  }
+  switch (comma_meaning(rows, titles)) {
+    case CommaMeaning::separator:
+      return;
+    case CommaMeaning::decimal:
+      dialect = {';', ','};
+      return;
+    case CommaMeaning::both:
+      throw RecordingError(
+          {file, static_cast<long>(header.size()) + 1, 1, "", to_utf8(rows.front().substr(0, 60))},
+          "the comma seems to be both the separator and the decimal sign",
+          "write it with semicolons between the columns, or with decimal points");
+    case CommaMeaning::undecided:
+      throw RecordingError(
+          {file, static_cast<long>(header.size()) + 1, 1, "", to_utf8(rows.front().substr(0, 60))},
+          "may be one column with decimal commas or two columns of whole numbers",
+          "say it: --decimal comma or --separator comma (keys decimal, separator of the TOML file "
+          "beside it)");
+  }
 }
 
 }  // namespace
@@ -144,7 +187,8 @@ long line_number(std::string_view bytes, std::size_t offset) {
   return line;
 }
 
-CsvLayout find_csv_layout(std::string_view bytes, const std::string& file) {
+CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
+                          const ReadOptions& options) {
   const auto no_table = [&](const std::string& why) {
     return RecordingError({file, 1, 1, "", ""}, why,
                           "give a table with one line a sample, columns separated by comma, "
@@ -152,7 +196,7 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file) {
   };
   const Sample sample = sample_lines(bytes);
   if (sample.lines.empty()) throw no_table("no lines of text of a usual length");
-  const Trial trial = best_dialect(sample);
+  const Trial trial = best_dialect(sample, options);
   if (trial.good_lines == 0) throw no_table("no table of numbers in this text");
 
   CsvLayout layout;
@@ -259,6 +303,19 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file) {
   header.resize(header_size);
   layout.body = begin;
   layout.body_line = static_cast<long>(header_size) + 1;
+  if (layout.dialect.separator == ',' && layout.dialect.decimal == '.' && options.decimal == 0 &&
+      options.separator == 0) {
+    decide_commas(sample, layout.columns.size(), header, file, layout.dialect);
+    if (layout.dialect.separator != ',') {
+      ReadOptions decided;
+      decided.separator = layout.dialect.separator;
+      decided.decimal = layout.dialect.decimal;
+      return find_csv_layout(bytes, file, decided);
+    }
+  }
+  for (const auto& line : header) {
+    if (layout.heading.size() < 4096) layout.heading += lower_case(to_utf8(line)) + '\n';
+  }
   read_csv_header(header, file, layout);
   return layout;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/read_options.h"
 
 namespace rigfit::signal {
 
@@ -35,10 +36,14 @@ struct CsvLayout {
   long rate_line = 0;         ///< where
   std::string rate_text;      ///< as written
   bool has_names = false;
+  std::string unmatched_titles;  ///< a line of titles that does not fit the columns; empty: none
+  std::string heading;           ///< the header's lines of text, UTF-8, lower case, its first 4 kB
 };
 
-/// Throws RecordingError when there is no table of numbers in the text. `file` is for messages.
-[[nodiscard]] CsvLayout find_csv_layout(std::string_view bytes, const std::string& file);
+/// Throws RecordingError when there is no table of numbers in the text, and when its commas can be
+/// read in two ways and `options` do not say. `file` is for messages.
+[[nodiscard]] CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
+                                        const ReadOptions& options = {});
 
 /// 1-based number of the line that `offset` is in.
 [[nodiscard]] long line_number(std::string_view bytes, std::size_t offset);

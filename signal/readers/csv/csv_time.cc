@@ -80,13 +80,30 @@ bool counts_samples(const Eigen::VectorXd& values) {
   return true;
 }
 
-/// Every time the same step within printing, over at least three samples.
-bool looks_like_time(const Eigen::VectorXd& values, int decimals) {
-  if (values.size() < 3 || !values.allFinite()) return false;
-  TimeAxisOptions options;
-  options.printed_resolution_s = std::pow(10.0, -decimals);
-  const TimeAxis axis = time_axis(values, options);
-  return axis.uniform && axis.rate_hz > 0 && values[1] > values[0];
+/// Rows of a table without titles from which on a column that rises in equal steps is taken as
+/// time: tables of loads and masses have fewer.
+constexpr Eigen::Index kLeastTimes = 24;
+
+/// Seconds per number that a person probably meant by times without a unit; 0: seconds. Whole
+/// numbers in steps of one or more are seldom seconds.
+double suspected_unit(const Channel& column, int decimals, double rate_hz) {
+  if (!column.source_unit.empty() || decimals > 0 || column.samples.size() < 20) return 0;
+  if (!(rate_hz > 0) || rate_hz > 1) return 0;
+  return rate_hz >= 0.01 ? 1e-3 : 1e-6;
+}
+
+/// The unit in which the times give the stated rate; 0: in none but seconds.
+double unit_by_rate(double rate_hz, double stated_hz) {
+  for (const double unit : {1e-3, 1e-6, 1e-9, 60.0}) {
+    if (rate_hz > 0 && stated_hz > 0 && std::abs(rate_hz / unit / stated_hz - 1) < 1e-2) {
+      return unit;
+    }
+  }
+  return 0;
+}
+
+const char* name_of_unit(double unit) {
+  return unit == 1e-3 ? "ms" : unit == 1e-6 ? "us" : unit == 1e-9 ? "ns" : "min";
 }
 
 void note_time_faults(const TimeAxis& axis, const CsvLayout& layout, double resolution,
@@ -116,17 +133,42 @@ void note_time_faults(const TimeAxis& axis, const CsvLayout& layout, double reso
          "sampling is not uniform (rms departure " + decimal_text(axis.jitter_s) + " s)", ""});
   } else if (axis.rate_hz > 0 && resolution * axis.rate_hz > 1) {
     recording.notes.push_back({"time_rounded",
-                               "times are printed to " + decimal_text(resolution) +
+                               "times are known to " + decimal_text(resolution) +
                                    " s, coarser than the sampling step; the rate is that of the "
                                    "whole record",
                                ""});
   }
 }
 
+/// The column's numbers in seconds by the unit a person gives. Returns the factor applied.
+double give_unit(double unit_s, Channel& column, Recording& recording) {
+  const double factor = unit_s / column.si_per_source;
+  if (factor == 1) return 1;
+  if (!column.source_unit.empty()) {
+    recording.notes.push_back({"time_unit_overridden",
+                               "the file says \"" + column.source_unit +
+                                   "\" of the times; the unit asked for is taken",
+                               column.name});
+  }
+  column.samples *= factor;
+  return factor;
+}
+
 }  // namespace
 
+bool looks_like_time(const Eigen::VectorXd& values, int decimals) {
+  const Eigen::Index n = values.size();
+  if (n < kLeastTimes || !values.allFinite() || !(values[n - 1] > values[0])) return false;
+  TimeAxisOptions options;
+  options.printed_resolution_s = std::pow(10.0, -decimals);
+  options.printed_resolution_s =
+      std::max(options.printed_resolution_s, clock_tick(values, options.printed_resolution_s));
+  const TimeAxis axis = time_axis(values, options);
+  return axis.uniform && axis.rate_hz > 0 && axis.backward == 0;
+}
+
 std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file,
-                                        Recording& recording) {
+                                        Recording& recording, const ReadOptions& options) {
   const CsvLayout& layout = table.layout;
   // Which column is the time?
   std::optional<std::size_t> time;
@@ -150,12 +192,25 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
       recording.notes.push_back(
           {"index_column_left_out", "counts the samples: left out", first.name});
     } else if ((first_unnamed || first.quantity == Quantity::time) &&
-               looks_like_time(first.samples, table.decimals[0])) {
+               (looks_like_time(first.samples, table.decimals[0]) || options.time_unit_s > 0)) {
       time = 0;
       if (first.source_unit.empty() && !layout.has_names) {
         recording.notes.push_back(
-            {"time_column_assumed", "column 1 rises in equal steps: taken as time in seconds", ""});
+            {"time_column_assumed",
+             options.time_unit_s > 0
+                 ? "column 1 is taken as time in the unit given"
+                 : "column 1 rises in equal steps: taken as time in seconds",
+             ""});
       }
+    } else if (first_unnamed && first.samples.size() > 2 && first.samples.allFinite() &&
+               (first.samples.tail(first.samples.size() - 1).array() >
+                first.samples.head(first.samples.size() - 1).array())
+                   .all()) {
+      recording.notes.push_back(
+          {"time_not_assumed",
+           "column 1 rises but has no title: kept as a channel (loads, masses?); where it is time, "
+           "give titles or --time-unit s",
+           first.name});
     }
   }
 
@@ -164,7 +219,9 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
     Channel& column = table.channels[*time];
     TimeAxisOptions axis_options;
     printed = std::pow(10.0, -table.decimals[*time]) * std::abs(column.si_per_source);
-    axis_options.printed_resolution_s = printed;
+    if (options.time_unit_s > 0 && kind(*time) != ColumnKind::clock) {
+      printed *= give_unit(options.time_unit_s, column, recording);
+    }
     axis_options.stated_rate_hz = layout.stated_rate_hz;
     if (kind(*time) == ColumnKind::clock) {
       // Midnight inside the record.
@@ -176,11 +233,36 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
       const double start = column.samples[0];
       if (std::isfinite(start)) column.samples.array() -= start;
     }
-    const TimeAxis axis = time_axis(column.samples, axis_options);
+    const auto axis_of = [&] {
+      axis_options.printed_resolution_s = std::max(printed, clock_tick(column.samples, printed));
+      return time_axis(column.samples, axis_options);
+    };
+    TimeAxis axis = axis_of();
+    if (options.time_unit_s == 0 && column.source_unit.empty() && kind(*time) != ColumnKind::clock) {
+      if (const double unit = unit_by_rate(axis.rate_hz, layout.stated_rate_hz); unit > 0) {
+        column.samples *= unit;
+        printed *= unit;
+        axis = axis_of();
+        recording.notes.push_back({"time_unit_by_rate",
+                                   "the times have no unit; in " + std::string(name_of_unit(unit)) +
+                                       " they give the rate that the header states: so taken",
+                                   column.name});
+      } else if (const double suspected =
+                     suspected_unit(column, table.decimals[*time], axis.rate_hz);
+                 suspected > 0) {
+        recording.notes.push_back(
+            {"time_unit_suspected",
+             "the times have no unit and are whole numbers: in seconds the rate is " +
+                 decimal_text(axis.rate_hz) + " Hz, in " + name_of_unit(suspected) + " it is " +
+                 decimal_text(axis.rate_hz / suspected) + " Hz; seconds are taken: say --time-unit " +
+                 name_of_unit(suspected) + " (key time_unit) where they are not",
+             column.name});
+      }
+    }
     recording.sample_rate_hz = axis.rate_hz;
     recording.start_time_s = axis.start_s;
     recording.time_jitter_s = axis.jitter_s;
-    note_time_faults(axis, layout, printed, recording);
+    note_time_faults(axis, layout, axis_options.printed_resolution_s, recording);
     if (!axis.agrees_with_stated && axis.rate_hz > 0) {
       recording.notes.push_back({"rate_disagrees",
                                  "the times give " + decimal_text(axis.rate_hz) +

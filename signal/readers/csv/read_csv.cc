@@ -53,7 +53,8 @@ Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
   const std::string file = path.string();
   std::string converted;
   const std::string_view text = text_without_mark(bytes, converted, file);
-  CsvTable csv = read_csv_columns(text, file, converted.empty() ? done_with : nullptr);
+  CsvTable csv = 
+      read_csv_columns(text, file, converted.empty() ? done_with : nullptr, options);
   const CsvLayout& layout = csv.layout;
 
   Recording recording;
@@ -61,7 +62,8 @@ Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
   recording.format = "csv";
   recording.notes = std::move(csv.notes);
 
-  const std::vector<std::size_t> left_out = take_csv_times(csv, file, recording);
+  const std::vector<std::size_t> left_out = 
+      take_csv_times(csv, file, recording, options);
   if (recording.sample_rate_hz == 0) recording.sample_rate_hz = layout.stated_rate_hz;
   if (options.sample_rate_hz > 0) {
     const double had = recording.sample_rate_hz;

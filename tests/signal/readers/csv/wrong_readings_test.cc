@@ -1,0 +1,165 @@
+// Tables that can be taken for something else than they are: each is read rightly, asked about, or
+// left with a note, never taken wrongly without a word.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "signal/readers/csv/read_csv.h"
+#include "signal/recording/recording_error.h"
+#include "signal/recording/time_axis.h"
+
+namespace rigfit::signal::wrong_readings_test {
+namespace {
+
+Recording read(const std::string& text, const ReadOptions& options = {}) {
+  return read_csv(text, "test.csv", options);
+}
+
+bool noted(const Recording& recording, const std::string& code) {
+  for (const auto& note : recording.notes) {
+    if (note.code == code) return true;
+  }
+  return false;
+}
+
+TEST(DecimalCommas, AColumnWithoutATitleIsOneColumn) {
+  // 20 values of a sine of amplitude 2, three decimals: some begin with a zero behind the comma.
+  std::string text;
+  for (int k = 0; k < 20; ++k) {
+    std::string line = fmt::format("{:.3f}\n", 2 * std::sin(0.3 * k));
+    line[line.find('.')] = ',';
+    text += line;
+  }
+  const auto recording = read(text);
+  ASSERT_EQ(recording.channels.size(), 1u);
+  for (int k = 0; k < 20; ++k) {
+    EXPECT_NEAR(recording.channels[0].samples[k], 2 * std::sin(0.3 * k), 5e-4);
+  }
+}
+
+TEST(DecimalCommas, OneTitleMeansOneColumnAndTwoTitlesTwo) {
+  EXPECT_EQ(read("force\n1,5\n2,7\n3,2\n").channels.size(), 1u);
+  EXPECT_EQ(read("force,count\n1,5\n2,7\n9,2\n").channels.size(), 2u);
+}
+
+TEST(DecimalCommas, WhatCanBeReadInTwoWaysIsAskedAbout) {
+  const std::string text = "1,5\n4,7\n3,2\n9,9\n";
+  try {
+    (void)read(text);
+    FAIL() << "no question";
+  } catch (const RecordingError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("one column with decimal commas or two columns"));
+    EXPECT_THAT(error.remedy(), ::testing::HasSubstr("--decimal comma"));
+  }
+  ReadOptions decimal;
+  decimal.decimal = ',';
+  ASSERT_EQ(read(text, decimal).channels.size(), 1u);
+  EXPECT_EQ(read(text, decimal).channels[0].samples[1], 4.7);
+  ReadOptions separator;
+  separator.separator = ',';
+  EXPECT_EQ(read(text, separator).channels.size(), 2u);
+  // A first column that counts, a sign behind the comma, numbers that end with 0 beside shorter ones.
+  EXPECT_EQ(read("1,5\n2,7\n3,2\n").channels.size(), 1u);  // counts samples: left out
+  EXPECT_EQ(read("1,-5\n4,7\n3,2\n").channels.size(), 2u);
+  EXPECT_EQ(read("1,120\n4,7\n3,2\n").channels.size(), 2u);
+}
+
+TEST(Titles, ThatHoldBlanksStayWithTheirColumns) {
+  // Parted by tabs, by wide gaps, with units in brackets: the table itself by blanks.
+  for (const std::string title :
+       {"Time\tForce 1 (N)\tDisplacement 1 (mm)", "Time   Force 1 (N)   Displacement 1 (mm)",
+        "Time;Force 1 (N);Displacement 1 (mm)"}) {
+    std::string text = title + "\n";
+    for (int k = 0; k < 30; ++k) text += fmt::format("{:.3f}  {}.5  {}.25\n", 1e-3 * k, k, 2 * k);
+    const auto recording = read(text);
+    ASSERT_EQ(recording.channels.size(), 2u) << title;
+    EXPECT_EQ(recording.channels[0].name, "Force 1");
+    EXPECT_EQ(recording.channels[0].samples[3], 3.5);
+    EXPECT_EQ(recording.channels[1].name, "Displacement 1");
+    EXPECT_NEAR(recording.channels[1].samples[3], 6.25e-3, 1e-15);
+    EXPECT_EQ(recording.sample_rate_hz, 1000);
+  }
+  const auto brackets = read("Time (s) Force (N)\n0.0 1.5\n0.1 2.5\n0.2 4.5\n");
+  ASSERT_EQ(brackets.channels.size(), 1u);
+  EXPECT_EQ(brackets.channels[0].name, "Force");
+  EXPECT_EQ(brackets.channels[0].unit, "N");
+}
+
+TEST(Titles, ThatCannotBePartedNameNoColumn) {
+  std::string text = "Displacement 1 Force 1 Time\n";
+  for (int k = 0; k < 30; ++k) text += fmt::format("{}.5 {}.25 {:.3f}\n", k * k, 2 * k * k, 1e-3 * k);
+  const auto recording = read(text);
+  EXPECT_TRUE(noted(recording, "titles_not_matched"));
+  ASSERT_EQ(recording.channels.size(), 2u);
+  EXPECT_EQ(recording.channels[0].name, "column 1");
+  EXPECT_EQ(recording.channels[1].name, "column 2");
+  EXPECT_EQ(recording.sample_rate_hz, 1000);  // the time is told by its place, the last
+}
+
+TEST(Times, MassesOfAFewRowsAreNone) {
+  const auto recording = read("0.5;0.12\n1.0;0.25\n1.5;0.36\n2.0;0.49\n2.5;0.61\n");
+  EXPECT_EQ(recording.channels.size(), 2u);
+  EXPECT_EQ(recording.sample_rate_hz, 0);
+  EXPECT_TRUE(noted(recording, "time_not_assumed"));
+}
+
+TEST(Times, OfACoarseClockAreRecognised) {
+  // 640 Hz seen through a clock of 1/64 s: ten equal times each; and 40 Hz: steps of one or two ticks.
+  for (const double rate : {640.0, 40.0, 37.3}) {
+    std::string text;
+    for (int k = 0; k < 600; ++k) {
+      text += fmt::format("{:.6f};{}.5\n", std::floor(k / rate * 64) / 64, k % 7);
+    }
+    const auto recording = read(text);
+    ASSERT_EQ(recording.channels.size(), 1u) << rate;
+    EXPECT_EQ(recording.time_s.size(), 0) << rate;
+    // A tick over the record's length.
+    EXPECT_NEAR(recording.sample_rate_hz, rate, rate * rate / 64 / 600 + 1e-9) << rate;
+  }
+}
+
+TEST(Times, LostSamplesAreNoCoarseClock) {
+  Eigen::VectorXd times(400);
+  double t = 0;
+  for (int k = 0; k < 400; ++k) {
+    times[k] = t;
+    t += 0.01 * (k == 20 || k == 31 || k == 50 || k == 77 || k == 300 || k == 301 ? 2 : 1);
+  }
+  EXPECT_EQ(clock_tick(times, 1e-6), 0);
+  EXPECT_FALSE(time_axis(times, {1e-6, 0}).uniform);
+}
+
+TEST(Times, WithoutAUnitInWholeNumbersAreSuspected) {
+  std::string text = "t;a\n";
+  for (int k = 0; k < 50; ++k) text += fmt::format("{};{}.5\n", 2000 * k, k % 5);
+  const auto suspected = read(text);
+  EXPECT_TRUE(noted(suspected, "time_unit_suspected"));
+  ReadOptions options;
+  options.time_unit_s = 1e-6;
+  const auto given = read(text, options);
+  EXPECT_NEAR(given.sample_rate_hz, 500, 1e-9);
+  EXPECT_FALSE(noted(given, "time_unit_suspected"));
+  // The header's rate says which unit it is.
+  const auto stated = read("fs = 500 Hz\n" + text);
+  EXPECT_NEAR(stated.sample_rate_hz, 500, 1e-9);
+  EXPECT_TRUE(noted(stated, "time_unit_by_rate"));
+}
+
+TEST(RateOfStep, OfFewDigitsIsTheUsualRateWithItsUncertainty) {
+  EXPECT_EQ(rate_of_step(0.001, 5e-7).rate_hz, 1000);
+  EXPECT_EQ(rate_of_step(0.001, 5e-7).relative_std, 0);
+  const auto rounded = rate_of_step(0.000977, 5e-7);
+  EXPECT_EQ(rounded.rate_hz, 1024);
+  EXPECT_NEAR(rounded.relative_std, 5e-7 / 0.000977 / std::sqrt(3.0), 1e-9);
+  // 4096 and 4100 Hz both print as 0.000244: neither is taken.
+  const auto open = rate_of_step(0.000244, 5e-7);
+  EXPECT_NEAR(open.rate_hz, 1 / 0.000244, 1e-6);
+  EXPECT_GT(open.relative_std * open.rate_hz, 2);
+  EXPECT_EQ(rate_of_step(0.0009765625, 5e-11).rate_hz, 1024);
+}
+
+}  // namespace
+}  // namespace rigfit::signal::wrong_readings_test
