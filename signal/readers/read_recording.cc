@@ -1,15 +1,47 @@
 #include "signal/readers/read_recording.h"
 
+#include <algorithm>
+
+#include "signal/readers/arrays/read_mat.h"
+#include "signal/readers/arrays/read_npy.h"
+#include "signal/readers/arrays/read_wav.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/csv/read_csv.h"
+#include "signal/readers/foreign_formats.h"
 #include "signal/readers/mapped_file.h"
 #include "signal/readers/read_lvm.h"
 #include "signal/readers/uff/read_uff.h"
+#include "signal/recording/recording_description.h"
+#include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {
 
+namespace {
+
+RecordingFormat format_named(const std::string& name, const std::string& file) {
+  const auto names = format_names();
+  const auto at = std::find(names.begin(), names.end(), name);
+  if (at == names.end()) {
+    throw RecordingError({file, 0, 0, "", name}, "no format of that name is read",
+                         "csv (any table of text), lvm, uff, wav, npy or mat");
+  }
+  return static_cast<RecordingFormat>(at - names.begin());  // in the order of the enumeration
+}
+
+}  // namespace
+
 RecordingFormat format_of(std::string_view bytes) {
+  const auto magic = bytes.substr(0, 4);
+  if ((magic == "RIFF" || magic == "RIFX" || magic == "RF64") && bytes.size() >= 12 &&
+      bytes.substr(8, 4) == "WAVE") {
+    return RecordingFormat::wav;
+  }
+  if (bytes.substr(0, 6) == "\x93NUMPY") return RecordingFormat::npy;
+  if (bytes.substr(0, 6) == "MATLAB" && bytes.size() >= 128 &&
+      (bytes.substr(126, 2) == "IM" || bytes.substr(126, 2) == "MI")) {
+    return RecordingFormat::mat;
+  }
   auto head = bytes.substr(0, 1024);
   if (head.substr(0, 3) == "\xEF\xBB\xBF") head.remove_prefix(3);
   std::size_t at = 0;
@@ -26,7 +58,19 @@ RecordingFormat format_of(std::string_view bytes) {
 
 Recording read_recording(const std::filesystem::path& path, const ReadOptions& options) {
   const MappedFile file(path);
-  switch (format_of(file.bytes())) {
+  if (options.format.empty()) {
+    if (const auto foreign = foreign_format(file.bytes())) {
+      throw RecordingError({path.string(), 0, 0, "", ""}, "is " + foreign->name, foreign->remedy);
+    }
+  }
+  switch (options.format.empty() ? format_of(file.bytes())
+                                 : format_named(options.format, path.string())) {
+    case RecordingFormat::wav:
+      return read_wav(file.bytes(), path, options);
+    case RecordingFormat::npy:
+      return read_npy(file.bytes(), path, options);
+    case RecordingFormat::mat:
+      return read_mat(path, options);
     case RecordingFormat::uff:
       return read_uff(file.bytes(), path, options);
     case RecordingFormat::lvm:

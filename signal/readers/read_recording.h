@@ -10,13 +10,14 @@
 namespace rigfit::signal {
 
 /// Formats that are told apart by their content.
-enum class RecordingFormat { csv, lvm, uff };
+enum class RecordingFormat { csv, lvm, uff, wav, npy, mat };
 
-/// By the first lines: "    -1" begins UFF, "LabVIEW Measurement" LVM; all else is taken as a
-/// table.
+/// By the first bytes: "    -1" begins UFF, "LabVIEW Measurement" LVM, "RIFF" WAV, "\x93NUMPY" a
+/// NumPy array, "MATLAB" with its version mark a .mat file; all else is taken as a table.
 [[nodiscard]] RecordingFormat format_of(std::string_view bytes);
 
-/// Throws RecordingError with file, line, channel, value and remedy.
+/// `options.format` is taken where it is given. Throws RecordingError with file, line, channel,
+/// value and remedy; files of formats that are not read (TDMS, MDF, HDF5, XLSX ...) are named.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& path,
                                        const ReadOptions& options = {});
 

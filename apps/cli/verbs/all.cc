@@ -5,6 +5,7 @@ namespace rigfit::apps {
 void add_all_verbs(CLI::App& program, Verbs& verbs) {
   // In the order in which a person goes from recordings to a report.
   add_inspect(program, verbs);
+  add_resample(program, verbs);
   add_bending(program, verbs);
   add_axial(program, verbs);
   add_decay(program, verbs);

@@ -16,6 +16,7 @@ void add_modal(CLI::App& program, Verbs& verbs);
 void add_modes(CLI::App& program, Verbs& verbs);
 void add_new(CLI::App& program, Verbs& verbs);
 void add_report(CLI::App& program, Verbs& verbs);
+void add_resample(CLI::App& program, Verbs& verbs);
 void add_respond(CLI::App& program, Verbs& verbs);
 void add_synthesize(CLI::App& program, Verbs& verbs);
 void add_tension(CLI::App& program, Verbs& verbs);

@@ -4,17 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
+#include "signal/readers/foreign_formats.h"
+#include "signal/readers/frequency/frequency_table.h"
 #include "signal/readers/mapped_file.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/recording/quality.h"
-#include "signal/recording/recording_error.h"
+#include "signal/spectra/line_peaks.h"
 
 namespace rigfit::apps {
 namespace {
@@ -33,12 +38,63 @@ A file without times needs its rate:
   rigfit inspect --sample-rate 500 force.csv
 A TOML file beside a recording (hits.csv -> hits.toml) names, scales and orients its channels.)";
 
+/// A table over frequency as functions to look at; empty: the file is none.
+std::optional<signal::FrequencyTable> frequency_table(const std::string& path, std::string_view bytes,
+                                                      VerbContext& context) {
+  if (!context.reading.format.empty() || signal::foreign_format(bytes) ||
+      signal::format_of(bytes) != signal::RecordingFormat::csv) {
+    return std::nullopt;
+  }
+  return signal::read_frequency_table(bytes, path, context.reading);
+}
+
+signal::Recording functions_of(const signal::FrequencyTable& table, VerbContext& context) {
+  signal::Recording functions;
+  functions.path = table.path;
+  functions.format = "csv";
+  functions.channels = table.functions;
+  functions.notes = table.notes;
+  const auto& f = table.frequency_hz;
+  functions.notes.push_back(
+      {"not_a_time_history",
+       fmt::format("{} over frequency, {:.6g} to {:.6g} Hz in {} lines; {}",
+                   signal::holds_frfs(table) ? "FRFs" : "a spectrum", f[0], f[f.size() - 1], f.size(),
+                   signal::holds_frfs(table) ? "rigfit modal finds modes in them"
+                                             : "its peaks are listed"),
+       ""});
+  for (const auto& note : functions.notes) {
+    context.warn(note.code, note.message,
+                 note.where.empty() ? table.path.string() : table.path.string() + ": " + note.where);
+  }
+  return functions;
+}
+
+/// Peaks of each function over frequency, printed and as JSON by channel.
+std::vector<Json> peaks_of(const signal::FrequencyTable& table, std::ostream& out) {
+  std::vector<Json> all;
+  for (const auto& function : table.functions) {
+    const bool decibels = signal::in_decibels(function);
+    const Eigen::VectorXd magnitude =
+        decibels ? Eigen::VectorXd((function.samples * (std::log(10.0) / 20)).array().exp())
+                 : Eigen::VectorXd(function.samples.cwiseAbs());
+    Json list = Json::array();
+    std::string text;
+    for (const auto& peak : signal::line_peaks(table.frequency_hz, magnitude)) {
+      const double value = decibels ? 20 * std::log10(peak.value) : peak.value;
+      list.push_back({{"frequency_hz", peak.frequency_hz}, {"value", value}});
+      text += fmt::format("{}{:.6g} Hz ({:.4g})", text.empty() ? "" : ", ", peak.frequency_hz, value);
+    }
+    if (!text.empty()) out << "  peaks of " << function.name << ": " << text << '\n';
+    all.push_back(std::move(list));
+  }
+  return all;
+}
+
 /// What the file holds: a recording, or functions that are not over time.
 signal::Recording load(const std::string& path, VerbContext& context, double rate) {
-  context.input(path);
   {
     const signal::MappedFile file(path);
-    if (signal::format_of(file.bytes()) == signal::RecordingFormat::uff) {
+    if (context.reading.format.empty() && signal::format_of(file.bytes()) == signal::RecordingFormat::uff) {
       signal::Recording functions = signal::read_uff_functions(file.bytes(), path);
       bool over_time = true;
       for (const auto& note : functions.notes) over_time &= note.code != "not_a_time_history";
@@ -62,6 +118,7 @@ Json json_of(const signal::Recording& recording, const signal::QualityResult& qu
   out["format"] = recording.format;
   out["sample_rate_hz"] =
       recording.sample_rate_hz > 0 ? Json(recording.sample_rate_hz) : Json(nullptr);
+  out["sample_rate_relative_std"] = recording.sample_rate_relative_std;
   out["samples"] = recording.samples();
   out["duration_s"] = recording.sample_rate_hz > 0 ? Json(recording.duration_s()) : Json(nullptr);
   out["start_time_s"] = recording.start_time_s;
@@ -146,7 +203,19 @@ Json inspect(const InspectOptions& options, VerbContext& context) {
 }  // namespace
 
 Json inspect_file(const std::string& path, double sample_rate_hz, VerbContext& context) {
-  return inspect_result(load(path, context, sample_rate_hz), context);
+  context.input(path);
+  std::optional<signal::FrequencyTable> spectrum;
+  {
+    const signal::MappedFile file(path);
+    spectrum = frequency_table(path, file.bytes(), context);
+  }
+  if (!spectrum) return inspect_result(load(path, context, sample_rate_hz), context);
+  Json entry = inspect_result(functions_of(*spectrum, context), context);
+  const auto& f = spectrum->frequency_hz;
+  entry["frequency_hz"] = {{"first", f[0]}, {"last", f[f.size() - 1]}, {"lines", f.size()}};
+  const std::vector<Json> peaks = peaks_of(*spectrum, context.out);
+  for (std::size_t k = 0; k < peaks.size(); ++k) entry["channels"][k]["peaks"] = peaks[k];
+  return entry;
 }
 
 Json inspect_result(const signal::Recording& recording, VerbContext& context) {
@@ -174,7 +243,8 @@ void add_inspect(CLI::App& program, Verbs& verbs) {
       "inspect",
       "Read recordings and check their quality: rate, channels, units, clipping, "
       "dropouts, missing samples, offset, drift, noise, hum, quantisation");
-  app->add_option("FILE", options->files, "Recordings: CSV, UFF 58, LabVIEW .lvm")->required();
+  app->add_option("FILE", options->files, "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
+                  ".mat, NumPy .npy; spectra and FRFs as text")->required();
   app->add_option("--sample-rate", options->sample_rate_hz,
                   "Sample rate in Hz of files that give none")
       ->check(positive_number())

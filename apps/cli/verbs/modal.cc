@@ -15,7 +15,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "signal/modal/modal_synthesis.h"
-#include "signal/readers/uff/read_uff.h"
+#include "signal/readers/frequency/frequency_table.h"
 #include "signal/spectra/coherence_errors.h"
 #include "signal/spectra/window.h"
 #include "signal/writers/write_uff.h"
@@ -63,12 +63,11 @@ MeasuredFrfs frfs_of(VerbContext& context, ModalCommand& options) {
     if (context.plots) measured.run = std::make_shared<const ImpactRun>(std::move(run));
     return measured;
   }
-  if (options.files.size() > 1) {
-    throw UsageError("FRFs come from one UFF file; recordings of hits need --force C");
-  }
   refuse_options_of_hits(options);
-  context.input(options.files.front());
-  return measured_frfs(signal::read_uff_frfs(options.files.front()), options, context);
+  for (const auto& file : options.files) context.input(file);
+  return measured_frfs(
+      signal::read_frfs({options.files.begin(), options.files.end()}, context.reading), options,
+      context);
 }
 
 Json number_json(double value) { return value; }
@@ -242,7 +241,8 @@ void add_modal(CLI::App& program, Verbs& verbs) {
   CLI::App* verb = program.add_subcommand(
       "modal", "Natural frequencies, damping and shapes with error bars from FRFs or hits");
   verb->add_option("FILE", options->files,
-                   "A UFF file of FRFs; or, with --force, recordings (CSV, LVM, UFF 58) of hits")
+                   "FRFs: a UFF file, a .mat file, or text tables of frequency, real and imaginary "
+                   "part (or magnitude and phase); or, with --force, recordings of hits")
       ->required();
   verb->add_option("--order", options->order, "Highest model order of the stabilisation diagram")
       ->check(CLI::Range(2, 400))
@@ -278,6 +278,7 @@ void add_modal(CLI::App& program, Verbs& verbs) {
       "Examples:\n"
       "  rigfit modal frf.uff --band 5 1400 --out modes.uff --json -\n"
       "  rigfit modal other.uff --exponential-window 1.5 --averages 5\n"
+      "  rigfit modal point1.txt point2.txt point3.txt --averages 5\n"
       "  rigfit modal hits.csv --force hammer --exponential-window 1\n"
       "Exit code 4: no mode stands out, or a window's damping dominates that of a mode (the\n"
       "frequency is given all the same).");

@@ -1,42 +1,118 @@
+// rigfit new: a campaign to start from, of one's own recordings or as a commented example.
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <map>
 #include <memory>
 
+#include "apps/campaign_file/guess_campaign.h"
 #include "apps/campaign_file/new_campaign.h"
+#include "apps/cli/number_checks.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
+namespace {
+
+struct NewCommand {
+  std::string folder;
+  bool example = false;
+  std::vector<std::string> from, units, sensitivities;
+  GuessOptions guess;
+};
+
+/// "CH5=g" by channel.
+std::map<std::string, std::string> by_channel(const std::vector<std::string>& given,
+                                              const char* option) {
+  std::map<std::string, std::string> result;
+  for (const auto& text : given) {
+    const std::size_t sign = text.find('=');
+    if (sign == std::string::npos || sign == 0 || sign + 1 == text.size()) {
+      throw UsageError(std::string(option) + " " + text + ": write it as CHANNEL=VALUE");
+    }
+    result[text.substr(0, sign)] = text.substr(sign + 1);
+  }
+  return result;
+}
+
+std::vector<TextFile> files_of(const NewCommand& command, VerbContext& context) {
+  const fs::path root = command.folder;
+  if (command.from.empty()) {
+    std::vector<TextFile> files;
+    for (const auto& [name, content] : new_campaign_files()) {
+      files.push_back({root / name, std::string(content)});
+    }
+    return files;
+  }
+  GuessOptions guess = command.guess;
+  guess.units = by_channel(command.units, "--unit");
+  guess.sensitivities = by_channel(command.sensitivities, "--sensitivity");
+  auto guessed = guess_campaign(root, command.from, guess, context);
+  for (const auto& remark : guessed.remarks) context.out << remark << '\n';
+  // A description that is there already stays, unless something new is said of the channels.
+  std::erase_if(guessed.files, [&](const TextFile& file) {
+    std::error_code error;
+    if (file.path.filename() != "channels.toml" || !fs::exists(file.path, error)) return false;
+    if (!guess.units.empty() || !guess.sensitivities.empty()) return false;
+    context.out << file.path.string() << " exists and stays as it is\n";
+    return true;
+  });
+  return guessed.files;
+}
+
+Json run_new(VerbContext& context, const NewCommand& command) {
+  if (command.example && !command.from.empty()) {
+    throw UsageError("--example and --from: one of the two");
+  }
+  const std::vector<TextFile> texts = files_of(command, context);
+  for (const auto& text : texts) {
+    std::error_code error;
+    if (fs::exists(text.path, error)) {
+      throw UsageError(text.path.string() + " exists already; " +
+                       (text.path.filename() == "channels.toml"
+                            ? "write units and sensitivities into it"
+                            : "name a folder of its own"));
+    }
+  }
+  Json files = Json::array();
+  for (const auto& text : texts) {
+    if (!text.path.parent_path().empty()) make_output_folder(text.path.parent_path());
+    write_whole_file(text.path, text.content);
+    files.push_back(text.path.string());
+  }
+  const fs::path root = command.folder;
+  context.out << fmt::format("wrote {}\nnext: rigfit report {} --out {}\n",
+                             (root / "campaign.toml").string(), (root / "campaign.toml").string(),
+                             (root / "report").string());
+  return Json{{"files", std::move(files)}};
+}
+
+}  // namespace
 
 void add_new(CLI::App& program, Verbs& verbs) {
-  auto folder = std::make_shared<std::string>();
-  CLI::App* app =
-      program.add_subcommand("new", "Writes a commented campaign to start from, with an example");
-  app->add_option("folder", *folder, "Folder to make")->required()->type_name("DIR");
-  app->footer("Example:\n  rigfit new my-rig && rigfit report my-rig/campaign.toml --out report");
-  verbs.push_back(
-      {app, [folder](VerbContext& context) {
-         const fs::path root = *folder;
-         for (const auto& [name, content] : new_campaign_files()) {
-           std::error_code error;
-           if (fs::exists(root / name, error)) {
-             throw UsageError((root / name).string() + " exists already; name a folder of its own");
-           }
-         }
-         Json files = Json::array();
-         for (const auto& [name, content] : new_campaign_files()) {
-           const fs::path path = root / name;
-           make_output_folder(path.parent_path());
-           write_whole_file(path, content);
-           files.push_back(path.string());
-         }
-         context.out << fmt::format("wrote {}\nnext: rigfit report {} --out {}\n",
-                                    (root / "campaign.toml").string(),
-                                    (root / "campaign.toml").string(), (root / "report").string());
-         return Json{{"files", std::move(files)}};
-       }});
+  const auto command = std::make_shared<NewCommand>();
+  CLI::App* app = program.add_subcommand(
+      "new", "Writes a campaign to start from: of one's own recordings, or a commented example");
+  app->add_option("folder", command->folder, "Folder to make")->required()->type_name("DIR");
+  app->add_option("--from", command->from, "Recordings to make a campaign of")->type_name("FILES");
+  app->add_flag("--example", command->example,
+                "The commented example with published values (also without --from)");
+  app->add_option("--kind", command->guess.kind, "What the recordings are [guessed]")
+      ->check(CLI::IsMember({"bending", "axial", "decay", "modal"}));
+  app->add_option("--force-channel", command->guess.force, "Channel of the hammer [guessed]");
+  app->add_option("--span", command->guess.span_m, "Of bending tests, m")->check(positive_number());
+  app->add_option("--mass", command->guess.mass_kg, "Of axial tests, kg")->check(positive_number());
+  app->add_option("--length", command->guess.length_m, "Of axial tests, m")->check(positive_number());
+  app->add_option("--unit", command->units, "Unit of a channel that the files do not give")
+      ->type_name("CHANNEL=UNIT");
+  app->add_option("--sensitivity", command->sensitivities, "Of a channel's transducer")
+      ->type_name("\"CHANNEL=2.27 mV/N\"");
+  app->footer(
+      "Examples:\n"
+      "  rigfit new my-rig --from hits/*.csv --sensitivity \"CH8=2.27 mV/N\" --unit CH2=g\n"
+      "  rigfit new my-rig --example && rigfit report my-rig/campaign.toml --out report");
+  verbs.push_back({app, [command](VerbContext& context) { return run_new(context, *command); }});
 }
 
 }  // namespace rigfit::apps

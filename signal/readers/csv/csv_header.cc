@@ -415,7 +415,7 @@ void read_csv_header(const std::vector<std::string_view>& lines, const std::stri
       have_units = true;
     }
   }
-  if (wide_title_fields > 0 && layout.dialect.separator == ',' && layout.dialect.decimal == '.') {
+  if (wide_title_fields > 0 && !layout.has_points && layout.dialect.separator == ',' && layout.dialect.decimal == '.') {
     throw RecordingError(
         {file, title_line, 1, "", ""},
         "the table has " + std::to_string(columns) + " columns but " +

@@ -209,6 +209,10 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
     long numbers = 0;
     if (!is_good(fields, layout.dialect.decimal, numbers)) continue;
     ++good;
+    for (const auto& field : fields) {
+      layout.has_points |= kind_of(field.text, '.') == FieldKind::number &&
+                           field.text.find('.') != std::string_view::npos;
+    }
     for (std::size_t c = 0; c < counts.size(); ++c) {
       const auto kind =
           c < fields.size() ? kind_of(fields[c].text, layout.dialect.decimal) : FieldKind::empty;

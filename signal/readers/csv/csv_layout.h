@@ -36,6 +36,7 @@ struct CsvLayout {
   long rate_line = 0;         ///< where
   std::string rate_text;      ///< as written
   bool has_names = false;
+  bool has_points = false;       ///< a decimal point stands in some number
   std::string unmatched_titles;  ///< a line of titles that does not fit the columns; empty: none
   std::string heading;           ///< the header's lines of text, UTF-8, lower case, its first 4 kB
 };

@@ -18,48 +18,6 @@ namespace {
 
 std::string decimal_text(double value) { return fmt::format("{:.9g}", value); }
 
-bool is_time_name(const std::string& name) {
-  const std::string word = lower_case(name);
-  static constexpr std::array<std::string_view, 30> kWords = {"t",
-                                                              "time",
-                                                              "zeit",
-                                                              "temps",
-                                                              "tiempo",
-                                                              "tempo",
-                                                              "tid",
-                                                              "sec",
-                                                              "secs",
-                                                              "second",
-                                                              "seconds",
-                                                              "s",
-                                                              "ms",
-                                                              "msec",
-                                                              "elapsed",
-                                                              "timestamp",
-                                                              "clock",
-                                                              "uhrzeit",
-                                                              "datetime",
-                                                              "date/time",
-                                                              "date time",
-                                                              "x_value",
-                                                              "x value",
-                                                              "time_s",
-                                                              "elapsed time",
-                                                              "t_s",
-                                                              "relative time",
-                                                              "time stamp",
-                                                              "rel time",
-                                                              "time_ms"};
-  if (std::find(kWords.begin(), kWords.end(), word) != kWords.end()) return true;
-  for (const std::string_view stem : {"time", "zeit", "elapsed", "timestamp"}) {
-    if (word.size() > stem.size() && word.compare(0, stem.size(), stem) == 0 &&
-        std::isalpha(static_cast<unsigned char>(word[stem.size()])) == 0) {
-      return true;
-    }
-  }
-  return word.size() > 5 && word.compare(word.size() - 5, 5, " time") == 0;
-}
-
 bool is_index_name(const std::string& name) {
   const std::string word = lower_case(name);
   static constexpr std::array<std::string_view, 17> kWords = {
@@ -155,6 +113,48 @@ double give_unit(double unit_s, Channel& column, Recording& recording) {
 }
 
 }  // namespace
+
+bool is_time_name(const std::string& name) {
+  const std::string word = lower_case(name);
+  static constexpr std::array<std::string_view, 30> kWords = {"t",
+                                                              "time",
+                                                              "zeit",
+                                                              "temps",
+                                                              "tiempo",
+                                                              "tempo",
+                                                              "tid",
+                                                              "sec",
+                                                              "secs",
+                                                              "second",
+                                                              "seconds",
+                                                              "s",
+                                                              "ms",
+                                                              "msec",
+                                                              "elapsed",
+                                                              "timestamp",
+                                                              "clock",
+                                                              "uhrzeit",
+                                                              "datetime",
+                                                              "date/time",
+                                                              "date time",
+                                                              "x_value",
+                                                              "x value",
+                                                              "time_s",
+                                                              "elapsed time",
+                                                              "t_s",
+                                                              "relative time",
+                                                              "time stamp",
+                                                              "rel time",
+                                                              "time_ms"};
+  if (std::find(kWords.begin(), kWords.end(), word) != kWords.end()) return true;
+  for (const std::string_view stem : {"time", "zeit", "elapsed", "timestamp"}) {
+    if (word.size() > stem.size() && word.compare(0, stem.size(), stem) == 0 &&
+        std::isalpha(static_cast<unsigned char>(word[stem.size()])) == 0) {
+      return true;
+    }
+  }
+  return word.size() > 5 && word.compare(word.size() - 5, 5, " time") == 0;
+}
 
 bool looks_like_time(const Eigen::VectorXd& values, int decimals) {
   const Eigen::Index n = values.size();

@@ -23,6 +23,9 @@ namespace rigfit::signal {
                                                       Recording& recording,
                                                       const ReadOptions& options = {});
 
+/// Whether a column of this name holds times.
+[[nodiscard]] bool is_time_name(const std::string& name);
+
 /// Whether values rise as the times of even samples do, and there are enough of them.
 [[nodiscard]] bool looks_like_time(const Eigen::VectorXd& values, int decimals);
 

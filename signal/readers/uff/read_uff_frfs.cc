@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 
+#include "signal/readers/frf_unit.h"
 #include "signal/readers/mapped_file.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/readers/uff/uff58.h"
@@ -13,61 +14,23 @@
 namespace rigfit::signal {
 namespace {
 
-struct FrfScale {
-  double factor = 1;
-  FrfForm form = FrfForm::unknown;
-  std::string unit;
-};
-
-FrfForm form_of(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::displacement:
-      return FrfForm::receptance;
-    case Quantity::velocity:
-      return FrfForm::mobility;
-    case Quantity::acceleration:
-      return FrfForm::accelerance;
-    default:
-      return FrfForm::unknown;
-  }
-}
-
-/// "m/s2/N", "(m/s^2)/N": the last slash that parts two units of which the second is a force.
-bool split_by_force(const std::string& text, Unit& over, Unit& under) {
-  for (std::size_t at = text.rfind('/'); at != std::string::npos && at > 0;
-       at = text.rfind('/', at - 1)) {
-    const auto a = parse_unit(std::string_view(text).substr(0, at));
-    const auto b = parse_unit(std::string_view(text).substr(at + 1));
-    if (a && b && b->quantity == Quantity::force) {
-      over = *a, under = *b;
-      return true;
-    }
-  }
-  return false;
-}
-
-FrfScale scale_of(const Uff58& f) {
-  FrfScale scale;
-  std::string text = f.ordinate.unit;
+FrfUnit scale_of(const Uff58& f) {
+  FrfUnit scale;
+  const std::string& text = f.ordinate.unit;
   // "(m/s^2)/N" fits the label of 20 characters; brackets around the whole do not matter.
-  Unit over, under;
   const auto numerator = parse_unit(text);
   const auto denominator = parse_unit(f.denominator.unit);
-  Quantity response = Quantity::unknown;
-  if (split_by_force(text, over, under)) {
-    scale.factor = over.factor / under.factor;
-    scale.unit = "(" + over.si + ")/" + under.si;
-    response = over.quantity;
+  if (const auto whole = parse_frf_unit(text)) {
+    scale = *whole;
   } else if (numerator) {
     const double by = denominator ? denominator->factor : 1;
     scale.factor = numerator->factor / by;
-    response = numerator->quantity;
+    scale.form = frf_form_of(numerator->quantity);
     const bool force = (denominator && denominator->quantity == Quantity::force) ||
                        (!denominator && f.denominator.data_type == 13);
     scale.unit = denominator ? "(" + numerator->si + ")/" + denominator->si
                              : (force ? "(" + numerator->si + ")/N" : numerator->si);
   }
-  scale.form = form_of(response);
   if (scale.form == FrfForm::unknown) {
     if (f.ordinate.data_type == 8) scale.form = FrfForm::receptance;
     if (f.ordinate.data_type == 11) scale.form = FrfForm::mobility;
@@ -178,7 +141,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   const auto complex_nan = std::complex<double>(std::numeric_limits<double>::quiet_NaN(), 0);
   set.H = Eigen::MatrixXcd::Constant(lines, columns, complex_nan);
   std::vector<bool> have(static_cast<std::size_t>(columns), false);
-  std::optional<FrfScale> scale;
+  std::optional<FrfUnit> scale;
   std::vector<double> factors(static_cast<std::size_t>(columns), 1);
   const auto check_lines = [&](const Uff58& f) {
     const Eigen::VectorXd x = frequencies_of(f);
@@ -193,7 +156,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   for (const auto& placed : frfs) {
     const Uff58& f = *placed.function;
     check_lines(f);
-    const FrfScale own = scale_of(f);
+    const FrfUnit own = scale_of(f);
     if (scale && scale->form != own.form) {
       throw refuse(
           &f, std::string("is of another form (receptance, mobility, accelerance) than the first"),

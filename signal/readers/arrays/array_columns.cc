@@ -1,0 +1,104 @@
+#include "signal/readers/arrays/array_columns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "signal/readers/csv/csv_time.h"
+#include "signal/readers/csv/table_recording.h"
+#include "signal/recording/recording_error.h"
+#include "signal/recording/units.h"
+
+namespace rigfit::signal {
+namespace {
+
+constexpr int kAllDigits = 400;
+
+int decimals_of(const ArrayColumn& column) {
+  if (!column.single) return kAllDigits;
+  double largest = 0;
+  for (const double x : column.values) {
+    if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
+  }
+  return largest > 0 ? -static_cast<int>(std::ceil(std::log10(6e-8 * largest))) : kAllDigits;
+}
+
+}  // namespace
+
+std::vector<ArrayColumn> columns_of(const Eigen::Ref<const Eigen::MatrixXd>& values,
+                                    const std::string& name, bool single,
+                                    std::vector<Note>& notes) {
+  const bool wide = values.cols() > values.rows();
+  const Eigen::Index count = wide ? values.rows() : values.cols();
+  if (wide && count > 1) {
+    notes.push_back({"rows_are_channels",
+                     "an array of " + std::to_string(values.rows()) + " x " +
+                         std::to_string(values.cols()) + ": its rows are taken as channels",
+                     name});
+  }
+  std::vector<ArrayColumn> columns;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    ArrayColumn column;
+    column.name = count == 1 ? name : (name.empty() ? "column " : name + " ") + std::to_string(k + 1);
+    column.values = wide ? Eigen::VectorXd(values.row(k).transpose()) : Eigen::VectorXd(values.col(k));
+    column.single = single;
+    columns.push_back(std::move(column));
+  }
+  return columns;
+}
+
+Recording recording_of_columns(std::vector<ArrayColumn> columns, const std::filesystem::path& path,
+                               const std::string& format, const ReadOptions& options,
+                               double stated_rate_hz, std::vector<Note> notes) {
+  CsvTable table;
+  table.notes = std::move(notes);
+  table.layout.stated_rate_hz = stated_rate_hz;
+  table.layout.rate_text = "in the file";
+  table.layout.body_line = 0;
+  table.layout.has_names = true;
+  std::set<std::string> used;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    ArrayColumn& column = columns[k];
+    const TitledUnit titled = split_title(to_utf8(column.name));
+    CsvColumn entry;
+    entry.name = titled.name.empty() ? "column " + std::to_string(k + 1) : titled.name;
+    entry.unit = titled.unit;
+    Channel channel;
+    channel.name = entry.name;
+    for (int copy = 2; !used.insert(channel.name).second; ++copy) {
+      channel.name = entry.name + "_" + std::to_string(copy);
+    }
+    channel.source_unit = entry.unit;
+    for (double& x : column.values) {
+      if (std::isinf(x)) x = std::numeric_limits<double>::quiet_NaN();
+    }
+    if (const auto unit = parse_unit(entry.unit)) {
+      channel.unit = unit->si;
+      channel.si_per_source = unit->factor;
+      channel.si_offset = unit->offset;
+      channel.quantity = unit->quantity;
+    }
+    const int decimals = decimals_of(column);
+    if (k == 0 && columns.size() > 1 && !is_time_name(entry.name) && stated_rate_hz == 0 &&
+        looks_like_time(column.values, decimals) &&
+        std::none_of(columns.begin(), columns.end(),
+                     [](const auto& other) { return is_time_name(other.name); })) {
+      table.notes.push_back({"time_column_assumed",
+                             "rises in equal steps: taken as time in seconds", channel.name});
+      entry.name = channel.name = "time";
+    }
+    channel.samples = channel.si_per_source * column.values;
+    channel.samples.array() += channel.si_offset;
+    channel.missing_samples = static_cast<long>(channel.samples.array().isNaN().count());
+    entry.filled = 1;
+    table.layout.columns.push_back(std::move(entry));
+    table.channels.push_back(std::move(channel));
+    table.column.push_back(k);
+    table.decimals.push_back(decimals);
+  }
+  return recording_of_table(std::move(table), path, format, options);
+}
+
+}  // namespace rigfit::signal

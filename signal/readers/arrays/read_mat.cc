@@ -1,0 +1,444 @@
+#include "signal/readers/arrays/read_mat.h"
+
+#include <fmt/format.h>
+#include <matio.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "signal/readers/arrays/array_columns.h"
+#include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/csv/csv_time.h"
+#include "signal/recording/recording_error.h"
+#include "signal/recording/units.h"
+
+namespace rigfit::signal {
+namespace {
+
+constexpr int kDeepest = 6;            // structs in structs
+constexpr Eigen::Index kShortest = 16;  // samples of an array that is taken without being named
+
+struct MatArray {
+  std::string name;  ///< "run.acc", "hits{2}"
+  Eigen::MatrixXd real, imaginary;  ///< imaginary: empty for real numbers
+  bool single = false;
+
+  [[nodiscard]] Eigen::Index longer() const { return std::max(real.rows(), real.cols()); }
+  [[nodiscard]] std::string last_name() const {
+    const std::size_t dot = name.find_last_of('.');
+    return dot == std::string::npos ? name : name.substr(dot + 1);
+  }
+  [[nodiscard]] std::string text() const {
+    return fmt::format("{} ({} x {}{})", name, real.rows(), real.cols(),
+                       imaginary.size() > 0 ? ", complex" : "");
+  }
+};
+
+RecordingError refusal(const std::filesystem::path& path, std::string problem, std::string remedy,
+                       std::string value = "") {
+  return {{path.string(), 0, 0, "", std::move(value)}, std::move(problem), std::move(remedy)};
+}
+
+/// Numbers of `type` at `data` as doubles.
+template <typename Number>
+Eigen::MatrixXd matrix_of(const void* data, Eigen::Index rows, Eigen::Index cols) {
+  using Matrix = Eigen::Matrix<Number, Eigen::Dynamic, Eigen::Dynamic>;
+  return Eigen::Map<const Matrix>(static_cast<const Number*>(data), rows, cols)
+      .template cast<double>();
+}
+
+std::optional<Eigen::MatrixXd> numbers_of(matio_classes type, const void* data, Eigen::Index rows,
+                                          Eigen::Index cols) {
+  switch (type) {
+    case MAT_C_DOUBLE:
+      return matrix_of<double>(data, rows, cols);
+    case MAT_C_SINGLE:
+      return matrix_of<float>(data, rows, cols);
+    case MAT_C_INT8:
+      return matrix_of<mat_int8_t>(data, rows, cols);
+    case MAT_C_UINT8:
+      return matrix_of<mat_uint8_t>(data, rows, cols);
+    case MAT_C_INT16:
+      return matrix_of<mat_int16_t>(data, rows, cols);
+    case MAT_C_UINT16:
+      return matrix_of<mat_uint16_t>(data, rows, cols);
+    case MAT_C_INT32:
+      return matrix_of<mat_int32_t>(data, rows, cols);
+    case MAT_C_UINT32:
+      return matrix_of<mat_uint32_t>(data, rows, cols);
+    case MAT_C_INT64:
+      return matrix_of<mat_int64_t>(data, rows, cols);
+    case MAT_C_UINT64:
+      return matrix_of<mat_uint64_t>(data, rows, cols);
+    default:
+      return std::nullopt;
+  }
+}
+
+/// Elements of an array by its dimensions; more than `most`: most + 1.
+std::size_t elements_of(const matvar_t& variable, std::size_t most) {
+  if (variable.dims == nullptr || variable.rank < 1) return 0;
+  std::size_t count = 1;
+  for (int d = 0; d < variable.rank; ++d) {
+    const std::size_t n = variable.dims[d];
+    if (n == 0) return 0;
+    if (count > most / n) return most + 1;
+    count *= n;
+  }
+  return count;
+}
+
+/// Reads the numeric arrays of a file. What is too large for the file is refused before it is read.
+class MatReader {
+ public:
+  explicit MatReader(const std::filesystem::path& path) : path_(path) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(path, error);
+    // A byte is an element at least; deflate packs at most a thousand to one.
+    held_ = error ? 0 : static_cast<std::size_t>(size);
+    most_ = held_ * 1100 + 4096;
+  }
+
+  std::vector<MatArray> read() {
+    const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path_.c_str(), MAT_ACC_RDONLY),
+                                                       &Mat_Close);
+    if (!file) {
+      throw refusal(path_, "is no MATLAB file that can be read", "save it again, by save(F, '-v7')");
+    }
+    const bool hdf5 = Mat_GetVersion(file.get()) == MAT_FT_MAT73;
+    while (matvar_t* const next = Mat_VarReadNextInfo(file.get())) {
+      const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(next, &Mat_VarFree);
+      const std::string name = next->name == nullptr ? "" : to_utf8(next->name);
+      if (name.empty() || name.starts_with("__") || name.starts_with("#")) continue;
+      if (!is_held(*next, hdf5 || next->compression == MAT_COMPRESSION_ZLIB, 0)) {
+        throw refusal(path_, "states more numbers than the file can hold", "copy the file again",
+                      name);
+      }
+      const bool numeric = next->class_type == MAT_C_STRUCT || next->class_type == MAT_C_CELL ||
+                           (next->class_type >= MAT_C_DOUBLE && next->class_type <= MAT_C_UINT64);
+      if (!numeric) continue;
+      if (Mat_VarReadDataAll(file.get(), next) != 0) {
+        throw refusal(path_, "breaks off inside a variable", "copy the file again", name);
+      }
+      collect(*next, name, 0);
+    }
+    return std::move(arrays_);
+  }
+
+ private:
+  [[nodiscard]] bool is_held(matvar_t& variable, bool packed, int depth) const {
+    const std::size_t count = elements_of(variable, most_);
+    if (count > (packed ? most_ : held_)) return false;
+    if (depth >= kDeepest) return true;
+    if (variable.class_type == MAT_C_STRUCT && variable.data != nullptr) {
+      // Their elements are variables of their own, of some bytes each.
+      const unsigned fields = Mat_VarGetNumberOfFields(&variable);
+      for (std::size_t k = 0; k < count; ++k) {
+        for (unsigned f = 0; f < fields; ++f) {
+          matvar_t* const field = Mat_VarGetStructFieldByIndex(&variable, f, k);
+          if (field != nullptr && !is_held(*field, packed, depth + 1)) return false;
+        }
+      }
+    }
+    if (variable.class_type == MAT_C_CELL && variable.data != nullptr) {
+      for (std::size_t k = 0; k < count; ++k) {
+        matvar_t* const cell = Mat_VarGetCell(&variable, static_cast<int>(k));
+        if (cell != nullptr && !is_held(*cell, packed, depth + 1)) return false;
+      }
+    }
+    return true;
+  }
+
+  void collect(matvar_t& variable, const std::string& name, int depth) {
+    if (depth > kDeepest) return;
+    const std::size_t count = elements_of(variable, most_);
+    if (count == 0 || variable.data == nullptr) return;
+    if (variable.class_type == MAT_C_STRUCT) {
+      const unsigned fields = Mat_VarGetNumberOfFields(&variable);
+      char* const* const names = Mat_VarGetStructFieldnames(&variable);
+      for (std::size_t k = 0; k < count && names != nullptr; ++k) {
+        for (unsigned f = 0; f < fields; ++f) {
+          matvar_t* const field = Mat_VarGetStructFieldByIndex(&variable, f, k);
+          if (field == nullptr || names[f] == nullptr) continue;
+          const std::string at = count > 1 ? fmt::format("({})", k + 1) : "";
+          collect(*field, name + at + "." + to_utf8(names[f]), depth + 1);
+        }
+      }
+      return;
+    }
+    if (variable.class_type == MAT_C_CELL) {
+      for (std::size_t k = 0; k < count; ++k) {
+        matvar_t* const cell = Mat_VarGetCell(&variable, static_cast<int>(k));
+        if (cell != nullptr) collect(*cell, fmt::format("{}{{{}}}", name, k + 1), depth + 1);
+      }
+      return;
+    }
+    if (variable.isLogical != 0 || variable.rank != 2) return;
+    const auto rows = static_cast<Eigen::Index>(variable.dims[0]);
+    const auto cols = static_cast<Eigen::Index>(variable.dims[1]);
+    // The data must be as many numbers of the class's own size.
+    const std::size_t bytes = count * Mat_SizeOfClass(variable.class_type);
+    if (bytes == 0 || variable.nbytes < bytes) return;
+    MatArray array;
+    array.name = name;
+    array.single = variable.class_type == MAT_C_SINGLE;
+    if (variable.isComplex != 0) {
+      const auto* const split = static_cast<const mat_complex_split_t*>(variable.data);
+      if (split->Re == nullptr || split->Im == nullptr) return;
+      auto real = numbers_of(variable.class_type, split->Re, rows, cols);
+      auto imaginary = numbers_of(variable.class_type, split->Im, rows, cols);
+      if (!real || !imaginary) return;
+      array.real = std::move(*real);
+      array.imaginary = std::move(*imaginary);
+    } else {
+      auto real = numbers_of(variable.class_type, variable.data, rows, cols);
+      if (!real) return;
+      array.real = std::move(*real);
+    }
+    arrays_.push_back(std::move(array));
+  }
+
+  const std::filesystem::path& path_;
+  std::size_t held_ = 0, most_ = 0;  ///< numbers a file of this size can hold, plain and packed
+  std::vector<MatArray> arrays_;
+};
+
+std::string list_of(const std::vector<const MatArray*>& arrays) {
+  std::string text;
+  for (std::size_t k = 0; k < arrays.size(); ++k) {
+    if (k == 20) return text + fmt::format(" ... ({} in all)", arrays.size());
+    text += (k == 0 ? "" : ", ") + arrays[k]->text();
+  }
+  return text;
+}
+
+/// The rate by a scalar of a usual name; 0: none. A second one that disagrees is noted.
+double stated_rate(const std::vector<MatArray>& arrays, std::vector<Note>& notes) {
+  static constexpr std::array<std::string_view, 14> kRates = {
+      "fs", "fsamp", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "sr",
+      "rate", "numberofsamplespersecond", "fsample", "freqsamp", "samplespersecond", "fsampling",
+      "srate"};
+  static constexpr std::array<std::string_view, 9> kSteps = {
+      "dt", "ts", "deltat", "sampletime", "samplingtime", "tsample", "timestep", "sampleinterval",
+      "increment"};
+  double rate = 0;
+  std::string by;
+  for (const auto& array : arrays) {
+    if (array.real.size() != 1 || array.imaginary.size() > 0) continue;
+    std::string name = lower_case(array.last_name());
+    std::erase_if(name, [](char c) { return c == '_'; });
+    const double value = array.real(0, 0);
+    if (!(value > 0) || !std::isfinite(value) || !std::isfinite(1 / value)) continue;
+    const bool is_rate = std::find(kRates.begin(), kRates.end(), name) != kRates.end();
+    const bool is_step = std::find(kSteps.begin(), kSteps.end(), name) != kSteps.end();
+    if (!is_rate && !is_step) continue;
+    const double found = is_rate ? value : 1 / value;
+    if (rate == 0) {
+      rate = found;
+      by = array.name;
+    } else if (std::abs(found / rate - 1) > 1e-6) {
+      notes.push_back({"rates_disagree",
+                       fmt::format("{} gives {:.9g} Hz, {} gives {:.9g} Hz: the first is taken", by,
+                                   rate, array.name, found),
+                       array.name});
+    }
+  }
+  return rate;
+}
+
+/// Frequencies of an FFT where the file holds its rate ("fs", "freq") and block length N, a whole
+/// number with N / 2 + 1 lines. Empty: it does not.
+Eigen::VectorXd frequencies_by_rate(const std::vector<MatArray>& arrays, const MatArray& frfs) {
+  std::vector<Note> ignored;
+  double rate = stated_rate(arrays, ignored), block = 0;
+  for (const auto& array : arrays) {
+    if (array.real.size() != 1 || array.imaginary.size() > 0) continue;
+    const double value = array.real(0, 0);
+    if (value == std::floor(value) && std::floor(value / 2) + 1 == static_cast<double>(frfs.longer())) {
+      block = value;
+    } else if (rate == 0 && value > 0 && lower_case(array.last_name()).starts_with("freq")) {
+      rate = value;
+    }
+  }
+  if (!(rate > 0) || !(block > 0) || !std::isfinite(rate)) return {};
+  return Eigen::VectorXd::LinSpaced(frfs.longer(), 0, static_cast<double>(frfs.longer() - 1)) * (rate / block);
+}
+
+/// The arrays that a person names, or those of the one length there is.
+std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
+                                    const std::filesystem::path& path,
+                                    const std::vector<std::string>& asked) {
+  std::vector<const MatArray*> real, complex, taken;
+  for (const auto& array : arrays) {
+    if (array.imaginary.size() > 0) {
+      complex.push_back(&array);
+    } else if (array.longer() > 1) {
+      real.push_back(&array);
+    }
+  }
+  for (const auto& name : asked) {
+    const auto found = std::find_if(real.begin(), real.end(), [&](const MatArray* array) {
+      return array->name == name || array->last_name() == name;
+    });
+    if (found == real.end()) {
+      throw refusal(path, "has no array of that name", "there are: " + list_of(real), name);
+    }
+    taken.push_back(*found);
+  }
+  if (!asked.empty()) {
+    for (const auto* array : real) {
+      if (array->longer() == taken.front()->longer() && is_time_name(array->last_name()) &&
+          std::find(taken.begin(), taken.end(), array) == taken.end()) {
+        taken.insert(taken.begin(), array);
+      }
+    }
+    return taken;
+  }
+  // Beside FRFs, a vector as long as they are holds their frequencies; what is shorter describes them.
+  Eigen::Index longest_frf = 0;
+  for (const auto* array : complex) longest_frf = std::max(longest_frf, array->longer());
+  const bool only_axes = std::all_of(real.begin(), real.end(), [&](const MatArray* array) {
+    return array->longer() < kShortest ||
+           (array->longer() == longest_frf && std::min(array->real.rows(), array->real.cols()) == 1);
+  });
+  if (longest_frf >= kShortest && only_axes) {
+    throw refusal(path, "holds complex numbers, no recording over time: " + list_of(complex),
+                  "rigfit modal takes FRFs, with a vector of their frequencies in the file (freq)");
+  }
+  std::map<Eigen::Index, std::vector<const MatArray*>> by_length;
+  for (const auto* array : real) by_length[array->longer()].push_back(array);
+  if (by_length.size() > 1) {
+    std::erase_if(by_length, [](const auto& entry) { return entry.first < kShortest; });
+  }
+  if (by_length.empty()) {
+    throw refusal(path, "holds no array of samples" + (real.empty() ? "" : ": " + list_of(real)),
+                  "save the samples as numeric arrays (a timetable or object only MATLAB reads: "
+                  "use its .Variables)");
+  }
+  if (by_length.size() > 1) {
+    throw refusal(path, "holds arrays of several lengths: " + list_of(real),
+                  "say which to take: --variable NAME, or variables = [\"NAME\"] in the TOML file "
+                  "beside it");
+  }
+  return by_length.begin()->second;
+}
+
+}  // namespace
+
+Recording read_mat(const std::filesystem::path& path, const ReadOptions& options) {
+  const std::vector<MatArray> arrays = MatReader(path).read();
+  std::vector<Note> notes;
+  const auto taken = chosen(arrays, path, options.variables);
+  const Eigen::Index samples = taken.front()->longer();
+  std::map<std::string, int> uses;
+  for (const auto* array : taken) ++uses[array->last_name()];
+  std::vector<ArrayColumn> columns;
+  for (const auto* array : taken) {
+    if (array->longer() != samples) {
+      throw refusal(path, "the arrays named differ in length: " + list_of(taken),
+                    "name arrays of one length");
+    }
+    const std::string name = uses[array->last_name()] > 1 ? array->name : array->last_name();
+    for (auto& column : columns_of(array->real, name, array->single, notes)) {
+      columns.push_back(std::move(column));
+    }
+  }
+  std::vector<const MatArray*> left;
+  for (const auto& array : arrays) {
+    if (array.longer() >= kShortest &&
+        std::find(taken.begin(), taken.end(), &array) == taken.end()) {
+      left.push_back(&array);
+    }
+  }
+  if (!left.empty()) {
+    notes.push_back({"variables_left_out",
+                     list_of(taken) + " is taken, left out is " + list_of(left), ""});
+  }
+  const double rate = stated_rate(arrays, notes);
+  return recording_of_columns(std::move(columns), path, "mat", options, rate, std::move(notes));
+}
+
+FrfSet read_mat_frfs(const std::filesystem::path& path, const ReadOptions& options) {
+  const std::vector<MatArray> arrays = MatReader(path).read();
+  std::vector<const MatArray*> complex, vectors;
+  for (const auto& array : arrays) {
+    if (array.imaginary.size() > 0 && array.longer() >= kShortest) complex.push_back(&array);
+    if (array.imaginary.size() == 0 && array.longer() >= kShortest &&
+        std::min(array.real.rows(), array.real.cols()) == 1) {
+      vectors.push_back(&array);
+    }
+  }
+  if (!options.variables.empty()) {
+    std::erase_if(complex, [&](const MatArray* array) {
+      return std::find(options.variables.begin(), options.variables.end(), array->name) ==
+             options.variables.end();
+    });
+  }
+  if (complex.size() != 1) {
+    throw refusal(path,
+                  complex.empty() ? "holds no complex array, so no FRFs"
+                                  : "holds several complex arrays: " + list_of(complex),
+                  complex.empty() ? "save FRFs as a complex array of lines x points, or give "
+                                    "recordings of hits with --force CHANNEL"
+                                  : "say which to take: --variable NAME");
+  }
+  const MatArray& frfs = *complex.front();
+  const MatArray* axis = nullptr;
+  for (const auto* vector : vectors) {
+    const std::string name = lower_case(vector->last_name());
+    const bool named = name.starts_with("f") || name.find("freq") != std::string::npos ||
+                       name == "x" || name == "axis";
+    if (named && vector->longer() == frfs.longer()) axis = vector;
+  }
+  Eigen::VectorXd frequency_hz;
+  if (axis != nullptr) {
+    frequency_hz = Eigen::Map<const Eigen::VectorXd>(axis->real.data(), axis->real.size());
+  } else {
+    frequency_hz = frequencies_by_rate(arrays, frfs);
+  }
+  if (frequency_hz.size() == 0) {
+    throw refusal(path, "holds " + frfs.text() + " but no vector of as many frequencies",
+                  "save the frequencies in Hz beside it, as a vector named freq");
+  }
+  FrfSet set;
+  if (axis == nullptr) {
+    set.notes.push_back({"frequencies_by_rate",
+                         fmt::format("no vector of frequencies: by the sampling rate and block "
+                                     "length in the file they go to {:.9g} Hz",
+                                     frequency_hz[frequency_hz.size() - 1]),
+                         frfs.name});
+  }
+  set.frequency_hz = std::move(frequency_hz);
+  const bool wide = frfs.real.cols() == set.frequency_hz.size() && frfs.real.rows() != frfs.real.cols();
+  Eigen::MatrixXcd H = frfs.real.cast<std::complex<double>>() +
+                       std::complex<double>(0, 1) * frfs.imaginary.cast<std::complex<double>>();
+  set.H = wide ? Eigen::MatrixXcd(H.transpose()) : H;
+  const Eigen::Index lines = set.frequency_hz.size();
+  if (!set.frequency_hz.allFinite() || set.frequency_hz[0] < 0 ||
+      !(set.frequency_hz.tail(lines - 1).array() > set.frequency_hz.head(lines - 1).array()).all() ||
+      !set.H.allFinite()) {
+    throw refusal(path, "the frequencies do not rise, or FRFs hold values that are no numbers",
+                  "save finite values over rising frequencies in Hz");
+  }
+  set.inputs.push_back({"force", 0, 0});
+  for (Eigen::Index k = 0; k < set.H.cols(); ++k) {
+    set.responses.push_back({frfs.last_name() + " " + std::to_string(k + 1), static_cast<int>(k) + 1, 0});
+  }
+  set.notes.push_back({"no_unit",
+                       "the FRFs have no unit: the numbers are kept as they are; frequencies and "
+                       "damping do not depend on it",
+                       frfs.name});
+  return set;
+}
+
+}  // namespace rigfit::signal

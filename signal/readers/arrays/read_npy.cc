@@ -1,0 +1,261 @@
+#include "signal/readers/arrays/read_npy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "signal/readers/arrays/array_columns.h"
+#include "signal/recording/recording_error.h"
+#include "signal/recording/units.h"
+
+namespace rigfit::signal {
+namespace {
+
+/// One kind of number: '<f8' ...
+struct Field {
+  std::string name;
+  char kind = 'f';  ///< f, i, u, b
+  std::size_t size = 8;
+  bool swapped = false;
+};
+
+struct Header {
+  std::vector<Field> fields;
+  bool record = false;
+  bool fortran = false;
+  std::vector<std::size_t> shape;
+};
+
+class HeaderParser {
+ public:
+  HeaderParser(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+
+  Header parse() {
+    Header header;
+    take('{');
+    while (!next_is('}')) {
+      const std::string key = string();
+      take(':');
+      if (key == "descr") {
+        if (next_is('[')) {
+          header.record = true;
+          records(header.fields);
+        } else {
+          header.fields.push_back(field("", string()));
+        }
+      } else if (key == "fortran_order") {
+        header.fortran = word() == "True";
+      } else if (key == "shape") {
+        shape(header.shape);
+      } else {
+        throw refusal(key, "an entry of the header that is not known");
+      }
+      if (next_is(',')) take(',');
+    }
+    if (header.fields.empty()) throw refusal("descr", "the header does not say what it holds");
+    return header;
+  }
+
+  [[nodiscard]] RecordingError refusal(const std::string& value, std::string problem) const {
+    return {{file_, 0, 0, "", to_utf8(value.substr(0, 60))},
+            std::move(problem),
+            "save an array of numbers with numpy.save"};
+  }
+
+ private:
+  void skip() {
+    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
+  }
+  bool next_is(char c) {
+    skip();
+    if (at_ >= text_.size()) throw refusal("", "the header breaks off");
+    return text_[at_] == c;
+  }
+  void take(char c) {
+    if (!next_is(c)) throw refusal(std::string(text_.substr(at_, 20)), "the header is damaged");
+    ++at_;
+  }
+  std::string string() {
+    skip();
+    const char quote = next_is('"') ? '"' : '\'';
+    take(quote);
+    const std::size_t end = text_.find(quote, at_);
+    if (end == std::string_view::npos) throw refusal("", "the header breaks off");
+    std::string out(text_.substr(at_, end - at_));
+    at_ = end + 1;
+    return out;
+  }
+  std::string word() {
+    skip();
+    const std::size_t first = at_;
+    while (at_ < text_.size() && std::isalpha(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
+    return std::string(text_.substr(first, at_ - first));
+  }
+  void shape(std::vector<std::size_t>& sizes) {
+    take('(');
+    while (!next_is(')')) {
+      std::size_t value = 0;
+      const auto [end, error] =
+          std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
+      if (error != std::errc()) throw refusal("shape", "the header is damaged");
+      at_ = static_cast<std::size_t>(end - text_.data());
+      sizes.push_back(value);
+      if (next_is('L')) take('L');
+      if (next_is(',')) take(',');
+    }
+    take(')');
+  }
+  void records(std::vector<Field>& fields) {
+    take('[');
+    while (!next_is(']')) {
+      take('(');
+      const std::string name = string();
+      take(',');
+      fields.push_back(field(name, string()));
+      if (next_is(',')) {
+        throw refusal(name, "a field that is an array itself, which is not read");
+      }
+      take(')');
+      if (next_is(',')) take(',');
+    }
+    take(']');
+  }
+  [[nodiscard]] Field field(const std::string& name, const std::string& text) const {
+    Field result;
+    result.name = name;
+    if (text.size() < 3) throw refusal(text, "numbers of a kind that is not read");
+    result.kind = text[1];
+    const auto [end, error] =
+        std::from_chars(text.data() + 2, text.data() + text.size(), result.size);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    const auto is = [&](char kind, std::initializer_list<std::size_t> sizes) {
+      return result.kind == kind && std::find(sizes.begin(), sizes.end(), result.size) != sizes.end();
+    };
+    if (whole && result.kind == 'c') {
+      throw refusal(text, "complex numbers: FRFs or spectra, no recording over time");
+    }
+    if (!whole || !(is('f', {4, 8}) || is('i', {1, 2, 4, 8}) || is('u', {1, 2, 4, 8}) ||
+                    is('b', {1}))) {
+      throw refusal(text, result.kind == 'O' ? "Python objects, which only Python reads"
+                                             : "numbers of a kind that is not read");
+    }
+    result.swapped = (text[0] == '>') != (std::endian::native == std::endian::big) &&
+                     (text[0] == '>' || text[0] == '<') && result.size > 1;
+    return result;
+  }
+
+  std::string_view text_;
+  const std::string& file_;
+  std::size_t at_ = 0;
+};
+
+template <typename Number>
+double number_at(const char* p, bool swapped) {
+  char buffer[sizeof(Number)];
+  std::memcpy(buffer, p, sizeof buffer);
+  if (swapped) std::reverse(buffer, buffer + sizeof buffer);
+  Number value;
+  std::memcpy(&value, buffer, sizeof value);
+  return static_cast<double>(value);
+}
+
+double value_at(const char* p, const Field& field) {
+  const bool s = field.swapped;
+  if (field.kind == 'f') return field.size == 4 ? number_at<float>(p, s) : number_at<double>(p, s);
+  const bool sign = field.kind == 'i';
+  switch (field.size) {
+    case 1:
+      return sign ? number_at<std::int8_t>(p, s) : number_at<std::uint8_t>(p, s);
+    case 2:
+      return sign ? number_at<std::int16_t>(p, s) : number_at<std::uint16_t>(p, s);
+    case 4:
+      return sign ? number_at<std::int32_t>(p, s) : number_at<std::uint32_t>(p, s);
+    default:
+      return sign ? number_at<std::int64_t>(p, s) : number_at<std::uint64_t>(p, s);
+  }
+}
+
+std::string text_of(const std::vector<std::size_t>& shape) {
+  std::string text;
+  for (const std::size_t n : shape) text += (text.empty() ? "" : " x ") + std::to_string(n);
+  return text;
+}
+
+}  // namespace
+
+Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
+                   const ReadOptions& options) {
+  const std::string file = path.string();
+  const auto refusal = [&](const std::string& problem, const std::string& remedy) {
+    return RecordingError({file, 0, 0, "", ""}, problem, remedy);
+  };
+  const auto byte = [&](std::size_t at) -> std::size_t {
+    return static_cast<unsigned char>(bytes[at]);
+  };
+  if (bytes.size() < 12 || bytes.substr(0, 6) != "\x93NUMPY") {
+    throw refusal("is no NumPy array", "save it with numpy.save");
+  }
+  const bool long_header = byte(6) >= 2;
+  const std::size_t begin = long_header ? 12 : 10;
+  std::size_t length = byte(8) | byte(9) << 8;
+  if (long_header) length |= byte(10) << 16 | byte(11) << 24;
+  if (length > bytes.size() - begin) {
+    throw refusal("breaks off inside its header", "copy the file again");
+  }
+  const Header header = HeaderParser(bytes.substr(begin, length), file).parse();
+  const std::string_view data = bytes.substr(begin + length);
+  std::size_t item = 0, items = 1;
+  for (const auto& field : header.fields) item += field.size;
+  for (const std::size_t n : header.shape) {
+    if (n > 0 && items > data.size() / n) items = data.size() + 1;  // more than can be there
+    items = n == 0 ? 0 : (items > data.size() ? items : items * n);
+  }
+  if (items == 0 || header.shape.empty()) throw refusal("holds no samples", "record again");
+  if (items > data.size() / item) {
+    throw refusal(fmt::format("states an array of {}, {} bytes each, but holds {} bytes",
+                              text_of(header.shape), item, data.size()),
+                  "copy the file again");
+  }
+  if (header.shape.size() > 2 || (header.record && header.shape.size() > 1)) {
+    throw refusal("holds an array of " + text_of(header.shape),
+                  "save one with samples and channels only (two dimensions)");
+  }
+  std::vector<Note> notes;
+  std::vector<ArrayColumn> columns;
+  if (header.record) {
+    std::size_t offset = 0;
+    for (const auto& field : header.fields) {
+      ArrayColumn column{field.name, Eigen::VectorXd(static_cast<Eigen::Index>(items)),
+                         field.kind == 'f' && field.size == 4};
+      for (std::size_t k = 0; k < items; ++k) {
+        column.values[static_cast<Eigen::Index>(k)] =
+            value_at(data.data() + k * item + offset, field);
+      }
+      offset += field.size;
+      columns.push_back(std::move(column));
+    }
+  } else {
+    const Field& field = header.fields.front();
+    const auto rows = static_cast<Eigen::Index>(header.shape[0]);
+    const auto cols = static_cast<Eigen::Index>(header.shape.size() > 1 ? header.shape[1] : 1);
+    Eigen::MatrixXd values(rows, cols);
+    for (Eigen::Index r = 0; r < rows; ++r) {
+      for (Eigen::Index c = 0; c < cols; ++c) {
+        const Eigen::Index at = header.fortran ? c * rows + r : r * cols + c;
+        values(r, c) = value_at(data.data() + static_cast<std::size_t>(at) * item, field);
+      }
+    }
+    columns = columns_of(values, "", field.kind == 'f' && field.size == 4, notes);
+  }
+  return recording_of_columns(std::move(columns), path, "npy", options, 0, std::move(notes));
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,139 @@
+#include "signal/readers/arrays/read_wav.h"
+
+#include <fmt/format.h>
+#include <sndfile.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::signal {
+namespace {
+
+/// Bytes in memory as the file that libsndfile reads.
+struct MemoryFile {
+  std::string_view bytes;
+  sf_count_t at = 0;
+
+  static sf_count_t length(void* self) {
+    return static_cast<sf_count_t>(static_cast<MemoryFile*>(self)->bytes.size());
+  }
+  static sf_count_t seek(sf_count_t offset, int whence, void* self) {
+    auto& file = *static_cast<MemoryFile*>(self);
+    const auto size = static_cast<sf_count_t>(file.bytes.size());
+    const sf_count_t from = whence == SEEK_SET ? 0 : (whence == SEEK_CUR ? file.at : size);
+    // Offsets come from the file: out of its bounds ends at them.
+    file.at = offset > size ? size : (offset < -size ? 0 : std::clamp<sf_count_t>(from + offset, 0, size));
+    return file.at;
+  }
+  static sf_count_t read(void* into, sf_count_t count, void* self) {
+    auto& file = *static_cast<MemoryFile*>(self);
+    const auto size = static_cast<sf_count_t>(file.bytes.size());
+    const sf_count_t n = std::clamp<sf_count_t>(count, 0, size - file.at);
+    std::memcpy(into, file.bytes.data() + file.at, static_cast<std::size_t>(n));
+    file.at += n;
+    return n;
+  }
+  static sf_count_t write(const void*, sf_count_t, void*) { return 0; }
+  static sf_count_t tell(void* self) { return static_cast<MemoryFile*>(self)->at; }
+};
+
+}  // namespace
+
+Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
+                   const ReadOptions& options) {
+  const auto refusal = [&](const std::string& problem, const std::string& remedy) {
+    return RecordingError({path.string(), 0, 0, "", ""}, problem, remedy);
+  };
+  MemoryFile memory{bytes};
+  SF_VIRTUAL_IO io{&MemoryFile::length, &MemoryFile::seek, &MemoryFile::read, &MemoryFile::write,
+                   &MemoryFile::tell};
+  SF_INFO info{};
+  const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> file(
+      sf_open_virtual(&io, SFM_READ, &info, &memory), &sf_close);
+  if (!file) {
+    throw refusal(std::string("is no WAV file that can be read: ") + sf_strerror(nullptr),
+                  "save it again as PCM or floating point WAV");
+  }
+  const int coding = info.format & SF_FORMAT_SUBMASK;
+  const bool whole = coding == SF_FORMAT_PCM_S8 || coding == SF_FORMAT_PCM_U8 ||
+                     coding == SF_FORMAT_PCM_16 || coding == SF_FORMAT_PCM_24 ||
+                     coding == SF_FORMAT_PCM_32;
+  if (!whole && coding != SF_FORMAT_FLOAT && coding != SF_FORMAT_DOUBLE) {
+    throw refusal("holds compressed sound", "save it as PCM or floating point WAV, which keeps the signal");
+  }
+  if (info.channels < 1 || info.samplerate < 1) {
+    throw refusal("states no channel or no rate", "record again");
+  }
+  const auto channels = static_cast<std::size_t>(info.channels);
+  // Every sample takes a byte at least.
+  const std::size_t most = bytes.size() / channels;
+  std::vector<double> samples(std::min<std::size_t>(1 << 16, most + 1) * channels);
+  std::vector<std::vector<double>> data(channels);
+  while (data[0].size() <= most) {
+    const sf_count_t got = sf_readf_double(
+        file.get(), samples.data(), static_cast<sf_count_t>(samples.size() / channels));
+    if (got <= 0) break;
+    for (std::size_t c = 0; c < channels; ++c) {
+      for (std::size_t k = 0; k < static_cast<std::size_t>(got); ++k) {
+        data[c].push_back(samples[k * channels + c]);
+      }
+    }
+  }
+  if (data[0].empty()) throw refusal("holds no samples", "record again");
+
+  Recording recording;
+  recording.path = path;
+  recording.format = "wav";
+  recording.sample_rate_hz = options.sample_rate_hz > 0 ? options.sample_rate_hz : info.samplerate;
+  if (options.sample_rate_hz > 0 && std::abs(options.sample_rate_hz / info.samplerate - 1) > 1e-4) {
+    recording.notes.push_back({"rate_overridden",
+                               fmt::format("the file gives {} Hz; {:.9g} Hz is taken as asked",
+                                           info.samplerate, options.sample_rate_hz),
+                               ""});
+  }
+  // The size that the file states of its data, chunk "data" behind "fmt ".
+  const std::size_t chunk = bytes.substr(0, 1 << 16).find("data");
+  if (chunk != std::string_view::npos && chunk + 8 <= bytes.size() && bytes.substr(0, 4) == "RIFF") {
+    std::size_t stated = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      stated |= static_cast<std::size_t>(static_cast<unsigned char>(bytes[chunk + 4 + k])) << (8 * k);
+    }
+    const std::size_t held = bytes.size() - chunk - 8;
+    if (stated > held && stated < 0xFFFFFF00u) {
+      recording.notes.push_back(
+          {"cut_short",
+           fmt::format("the file states {} bytes of samples and holds {}: cut short, or a wrong size",
+                       stated, held),
+           ""});
+    }
+  }
+  std::string names;
+  for (std::size_t c = 0; c < channels; ++c) {
+    Channel channel;
+    channel.name = "channel " + std::to_string(c + 1);
+    channel.nominal_range = whole ? 1 : 0;
+    channel.samples = Eigen::Map<const Eigen::VectorXd>(data[c].data(),
+                                                        static_cast<Eigen::Index>(data[c].size()));
+    for (double& x : channel.samples) {
+      if (!std::isfinite(x)) x = std::numeric_limits<double>::quiet_NaN();
+    }
+    channel.missing_samples = static_cast<long>(channel.samples.array().isNaN().count());
+    names += (names.empty() ? "\"" : ", \"") + channel.name + "\"";
+    recording.channels.push_back(std::move(channel));
+  }
+  recording.notes.push_back(
+      {"no_unit",
+       whole ? "samples are fractions of full scale: give scale and unit for physical values"
+             : "no unit in the file: the numbers are kept as they are",
+       names});
+  return recording;
+}
+
+}  // namespace rigfit::signal

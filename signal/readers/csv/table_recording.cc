@@ -1,0 +1,85 @@
+#include "signal/readers/csv/table_recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "signal/readers/csv/csv_time.h"
+#include "signal/readers/frequency/frequency_table.h"
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::signal {
+namespace {
+
+std::string join(const std::vector<std::string>& names) {
+  std::string out;
+  for (const auto& name : names) out += (out.empty() ? "\"" : ", \"") + name + "\"";
+  return out;
+}
+
+}  // namespace
+
+Recording recording_of_table(CsvTable csv, const std::filesystem::path& path,
+                             const std::string& format, const ReadOptions& options) {
+  const CsvLayout& layout = csv.layout;
+  const std::string file = path.string();
+  if (frequency_column(csv)) {
+    throw RecordingError(
+        {file, layout.body_line, 0, csv.channels[*frequency_column(csv)].name, ""},
+        "is a spectrum or FRF over frequency, not a recording over time",
+        "rigfit inspect lists a spectrum's peaks, rigfit modal takes FRFs; for a decay or hits "
+        "export the time signal. Where the first column is time after all, title it so");
+  }
+
+  Recording recording;
+  recording.path = path;
+  recording.format = format;
+  recording.notes = std::move(csv.notes);
+
+  const std::vector<std::size_t> left_out = 
+      take_csv_times(csv, file, recording, options);
+  if (recording.sample_rate_hz == 0) recording.sample_rate_hz = layout.stated_rate_hz;
+  if (options.sample_rate_hz > 0) {
+    const double had = recording.sample_rate_hz;
+    if (had > 0 && std::abs(had / options.sample_rate_hz - 1) > 1e-4) {
+      recording.notes.push_back({"rate_overridden",
+                                 "the file gives " + fmt::format("{:.9g}", had) + " Hz; " +
+                                     fmt::format("{:.9g}", options.sample_rate_hz) +
+                                     " Hz is taken as asked",
+                                 ""});
+      recording.time_s.resize(0);
+    }
+    recording.sample_rate_hz = options.sample_rate_hz;
+  }
+  if (recording.sample_rate_hz == 0) {
+    recording.notes.push_back({"no_sample_rate",
+                               "neither times nor a sample rate in the file: give the rate (option "
+                               "or sample_rate_hz in the TOML file beside the recording)",
+                               ""});
+  }
+  std::vector<std::string> unitless;
+  for (std::size_t k = 0; k < csv.channels.size(); ++k) {
+    if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
+    if (layout.has_names && layout.columns[csv.column[k]].name.empty()) {
+      recording.notes.push_back(
+          {"unnamed_column", "has no title in the header", csv.channels[k].name});
+    }
+    if (csv.channels[k].source_unit.empty()) unitless.push_back(csv.channels[k].name);
+    recording.channels.push_back(std::move(csv.channels[k]));
+  }
+  if (recording.channels.empty()) {
+    throw RecordingError({file, layout.body_line, 0, "", ""},
+                         "holds times but no channel beside them",
+                         "give a recording with at least one channel");
+  }
+  if (!unitless.empty()) {
+    recording.notes.push_back(
+        {"no_unit", "no unit in the file: the numbers are kept as they are", join(unitless)});
+  }
+  return recording;
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,294 @@
+// WAV, NumPy and MATLAB files as their programs write them, damaged ones, and formats that are named
+// and refused.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <matio.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "signal/readers/arrays/read_mat.h"
+#include "signal/readers/arrays/read_npy.h"
+#include "signal/readers/arrays/read_wav.h"
+#include "signal/readers/foreign_formats.h"
+#include "signal/readers/read_recording.h"
+#include "signal/recording/recording_error.h"
+#include "tests/fuzz/mutations.h"
+#include "tests/fuzz/require_sound.h"
+
+namespace rigfit::signal::arrays_test {
+namespace {
+namespace fs = std::filesystem;
+
+bool noted(const Recording& recording, const std::string& code) {
+  for (const auto& note : recording.notes) {
+    if (note.code == code) return true;
+  }
+  return false;
+}
+
+template <typename Read>
+std::string refusal_of(Read&& read) {
+  try {
+    (void)read();
+  } catch (const RecordingError& error) {
+    EXPECT_FALSE(error.remedy().empty());
+    return error.what();
+  }
+  ADD_FAILURE() << "read without a word";
+  return "";
+}
+
+std::string little(std::uint64_t value, int bytes) {
+  std::string out;
+  for (int k = 0; k < bytes; ++k) out += static_cast<char>(value >> (8 * k) & 0xFF);
+  return out;
+}
+
+std::string wav(int format, int bits, int channels, const std::string& data) {
+  const int block = channels * bits / 8;
+  const std::string fmt_chunk = little(static_cast<std::uint64_t>(format), 2) +
+                                little(static_cast<std::uint64_t>(channels), 2) + little(2048, 4) +
+                                little(static_cast<std::uint64_t>(2048 * block), 4) +
+                                little(static_cast<std::uint64_t>(block), 2) +
+                                little(static_cast<std::uint64_t>(bits), 2);
+  return "RIFF" + little(36 + data.size(), 4) + "WAVEfmt " + little(16, 4) + fmt_chunk + "data" +
+         little(data.size(), 4) + data;
+}
+
+double wanted(int k) { return 0.5 * std::sin(0.1 * k); }
+
+TEST(Wav, OfEveryWidthGivesTheSameSamples) {
+  for (const int bits : {8, 16, 24, 32}) {
+    std::string data;
+    const double full = std::ldexp(1.0, bits - 1);
+    for (int k = 0; k < 300; ++k) {
+      const auto whole = static_cast<std::int64_t>(std::lround(wanted(k) * full));
+      data += little(static_cast<std::uint64_t>(bits == 8 ? whole + 128 : whole), bits / 8);
+    }
+    const auto recording = read_wav(wav(1, bits, 1, data), "a.wav");
+    EXPECT_EQ(recording.sample_rate_hz, 2048);
+    ASSERT_EQ(recording.samples(), 300) << bits;
+    EXPECT_EQ(recording.channels[0].nominal_range, 1);
+    // Half a step of the converter.
+    for (int k = 0; k < 300; ++k) {
+      EXPECT_NEAR(recording.channels[0].samples[k], wanted(k), 0.51 / full) << bits;
+    }
+  }
+  for (const int bits : {32, 64}) {
+    std::string data;
+    for (int k = 0; k < 300; ++k) {
+      const double x = wanted(k);
+      const auto single = static_cast<float>(x);
+      data.append(bits == 64 ? reinterpret_cast<const char*>(&x) : reinterpret_cast<const char*>(&single),
+                  static_cast<std::size_t>(bits / 8));
+    }
+    const auto recording = read_wav(wav(3, bits, 2, data), "a.wav");
+    ASSERT_EQ(recording.channels.size(), 2u);
+    ASSERT_EQ(recording.samples(), 150);
+    EXPECT_NEAR(recording.channels[1].samples[7], wanted(15), 1e-7);
+  }
+}
+
+TEST(Wav, CutShortIsReadAsFarAsItGoesAndSaid) {
+  const std::string whole = wav(1, 16, 1, std::string(2000, '\1'));
+  const auto recording = read_wav(std::string_view(whole).substr(0, 1044), "a.wav");
+  EXPECT_EQ(recording.samples(), 500);
+  EXPECT_TRUE(noted(recording, "cut_short"));
+  EXPECT_THAT(refusal_of([&] { return read_wav(whole.substr(0, 20), "a.wav"); }),
+              ::testing::HasSubstr("WAV"));
+}
+
+std::string npy(const std::string& header, const std::string& data) {
+  std::string text = header + std::string(64 - (10 + header.size() + 1) % 64, ' ') + "\n";
+  return std::string("\x93NUMPY\x01\x00", 8) + little(text.size(), 2) + text + data;
+}
+
+template <typename Number>
+std::string bytes_of(const std::vector<Number>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Number)};
+}
+
+TEST(Npy, ArraysOfSamplesAndChannelsAreRead) {
+  std::vector<double> values;
+  for (int k = 0; k < 40; ++k) {
+    values.push_back(0.001 * k);
+    values.push_back(k * k);
+  }
+  const auto by_rows =
+      read_npy(npy("{'descr': '<f8', 'fortran_order': False, 'shape': (40, 2), }", bytes_of(values)), "a.npy");
+  ASSERT_EQ(by_rows.channels.size(), 1u);
+  EXPECT_NEAR(by_rows.sample_rate_hz, 1000, 1e-9);
+  EXPECT_TRUE(noted(by_rows, "time_column_assumed"));
+  EXPECT_EQ(by_rows.channels[0].samples[5], 25);
+  const auto wide =
+      read_npy(npy("{'descr': '<f8', 'fortran_order': True, 'shape': (2, 40), }", bytes_of(values)), "a.npy");
+  ASSERT_EQ(wide.channels.size(), 1u);
+  EXPECT_EQ(wide.channels[0].samples[5], 25);
+  const auto whole = read_npy(npy("{'descr': '>i2', 'fortran_order': False, 'shape': (3,), }",
+                                  std::string("\x00\x01\xFF\xFE\x01\x00", 6)), "a.npy");
+  EXPECT_EQ(whole.channels[0].samples, Eigen::Vector3d(1, -2, 256));
+  const auto fields = read_npy(
+      npy("{'descr': [('t', '<f8'), ('Force [kN]', '<f8')], 'fortran_order': False, 'shape': (40,), }",
+          bytes_of(values)), "a.npy");
+  ASSERT_EQ(fields.channels.size(), 1u);
+  EXPECT_EQ(fields.channels[0].name, "Force");
+  EXPECT_EQ(fields.channels[0].samples[2], 4000);
+}
+
+TEST(Npy, WhatCannotBeReadIsSaid) {
+  const auto refused = [](const std::string& header, const std::string& data = "12345678") {
+    return refusal_of([&] { return read_npy(npy(header, data), "a.npy"); });
+  };
+  EXPECT_THAT(refused("{'descr': '|O', 'fortran_order': False, 'shape': (1,), }"), ::testing::HasSubstr("kind"));
+  EXPECT_THAT(refused("{'descr': '<c16', 'fortran_order': False, 'shape': (1,), }"), ::testing::HasSubstr("complex"));
+  EXPECT_THAT(refused("{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999, 99999999999), }"),
+              ::testing::HasSubstr("holds 8 bytes"));
+  EXPECT_THAT(refused("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1, 1), }"), ::testing::HasSubstr("1 x 1 x 1"));
+  EXPECT_THAT(refused("{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }", ""), ::testing::HasSubstr("no samples"));
+}
+
+/// A .mat file of this test's own.
+class Mat : public ::testing::Test {
+ protected:
+  Mat() : path_(fs::temp_directory_path() / fmt::format("rigfit-mat-{}-\xC3\xA4.mat", std::random_device()())) {}
+  ~Mat() override {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+
+  static matvar_t* array(const char* name, std::vector<double> values, std::size_t rows, std::size_t cols) {
+    std::size_t dims[2] = {rows, cols};
+    return Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0);
+  }
+  void write(const std::vector<matvar_t*>& variables, mat_ft version = MAT_FT_MAT5,
+             matio_compression compression = MAT_COMPRESSION_ZLIB) {
+    mat_t* const file = Mat_CreateVer(path_.c_str(), nullptr, version);
+    ASSERT_NE(file, nullptr);
+    for (auto* variable : variables) {
+      EXPECT_EQ(Mat_VarWrite(file, variable, compression), 0);
+      Mat_VarFree(variable);
+    }
+    Mat_Close(file);
+  }
+  std::string content() const {
+    std::ifstream file(path_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  fs::path path_;
+};
+
+std::vector<double> ramp(int n, double step) {
+  std::vector<double> values;
+  for (int k = 0; k < n; ++k) values.push_back(step * k);
+  return values;
+}
+
+TEST_F(Mat, ArraysOfOneLengthWithARateOrATime) {
+  for (const auto version : {MAT_FT_MAT5, MAT_FT_MAT73}) {
+    write({array("acc", ramp(80, 0.5), 40, 2), array("force", ramp(40, 1), 1, 40), array("fs", {2000}, 1, 1)},
+          version);
+    const auto recording = read_recording(path_);
+    EXPECT_EQ(recording.format, "mat");
+    EXPECT_EQ(recording.sample_rate_hz, 2000);
+    ASSERT_EQ(recording.channels.size(), 3u);
+    EXPECT_EQ(recording.channel("acc 2").samples[0], 20);
+    EXPECT_EQ(recording.channel("force").samples[3], 3);
+    fs::remove(path_);
+  }
+  write({array("t", ramp(40, 0.001), 40, 1), array("x", ramp(40, 2), 40, 1)});
+  EXPECT_NEAR(read_mat(path_).sample_rate_hz, 1000, 1e-9);
+}
+
+TEST_F(Mat, FieldsOfStructsAreFound) {
+  const char* names[] = {"dt", "signal"};
+  std::size_t one[2] = {1, 1};
+  matvar_t* const inner = Mat_VarCreateStruct("run", 2, one, names, 2);
+  Mat_VarSetStructFieldByName(inner, "dt", 0, array("dt", {0.01}, 1, 1));
+  Mat_VarSetStructFieldByName(inner, "signal", 0, array("signal", ramp(30, 3), 30, 1));
+  write({inner});
+  const auto recording = read_mat(path_);
+  EXPECT_NEAR(recording.sample_rate_hz, 100, 1e-9);
+  ASSERT_EQ(recording.channels.size(), 1u);
+  EXPECT_EQ(recording.channels[0].name, "signal");
+  EXPECT_EQ(recording.channels[0].samples[2], 6);
+}
+
+TEST_F(Mat, SeveralLengthsAreAskedAbout) {
+  write({array("long_one", ramp(100, 1), 100, 1), array("short_one", ramp(50, 1), 50, 1)});
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }),
+              ::testing::AllOf(::testing::HasSubstr("long_one (100 x 1), short_one (50 x 1)"),
+                               ::testing::HasSubstr("--variable")));
+  ReadOptions options;
+  options.variables = {"short_one"};
+  const auto recording = read_mat(path_, options);
+  EXPECT_EQ(recording.samples(), 50);
+  EXPECT_TRUE(noted(recording, "variables_left_out"));
+}
+
+TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {
+  std::vector<double> real = ramp(60, 1), imaginary = ramp(60, -1);
+  mat_complex_split_t split{real.data(), imaginary.data()};
+  std::size_t dims[2] = {30, 2};
+  write({Mat_VarCreate("H", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, &split, MAT_F_COMPLEX),
+         array("freq", ramp(30, 0.5), 30, 1)});
+  const FrfSet set = read_mat_frfs(path_);
+  ASSERT_EQ(set.H.rows(), 30);
+  ASSERT_EQ(set.H.cols(), 2);
+  EXPECT_EQ(set.H(2, 1), std::complex<double>(32, -32));
+  EXPECT_EQ(set.frequency_hz[2], 1);
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), ::testing::HasSubstr("freq"));
+}
+
+TEST_F(Mat, DamagedOnesAreRefusedOrRead) {
+  std::mt19937_64 random(7);
+  for (const auto compression : {MAT_COMPRESSION_NONE, MAT_COMPRESSION_ZLIB}) {
+    write({array("acc", ramp(80, 0.5), 40, 2), array("fs", {2000}, 1, 1)}, MAT_FT_MAT5, compression);
+    const std::string whole = content();
+    for (int k = 0; k < 150; ++k) {
+      const std::string bytes = k < 40 ? whole.substr(0, whole.size() * static_cast<std::size_t>(k) / 40)
+                                       : mutated(whole, {std::string("\xFF\xFF\xFF\x7F", 4)}, random);
+      std::ofstream(path_, std::ios::binary) << bytes;
+      EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_mat(path_)); })) << k;
+    }
+    fs::remove(path_);
+  }
+}
+
+TEST(Damaged, WavAndNumpyFilesAreRefusedOrRead) {
+  std::mt19937_64 random(8);
+  const std::vector<std::string> seeds = {
+      wav(1, 16, 2, std::string(400, '\5')), wav(3, 64, 1, std::string(400, '\5')),
+      npy("{'descr': '<f8', 'fortran_order': False, 'shape': (10, 2), }", std::string(160, '\1'))};
+  for (const auto& seed : seeds) {
+    for (int k = 0; k < 1500; ++k) {
+      const std::string bytes = mutated(seed, {"data", "fmt ", "(", "<i4", std::string(4, '\xFF')}, random);
+      EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_wav(bytes, "x")); }));
+      EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_npy(bytes, "x")); }));
+    }
+  }
+}
+
+TEST(ForeignFormats, AreNamedWithTheWayOut) {
+  const auto name_of = [](const std::string& bytes) {
+    const auto found = foreign_format(bytes);
+    return found ? found->name : "";
+  };
+  EXPECT_THAT(name_of("TDSm\x0E"), ::testing::HasSubstr("TDMS"));
+  EXPECT_THAT(name_of("MDF     4.10    "), ::testing::HasSubstr("MDF"));
+  EXPECT_THAT(name_of("\x89HDF\r\n\x1a\n"), ::testing::HasSubstr("HDF5"));
+  EXPECT_THAT(name_of("PK\x03\x04 xl/workbook.xml"), ::testing::HasSubstr("Excel"));
+  EXPECT_THAT(name_of("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"), ::testing::HasSubstr(".xls"));
+  EXPECT_EQ(name_of("Time,Force\n0,1\n"), "");
+}
+
+}  // namespace
+}  // namespace rigfit::signal::arrays_test

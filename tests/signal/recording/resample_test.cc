@@ -1,0 +1,78 @@
+// Resampling keeps what lies below the new rate's band, removes what would fold, and states an error
+// that the true one stays below.
+#include "signal/recording/resample.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::signal::resample_test {
+namespace {
+
+double wave(double t, double f) { return std::sin(2 * std::numbers::pi * f * t + 0.3); }
+
+Recording record(const Eigen::VectorXd& t, double rate, double f) {
+  Recording recording;
+  recording.sample_rate_hz = rate;
+  Channel channel;
+  channel.name = "a";
+  channel.samples = t.unaryExpr([f](double x) { return wave(x, f); });
+  recording.channels.push_back(channel);
+  return recording;
+}
+
+/// rms departure from the wave, away from the ends.
+double error_of(const Recording& recording, double f) {
+  const auto& x = recording.channels[0].samples;
+  const Eigen::Index n = x.size(), end = n / 5;
+  double sum = 0;
+  for (Eigen::Index k = end; k < n - end; ++k) {
+    const double t = recording.start_time_s + static_cast<double>(k) / recording.sample_rate_hz;
+    sum += std::pow(x[k] - wave(t, f), 2);
+  }
+  return std::sqrt(sum / static_cast<double>(n - 2 * end));
+}
+
+TEST(Resample, DecimationKeepsTheBandAndRemovesWhatWouldFold) {
+  const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(8000, 0, 7999) / 4000;
+  for (const double rate : {1000.0, 730.0}) {
+    const auto kept = resampled(record(t, 4000, 0.35 * rate), rate);
+    EXPECT_LT(error_of(kept.recording, 0.35 * rate), 1e-4);  // the filter's 80 dB
+    EXPECT_LT(error_of(kept.recording, 0.35 * rate), 2 * kept.error_rms[0] + 1e-5);
+    const auto folded = resampled(record(t, 4000, 0.7 * rate), rate);
+    const auto& x = folded.recording.channels[0].samples;
+    EXPECT_LT(x.segment(x.size() / 5, x.size() / 2).cwiseAbs().maxCoeff(), 2e-4);
+  }
+}
+
+TEST(Resample, UnevenTimesAreMadeEvenWithAnErrorThatHolds) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> jitter(-0.3, 0.3);
+  Eigen::VectorXd t(2000);
+  for (int k = 0; k < 2000; ++k) t[k] = (k + jitter(random)) / 500;
+  Recording uneven = record(t, 500, 20);
+  uneven.time_s = t;
+  const auto even = resampled(uneven, 0);
+  EXPECT_EQ(even.recording.time_s.size(), 0);
+  EXPECT_NEAR(even.recording.sample_rate_hz, 500, 25);
+  EXPECT_LT(error_of(even.recording, 20), even.error_rms[0]);
+  EXPECT_LT(even.error_rms[0], 0.02);
+}
+
+TEST(Resample, GapsAndMissingSamplesAreNotFilledIn) {
+  Eigen::VectorXd t(100);
+  for (int k = 0; k < 100; ++k) t[k] = 0.01 * k + (k < 50 ? 0 : 0.2) + (k % 7 == 0 ? 1e-3 : 0);
+  Recording uneven = record(t, 100, 3);
+  uneven.time_s = t;
+  const auto even = resampled(uneven, 100);
+  EXPECT_GT(even.recording.channels[0].missing_samples, 15);
+  uneven.channels[0].samples[4] = std::nan("");
+  EXPECT_THROW((void)resampled(uneven, 100), RecordingError);
+}
+
+}  // namespace
+}  // namespace rigfit::signal::resample_test
