@@ -69,16 +69,18 @@ void VerbContext::say_warnings() const {
       }
     }
     std::string line = on_terminal(Colour::yellow, "warning:") + ' ';
-    if (more == 0 || !alike) {
+    const bool one = more == 0 || !alike;
+    if (one) std::erase(places, warning.where);
+    constexpr std::size_t kShown = 8;
+    std::string list;
+    for (std::size_t k = 0; k < std::min(kShown, places.size()); ++k) {
+      list += (k == 0 ? "" : ", ") + places[k];
+    }
+    if (places.size() > kShown) list += " ...";
+    if (one) {
       line += (warning.where.empty() ? "" : warning.where + ": ") + warning.message;
-      if (more > 0) line += fmt::format(" (and {} more of this kind; all with --json)", more);
+      if (more > 0) line += fmt::format(" (and {} more of this kind{}{})", more, list.empty() ? "" : ": ", list);
     } else {
-      constexpr std::size_t kShown = 3;
-      std::string list;
-      for (std::size_t k = 0; k < std::min(kShown, places.size()); ++k) {
-        list += (k == 0 ? "" : ", ") + places[k];
-      }
-      if (places.size() > kShown) list += " ...";
       line += fmt::format("{} times: {}{}", more + 1, warning.message,
                           list.empty() ? "" : " (" + list + ")");
     }
