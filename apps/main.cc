@@ -94,7 +94,8 @@ signal::ReadOptions read_options(const ReadingOptions& given) {
   if (!given.time_unit.empty()) {
     const auto unit = signal::parse_unit(given.time_unit);
     if (!unit || unit->quantity != signal::Quantity::time) {
-      throw UsageError("--time-unit: \"" + given.time_unit + "\" is no unit of time (s, ms, us, min)");
+      throw UsageError("--time-unit: \"" + given.time_unit +
+                       "\" is no unit of time (s, ms, us, min)");
     }
     options.time_unit_s = unit->factor;
   }
@@ -118,7 +119,8 @@ class StandardInput {
       if (arguments[k] != "-" || arguments[k - 1].starts_with("--")) continue;
       if (!folder_.empty()) throw UsageError("standard input (-) can be read once only");
       std::string name = (std::filesystem::temp_directory_path() / "rigfit-XXXXXX").string();
-      if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a folder in " + name);
+      if (::mkdtemp(name.data()) == nullptr)
+        throw std::runtime_error("cannot make a folder in " + name);
       folder_ = name;
       const auto file = folder_ / "standard-input";
       std::ofstream out(file, std::ios::binary);

@@ -137,11 +137,12 @@ std::string list_of(const std::vector<std::string>& names) {
 /// The keys of a test; `files` are relative to the campaign.
 std::string test_text(const std::string& name, const Guess& guess, const GuessOptions& options,
                       const std::vector<std::string>& files) {
-  std::string text = fmt::format("\n[[test]]\nname = \"{}\"\nkind = \"{}\"  # {}\n", name, guess.kind,
-                                 guess.why);
+  std::string text =
+      fmt::format("\n[[test]]\nname = \"{}\"\nkind = \"{}\"  # {}\n", name, guess.kind, guess.why);
   if (guess.kind == "bending") {
     if (!(options.span_m > 0)) {
-      throw UsageError(files.front() + " is a bending test: give its span between the clamps, --span M");
+      throw UsageError(files.front() +
+                       " is a bending test: give its span between the clamps, --span M");
     }
     text += fmt::format("span = {}  # m, clamp to clamp\n", options.span_m);
     if (!guess.tension.empty() && !guess.load.empty() && !guess.deflection.empty()) {
@@ -184,16 +185,17 @@ std::string channels_text(const std::vector<const signal::Recording*>& recording
           throw UsageError("--sensitivity " + channel.name + "=" + given->second +
                            ": write it with its unit, such as \"" + channel.name + "=2.27 mV/N\"");
         }
-        text += "sensitivity = " + number + "\nsensitivity_unit = " +
-                quoted(given->second.substr(blank + 1)) + "\n";
+        text += "sensitivity = " + number +
+                "\nsensitivity_unit = " + quoted(given->second.substr(blank + 1)) + "\n";
       } else if (const auto unit = options.units.find(channel.name); unit != options.units.end()) {
         if (!signal::parse_unit(unit->second)) {
           throw UsageError("--unit " + channel.name + "=" + unit->second + ": no unit we know");
         }
         text += "unit = " + quoted(unit->second) + "\n";
       } else if (channel.unit.empty()) {
-        text += "# unit = \"m/s^2\"  # the file gives none; or: sensitivity = 10.0, sensitivity_unit "
-                "= \"mV/g\"\n";
+        text +=
+            "# unit = \"m/s^2\"  # the file gives none; or: sensitivity = 10.0, sensitivity_unit "
+            "= \"mV/g\"\n";
       } else {
         text += "# in " + channel.unit + " by the file\n";
       }
@@ -225,8 +227,9 @@ GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::st
     if (fs::path(file).extension() == ".toml") continue;
     context.input(file);
     if (over_frequency(file, context)) {
-      result.remarks.push_back(file + ": over frequency, left out; look at it by rigfit inspect or "
-                                      "rigfit modal");
+      result.remarks.push_back(file +
+                               ": over frequency, left out; look at it by rigfit inspect or "
+                               "rigfit modal");
       continue;
     }
     signal::Recording recording = load_recording(file, context);
@@ -261,9 +264,11 @@ GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::st
       if (!known) throw UsageError("no recording has a channel \"" + name + "\"");
     }
   }
-  std::string text = "# A campaign of your own recordings. Run it: rigfit report campaign.toml --out report\n"
-                     "# Every key: rigfit help campaign. A commented example: rigfit new DIR --example\n\n"
-                     "title = " + quoted(fs::absolute(folder).lexically_normal().filename().string()) + "\n";
+  std::string text =
+      "# A campaign of your own recordings. Run it: rigfit report campaign.toml --out report\n"
+      "# Every key: rigfit help campaign. A commented example: rigfit new DIR --example\n\n"
+      "title = " +
+      quoted(fs::absolute(folder).lexically_normal().filename().string()) + "\n";
   std::map<std::string, int> count;
   for (const auto& test : tests) {
     const int number = ++count[test.guess.kind];

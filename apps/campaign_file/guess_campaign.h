@@ -15,7 +15,7 @@ namespace rigfit::apps {
 struct GuessOptions {
   std::string kind;   ///< "bending", "axial", "decay", "modal"; empty: guessed
   std::string force;  ///< channel of the hammer; empty: guessed
-  double span_m = 0, mass_kg = 0, length_m = 0;  ///< of bending and axial tests; 0: not given
+  double span_m = 0, mass_kg = 0, length_m = 0;      ///< of bending and axial tests; 0: not given
   std::map<std::string, std::string> units;          ///< by channel
   std::map<std::string, std::string> sensitivities;  ///< by channel, such as "2.27 mV/N"
 };
@@ -27,7 +27,7 @@ struct TextFile {
 };
 
 struct GuessedCampaign {
-  std::vector<TextFile> files;      ///< the campaign first, then a channels.toml a folder
+  std::vector<TextFile> files;       ///< the campaign first, then a channels.toml a folder
   std::vector<std::string> remarks;  ///< what each file was taken for and why, for the terminal
 };
 

@@ -12,8 +12,7 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
                                  const RecordingDescription& given) {
   std::vector<RecordingDescription> descriptions;  // what wins stands last
   context.input(path.string());
-  for (const auto& file :
-       {signal::description_of_folder(path), signal::description_beside(path)}) {
+  for (const auto& file : {signal::description_of_folder(path), signal::description_beside(path)}) {
     if (!file || *file == path) continue;
     context.input(file->string());
     descriptions.push_back(signal::read_description(*file));

@@ -70,9 +70,8 @@ std::string aligned(const std::vector<Row>& rows) {
 std::string key_reference(const std::string& document) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSections = {
       {{"scene", "## Scene\n"}, {"campaign", "## Campaign\n"}, {"sidecar", "## Sidecar\n"}}};
-  const auto* const section =
-      std::find_if(kSections.begin(), kSections.end(),
-                   [&](const auto& one) { return one.first == document; });
+  const auto* const section = std::find_if(kSections.begin(), kSections.end(),
+                                           [&](const auto& one) { return one.first == document; });
   if (section == kSections.end()) return "";
   std::string_view page = assets::apps_readme;
   const std::size_t begin = page.find(section->second);

@@ -131,7 +131,8 @@ std::string bash_completion(const Verbs& verbs) {
       "_rigfit() {\n"
       "  local word=\"${COMP_WORDS[COMP_CWORD]}\" options=\"\"\n"
       "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n";
-  text += "    COMPREPLY=($(compgen -W \"" + joined(names_of(verbs)) + " help --version\" -- \"$word\"))\n";
+  text += "    COMPREPLY=($(compgen -W \"" + joined(names_of(verbs)) +
+          " help --version\" -- \"$word\"))\n";
   text += "    return\n  fi\n  case \"${COMP_WORDS[1]}\" in\n";
   for (const auto& verb : verbs) {
     text += "    " + verb.app->get_name() + ") options=\"" + joined(options_of(verb)) + "\" ;;\n";
@@ -141,7 +142,8 @@ std::string bash_completion(const Verbs& verbs) {
       "  esac\n"
       "  case \"$word\" in\n"
       "    -*) COMPREPLY=($(compgen -W \"$options\" -- \"$word\")) ;;\n"
-      "    *) [ \"${COMP_WORDS[1]}\" = help ] && COMPREPLY=($(compgen -W \"$options\" -- \"$word\")) ||\n"
+      "    *) [ \"${COMP_WORDS[1]}\" = help ] && COMPREPLY=($(compgen -W \"$options\" -- "
+      "\"$word\")) ||\n"
       "         COMPREPLY=($(compgen -f -- \"$word\")) ;;\n"
       "  esac\n"
       "}\n"
@@ -155,7 +157,8 @@ std::string zsh_completion(const Verbs& verbs) {
       "# Completion of rigfit in zsh.\n"
       "_rigfit() {\n"
       "  if (( CURRENT == 2 )); then\n";
-  text += "    compadd " + joined(names_of(verbs)) + " help\n    return\n  fi\n  case $words[2] in\n";
+  text +=
+      "    compadd " + joined(names_of(verbs)) + " help\n    return\n  fi\n  case $words[2] in\n";
   for (const auto& verb : verbs) {
     text += "    " + verb.app->get_name() + ") [[ $PREFIX == -* ]] && compadd -- " +
             joined(options_of(verb)) + " || _files ;;\n";
@@ -169,8 +172,9 @@ std::string man_page(const CLI::App& program, const Verbs& verbs, const Verb* ve
                      const std::string& version) {
   const std::string title = verb == nullptr ? "rigfit" : "rigfit-" + verb->app->get_name();
   const CLI::App& app = verb == nullptr ? program : *verb->app;
-  std::string text = fmt::format(".TH \"{}\" 1 \"\" \"rigfit {}\" \"rigfit\"\n.SH NAME\n{} \\- {}\n",
-                                 roff(title), version, roff(title), roff(app.get_description()));
+  std::string text =
+      fmt::format(".TH \"{}\" 1 \"\" \"rigfit {}\" \"rigfit\"\n.SH NAME\n{} \\- {}\n", roff(title),
+                  version, roff(title), roff(app.get_description()));
   if (verb == nullptr) {
     text += ".SH SYNOPSIS\n.B rigfit\nVERB [ARGUMENTS]\n.SH VERBS\n";
     for (const auto& one : verbs) {
@@ -191,7 +195,8 @@ std::string man_page(const CLI::App& program, const Verbs& verbs, const Verb* ve
     if (!app.get_footer().empty()) text += ".SH NOTES\n.nf\n" + roff(app.get_footer()) + "\n.fi\n";
   }
   text +=
-      ".SH EXIT STATUS\n0 done; 2 wrong usage; 3 an input cannot be read; 4 refused: the data cannot "
+      ".SH EXIT STATUS\n0 done; 2 wrong usage; 3 an input cannot be read; 4 refused: the data "
+      "cannot "
       "support what was asked; 5 did not converge; 1 an internal error.\n";
   return text;
 }

@@ -1,5 +1,5 @@
-// What the program says of itself: help by `rigfit help WORD`, the word most like a misspelt verb or
-// option, completion of bash and zsh, man pages. All of it from the options that CLI11 parses.
+// What the program says of itself: help by `rigfit help WORD`, the word most like a misspelt verb
+// or option, completion of bash and zsh, man pages. All of it from the options that CLI11 parses.
 #pragma once
 
 #include <optional>

@@ -44,7 +44,8 @@ void VerbContext::refuse(std::string code, std::string message, std::string wher
 
 void VerbContext::fail(std::string message, std::string where) {
   if (!silent) {
-    std::cerr << on_terminal(Colour::red, "error:") << ' ' << (where.empty() ? "" : where + ": ") << message << '\n';
+    std::cerr << on_terminal(Colour::red, "error:") << ' ' << (where.empty() ? "" : where + ": ")
+              << message << '\n';
   }
   warnings_.push_back({"not_converged", std::move(message), std::move(where)});
   exit_code = ExitCode::not_converged;
@@ -79,7 +80,9 @@ void VerbContext::say_warnings() const {
     if (places.size() > kShown) list += " ...";
     if (one) {
       line += (warning.where.empty() ? "" : warning.where + ": ") + warning.message;
-      if (more > 0) line += fmt::format(" (and {} more of this kind{}{})", more, list.empty() ? "" : ": ", list);
+      if (more > 0)
+        line +=
+            fmt::format(" (and {} more of this kind{}{})", more, list.empty() ? "" : ": ", list);
     } else {
       line += fmt::format("{} times: {}{}", more + 1, warning.message,
                           list.empty() ? "" : " (" + list + ")");

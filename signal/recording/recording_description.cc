@@ -152,9 +152,7 @@ RecordingDescription read_description(document::TomlTable& table) {
   return description;
 }
 
-std::vector<std::string> format_names() {
-  return {"csv", "lvm", "uff", "wav", "npy", "mat"};
-}
+std::vector<std::string> format_names() { return {"csv", "lvm", "uff", "wav", "npy", "mat"}; }
 
 char sign_named(const std::string& text) {
   if (text.size() == 1 && std::string(",;.\t ").find(text[0]) != std::string::npos) return text[0];
@@ -194,10 +192,10 @@ void apply_description(const RecordingDescription& description, Recording& recor
     apply_channel(channel, recording);
   }
   if (!absent.empty()) {
-    recording.notes.push_back({"described_channel_absent",
-                               "channels.toml of the folder describes " + absent +
-                                   ", which this recording does not have",
-                               ""});
+    recording.notes.push_back(
+        {"described_channel_absent",
+         "channels.toml of the folder describes " + absent + ", which this recording does not have",
+         ""});
   }
   // What is described has its unit from the description; the reader's remark no longer holds.
   std::string unitless;

@@ -4,8 +4,8 @@
 //   sample_rate_hz = 500.0        # where the file gives none, or a wrong one
 //   time_unit = "ms"              # of the time column, where the file does not say
 //   decimal = ","                 # decimal sign, where a table can be read in two ways
-//   separator = ";"               # between columns: "comma", "semicolon", "tab", "blank" or the sign
-//   format = "csv"                # where the content does not tell (read_recording.h)
+//   separator = ";"               # between columns: "comma", "semicolon", "tab", "blank" or the
+//   sign format = "csv"                # where the content does not tell (read_recording.h)
 //   variables = ["acc", "force"]  # arrays to take of a file that names several (.mat)
 //   [[channel]]
 //   source = "CH8"                # the file's name for it, or "#5" for the fifth
@@ -51,7 +51,8 @@ struct ChannelDescription {
 struct RecordingDescription {
   ReadOptions reading;
   std::vector<ChannelDescription> channels;
-  bool of_folder = false;  ///< for all recordings of a folder: channels that one lacks are passed over
+  bool of_folder =
+      false;  ///< for all recordings of a folder: channels that one lacks are passed over
 };
 
 /// The TOML file of a recording's name in its folder, if there is one.

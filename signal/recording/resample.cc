@@ -19,8 +19,8 @@ namespace rigfit::signal {
 namespace {
 using Eigen::Index;
 
-constexpr double kGap = 3;             // steps of the usual size that count as a gap
-constexpr double kStopBand = 1e-4;     // 80 dB
+constexpr double kGap = 3;                    // steps of the usual size that count as a gap
+constexpr double kStopBand = 1e-4;            // 80 dB
 constexpr double kFlat = 0.4, kClosed = 0.5;  // of the lower rate
 constexpr double kMostSamples = 1e9;
 
@@ -34,8 +34,10 @@ RecordingError refusal(const Recording& recording, std::string channel, std::str
 class Spline {
  public:
   Spline(const Eigen::VectorXd& x, const Eigen::VectorXd& y)
-      : x_(x), y_(y), spline_(gsl_interp_alloc(gsl_interp_cspline, static_cast<std::size_t>(x.size())),
-                              &gsl_interp_free),
+      : x_(x),
+        y_(y),
+        spline_(gsl_interp_alloc(gsl_interp_cspline, static_cast<std::size_t>(x.size())),
+                &gsl_interp_free),
         place_(gsl_interp_accel_alloc(), &gsl_interp_accel_free) {
     gsl_interp_init(spline_.get(), x_.data(), y_.data(), static_cast<std::size_t>(x.size()));
   }
@@ -105,7 +107,8 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
     for (Index k = 0; k < samples; ++k) {
       const double at = t[0] + static_cast<double>(k) / rate_hz;
       while (before + 2 < n && t[before + 1] <= at) ++before;
-      const bool gap = t[before + 1] - t[before] > kGap * usual && at > t[before] && at < t[before + 1];
+      const bool gap =
+          t[before + 1] - t[before] > kGap * usual && at > t[before] && at < t[before + 1];
       channel.samples[k] = gap ? std::numeric_limits<double>::quiet_NaN() : spline.at(at);
       in_gaps += gap ? 1 : 0;
     }
@@ -114,7 +117,8 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
   }
   if (in_gaps > 0) {
     even.notes.push_back({"gaps_left_open",
-                          fmt::format("{} samples inside gaps of the times have no value", in_gaps), ""});
+                          fmt::format("{} samples inside gaps of the times have no value", in_gaps),
+                          ""});
   }
   return even;
 }
@@ -134,7 +138,8 @@ void filter_to(double rate_hz, Recording& recording) {
   // Kaiser's length of the design.
   const double half_s = 0.5 * (attenuation - 7.95) / (2.285 * 2 * std::numbers::pi * width);
   const Index n = recording.samples();
-  const auto samples = static_cast<Index>(std::floor(static_cast<double>(n - 1) * rate_hz / from + 1e-9)) + 1;
+  const auto samples =
+      static_cast<Index>(std::floor(static_cast<double>(n - 1) * rate_hz / from + 1e-9)) + 1;
   std::vector<Eigen::VectorXd> out(recording.channels.size(), Eigen::VectorXd(samples));
   std::vector<double> weights;
   for (Index k = 0; k < samples; ++k) {
@@ -150,7 +155,8 @@ void filter_to(double rate_hz, Recording& recording) {
       weights[static_cast<std::size_t>(j - first)] = w;
       sum += w;
     }
-    const Eigen::Map<const Eigen::VectorXd> kernel(weights.data(), static_cast<Index>(weights.size()));
+    const Eigen::Map<const Eigen::VectorXd> kernel(weights.data(),
+                                                   static_cast<Index>(weights.size()));
     for (std::size_t c = 0; c < out.size(); ++c) {
       out[c][k] = kernel.dot(recording.channels[c].samples.segment(first, last - first + 1)) / sum;
     }
@@ -176,7 +182,8 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
   }
   for (const auto& channel : recording.channels) {
     if (!channel.samples.allFinite()) {
-      throw refusal(recording, channel.name, fmt::format("{} samples are missing", channel.missing_samples),
+      throw refusal(recording, channel.name,
+                    fmt::format("{} samples are missing", channel.missing_samples),
                     "take the channel or those lines out");
     }
   }
@@ -192,8 +199,11 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     const double even = rate_hz > own || rate_hz == 0 ? (rate_hz > 0 ? rate_hz : own) : own;
     result.recording = made_even(recording, even, result.error_rms);
     result.recording.notes.push_back(
-        {"made_even", fmt::format("uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a "
-                                  "cubic spline", usual, even), ""});
+        {"made_even",
+         fmt::format("uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a "
+                     "cubic spline",
+                     usual, even),
+         ""});
     if (rate_hz == 0 || rate_hz == even) return result;
     if (result.recording.channels.front().missing_samples > 0) {
       throw refusal(recording, "", "has gaps, across which nothing can be filtered",
@@ -206,7 +216,8 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
       return result;
     }
     if (recording.duration_s() * rate_hz > kMostSamples) {
-      throw refusal(recording, "", "would have too many samples at that rate", "ask for a lower rate");
+      throw refusal(recording, "", "would have too many samples at that rate",
+                    "ask for a lower rate");
     }
     result.error_rms.assign(recording.channels.size(), 0);
   }

@@ -28,7 +28,8 @@ std::vector<LinePeak> line_peaks(const Eigen::Ref<const Eigen::VectorXd>& freque
     if (std::max(left, right) > 0.5 * top) continue;
     LinePeak peak{frequency_hz[k], top};
     if (magnitude[k - 1] > 0 && magnitude[k + 1] > 0) {
-      const double a = std::log(magnitude[k - 1]), b = std::log(top), c = std::log(magnitude[k + 1]);
+      const double a = std::log(magnitude[k - 1]), b = std::log(top),
+                   c = std::log(magnitude[k + 1]);
       const double curvature = a - 2 * b + c;
       if (curvature < 0) {
         peak.frequency_hz +=
@@ -37,7 +38,8 @@ std::vector<LinePeak> line_peaks(const Eigen::Ref<const Eigen::VectorXd>& freque
     }
     peaks.push_back(peak);
   }
-  std::sort(peaks.begin(), peaks.end(), [](const auto& a, const auto& b) { return a.value > b.value; });
+  std::sort(peaks.begin(), peaks.end(),
+            [](const auto& a, const auto& b) { return a.value > b.value; });
   if (peaks.size() > most) peaks.resize(most);
   std::sort(peaks.begin(), peaks.end(),
             [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });

@@ -14,8 +14,8 @@ struct LinePeak {
 /// Local maxima that stand at least 6 dB above the lowest line on either side before a higher one,
 /// and above twice the spectrum's median; the `most` strongest, by rising frequency. `magnitude`:
 /// not negative, as long as `frequency_hz`, which rises.
-[[nodiscard]] std::vector<LinePeak> line_peaks(const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
-                                               const Eigen::Ref<const Eigen::VectorXd>& magnitude,
-                                               std::size_t most = 12);
+[[nodiscard]] std::vector<LinePeak> line_peaks(
+    const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
+    const Eigen::Ref<const Eigen::VectorXd>& magnitude, std::size_t most = 12);
 
 }  // namespace rigfit::signal

@@ -39,7 +39,8 @@ A file without times needs its rate:
 A TOML file beside a recording (hits.csv -> hits.toml) names, scales and orients its channels.)";
 
 /// A table over frequency as functions to look at; empty: the file is none.
-std::optional<signal::FrequencyTable> frequency_table(const std::string& path, std::string_view bytes,
+std::optional<signal::FrequencyTable> frequency_table(const std::string& path,
+                                                      std::string_view bytes,
                                                       VerbContext& context) {
   if (!context.reading.format.empty() || signal::foreign_format(bytes) ||
       signal::format_of(bytes) != signal::RecordingFormat::csv) {
@@ -57,14 +58,15 @@ signal::Recording functions_of(const signal::FrequencyTable& table, VerbContext&
   const auto& f = table.frequency_hz;
   functions.notes.push_back(
       {"not_a_time_history",
-       fmt::format("{} over frequency, {:.6g} to {:.6g} Hz in {} lines; {}",
-                   signal::holds_frfs(table) ? "FRFs" : "a spectrum", f[0], f[f.size() - 1], f.size(),
-                   signal::holds_frfs(table) ? "rigfit modal finds modes in them"
-                                             : "its peaks are listed"),
+       fmt::format(
+           "{} over frequency, {:.6g} to {:.6g} Hz in {} lines; {}",
+           signal::holds_frfs(table) ? "FRFs" : "a spectrum", f[0], f[f.size() - 1], f.size(),
+           signal::holds_frfs(table) ? "rigfit modal finds modes in them" : "its peaks are listed"),
        ""});
   for (const auto& note : functions.notes) {
-    context.warn(note.code, note.message,
-                 note.where.empty() ? table.path.string() : table.path.string() + ": " + note.where);
+    context.warn(
+        note.code, note.message,
+        note.where.empty() ? table.path.string() : table.path.string() + ": " + note.where);
   }
   return functions;
 }
@@ -82,7 +84,8 @@ std::vector<Json> peaks_of(const signal::FrequencyTable& table, std::ostream& ou
     for (const auto& peak : signal::line_peaks(table.frequency_hz, magnitude)) {
       const double value = decibels ? 20 * std::log10(peak.value) : peak.value;
       list.push_back({{"frequency_hz", peak.frequency_hz}, {"value", value}});
-      text += fmt::format("{}{:.6g} Hz ({:.4g})", text.empty() ? "" : ", ", peak.frequency_hz, value);
+      text +=
+          fmt::format("{}{:.6g} Hz ({:.4g})", text.empty() ? "" : ", ", peak.frequency_hz, value);
     }
     if (!text.empty()) out << "  peaks of " << function.name << ": " << text << '\n';
     all.push_back(std::move(list));
@@ -94,7 +97,8 @@ std::vector<Json> peaks_of(const signal::FrequencyTable& table, std::ostream& ou
 signal::Recording load(const std::string& path, VerbContext& context, double rate) {
   {
     const signal::MappedFile file(path);
-    if (context.reading.format.empty() && signal::format_of(file.bytes()) == signal::RecordingFormat::uff) {
+    if (context.reading.format.empty() &&
+        signal::format_of(file.bytes()) == signal::RecordingFormat::uff) {
       signal::Recording functions = signal::read_uff_functions(file.bytes(), path);
       bool over_time = true;
       for (const auto& note : functions.notes) over_time &= note.code != "not_a_time_history";
@@ -243,8 +247,10 @@ void add_inspect(CLI::App& program, Verbs& verbs) {
       "inspect",
       "Read recordings and check their quality: rate, channels, units, clipping, "
       "dropouts, missing samples, offset, drift, noise, hum, quantisation");
-  app->add_option("FILE", options->files, "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
-                  ".mat, NumPy .npy; spectra and FRFs as text")->required();
+  app->add_option("FILE", options->files,
+                  "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
+                  ".mat, NumPy .npy; spectra and FRFs as text")
+      ->required();
   app->add_option("--sample-rate", options->sample_rate_hz,
                   "Sample rate in Hz of files that give none")
       ->check(positive_number())

@@ -103,7 +103,8 @@ void add_new(CLI::App& program, Verbs& verbs) {
   app->add_option("--force-channel", command->guess.force, "Channel of the hammer [guessed]");
   app->add_option("--span", command->guess.span_m, "Of bending tests, m")->check(positive_number());
   app->add_option("--mass", command->guess.mass_kg, "Of axial tests, kg")->check(positive_number());
-  app->add_option("--length", command->guess.length_m, "Of axial tests, m")->check(positive_number());
+  app->add_option("--length", command->guess.length_m, "Of axial tests, m")
+      ->check(positive_number());
   app->add_option("--unit", command->units, "Unit of a channel that the files do not give")
       ->type_name("CHANNEL=UNIT");
   app->add_option("--sensitivity", command->sensitivities, "Of a channel's transducer")

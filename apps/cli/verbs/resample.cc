@@ -52,16 +52,19 @@ void add_resample(CLI::App& program, Verbs& verbs) {
   CLI::App* app = program.add_subcommand(
       "resample", "A recording at another rate (with a filter), or uneven times made even");
   app->add_option("FILE", command->file, "Recording")->required();
-  app->add_option("--rate", command->rate_hz, "New rate, Hz [of uneven times that of their usual step]")
+  app->add_option("--rate", command->rate_hz,
+                  "New rate, Hz [of uneven times that of their usual step]")
       ->check(positive_number())
       ->type_name("HZ");
   app->add_option("--sample-rate", command->sample_rate_hz, "Where the file gives none, Hz")
       ->check(positive_number())
       ->type_name("HZ");
   app->add_option("--out", command->out, "Recording to write")->required()->type_name("F.csv");
-  app->footer("Example:\n  rigfit resample uneven.csv --out even.csv\n"
-              "  rigfit resample fast.wav --rate 4000 --out slow.csv");
-  verbs.push_back({app, [command](VerbContext& context) { return run_resample(context, *command); }});
+  app->footer(
+      "Example:\n  rigfit resample uneven.csv --out even.csv\n"
+      "  rigfit resample fast.wav --rate 4000 --out slow.csv");
+  verbs.push_back(
+      {app, [command](VerbContext& context) { return run_resample(context, *command); }});
 }
 
 }  // namespace rigfit::apps

@@ -41,8 +41,10 @@ std::vector<ArrayColumn> columns_of(const Eigen::Ref<const Eigen::MatrixXd>& val
   std::vector<ArrayColumn> columns;
   for (Eigen::Index k = 0; k < count; ++k) {
     ArrayColumn column;
-    column.name = count == 1 ? name : (name.empty() ? "column " : name + " ") + std::to_string(k + 1);
-    column.values = wide ? Eigen::VectorXd(values.row(k).transpose()) : Eigen::VectorXd(values.col(k));
+    column.name =
+        count == 1 ? name : (name.empty() ? "column " : name + " ") + std::to_string(k + 1);
+    column.values =
+        wide ? Eigen::VectorXd(values.row(k).transpose()) : Eigen::VectorXd(values.col(k));
     column.single = single;
     columns.push_back(std::move(column));
   }
@@ -85,8 +87,8 @@ Recording recording_of_columns(std::vector<ArrayColumn> columns, const std::file
         looks_like_time(column.values, decimals) &&
         std::none_of(columns.begin(), columns.end(),
                      [](const auto& other) { return is_time_name(other.name); })) {
-      table.notes.push_back({"time_column_assumed",
-                             "rises in equal steps: taken as time in seconds", channel.name});
+      table.notes.push_back(
+          {"time_column_assumed", "rises in equal steps: taken as time in seconds", channel.name});
       entry.name = channel.name = "time";
     }
     channel.samples = channel.si_per_source * column.values;

@@ -25,11 +25,11 @@
 namespace rigfit::signal {
 namespace {
 
-constexpr int kDeepest = 6;            // structs in structs
+constexpr int kDeepest = 6;             // structs in structs
 constexpr Eigen::Index kShortest = 16;  // samples of an array that is taken without being named
 
 struct MatArray {
-  std::string name;  ///< "run.acc", "hits{2}"
+  std::string name;                 ///< "run.acc", "hits{2}"
   Eigen::MatrixXd real, imaginary;  ///< imaginary: empty for real numbers
   bool single = false;
 
@@ -113,7 +113,8 @@ class MatReader {
     const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path_.c_str(), MAT_ACC_RDONLY),
                                                        &Mat_Close);
     if (!file) {
-      throw refusal(path_, "is no MATLAB file that can be read", "save it again, by save(F, '-v7')");
+      throw refusal(path_, "is no MATLAB file that can be read",
+                    "save it again, by save(F, '-v7')");
     }
     const bool hdf5 = Mat_GetVersion(file.get()) == MAT_FT_MAT73;
     while (matvar_t* const next = Mat_VarReadNextInfo(file.get())) {
@@ -224,13 +225,23 @@ std::string list_of(const std::vector<const MatArray*>& arrays) {
 
 /// The rate by a scalar of a usual name; 0: none. A second one that disagrees is noted.
 double stated_rate(const std::vector<MatArray>& arrays, std::vector<Note>& notes) {
-  static constexpr std::array<std::string_view, 14> kRates = {
-      "fs", "fsamp", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "sr",
-      "rate", "numberofsamplespersecond", "fsample", "freqsamp", "samplespersecond", "fsampling",
-      "srate"};
+  static constexpr std::array<std::string_view, 14> kRates = {"fs",
+                                                              "fsamp",
+                                                              "samplerate",
+                                                              "samplingrate",
+                                                              "samplefrequency",
+                                                              "samplingfrequency",
+                                                              "sr",
+                                                              "rate",
+                                                              "numberofsamplespersecond",
+                                                              "fsample",
+                                                              "freqsamp",
+                                                              "samplespersecond",
+                                                              "fsampling",
+                                                              "srate"};
   static constexpr std::array<std::string_view, 9> kSteps = {
-      "dt", "ts", "deltat", "sampletime", "samplingtime", "tsample", "timestep", "sampleinterval",
-      "increment"};
+      "dt",      "ts",       "deltat",         "sampletime", "samplingtime",
+      "tsample", "timestep", "sampleinterval", "increment"};
   double rate = 0;
   std::string by;
   for (const auto& array : arrays) {
@@ -264,14 +275,16 @@ Eigen::VectorXd frequencies_by_rate(const std::vector<MatArray>& arrays, const M
   for (const auto& array : arrays) {
     if (array.real.size() != 1 || array.imaginary.size() > 0) continue;
     const double value = array.real(0, 0);
-    if (value == std::floor(value) && std::floor(value / 2) + 1 == static_cast<double>(frfs.longer())) {
+    if (value == std::floor(value) &&
+        std::floor(value / 2) + 1 == static_cast<double>(frfs.longer())) {
       block = value;
     } else if (rate == 0 && value > 0 && lower_case(array.last_name()).starts_with("freq")) {
       rate = value;
     }
   }
   if (!(rate > 0) || !(block > 0) || !std::isfinite(rate)) return {};
-  return Eigen::VectorXd::LinSpaced(frfs.longer(), 0, static_cast<double>(frfs.longer() - 1)) * (rate / block);
+  return Eigen::VectorXd::LinSpaced(frfs.longer(), 0, static_cast<double>(frfs.longer() - 1)) *
+         (rate / block);
 }
 
 /// The arrays that a person names, or those of the one length there is.
@@ -304,12 +317,13 @@ std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
     }
     return taken;
   }
-  // Beside FRFs, a vector as long as they are holds their frequencies; what is shorter describes them.
+  // Beside FRFs, a vector as long as they are holds their frequencies; what is shorter describes
+  // them.
   Eigen::Index longest_frf = 0;
   for (const auto* array : complex) longest_frf = std::max(longest_frf, array->longer());
   const bool only_axes = std::all_of(real.begin(), real.end(), [&](const MatArray* array) {
-    return array->longer() < kShortest ||
-           (array->longer() == longest_frf && std::min(array->real.rows(), array->real.cols()) == 1);
+    return array->longer() < kShortest || (array->longer() == longest_frf &&
+                                           std::min(array->real.rows(), array->real.cols()) == 1);
   });
   if (longest_frf >= kShortest && only_axes) {
     throw refusal(path, "holds complex numbers, no recording over time: " + list_of(complex),
@@ -361,8 +375,8 @@ Recording read_mat(const std::filesystem::path& path, const ReadOptions& options
     }
   }
   if (!left.empty()) {
-    notes.push_back({"variables_left_out",
-                     list_of(taken) + " is taken, left out is " + list_of(left), ""});
+    notes.push_back(
+        {"variables_left_out", list_of(taken) + " is taken, left out is " + list_of(left), ""});
   }
   const double rate = stated_rate(arrays, notes);
   return recording_of_columns(std::move(columns), path, "mat", options, rate, std::move(notes));
@@ -419,20 +433,23 @@ FrfSet read_mat_frfs(const std::filesystem::path& path, const ReadOptions& optio
                          frfs.name});
   }
   set.frequency_hz = std::move(frequency_hz);
-  const bool wide = frfs.real.cols() == set.frequency_hz.size() && frfs.real.rows() != frfs.real.cols();
+  const bool wide =
+      frfs.real.cols() == set.frequency_hz.size() && frfs.real.rows() != frfs.real.cols();
   Eigen::MatrixXcd H = frfs.real.cast<std::complex<double>>() +
                        std::complex<double>(0, 1) * frfs.imaginary.cast<std::complex<double>>();
   set.H = wide ? Eigen::MatrixXcd(H.transpose()) : H;
   const Eigen::Index lines = set.frequency_hz.size();
   if (!set.frequency_hz.allFinite() || set.frequency_hz[0] < 0 ||
-      !(set.frequency_hz.tail(lines - 1).array() > set.frequency_hz.head(lines - 1).array()).all() ||
+      !(set.frequency_hz.tail(lines - 1).array() > set.frequency_hz.head(lines - 1).array())
+           .all() ||
       !set.H.allFinite()) {
     throw refusal(path, "the frequencies do not rise, or FRFs hold values that are no numbers",
                   "save finite values over rising frequencies in Hz");
   }
   set.inputs.push_back({"force", 0, 0});
   for (Eigen::Index k = 0; k < set.H.cols(); ++k) {
-    set.responses.push_back({frfs.last_name() + " " + std::to_string(k + 1), static_cast<int>(k) + 1, 0});
+    set.responses.push_back(
+        {frfs.last_name() + " " + std::to_string(k + 1), static_cast<int>(k) + 1, 0});
   }
   set.notes.push_back({"no_unit",
                        "the FRFs have no unit: the numbers are kept as they are; frequencies and "

@@ -15,7 +15,8 @@
 namespace rigfit::signal {
 
 /// `options.variables` names the arrays to take ("data", "run.acc"). Throws RecordingError.
-[[nodiscard]] Recording read_mat(const std::filesystem::path& path, const ReadOptions& options = {});
+[[nodiscard]] Recording read_mat(const std::filesystem::path& path,
+                                 const ReadOptions& options = {});
 
 /// FRFs: complex arrays of lines x points beside a vector of as many frequencies ("freq", "f").
 /// Throws RecordingError.

@@ -137,13 +137,14 @@ class HeaderParser {
         std::from_chars(text.data() + 2, text.data() + text.size(), result.size);
     const bool whole = error == std::errc() && end == text.data() + text.size();
     const auto is = [&](char kind, std::initializer_list<std::size_t> sizes) {
-      return result.kind == kind && std::find(sizes.begin(), sizes.end(), result.size) != sizes.end();
+      return result.kind == kind &&
+             std::find(sizes.begin(), sizes.end(), result.size) != sizes.end();
     };
     if (whole && result.kind == 'c') {
       throw refusal(text, "complex numbers: FRFs or spectra, no recording over time");
     }
-    if (!whole || !(is('f', {4, 8}) || is('i', {1, 2, 4, 8}) || is('u', {1, 2, 4, 8}) ||
-                    is('b', {1}))) {
+    if (!whole ||
+        !(is('f', {4, 8}) || is('i', {1, 2, 4, 8}) || is('u', {1, 2, 4, 8}) || is('b', {1}))) {
       throw refusal(text, result.kind == 'O' ? "Python objects, which only Python reads"
                                              : "numbers of a kind that is not read");
     }

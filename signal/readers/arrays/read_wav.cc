@@ -29,7 +29,8 @@ struct MemoryFile {
     const auto size = static_cast<sf_count_t>(file.bytes.size());
     const sf_count_t from = whence == SEEK_SET ? 0 : (whence == SEEK_CUR ? file.at : size);
     // Offsets come from the file: out of its bounds ends at them.
-    file.at = offset > size ? size : (offset < -size ? 0 : std::clamp<sf_count_t>(from + offset, 0, size));
+    file.at = offset > size ? size
+                            : (offset < -size ? 0 : std::clamp<sf_count_t>(from + offset, 0, size));
     return file.at;
   }
   static sf_count_t read(void* into, sf_count_t count, void* self) {
@@ -66,7 +67,8 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
                      coding == SF_FORMAT_PCM_16 || coding == SF_FORMAT_PCM_24 ||
                      coding == SF_FORMAT_PCM_32;
   if (!whole && coding != SF_FORMAT_FLOAT && coding != SF_FORMAT_DOUBLE) {
-    throw refusal("holds compressed sound", "save it as PCM or floating point WAV, which keeps the signal");
+    throw refusal("holds compressed sound",
+                  "save it as PCM or floating point WAV, which keeps the signal");
   }
   if (info.channels < 1 || info.samplerate < 1) {
     throw refusal("states no channel or no rate", "record again");
@@ -77,8 +79,8 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
   std::vector<double> samples(std::min<std::size_t>(1 << 16, most + 1) * channels);
   std::vector<std::vector<double>> data(channels);
   while (data[0].size() <= most) {
-    const sf_count_t got = sf_readf_double(
-        file.get(), samples.data(), static_cast<sf_count_t>(samples.size() / channels));
+    const sf_count_t got = sf_readf_double(file.get(), samples.data(),
+                                           static_cast<sf_count_t>(samples.size() / channels));
     if (got <= 0) break;
     for (std::size_t c = 0; c < channels; ++c) {
       for (std::size_t k = 0; k < static_cast<std::size_t>(got); ++k) {
@@ -100,17 +102,20 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
   }
   // The size that the file states of its data, chunk "data" behind "fmt ".
   const std::size_t chunk = bytes.substr(0, 1 << 16).find("data");
-  if (chunk != std::string_view::npos && chunk + 8 <= bytes.size() && bytes.substr(0, 4) == "RIFF") {
+  if (chunk != std::string_view::npos && chunk + 8 <= bytes.size() &&
+      bytes.substr(0, 4) == "RIFF") {
     std::size_t stated = 0;
     for (std::size_t k = 0; k < 4; ++k) {
-      stated |= static_cast<std::size_t>(static_cast<unsigned char>(bytes[chunk + 4 + k])) << (8 * k);
+      stated |= static_cast<std::size_t>(static_cast<unsigned char>(bytes[chunk + 4 + k]))
+                << (8 * k);
     }
     const std::size_t held = bytes.size() - chunk - 8;
     if (stated > held && stated < 0xFFFFFF00u) {
       recording.notes.push_back(
           {"cut_short",
-           fmt::format("the file states {} bytes of samples and holds {}: cut short, or a wrong size",
-                       stated, held),
+           fmt::format(
+               "the file states {} bytes of samples and holds {}: cut short, or a wrong size",
+               stated, held),
            ""});
     }
   }

@@ -125,8 +125,8 @@ std::size_t blanks_at(std::string_view line, std::size_t at) {
 }
 
 /// Titles above a table parted by blanks, which may hold blanks themselves: parted by tabs, by two
-/// blanks or more, by a sign, or by blanks that stand before no unit in brackets, whichever gives as
-/// many titles as there are columns. Empty: none does.
+/// blanks or more, by a sign, or by blanks that stand before no unit in brackets, whichever gives
+/// as many titles as there are columns. Empty: none does.
 std::vector<CsvField> titles_with_blanks(std::string_view line, std::size_t columns) {
   line = trim_blanks(line);
   while (!line.empty() && (line[0] == '#' || line[0] == '%' || line[0] == '!')) {
@@ -144,9 +144,9 @@ std::vector<CsvField> titles_with_blanks(std::string_view line, std::size_t colu
     const char next = at + blanks < text.size() ? text[at + blanks] : 'x';
     return next == '(' || next == '[' ? std::size_t{0} : blanks;
   };
-  for (auto fields : {titles_by(line, sign('\t')), titles_by(line, wide), titles_by(line, sign(';')),
-                      titles_by(line, sign(',')), titles_by(line, sign('|')),
-                      titles_by(line, before_no_unit)}) {
+  for (auto fields :
+       {titles_by(line, sign('\t')), titles_by(line, wide), titles_by(line, sign(';')),
+        titles_by(line, sign(',')), titles_by(line, sign('|')), titles_by(line, before_no_unit)}) {
     if (fields.size() == columns) return fields;
   }
   return {};
@@ -160,7 +160,8 @@ void name_time_only(std::string_view line, std::vector<std::string>& names) {
   };
   std::vector<CsvField> words;
   split_fields(line, {' ', '.'}, words);
-  while (words.size() > 1 && (words.back().text.front() == '(' || words.back().text.front() == '[')) {
+  while (words.size() > 1 &&
+         (words.back().text.front() == '(' || words.back().text.front() == '[')) {
     words.pop_back();
   }
   if (words.empty()) return;
@@ -415,7 +416,8 @@ void read_csv_header(const std::vector<std::string_view>& lines, const std::stri
       have_units = true;
     }
   }
-  if (wide_title_fields > 0 && !layout.has_points && layout.dialect.separator == ',' && layout.dialect.decimal == '.') {
+  if (wide_title_fields > 0 && !layout.has_points && layout.dialect.separator == ',' &&
+      layout.dialect.decimal == '.') {
     throw RecordingError(
         {file, title_line, 1, "", ""},
         "the table has " + std::to_string(columns) + " columns but " +

@@ -103,10 +103,10 @@ double give_unit(double unit_s, Channel& column, Recording& recording) {
   const double factor = unit_s / column.si_per_source;
   if (factor == 1) return 1;
   if (!column.source_unit.empty()) {
-    recording.notes.push_back({"time_unit_overridden",
-                               "the file says \"" + column.source_unit +
-                                   "\" of the times; the unit asked for is taken",
-                               column.name});
+    recording.notes.push_back(
+        {"time_unit_overridden",
+         "the file says \"" + column.source_unit + "\" of the times; the unit asked for is taken",
+         column.name});
   }
   column.samples *= factor;
   return factor;
@@ -195,12 +195,11 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
                (looks_like_time(first.samples, table.decimals[0]) || options.time_unit_s > 0)) {
       time = 0;
       if (first.source_unit.empty() && !layout.has_names) {
-        recording.notes.push_back(
-            {"time_column_assumed",
-             options.time_unit_s > 0
-                 ? "column 1 is taken as time in the unit given"
-                 : "column 1 rises in equal steps: taken as time in seconds",
-             ""});
+        recording.notes.push_back({"time_column_assumed",
+                                   options.time_unit_s > 0
+                                       ? "column 1 is taken as time in the unit given"
+                                       : "column 1 rises in equal steps: taken as time in seconds",
+                                   ""});
       }
     } else if (first_unnamed && first.samples.size() > 2 && first.samples.allFinite() &&
                (first.samples.tail(first.samples.size() - 1).array() >
@@ -238,7 +237,8 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
       return time_axis(column.samples, axis_options);
     };
     TimeAxis axis = axis_of();
-    if (options.time_unit_s == 0 && column.source_unit.empty() && kind(*time) != ColumnKind::clock) {
+    if (options.time_unit_s == 0 && column.source_unit.empty() &&
+        kind(*time) != ColumnKind::clock) {
       if (const double unit = unit_by_rate(axis.rate_hz, layout.stated_rate_hz); unit > 0) {
         column.samples *= unit;
         printed *= unit;
@@ -254,8 +254,9 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
             {"time_unit_suspected",
              "the times have no unit and are whole numbers: in seconds the rate is " +
                  decimal_text(axis.rate_hz) + " Hz, in " + name_of_unit(suspected) + " it is " +
-                 decimal_text(axis.rate_hz / suspected) + " Hz; seconds are taken: say --time-unit " +
-                 name_of_unit(suspected) + " (key time_unit) where they are not",
+                 decimal_text(axis.rate_hz / suspected) +
+                 " Hz; seconds are taken: say --time-unit " + name_of_unit(suspected) +
+                 " (key time_unit) where they are not",
              column.name});
       }
     }

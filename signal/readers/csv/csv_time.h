@@ -16,9 +16,10 @@
 
 namespace rigfit::signal {
 
-/// `options` give the unit of the times where the table does not. Rate, start, jitter and notes on the times go to `recording`. Clock times in `table` become
-/// seconds from the first. Returns the channels of `table` that are no channels of the recording.
-/// Throws RecordingError when sampling is not uniform and times are missing.
+/// `options` give the unit of the times where the table does not. Rate, start, jitter and notes on
+/// the times go to `recording`. Clock times in `table` become seconds from the first. Returns the
+/// channels of `table` that are no channels of the recording. Throws RecordingError when sampling
+/// is not uniform and times are missing.
 [[nodiscard]] std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file,
                                                       Recording& recording,
                                                       const ReadOptions& options = {});

@@ -39,8 +39,7 @@ Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
   const std::string file = path.string();
   std::string converted;
   const std::string_view text = text_without_mark(bytes, converted, file);
-  CsvTable csv = 
-      read_csv_columns(text, file, converted.empty() ? done_with : nullptr, options);
+  CsvTable csv = read_csv_columns(text, file, converted.empty() ? done_with : nullptr, options);
   return recording_of_table(std::move(csv), path, "csv", options);
 }
 

@@ -39,8 +39,7 @@ Recording recording_of_table(CsvTable csv, const std::filesystem::path& path,
   recording.format = format;
   recording.notes = std::move(csv.notes);
 
-  const std::vector<std::size_t> left_out = 
-      take_csv_times(csv, file, recording, options);
+  const std::vector<std::size_t> left_out = take_csv_times(csv, file, recording, options);
   if (recording.sample_rate_hz == 0) recording.sample_rate_hz = layout.stated_rate_hz;
   if (options.sample_rate_hz > 0) {
     const double had = recording.sample_rate_hz;

@@ -33,8 +33,8 @@ bool is_hertz(const std::string& unit) {
 bool is_frequency_name(const std::string& name) {
   const std::string word = lower_case(name);
   static constexpr std::array<std::string_view, 11> kBeginnings = {
-      "frequency", "freq",     "frequenz",   "frekvens", "fréquence", "frecuencia",
-      "frequenza", "f [hz]", "f (hz)", "f_hz", "hz"};
+      "frequency", "freq",   "frequenz", "frekvens", "fréquence", "frecuencia",
+      "frequenza", "f [hz]", "f (hz)",   "f_hz",     "hz"};
   return std::any_of(kBeginnings.begin(), kBeginnings.end(), [&](std::string_view beginning) {
     return word.starts_with(beginning) && word.find("response") == std::string::npos;
   });
@@ -42,9 +42,13 @@ bool is_frequency_name(const std::string& name) {
 
 bool speaks_of_spectra(const std::string& text) {
   static constexpr std::array<std::string_view, 21> kWords = {
-      "fft",      "spectrum",  "spectra",      "spektrum",  "psd",    "asd",         "autopower",
-      "autospectrum", "frf",   "periodogram",  "cpsd",      "crosspower", "coherence", "db",
-      "accelerance", "inertance", "receptance", "mobility", "octave", "rms spectrum", "transfer function"};
+      "fft",         "spectrum",     "spectra",
+      "spektrum",    "psd",          "asd",
+      "autopower",   "autospectrum", "frf",
+      "periodogram", "cpsd",         "crosspower",
+      "coherence",   "db",           "accelerance",
+      "inertance",   "receptance",   "mobility",
+      "octave",      "rms spectrum", "transfer function"};
   return std::any_of(kWords.begin(), kWords.end(),
                      [&](std::string_view word) { return has_word(text, word); });
 }

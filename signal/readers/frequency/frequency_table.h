@@ -33,8 +33,9 @@ struct FrequencyTable {
 [[nodiscard]] std::optional<std::size_t> frequency_column(const CsvTable& table);
 
 /// `bytes`: a table as text. Empty when it is none over frequency. Throws RecordingError.
-[[nodiscard]] std::optional<FrequencyTable> read_frequency_table(
-    std::string_view bytes, const std::filesystem::path& path, const ReadOptions& options = {});
+[[nodiscard]] std::optional<FrequencyTable> read_frequency_table(std::string_view bytes,
+                                                                 const std::filesystem::path& path,
+                                                                 const ReadOptions& options = {});
 
 /// Whether a function is given in dB, by its unit or title.
 [[nodiscard]] bool in_decibels(const Channel& function);

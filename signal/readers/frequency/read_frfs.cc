@@ -30,15 +30,32 @@ struct PartOfFrf {
 /// "Real Point 3" -> {real, "point 3"}; the word may stand anywhere in the title.
 PartOfFrf part_of(const std::string& title) {
   static constexpr std::array<std::pair<std::string_view, Part>, 26> kWords = {{
-      {"imaginary", Part::imaginary}, {"imaginaer", Part::imaginary}, {"imaginär", Part::imaginary},
-      {"imag", Part::imaginary},      {"im", Part::imaginary},        {"real", Part::real},
-      {"re", Part::real},             {"magnitude", Part::magnitude}, {"mag", Part::magnitude},
-      {"amplitude", Part::magnitude}, {"ampl", Part::magnitude},      {"amp", Part::magnitude},
-      {"modulus", Part::magnitude},   {"abs", Part::magnitude},       {"betrag", Part::magnitude},
-      {"gain", Part::magnitude},      {"phase", Part::phase},         {"angle", Part::phase},
-      {"arg", Part::phase},           {"coherence", Part::coherence}, {"coh", Part::coherence},
-      {"gamma2", Part::coherence},    {"kohaerenz", Part::coherence}, {"kohärenz", Part::coherence},
-      {"real part", Part::real},      {"imaginary part", Part::imaginary},
+      {"imaginary", Part::imaginary},
+      {"imaginaer", Part::imaginary},
+      {"imaginär", Part::imaginary},
+      {"imag", Part::imaginary},
+      {"im", Part::imaginary},
+      {"real", Part::real},
+      {"re", Part::real},
+      {"magnitude", Part::magnitude},
+      {"mag", Part::magnitude},
+      {"amplitude", Part::magnitude},
+      {"ampl", Part::magnitude},
+      {"amp", Part::magnitude},
+      {"modulus", Part::magnitude},
+      {"abs", Part::magnitude},
+      {"betrag", Part::magnitude},
+      {"gain", Part::magnitude},
+      {"phase", Part::phase},
+      {"angle", Part::phase},
+      {"arg", Part::phase},
+      {"coherence", Part::coherence},
+      {"coh", Part::coherence},
+      {"gamma2", Part::coherence},
+      {"kohaerenz", Part::coherence},
+      {"kohärenz", Part::coherence},
+      {"real part", Part::real},
+      {"imaginary part", Part::imaginary},
   }};
   std::string lower = lower_case(title);
   for (char& c : lower) {
@@ -52,7 +69,8 @@ PartOfFrf part_of(const std::string& title) {
                                     [&](const auto& one) { return one.first == word.text; });
     if (known != kWords.end() && result.part == Part::other) {
       result.part = known->second;
-    } else if (word.text != "part" && word.text != "of" && word.text != "db" && word.text != "h" && word.text != "frf") {
+    } else if (word.text != "part" && word.text != "of" && word.text != "db" && word.text != "h" &&
+               word.text != "frf") {
       result.base += (result.base.empty() ? "" : " ") + std::string(word.text);
     }
   }
@@ -137,11 +155,12 @@ Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::strin
 }
 
 FrfForm form_by_heading(const std::string& heading) {
-  for (const auto& [word, form] : {std::pair<const char*, FrfForm>{"accelerance", FrfForm::accelerance},
-                                   {"inertance", FrfForm::accelerance},
-                                   {"mobility", FrfForm::mobility},
-                                   {"receptance", FrfForm::receptance},
-                                   {"compliance", FrfForm::receptance}}) {
+  for (const auto& [word, form] :
+       {std::pair<const char*, FrfForm>{"accelerance", FrfForm::accelerance},
+        {"inertance", FrfForm::accelerance},
+        {"mobility", FrfForm::mobility},
+        {"receptance", FrfForm::receptance},
+        {"compliance", FrfForm::receptance}}) {
     if (heading.find(word) != std::string::npos) return form;
   }
   return FrfForm::unknown;
@@ -158,9 +177,10 @@ void set_form(const FrequencyTable& table, const Columns& columns, FrfSet& set) 
   set.form = form_by_heading(table.heading);
   if (const std::string unit = unit_of(set.form); !unit.empty()) {
     set.unit = unit;
-    set.notes.push_back({"unit_by_title", "the title says " + std::string(name_of(set.form)) +
-                                              ": the numbers are taken in " + unit,
-                         table.path.string()});
+    set.notes.push_back(
+        {"unit_by_title",
+         "the title says " + std::string(name_of(set.form)) + ": the numbers are taken in " + unit,
+         table.path.string()});
     return;
   }
   set.notes.push_back({"no_unit",
@@ -201,7 +221,8 @@ FrfSet frfs_of(const std::vector<FrequencyTable>& tables) {
     for (const auto& columns : pairs) {
       const std::string stem = table.path.stem().string();
       const std::string name =
-          columns.base.empty() ? stem : (tables.size() == 1 ? columns.base : stem + " " + columns.base);
+          columns.base.empty() ? stem
+                               : (tables.size() == 1 ? columns.base : stem + " " + columns.base);
       set.responses.push_back({name, static_cast<int>(set.responses.size()) + 1, 0});
       H.push_back(values_of(columns, set, table.path.string()));
       if (columns.coherence != nullptr) coherences.push_back(columns.coherence->samples);
@@ -229,7 +250,8 @@ FrfSet frfs_of(const std::vector<FrequencyTable>& tables) {
   }
   set.frequency_hz = Eigen::VectorXd(set.frequency_hz.segment(first, kept));
   if (!set.H.allFinite()) {
-    throw refusal(tables.front(), "an FRF holds values that are no numbers", "export the FRFs again");
+    throw refusal(tables.front(), "an FRF holds values that are no numbers",
+                  "export the FRFs again");
   }
   if (coherences.size() == H.size()) {
     set.coherence.resize(kept, static_cast<Eigen::Index>(H.size()));
@@ -249,15 +271,15 @@ FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOpti
       throw RecordingError({path.string(), 0, 0, "", ""}, "is " + foreign->name, foreign->remedy);
     }
     const RecordingFormat format = format_of(file.bytes());
-    if (format == RecordingFormat::uff && files.size() == 1) return read_uff_frfs(file.bytes(), path);
+    if (format == RecordingFormat::uff && files.size() == 1)
+      return read_uff_frfs(file.bytes(), path);
     if (format == RecordingFormat::mat && files.size() == 1) return read_mat_frfs(path, options);
     std::optional<FrequencyTable> table;
     if (format == RecordingFormat::csv) table = read_frequency_table(file.bytes(), path, options);
     if (!table) {
       throw RecordingError({path.string(), 0, 0, "", ""},
-                           format == RecordingFormat::uff
-                               ? "is one of several universal files"
-                               : "is no table of FRFs over frequency",
+                           format == RecordingFormat::uff ? "is one of several universal files"
+                                                          : "is no table of FRFs over frequency",
                            "give one UFF file, text tables with frequency, real and imaginary "
                            "part; or recordings of hits, with --force CHANNEL");
     }

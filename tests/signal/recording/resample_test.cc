@@ -1,5 +1,5 @@
-// Resampling keeps what lies below the new rate's band, removes what would fold, and states an error
-// that the true one stays below.
+// Resampling keeps what lies below the new rate's band, removes what would fold, and states an
+// error that the true one stays below.
 #include "signal/recording/resample.h"
 
 #include <gtest/gtest.h>

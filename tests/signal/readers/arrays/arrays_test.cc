@@ -1,5 +1,5 @@
-// WAV, NumPy and MATLAB files as their programs write them, damaged ones, and formats that are named
-// and refused.
+// WAV, NumPy and MATLAB files as their programs write them, damaged ones, and formats that are
+// named and refused.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -87,8 +87,9 @@ TEST(Wav, OfEveryWidthGivesTheSameSamples) {
     for (int k = 0; k < 300; ++k) {
       const double x = wanted(k);
       const auto single = static_cast<float>(x);
-      data.append(bits == 64 ? reinterpret_cast<const char*>(&x) : reinterpret_cast<const char*>(&single),
-                  static_cast<std::size_t>(bits / 8));
+      data.append(
+          bits == 64 ? reinterpret_cast<const char*>(&x) : reinterpret_cast<const char*>(&single),
+          static_cast<std::size_t>(bits / 8));
     }
     const auto recording = read_wav(wav(3, bits, 2, data), "a.wav");
     ASSERT_EQ(recording.channels.size(), 2u);
@@ -122,22 +123,26 @@ TEST(Npy, ArraysOfSamplesAndChannelsAreRead) {
     values.push_back(0.001 * k);
     values.push_back(k * k);
   }
-  const auto by_rows =
-      read_npy(npy("{'descr': '<f8', 'fortran_order': False, 'shape': (40, 2), }", bytes_of(values)), "a.npy");
+  const auto by_rows = read_npy(
+      npy("{'descr': '<f8', 'fortran_order': False, 'shape': (40, 2), }", bytes_of(values)),
+      "a.npy");
   ASSERT_EQ(by_rows.channels.size(), 1u);
   EXPECT_NEAR(by_rows.sample_rate_hz, 1000, 1e-9);
   EXPECT_TRUE(noted(by_rows, "time_column_assumed"));
   EXPECT_EQ(by_rows.channels[0].samples[5], 25);
   const auto wide =
-      read_npy(npy("{'descr': '<f8', 'fortran_order': True, 'shape': (2, 40), }", bytes_of(values)), "a.npy");
+      read_npy(npy("{'descr': '<f8', 'fortran_order': True, 'shape': (2, 40), }", bytes_of(values)),
+               "a.npy");
   ASSERT_EQ(wide.channels.size(), 1u);
   EXPECT_EQ(wide.channels[0].samples[5], 25);
   const auto whole = read_npy(npy("{'descr': '>i2', 'fortran_order': False, 'shape': (3,), }",
-                                  std::string("\x00\x01\xFF\xFE\x01\x00", 6)), "a.npy");
+                                  std::string("\x00\x01\xFF\xFE\x01\x00", 6)),
+                              "a.npy");
   EXPECT_EQ(whole.channels[0].samples, Eigen::Vector3d(1, -2, 256));
-  const auto fields = read_npy(
-      npy("{'descr': [('t', '<f8'), ('Force [kN]', '<f8')], 'fortran_order': False, 'shape': (40,), }",
-          bytes_of(values)), "a.npy");
+  const auto fields = read_npy(npy("{'descr': [('t', '<f8'), ('Force [kN]', '<f8')], "
+                                   "'fortran_order': False, 'shape': (40,), }",
+                                   bytes_of(values)),
+                               "a.npy");
   ASSERT_EQ(fields.channels.size(), 1u);
   EXPECT_EQ(fields.channels[0].name, "Force");
   EXPECT_EQ(fields.channels[0].samples[2], 4000);
@@ -147,24 +152,32 @@ TEST(Npy, WhatCannotBeReadIsSaid) {
   const auto refused = [](const std::string& header, const std::string& data = "12345678") {
     return refusal_of([&] { return read_npy(npy(header, data), "a.npy"); });
   };
-  EXPECT_THAT(refused("{'descr': '|O', 'fortran_order': False, 'shape': (1,), }"), ::testing::HasSubstr("kind"));
-  EXPECT_THAT(refused("{'descr': '<c16', 'fortran_order': False, 'shape': (1,), }"), ::testing::HasSubstr("complex"));
-  EXPECT_THAT(refused("{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999, 99999999999), }"),
-              ::testing::HasSubstr("holds 8 bytes"));
-  EXPECT_THAT(refused("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1, 1), }"), ::testing::HasSubstr("1 x 1 x 1"));
-  EXPECT_THAT(refused("{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }", ""), ::testing::HasSubstr("no samples"));
+  EXPECT_THAT(refused("{'descr': '|O', 'fortran_order': False, 'shape': (1,), }"),
+              ::testing::HasSubstr("kind"));
+  EXPECT_THAT(refused("{'descr': '<c16', 'fortran_order': False, 'shape': (1,), }"),
+              ::testing::HasSubstr("complex"));
+  EXPECT_THAT(
+      refused("{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999, 99999999999), }"),
+      ::testing::HasSubstr("holds 8 bytes"));
+  EXPECT_THAT(refused("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1, 1), }"),
+              ::testing::HasSubstr("1 x 1 x 1"));
+  EXPECT_THAT(refused("{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }", ""),
+              ::testing::HasSubstr("no samples"));
 }
 
 /// A .mat file of this test's own.
 class Mat : public ::testing::Test {
  protected:
-  Mat() : path_(fs::temp_directory_path() / fmt::format("rigfit-mat-{}-\xC3\xA4.mat", std::random_device()())) {}
+  Mat()
+      : path_(fs::temp_directory_path() /
+              fmt::format("rigfit-mat-{}-\xC3\xA4.mat", std::random_device()())) {}
   ~Mat() override {
     std::error_code ignored;
     fs::remove(path_, ignored);
   }
 
-  static matvar_t* array(const char* name, std::vector<double> values, std::size_t rows, std::size_t cols) {
+  static matvar_t* array(const char* name, std::vector<double> values, std::size_t rows,
+                         std::size_t cols) {
     std::size_t dims[2] = {rows, cols};
     return Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0);
   }
@@ -194,7 +207,8 @@ std::vector<double> ramp(int n, double step) {
 
 TEST_F(Mat, ArraysOfOneLengthWithARateOrATime) {
   for (const auto version : {MAT_FT_MAT5, MAT_FT_MAT73}) {
-    write({array("acc", ramp(80, 0.5), 40, 2), array("force", ramp(40, 1), 1, 40), array("fs", {2000}, 1, 1)},
+    write({array("acc", ramp(80, 0.5), 40, 2), array("force", ramp(40, 1), 1, 40),
+           array("fs", {2000}, 1, 1)},
           version);
     const auto recording = read_recording(path_);
     EXPECT_EQ(recording.format, "mat");
@@ -251,11 +265,13 @@ TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {
 TEST_F(Mat, DamagedOnesAreRefusedOrRead) {
   std::mt19937_64 random(7);
   for (const auto compression : {MAT_COMPRESSION_NONE, MAT_COMPRESSION_ZLIB}) {
-    write({array("acc", ramp(80, 0.5), 40, 2), array("fs", {2000}, 1, 1)}, MAT_FT_MAT5, compression);
+    write({array("acc", ramp(80, 0.5), 40, 2), array("fs", {2000}, 1, 1)}, MAT_FT_MAT5,
+          compression);
     const std::string whole = content();
     for (int k = 0; k < 150; ++k) {
-      const std::string bytes = k < 40 ? whole.substr(0, whole.size() * static_cast<std::size_t>(k) / 40)
-                                       : mutated(whole, {std::string("\xFF\xFF\xFF\x7F", 4)}, random);
+      const std::string bytes =
+          k < 40 ? whole.substr(0, whole.size() * static_cast<std::size_t>(k) / 40)
+                 : mutated(whole, {std::string("\xFF\xFF\xFF\x7F", 4)}, random);
       std::ofstream(path_, std::ios::binary) << bytes;
       EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_mat(path_)); })) << k;
     }
@@ -270,7 +286,8 @@ TEST(Damaged, WavAndNumpyFilesAreRefusedOrRead) {
       npy("{'descr': '<f8', 'fortran_order': False, 'shape': (10, 2), }", std::string(160, '\1'))};
   for (const auto& seed : seeds) {
     for (int k = 0; k < 1500; ++k) {
-      const std::string bytes = mutated(seed, {"data", "fmt ", "(", "<i4", std::string(4, '\xFF')}, random);
+      const std::string bytes =
+          mutated(seed, {"data", "fmt ", "(", "<i4", std::string(4, '\xFF')}, random);
       EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_wav(bytes, "x")); }));
       EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_npy(bytes, "x")); }));
     }

@@ -51,7 +51,8 @@ TEST(DecimalCommas, WhatCanBeReadInTwoWaysIsAskedAbout) {
     (void)read(text);
     FAIL() << "no question";
   } catch (const RecordingError& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("one column with decimal commas or two columns"));
+    EXPECT_THAT(error.what(),
+                ::testing::HasSubstr("one column with decimal commas or two columns"));
     EXPECT_THAT(error.remedy(), ::testing::HasSubstr("--decimal comma"));
   }
   ReadOptions decimal;
@@ -61,7 +62,8 @@ TEST(DecimalCommas, WhatCanBeReadInTwoWaysIsAskedAbout) {
   ReadOptions separator;
   separator.separator = ',';
   EXPECT_EQ(read(text, separator).channels.size(), 2u);
-  // A first column that counts, a sign behind the comma, numbers that end with 0 beside shorter ones.
+  // A first column that counts, a sign behind the comma, numbers that end with 0 beside shorter
+  // ones.
   EXPECT_EQ(read("1,5\n2,7\n3,2\n").channels.size(), 1u);  // counts samples: left out
   EXPECT_EQ(read("1,-5\n4,7\n3,2\n").channels.size(), 2u);
   EXPECT_EQ(read("1,120\n4,7\n3,2\n").channels.size(), 2u);
@@ -90,7 +92,8 @@ TEST(Titles, ThatHoldBlanksStayWithTheirColumns) {
 
 TEST(Titles, ThatCannotBePartedNameNoColumn) {
   std::string text = "Displacement 1 Force 1 Time\n";
-  for (int k = 0; k < 30; ++k) text += fmt::format("{}.5 {}.25 {:.3f}\n", k * k, 2 * k * k, 1e-3 * k);
+  for (int k = 0; k < 30; ++k)
+    text += fmt::format("{}.5 {}.25 {:.3f}\n", k * k, 2 * k * k, 1e-3 * k);
   const auto recording = read(text);
   EXPECT_TRUE(noted(recording, "titles_not_matched"));
   ASSERT_EQ(recording.channels.size(), 2u);
@@ -107,7 +110,8 @@ TEST(Times, MassesOfAFewRowsAreNone) {
 }
 
 TEST(Times, OfACoarseClockAreRecognised) {
-  // 640 Hz seen through a clock of 1/64 s: ten equal times each; and 40 Hz: steps of one or two ticks.
+  // 640 Hz seen through a clock of 1/64 s: ten equal times each; and 40 Hz: steps of one or two
+  // ticks.
   for (const double rate : {640.0, 40.0, 37.3}) {
     std::string text;
     for (int k = 0; k < 600; ++k) {

@@ -80,9 +80,8 @@ TEST(FrfTables, DecibelsAndSeveralResponses) {
 }
 
 TEST(Spectra, AreNoRecordings) {
-  for (const char* titles :
-       {"Frequency (Hz),Amplitude\n", "f_Hz,PSD (g^2/Hz)\n", "FFT (RMS)\nX,Y\n", "Hz,dB\n",
-        "Spectrum of channel 1\n"}) {
+  for (const char* titles : {"Frequency (Hz),Amplitude\n", "f_Hz,PSD (g^2/Hz)\n",
+                             "FFT (RMS)\nX,Y\n", "Hz,dB\n", "Spectrum of channel 1\n"}) {
     const std::string text =
         table(titles, [](double f) { return fmt::format(",{}", std::abs(accelerance(f))); });
     try {
@@ -99,7 +98,8 @@ TEST(Spectra, AreNoRecordings) {
     EXPECT_NEAR(peaks[0].frequency_hz, 40, 0.25);  // half a line
   }
   // Times stay times, whatever else is measured.
-  EXPECT_EQ(read_csv("Time (s),Frequency (Hz)\n0,50\n0.1,50.1\n0.2,50.2\n", "a.csv").sample_rate_hz, 10);
+  EXPECT_EQ(read_csv("Time (s),Frequency (Hz)\n0,50\n0.1,50.1\n0.2,50.2\n", "a.csv").sample_rate_hz,
+            10);
 }
 
 }  // namespace
