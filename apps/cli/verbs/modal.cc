@@ -16,6 +16,8 @@
 #include "apps/cli/verbs/calls.h"
 #include "signal/modal/modal_synthesis.h"
 #include "signal/readers/frequency/frequency_table.h"
+#include "signal/readers/mapped_file.h"
+#include "signal/readers/read_recording.h"
 #include "signal/spectra/coherence_errors.h"
 #include "signal/spectra/window.h"
 #include "signal/writers/write_uff.h"
@@ -64,7 +66,15 @@ MeasuredFrfs frfs_of(VerbContext& context, ModalCommand& options) {
     return measured;
   }
   refuse_options_of_hits(options);
-  for (const auto& file : options.files) context.input(file);
+  for (const auto& file : options.files) {
+    context.input(file);
+    if (options.files.size() == 1) break;
+    const signal::MappedFile mapped(file);
+    if (signal::format_of(mapped.bytes()) == signal::RecordingFormat::uff) {
+      throw UsageError(
+          "FRFs come from one UFF file, or from text tables; recordings of hits need --force C");
+    }
+  }
   return measured_frfs(
       signal::read_frfs({options.files.begin(), options.files.end()}, context.reading), options,
       context);

@@ -1,0 +1,127 @@
+// What the program says of itself and of mistakes on its command line.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "apps/cli/key_reference.h"
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::usage_test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+TEST(Usage, MisspeltWordsAreNamedWithTheNearest) {
+  const auto verb = run_program({"inspct", "x.csv"});
+  EXPECT_EQ(verb.exit_code, 2);
+  EXPECT_THAT(verb.err, StartsWith("error: there is no verb \"inspct\"; did you mean inspect?"));
+  const auto option = run_program({"decay", "x.csv", "--chanel", "a"});
+  EXPECT_EQ(option.exit_code, 2);
+  EXPECT_THAT(option.err,
+              StartsWith("error: rigfit decay has no option --chanel; did you mean --channel?"));
+  EXPECT_THAT(run_program({"decay"}).err, StartsWith("error: "));
+}
+
+TEST(Usage, HelpIsThereForEveryVerbAndFile) {
+  const auto bare = run_program({});
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_THAT(bare.err, HasSubstr("inspect"));
+  EXPECT_THAT(run_program({"help", "modal"}).out, HasSubstr("--band"));
+  EXPECT_THAT(run_program({"help", "scene"}).out, HasSubstr("mass_per_length"));
+  EXPECT_THAT(run_program({"help", "man", "decay"}).out, StartsWith(".TH \"rigfit\\-decay\" 1"));
+  EXPECT_THAT(run_program({"help", "completion", "bash"}).out, HasSubstr("--channel"));
+  const auto wrong = run_program({"help", "scen"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("did you mean scene?"));
+}
+
+/// The keys that a reader lists when it meets one that it does not know.
+std::vector<std::string> keys_known(const ProgramRun& run) {
+  const std::string sign = "known keys: ";
+  const std::size_t at = run.err.find(sign);
+  EXPECT_NE(at, std::string::npos) << run.err;
+  if (at == std::string::npos) return {};
+  std::string list = run.err.substr(at + sign.size());
+  list = list.substr(0, list.find('\n'));
+  for (std::size_t k = list.find(" or "); k != std::string::npos; k = list.find(" or ")) {
+    list.replace(k, 4, ", ");
+  }
+  std::vector<std::string> keys;
+  std::stringstream stream(list);
+  for (std::string key; std::getline(stream, key, ',');) {
+    key.erase(0, key.find_first_not_of(' '));
+    keys.push_back(key);
+  }
+  return keys;
+}
+
+TEST(KeyReference, HoldsEveryKeyThatTheReadersKnow) {
+  const TemporaryFolder folder;
+  const std::string node =
+      "[[node]]\nname = \"a\"\nposition = [0, 0, 0]\nsupport = \"clamped\"\n"
+      "[[node]]\nname = \"b\"\nposition = [1, 0, 0]\n";
+  const std::string member =
+      "[[member]]\nname = \"m\"\nkind = \"beam\"\nnodes = [\"a\", \"b\"]\n"
+      "mass_per_length = 1.0\nEA = 1e6\nEI = 10.0\n";
+  const std::string place = "node = \"b\"\n";
+  const std::string unknown = "qqqqqqqqqqqqqqqq = 1\n";
+  const std::string sensor = "[[sensor]]\nname = \"s\"\nnode = \"b\"\n";
+  const std::string scene = folder.write("good.toml", node + member + sensor);
+  const auto check = [&](const char* document, const std::vector<std::string>& command) {
+    const auto run = run_program(command);
+    EXPECT_EQ(run.exit_code, 3) << run.err;
+    const std::string reference = key_reference(document);
+    for (const auto& key : keys_known(run)) EXPECT_THAT(reference, HasSubstr(key)) << run.err;
+  };
+  int number = 0;
+  for (const std::string& text : {unknown + node + member, node + unknown + member,
+                                  node + member + unknown, node + member + sensor + unknown,
+                                  node + member + "[[load]]\nname = \"l\"\nkind = \"impact\"\n" +
+                                      place + "peak = 1.0\nduration = 0.01\n" + unknown}) {
+    check("scene", {"modes", folder.write(fmt::format("scene{}.toml", ++number), text)});
+  }
+  folder.write("r.csv", "Time (s),a (m/s^2)\n0,1\n0.1,2\n0.2,1\n");
+  folder.write("r.toml", unknown);
+  check("sidecar", {"inspect", (folder.path() / "r.csv").string()});
+  folder.write("r.toml", "[[channel]]\nsource = \"a\"\n" + unknown);
+  check("sidecar", {"inspect", (folder.path() / "r.csv").string()});
+  const std::string title = "title = \"x\"\n";
+  const std::string recording = "[[test.recording]]\nfiles = [\"r.csv\"]\n";
+  for (const std::string& text :
+       {title + unknown + "[[test]]\nname = \"t\"\nkind = \"decay\"\n" + recording,
+        title + "[[test]]\nname = \"t\"\nkind = \"decay\"\n" + unknown + recording,
+        title + "[[test]]\nname = \"t\"\nkind = \"modal\"\nforce = \"a\"\n" + unknown + recording,
+        title + "[[test]]\nname = \"t\"\nkind = \"bending\"\nspan = 1.0\n" + unknown + recording,
+        title + "[[test]]\nname = \"t\"\nkind = \"axial\"\nmass = 1.0\n" + unknown + recording +
+            "length = 1.0\n",
+        title + "[[test]]\nname = \"t\"\nkind = \"decay\"\n" + recording + unknown}) {
+    check("campaign", {"report", folder.write(fmt::format("campaign{}.toml", ++number), text),
+                       "--out", (folder.path() / "out").string()});
+  }
+}
+
+TEST(Warnings, OfAKindShareALine) {
+  const TemporaryFolder folder;
+  std::vector<std::string> command{"inspect"};
+  for (int k = 0; k < 7; ++k) {
+    command.push_back(folder.write(fmt::format("r{}.csv", k), "a (N)\n1.5\n2.5\n3.5\n-1.5\n"));
+  }
+  const auto run = run_program(command);
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.err, HasSubstr("warning: 7 times: neither times nor a sample rate"));
+  command.insert(command.end(), {"--json", "-"});
+  int each = 0;
+  const auto document = parsed(run_program(command).out);
+  for (const auto& warning : document["warnings"]) {
+    each += warning["code"] == "no_sample_rate" ? 1 : 0;
+  }
+  EXPECT_EQ(each, 7);
+}
+
+}  // namespace
+}  // namespace rigfit::apps::usage_test

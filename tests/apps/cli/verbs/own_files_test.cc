@@ -1,0 +1,102 @@
+// From files of one's own to values: FRFs as text to modes, recordings to a campaign that runs,
+// another rate.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::own_files_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(OwnFiles, FrfsAsTextGiveModes) {
+  // Two modes at 40 and 90 Hz, 1 % damping, seen at two points; eight digits.
+  const TemporaryFolder folder;
+  std::vector<std::string> command{"modal"};
+  for (const int point : {0, 1}) {
+    std::string text = "Frequency\tReal\tImaginary\nHz\t(m/s^2)/N\t(m/s^2)/N\n";
+    for (int k = 0; k <= 1000; ++k) {
+      const double f = 10 + 0.1 * k;
+      std::complex<double> h = 0;
+      for (const int mode : {0, 1}) {
+        const double f0 = mode == 0 ? 40 : 90, shape = mode == 0 ? 1 : (point == 0 ? 1 : -0.5);
+        h += -shape * f * f / std::complex<double>(f0 * f0 - f * f, 2 * 0.01 * f0 * f);
+      }
+      text += fmt::format("{:.2f}\t{:.8e}\t{:.8e}\n", f, h.real(), h.imag());
+    }
+    command.push_back(folder.write(fmt::format("point{}.txt", point), text));
+  }
+  const auto inspected = run_program({"inspect", command.back(), "--json", "-"});
+  EXPECT_EQ(inspected.exit_code, 0) << inspected.err;
+  EXPECT_FALSE(parsed(inspected.out)["recordings"][0]["channels"][0]["peaks"].empty());
+  command.insert(command.end(), {"--json", "-"});
+  const auto run = run_program(command);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto modes = parsed(run.out)["modes"];
+  ASSERT_EQ(modes.size(), 2u);
+  EXPECT_NEAR(modes[0]["frequency_hz"]["value"].get<double>(), 40, 1e-3);
+  EXPECT_NEAR(modes[1]["frequency_hz"]["value"].get<double>(), 90, 1e-3);
+  EXPECT_NEAR(modes[1]["damping_ratio"]["value"].get<double>(), 0.01, 1e-5);
+  EXPECT_EQ(
+      run_program({"decay", folder.write("fft.csv", "Frequency (Hz),Amplitude\n0,1\n1,2\n2,1\n"),
+                   "--channel", "Amplitude"})
+          .exit_code,
+      3);
+}
+
+TEST(OwnFiles, ACampaignOfThemRuns) {
+  const TemporaryFolder folder;
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0, 1e-3);
+  for (int file = 0; file < 2; ++file) {
+    std::string text = "t;CH1\n";
+    for (int k = 0; k < 2000; ++k) {
+      const double t = 1e-3 * k;
+      text +=
+          fmt::format("{:.3f};{:.6f}\n", t,
+                      std::exp(-3 * t) * std::sin(2 * std::numbers::pi * 25 * t) + noise(random));
+    }
+    folder.write(fmt::format("data/pull{}.csv", file), text);
+  }
+  const std::string data = (folder.path() / "data").string();
+  const std::string rig = (folder.path() / "rig").string();
+  const auto made = run_program({"new", rig, "--from", data + "/pull0.csv", data + "/pull1.csv",
+                                 "--sensitivity", "CH1=100 mV/g"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(folder.read("data/channels.toml"), HasSubstr("sensitivity_unit = \"mV/g\""));
+  const auto report = run_program({"report", rig + "/campaign.toml", "--out", rig + "/report"});
+  EXPECT_EQ(report.exit_code, 0) << report.err;
+  const auto inspected = run_program({"inspect", data + "/pull1.csv", "--json", "-"});
+  EXPECT_EQ(parsed(inspected.out)["recordings"][0]["channels"][0]["unit"], "m/s^2");
+  EXPECT_THAT(run_program({"new", rig + "2", "--from", data + "/pull0.csv", "--unit", "CH9=g"}).err,
+              HasSubstr("CH9"));
+}
+
+TEST(OwnFiles, AtAnotherRate) {
+  const TemporaryFolder folder;
+  std::string text = "Time (s),a (m/s^2)\n";
+  for (int k = 0; k < 4000; ++k) {
+    text += fmt::format("{:.4f},{:.7f}\n", k / 4000.0,
+                        std::sin(2 * std::numbers::pi * 30 * k / 4000.0));
+  }
+  const std::string file = folder.write("fast.csv", text),
+                    out = (folder.path() / "slow.csv").string();
+  const auto run = run_program({"resample", file, "--rate", "500", "--out", out, "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(parsed(run.out)["sample_rate_hz"], 500);
+  const auto again = parsed(run_program({"inspect", out, "--json", "-"}).out)["recordings"][0];
+  EXPECT_EQ(again["sample_rate_hz"], 500);
+  EXPECT_NEAR(again["channels"][0]["rms"].get<double>(), std::sqrt(0.5), 2e-3);
+}
+
+}  // namespace
+}  // namespace rigfit::apps::own_files_test
