@@ -179,6 +179,19 @@ double chance_of(double ratio, double freedom, double noise_freedom) {
   return gsl_cdf_fdist_Q(ratio, freedom, std::max(1.0, noise_freedom));
 }
 
+/// Whether a sure mode within four bandwidths of mode r is one that half of the `fits` single hits
+/// or fewer show: their fits of mode r then take its share too.
+bool hidden_neighbour(const std::vector<IdentifiedMode>& modes, std::size_t r,
+                      const std::vector<Scatter>& frequency, std::size_t fits) {
+  for (const std::size_t other : {r - 1, r + 1}) {  // r - 1 wraps below 0 and is left out
+    if (other >= modes.size() || modes[other].doubtful) continue;
+    const Complex p = modes[r].pole_rad_s, q = modes[other].pole_rad_s;
+    const bool near = std::abs(p.imag() - q.imag()) < -4 * (p.real() + q.real());
+    if (near && 2 * static_cast<std::size_t>(frequency[other].count) <= fits) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& model) {
@@ -243,6 +256,7 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
   const bool all_differ = chance_of(excess / freedom, freedom, noise_freedom) < kAll;
   double largest = 0, times = 0;
   bool means = false;
+  const std::vector<IdentifiedMode> before = model.modes;
   std::vector<bool> allowed(hits.size(), false);
   for (std::size_t r = 0; r < hits.size(); ++r) {
     IdentifiedMode& mode = model.modes[r];
@@ -269,7 +283,8 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
     const double widening = mode.damping_ratio.value *
                             std::pow(kTwoPi * mode.between_hits.frequency_std_hz / decay_rate, 2);
     const double std = std::max(mode.damping_ratio.std, widened_std(z));
-    if (frfs.inputs.size() == 1 && (frfs.shared_force_noise || widening > 0.5 * std)) {
+    if (frfs.inputs.size() == 1 && !hidden_neighbour(before, r, frequency, fits) &&
+        (frfs.shared_force_noise || widening > 0.5 * std)) {
       means = true;
       mode.frequency_hz.value = f.mean;
       mode.damping_ratio.value = z.mean;

@@ -40,8 +40,9 @@ struct ModeOfHits {
 /// where the average's would be biased: where noise of the force is shared, or where poles that
 /// scatter by s widen the average's resonance, damping (s / decay rate)^2 too large to second order
 /// in s, by more than half a standard deviation. Elsewhere the average stays: fits of single hits
-/// are the noisier ones. A mode that half of the hits or fewer show, or that they show as one with
-/// another mode, is called doubtful. Without `by_hit` nothing is done.
+/// are the noisier ones, and where they do not show a neighbouring mode they take its share too. A
+/// mode that half of the hits or fewer show, or that they show as one with another mode, is called
+/// doubtful. Without `by_hit` nothing is done.
 void allow_for_hits(const FrfSet& frfs, ModalModel& model);
 
 }  // namespace rigfit::signal
