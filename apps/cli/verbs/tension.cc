@@ -123,6 +123,7 @@ Json modes_json(const std::vector<ident::TensionMode>& modes) {
     list.push_back({{"order", mode.order > 0 ? Json(mode.order) : Json(nullptr)},
                     {"plane", mode.order > 0 ? Json(model::name_of(mode.plane)) : Json(nullptr)},
                     {"measured_hz", mode.measured_hz},
+                    {"measured_std_hz", json_number(mode.measured_std_hz)},
                     {"model_hz", json_number(mode.model_hz)},
                     {"relative_error", json_number(mode.relative_error)}});
   }
@@ -239,11 +240,11 @@ void warn_of(const ident::TensionResult& result, const ident::CableDescription& 
         "no --EA: a strain of 0.001 is taken, within a factor of 2 or so; it matters where "
         "the sag does");
   }
-  if (result.EI_neglected) {
+  if (result.EI_assumed) {
     context.warn(
-        "EI_neglected",
-        "no --EI, and fewer than three frequencies cannot tell it: the cable is taken as a "
-        "string and the tension comes out high");
+        "EI_assumed",
+        "no --EI, and fewer than three frequencies cannot tell it: L sqrt(T / EI) anywhere in "
+        "2 to 2000 is part of the interval");
   }
   if (result.mass_reference_matters) {
     context.warn("mass_reference_unknown",
@@ -284,10 +285,8 @@ Json tension_result(const TensionCommand& command, const std::vector<signal::Rec
   if (command.ends == "pinned") options.ends = {ident::CableEnds::pinned};
   if (command.ends == "clamped") options.ends = {ident::CableEnds::clamped};
   if (command.ends == "springs") options.ends = {ident::CableEnds::springs};
-  options.update.seed = context.seed;
-  options.update.threads = context.threads;
-  options.update.assignment.missed = command.missed;
-  options.update.assignment.false_mode = command.false_mode;
+  options.missed = command.missed;
+  options.false_mode = command.false_mode;
   ident::TensionResult result;
   try {
     result = ident::identify_tension(cable, modes, options);
