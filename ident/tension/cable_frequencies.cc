@@ -24,7 +24,7 @@ class HalfBeam {
   }
 
   /// Root n of the beam without sag: n = 0 the first symmetric one, 1 the first antisymmetric one.
-  /// A fixed point, the right side between 0 and 1; Aitken's extrapolation makes it quadratic.
+  /// A fixed point, the right side positive; Aitken's extrapolation makes it quadratic.
   [[nodiscard]] double straight(int n) const {
     const double base = (n + 1) * kPi / 2;
     const auto next = [&](double b) { return base + std::atan(right_side(b, n % 2 == 0)); };
@@ -33,7 +33,7 @@ class HalfBeam {
       const double first = next(b), second = next(first);
       const double step = first - b, bend = second - 2 * first + b;
       if (std::abs(second - first) < 1e-13 * b || bend == 0) return second;
-      b = std::clamp(b - step * step / bend, base, base + kPi / 4 + 1e-9);
+      b = std::clamp(b - step * step / bend, base, base + kPi / 2);
     }
     return b;
   }
@@ -67,15 +67,19 @@ class HalfBeam {
   [[nodiscard]] bool sags() const { return sag_ > 0; }
 
  private:
+  /// To the last digit.
+  static double hyperbolic_tangent(double a) { return a > 20 ? 1 : std::tanh(a); }
+
   [[nodiscard]] double right_side(double b, bool symmetric) const {
-    const double a = std::sqrt(b * b + ratio_), t = std::tanh(a);
+    const double a = std::sqrt(b * b + ratio_), t = hyperbolic_tangent(a);
     const double hyperbolic = symmetric ? a * t : a / t;
     if (std::isinf(spring_)) return b / hyperbolic;
     return spring_ * b / (a * a + b * b + spring_ * hyperbolic);
   }
 
   [[nodiscard]] double misfit(double b) const {
-    const double a = std::sqrt(b * b + ratio_), t = std::tanh(a), c = std::cos(b), s = std::sin(b);
+    const double a = std::sqrt(b * b + ratio_), t = hyperbolic_tangent(a), c = std::cos(b),
+                 s = std::sin(b);
     const double share = std::isinf(spring_)
                              ? b * s / (a * t)
                              : (b * b * c + spring_ * b * s) / (a * a + spring_ * a * t);

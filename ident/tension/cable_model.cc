@@ -76,6 +76,7 @@ double CableModel::weight_across() const {
 
 double CableModel::lambda_squared(double tension_N) const {
   const double slope = weight_across() * cable_.length_m.value / tension_N;
+  if (slope < 1e-9) return 0;  // a hanger
   return slope * slope * axial_rigidity(tension_N) / (tension_N * (1 + slope * slope / 8));
 }
 

@@ -96,9 +96,9 @@ void evaluate(EndsPosterior& one, const TensionData& data,
   one.ln_evidence = top + std::log(sum);
 }
 
-/// The correction at the heaviest answer; returns by how much it changes ln f of a measured mode.
-double correct(EndsPosterior& one) {
-  const auto state = one.state();
+/// The correction at a state of the heaviest answer; returns by how much it changes ln f of a
+/// measured mode.
+double correct(EndsPosterior& one, const CableState& state) {
   if (!one.model.needs_correction(state.tension_N)) return 0;
   int count = 2;
   for (const auto& mode : one.answers.front().modes) count = std::max(count, mode.order + 1);
@@ -189,15 +189,14 @@ Summary summarise(const std::vector<const EndsPosterior*>& all) {
     Moments of_ends, of_answers;
     for (const auto& answer : one->answers) {
       Moments of_answer;
-      std::map<int, Moments> by_spring;
-      std::map<std::pair<int, int>, Moments> by_rigidity;
+      std::map<int, std::map<int, Moments>> by_spring;
       for (const auto& cell : answer.cells) {
         const double w = std::exp(cell.ln_weight - top);
         const double T = std::exp(cell.ln_tension - reference);
         parts.push_back(
             {w, cell.ln_tension, cell.variance_frequency + cell.variance_model + input_variance});
-        for (Moments* moments : {&total, &of_ends, &of_answer, &by_spring[cell.spring],
-                                 &by_rigidity[{cell.spring, cell.rigidity}]}) {
+        for (Moments* moments :
+             {&total, &of_ends, &of_answer, &by_spring[cell.spring][cell.rigidity]}) {
           moments->add(w, T);
         }
         EI.add(w, std::exp(cell.ln_EI));
@@ -208,17 +207,16 @@ Summary summarise(const std::vector<const EndsPosterior*>& all) {
       }
       of_answers.add(of_answer.weight(), of_answer.mean());
       Moments between;
-      for (const auto& [index, moments] : by_spring) {
-        between.add(moments.weight(), moments.mean());
+      for (const auto& [spring_index, of_spring] : by_spring) {
         Moments within;
-        for (const auto& [key, inner] : by_rigidity) {
-          if (key.first == index) within.add(inner.weight(), inner.mean());
+        for (const auto& [index, moments] : of_spring) {
+          within.add(moments.weight(), moments.mean());
+          models += moments.weight() * moments.variance();
         }
+        between.add(within.weight(), within.mean());
         rigidities += within.weight() * within.variance();
       }
       springs += between.weight() * between.variance();
-      for (const auto& [key, moments] : by_rigidity)
-        models += moments.weight() * moments.variance();
     }
     assignments += of_answers.weight() * of_answers.variance();
     ends.add(of_ends.weight(), of_ends.mean());
@@ -380,6 +378,26 @@ std::vector<Assignment> likely(const std::vector<EndsPosterior>& all,
   return kept;
 }
 
+/// Repeats correction and posterior until the correction at the heaviest answer stays; how much the
+/// first one changed ln f.
+template <class Assignments>
+double settle(EndsPosterior& one, const TensionData& data, const Assignments& assignments) {
+  double first = 0;
+  for (int i = 0; i < 3 && !one.answers.empty(); ++i) {
+    auto state = one.state();
+    double change = correct(one, state);
+    first = std::max(first, change);
+    if (change < 1e-5) break;
+    for (int k = 0; k < 4 && change > 1e-6; ++k) {
+      state.tension_N =
+          std::exp(refitted_ln_tension(one.model, data, one.answers.front().modes, state));
+      change = correct(one, state);
+    }
+    evaluate(one, data, assignments());
+  }
+  return first;
+}
+
 /// Posteriors of all kinds of ends, the correction repeated until it stays.
 std::vector<EndsPosterior> posteriors(const CableDescription& cable, const TensionData& data,
                                       const std::vector<CableEnds>& kinds) {
@@ -397,17 +415,10 @@ std::vector<EndsPosterior> posteriors(const CableDescription& cable, const Tensi
     for (auto& one : all) {
       evaluate(one, data, one.ends == CableEnds::springs ? likely(all, assignments) : assignments);
       if (one.answers.empty()) continue;
-      const double first = correct(one);
-      change = std::max(change, first);
-      if (first > 0) {
-        // The correction changes slowly with the tension: 1e-5 after two or three of them.
-        for (int i = 0; i < 4; ++i) {
-          evaluate(one, data, {{one.answers.front().modes, 0, std::log(one.state().tension_N)}});
-          if (one.answers.empty() || correct(one) < 1e-6) break;
-        }
-        evaluate(one, data,
-                 one.ends == CableEnds::springs ? likely(all, assignments) : assignments);
-      }
+      change =
+          std::max(change, settle(one, data, [&] {
+                     return one.ends == CableEnds::springs ? likely(all, assignments) : assignments;
+                   }));
       if (!one.answers.empty() && (heaviest == nullptr || one.ln_evidence > heaviest->ln_evidence))
         heaviest = &one;
     }
