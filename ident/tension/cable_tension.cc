@@ -22,22 +22,6 @@ using signal::kNaN;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-void check(const CableDescription& cable, const std::vector<MeasuredMode>& modes) {
-  const auto positive = [](double value, const char* what) {
-    if (!(value > 0) || !std::isfinite(value))
-      throw std::invalid_argument(std::string(what) + " must be positive");
-  };
-  positive(cable.length_m.value, "the length");
-  positive(cable.mass_per_length.value, "the mass per length");
-  if (cable.EI_Nm2 && !(cable.EI_Nm2->value >= 0 && std::isfinite(cable.EI_Nm2->value)))
-    throw std::invalid_argument("EI must not be negative");
-  if (cable.EA_N) positive(cable.EA_N->value, "EA");
-  if (!(std::abs(cable.inclination_deg) <= 90))
-    throw std::invalid_argument("the inclination is within +-90 degrees");
-  if (modes.empty()) throw std::invalid_argument("no measured frequency");
-  for (const auto& mode : modes) positive(mode.frequency_hz.value, "a measured frequency");
-}
-
 /// A weighted normal of ln T, and where it comes from.
 struct Part {
   double weight = 0, ln_tension = 0, variance = 0;
@@ -479,10 +463,26 @@ std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes) {
   return merged;
 }
 
+void check_cable(const CableDescription& cable, const std::vector<MeasuredMode>& modes) {
+  const auto positive = [](double value, const char* what) {
+    if (!(value > 0) || !std::isfinite(value))
+      throw std::invalid_argument(std::string(what) + " must be positive");
+  };
+  positive(cable.length_m.value, "the length");
+  positive(cable.mass_per_length.value, "the mass per length");
+  if (cable.EI_Nm2 && !(cable.EI_Nm2->value >= 0 && std::isfinite(cable.EI_Nm2->value)))
+    throw std::invalid_argument("EI must not be negative");
+  if (cable.EA_N) positive(cable.EA_N->value, "EA");
+  if (!(std::abs(cable.inclination_deg) <= 90))
+    throw std::invalid_argument("the inclination is within +-90 degrees");
+  if (modes.empty()) throw std::invalid_argument("no measured frequency");
+  for (const auto& mode : modes) positive(mode.frequency_hz.value, "a measured frequency");
+}
+
 TensionResult identify_tension(const CableDescription& cable,
                                const std::vector<MeasuredMode>& modes,
                                const TensionOptions& options) {
-  check(cable, modes);
+  check_cable(cable, modes);
   TensionResult result;
   const TensionData data(modes, options);
   const auto all = posteriors(cable, data, options.ends);

@@ -113,7 +113,10 @@ struct TensionResult {
 /// their scatter gives. Modes without an uncertainty, or of different planes, stay apart.
 [[nodiscard]] std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes);
 
-/// Throws std::invalid_argument for numbers that make no sense or no mode.
+/// Throws std::invalid_argument for numbers that make no sense, or no mode.
+void check_cable(const CableDescription& cable, const std::vector<MeasuredMode>& modes);
+
+/// Throws as check_cable.
 [[nodiscard]] TensionResult identify_tension(const CableDescription& cable,
                                              const std::vector<MeasuredMode>& modes,
                                              const TensionOptions& options = {});
