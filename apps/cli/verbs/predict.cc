@@ -11,6 +11,7 @@
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
+#include "ident/predict/damage_estimate.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
@@ -25,7 +26,7 @@ constexpr const char* kExample =
 
 struct PredictCommand {
   std::string scene, from, measured, column, plane = "any", frf;
-  std::vector<std::string> maps;
+  std::vector<std::string> maps, damage;
   std::vector<double> band;
   int count = 6, segments = 0, lines = 400;
   bool sample = false;
@@ -221,6 +222,40 @@ void print(std::ostream& out, const ident::ModePrediction& prediction) {
   }
 }
 
+/// "ZONE=SOUND[,RATIO]", SOUND a parameter of the fit or a number.
+Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
+                 VerbContext& context) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+    throw UsageError("--damage: write ZONE=SOUND[,RATIO], not \"" + text + "\"");
+  }
+  const auto comma = text.find(',', equals);
+  ident::DamageQuestion question;
+  question.zone = text.substr(0, equals);
+  const auto sound =
+      text.substr(equals + 1, comma == std::string::npos ? comma : comma - equals - 1);
+  try {
+    std::size_t used = 0;
+    question.sound_EI = {std::stod(sound, &used), 0};
+    if (used != sound.size()) question.sound = sound;
+  } catch (const std::exception&) {
+    question.sound = sound;
+  }
+  try {
+    if (comma != std::string::npos) question.sound_ratio = std::stod(text.substr(comma + 1));
+    const auto one = ident::damage_estimate(fitted, question);
+    context.out << fmt::format("\n{}: {}\n", question.zone, one.statement);
+    return {{"zone", question.zone},
+            {"damage", interval_json(one.damage, one.low, one.high)},
+            {"smallest_found", json_number(one.smallest_found)},
+            {"called", one.called},
+            {"not_told_apart_from", one.like},
+            {"statement", one.statement}};
+  } catch (const std::invalid_argument& error) {
+    throw Refused(std::string("--damage: ") + error.what());
+  }
+}
+
 Json run_predict(const PredictCommand& command, VerbContext& context) {
   if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz");
@@ -259,6 +294,8 @@ Json run_predict(const PredictCommand& command, VerbContext& context) {
   json["nonlinearity"] = json_number(prediction.nonlinearity);
   print(context.out, prediction);
   if (!command.measured.empty()) json["measured"] = compared_json(command, prediction, context);
+  for (const auto& text : command.damage)
+    json["damage"].push_back(damage_json(text, fitted, context));
   if (!command.frf.empty()) write_frfs(command, scene, fitted, prediction, context);
   return json;
 }
@@ -288,6 +325,10 @@ void add_predict(CLI::App& program, Verbs& verbs) {
   app->add_option("--plane", c->plane, "Of the measured modes")
       ->check(CLI::IsMember({"in", "out", "any"}))
       ->capture_default_str();
+  app->add_option("--damage", c->damage,
+                  "Loss of EI of a zone against its sound part: ZONE=SOUND[,RATIO], SOUND a "
+                  "parameter of the fit or N m2")
+      ->type_name("ZONE=SOUND");
   app->add_option("--frf", c->frf, "FRFs with their 95 % intervals as a table")->type_name("F.csv");
   app->add_option("--band", c->band, "Of the FRFs, Hz")->expected(2)->type_name("LO HI");
   app->add_option("--lines", c->lines, "Of the FRFs")
