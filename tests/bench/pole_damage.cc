@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <vector>
 
@@ -25,13 +26,15 @@ int main(int argc, char** argv) {
     const char* name;
     DamageStudy study;
   };
-  DamageStudy damaged, healthy, soft, soft_sound;
+  DamageStudy damaged, healthy, free_shaft, soft, soft_sound;
+  free_shaft.shaft_free = true;
   healthy.loss = 0;
   soft.foot_Nm_rad = soft_sound.foot_Nm_rad = 150;
   soft.foot_free = soft_sound.foot_free = true;
   soft_sound.loss = 0;
   for (const auto& one :
-       {Case{"30 % lost", damaged}, Case{"sound", healthy}, Case{"30 % lost, foot unknown", soft},
+       {Case{"30 % lost", damaged}, Case{"sound", healthy},
+        Case{"30 % lost, all EI unknown", free_shaft}, Case{"30 % lost, foot unknown", soft},
         Case{"sound, foot unknown", soft_sound}}) {
     int fits = 0, inside = 0, called = 0;
     std::vector<double> error, std;

@@ -93,13 +93,13 @@ TEST(CableTension, HangerWithoutItsThirdMode) {
 
 TEST(CableTension, IntervalsHoldOverSpansAndTensions) {
   // Half a metre to a kilometre, 1 N to 10 MN, any ends, EI unknown, one mode missing. A 95 %
-  // interval fails 4 times or more in 16 with a probability of 1 %.
+  // interval fails 3 times or more in 8 with a probability of 1 %.
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform;
   std::normal_distribution<double> normal;
   int held = 0;
-  for (int i = 0; i < 16; ++i) {
-    const double share = (i + 0.5) / 16;
+  for (int i = 0; i < 8; ++i) {
+    const double share = (i + 0.5) / 8;
     const double L = 0.5 * std::pow(2000, share), T = std::pow(1e7, uniform(random));
     const double x = 10 * std::pow(20, uniform(random)), EI = T * L * L / (x * x);
     const double m = 8e-4 * T / (9.8 * L);  // sag 1e-4 of the span
@@ -123,7 +123,7 @@ TEST(CableTension, IntervalsHoldOverSpansAndTensions) {
     EXPECT_LT(result.tension_N.std, 0.06 * T);
     held += result.low <= T && T <= result.high;
   }
-  EXPECT_GE(held, 13);
+  EXPECT_GE(held, 6);
 }
 
 TEST(CableTension, SpringsThatAreClamped) {
