@@ -53,7 +53,7 @@ class CableRows {
     for (const auto& row : table_.rows) {
       CableTableRow one;
       one.line = row.line;
-      one.test.name = text(row, "name");
+      one.test.name = name_of_row(row);
       if (one.test.name.empty()) one.test.name = fmt::format("line {}", row.line);
       try {
         if (!taken.insert(one.test.name).second) throw std::invalid_argument("the name is taken");
@@ -67,6 +67,15 @@ class CableRows {
   }
 
  private:
+  /// Under "name" or "cable". "name" above the first column labels a line of names in logger files
+  /// (csv_header.cc) and is then no title.
+  [[nodiscard]] std::string name_of_row(const TextTable::Row& row) const {
+    for (const char* title : {"name", "cable"}) {
+      if (find_column(names_, title) >= 0) return text(row, title);
+    }
+    return names_.front().empty() ? row.cells.front() : std::string();
+  }
+
   [[nodiscard]] std::string text(const TextTable::Row& row, const std::string& name) const {
     const auto column = find_column(names_, name);
     if (column < 0) return {};
