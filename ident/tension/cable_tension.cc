@@ -1,14 +1,17 @@
 #include "ident/tension/cable_tension.h"
 
-#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
+#include <utility>
 
+#include "ident/tension/cable_model.h"
 #include "ident/tension/tension_formulas.h"
-#include "model/linear/modal_analysis.h"
+#include "ident/tension/tension_posterior.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -17,255 +20,402 @@ namespace {
 using signal::Estimate;
 using signal::kNaN;
 
-constexpr double kAssumedStrain =
-    1e-3;  // of a steel cable at a third of its strength, where no EA is given
-constexpr double kSteep =
-    0.0872;  // cos of the inclination from which a scene's tension is along the chord
+constexpr double kInf = std::numeric_limits<double>::infinity();
 
-double radians(double degrees) { return degrees * signal::kTwoPi / 360; }
+/// A weighted normal of ln T, and where it comes from.
+struct Part {
+  double weight = 0, ln_tension = 0, variance = 0;
+};
 
-/// The scene's tension (horizontal, or along a steep chord) over the axial force at mid-span.
-double scene_share(const CableDescription& cable) {
-  const double level = std::cos(radians(cable.inclination_deg));
-  return level > kSteep ? level : 1;
-}
-
-void check(const CableDescription& cable, const std::vector<MeasuredMode>& modes) {
-  const auto positive = [](double value, const char* what) {
-    if (!(value > 0) || !std::isfinite(value))
-      throw std::invalid_argument(std::string(what) + " must be positive");
-  };
-  positive(cable.length_m.value, "the length");
-  positive(cable.mass_per_length.value, "the mass per length");
-  if (cable.EI_Nm2 && !(cable.EI_Nm2->value >= 0))
-    throw std::invalid_argument("EI must not be negative");
-  if (cable.EA_N) positive(cable.EA_N->value, "EA");
-  if (!(std::abs(cable.inclination_deg) <= 90))
-    throw std::invalid_argument("the inclination is within +-90 degrees");
-  if (modes.empty()) throw std::invalid_argument("no measured frequency");
-  for (const auto& mode : modes) positive(mode.frequency_hz.value, "a measured frequency");
-}
-
-/// By the lowest frequency as that of a string: where the search begins.
-double first_guess(const CableDescription& cable, const std::vector<MeasuredMode>& modes) {
-  const auto lowest = std::min_element(
-      modes.begin(), modes.end(),
-      [](const auto& a, const auto& b) { return a.frequency_hz.value < b.frequency_hz.value; });
-  return string_tension(
-      {1, lowest->frequency_hz.value, cable.length_m.value, cable.mass_per_length.value, 0});
-}
-
-double axial_rigidity(const CableDescription& cable, double tension_N) {
-  return cable.EA_N ? cable.EA_N->value : tension_N / kAssumedStrain;
-}
-
-/// Whether the modes can tell EI from the tension: three or more.
-bool EI_is_fitted(const CableDescription& cable, const std::vector<MeasuredMode>& modes) {
-  return cable.EI_Nm2 ? cable.EI_Nm2->std > 0 : modes.size() >= 3;
-}
-
-std::vector<FreeParameter> free_parameters(const CableDescription& cable,
-                                           const std::vector<MeasuredMode>& modes, CableEnds ends,
-                                           double EI) {
-  std::vector<FreeParameter> free(1);
-  free[0].name = "cable.tension";
-  if (EI_is_fitted(cable, modes)) {
-    FreeParameter rigidity;
-    rigidity.name = "cable.EI";
-    if (cable.EI_Nm2) rigidity.prior = cable.EI_Nm2;
-    free.push_back(rigidity);
+double mixture_quantile(const std::vector<Part>& parts, double probability) {
+  double low = kInf, high = -kInf;
+  for (const auto& part : parts) {
+    const double reach = 8 * std::sqrt(part.variance) + 1e-12;
+    low = std::min(low, part.ln_tension - reach);
+    high = std::max(high, part.ln_tension + reach);
   }
-  if (ends == CableEnds::springs) {
-    FreeParameter spring;
-    spring.name = "spring";
-    for (const char* node : {"start", "end"}) {
-      for (const char* axis : {"x", "y", "z"})
-        spring.targets.push_back(fmt::format("{}.rotational_{}", node, axis));
+  for (int i = 0; i < 60 && high - low > 1e-10; ++i) {
+    const double middle = (low + high) / 2;
+    double below = 0;
+    for (const auto& part : parts) {
+      below +=
+          part.weight * 0.5 * std::erfc((part.ln_tension - middle) / std::sqrt(2 * part.variance));
     }
-    spring.low = 0.01 * EI / cable.length_m.value;
-    spring.high = 1e4 * EI / cable.length_m.value;
-    free.push_back(spring);
+    (below < probability ? low : high) = middle;
   }
-  return free;
+  return std::exp((low + high) / 2);
 }
 
-std::vector<UncertainInput> uncertain_inputs(const CableDescription& cable, double EA) {
-  std::vector<UncertainInput> inputs;
-  const double angle = radians(cable.inclination_deg);
-  if (cable.length_m.std > 0) {
-    UncertainInput length{"length", {{0, "end.x", cable.length_m.std * std::cos(angle)}}};
-    if (cable.inclination_deg != 0)
-      length.effects.push_back({0, "end.y", cable.length_m.std * std::sin(angle)});
-    inputs.push_back(std::move(length));
+/// One kind of ends: its model as corrected, its answers, heaviest first.
+struct EndsPosterior {
+  CableEnds ends = CableEnds::pinned;
+  CableModel model;
+  std::vector<TensionAnswer> answers;
+  double ln_evidence = -kInf;
+  std::vector<std::pair<std::string, double>> inputs;  ///< shift of ln T by one std of each
+  bool corrected = true;                               ///< false: needed and not to be had
+
+  [[nodiscard]] CableState state() const { return answers.front().state(ends); }
+};
+
+void evaluate(EndsPosterior& one, const TensionData& data,
+              const std::vector<Assignment>& assignments) {
+  one.answers.clear();
+  for (const auto& assignment : assignments) {
+    auto answer = tension_answer(one.model, data, one.ends, assignment);
+    if (answer.cells.empty() || !std::isfinite(answer.ln_evidence)) continue;
+    // Two starts can end in one answer.
+    const bool known = std::any_of(one.answers.begin(), one.answers.end(), [&](const auto& other) {
+      return other.modes == answer.modes && std::abs(other.cells[other.best].ln_tension -
+                                                     answer.cells[answer.best].ln_tension) < 0.03;
+    });
+    if (!known) one.answers.push_back(std::move(answer));
   }
-  if (cable.mass_per_length.std > 0) {
-    inputs.push_back(
-        {"mass per length", {{0, "cable.mass_per_length", cable.mass_per_length.std}}});
+  std::stable_sort(one.answers.begin(), one.answers.end(),
+                   [](const auto& a, const auto& b) { return a.ln_evidence > b.ln_evidence; });
+  if (one.answers.empty()) return;
+  const double top = one.answers.front().ln_evidence;
+  double sum = 0;
+  for (const auto& answer : one.answers) sum += std::exp(answer.ln_evidence - top);
+  one.ln_evidence = top + std::log(sum);
+}
+
+/// The correction at a state of the heaviest answer; returns by how much it changes ln f of a
+/// measured mode.
+double correct(EndsPosterior& one, const CableState& state) {
+  if (!one.model.needs_correction(state.tension_N)) return 0;
+  int count = 2;
+  for (const auto& mode : one.answers.front().modes) count = std::max(count, mode.order + 1);
+  std::string why;
+  auto correction = segment_correction(one.model, one.ends, state, count, why);
+  if (correction.in.empty() || correction.out.empty()) {
+    one.corrected = false;
+    return 0;
   }
-  const double EA_std = cable.EA_N ? cable.EA_N->std : EA / 2;
-  if (EA_std > 0) inputs.push_back({cable.EA_N ? "EA" : "EA (assumed)", {{0, "cable.EA", EA_std}}});
-  return inputs;
+  const auto value = [](const std::vector<double>& list, int order) {
+    return list.empty() ? 0 : list[std::min(static_cast<std::size_t>(order), list.size() - 1)];
+  };
+  const auto& before = one.model.correction();
+  double change = 0;
+  for (const auto& mode : one.answers.front().modes) {
+    if (mode.order < 0) continue;
+    const bool in = mode.plane == model::ModePlane::in;
+    change = std::max(change, std::abs(value(in ? correction.in : correction.out, mode.order) -
+                                       value(in ? before.in : before.out, mode.order)));
+  }
+  one.model = CableModel(one.model.cable(), std::move(correction));
+  return change;
+}
+
+/// Shifts of ln T at the heaviest answer by what is known of the cable but not fitted.
+void shift_by_inputs(EndsPosterior& one, const TensionData& data) {
+  const auto& cable = one.model.cable();
+  const auto state = one.state();
+  const double here = refitted_ln_tension(one.model, data, one.answers.front().modes, state);
+  const auto shift = [&](const char* name, double relative_std, const auto& change) {
+    if (!(relative_std > 0)) return;
+    constexpr double kStep = 0.01;  // far above the fit's tolerance, far below what is non-linear
+    auto moved = cable;
+    change(moved, 1 + kStep);
+    const CableModel model(moved, one.model.correction());
+    const double there = refitted_ln_tension(model, data, one.answers.front().modes, state);
+    one.inputs.emplace_back(name, (there - here) / kStep * relative_std);
+  };
+  shift("length", cable.length_m.std / cable.length_m.value,
+        [](CableDescription& c, double factor) { c.length_m.value *= factor; });
+  shift("mass per length", cable.mass_per_length.std / cable.mass_per_length.value,
+        [](CableDescription& c, double factor) { c.mass_per_length.value *= factor; });
+  const double EA = one.model.axial_rigidity(state.tension_N);
+  // Without EA: within a factor of 2.
+  shift(cable.EA_N ? "EA" : "EA (assumed)", cable.EA_N ? cable.EA_N->std / EA : 0.5,
+        [EA](CableDescription& c, double factor) {
+          c.EA_N = Estimate{EA * factor, 0};
+        });
+}
+
+/// Mean and variances of T over the cells of one or several kinds of ends, by the law of total
+/// variance: between ends, assignments, springs, rigidities; within: frequencies and model.
+struct Summary {
+  Estimate tension, EI, spring;
+  double low = 0, high = 0;
+  std::vector<UpdateBudgetTerm> budget;
+};
+
+class Moments {
+ public:
+  void add(double weight, double value) {
+    weight_ += weight;
+    mean_ += weight * value;
+    square_ += weight * value * value;
+  }
+  [[nodiscard]] double weight() const { return weight_; }
+  [[nodiscard]] double mean() const { return mean_ / weight_; }
+  [[nodiscard]] double variance() const {
+    return std::max(0.0, square_ / weight_ - mean() * mean());
+  }
+
+ private:
+  double weight_ = 0, mean_ = 0, square_ = 0;
+};
+
+Summary summarise(const std::vector<const EndsPosterior*>& all) {
+  double top = -kInf;
+  for (const auto* one : all) top = std::max(top, one->ln_evidence);
+  const double reference = all.front()->answers.front().cells.front().ln_tension;
+  const double scale = std::exp(reference);
+  std::vector<Part> parts;
+  Moments total, EI, spring, ends;
+  double assignments = 0, springs = 0, rigidities = 0, models = 0, frequencies = 0;
+  std::map<std::string, double> inputs;
+  for (const auto* one : all) {
+    double input_variance = 0;
+    for (const auto& [name, shift] : one->inputs) input_variance += shift * shift;
+    Moments of_ends, of_answers;
+    for (const auto& answer : one->answers) {
+      Moments of_answer;
+      std::map<int, std::map<int, Moments>> by_spring;
+      for (const auto& cell : answer.cells) {
+        const double w = std::exp(cell.ln_weight - top);
+        const double T = std::exp(cell.ln_tension - reference);
+        parts.push_back(
+            {w, cell.ln_tension, cell.variance_frequency + cell.variance_model + input_variance});
+        for (Moments* moments :
+             {&total, &of_ends, &of_answer, &by_spring[cell.spring][cell.rigidity]}) {
+          moments->add(w, T);
+        }
+        EI.add(w, std::exp(cell.ln_EI));
+        spring.add(w, std::exp(cell.ln_spring));
+        frequencies += w * T * T * cell.variance_frequency;
+        models += w * T * T * cell.variance_model;
+        for (const auto& [name, shift] : one->inputs) inputs[name] += w * T * T * shift * shift;
+      }
+      of_answers.add(of_answer.weight(), of_answer.mean());
+      Moments between;
+      for (const auto& [spring_index, of_spring] : by_spring) {
+        Moments within;
+        for (const auto& [index, moments] : of_spring) {
+          within.add(moments.weight(), moments.mean());
+          models += moments.weight() * moments.variance();
+        }
+        between.add(within.weight(), within.mean());
+        rigidities += within.weight() * within.variance();
+      }
+      springs += between.weight() * between.variance();
+    }
+    assignments += of_answers.weight() * of_answers.variance();
+    ends.add(of_ends.weight(), of_ends.mean());
+  }
+  for (auto& part : parts) part.weight /= total.weight();
+  std::erase_if(parts, [](const Part& part) { return part.weight < 1e-8; });
+  Summary summary;
+  const double mean = total.mean() * scale;
+  double variance = 0;
+  const auto term = [&](const std::string& name, double weighted) {
+    const double part = weighted / total.weight() * scale * scale;
+    variance += part;
+    // What rounding leaves of a difference of squares is no source.
+    if (part > 1e-24 * mean * mean) summary.budget.push_back({name, std::sqrt(part)});
+  };
+  term("frequencies", frequencies);
+  term("model", models);
+  term("EI", rigidities);
+  term("end springs", springs);
+  term("assignment", assignments);
+  term("ends", ends.weight() * ends.variance());
+  for (const auto& [name, weighted] : inputs) term(name, weighted);
+  summary.tension = {mean, std::sqrt(variance)};
+  summary.EI = {EI.mean(), std::sqrt(EI.variance())};
+  summary.spring = {spring.mean(), std::sqrt(spring.variance())};
+  summary.low = mixture_quantile(parts, 0.025);
+  summary.high = mixture_quantile(parts, 0.975);
+  return summary;
 }
 
 /// Order of each measured mode among those of its plane, and how well it agrees.
-void list_modes(const std::vector<MeasuredMode>& modes, TensionCandidate& candidate) {
-  candidate.modes.resize(modes.size());
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    candidate.modes[i].measured_hz = modes[i].frequency_hz.value;
-    candidate.modes[i].model_hz = candidate.modes[i].relative_error = kNaN;
+void list_modes(const EndsPosterior& one, const TensionData& data, TensionCandidate& candidate) {
+  const auto& answer = one.answers.front();
+  const auto frequencies = one.model.frequencies(one.state(), 200, 1.05 * data.highest_hz);
+  std::vector<TensionData::Listed> listed;
+  data.list(frequencies, listed);
+  for (std::size_t i = 0; i < data.modes.size(); ++i) {
+    TensionMode mode;
+    mode.measured_hz = data.modes[i].frequency_hz.value;
+    mode.measured_std_hz = data.modes[i].frequency_hz.std;
+    mode.model_hz = mode.relative_error = kNaN;
+    const auto& assigned = answer.modes[i];
+    if (assigned.order >= 0) {
+      const auto& list =
+          assigned.plane == model::ModePlane::in ? frequencies.in_hz : frequencies.out_hz;
+      const auto order = static_cast<std::size_t>(assigned.order);
+      mode.order = assigned.order + 1;
+      mode.plane = assigned.plane;
+      if (order < list.size()) {
+        mode.model_hz = list[order];
+        mode.relative_error = list[order] / mode.measured_hz - 1;
+      }
+    }
+    candidate.modes.push_back(mode);
   }
-  for (const auto& pair : candidate.update.pairs) {
-    auto& mode = candidate.modes[static_cast<std::size_t>(pair.measured)];
-    mode.order = pair.order + 1;
-    mode.plane = pair.plane;
-    mode.model_hz = pair.model_hz;
-    mode.relative_error = pair.relative_error;
+  for (const auto& mode : listed) {
+    const bool found =
+        std::find(answer.modes.begin(), answer.modes.end(), mode.mode) != answer.modes.end();
+    // One that is seen with a probability of more than a half.
+    candidate.missed += !found && mode.ln_hz < std::log(data.highest_hz) && mode.ln_unseen < -0.7;
   }
-  for (const auto& one : candidate.update.unpaired)
-    candidate.missed += !one.measured && one.missing;
 }
 
-TensionCandidate fit_candidate(const CableDescription& cable,
-                               const std::vector<MeasuredMode>& modes, CableEnds ends, double guess,
-                               const TensionOptions& options) {
+bool same_orders(const std::vector<AssignedMode>& a, const std::vector<AssignedMode>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x.order == y.order; });
+}
+
+TensionCandidate candidate_of(const EndsPosterior& one, const TensionData& data) {
   TensionCandidate candidate;
-  candidate.ends = ends;
+  candidate.ends = one.ends;
   candidate.spring_Nm_rad = {kNaN, kNaN};
-  const double L = cable.length_m.value;
-  // Neither a string nor a beam: L sqrt(T / EI) = 30.
-  const double EI = cable.EI_Nm2
-                        ? std::max(cable.EI_Nm2->value, 1e-9 * guess * L * L)
-                        : (EI_is_fitted(cable, modes) ? guess * L * L / 900 : 1e-9 * guess * L * L);
-  UpdateState state{"cable", cable_scene(cable, ends, guess, EI), modes};
-  UpdateOptions update = options.update;
-  update.inputs = uncertain_inputs(cable, axial_rigidity(cable, guess));
-  candidate.update = update_model({state}, free_parameters(cable, modes, ends, EI), update);
-  const auto& result = candidate.update;
-  candidate.message = result.message;
-  candidate.solved = result.status == UpdateStatus::converged && !result.parameters.empty();
-  if (!candidate.solved) return candidate;
-  const double share = scene_share(cable);
-  const auto& tension = result.parameters[0];
-  candidate.tension_N = {tension.value / share, tension.std / share};
-  candidate.low = tension.low / share;
-  candidate.high = tension.high / share;
-  candidate.EI_Nm2 = {EI, 0};
-  for (const auto& parameter : result.parameters) {
-    if (parameter.name == "cable.EI") candidate.EI_Nm2 = {parameter.value, parameter.std};
-    if (parameter.name == "spring") candidate.spring_Nm_rad = {parameter.value, parameter.std};
+  if (one.answers.empty()) {
+    candidate.message = "no tension fits the frequencies with these ends";
+    return candidate;
   }
-  candidate.fit = result.fit;
-  candidate.budget = tension.budget;
-  for (auto& term : candidate.budget) term.std /= share;
-  list_modes(modes, candidate);
+  candidate.solved = true;
+  if (!one.corrected) {
+    candidate.message =
+        "the segment model has no equilibrium there: deep sag or masses are not corrected for";
+  }
+  const auto summary = summarise({&one});
+  candidate.tension_N = summary.tension;
+  candidate.low = summary.low;
+  candidate.high = summary.high;
+  const auto& cable = one.model.cable();
+  candidate.EI_Nm2 = EI_is_exact(cable) ? Estimate{cable.EI_Nm2->value, 0} : summary.EI;
+  if (one.ends == CableEnds::springs) candidate.spring_Nm_rad = summary.spring;
+  candidate.budget = summary.budget;
+  const auto& answer = one.answers.front();
+  const auto& cell = answer.cells[answer.best];
+  int pairs = 0;
+  double same = 0;
+  for (const auto& mode : answer.modes) pairs += mode.order >= 0;
+  for (const auto& other : one.answers) {
+    if (same_orders(other.modes, answer.modes))
+      same += std::exp(other.ln_evidence - one.ln_evidence);
+  }
+  candidate.weight_of_orders = same;
+  // What the frequencies have to explain: T, EI unless given, springs.
+  const int unknowns = 1 + !cable.EI_Nm2 + (one.ends == CableEnds::springs);
+  candidate.fit.stated = data.stated;
+  double chi2 = kInf;
+  for (const auto& other : answer.cells) {
+    // The least with t = 0 in the weights.
+    if (other.model_std == 0 && other.ln_weight > cell.ln_weight - 18)
+      chi2 = std::min(chi2, other.chi2_stated);
+  }
+  candidate.fit.chi2 = std::isfinite(chi2) ? chi2 : cell.chi2_stated;
+  candidate.fit.degrees_of_freedom = std::max(0, pairs - unknowns);
+  if (data.stated && candidate.fit.degrees_of_freedom > 0)
+    candidate.fit.p_value = gsl_cdf_chisq_Q(candidate.fit.chi2, candidate.fit.degrees_of_freedom);
+  candidate.fit.model_std = cell.model_std;
+  list_modes(one, data, candidate);
   return candidate;
 }
 
-void weigh(std::vector<TensionCandidate>& candidates) {
-  double best = -std::numeric_limits<double>::infinity(), sum = 0;
-  for (const auto& one : candidates) {
-    if (one.solved && std::isfinite(one.update.log_evidence))
-      best = std::max(best, one.update.log_evidence);
-  }
-  for (auto& one : candidates) {
-    one.weight = one.solved && std::isfinite(one.update.log_evidence)
-                     ? std::exp(one.update.log_evidence - best)
-                     : 0;
-    sum += one.weight;
-  }
-  for (auto& one : candidates) one.weight = sum > 0 ? one.weight / sum : 0;
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
-}
-
-/// Distribution function of the mixture: each answer normal in ln T.
-double mixture_below(const std::vector<TensionCandidate>& candidates, double tension) {
-  double below = 0;
-  for (const auto& one : candidates) {
-    if (!(one.weight > 0)) continue;
-    const double s = (std::log(one.high) - std::log(one.low)) / (2 * 1.959964);
-    const double middle = (std::log(one.high) + std::log(one.low)) / 2;
-    below += one.weight * 0.5 * std::erfc((middle - std::log(tension)) / (s * std::sqrt(2.0)));
-  }
-  return below;
-}
-
-double mixture_quantile(const std::vector<TensionCandidate>& candidates, double probability) {
-  double low = std::numeric_limits<double>::infinity(), high = 0;
-  for (const auto& one : candidates) {
-    if (!(one.weight > 0)) continue;
-    low = std::min(low, one.low * one.low / one.high);
-    high = std::max(high, one.high * one.high / one.low);
-  }
-  for (int i = 0; i < 100; ++i) {
-    const double middle = std::sqrt(low * high);
-    (mixture_below(candidates, middle) < probability ? low : high) = middle;
-  }
-  return std::sqrt(low * high);
-}
-
-/// Weight of all answers that give the measured modes the orders that the heaviest one gives them.
-double weight_of_orders(const std::vector<TensionCandidate>& candidates) {
-  const auto& best = candidates.front().modes;
-  double weight = 0;
-  for (const auto& one : candidates) {
-    const bool same = one.weight > 0 &&
-                      std::equal(best.begin(), best.end(), one.modes.begin(), one.modes.end(),
-                                 [](const auto& a, const auto& b) { return a.order == b.order; });
-    if (!same) continue;
-    const auto& alternatives = one.update.alternatives;
-    weight += one.weight * (alternatives.empty() ? 1 : alternatives.front().weight);
-  }
-  return weight;
-}
-
-/// Mean, spread and interval over the candidates.
-void mix(TensionResult& result) {
-  double mean = 0, square = 0, within = 0;
-  bool bounded = true;
-  for (const auto& one : result.candidates) {
-    if (!(one.weight > 0)) continue;
-    mean += one.weight * one.tension_N.value;
-    within += one.weight * one.tension_N.std * one.tension_N.std;
-    square += one.weight * one.tension_N.value * one.tension_N.value;
-    bounded = bounded && one.low > 0 && std::isfinite(one.high);
-  }
-  const auto& best = result.candidates.front();
-  const double between = std::max(0.0, square - mean * mean);
-  const bool one_only = best.weight > 0.999;
-  result.tension_N = one_only ? best.tension_N : Estimate{mean, std::sqrt(within + between)};
-  result.EI_Nm2 = best.EI_Nm2;
-  result.budget = best.budget;
-  if (!one_only) result.budget.push_back({"ends", std::sqrt(between)});
-  result.low = one_only ? best.low : bounded ? mixture_quantile(result.candidates, 0.025) : kNaN;
-  result.high = one_only ? best.high : bounded ? mixture_quantile(result.candidates, 0.975) : kNaN;
-  result.decided = weight_of_orders(result.candidates) >= 0.9;
-}
-
 /// What follows from the tension: its course along the cable, sag, dimensionless numbers, formulas.
-void describe(const CableDescription& cable, TensionResult& result) {
+void describe(const CableModel& model, TensionResult& result) {
   const auto& best = result.candidates.front();
+  const auto& cable = model.cable();
   const double L = cable.length_m.value, T = result.tension_N.value,
-               angle = radians(cable.inclination_deg);
-  const double weight = cable.mass_per_length.value * cable.gravity, EA = axial_rigidity(cable, T);
-  const double across = weight * std::cos(angle);
-  result.sag_m = across * L * L / (8 * T);
+               angle = cable.inclination_deg * signal::kTwoPi / 360;
+  const double weight = cable.mass_per_length.value * cable.gravity;
+  result.sag_m = model.weight_across() * L * L / (8 * T);
   const double rise = L * std::sin(angle), middle = rise / 2 - result.sag_m * std::cos(angle);
   result.start_N = T - weight * middle;
   result.end_N = T + weight * (rise - middle);
-  const double stretched = L * (1 + std::pow(across * L / T, 2) / 8);
-  result.irvine_parameter = std::pow(across * L / T, 2) * L * EA / (T * stretched);
+  result.irvine_parameter = model.lambda_squared(T);
   result.bending_parameter = L * std::sqrt(T / best.EI_Nm2.value);
-  const TensionMode* lowest = nullptr;
-  for (const auto& mode : best.modes) {
-    if (mode.order > 0 && (lowest == nullptr || mode.measured_hz < lowest->measured_hz))
-      lowest = &mode;
-  }
-  if (lowest == nullptr) return;
+  const auto lowest = std::find_if(best.modes.begin(), best.modes.end(),
+                                   [](const auto& mode) { return mode.order > 0; });
+  if (lowest == best.modes.end()) return;
   const CableFormulaInput input{lowest->order, lowest->measured_hz, L, cable.mass_per_length.value,
                                 best.EI_Nm2.value};
   result.formulas = {string_tension(input), pinned_beam_tension(input), clamped_beam_tension(input),
                      zui_tension(input)};
+}
+
+/// Those of the assignments that are within exp(-20) of the best with pinned or clamped ends, which
+/// springs lie between; all where neither has been evaluated.
+std::vector<Assignment> likely(const std::vector<EndsPosterior>& all,
+                               const std::vector<Assignment>& assignments) {
+  double best = -kInf;
+  for (const auto& one : all) {
+    if (one.ends != CableEnds::springs) best = std::max(best, one.ln_evidence);
+  }
+  if (!std::isfinite(best)) return assignments;
+  std::vector<Assignment> kept;
+  for (const auto& assignment : assignments) {
+    const bool good = std::any_of(all.begin(), all.end(), [&](const auto& one) {
+      return one.ends != CableEnds::springs &&
+             std::any_of(one.answers.begin(), one.answers.end(), [&](const auto& answer) {
+               return answer.modes == assignment.modes && answer.ln_evidence > best - 20;
+             });
+    });
+    if (good) kept.push_back(assignment);
+  }
+  return kept;
+}
+
+/// Repeats correction and posterior until the correction at the heaviest answer stays; how much the
+/// first one changed ln f.
+template <class Assignments>
+double settle(EndsPosterior& one, const TensionData& data, const Assignments& assignments) {
+  double first = 0;
+  for (int i = 0; i < 3 && !one.answers.empty(); ++i) {
+    auto state = one.state();
+    double change = correct(one, state);
+    first = std::max(first, change);
+    if (change < 1e-5) break;
+    for (int k = 0; k < 4 && change > 1e-6; ++k) {
+      state.tension_N =
+          std::exp(refitted_ln_tension(one.model, data, one.answers.front().modes, state));
+      change = correct(one, state);
+    }
+    evaluate(one, data, assignments());
+  }
+  return first;
+}
+
+/// Posteriors of all kinds of ends, the correction repeated until it stays.
+std::vector<EndsPosterior> posteriors(const CableDescription& cable, const TensionData& data,
+                                      const std::vector<CableEnds>& kinds) {
+  std::vector<EndsPosterior> all;
+  for (const CableEnds ends : kinds) {
+    all.push_back({ends, CableModel(cable), {}, -kInf, {}, true});
+  }
+  std::stable_partition(all.begin(), all.end(),
+                        [](const auto& one) { return one.ends != CableEnds::springs; });
+  CableModel searched(cable);
+  for (int round = 0; round < 3; ++round) {
+    const auto assignments = search_assignments(searched, data);
+    double change = 0;
+    const EndsPosterior* heaviest = nullptr;
+    for (auto& one : all) {
+      evaluate(one, data, one.ends == CableEnds::springs ? likely(all, assignments) : assignments);
+      if (one.answers.empty()) continue;
+      change =
+          std::max(change, settle(one, data, [&] {
+                     return one.ends == CableEnds::springs ? likely(all, assignments) : assignments;
+                   }));
+      if (!one.answers.empty() && (heaviest == nullptr || one.ln_evidence > heaviest->ln_evidence))
+        heaviest = &one;
+    }
+    // A correction beyond the search's own tolerance can hide the right assignment.
+    if (heaviest == nullptr || change < 0.005) break;
+    searched = heaviest->model;
+  }
+  for (auto& one : all) {
+    if (!one.answers.empty()) shift_by_inputs(one, data);
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.ln_evidence > b.ln_evidence; });
+  return all;
 }
 
 }  // namespace
@@ -280,40 +430,6 @@ const char* name_of(CableEnds ends) {
       return "springs";
   }
   return "";
-}
-
-model::Scene cable_scene(const CableDescription& cable, CableEnds ends, double tension_N,
-                         double EI_Nm2) {
-  model::Scene scene;
-  scene.title = std::string("cable, ") + name_of(ends) + " ends";
-  scene.gravity = {0, -cable.gravity, 0};
-  const double angle = radians(cable.inclination_deg), L = cable.length_m.value;
-  scene.nodes.resize(2);
-  scene.nodes[0].name = "start";
-  scene.nodes[1].name = "end";
-  scene.nodes[1].position = {L * std::cos(angle), L * std::sin(angle), 0};
-  for (auto& node : scene.nodes) {
-    if (ends == CableEnds::pinned) node.support.kind = model::Support::Kind::pinned;
-    if (ends == CableEnds::clamped) node.support.kind = model::Support::Kind::clamped;
-    if (ends == CableEnds::springs) {
-      node.support.kind = model::Support::Kind::elastic;
-      node.support.translational.setConstant(std::numeric_limits<double>::infinity());
-      node.support.rotational.setConstant(10 * EI_Nm2 / L);
-    }
-  }
-  model::Member member;
-  member.name = "cable";
-  member.nodes = {"start", "end"};
-  const double EA = axial_rigidity(cable, tension_N);
-  const bool installed = cable.mass_reference == MassReference::installed;
-  member.mass_per_length = cable.mass_per_length.value * (installed ? 1 + tension_N / EA : 1);
-  member.EA = EA;
-  member.EI = {EI_Nm2, EI_Nm2};
-  member.GJ = EI_Nm2;
-  member.tension = tension_N * scene_share(cable);
-  member.masses = cable.masses;
-  scene.members.push_back(member);
-  return scene;
 }
 
 std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes) {
@@ -347,36 +463,65 @@ std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes) {
   return merged;
 }
 
+void check_cable(const CableDescription& cable, const std::vector<MeasuredMode>& modes) {
+  const auto positive = [](double value, const char* what) {
+    if (!(value > 0) || !std::isfinite(value))
+      throw std::invalid_argument(std::string(what) + " must be positive");
+  };
+  positive(cable.length_m.value, "the length");
+  positive(cable.mass_per_length.value, "the mass per length");
+  if (cable.EI_Nm2 && !(cable.EI_Nm2->value >= 0 && std::isfinite(cable.EI_Nm2->value)))
+    throw std::invalid_argument("EI must not be negative");
+  if (cable.EA_N) positive(cable.EA_N->value, "EA");
+  if (!(std::abs(cable.inclination_deg) <= 90))
+    throw std::invalid_argument("the inclination is within +-90 degrees");
+  if (modes.empty()) throw std::invalid_argument("no measured frequency");
+  for (const auto& mode : modes) positive(mode.frequency_hz.value, "a measured frequency");
+}
+
 TensionResult identify_tension(const CableDescription& cable,
                                const std::vector<MeasuredMode>& modes,
                                const TensionOptions& options) {
-  check(cable, modes);
+  check_cable(cable, modes);
   TensionResult result;
-  result.EA_assumed = !cable.EA_N;
-  result.EI_neglected = !cable.EI_Nm2 && !EI_is_fitted(cable, modes);
-  double guess = first_guess(cable, modes);
-  for (const CableEnds ends : options.ends) {
-    auto candidate = fit_candidate(cable, modes, ends, guess, options);
-    // Once more from its own tension: EA and the mass go with it where they follow from a strain.
-    const bool follows = !cable.EA_N || cable.mass_reference == MassReference::installed;
-    if (candidate.solved && follows &&
-        std::abs(std::log(candidate.tension_N.value / guess)) > 0.01) {
-      candidate = fit_candidate(cable, modes, ends, candidate.tension_N.value, options);
-    }
-    result.candidates.push_back(std::move(candidate));
+  const TensionData data(modes, options);
+  const auto all = posteriors(cable, data, options.ends);
+  std::vector<const EndsPosterior*> solved;
+  for (const auto& one : all) {
+    result.candidates.push_back(candidate_of(one, data));
+    if (!one.answers.empty()) solved.push_back(&one);
   }
-  weigh(result.candidates);
-  const auto& best = result.candidates.front();
-  if (!(best.weight > 0)) {
-    result.message = best.message.empty() ? "no tension fits the frequencies" : best.message;
+  if (solved.empty()) {
+    result.message = "no tension fits the frequencies";
     return result;
   }
+  double sum = 0, decided = 0;
+  for (const auto* one : solved) sum += std::exp(one->ln_evidence - solved.front()->ln_evidence);
+  for (std::size_t i = 0; i < solved.size(); ++i) {
+    result.candidates[i].weight =
+        std::exp(solved[i]->ln_evidence - solved.front()->ln_evidence) / sum;
+    for (const auto& answer : solved[i]->answers) {
+      if (same_orders(answer.modes, solved.front()->answers.front().modes)) {
+        decided +=
+            result.candidates[i].weight * std::exp(answer.ln_evidence - solved[i]->ln_evidence);
+      }
+    }
+  }
   result.solved = true;
-  mix(result);
-  describe(cable, result);
-  const double strain = result.tension_N.value / axial_rigidity(cable, result.tension_N.value);
-  result.mass_reference_matters =
-      !cable.mass_reference && strain * result.tension_N.value > result.tension_N.std / 3;
+  result.decided = decided >= 0.9;
+  const auto summary = summarise(solved);
+  result.tension_N = summary.tension;
+  result.low = summary.low;
+  result.high = summary.high;
+  result.budget = summary.budget;
+  result.EI_Nm2 = result.candidates.front().EI_Nm2;
+  result.large_sag = !solved.front()->corrected;
+  const auto& model = solved.front()->model;
+  describe(model, result);
+  const double T = result.tension_N.value, strain = T / model.axial_rigidity(T);
+  result.EA_assumed = !cable.EA_N;
+  result.EI_assumed = !cable.EI_Nm2 && modes.size() < 3;
+  result.mass_reference_matters = !cable.mass_reference && strain * T > result.tension_N.std / 3;
   return result;
 }
 

@@ -1,10 +1,11 @@
 // Tension of a cable, hanger or stay from its natural frequencies, without a tension to start from.
 //
-// The cable is a segment model (model/linear/modal_analysis.h) of one member with sag, bending,
-// stretch, inclination and masses along it, between ends that are pinned, clamped or held by equal
-// rotational springs. Each kind of end is a fit of its own (model_update.h): orders and planes of
-// the measured modes are part of the estimate, modes may be missing or false. The kinds are weighed
-// by their evidence; the tension's interval is that of the mixture.
+// The cable is a tensioned beam with sag, stretch and inclination between ends that are pinned,
+// clamped or held by equal rotational springs (cable_frequencies.h), corrected by a segment model
+// for deep sag, tension that changes along the cable and masses on it (cable_model.h). Orders and
+// planes of the measured modes are part of the estimate; modes may be missing or false
+// (tension_posterior.h). Kinds of ends and assignments are weighed by their evidence; the tension's
+// interval is that of the mixture:
 //
 //   p(T | data) = sum_e w_e p(T | data, e),   w_e = Z_e / sum Z
 //
@@ -18,7 +19,8 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/model_update.h"
+#include "ident/update/update_data.h"
+#include "ident/update/update_result.h"
 #include "model/scene/scene.h"
 #include "signal/numerics/estimate.h"
 
@@ -36,7 +38,7 @@ struct CableDescription {
   signal::Estimate mass_per_length;  ///< kg/m, > 0
   std::optional<MassReference> mass_reference = std::nullopt;
   std::optional<signal::Estimate> EI_Nm2 =
-      std::nullopt;  ///< none: fitted, where the modes allow it
+      std::nullopt;  ///< none: fitted, L sqrt(T / EI) within 2..2000
   std::optional<signal::Estimate> EA_N =
       std::nullopt;                              ///< none: a strain of 0.001 within a factor of 2
   double inclination_deg = 0;                    ///< of the chord, 0 horizontal, 90 vertical
@@ -46,13 +48,16 @@ struct CableDescription {
 
 struct TensionOptions {
   std::vector<CableEnds> ends = {CableEnds::pinned, CableEnds::clamped, CableEnds::springs};
-  UpdateOptions update = {};  ///< probabilities of missed, false and leaked modes; seed; threads
+  double missed = 0.1;       ///< probability that the test misses a mode of its plane in its band
+  double false_mode = 0.05;  ///< probability that a measured mode is none of the cable's
+  double leaked = 0.1;       ///< probability that a mode of the other plane shows up
 };
 
 struct TensionMode {
   int order = 0;  ///< among the modes of its plane, from 1; 0: paired with none
   model::ModePlane plane = model::ModePlane::in;
-  double measured_hz = 0, model_hz = 0, relative_error = 0;  ///< NaN when paired with none
+  double measured_hz = 0, measured_std_hz = 0;  ///< std NaN: not stated
+  double model_hz = 0, relative_error = 0;      ///< NaN when paired with none
 };
 
 /// One kind of ends.
@@ -68,8 +73,8 @@ struct TensionCandidate {
   double weight = 0;               ///< probability among the candidates
   std::vector<TensionMode> modes;  ///< by measured mode
   int missed = 0;                  ///< modelled modes that the test should have seen
+  double weight_of_orders = 1;     ///< probability of these orders, given these ends
   std::vector<UpdateBudgetTerm> budget;
-  UpdateResult update;  ///< all of the fit
 };
 
 struct TensionFormulas {
@@ -88,11 +93,15 @@ struct TensionResult {
   double bending_parameter = 0;  ///< L sqrt(T / EI)
   bool decided =
       true;  ///< answers with one and the same order of the modes have 90 % of the weight
-  bool EA_assumed = false, EI_neglected = false, mass_reference_matters = false;
+  bool EA_assumed = false;              ///< no EA given, and the sag matters
+  bool EI_assumed = false;              ///< no EI given, and fewer than three modes to tell it
+  bool mass_reference_matters = false;  ///< not said, and the answers differ
+  bool large_sag = false;               ///< no equilibrium of the segment model: closed forms alone
   std::vector<TensionCandidate> candidates;  ///< heaviest first
   TensionFormulas formulas;                  ///< from the lowest mode of the heaviest candidate
-  std::vector<UpdateBudgetTerm>
-      budget;  ///< of tension_N; "ends" and "assignment" where they differ
+  /// Of tension_N, the squares add up: "frequencies", "model", "EI", "end springs", "assignment",
+  /// "ends", "length", "mass per length", "EA".
+  std::vector<UpdateBudgetTerm> budget;
 };
 
 /// The cable as a scene, its ends as asked for; springs start at EI / length.
@@ -104,7 +113,10 @@ struct TensionResult {
 /// their scatter gives. Modes without an uncertainty, or of different planes, stay apart.
 [[nodiscard]] std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes);
 
-/// Throws std::invalid_argument for numbers that make no sense or no mode.
+/// Throws std::invalid_argument for numbers that make no sense, or no mode.
+void check_cable(const CableDescription& cable, const std::vector<MeasuredMode>& modes);
+
+/// Throws as check_cable.
 [[nodiscard]] TensionResult identify_tension(const CableDescription& cable,
                                              const std::vector<MeasuredMode>& modes,
                                              const TensionOptions& options = {});

@@ -15,6 +15,7 @@ void add_all_verbs(CLI::App& program, Verbs& verbs) {
   add_respond(program, verbs);
   add_update(program, verbs);
   add_tension(program, verbs);
+  add_predict(program, verbs);
   add_synthesize(program, verbs);
   add_export(program, verbs);
   add_bench(program, verbs);

@@ -20,6 +20,7 @@ void add_resample(CLI::App& program, Verbs& verbs);
 void add_respond(CLI::App& program, Verbs& verbs);
 void add_synthesize(CLI::App& program, Verbs& verbs);
 void add_tension(CLI::App& program, Verbs& verbs);
+void add_predict(CLI::App& program, Verbs& verbs);
 void add_update(CLI::App& program, Verbs& verbs);
 
 }  // namespace rigfit::apps

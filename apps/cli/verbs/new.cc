@@ -4,9 +4,12 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <stdexcept>
+#include <utility>
 
 #include "apps/campaign_file/guess_campaign.h"
 #include "apps/campaign_file/new_campaign.h"
+#include "apps/campaign_file/utility_line.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
@@ -20,6 +23,7 @@ struct NewCommand {
   bool example = false;
   std::vector<std::string> from, units, sensitivities;
   GuessOptions guess;
+  UtilityLine line;
 };
 
 /// "CH5=g" by channel.
@@ -61,9 +65,67 @@ std::vector<TextFile> files_of(const NewCommand& command, VerbContext& context) 
   return guessed.files;
 }
 
+/// A line of poles and one of its poles without conductors.
+Json new_utility_line(const fs::path& root, const UtilityLine& line, VerbContext& context) {
+  UtilityLine bare = line;
+  bare.poles = 1;
+  bare.conductors = 0;
+  Json files = Json::array();
+  try {
+    const std::pair<const char*, std::string> scenes[] = {{"line.toml", utility_line_scene(line)},
+                                                          {"pole.toml", utility_line_scene(bare)}};
+    for (const auto& [name, content] : scenes) {
+      std::error_code error;
+      if (fs::exists(root / name, error)) {
+        throw UsageError((root / name).string() + " exists already; name a folder of its own");
+      }
+    }
+    make_output_folder(root);
+    for (const auto& [name, content] : scenes) {
+      write_whole_file(root / name, content);
+      files.push_back((root / name).string());
+    }
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  context.out << fmt::format(
+      "wrote {0}/line.toml and {0}/pole.toml\nnext: rigfit modes {0}/line.toml\n", root.string());
+  return Json{{"files", std::move(files)}};
+}
+
+/// Options of the template; lengths in m, Pa, kg/m3, N.
+void add_line_options(CLI::App& app, UtilityLine& line) {
+  app.add_option("--poles", line.poles, "Utility line: number of poles")->capture_default_str();
+  app.add_option("--height", line.height_m, "Of a pole above ground, m")->capture_default_str();
+  app.add_option("--ground-diameter", line.ground_diameter_m, "m")->capture_default_str();
+  app.add_option("--top-diameter", line.top_diameter_m, "m")->capture_default_str();
+  app.add_option("--modulus", line.modulus_Pa, "Pa")->capture_default_str();
+  app.add_option("--density", line.density_kg_m3, "kg/m3")->capture_default_str();
+  app.add_option("--embedded", line.embedded_m,
+                 "m, on Winkler springs; 0: springs at the ground line")
+      ->capture_default_str();
+  app.add_option("--line-span", line.span_m, "m")->capture_default_str();
+  app.add_option("--conductors", line.conductors, "Of a span; 0: bare poles")
+      ->capture_default_str();
+  app.add_option("--conductor-tension", line.conductor_tension_N, "N, of one")
+      ->capture_default_str();
+  app.add_option("--zone-from", line.damage_from, "Zone of free EI: from, of the height")
+      ->capture_default_str();
+  app.add_option("--zone-to", line.damage_to, "Zone of free EI: to, of the height")
+      ->capture_default_str();
+  app.add_option("--damage", line.damage_depth, "Loss of EI in the zone of pole 1, 0..1")
+      ->capture_default_str();
+}
+
 Json run_new(VerbContext& context, const NewCommand& command) {
   if (command.example && !command.from.empty()) {
     throw UsageError("--example and --from: one of the two");
+  }
+  if (command.guess.kind == "utility-line") {
+    if (command.example || !command.from.empty()) {
+      throw UsageError("--kind utility-line is a scene of its own: without --example and --from");
+    }
+    return new_utility_line(command.folder, command.line, context);
   }
   const std::vector<TextFile> texts = files_of(command, context);
   for (const auto& text : texts) {
@@ -98,8 +160,10 @@ void add_new(CLI::App& program, Verbs& verbs) {
   app->add_option("--from", command->from, "Recordings to make a campaign of")->type_name("FILES");
   app->add_flag("--example", command->example,
                 "The commented example with published values (also without --from)");
-  app->add_option("--kind", command->guess.kind, "What the recordings are [guessed]")
-      ->check(CLI::IsMember({"bending", "axial", "decay", "modal"}));
+  app->add_option("--kind", command->guess.kind,
+                  "What the recordings are [guessed], or a scene of utility poles")
+      ->check(CLI::IsMember({"bending", "axial", "decay", "modal", "utility-line"}));
+  add_line_options(*app, command->line);
   app->add_option("--force-channel", command->guess.force, "Channel of the hammer [guessed]");
   app->add_option("--span", command->guess.span_m, "Of bending tests, m")->check(positive_number());
   app->add_option("--mass", command->guess.mass_kg, "Of axial tests, kg")->check(positive_number());

@@ -5,14 +5,16 @@
 #include <memory>
 #include <optional>
 
+#include "apps/campaign_file/cable_table.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
+#include "apps/cli/tension_result.h"
 #include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
-#include "ident/tension/cable_tension.h"
+#include "ident/campaign/tension_test.h"
 #include "signal/spectra/spectral_peaks.h"
 
 namespace rigfit::apps {
@@ -23,7 +25,13 @@ constexpr const char* kExample =
     "  rigfit tension --frequencies 7.36 14.59 22.15 29.9 --frequency-std 0.01 --length 2.4 "
     "--mass-per-length 0.16667\n"
     "  rigfit tension ambient.csv --channel acc --band 0.5 20 --length 98.3,0.05 --mass-per-length "
-    "62.1,0.5 --EA 1.6e9";
+    "62.1,0.5 --EA 1.6e9\n"
+    "  rigfit tension --table cables.csv --out tensions.csv --json tensions.json";
+
+/// Beside what a call takes: many cables.
+struct TensionVerb : TensionCommand {
+  std::string table, out;
+};
 
 /// "V" or "V,STD".
 signal::Estimate value_and_std(const std::string& text, const std::string& option) {
@@ -110,106 +118,6 @@ std::vector<ident::MeasuredMode> measured_modes(const TensionCommand& command,
   return ident::merged_modes(modes);
 }
 
-Json interval_json(const signal::Estimate& estimate, double low, double high) {
-  Json json = json_estimate(estimate.value, estimate.std);
-  json["low"] = json_number(low);
-  json["high"] = json_number(high);
-  return json;
-}
-
-Json modes_json(const std::vector<ident::TensionMode>& modes) {
-  Json list = Json::array();
-  for (const auto& mode : modes) {
-    list.push_back({{"order", mode.order > 0 ? Json(mode.order) : Json(nullptr)},
-                    {"plane", mode.order > 0 ? Json(model::name_of(mode.plane)) : Json(nullptr)},
-                    {"measured_hz", mode.measured_hz},
-                    {"model_hz", json_number(mode.model_hz)},
-                    {"relative_error", json_number(mode.relative_error)}});
-  }
-  return list;
-}
-
-Json candidate_json(const ident::TensionCandidate& one) {
-  Json json{{"ends", ident::name_of(one.ends)}, {"solved", one.solved}, {"weight", one.weight}};
-  if (!one.message.empty()) json["message"] = one.message;
-  if (!one.solved) return json;
-  json["tension_N"] = interval_json(one.tension_N, one.low, one.high);
-  json["EI_Nm2"] = json_estimate(one.EI_Nm2.value, one.EI_Nm2.std);
-  if (one.ends == ident::CableEnds::springs) {
-    json["spring_Nm_rad"] = json_estimate(one.spring_Nm_rad.value, one.spring_Nm_rad.std);
-  }
-  json["chi2"] = json_number(one.fit.chi2);
-  json["degrees_of_freedom"] = one.fit.degrees_of_freedom;
-  json["p_value"] = json_number(one.fit.p_value);
-  json["model_std"] = one.fit.model_std;
-  json["missed_modes"] = one.missed;
-  json["modes"] = modes_json(one.modes);
-  return json;
-}
-
-Json json_of(const ident::TensionResult& result) {
-  const auto& best = result.candidates.front();
-  Json json{{"tension_N", interval_json(result.tension_N, result.low, result.high)},
-            {"tension_start_N", json_number(result.start_N)},
-            {"tension_end_N", json_number(result.end_N)},
-            {"EI_Nm2", json_estimate(result.EI_Nm2.value, result.EI_Nm2.std)},
-            {"ends", ident::name_of(best.ends)},
-            {"sag_m", json_number(result.sag_m)},
-            {"irvine_parameter", json_number(result.irvine_parameter)},
-            {"bending_parameter", json_number(result.bending_parameter)},
-            {"decided", result.decided}};
-  json["candidates"] = Json::array();
-  for (const auto& one : result.candidates) json["candidates"].push_back(candidate_json(one));
-  json["modes"] = modes_json(best.modes);
-  json["formulas"] = {{"string_N", json_number(result.formulas.string_N)},
-                      {"pinned_beam_N", json_number(result.formulas.pinned_beam_N)},
-                      {"clamped_beam_N", json_number(result.formulas.clamped_beam_N)},
-                      {"zui_N", json_number(result.formulas.zui_N)}};
-  json["budget"] = Json::array();
-  for (const auto& term : result.budget) {
-    json["budget"].push_back({{"source", term.source}, {"std_N", json_number(term.std)}});
-  }
-  return json;
-}
-
-void print(std::ostream& out, const ident::TensionResult& result) {
-  const auto& best = result.candidates.front();
-  out << fmt::format(
-      "tension {:.6g} N at mid-span, std {:.2g} N, 95 % interval {:.6g} to {:.6g} N\n",
-      result.tension_N.value, result.tension_N.std, result.low, result.high);
-  out << fmt::format("        {:.6g} N at the first end, {:.6g} N at the second; sag {:.3g} m\n",
-                     result.start_N, result.end_N, result.sag_m);
-  out << fmt::format("EI      {:.4g} N m2, std {:.2g}\n\n", result.EI_Nm2.value, result.EI_Nm2.std);
-  out << fmt::format("{:<10} {:>8} {:>14} {:>10} {:>10} {:>5} {:>8}\n", "ends", "weight",
-                     "tension, N", "std", "chi2", "dof", "p");
-  for (const auto& one : result.candidates) {
-    if (!one.solved) {
-      out << fmt::format("{:<10} {}\n", ident::name_of(one.ends), one.message);
-      continue;
-    }
-    out << fmt::format("{:<10} {:>8.3f} {:>14.6g} {:>10.2g} {:>10.3g} {:>5.3g} {:>8.2g}\n",
-                       ident::name_of(one.ends), one.weight, one.tension_N.value, one.tension_N.std,
-                       one.fit.chi2, one.fit.degrees_of_freedom, one.fit.p_value);
-  }
-  out << fmt::format("\n{:>5} {:>6} {:>13} {:>13} {:>10}\n", "order", "plane", "measured, Hz",
-                     "model, Hz", "error");
-  for (const auto& mode : best.modes) {
-    if (mode.order == 0) {
-      out << fmt::format("{:>5} {:>6} {:>13.6g} {:>13}\n", "-", "-", mode.measured_hz, "none");
-      continue;
-    }
-    out << fmt::format("{:>5} {:>6} {:>13.6g} {:>13.6g} {:>8.3f} %\n", mode.order,
-                       model::name_of(mode.plane), mode.measured_hz, mode.model_hz,
-                       100 * mode.relative_error);
-  }
-  out << fmt::format(
-      "\nFormulas from the lowest mode: string {:.6g} N, pinned beam {:.6g} N, clamped beam {:.6g} "
-      "N, "
-      "Zui {:.6g} N\n",
-      result.formulas.string_N, result.formulas.pinned_beam_N, result.formulas.clamped_beam_N,
-      result.formulas.zui_N);
-}
-
 ident::CableDescription description_of(const TensionCommand& command) {
   ident::CableDescription cable;
   cable.length_m = value_and_std(command.length, "--length");
@@ -222,42 +130,68 @@ ident::CableDescription description_of(const TensionCommand& command) {
   return cable;
 }
 
-void warn_of(const ident::TensionResult& result, const ident::CableDescription& cable,
-             VerbContext& context) {
-  const auto& best = result.candidates.front();
-  if (best.fit.ruled_out()) {
-    context.warn(
-        "model_ruled_out",
-        fmt::format(
-            "chi-square {:.3g} for {:.3g} degrees of freedom (p = {:.2g}): the frequencies do not "
-            "agree with the best model within their uncertainties",
-            best.fit.chi2, best.fit.degrees_of_freedom, best.fit.p_value));
+/// One row a cable: its result, or why there is none; the first refused or unreadable row ends the
+/// run with exit code 4, after all others.
+Json run_table(const TensionVerb& command, VerbContext& context) {
+  context.input(command.table);
+  const auto rows = read_cable_table(command.table);
+  std::vector<ident::CableTest> tests;
+  for (const auto& row : rows) {
+    if (!row.error.empty()) continue;
+    tests.push_back(row.test);
+    auto& options = tests.back().options;
+    options.missed = command.missed;
+    options.false_mode = command.false_mode;
   }
-  if (result.EA_assumed) {
-    context.warn(
-        "EA_assumed",
-        "no --EA: a strain of 0.001 is taken, within a factor of 2 or so; it matters where "
-        "the sag does");
+  const auto results = ident::analyse_cable_tests(tests, context.threads);
+  context.out << fmt::format("{:<20} {:>14} {:>10} {:>28}  {}\n", "cable", "tension, N", "std",
+                             "95 % interval", "ends");
+  std::string out = "name,tension_N,std_N,low_N,high_N,start_N,end_N,EI_Nm2,ends,decided\n";
+  Json cables = Json::array();
+  std::size_t next = 0;
+  for (const auto& row : rows) {
+    Json json{{"name", row.test.name}, {"line", row.line}};
+    if (!row.error.empty()) {
+      const auto where = fmt::format("{}:{}", command.table, row.line);
+      context.refuse("bad_row", row.test.name + ": " + row.error, where);
+      json["error"] = row.error;
+      cables.push_back(std::move(json));
+      continue;
+    }
+    const auto& one = results[next++];
+    context.tell(one.findings);
+    if (!one.tension.solved) {
+      json["error"] = one.tension.message;
+      cables.push_back(std::move(json));
+      continue;
+    }
+    json.update(tension_json(one.tension));
+    const auto& T = one.tension.tension_N;
+    const char* ends = ident::name_of(one.tension.candidates.front().ends);
+    context.out << fmt::format("{:<20} {:>14.6g} {:>10.2g} {:>28}  {}\n", one.name, T.value, T.std,
+                               fmt::format("{:.6g} to {:.6g}", one.tension.low, one.tension.high),
+                               ends);
+    out += fmt::format("\"{}\",{:.8g},{:.4g},{:.8g},{:.8g},{:.8g},{:.8g},{:.6g},{},{}\n", one.name,
+                       T.value, T.std, one.tension.low, one.tension.high, one.tension.start_N,
+                       one.tension.end_N, one.tension.EI_Nm2.value, ends,
+                       one.tension.decided ? "yes" : "no");
+    cables.push_back(std::move(json));
   }
-  if (result.EI_neglected) {
-    context.warn(
-        "EI_neglected",
-        "no --EI, and fewer than three frequencies cannot tell it: the cable is taken as a "
-        "string and the tension comes out high");
-  }
-  if (result.mass_reference_matters) {
-    context.warn("mass_reference_unknown",
-                 "whether the mass per length is that of the installed or of the "
-                 "unstretched cable matters here: say --mass-of");
-  }
-  if (cable.length_m.std == 0 || cable.mass_per_length.std == 0) {
-    context.warn("exact_inputs",
-                 "length or mass per length is taken as exact: write VALUE,STD to count its "
-                 "uncertainty (1 % of length is 2 % of tension)");
-  }
+  if (!command.out.empty()) context.write(command.out, out);
+  return Json{{"cables", std::move(cables)}};
 }
 
-Json run(const TensionCommand& command, VerbContext& context) {
+Json run(const TensionVerb& command, VerbContext& context) {
+  if (!command.table.empty()) {
+    if (!command.files.empty() || !command.measured.empty() || !command.frequencies.empty() ||
+        !command.length.empty() || !command.mass.empty()) {
+      throw UsageError("--table brings lengths, masses and frequencies of its own");
+    }
+    return run_table(command, context);
+  }
+  if (command.length.empty() || command.mass.empty()) {
+    throw UsageError("give --length and --mass-per-length, or --table");
+  }
   signal::ReadOptions read;
   read.sample_rate_hz = command.sample_rate_hz;
   std::vector<signal::Recording> recordings;
@@ -280,37 +214,30 @@ Json tension_result(const TensionCommand& command, const std::vector<signal::Rec
   }
   if (modes.empty())
     throw Refused("no peak stands out of the noise: nothing to find a tension from");
-  ident::TensionOptions options;
+  ident::CableTest test{"", cable, modes};
+  auto& options = test.options;
   if (command.ends == "pinned") options.ends = {ident::CableEnds::pinned};
   if (command.ends == "clamped") options.ends = {ident::CableEnds::clamped};
   if (command.ends == "springs") options.ends = {ident::CableEnds::springs};
-  options.update.seed = context.seed;
-  options.update.threads = context.threads;
-  options.update.assignment.missed = command.missed;
-  options.update.assignment.false_mode = command.false_mode;
-  ident::TensionResult result;
+  options.missed = command.missed;
+  options.false_mode = command.false_mode;
   try {
-    result = ident::identify_tension(cable, modes, options);
+    ident::check_cable(cable, modes);
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
-  if (!result.solved) throw Refused(result.message);
-  warn_of(result, cable, context);
-  if (!result.decided) {
-    context.refuse("not_decided",
-                   "the frequencies do not decide which modes they are: no order has 90 % of the "
-                   "weight; a further "
-                   "frequency, --EI or --ends can");
-  }
-  print(context.out, result);
-  if (context.plots) draw_tension(*context.plots, result);
-  Json json = json_of(result);
+  const auto result = ident::analyse_cable_test(test);
+  if (!result.tension.solved) throw Refused(result.tension.message);
+  context.tell(result.findings);
+  print_tension(context.out, result.tension);
+  if (context.plots) draw_tension(*context.plots, result.tension);
+  Json json = tension_json(result.tension);
   if (!spectra.empty()) json["peaks"] = std::move(spectra);
   return json;
 }
 
 void add_tension(CLI::App& program, Verbs& verbs) {
-  const auto c = std::make_shared<TensionCommand>();
+  const auto c = std::make_shared<TensionVerb>();
   CLI::App* app =
       program.add_subcommand("tension", "Tension of a cable, hanger or stay from its frequencies");
   app->footer(kExample);
@@ -337,9 +264,11 @@ void add_tension(CLI::App& program, Verbs& verbs) {
       ->check(CLI::IsMember({"in", "out", "any"}))
       ->capture_default_str();
   app->add_option("--length", c->length, "Between the ends, along the chord, m")
-      ->required()
       ->type_name("V[,STD]");
-  app->add_option("--mass-per-length", c->mass, "kg/m")->required()->type_name("V[,STD]");
+  app->add_option("--mass-per-length", c->mass, "kg/m")->type_name("V[,STD]");
+  app->add_option("--table", c->table, "Many cables, a row each (columns: ident/tension/README.md)")
+      ->type_name("CABLES.csv");
+  app->add_option("--out", c->out, "Table of the tensions of --table")->type_name("F.csv");
   app->add_option("--mass-of", c->mass_of, "What the mass per length is of")
       ->check(CLI::IsMember({"installed", "unstretched"}));
   app->add_option("--EI", c->EI, "Flexural rigidity, N m2 (default: fitted)")->type_name("V[,STD]");

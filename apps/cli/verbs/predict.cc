@@ -1,0 +1,341 @@
+// rigfit predict: parameters of a fit, with their covariance, in another scene.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "apps/campaign_file/measured_modes.h"
+#include "apps/cli/json_document.h"
+#include "apps/cli/number_checks.h"
+#include "apps/cli/verbs/all.h"
+#include "ident/predict/damage_estimate.h"
+#include "ident/predict/scene_prediction.h"
+#include "model/scene/read_scene.h"
+#include "model/scene/scene_error.h"
+
+namespace rigfit::apps {
+namespace {
+
+constexpr const char* kExample =
+    "Example: the beam of a rig, fitted with its cables on, by itself\n"
+    "  rigfit update rig.toml --measured rig.csv --free beam.EI_z --json fit.json\n"
+    "  rigfit predict beam.toml --from fit.json --count 5 --measured beam.csv";
+
+struct PredictCommand {
+  std::string scene, from, measured, column, plane = "any", frf;
+  std::vector<std::string> maps, damage;
+  std::vector<double> band;
+  int count = 6, segments = 0, lines = 400;
+  bool sample = false;
+};
+
+[[noreturn]] void refuse_file(const std::string& path, const std::string& what) {
+  throw model::SceneError({path, 0, 0, ""}, what,
+                          "give the JSON result of `rigfit update SCENE ... --json FIT.json`");
+}
+
+/// Values and covariance of the parameters that a result of `rigfit update` identifies.
+ident::FittedParameters read_fit(const std::string& path, VerbContext& context) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) refuse_file(path, "cannot be read");
+  const Json json = Json::parse(file, nullptr, false);
+  if (json.is_discarded() || !json.is_object()) refuse_file(path, "is no JSON document");
+  if (!json.contains("parameters") || !json["parameters"].is_array()) {
+    refuse_file(path, "has no \"parameters\"");
+  }
+  const auto& rows = json["parameters"];
+  const auto correlation = [&](std::size_t i, std::size_t j) {
+    if (i == j) return 1.0;
+    if (!json.contains("correlation") || !json["correlation"].is_array()) return 0.0;
+    const auto& matrix = json["correlation"];
+    if (i >= matrix.size() || !matrix[i].is_array() || j >= matrix[i].size()) return 0.0;
+    return matrix[i][j].is_number() ? matrix[i][j].get<double>() : 0.0;
+  };
+  ident::FittedParameters fitted;
+  std::vector<std::size_t> kept;
+  std::vector<double> std;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& row = rows[i];
+    if (!row.is_object() || !row.contains("name") || !row["name"].is_string() ||
+        !row.contains("value") || !row["value"].is_number()) {
+      refuse_file(path, fmt::format("parameter {} has no name or no value", i + 1));
+    }
+    const auto name = row["name"].get<std::string>();
+    const bool known = row.contains("std") && row["std"].is_number();
+    if (!known) {
+      context.warn("parameter_without_std",
+                   name + " is not identified by the fit: the scene's own value stays", path);
+      continue;
+    }
+    fitted.parameters.push_back({name, row["value"].get<double>()});
+    std.push_back(row["std"].get<double>());
+    kept.push_back(i);
+  }
+  const auto n = static_cast<Eigen::Index>(kept.size());
+  fitted.covariance.resize(n, n);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    for (std::size_t j = 0; j < kept.size(); ++j) {
+      fitted.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          correlation(kept[i], kept[j]) * std[i] * std[j];
+    }
+  }
+  if (json.contains("alternatives") && json["alternatives"].is_array() &&
+      !json["alternatives"].empty() && json["alternatives"][0].value("weight", 1.0) < 0.9) {
+    context.warn("fit_not_decided",
+                 "the fit has several answers; the prediction is of the heaviest one", path);
+  }
+  return fitted;
+}
+
+/// "NAME=TARGET[,-TARGET...]": what a parameter of the fit is called in the scene.
+void apply_maps(const std::vector<std::string>& maps, ident::FittedParameters& fitted) {
+  for (const auto& text : maps) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+      throw UsageError("--map: write NAME=TARGET[,-TARGET...], not \"" + text + "\"");
+    }
+    bool found = false;
+    for (auto& parameter : fitted.parameters) {
+      if (parameter.name != text.substr(0, equals)) continue;
+      found = true;
+      for (std::size_t begin = equals + 1; begin < text.size();) {
+        const auto end = std::min(text.find(',', begin), text.size());
+        const bool minus = text[begin] == '-';
+        parameter.targets.push_back(text.substr(begin + minus, end - begin - minus));
+        parameter.factors.push_back(minus ? -1 : 1);
+        begin = end + 1;
+      }
+    }
+    if (!found) throw UsageError("--map: the fit has no parameter " + text.substr(0, equals));
+  }
+}
+
+Json interval_json(const signal::Estimate& estimate, double low, double high) {
+  Json json = json_estimate(estimate.value, estimate.std);
+  json["low"] = json_number(low);
+  json["high"] = json_number(high);
+  return json;
+}
+
+Json modes_json(const ident::ModePrediction& prediction) {
+  Json list = Json::array();
+  for (const auto& one : prediction.modes) {
+    Json energy = Json::object();
+    for (std::size_t m = 0; m < one.mode.kinetic_energy.size(); ++m) {
+      energy[prediction.scene.members[m].name] = one.mode.kinetic_energy[m];
+    }
+    list.push_back(
+        {{"frequency_hz", interval_json(one.frequency_hz, one.low_hz, one.high_hz)},
+         {"damping_ratio", json_estimate(one.damping_ratio.value, one.damping_ratio.std)},
+         {"plane", model::name_of(one.mode.plane)},
+         {"family", model::name_of(one.mode.family)},
+         {"kinetic_energy", std::move(energy)}});
+  }
+  return list;
+}
+
+Json compared_json(const PredictCommand& command, const ident::ModePrediction& prediction,
+                   VerbContext& context) {
+  context.input(command.measured);
+  std::optional<model::ModePlane> plane;
+  if (command.plane == "in") plane = model::ModePlane::in;
+  if (command.plane == "out") plane = model::ModePlane::out;
+  std::vector<ident::MeasuredMode> measured;
+  for (auto& row : read_measured_modes(command.measured, command.column, plane, {})) {
+    measured.push_back(std::move(row.mode));
+  }
+  Json list = Json::array();
+  context.out << fmt::format("\n{:>13} {:>13} {:>10} {:>10}  in 95 %\n", "measured, Hz",
+                             "predicted, Hz", "error", "over std");
+  for (const auto& one : ident::held_against(prediction, measured)) {
+    const auto& f = measured[one.measured].frequency_hz;
+    Json json{{"measured_hz", f.value}, {"measured_std_hz", json_number(f.std)}};
+    if (one.mode < 0) {
+      json["mode"] = nullptr;
+      context.out << fmt::format("{:>13.6g} {:>13}\n", f.value, "none");
+    } else {
+      const auto& mode = prediction.modes[static_cast<std::size_t>(one.mode)];
+      json["mode"] = one.mode + 1;
+      json["predicted_hz"] = mode.frequency_hz.value;
+      json["relative_error"] = one.relative_error;
+      json["standard_units"] = json_number(one.standard_units);
+      json["inside"] = one.inside;
+      context.out << fmt::format("{:>13.6g} {:>13.6g} {:>8.2f} % {:>10.2f}  {}\n", f.value,
+                                 mode.frequency_hz.value, 100 * one.relative_error,
+                                 one.standard_units, one.inside ? "yes" : "no");
+    }
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+/// FRFs from every load to every sensor: magnitude, phase, 95 % interval of the magnitude.
+void write_frfs(const PredictCommand& command, const model::Scene& scene,
+                const ident::FittedParameters& fitted, const ident::ModePrediction& prediction,
+                VerbContext& context) {
+  if (scene.loads.empty() || scene.sensors.empty()) {
+    throw UsageError("--frf: the scene has no load or no sensor");
+  }
+  const double low =
+      command.band.empty() ? 0.2 * prediction.modes.front().frequency_hz.value : command.band[0];
+  const double high =
+      command.band.empty() ? 1.2 * prediction.modes.back().frequency_hz.value : command.band[1];
+  const auto frfs =
+      ident::predict_frfs(scene, fitted, Eigen::VectorXd::LinSpaced(command.lines, low, high));
+  std::string text = "frequency (Hz)";
+  for (const auto& sensor : scene.sensors) {
+    for (const auto& load : scene.loads) {
+      const auto name = fmt::format("{} / {}", sensor.name, load.name);
+      text += fmt::format(",|H| {0},low {0},high {0},phase {0} (deg)", name);
+    }
+  }
+  text += '\n';
+  for (std::size_t line = 0; line < frfs.H.size(); ++line) {
+    text += fmt::format("{:.10g}", frfs.frequency_hz[static_cast<Eigen::Index>(line)]);
+    for (Eigen::Index s = 0; s < frfs.H[line].rows(); ++s) {
+      for (Eigen::Index l = 0; l < frfs.H[line].cols(); ++l) {
+        const double size = std::abs(frfs.H[line](s, l)), std = frfs.std[line](s, l);
+        text += fmt::format(",{:.8g},{:.8g},{:.8g},{:.6g}", size, size * std::exp(-1.96 * std),
+                            size * std::exp(1.96 * std),
+                            std::arg(frfs.H[line](s, l)) * 180 / 3.14159265358979323846);
+      }
+    }
+    text += '\n';
+  }
+  context.write(command.frf, text);
+}
+
+void print(std::ostream& out, const ident::ModePrediction& prediction) {
+  out << "parameters of the fit in this scene:";
+  for (const auto& name : prediction.used) out << ' ' << name;
+  out << fmt::format("\n\n{:>4} {:>14} {:>10} {:>24}  {:<6} {}\n", "mode", "frequency, Hz", "std",
+                     "95 % interval", "plane", "family");
+  for (std::size_t i = 0; i < prediction.modes.size(); ++i) {
+    const auto& one = prediction.modes[i];
+    out << fmt::format("{:>4} {:>14.6g} {:>10.2g} {:>24}  {:<6} {}\n", i + 1,
+                       one.frequency_hz.value, one.frequency_hz.std,
+                       fmt::format("{:.6g} to {:.6g}", one.low_hz, one.high_hz),
+                       model::name_of(one.mode.plane), model::name_of(one.mode.family));
+  }
+}
+
+/// "ZONE=SOUND[,RATIO]", SOUND a parameter of the fit or a number.
+Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
+                 VerbContext& context) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+    throw UsageError("--damage: write ZONE=SOUND[,RATIO], not \"" + text + "\"");
+  }
+  const auto comma = text.find(',', equals);
+  ident::DamageQuestion question;
+  question.zone = text.substr(0, equals);
+  const auto sound =
+      text.substr(equals + 1, comma == std::string::npos ? comma : comma - equals - 1);
+  try {
+    std::size_t used = 0;
+    question.sound_EI = {std::stod(sound, &used), 0};
+    if (used != sound.size()) question.sound = sound;
+  } catch (const std::exception&) {
+    question.sound = sound;
+  }
+  try {
+    if (comma != std::string::npos) question.sound_ratio = std::stod(text.substr(comma + 1));
+    const auto one = ident::damage_estimate(fitted, question);
+    context.out << fmt::format("\n{}: {}\n", question.zone, one.statement);
+    return {{"zone", question.zone},
+            {"damage", interval_json(one.damage, one.low, one.high)},
+            {"smallest_found", json_number(one.smallest_found)},
+            {"called", one.called},
+            {"not_told_apart_from", one.like},
+            {"statement", one.statement}};
+  } catch (const std::invalid_argument& error) {
+    throw Refused(std::string("--damage: ") + error.what());
+  }
+}
+
+Json run_predict(const PredictCommand& command, VerbContext& context) {
+  if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
+    throw UsageError("--band needs two rising frequencies in Hz");
+  }
+  context.input(command.scene);
+  context.input(command.from);
+  const model::Scene scene = model::read_scene(command.scene);
+  auto fitted = read_fit(command.from, context);
+  apply_maps(command.maps, fitted);
+  if (fitted.parameters.empty()) throw Refused("the fit identifies no parameter");
+  ident::PredictionOptions options;
+  options.count = command.count;
+  if (command.segments > 0) options.segments = command.segments;
+  options.always_sample = command.sample;
+  options.seed = context.seed;
+  ident::ModePrediction prediction;
+  try {
+    prediction = ident::predict_modes(scene, fitted, options);
+  } catch (const std::invalid_argument& error) {
+    throw Refused(std::string(error.what()) + "; --map NAME=TARGET says what one is called here");
+  }
+  Json json{{"title", scene.title},
+            {"parameters_used", prediction.used},
+            {"parameters_not_used", prediction.not_used}};
+  json["modes"] = modes_json(prediction);
+  if (prediction.modes.empty()) {
+    std::cerr << "error: " << command.scene << ": " << prediction.equilibrium.reason << '\n';
+    context.exit_code = ExitCode::not_converged;
+    return json;
+  }
+  for (const auto& name : prediction.not_used) {
+    context.warn("parameter_not_in_scene",
+                 name + " of the fit is none of this scene's parameters: left out", command.scene);
+  }
+  json["interval"] = prediction.sampled ? "sampled" : "linear";
+  json["nonlinearity"] = json_number(prediction.nonlinearity);
+  print(context.out, prediction);
+  if (!command.measured.empty()) json["measured"] = compared_json(command, prediction, context);
+  for (const auto& text : command.damage)
+    json["damage"].push_back(damage_json(text, fitted, context));
+  if (!command.frf.empty()) write_frfs(command, scene, fitted, prediction, context);
+  return json;
+}
+
+}  // namespace
+
+void add_predict(CLI::App& program, Verbs& verbs) {
+  const auto c = std::make_shared<PredictCommand>();
+  CLI::App* app = program.add_subcommand(
+      "predict", "Modes and FRFs of another scene with the parameters of a fit, with intervals");
+  app->footer(kExample);
+  app->add_option("scene", c->scene, "Scene file (TOML)")->required()->type_name("SCENE");
+  app->add_option("--from", c->from, "JSON result of `rigfit update`")
+      ->required()
+      ->type_name("FIT");
+  app->add_option("--map", c->maps,
+                  "What a parameter of the fit is called here: NAME=TARGET[,-TARGET...]")
+      ->type_name("MAP");
+  app->add_option("--count", c->count, "The first N modes")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app->add_option("--segments", c->segments, "Segments of every member, instead of the scene's")
+      ->check(CLI::Range(2, 100000));
+  app->add_option("--measured", c->measured, "Table of measured frequencies to compare with")
+      ->type_name("F");
+  app->add_option("--column", c->column, "Of the frequencies in the table")->type_name("NAME");
+  app->add_option("--plane", c->plane, "Of the measured modes")
+      ->check(CLI::IsMember({"in", "out", "any"}))
+      ->capture_default_str();
+  app->add_option("--damage", c->damage,
+                  "Loss of EI of a zone against its sound part: ZONE=SOUND[,RATIO], SOUND a "
+                  "parameter of the fit or N m2")
+      ->type_name("ZONE=SOUND");
+  app->add_option("--frf", c->frf, "FRFs with their 95 % intervals as a table")->type_name("F.csv");
+  app->add_option("--band", c->band, "Of the FRFs, Hz")->expected(2)->type_name("LO HI");
+  app->add_option("--lines", c->lines, "Of the FRFs")
+      ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
+  app->add_flag("--sample", c->sample, "Intervals from samples, also where the model is linear");
+  verbs.push_back({app, [c](VerbContext& context) { return run_predict(*c, context); }});
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,367 @@
+#include "ident/predict/scene_prediction.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <random>
+#include <stdexcept>
+
+#include "ident/update/mode_pairing.h"
+#include "model/linear/frf_sensitivities.h"
+#include "model/scene/parameters.h"
+
+namespace rigfit::ident {
+namespace {
+
+constexpr double kCoverage = 1.959964;  // of a normal density, 95 %
+constexpr double kLinear = 0.05;        // departure in standard uncertainties that needs samples
+
+bool has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// What a parameter sets in a scene: its targets that are there.
+struct Mapped {
+  std::vector<std::string> targets;
+  std::vector<double> factors;
+};
+
+Mapped mapped(const KnownParameter& parameter, const std::vector<std::string>& names) {
+  Mapped found;
+  if (!parameter.targets.empty()) {
+    for (std::size_t i = 0; i < parameter.targets.size(); ++i) {
+      if (!has(names, parameter.targets[i])) continue;
+      found.targets.push_back(parameter.targets[i]);
+      found.factors.push_back(i < parameter.factors.size() ? parameter.factors[i] : 1);
+    }
+    if (!found.targets.empty()) return found;
+  }
+  std::string name = parameter.name;
+  if (!has(names, name) && name.ends_with(".EI_z")) name.resize(name.size() - 2);
+  if (!has(names, name) && name.ends_with(".EI")) name += "_z";
+  if (has(names, name)) found = {{name}, {1}};
+  return found;
+}
+
+/// The parameters that a scene has, with the targets that each moves.
+struct Selection {
+  std::vector<Mapped> maps;
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;
+  std::vector<std::string> used, not_used;
+
+  /// Every target once, and d target / d parameter.
+  [[nodiscard]] std::vector<std::string> targets() const {
+    std::vector<std::string> all;
+    for (const auto& map : maps) all.insert(all.end(), map.targets.begin(), map.targets.end());
+    return all;
+  }
+  [[nodiscard]] Eigen::MatrixXd rates() const {
+    Eigen::MatrixXd rate =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(targets().size()), value.size());
+    Eigen::Index row = 0;
+    for (std::size_t p = 0; p < maps.size(); ++p) {
+      for (const double factor : maps[p].factors)
+        rate(row++, static_cast<Eigen::Index>(p)) = factor;
+    }
+    return rate;
+  }
+  [[nodiscard]] model::Scene scene(model::Scene base, const Eigen::VectorXd& values) const {
+    for (std::size_t p = 0; p < maps.size(); ++p) {
+      for (std::size_t t = 0; t < maps[p].targets.size(); ++t) {
+        model::set_parameter(base, maps[p].targets[t],
+                             maps[p].factors[t] * values[static_cast<Eigen::Index>(p)]);
+      }
+    }
+    return base;
+  }
+};
+
+Selection select(const model::Scene& scene, const FittedParameters& fitted) {
+  const auto names = model::parameter_names(scene);
+  Selection selection;
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < fitted.parameters.size(); ++i) {
+    const auto& parameter = fitted.parameters[i];
+    auto map = mapped(parameter, names);
+    if (map.targets.empty()) {
+      selection.not_used.push_back(parameter.name);
+      continue;
+    }
+    selection.used.push_back(parameter.name);
+    selection.maps.push_back(std::move(map));
+    kept.push_back(static_cast<Eigen::Index>(i));
+  }
+  if (kept.empty()) {
+    std::string said = "no parameter of the fit is one of this scene's: the fit has";
+    for (const auto& parameter : fitted.parameters) said += " \"" + parameter.name + "\"";
+    said += "; the scene has";
+    for (const auto& name : names) said += " \"" + name + "\"";
+    throw std::invalid_argument(said);
+  }
+  const auto n = static_cast<Eigen::Index>(kept.size());
+  selection.value.resize(n);
+  selection.covariance.resize(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto from = kept[static_cast<std::size_t>(i)];
+    selection.value[i] = fitted.parameters[static_cast<std::size_t>(from)].value;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      selection.covariance(i, j) = fitted.covariance(from, kept[static_cast<std::size_t>(j)]);
+    }
+  }
+  return selection;
+}
+
+model::ModesOptions modes_options(const PredictionOptions& options, bool shapes) {
+  model::ModesOptions modes;
+  modes.count = options.count;
+  modes.segments = options.segments;
+  modes.shapes = shapes;
+  modes.error_estimate = false;
+  return modes;
+}
+
+/// Frequencies by plane and order as in `reference`; empty without an equilibrium.
+Eigen::VectorXd frequencies_like(const std::vector<PredictedMode>& reference,
+                                 const model::ModalAnalysis& analysis) {
+  Eigen::VectorXd found(static_cast<Eigen::Index>(reference.size()));
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    const auto plane = reference[i].mode.plane;
+    const auto same = [&](const auto& mode) { return mode.plane == plane; };
+    const auto order =
+        std::count_if(reference.begin(), reference.begin() + static_cast<std::ptrdiff_t>(i),
+                      [&](const auto& one) { return same(one.mode); });
+    std::ptrdiff_t seen = 0;
+    double value = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& mode : analysis.modes) {
+      if (same(mode) && seen++ == order) value = mode.frequency_hz;
+    }
+    if (!std::isfinite(value)) return {};
+    found[static_cast<Eigen::Index>(i)] = value;
+  }
+  return found;
+}
+
+/// A move of the parameters; those that are positive stay so.
+Eigen::VectorXd moved(const Selection& selection, const Eigen::VectorXd& change) {
+  Eigen::VectorXd values = selection.value;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    values[i] = values[i] > 0 ? values[i] * std::exp(change[i] / values[i]) : values[i] + change[i];
+  }
+  return values;
+}
+
+/// Largest departure of a frequency from ln f + g' dp / f, over its std.
+double nonlinearity(const model::Scene& scene, const Selection& selection,
+                    const Eigen::MatrixXd& directions, const Eigen::MatrixXd& gradient,
+                    const ModePrediction& prediction, const model::ModesOptions& options) {
+  double worst = 0;
+  for (Eigen::Index k = 0; k < directions.cols(); ++k) {
+    if (!(directions.col(k).norm() > 0)) continue;
+    for (const double size : {-kCoverage, -1.0, 1.0, kCoverage}) {
+      const Eigen::VectorXd change = size * directions.col(k);
+      const auto there = frequencies_like(
+          prediction.modes,
+          model::analyse_modes(selection.scene(scene, moved(selection, change)), options));
+      if (there.size() == 0) return std::numeric_limits<double>::infinity();
+      for (Eigen::Index i = 0; i < there.size(); ++i) {
+        const auto& mode = prediction.modes[static_cast<std::size_t>(i)];
+        if (!(mode.frequency_hz.std > 0)) continue;
+        const double f = mode.frequency_hz.value;
+        const double linear = std::log(f) + gradient.row(i).dot(change) / f;
+        worst = std::max(worst, std::abs(std::log(there[i]) - linear) * f / mode.frequency_hz.std);
+      }
+    }
+  }
+  return worst;
+}
+
+/// Std and interval of each frequency from samples.
+void sample(const model::Scene& scene, const Selection& selection,
+            const Eigen::MatrixXd& directions, const PredictionOptions& options,
+            ModePrediction& prediction) {
+  std::mt19937_64 random(options.seed);
+  std::normal_distribution<double> normal;
+  auto modes = modes_options(options, false);
+  modes.damped = false;
+  std::vector<std::vector<double>> drawn(prediction.modes.size());
+  for (int s = 0; s < options.samples; ++s) {
+    Eigen::VectorXd unit(directions.cols());
+    for (auto& value : unit) value = normal(random);
+    const Eigen::VectorXd change = directions * unit;
+    const auto found = frequencies_like(
+        prediction.modes,
+        model::analyse_modes(selection.scene(scene, moved(selection, change)), modes));
+    for (Eigen::Index i = 0; i < found.size(); ++i) {
+      drawn[static_cast<std::size_t>(i)].push_back(found[i]);
+    }
+  }
+  prediction.sampled = true;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    auto& values = drawn[i];
+    if (values.size() < 20) continue;
+    std::sort(values.begin(), values.end());
+    double mean = 0, square = 0;
+    for (const double value : values) mean += value;
+    mean /= static_cast<double>(values.size());
+    for (const double value : values) square += (value - mean) * (value - mean);
+    auto& mode = prediction.modes[i];
+    mode.frequency_hz.std = std::sqrt(square / static_cast<double>(values.size() - 1));
+    const auto quantile = [&](double q) {
+      const double at = q * static_cast<double>(values.size() - 1);
+      const auto k = static_cast<std::size_t>(at);
+      const double next = values[std::min(k + 1, values.size() - 1)];
+      return values[k] + (at - static_cast<double>(k)) * (next - values[k]);
+    };
+    mode.low_hz = quantile(0.025);
+    mode.high_hz = quantile(0.975);
+  }
+}
+
+}  // namespace
+
+FittedParameters fitted_parameters(const UpdateResult& fit,
+                                   const std::vector<FreeParameter>& free) {
+  FittedParameters fitted;
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+    const auto& parameter = fit.parameters[i];
+    if (!parameter.identifiable || parameter.state > 0) continue;
+    KnownParameter known{parameter.name, parameter.value};
+    for (const auto& one : free) {
+      if (one.name != parameter.name) continue;
+      known.targets = one.targets;
+      known.factors = one.factors;
+    }
+    fitted.parameters.push_back(std::move(known));
+    kept.push_back(static_cast<Eigen::Index>(i));
+  }
+  const auto n = static_cast<Eigen::Index>(kept.size());
+  fitted.covariance.resize(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const double value =
+          fit.covariance(kept[static_cast<std::size_t>(i)], kept[static_cast<std::size_t>(j)]);
+      fitted.covariance(i, j) = std::isfinite(value) ? value : 0;
+    }
+  }
+  return fitted;
+}
+
+model::Scene scene_with(const model::Scene& scene, const FittedParameters& fitted,
+                        std::vector<std::string>& used, std::vector<std::string>& not_used) {
+  auto selection = select(scene, fitted);
+  used = selection.used;
+  not_used = selection.not_used;
+  return selection.scene(scene, selection.value);
+}
+
+ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& fitted,
+                             const PredictionOptions& options) {
+  const auto selection = select(scene, fitted);
+  ModePrediction prediction;
+  prediction.used = selection.used;
+  prediction.not_used = selection.not_used;
+  prediction.scene = selection.scene(scene, selection.value);
+  const auto found = model::analyse_mode_sensitivities(prediction.scene, selection.targets(),
+                                                       modes_options(options, true));
+  prediction.equilibrium = found.analysis.equilibrium;
+  if (found.analysis.modes.empty()) return prediction;
+  const Eigen::MatrixXd rates = selection.rates();
+  const Eigen::MatrixXd gradient = found.frequency * rates;
+  const Eigen::MatrixXd of_damping = found.damping_ratio * rates;
+  prediction.covariance = gradient * selection.covariance * gradient.transpose();
+  for (std::size_t i = 0; i < found.analysis.modes.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    PredictedMode mode;
+    mode.mode = found.analysis.modes[i];
+    const double f = mode.mode.frequency_hz;
+    const double std = std::sqrt(std::max(0.0, prediction.covariance(k, k)));
+    mode.frequency_hz = {f, std};
+    const double damping_variance =
+        of_damping.rows() > k
+            ? (of_damping.row(k) * selection.covariance * of_damping.row(k).transpose()).value()
+            : 0;
+    mode.damping_ratio = {mode.mode.damping_ratio, std::sqrt(std::max(0.0, damping_variance))};
+    mode.low_hz = f * std::exp(-kCoverage * std / f);
+    mode.high_hz = f * std::exp(kCoverage * std / f);
+    prediction.modes.push_back(std::move(mode));
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(selection.covariance);
+  const Eigen::MatrixXd directions =
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  auto plain = modes_options(options, false);
+  plain.damped = false;
+  prediction.nonlinearity = nonlinearity(scene, selection, directions, gradient, prediction, plain);
+  if (options.always_sample || prediction.nonlinearity > kLinear) {
+    sample(scene, selection, directions, options, prediction);
+  }
+  return prediction;
+}
+
+FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fitted,
+                           const Eigen::VectorXd& frequency_hz) {
+  const auto selection = select(scene, fitted);
+  const auto found = model::synthesize_frf_sensitivities(selection.scene(scene, selection.value),
+                                                         frequency_hz, selection.targets());
+  FrfPrediction prediction;
+  prediction.frequency_hz = frequency_hz;
+  prediction.H = found.frfs.H;
+  const Eigen::MatrixXd rates = selection.rates();
+  const std::size_t lines = found.frfs.H.size();
+  for (std::size_t line = 0; line < lines; ++line) {
+    const auto& H = found.frfs.H[line];
+    Eigen::MatrixXd std(H.rows(), H.cols());
+    for (Eigen::Index s = 0; s < H.rows(); ++s) {
+      for (Eigen::Index l = 0; l < H.cols(); ++l) {
+        Eigen::VectorXd of_target(rates.rows());
+        for (Eigen::Index t = 0; t < rates.rows(); ++t) {
+          // d ln |H| = Re(dH / H)
+          const auto rate = found.rate[static_cast<std::size_t>(t)][line](s, l);
+          of_target[t] = std::abs(H(s, l)) > 0 ? (rate / H(s, l)).real() : 0;
+        }
+        const Eigen::VectorXd g = rates.transpose() * of_target;
+        std(s, l) = std::sqrt(std::max(0.0, g.dot(selection.covariance * g)));
+      }
+    }
+    prediction.std.push_back(std::move(std));
+  }
+  return prediction;
+}
+
+std::vector<HeldAgainst> held_against(const ModePrediction& prediction,
+                                      const std::vector<MeasuredMode>& measured) {
+  std::vector<PairingMode> tested, modelled;
+  for (const auto& mode : measured) {
+    PairingMode one;
+    one.frequency_hz = mode.frequency_hz.value;
+    one.plane = mode.plane;
+    tested.push_back(std::move(one));
+  }
+  for (const auto& mode : prediction.modes) {
+    PairingMode one;
+    one.frequency_hz = mode.frequency_hz.value;
+    one.plane = mode.mode.plane;
+    modelled.push_back(std::move(one));
+  }
+  std::vector<HeldAgainst> all(measured.size());
+  for (std::size_t i = 0; i < measured.size(); ++i) all[i].measured = i;
+  for (const auto& pair : pair_modes(tested, modelled, {}).pairs) {
+    auto& one = all[static_cast<std::size_t>(pair.measured)];
+    const auto& mode = prediction.modes[static_cast<std::size_t>(pair.model)];
+    const auto& f = measured[static_cast<std::size_t>(pair.measured)].frequency_hz;
+    one.mode = pair.model;
+    one.relative_error = mode.frequency_hz.value / f.value - 1;
+    const double std = std::isfinite(f.std) ? f.std : 0;
+    one.standard_units =
+        (mode.frequency_hz.value - f.value) / std::hypot(mode.frequency_hz.std, std);
+    // The measured value's own uncertainty is part of what the interval must hold.
+    const double reach = kCoverage * std;
+    one.inside = f.value >= std::min(mode.low_hz, mode.frequency_hz.value - reach) &&
+                 f.value <= std::max(mode.high_hz, mode.frequency_hz.value + reach);
+  }
+  return all;
+}
+
+}  // namespace rigfit::ident

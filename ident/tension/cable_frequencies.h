@@ -1,0 +1,43 @@
+// Natural frequencies of a tensioned beam of shallow sag between equal rotational springs, exact
+// within the linear theory.
+//
+//   EI y'''' - T y'' - m omega^2 y = h z'',   z'' = -w / T,   h = (EA / Le)(w / T) int y dx
+//
+// with h = 0 out of plane and in antisymmetric modes. With T b^2 + EI b^4 = m omega^2, a^2 = b^2 +
+// T / EI, l = L / 2 and q = k / EI, the ends y = 0, EI y'' = -+ k y' give
+//
+//   antisymmetric:      tan(b l)        = q b / (a^2 + b^2 + q a coth(a l))
+//   symmetric, h = 0:   tan(b l - pi/2) = q b / (a^2 + b^2 + q a tanh(a l))
+//   symmetric, sag:     (c + cos b l)(m omega^2 - G) + G (c tanh(a l) / (a l) + sin(b l) / (b l))
+//                       = 0,  c = (b^2 cos b l + q b sin b l) / (a^2 + q a tanh(a l)),
+//                       G = lambda^2 T / L^2,  lambda^2 = (w L / T)^2 EA L / (T Le)
+//
+// The sag is one positive semi-definite term of rank one: it puts one root between every two
+// neighbours of h = 0. For EI = 0 this is Irvine's equation tan(x) = x - (4 / lambda^2) x^3, x = b
+// l. Sources: T. M. Irvine, Cable Structures, 1981, ch. 3; H. Zui, T. Shinke and Y. Namita, J.
+// Struct. Eng. 122 (1996) 651-656; G. Ricciardi and F. Saitta, J. Sound Vib. 310 (2008) 1-24.
+#pragma once
+
+#include <vector>
+
+namespace rigfit::ident {
+
+struct SaggingBeam {
+  double length_m = 0;         ///< chord, > 0
+  double mass_per_length = 0;  ///< kg/m of the installed cable, > 0
+  double tension_N = 0;        ///< > 0
+  double EI_Nm2 = 0;           ///< > 0
+  double spring_Nm_rad = 0;    ///< of each end; 0: pinned, infinity: clamped
+  double lambda_squared = 0;   ///< Irvine's parameter, 0: no sag
+};
+
+/// By rising frequency. The k-th (from 0) in-plane antisymmetric mode is also an out-of-plane one.
+struct CableFrequencies {
+  std::vector<double> in_hz, out_hz;
+};
+
+/// The first `count` of each plane, or those up to and including the first at `limit_hz` or above.
+[[nodiscard]] CableFrequencies cable_frequencies(const SaggingBeam& cable, int count,
+                                                 double limit_hz);
+
+}  // namespace rigfit::ident

@@ -1,0 +1,168 @@
+#include "ident/tension/cable_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "model/linear/modal_analysis.h"
+#include "signal/numerics/numbers.h"
+
+namespace rigfit::ident {
+namespace {
+
+// Of a steel cable at a third of its strength, where no EA is given.
+constexpr double kAssumedStrain = 1e-3;
+// cos of the inclination from which a scene's tension is along the chord.
+constexpr double kSteep = 0.0872;
+
+double level(const CableDescription& cable) {
+  return std::cos(cable.inclination_deg * signal::kTwoPi / 360);
+}
+
+double at_order(const std::vector<double>& values, std::size_t order) {
+  return values.empty() ? 0 : values[std::min(order, values.size() - 1)];
+}
+
+void apply(const std::vector<double>& correction, std::vector<double>& frequencies) {
+  if (correction.empty()) return;
+  for (std::size_t i = 0; i < frequencies.size(); ++i) {
+    frequencies[i] *= std::exp(at_order(correction, i));
+  }
+}
+
+/// Frequencies of the segment model in one plane; empty without an equilibrium.
+std::vector<double> segment_frequencies(const model::Scene& scene, model::ModePlane plane,
+                                        int count, std::string& why) {
+  model::ModesOptions options;
+  options.count = count;
+  // Ten or more a half wave: 1e-5 of the frequency before the ratio is taken.
+  options.segments = std::max(100, 10 * count);
+  options.plane = plane;
+  options.damped = options.shapes = options.error_estimate = false;
+  options.torsion = false;
+  const auto analysis = model::analyse_modes(scene, options);
+  if (analysis.modes.size() < static_cast<std::size_t>(count)) why = analysis.equilibrium.reason;
+  std::vector<double> frequencies;
+  for (const auto& mode : analysis.modes) frequencies.push_back(mode.frequency_hz);
+  return frequencies;
+}
+
+std::vector<double> logarithms_of_ratio(const std::vector<double>& segments,
+                                        const std::vector<double>& straight_segments,
+                                        const std::vector<double>& closed,
+                                        const std::vector<double>& straight) {
+  const std::size_t count =
+      std::min({segments.size(), straight_segments.size(), closed.size(), straight.size()});
+  std::vector<double> ln(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    ln[i] = std::log(segments[i] / straight_segments[i] / (closed[i] / straight[i]));
+  }
+  return ln;
+}
+
+}  // namespace
+
+CableModel::CableModel(const CableDescription& cable, CableCorrection correction)
+    : cable_(cable), correction_(std::move(correction)) {}
+
+double CableModel::axial_rigidity(double tension_N) const {
+  return cable_.EA_N ? cable_.EA_N->value : tension_N / kAssumedStrain;
+}
+
+double CableModel::weight_across() const {
+  return cable_.mass_per_length.value * cable_.gravity * level(cable_);
+}
+
+double CableModel::lambda_squared(double tension_N) const {
+  const double slope = weight_across() * cable_.length_m.value / tension_N;
+  if (slope < 1e-9) return 0;  // a hanger
+  return slope * slope * axial_rigidity(tension_N) / (tension_N * (1 + slope * slope / 8));
+}
+
+bool CableModel::needs_correction(double tension_N) const {
+  const double weight = cable_.mass_per_length.value * cable_.gravity * cable_.length_m.value;
+  const double along = weight * std::sqrt(std::max(0.0, 1 - level(cable_) * level(cable_)));
+  return !cable_.masses.empty() || weight_across() * cable_.length_m.value > 0.016 * tension_N ||
+         along > 0.02 * tension_N;
+}
+
+SaggingBeam CableModel::beam(const CableState& state, bool sags) const {
+  // Of the installed cable: the unstretched one has the same mass on a shorter length.
+  const bool installed = cable_.mass_reference == MassReference::installed;
+  const double strain = state.tension_N / axial_rigidity(state.tension_N);
+  return {cable_.length_m.value, cable_.mass_per_length.value / (installed ? 1 : 1 + strain),
+          state.tension_N,       state.EI_Nm2,
+          state.spring_Nm_rad,   sags ? lambda_squared(state.tension_N) : 0};
+}
+
+CableFrequencies CableModel::frequencies(const CableState& state, int count,
+                                         double limit_hz) const {
+  auto found = cable_frequencies(beam(state, true), count, limit_hz);
+  apply(correction_.in, found.in_hz);
+  apply(correction_.out, found.out_hz);
+  return found;
+}
+
+CableCorrection segment_correction(const CableModel& model, CableEnds ends, const CableState& state,
+                                   int count, std::string& why) {
+  CableDescription straight = model.cable();
+  straight.gravity = straight.inclination_deg = 0;
+  straight.masses.clear();
+  const auto with_springs = [&](const CableDescription& cable) {
+    auto scene = cable_scene(cable, ends, state.tension_N, state.EI_Nm2);
+    if (ends == CableEnds::springs) {
+      for (auto& node : scene.nodes) node.support.rotational.setConstant(state.spring_Nm_rad);
+    }
+    return scene;
+  };
+  const auto hanging = with_springs(model.cable()), level_scene = with_springs(straight);
+  const double all = std::numeric_limits<double>::infinity();
+  const auto closed = cable_frequencies(model.beam(state, true), count, all);
+  const auto closed_straight = cable_frequencies(model.beam(state, false), count, all);
+  const auto reference = segment_frequencies(level_scene, model::ModePlane::in, count, why);
+  CableCorrection correction;
+  correction.in =
+      logarithms_of_ratio(segment_frequencies(hanging, model::ModePlane::in, count, why), reference,
+                          closed.in_hz, closed_straight.in_hz);
+  correction.out =
+      logarithms_of_ratio(segment_frequencies(hanging, model::ModePlane::out, count, why),
+                          reference, closed.out_hz, closed_straight.out_hz);
+  return correction;
+}
+
+model::Scene cable_scene(const CableDescription& cable, CableEnds ends, double tension_N,
+                         double EI_Nm2) {
+  model::Scene scene;
+  scene.title = std::string("cable, ") + name_of(ends) + " ends";
+  scene.gravity = {0, -cable.gravity, 0};
+  const double angle = cable.inclination_deg * signal::kTwoPi / 360, L = cable.length_m.value;
+  scene.nodes.resize(2);
+  scene.nodes[0].name = "start";
+  scene.nodes[1].name = "end";
+  scene.nodes[1].position = {L * std::cos(angle), L * std::sin(angle), 0};
+  for (auto& node : scene.nodes) {
+    if (ends == CableEnds::pinned) node.support.kind = model::Support::Kind::pinned;
+    if (ends == CableEnds::clamped) node.support.kind = model::Support::Kind::clamped;
+    if (ends == CableEnds::springs) {
+      node.support.kind = model::Support::Kind::elastic;
+      node.support.translational.setConstant(std::numeric_limits<double>::infinity());
+      node.support.rotational.setConstant(10 * EI_Nm2 / L);
+    }
+  }
+  model::Member member;
+  member.name = "cable";
+  member.nodes = {"start", "end"};
+  const double EA = CableModel(cable).axial_rigidity(tension_N);
+  const bool installed = cable.mass_reference == MassReference::installed;
+  member.mass_per_length = cable.mass_per_length.value * (installed ? 1 + tension_N / EA : 1);
+  member.EA = EA;
+  member.EI = {EI_Nm2, EI_Nm2};
+  member.GJ = EI_Nm2;
+  member.tension = tension_N * (level(cable) > kSteep ? level(cable) : 1);
+  member.masses = cable.masses;
+  scene.members.push_back(member);
+  return scene;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,61 @@
+// A cable's frequencies as a function of its tension, EI and end springs: the closed forms of
+// cable_frequencies.h, times a correction for what they leave out.
+//
+// The closed forms hold for a shallow parabola of constant tension. The correction of a mode is
+//
+//   c = (f_segments(cable) / f_segments(straight)) / (f_closed(cable) / f_closed(straight))
+//
+// of segment models of the cable as it hangs, with its masses, and of the same cable straight and
+// without them: the error of the segments cancels to first order. It changes slowly with the
+// tension, so that one at the estimate, repeated until it stays, is exact there.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ident/tension/cable_frequencies.h"
+#include "ident/tension/cable_tension.h"
+
+namespace rigfit::ident {
+
+/// ln c by order in each plane; beyond the end the last.
+struct CableCorrection {
+  std::vector<double> in, out;
+};
+
+/// Tension, EI and springs of a cable.
+struct CableState {
+  double tension_N = 0, EI_Nm2 = 0, spring_Nm_rad = 0;
+};
+
+class CableModel {
+ public:
+  explicit CableModel(const CableDescription& cable, CableCorrection correction = {});
+
+  /// As cable_frequencies, the correction applied.
+  [[nodiscard]] CableFrequencies frequencies(const CableState& state, int count,
+                                             double limit_hz) const;
+  [[nodiscard]] const CableDescription& cable() const { return cable_; }
+  [[nodiscard]] const CableCorrection& correction() const { return correction_; }
+  [[nodiscard]] double axial_rigidity(double tension_N) const;
+  /// (w L / T)^2 EA L / (T Le), w the weight per length across the chord.
+  [[nodiscard]] double lambda_squared(double tension_N) const;
+  [[nodiscard]] double weight_across() const;  ///< N/m
+  /// Whether sag, change of tension along the cable, or masses change a frequency by 1e-5 or more.
+  [[nodiscard]] bool needs_correction(double tension_N) const;
+
+ private:
+  [[nodiscard]] SaggingBeam beam(const CableState& state, bool sags) const;
+  friend CableCorrection segment_correction(const CableModel& model, CableEnds ends,
+                                            const CableState& state, int count, std::string& why);
+  CableDescription cable_;
+  CableCorrection correction_;
+};
+
+/// The correction at a state for the first `count` modes of each plane; empty with the reason in
+/// `why` where the cable has no equilibrium.
+[[nodiscard]] CableCorrection segment_correction(const CableModel& model, CableEnds ends,
+                                                 const CableState& state, int count,
+                                                 std::string& why);
+
+}  // namespace rigfit::ident

@@ -1,0 +1,366 @@
+#include "ident/tension/tension_posterior.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace rigfit::ident {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kLowX = 2, kHighX = 2000;             // L sqrt(T / EI) where EI is not given
+constexpr double kLowSpring = 0.03, kHighSpring = 30;  // q
+constexpr double kNegligible = 18;                     // in ln(weight)
+constexpr std::array<double, 6> kModelStd = {0, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2};
+
+double ln_prior_of_model_std(std::size_t index, bool stated) {
+  if (!stated) return index == 0 ? -kInf : std::log(0.2);
+  return index == 0 ? std::log(0.95) : std::log(0.01);
+}
+
+double ln_sum(const std::vector<TensionCell>& cells) {
+  double top = -kInf, sum = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) top = std::max(top, cells[i].ln_weight);
+  if (!std::isfinite(top)) return -kInf;
+  for (std::size_t i = 0; i < cells.size(); ++i) sum += std::exp(cells[i].ln_weight - top);
+  return top + std::log(sum);
+}
+
+struct Range {
+  double low = 0, high = 0;
+};
+
+/// A value on a grid, its cells, and ln of their sum for each value of t.
+struct GridPoint {
+  double at = 0;
+  std::vector<TensionCell> cells;
+  std::array<double, kModelStd.size()> ln{};
+
+  void sum_up() {
+    for (std::size_t t = 0; t < ln.size(); ++t) {
+      double top = -kInf, sum = 0;
+      for (const auto& cell : cells) {
+        if (cell.model_std == kModelStd[t]) top = std::max(top, cell.ln_weight);
+      }
+      for (const auto& cell : cells) {
+        if (cell.model_std == kModelStd[t] && std::isfinite(top))
+          sum += std::exp(cell.ln_weight - top);
+      }
+      ln[t] = sum > 0 ? top + std::log(sum) : -kInf;
+    }
+  }
+};
+
+constexpr double kMatters = 10;    // below the top, in ln
+constexpr double kSmoothStep = 1;  // of ln between neighbours that resolve a density
+
+/// Whether the interval after point i needs a point between. A peak between coarse points is seen
+/// by the parabola through three of them.
+bool needs_point(const std::vector<GridPoint>& points, std::size_t i, double top) {
+  for (std::size_t t = 0; t < kModelStd.size(); ++t) {
+    const double a = points[i].ln[t], b = points[i + 1].ln[t];
+    if (!std::isfinite(a) || !std::isfinite(b)) {
+      if (std::max(a, b) > top - kMatters) return true;
+      continue;
+    }
+    if (std::abs(a - b) > kSmoothStep && std::max(a, b) > top - kMatters) return true;
+    for (const std::size_t middle : {i, i + 1}) {
+      if (middle == 0 || middle + 1 >= points.size()) continue;
+      const double x0 = points[middle - 1].at, x1 = points[middle].at, x2 = points[middle + 1].at;
+      const double y0 = points[middle - 1].ln[t], y1 = points[middle].ln[t],
+                   y2 = points[middle + 1].ln[t];
+      if (!(y1 >= y0 && y1 >= y2 && std::isfinite(y0) && std::isfinite(y2))) continue;
+      if (!(std::max(y1 - y0, y1 - y2) > kSmoothStep)) continue;
+      const double left = (y1 - y0) / (x1 - x0), right = (y2 - y1) / (x2 - x1);
+      const double bend = (right - left) / (x2 - x0);
+      if (!(bend < 0)) continue;
+      const double slope = left + bend * (x1 - x0);  // at x1
+      if (y1 - slope * slope / (4 * bend) > top - kMatters) return true;
+    }
+  }
+  return false;
+}
+
+/// Cells of a density over a range: points are added until it is resolved for every value of t
+/// that matters; weights of the trapezoidal rule.
+template <class Evaluate>
+std::vector<TensionCell> resolved(const Range& range, int count, const Evaluate& evaluate) {
+  std::vector<GridPoint> points;
+  const auto point = [&](double at) {
+    GridPoint made;
+    made.at = at;
+    evaluate(at, made.cells);
+    made.sum_up();
+    return made;
+  };
+  for (int i = 0; i < count; ++i) {
+    points.push_back(point(range.low + (range.high - range.low) * i / (count - 1)));
+  }
+  for (int pass = 0; pass < 14 && points.size() < 150; ++pass) {
+    double top = -kInf;
+    for (const auto& one : points)
+      top = std::max(top, *std::max_element(one.ln.begin(), one.ln.end()));
+    if (!std::isfinite(top)) break;
+    std::vector<GridPoint> added;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      if (needs_point(points, i, top))
+        added.push_back(point((points[i].at + points[i + 1].at) / 2));
+    }
+    if (added.empty()) break;
+    for (auto& one : added) points.push_back(std::move(one));
+    std::sort(points.begin(), points.end(),
+              [](const auto& a, const auto& b) { return a.at < b.at; });
+  }
+  std::vector<TensionCell> cells;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double left = points[i > 0 ? i - 1 : 0].at;
+    const double right = points[std::min(i + 1, points.size() - 1)].at;
+    const double ln_width = std::log((right - left) / 2);
+    for (auto& cell : points[i].cells) {
+      cell.ln_weight += ln_width;
+      cells.push_back(cell);
+    }
+  }
+  return cells;
+}
+
+/// Local fit of the tension with all else held.
+class Local {
+ public:
+  Local(const CableModel& model, const TensionData& data, const std::vector<AssignedMode>& modes)
+      : model_(model), data_(data), modes_(modes) {
+    for (const auto& mode : modes) {
+      count_ = std::max(count_, mode.order + 1);
+      pairs_ += mode.order >= 0;
+    }
+  }
+
+  [[nodiscard]] int pairs() const { return pairs_; }
+
+  /// Fits ln T, starting from what it is; `state_at` gives the state at a ln T.
+  template <class StateAt>
+  bool fit(double& ln_tension, const StateAt& state_at) {
+    constexpr double kStep = 1e-4;
+    for (int i = 0; i < 12; ++i) {
+      residuals(state_at(ln_tension), residual_);
+      double gradient = 0, curvature = 0;
+      slope_.resize(residual_.size());
+      // The slopes of the first step serve as long as the tension does not move far.
+      const bool anew = i == 0 || std::abs(ln_tension - slope_at_) > 0.02;
+      if (anew) {
+        residuals(state_at(ln_tension + kStep), stepped_);
+        slope_at_ = ln_tension;
+      }
+      for (std::size_t k = 0; k < residual_.size(); ++k) {
+        if (anew) slope_[k] = (residual_[k] - stepped_[k]) / kStep;
+        const double w = 1 / (variance_[k] + kFloor);
+        gradient += w * slope_[k] * residual_[k];
+        curvature += w * slope_[k] * slope_[k];
+      }
+      if (!(curvature > 0) || !std::isfinite(gradient)) return false;
+      const double change = std::clamp(gradient / curvature, -1.0, 1.0);
+      if (std::abs(change) < 1e-5) return true;  // the cells take the rest of the way
+      ln_tension += change;
+    }
+    return false;
+  }
+
+  /// One cell a value of t about the fit.
+  void add_cells(double ln_tension, double ln_prior, const TensionCell& at,
+                 std::vector<TensionCell>& cells) const {
+    for (std::size_t t = 0; t < kModelStd.size(); ++t) {
+      const double prior = ln_prior_of_model_std(t, data_.stated);
+      if (!std::isfinite(prior)) continue;
+      const double extra = kModelStd[t] * kModelStd[t];
+      double gradient = 0, curvature = 0, squares = 0, ln_density = 0, of_data = 0, stated = 0;
+      for (std::size_t k = 0; k < residual_.size(); ++k) {
+        const double v = variance_[k] + extra, w = 1 / v;
+        gradient += w * slope_[k] * residual_[k];
+        curvature += w * slope_[k] * slope_[k];
+        squares += w * residual_[k] * residual_[k];
+        of_data += w * w * slope_[k] * slope_[k] * variance_[k];
+        ln_density -= 0.5 * std::log(2 * std::numbers::pi * v);
+      }
+      TensionCell cell = at;
+      const double change = gradient / curvature;
+      for (std::size_t k = 0; k < residual_.size(); ++k) {
+        const double r = residual_[k] - slope_[k] * change;
+        if (variance_[k] > 0) stated += r * r / variance_[k];
+      }
+      cell.ln_tension = ln_tension + change;
+      cell.variance_frequency = of_data / (curvature * curvature);
+      cell.variance_model = std::max(0.0, 1 / curvature - cell.variance_frequency);
+      cell.model_std = kModelStd[t];
+      cell.chi2_stated = data_.stated ? stated : std::numeric_limits<double>::quiet_NaN();
+      cell.ln_weight = ln_prior + prior + ln_density - 0.5 * (squares - gradient * change) +
+                       0.5 * std::log(2 * std::numbers::pi / curvature);
+      cells.push_back(cell);
+    }
+  }
+
+ private:
+  static constexpr double kFloor = 1e-14;
+
+  void residuals(const CableState& state, std::vector<double>& values) {
+    const auto modelled = model_.frequencies(state, count_, kInf);
+    values.clear();
+    variance_.clear();
+    for (std::size_t i = 0; i < modes_.size(); ++i) {
+      if (modes_[i].order < 0) continue;
+      const auto& list = modes_[i].plane == model::ModePlane::in ? modelled.in_hz : modelled.out_hz;
+      values.push_back(data_.ln_hz[i] - std::log(list[static_cast<std::size_t>(modes_[i].order)]));
+      variance_.push_back(data_.variance[i]);
+    }
+  }
+
+  const CableModel& model_;
+  const TensionData& data_;
+  const std::vector<AssignedMode>& modes_;
+  int count_ = 0, pairs_ = 0;
+  double slope_at_ = 0;
+  std::vector<double> residual_, stepped_, slope_, variance_;
+};
+
+double spring_of(double q, double EI, double tension, double L) {
+  if (q == 0 || std::isinf(q)) return q;
+  return q * EI * (L * std::sqrt(tension / EI) + 4) / L;
+}
+
+/// ln of the part of the likelihood that the assignment alone has, at a state.
+double ln_of_assignment(const CableModel& model, const TensionData& data,
+                        const std::vector<AssignedMode>& modes, const CableState& state) {
+  std::vector<TensionData::Listed> listed;
+  data.list(model.frequencies(state, 200, 1.05 * data.highest_hz), listed);
+  double ln = 0;
+  std::vector<bool> taken(listed.size(), false);
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    if (modes[i].order < 0) {
+      ln += data.ln_false;
+      continue;
+    }
+    const auto found = std::find_if(listed.begin(), listed.end(),
+                                    [&](const auto& one) { return one.mode == modes[i]; });
+    if (found == listed.end()) {  // beyond the list: as the last of it
+      ln += data.ln_pair(i, listed.back());
+      continue;
+    }
+    taken[static_cast<std::size_t>(found - listed.begin())] = true;
+    ln += data.ln_pair(i, *found);
+  }
+  for (std::size_t j = 0; j < listed.size(); ++j) {
+    if (!taken[j] && listed[j].ln_hz < std::log(data.highest_hz)) ln += listed[j].ln_unseen;
+  }
+  return ln;
+}
+
+}  // namespace
+
+bool EI_is_exact(const CableDescription& cable) {
+  return cable.EI_Nm2 && !(cable.EI_Nm2->std > 0 && cable.EI_Nm2->value > 0);
+}
+
+double given_EI(const CableDescription& cable, double tension_N) {
+  const double L = cable.length_m.value;
+  return std::max(cable.EI_Nm2 ? cable.EI_Nm2->value : 0.0, 1e-10 * tension_N * L * L);
+}
+
+CableState TensionAnswer::state(CableEnds ends) const {
+  const auto& cell = cells[best];
+  CableState state{std::exp(cell.ln_tension), std::exp(cell.ln_EI), 0};
+  if (ends == CableEnds::clamped) state.spring_Nm_rad = kInf;
+  if (ends == CableEnds::springs) state.spring_Nm_rad = std::exp(cell.ln_spring);
+  return state;
+}
+
+TensionAnswer tension_answer(const CableModel& model, const TensionData& data, CableEnds ends,
+                             const Assignment& assignment) {
+  TensionAnswer answer;
+  answer.modes = assignment.modes;
+  Local local(model, data, answer.modes);
+  if (local.pairs() == 0) return answer;
+  const auto& cable = model.cable();
+  const double L = cable.length_m.value;
+  const bool exact = EI_is_exact(cable), given = cable.EI_Nm2.has_value();
+  double ln_T = assignment.ln_tension;
+  int spring_index = 0, rigidity_index = 0;
+  const auto at_rigidity = [&](double q, double y, double ln_prior,
+                               std::vector<TensionCell>& cells) {
+    const auto state_at = [&](double ln_tension) {
+      const double T = std::exp(ln_tension);
+      const double EI = exact   ? given_EI(cable, T)
+                        : given ? std::exp(y)
+                                : T * L * L * std::exp(-2 * y);
+      return CableState{T, EI, spring_of(q, EI, T, L)};
+    };
+    double start = std::isfinite(ln_T) ? ln_T : assignment.ln_tension;
+    if (!local.fit(start, state_at)) return;
+    ln_T = start;
+    TensionCell cell;
+    const auto state = state_at(start);
+    cell.ln_EI = std::log(state.EI_Nm2);
+    cell.ln_spring = std::log(state.spring_Nm_rad);
+    cell.spring = spring_index;
+    cell.rigidity = rigidity_index++;
+    local.add_cells(start, ln_prior, cell, cells);
+  };
+  const auto at_spring = [&](double q, double ln_prior, std::vector<TensionCell>& cells) {
+    rigidity_index = 0;
+    if (exact) {
+      at_rigidity(q, 0, ln_prior, cells);
+    } else if (given) {
+      const double s = cable.EI_Nm2->std / cable.EI_Nm2->value;
+      const double middle = std::log(cable.EI_Nm2->value);
+      cells = resolved({middle - 4.5 * s, middle + 4.5 * s}, 13, [&](double y, auto& into) {
+        const double ln_normal = -0.5 * (y - middle) * (y - middle) / (s * s) -
+                                 0.5 * std::log(2 * std::numbers::pi * s * s);
+        at_rigidity(q, y, ln_prior + ln_normal, into);
+      });
+    } else {
+      const Range range{std::log(kLowX), std::log(kHighX)};
+      const double ln_flat = -std::log(range.high - range.low);
+      cells = resolved(range, 15,
+                       [&](double y, auto& into) { at_rigidity(q, y, ln_prior + ln_flat, into); });
+    }
+    ++spring_index;
+  };
+  if (ends == CableEnds::springs) {
+    const Range range{std::log(kLowSpring), std::log(kHighSpring)};
+    const double ln_flat = -std::log(range.high - range.low);
+    answer.cells = resolved(
+        range, 9, [&](double ln_q, auto& cells) { at_spring(std::exp(ln_q), ln_flat, cells); });
+  } else {
+    at_spring(ends == CableEnds::clamped ? kInf : 0, 0, answer.cells);
+  }
+  double top = -kInf;
+  for (const auto& cell : answer.cells) top = std::max(top, cell.ln_weight);
+  std::erase_if(answer.cells,
+                [top](const auto& cell) { return !(cell.ln_weight > top - kNegligible); });
+  if (answer.cells.empty()) return answer;
+  answer.best = static_cast<std::size_t>(
+      std::max_element(answer.cells.begin(), answer.cells.end(),
+                       [](const auto& a, const auto& b) { return a.ln_weight < b.ln_weight; }) -
+      answer.cells.begin());
+  const double ln_a = ln_of_assignment(model, data, answer.modes, answer.state(ends));
+  for (auto& cell : answer.cells) cell.ln_weight += ln_a;
+  answer.ln_evidence = ln_sum(answer.cells);
+  return answer;
+}
+
+double refitted_ln_tension(const CableModel& model, const TensionData& data,
+                           const std::vector<AssignedMode>& modes, const CableState& state) {
+  Local local(model, data, modes);
+  const auto& cable = model.cable();
+  const double L = cable.length_m.value, x = L * std::sqrt(state.tension_N / state.EI_Nm2);
+  const double q = state.spring_Nm_rad * L / (state.EI_Nm2 * (x + 4));
+  double ln_T = std::log(state.tension_N);
+  local.fit(ln_T, [&](double ln_tension) {
+    const double T = std::exp(ln_tension);
+    const double EI = cable.EI_Nm2 ? state.EI_Nm2 : T * L * L / (x * x);
+    return CableState{T, EI, spring_of(q, EI, T, L)};
+  });
+  return ln_T;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,157 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::tension_verb_test {
+namespace {
+using ::testing::HasSubstr;
+
+// A pinned cable of 20 m, 5 kg/m and 50 kN with EI = 200 N m2: f_n = sqrt(n^2 T / (4 m L^2) +
+// n^4 pi^2 EI / (4 m L^4)), sag w L / (8 T) = 2.5e-3 of the span.
+constexpr double kLength = 20, kMass = 5, kTension = 5e4, kEI = 200;
+
+double frequency(int n) {
+  return std::sqrt(n * n * kTension / (4 * kMass * kLength * kLength) +
+                   std::pow(n, 4) * M_PI * M_PI * kEI / (4 * kMass * std::pow(kLength, 4)));
+}
+
+std::vector<std::string> command(std::vector<std::string> more) {
+  std::vector<std::string> all = {"tension", "--length",  "20,0.002", "--mass-per-length",
+                                  "5,0.005", "--EI",      "200,10",   "--EA",
+                                  "2e7",     "--mass-of", "installed"};
+  all.insert(all.end(), more.begin(), more.end());
+  all.insert(all.end(), {"--json", "-"});
+  return all;
+}
+
+void expect_tension(const nlohmann::json& json) {
+  const auto& T = json["tension_N"];
+  EXPECT_LT(T["low"].get<double>(), kTension);
+  EXPECT_GT(T["high"].get<double>(), kTension);
+  EXPECT_NEAR(T["value"].get<double>() / kTension, 1, 0.02);
+  EXPECT_TRUE(json["decided"].get<bool>());
+  ASSERT_EQ(json["candidates"].size(), 3u);
+  double weights = 0, squares = 0;
+  for (const auto& one : json["candidates"]) weights += one["weight"].get<double>();
+  EXPECT_NEAR(weights, 1, 1e-9);
+  for (const auto& term : json["budget"]) squares += std::pow(term["std_N"].get<double>(), 2);
+  EXPECT_NEAR(std::sqrt(squares) / T["std"].get<double>(), 1, 1e-6);
+}
+
+TEST(TensionVerb, FromFrequenciesWithAMissingAndAFalseOne) {
+  std::vector<std::string> arguments = {"--plane", "out", "--frequency-std", "0.004",
+                                        "--frequencies"};
+  for (const int n : {1, 2, 4, 5}) arguments.push_back(std::to_string(frequency(n)));
+  arguments.push_back(std::to_string(1.17 * frequency(2)));  // no mode of this cable
+  const auto run = run_program(command(arguments));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  expect_tension(json);
+  std::vector<int> orders;
+  for (const auto& mode : json["modes"])
+    orders.push_back(mode["order"].is_null() ? 0 : mode["order"].get<int>());
+  EXPECT_EQ(orders, (std::vector<int>{1, 2, 0, 4, 5}));
+  EXPECT_NEAR(json["formulas"]["pinned_beam_N"].get<double>() / kTension, 1, 1e-2);
+}
+
+TEST(TensionVerb, FromATable) {
+  const TemporaryFolder folder;
+  std::ostringstream table;
+  table << "mode,frequency_hz,frequency_std_hz\n";
+  for (int n = 1; n <= 5; ++n) table << n << ',' << frequency(n) << ",0.004\n";
+  const auto run = run_program(
+      command({"--measured", folder.write("modes.csv", table.str()), "--plane", "out"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  expect_tension(parsed(run.out));
+}
+
+TEST(TensionVerb, FromAnAmbientRecording) {
+  // Resonators at the cable's frequencies, 0.5 % damping, driven by noise: 400 s at 50 Hz.
+  const TemporaryFolder folder;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  const double dt = 0.02;
+  std::vector<double> before(4, 0), last(4, 0);
+  std::ostringstream csv;
+  csv.precision(7);
+  csv << "time (s),acc (m/s2)\n";
+  for (int i = 0; i < 20000; ++i) {
+    double sum = 0.1 * normal(random);
+    for (int n = 1; n <= 4; ++n) {
+      const auto k = static_cast<std::size_t>(n - 1);
+      const double w = 2 * M_PI * frequency(n), r = std::exp(-0.005 * w * dt);
+      const double next = 2 * r * std::cos(w * std::sqrt(1 - 2.5e-5) * dt) * last[k] -
+                          r * r * before[k] + 0.05 * normal(random);
+      before[k] = last[k];
+      last[k] = next;
+      sum += next;
+    }
+    csv << i * dt << ',' << sum << '\n';
+  }
+  const auto run = run_program(
+      command({folder.write("ambient.csv", csv.str()), "--band", "1", "12", "--plane", "out"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  expect_tension(json);
+  EXPECT_GE(json["peaks"].size(), 4u);
+}
+
+TEST(TensionVerb, ManyCablesInOneTable) {
+  // One good row twice (the second by a frequencies cell), one with a blank length, one without a
+  // frequency: the good ones are computed, the bad ones named with their line; exit code 4.
+  const TemporaryFolder folder;
+  std::ostringstream table;
+  table << "name,length,length_std,mass_per_length,EI,EI_std,EA,ends,plane,mass_of,frequency_std,"
+           "f1,f2,f3,f4,"
+           "frequencies\n";
+  table << "A1,20,0.002,5,200,10,2e7,pinned,out,installed,0.004";
+  for (int n = 1; n <= 4; ++n) table << ',' << frequency(n);
+  table << ",\nA2,20,0.002,5,200,10,2e7,pinned,out,installed,0.004,,,,,";
+  for (int n = 1; n <= 4; ++n) table << (n > 1 ? " " : "") << frequency(n);
+  table << "\nA3,,0.002,5,200,10,2e7,pinned,out,installed,0.004,1,2,3,4,\n"
+           "A4,20,0.002,5,200,10,2e7,welded,out,installed,0.004,1,2,3,4,\n";
+  const auto out = (folder.path() / "out.csv").string();
+  const auto run = run_program(
+      {"tension", "--table", folder.write("cables.csv", table.str()), "--out", out, "--json", "-"});
+  ASSERT_EQ(run.exit_code, 4) << run.err;
+  const auto json = parsed(run.out);
+  ASSERT_EQ(json["cables"].size(), 4u);
+  for (const std::size_t i : {0u, 1u}) {
+    const auto& T = json["cables"][i]["tension_N"];
+    EXPECT_NEAR(T["value"].get<double>() / kTension, 1, 3e-3) << i;
+    EXPECT_EQ(json["cables"][i]["ends"], "pinned");
+  }
+  EXPECT_EQ(json["cables"][0]["tension_N"], json["cables"][1]["tension_N"]);
+  EXPECT_EQ(json["cables"][2]["line"], 4);
+  EXPECT_THAT(json["cables"][2]["error"].get<std::string>(), HasSubstr("length"));
+  EXPECT_THAT(json["cables"][3]["error"].get<std::string>(), HasSubstr("welded"));
+  EXPECT_THAT(run.err, HasSubstr("cables.csv:5"));
+  EXPECT_THAT(folder.read("out.csv"), HasSubstr("\"A2\""));
+}
+
+TEST(TensionVerb, BadInputs) {
+  const auto said = [](const std::vector<std::string>& arguments, int code, const char* what) {
+    const auto run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, code) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(what));
+  };
+  said({"tension", "--length", "2", "--mass-per-length", "1"}, 2, "--frequencies");
+  said({"tension", "--length", "2m", "--mass-per-length", "1", "--frequencies", "3"}, 2,
+       "--length");
+  said({"tension", "--length", "-2", "--mass-per-length", "1", "--frequencies", "3"}, 2, "length");
+  said({"tension", "--length", "2", "--mass-per-length", "1", "--frequencies", "3", "--EI", "-1"},
+       2, "EI");
+  said({"tension", "--length", "2", "--mass-per-length", "1", "--measured", "none.csv"}, 3,
+       "none.csv");
+}
+
+}  // namespace
+}  // namespace rigfit::apps::tension_verb_test

@@ -1,0 +1,134 @@
+#include "ident/predict/scene_prediction.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "model/linear/frf_synthesis.h"
+
+namespace rigfit::ident::scene_prediction_test {
+namespace {
+
+/// A horizontal cantilever, weightless: f goes with sqrt(EI / m).
+model::Scene cantilever() {
+  model::Scene scene;
+  scene.gravity.setZero();
+  scene.nodes.resize(2);
+  scene.nodes[0].name = "foot";
+  scene.nodes[0].support.kind = model::Support::Kind::clamped;
+  scene.nodes[1].name = "tip";
+  scene.nodes[1].position = {1, 0, 0};
+  model::Member beam;
+  beam.name = "beam";
+  beam.kind = model::Member::Kind::beam;
+  beam.nodes = {"foot", "tip"};
+  beam.segments = 20;
+  beam.mass_per_length = 2;
+  beam.EA = 1e7;
+  beam.EI = {100, 100};
+  beam.GJ = 100;
+  beam.damping_ratio = 0.01;
+  scene.members.push_back(beam);
+  scene.loads.resize(1);
+  scene.loads[0].name = "hammer";
+  scene.loads[0].place.node = "tip";
+  scene.loads[0].peak = 1;
+  scene.loads[0].duration = 1e-3;
+  scene.sensors.resize(1);
+  scene.sensors[0].name = "tip";
+  scene.sensors[0].place.node = "tip";
+  return scene;
+}
+
+FittedParameters two(double EI_std, double m_std, double correlation) {
+  FittedParameters fitted;
+  fitted.parameters = {{"beam.EI", 121}, {"beam.mass_per_length", 2.2}};
+  fitted.covariance.resize(2, 2);
+  fitted.covariance << EI_std * EI_std, correlation * EI_std * m_std, correlation * EI_std * m_std,
+      m_std * m_std;
+  return fitted;
+}
+
+TEST(ScenePrediction, LinearPropagationIsTheClosedForm) {
+  // ln f = (ln EI - ln m) / 2 + const: var ln f = (u^2 + v^2 - 2 r u v) / 4.
+  const double u = 0.01, v = 0.02, r = 0.6;
+  const auto prediction = predict_modes(cantilever(), two(u * 121, v * 2.2, r), {});
+  ASSERT_EQ(prediction.modes.size(), 6u);
+  EXPECT_FALSE(prediction.sampled) << prediction.nonlinearity;
+  const double expected = std::sqrt(u * u + v * v - 2 * r * u * v) / 2;
+  const auto before = model::analyse_modes(cantilever());
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& f = prediction.modes[i].frequency_hz;
+    EXPECT_NEAR(f.value / before.modes[i].frequency_hz, std::sqrt(1.21 / 1.1), 1e-6);
+    EXPECT_NEAR(f.std / f.value / expected, 1, 1e-4);
+    EXPECT_NEAR(std::log(prediction.modes[i].high_hz / f.value), 1.959964 * expected, 1e-5);
+  }
+}
+
+TEST(ScenePrediction, SamplesAgreeWhereTheModelIsLinearAndTakeOverWhereItIsNot) {
+  auto options = PredictionOptions{};
+  options.count = 2;
+  options.always_sample = true;
+  const auto sampled = predict_modes(cantilever(), two(0.01 * 121, 0, 0), options);
+  ASSERT_TRUE(sampled.sampled);
+  // 200 samples: their std is known to 5 %.
+  EXPECT_NEAR(sampled.modes[0].frequency_hz.std / sampled.modes[0].frequency_hz.value / 0.005, 1,
+              0.2);
+  // A tip mass of about nothing to much: the frequency is no linear function of it.
+  FittedParameters mass;
+  mass.parameters = {{"tip.mass", 0.5}};
+  mass.covariance = Eigen::MatrixXd::Constant(1, 1, 0.25);
+  options.always_sample = false;
+  const auto curved = predict_modes(cantilever(), mass, options);
+  EXPECT_GT(curved.nonlinearity, 0.05);
+  EXPECT_TRUE(curved.sampled);
+  EXPECT_LT(curved.modes[0].low_hz, curved.modes[0].frequency_hz.value);
+  EXPECT_GT(curved.modes[0].high_hz, curved.modes[0].frequency_hz.value);
+}
+
+TEST(ScenePrediction, NamesAreMapped) {
+  auto fitted = two(1, 0.01, 0);
+  fitted.parameters[0].name = "pole.EI";
+  const auto partly = predict_modes(cantilever(), fitted, {});
+  EXPECT_EQ(partly.not_used, std::vector<std::string>{"pole.EI"});
+  fitted.parameters[0].targets = {"beam.EI"};
+  EXPECT_TRUE(predict_modes(cantilever(), fitted, {}).not_used.empty());
+  fitted.parameters[0].targets.clear();
+  fitted.parameters[1].name = "pole.mass";
+  try {
+    (void)predict_modes(cantilever(), fitted, {});
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("pole.EI"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("beam.EI"), std::string::npos);
+  }
+}
+
+TEST(ScenePrediction, FrfIntervalsFollowTheStiffness) {
+  // Below all modes |H| of acceleration is omega^2 over the static stiffness 3 EI / L^3: its
+  // relative std is that of EI.
+  FittedParameters fitted;
+  fitted.parameters = {{"beam.EI", 100}};
+  fitted.covariance = Eigen::MatrixXd::Constant(1, 1, 4);
+  const auto frfs = predict_frfs(cantilever(), fitted, Eigen::VectorXd::Constant(1, 0.05));
+  ASSERT_EQ(frfs.H.size(), 1u);
+  EXPECT_NEAR(frfs.std[0](0, 0), 0.02, 1e-3);
+}
+
+TEST(ScenePrediction, HoldsMeasurementsAgainstIt) {
+  const auto prediction = predict_modes(cantilever(), two(0.02 * 121, 0, 0), {});
+  MeasuredMode mode;
+  const double f = prediction.modes[0].frequency_hz.value;
+  mode.frequency_hz = {1.005 * f, 0};
+  mode.plane = prediction.modes[0].mode.plane;
+  MeasuredMode far = mode;
+  far.frequency_hz.value = 1.05 * prediction.modes[2].frequency_hz.value;
+  const auto held = held_against(prediction, {mode, far});
+  EXPECT_NEAR(held[0].standard_units, -0.5, 0.01);
+  EXPECT_TRUE(held[0].inside);
+  EXPECT_FALSE(held[1].inside);
+}
+
+}  // namespace
+}  // namespace rigfit::ident::scene_prediction_test

@@ -1,0 +1,76 @@
+#include "ident/tension/cable_frequencies.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace rigfit::ident::cable_frequencies_test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+TEST(CableFrequencies, PinnedBeamIsTheClosedForm) {
+  // f_n^2 = n^2 T / (4 m L^2) + n^4 pi^2 EI / (4 m L^4).
+  const double L = 3.2, m = 1.7, EI = 42, T = 1234;
+  const auto f = cable_frequencies({L, m, T, EI, 0, 0}, 6, kInf);
+  ASSERT_EQ(f.out_hz.size(), 6u);
+  EXPECT_EQ(f.in_hz, f.out_hz);
+  for (int n = 1; n <= 6; ++n) {
+    const double exact = std::sqrt(n * n * T / (4 * m * L * L) +
+                                   std::pow(n, 4) * kPi * kPi * EI / (4 * m * std::pow(L, 4)));
+    EXPECT_NEAR(f.out_hz[static_cast<std::size_t>(n - 1)], exact, 1e-12 * exact);
+  }
+}
+
+TEST(CableFrequencies, ClampedBeamWithoutTension) {
+  // Wave numbers times L of a clamped beam: 4.730041, 7.853205, 10.995608, 14.137165 (Blevins,
+  // 1979). T L^2 / EI = 1e-9 changes them by 1e-10.
+  const double wave[] = {4.730040745, 7.853204624, 10.995607838, 14.137165491};
+  const auto f = cable_frequencies({2, 3, 1e-9 * 50 / 4, 50, kInf, 0}, 4, kInf);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double exact = wave[i] * wave[i] / (2 * kPi * 4) * std::sqrt(50.0 / 3);
+    EXPECT_NEAR(f.in_hz[i] / exact, 1, 1e-8);
+  }
+  // A very stiff spring is a clamp, a very soft one a pin.
+  const auto stiff = cable_frequencies({2, 3, 10, 50, 1e10, 0}, 3, kInf);
+  const auto clamped = cable_frequencies({2, 3, 10, 50, kInf, 0}, 3, kInf);
+  const auto soft = cable_frequencies({2, 3, 10, 50, 1e-8, 0}, 3, kInf);
+  const auto pinned = cable_frequencies({2, 3, 10, 50, 0, 0}, 3, kInf);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(stiff.in_hz[i] / clamped.in_hz[i], 1, 1e-7);
+    EXPECT_NEAR(soft.in_hz[i] / pinned.in_hz[i], 1, 1e-9);
+  }
+}
+
+TEST(CableFrequencies, SagIsIrvinesEquation) {
+  // Without bending tan(x) = x - (4 / lambda^2) x^3, x = b L / 2, in symmetric modes; antisymmetric
+  // ones stay. At 2e7 L sqrt(T / EI) the bending's part is 1e-7.
+  const double L = 100, m = 10, T = 1e5, EI = T * L * L * 2.5e-15;
+  for (const double lambda2 : {0.1, 10.0, 39.0, 41.0, 200.0}) {
+    const auto f = cable_frequencies({L, m, T, EI, 0, lambda2}, 6, kInf);
+    ASSERT_EQ(f.in_hz.size(), 6u);
+    int symmetric = 0;
+    for (const double hz : f.in_hz) {
+      const double x = 2 * kPi * hz * std::sqrt(m / T) * L / 2;
+      if (std::abs(std::sin(x)) < 1e-6) continue;
+      ++symmetric;
+      const double misfit = std::sin(x) - (x - 4 / lambda2 * x * x * x) * std::cos(x);
+      EXPECT_NEAR(misfit, 0, 1e-5 * (1 + 4 / lambda2 * x * x * x)) << lambda2 << ", x = " << x;
+    }
+    EXPECT_EQ(symmetric, 3) << lambda2;
+    EXPECT_TRUE(std::is_sorted(f.in_hz.begin(), f.in_hz.end()));
+  }
+}
+
+TEST(CableFrequencies, StopsBeyondTheLimit) {
+  const auto f = cable_frequencies({1, 1, 4, 1e-9, 0, 0}, 100, 4.5);  // 1, 2, 3 ... Hz
+  ASSERT_EQ(f.out_hz.size(), 5u);
+  EXPECT_NEAR(f.out_hz.back(), 5, 1e-5);
+}
+
+}  // namespace
+}  // namespace rigfit::ident::cable_frequencies_test
