@@ -19,17 +19,21 @@ bool all_auto(const Scene& scene, const ModesOptions& options) {
   });
 }
 
-/// Extrapolated modes, where every member leaves its segments to the program; not known otherwise.
+/// Extrapolated modes, where every member leaves its segments to the program. Not known otherwise,
+/// nor where the powers of the segments' length do not hold from the start (a column that has
+/// buckled when cut coarsely, layers of bending too short for short chains), nor where they do not
+/// reach the accuracy asked for.
 ExtrapolatedModes extrapolated_modes(const Scene& scene, const ModesOptions& options) {
+  constexpr int kCoarse = 12;
   if (!all_auto(scene, options)) return {};
-  // What stands only just may have buckled when cut coarsely.
-  for (const int n : {12, 48, 192}) {
-    const ChainModes coarse = find_modes(scene, options, std::vector<int>(scene.members.size(), n));
-    if (coarse.equilibrium.status == EquilibriumStatus::buckled) continue;
-    if (coarse.order.empty()) return {};
-    return extrapolate_modes(scene, options, sequence_start(scene, coarse), scene.accuracy);
-  }
-  return {};
+  const ChainModes coarse =
+      find_modes(scene, options, std::vector<int>(scene.members.size(), kCoarse));
+  if (coarse.order.empty()) return {};
+  const SequenceStart start = sequence_start(scene, coarse);
+  if (!start.resolved) return {};
+  ExtrapolatedModes limit = extrapolate_modes(scene, options, start, scene.accuracy);
+  if (!(limit.relative_error <= scene.accuracy)) return {};
+  return limit;
 }
 
 /// What leaving torsion out changes: the largest relative change of a frequency.

@@ -318,12 +318,18 @@ SequenceStart sequence_start(const Scene& scene, const ChainModes& modes) {
     const ChainMember& chained = modes.chain->members[m];
     const double tension = rest.members[m].tension_N;
     const double EI = std::max(member.EI[0], member.EI[1]);
+    const double length = rest.members[m].unstretched_length_m;
+    // Euler's least critical load, pi^2 EI / (2 L)^2: frequencies near it are differences of two
+    // stiffnesses that converge each.
+    const double critical = std::pow(0.5 * M_PI / length, 2) * std::min(member.EI[0], member.EI[1]);
+    out.resolved = out.resolved && -tension <= critical;
     double wanted = kPhaseShare * phases[m];
     const bool bent =
         chained.end_joint[0] >= 0 || chained.end_joint[1] >= 0 || !member.masses.empty();
     if (bent && tension > 0 && EI > 0) {
-      const double layers = rest.members[m].unstretched_length_m * std::sqrt(tension / EI);
+      const double layers = length * std::sqrt(tension / EI);
       wanted = std::max(wanted, std::min(kLayerShare * layers, kMostForLayers));
+      out.resolved = out.resolved && kLayerShare * layers <= kMostForLayers;
     }
     int first = std::max(kFewest, static_cast<int>(std::ceil(wanted)));
     const auto off = [&](int n) {

@@ -45,6 +45,7 @@ struct ExtrapolatedModes {
 struct SequenceStart {
   std::vector<int> first;  ///< m above, by member
   bool regular = true;     ///< all masses stand at nodes
+  bool resolved = true;    ///< layers of bending by the first chain; no compression near buckling
 };
 /// By the phases of the highest mode's wave, by the bending at clamps and masses, whose layer of
 /// length sqrt(EI / T) the first chain's segments are to resolve, and by the masses' places.
