@@ -1,12 +1,12 @@
-// Parameters of a fit, with their covariance, in another scene: its modes, FRFs and responses with
-// their uncertainty.
+// Parameters of a fit, with their covariance, in another scene: its modes and FRFs with their
+// uncertainty.
 //
 // With p the fitted values, C their covariance and y(p) a quantity of the scene,
 //
 //   var y = g' C g,   g = dy/dp
 //
 // with analytic derivatives of frequencies, damping ratios and FRFs (the change of the equilibrium
-// included) and central differences of time responses. Positive quantities get the interval
+// included). Positive quantities get the interval
 // y exp(-+ 1.96 std / y). The linear answer is checked at one and at 1.96 standard uncertainties
 // along each principal direction of C: where a frequency departs from it by more than a twentieth
 // of its std, the modes are sampled instead (positive parameters lognormal), and the interval is

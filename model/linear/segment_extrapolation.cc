@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::array<int, 16> kSequence{2,  3,  4,  6,  8,   12,  16,  24,
                                         32, 48, 64, 96, 128, 192, 256, 384};
-constexpr int kMost = 2000;                         // segments a member
+constexpr int kMostSegments = 2000;                 // segments a member
 constexpr std::size_t kSmallest = 2, kLargest = 4;  // windows: chains that a value is of
 // The first number of segments is twice m: m by the phase of the highest wave (rad), by the layers
 // of bending in a member, and at least.
 constexpr double kPhaseShare = 0.42, kLayerShare = 0.25, kMostForLayers = 24;
-constexpr int kFewest = 3;
+constexpr int kFirstFewest = 3;
 constexpr double kAtNode = 1e-6;  // of a segment
 constexpr int kFinestPlace = 25;  // masses' positions: multiples of 1 / this
 constexpr int kBeside = 2;        // modes followed above those asked for
@@ -331,7 +331,7 @@ SequenceStart sequence_start(const Scene& scene, const ChainModes& modes) {
       wanted = std::max(wanted, std::min(kLayerShare * layers, kMostForLayers));
       out.resolved = out.resolved && kLayerShare * layers <= kMostForLayers;
     }
-    int first = std::max(kFewest, static_cast<int>(std::ceil(wanted)));
+    int first = std::max(kFirstFewest, static_cast<int>(std::ceil(wanted)));
     const auto off = [&](int n) {
       double worst = 0;
       for (const AttachedMass& mass : member.masses) {
@@ -356,7 +356,7 @@ ExtrapolatedModes extrapolate_modes(const Scene& scene, const ModesOptions& opti
     const int most = *std::max_element(from.first.begin(), from.first.end());
     bool stands = true;
     for (std::size_t level = 0; level < kSequence.size() && stands; ++level) {
-      if (level > kSmallest + 1 && kSequence[level] * most > kMost) break;
+      if (level > kSmallest + 1 && kSequence[level] * most > kMostSegments) break;
       stands = extrapolation.add(kSequence[level]);
       if (stands && extrapolation.meets(accuracy)) break;
     }
