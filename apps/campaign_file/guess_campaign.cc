@@ -20,7 +20,7 @@ namespace rigfit::apps {
 namespace fs = std::filesystem;
 namespace {
 
-std::string lower(std::string text) {
+std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }
@@ -38,7 +38,7 @@ const signal::Channel* channel_like(const signal::Recording& recording,
                                     const std::vector<std::string>& beginnings) {
   for (const auto& beginning : beginnings) {
     for (const auto& channel : recording.channels) {
-      if (lower(channel.name).starts_with(beginning)) return &channel;
+      if (lower_case(channel.name).starts_with(beginning)) return &channel;
     }
   }
   return nullptr;
@@ -74,13 +74,14 @@ struct Guess {
 const signal::Channel* hammer_of(const signal::Recording& recording, const GuessOptions& options) {
   if (!options.force.empty()) {
     for (const auto& channel : recording.channels) {
-      if (lower(channel.name) == lower(options.force)) return &channel;
+      if (lower_case(channel.name) == lower_case(options.force)) return &channel;
     }
     return nullptr;
   }
   if (const auto* named = channel_like(recording, {"hammer", "impact"})) return named;
   for (const auto& channel : recording.channels) {
-    if ((channel.quantity == signal::Quantity::force || lower(channel.name).starts_with("force")) &&
+    if ((channel.quantity == signal::Quantity::force ||
+         lower_case(channel.name).starts_with("force")) &&
         has_pulses(channel)) {
       return &channel;
     }

@@ -12,11 +12,11 @@ namespace rigfit::ident {
 namespace {
 
 using signal::kNaN;
-constexpr double kPi = signal::kTwoPi / 2;
+constexpr double kHalfTurn = signal::kTwoPi / 2;
 
 /// w of the header.
 double beam_frequency(const CableFormulaInput& in) {
-  return 2 * kPi * in.frequency_hz * in.span_m * in.span_m *
+  return 2 * kHalfTurn * in.frequency_hz * in.span_m * in.span_m *
          std::sqrt(in.mass_per_length / in.EI_Nm2);
 }
 
@@ -33,7 +33,7 @@ double string_tension(const CableFormulaInput& in) {
 }
 
 double pinned_beam_tension(const CableFormulaInput& in) {
-  const double T = string_tension(in) - std::pow(in.order * kPi / in.span_m, 2) * in.EI_Nm2;
+  const double T = string_tension(in) - std::pow(in.order * kHalfTurn / in.span_m, 2) * in.EI_Nm2;
   return T > 0 ? T : kNaN;
 }
 
@@ -42,7 +42,7 @@ double clamped_beam_tension(const CableFormulaInput& in) {
   double w = beam_frequency(in);
   // b of order n lies between n pi (a string) and (n + 1) pi, where sin b is 0 and cos b has
   // turned.
-  double low = in.order * kPi, high = (in.order + 1) * kPi;
+  double low = in.order * kHalfTurn, high = (in.order + 1) * kHalfTurn;
   if (!(characteristic(low, &w) * characteristic(high, &w) < 0)) return kNaN;
   const std::unique_ptr<gsl_root_fsolver, decltype(&gsl_root_fsolver_free)> solver(
       gsl_root_fsolver_alloc(gsl_root_fsolver_brent), gsl_root_fsolver_free);

@@ -9,21 +9,21 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kLowX = 2, kHighX = 2000;             // L sqrt(T / EI) where EI is not given
 constexpr double kLowSpring = 0.03, kHighSpring = 30;  // q
 constexpr double kNegligible = 18;                     // in ln(weight)
 constexpr std::array<double, 6> kModelStd = {0, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2};
 
 double ln_prior_of_model_std(std::size_t index, bool stated) {
-  if (!stated) return index == 0 ? -kInf : std::log(0.2);
+  if (!stated) return index == 0 ? -kUnbounded : std::log(0.2);
   return index == 0 ? std::log(0.95) : std::log(0.01);
 }
 
 double ln_sum(const std::vector<TensionCell>& cells) {
-  double top = -kInf, sum = 0;
+  double top = -kUnbounded, sum = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) top = std::max(top, cells[i].ln_weight);
-  if (!std::isfinite(top)) return -kInf;
+  if (!std::isfinite(top)) return -kUnbounded;
   for (std::size_t i = 0; i < cells.size(); ++i) sum += std::exp(cells[i].ln_weight - top);
   return top + std::log(sum);
 }
@@ -40,7 +40,7 @@ struct GridPoint {
 
   void sum_up() {
     for (std::size_t t = 0; t < ln.size(); ++t) {
-      double top = -kInf, sum = 0;
+      double top = -kUnbounded, sum = 0;
       for (const auto& cell : cells) {
         if (cell.model_std == kModelStd[t]) top = std::max(top, cell.ln_weight);
       }
@@ -48,7 +48,7 @@ struct GridPoint {
         if (cell.model_std == kModelStd[t] && std::isfinite(top))
           sum += std::exp(cell.ln_weight - top);
       }
-      ln[t] = sum > 0 ? top + std::log(sum) : -kInf;
+      ln[t] = sum > 0 ? top + std::log(sum) : -kUnbounded;
     }
   }
 };
@@ -99,7 +99,7 @@ std::vector<TensionCell> resolved(const Range& range, int count, const Evaluate&
     points.push_back(point(range.low + (range.high - range.low) * i / (count - 1)));
   }
   for (int pass = 0; pass < 14 && points.size() < 150; ++pass) {
-    double top = -kInf;
+    double top = -kUnbounded;
     for (const auto& one : points)
       top = std::max(top, *std::max_element(one.ln.begin(), one.ln.end()));
     if (!std::isfinite(top)) break;
@@ -204,7 +204,7 @@ class Local {
   static constexpr double kFloor = 1e-14;
 
   void residuals(const CableState& state, std::vector<double>& values) {
-    const auto modelled = model_.frequencies(state, count_, kInf);
+    const auto modelled = model_.frequencies(state, count_, kUnbounded);
     values.clear();
     variance_.clear();
     for (std::size_t i = 0; i < modes_.size(); ++i) {
@@ -269,7 +269,7 @@ double given_EI(const CableDescription& cable, double tension_N) {
 CableState TensionAnswer::state(CableEnds ends) const {
   const auto& cell = cells[best];
   CableState state{std::exp(cell.ln_tension), std::exp(cell.ln_EI), 0};
-  if (ends == CableEnds::clamped) state.spring_Nm_rad = kInf;
+  if (ends == CableEnds::clamped) state.spring_Nm_rad = kUnbounded;
   if (ends == CableEnds::springs) state.spring_Nm_rad = std::exp(cell.ln_spring);
   return state;
 }
@@ -331,9 +331,9 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
     answer.cells = resolved(
         range, 9, [&](double ln_q, auto& cells) { at_spring(std::exp(ln_q), ln_flat, cells); });
   } else {
-    at_spring(ends == CableEnds::clamped ? kInf : 0, 0, answer.cells);
+    at_spring(ends == CableEnds::clamped ? kUnbounded : 0, 0, answer.cells);
   }
-  double top = -kInf;
+  double top = -kUnbounded;
   for (const auto& cell : answer.cells) top = std::max(top, cell.ln_weight);
   std::erase_if(answer.cells,
                 [top](const auto& cell) { return !(cell.ln_weight > top - kNegligible); });

@@ -19,7 +19,7 @@
 namespace rigfit::apps {
 namespace {
 
-constexpr const char* kExample =
+constexpr const char* kPredictExample =
     "Example: the beam of a rig, fitted with its cables on, by itself\n"
     "  rigfit update rig.toml --measured rig.csv --free beam.EI_z --json fit.json\n"
     "  rigfit predict beam.toml --from fit.json --count 5 --measured beam.csv";
@@ -306,7 +306,7 @@ void add_predict(CLI::App& program, Verbs& verbs) {
   const auto c = std::make_shared<PredictCommand>();
   CLI::App* app = program.add_subcommand(
       "predict", "Modes and FRFs of another scene with the parameters of a fit, with intervals");
-  app->footer(kExample);
+  app->footer(kPredictExample);
   app->add_option("scene", c->scene, "Scene file (TOML)")->required()->type_name("SCENE");
   app->add_option("--from", c->from, "JSON result of `rigfit update`")
       ->required()

@@ -10,7 +10,7 @@
 namespace rigfit::apps {
 namespace {
 
-constexpr double kNormal95 = 1.959963984540054;  // two-sided 95 % of a normal distribution
+constexpr double kPointBar95 = 1.959963984540054;  // two-sided 95 % of a normal distribution
 
 bool at_points(const signal::IdentifiedMode& mode) { return mode.points.size() > 1; }
 
@@ -42,7 +42,7 @@ std::optional<Plot> points_plot(const std::string& id,
     points.variant = variant;
     double middle = 0;
     for (const auto& at : mode.points) {
-      const double half = 1e6 * kNormal95 * at.frequency_hz.std / mean;
+      const double half = 1e6 * kPointBar95 * at.frequency_hz.std / mean;
       points.x.push_back(static_cast<double>(at.order + 1));
       points.y.push_back(1e6 * (at.frequency_hz.value / mean - 1));
       points.low.push_back(points.y.back() - half);

@@ -14,7 +14,7 @@ namespace {
 // Okabe and Ito's colours for what has no order (Okabe and Ito, Color Universal Design, 2008).
 constexpr std::array<const char*, 8> kSources{"#0072b2", "#e69f00", "#009e73", "#cc79a7",
                                               "#56b4e9", "#d55e00", "#f0e442", "#999999"};
-constexpr double kWidth = 760;
+constexpr double kBarsWidth = 760;
 
 std::string csv_quoted(const std::string& text) {
   std::string result = "\"";
@@ -54,7 +54,7 @@ Picture share_bars(const std::string& id, const std::string& title, const std::s
     double sum = 0;
     for (const auto& part : bar.parts) sum += part.second;
     body += text_at(kName - 10, y + 17, "end", bar.name);
-    body += text_at(kWidth - kValue + 10, y + 17, "start", bar.value);
+    body += text_at(kBarsWidth - kValue + 10, y + 17, "start", bar.value);
     double x = kName;
     for (const auto& [source, size] : bar.parts) {
       auto at = std::find(sources.begin(), sources.end(), source);
@@ -62,7 +62,7 @@ Picture share_bars(const std::string& id, const std::string& title, const std::s
       const double share = sum > 0 ? size / sum : 0;
       picture.csv +=
           fmt::format("{},{},{},{}\n", csv_quoted(bar.name), csv_quoted(source), size, share);
-      const double width = share * (kWidth - kName - kValue);
+      const double width = share * (kBarsWidth - kName - kValue);
       const auto colour =
           kSources[static_cast<std::size_t>(at - sources.begin()) % kSources.size()];
       body += fmt::format(
@@ -86,7 +86,7 @@ Picture share_bars(const std::string& id, const std::string& title, const std::s
   y += 22;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const double width = 34 + 6.8 * static_cast<double>(sources[i].size());
-    if (x + width > kWidth && x > 12) {
+    if (x + width > kBarsWidth && x > 12) {
       x = 12;
       y += 20;
     }
@@ -96,7 +96,7 @@ Picture share_bars(const std::string& id, const std::string& title, const std::s
     body += text_at(x + 20, y, "start", sources[i]);
     x += width;
   }
-  picture.width = kWidth;
+  picture.width = kBarsWidth;
   picture.height = y + 12;
   picture.svg = svg_of(picture, body);
   return picture;
@@ -107,8 +107,8 @@ Picture matrix_picture(const std::string& id, const std::string& title, const st
                        const std::vector<std::string>& columns) {
   constexpr double kName = 110, kTop = 64;
   const double field = std::clamp(
-      (kWidth - kName - 20) / static_cast<double>(std::max<Eigen::Index>(values.cols(), 1)), 12.0,
-      54.0);
+      (kBarsWidth - kName - 20) / static_cast<double>(std::max<Eigen::Index>(values.cols(), 1)),
+      12.0, 54.0);
   const double height = std::min(field, 30.0);
   Picture picture;
   picture.id = id;
