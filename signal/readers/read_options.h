@@ -13,7 +13,7 @@ struct ReadOptions {
   double sample_rate_hz = 0;
   double time_unit_s = 0;  ///< seconds per number of the time column; 0: as the file says
   char decimal = 0;        ///< decimal sign of a table, '.' or ','; 0: found
-  char separator = 0;      ///< between columns, ',', ';', '\t' or ' '; 0: found
+  char separator = 0;      ///< between columns, ',', ';', tab or ' '; 0: found
   std::string format;      ///< one of `format_names()`; empty: by the content
   std::vector<std::string> variables;  ///< arrays to take of a file that names several; empty: all
 };
