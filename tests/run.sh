@@ -4,14 +4,15 @@
 set -eu
 cd "$(dirname "$0")/.."
 preset="${1:-release}"
-benchmarks=OFF
-[ "$preset" = asan ] || benchmarks=ON
+# The Python package is tested as users have it: a sanitizer would have to be loaded into the interpreter.
+benchmarks=OFF python=OFF
+[ "$preset" = asan ] || benchmarks=ON python=ON
 
 sh apps/install_packages.sh test
 echo "Configuring ($preset) ..."
 mkdir -p build
 cmake --preset "$preset" -DRIGFIT_BUILD_TESTS=ON \
-  -DRIGFIT_BUILD_BENCHMARKS="$benchmarks" \
+  -DRIGFIT_BUILD_BENCHMARKS="$benchmarks" -DRIGFIT_BUILD_PYTHON="$python" \
   >"build/configure-$preset.log" 2>&1 || {
   cat "build/configure-$preset.log" >&2
   echo "error: configuring failed (above)" >&2

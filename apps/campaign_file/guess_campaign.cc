@@ -257,7 +257,8 @@ GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::st
   }
   if (tests.empty()) throw UsageError("none of the files is a recording over time");
   for (const auto* map : {&options.units, &options.sensitivities}) {
-    for (const auto& [name, value] : *map) {
+    for (const auto& entry : *map) {
+      const std::string& name = entry.first;
       const bool known = std::any_of(read.begin(), read.end(), [&](const auto& one) {
         return std::any_of(one.second.channels.begin(), one.second.channels.end(),
                            [&](const auto& channel) { return channel.name == name; });

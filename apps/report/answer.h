@@ -24,10 +24,10 @@ struct Answer {
   bool determined = true;            ///< false: these data cannot tell it
   bool percent = false;              ///< a ratio that is shown in percent
   std::optional<double> reference = std::nullopt;
-  std::string reference_name = "";  ///< "published", "truth"
+  std::string reference_name = {};  ///< "published", "truth"
   ident::Origin origin = ident::Origin::modelled;
-  std::string anchor = "";   ///< id of the part that says more
-  std::string verdict = "";  ///< instead of that of the interval
+  std::string anchor = {};   ///< id of the part that says more
+  std::string verdict = {};  ///< instead of that of the interval
   int rank = 0;              ///< 0: first page; 1: where there is room
 };
 

@@ -386,6 +386,7 @@ double settle(EndsPosterior& one, const TensionData& data, const Assignments& as
 std::vector<EndsPosterior> posteriors(const CableDescription& cable, const TensionData& data,
                                       const std::vector<CableEnds>& kinds) {
   std::vector<EndsPosterior> all;
+  all.reserve(kinds.size());
   for (const CableEnds ends : kinds) {
     all.push_back({ends, CableModel(cable), {}, -kInf, {}, true});
   }

@@ -95,6 +95,7 @@ std::vector<TensionCell> resolved(const Range& range, int count, const Evaluate&
     made.sum_up();
     return made;
   };
+  points.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     points.push_back(point(range.low + (range.high - range.low) * i / (count - 1)));
   }
