@@ -169,6 +169,7 @@ class Search {
     best_score_ = std::max(best_score_, alignment.score());
     auto modes = alignment.modes(data_.modes.size(), listed_);
     std::vector<int> key;
+    key.reserve(modes.size() + 1);
     for (const auto& mode : modes)
       key.push_back(2 * mode.order + (mode.plane == model::ModePlane::in));
     // With sag the same orders can have several tensions.
