@@ -25,5 +25,5 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # What compiling against the installed libraries needs.
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, pkg-config, libeigen3-dev, libceres-dev, libfftw3-dev, libgsl-dev, libsundials-dev, libmatio-dev, libsndfile1-dev, libfmt-dev, libtomlplusplus-dev")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, pkg-config, libeigen3-dev, libceres-dev, libfftw3-dev, libgsl-dev, libsundials-dev, libmatio-dev, libsndfile1-dev, zlib1g-dev, libfmt-dev, libtomlplusplus-dev")
 include(CPack)

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "signal/readers/arrays/array_columns.h"
+#include "signal/readers/arrays/mat_headers.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_time.h"
 #include "signal/recording/recording_error.h"
@@ -110,6 +111,7 @@ class MatReader {
   }
 
   std::vector<MatArray> read() {
+    check_mat_headers(path_);
     const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path_.c_str(), MAT_ACC_RDONLY),
                                                        &Mat_Close);
     if (!file) {

@@ -279,6 +279,29 @@ TEST_F(Mat, DamagedOnesAreRefusedOrRead) {
   }
 }
 
+TEST_F(Mat, StructsThatStateMoreThanTheFileHoldsAreRefused) {
+  const std::string version = std::string("\0\1IM", 4);
+  const auto part = [](std::uint64_t type, const std::string& data) {
+    const std::string padding((8 - data.size() % 8) % 8, '\0');
+    return little(type, 4) + little(data.size(), 4) + data + padding;
+  };
+  const auto file = [&](std::uint64_t elements) {
+    const std::string inside = part(6, little(2, 4) + little(0, 4)) +
+                               part(5, little(1, 4) + little(elements, 4)) + part(1, "run") +
+                               part(5, little(2, 4)) + part(1, std::string("x\0", 2)) +
+                               little(14, 4) + little(0, 4);
+    return std::string(124, ' ') + version + little(14, 4) + little(inside.size(), 4) + inside;
+  };
+  for (const std::uint64_t elements : {2ULL, 1ULL << 30}) {
+    std::ofstream(path_, std::ios::binary) << file(elements);
+    EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), testing::HasSubstr("can hold"));
+  }
+  std::ofstream(path_, std::ios::binary) << file(1);
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), testing::HasSubstr("no array"));
+  std::ofstream(path_, std::ios::binary) << std::string(200, '\1');
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), testing::HasSubstr("version 5 to 7.3"));
+}
+
 TEST(Damaged, WavAndNumpyFilesAreRefusedOrRead) {
   std::mt19937_64 random(8);
   const std::vector<std::string> seeds = {
