@@ -183,6 +183,7 @@ class Stages {
 
 Json campaign_report(const Campaign& campaign, const fs::path& folder, const ReportOptions& options,
                      VerbContext& context) {
+  if (!options.force) require_own_report(folder, campaign.title);
   take_inputs(campaign, context);
   make_output_folder(folder);
   for (const char* place : {"", "data", "figures", "uff"}) sweep_parts(folder / place);
@@ -259,6 +260,9 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
 
 Json compared_campaigns(const Campaign& before, const Campaign& after, const fs::path& folder,
                         const ReportOptions& options, VerbContext& context) {
+  const std::string title = after.title == before.title ? before.title + ": before and after"
+                                                        : before.title + " against " + after.title;
+  if (!options.force) require_own_report(folder, title);
   make_output_folder(folder);
   for (const char* place : {"", "data", "figures"}) sweep_parts(folder / place);
   ComparedReport first{before.title, "before", {}}, second{after.title, "after", {}};
@@ -268,8 +272,7 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
   parts.front().id = "overview";
 
   PageFrame frame;
-  frame.title = after.title == before.title ? before.title + ": before and after"
-                                            : before.title + " against " + after.title;
+  frame.title = title;
   frame.description = fmt::format("Before: {} ({}). After: {} ({}).", before.title, before.file,
                                   after.title, after.file);
   frame.details = after.report;

@@ -85,6 +85,21 @@ void write_pdfs(const fs::path& folder, std::span<const ReportPart> parts,
 
 }  // namespace
 
+void require_own_report(const fs::path& folder, const std::string& title) {
+  std::ifstream file(folder / "report.json");
+  if (!file) return;
+  const Json before = Json::parse(file, nullptr, false);
+  const std::string other =
+      before.is_object() && before.value("command", Json()) == "report" && before.contains("title")
+          ? before["title"].dump()
+          : "a file of something else";
+  if (other == Json(title).dump()) return;
+  throw UsageError(
+      fmt::format("{} holds {}, this campaign is {}: name another folder by --out, or "
+                  "replace that report by --force",
+                  (folder / "report.json").string(), other, Json(title).dump()));
+}
+
 Json figure_list(std::span<const ReportPart> parts) {
   Json figures = Json::array();
   each_plot(parts, [&](const Plot& plot) {

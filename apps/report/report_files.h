@@ -21,7 +21,11 @@ struct ReportOptions {
   /// Size and font of the figures for papers; none: as on the page. With `pdf` also figures.pdf, a
   /// figure a page.
   std::optional<SvgOptions> figures;
+  bool force = false;  ///< another campaign's report in the folder may be replaced
 };
+
+/// Throws UsageError when `folder` holds a report of another title: of another campaign.
+void require_own_report(const std::filesystem::path& folder, const std::string& title);
 
 /// All figures of the parts that have data, for the document: id, title, data, figure.
 [[nodiscard]] Json figure_list(std::span<const ReportPart> parts);

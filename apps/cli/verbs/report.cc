@@ -11,7 +11,7 @@ void add_report(CLI::App& program, Verbs& verbs) {
   struct Options {
     std::vector<std::string> campaigns;
     std::string out, style = "lab";
-    bool pdf = false;
+    bool pdf = false, force = false;
     std::vector<double> figure_size;  // mm
     std::string figure_font = "sans-serif";
     double figure_font_size = 8;  // pt
@@ -31,6 +31,7 @@ void add_report(CLI::App& program, Verbs& verbs) {
       ->check(CLI::IsMember({"lab", "client"}))
       ->capture_default_str();
   app->add_flag("--pdf", options->pdf, "Print to PDF as well, by a Chromium on PATH");
+  app->add_flag("--force", options->force, "Replace another campaign's report in the folder");
   app->add_option("--figure-size", options->figure_size,
                   "Width and height of the figures for a paper; with --pdf also figures.pdf")
       ->expected(2)
@@ -49,6 +50,7 @@ void add_report(CLI::App& program, Verbs& verbs) {
                      ReportOptions report;
                      if (options->style == "client") report.style = ReportStyle::client;
                      report.pdf = options->pdf;
+                     report.force = options->force;
                      if (!options->figure_size.empty()) {
                        report.figures = print_size(options->figure_size[0], options->figure_size[1],
                                                    options->figure_font, options->figure_font_size);

@@ -143,7 +143,17 @@ TEST_F(PublishedTables, NoValueIsLeftWithoutANumberWhereOneIsDue) {
 
 TEST_F(PublishedTables, SameNumbersOnOneThread) {
   const TemporaryFolder other;
-  const auto run = run_program({"report", kCampaign, "--out", other.path().string(), "--quiet"});
+  const std::string before = R"({"command": "report", "title": "Another rig"})";
+  other.write("report.json", before);
+  const std::vector<std::string> command = {"report", kCampaign, "--out", other.path().string(),
+                                            "--quiet"};
+  const auto refused = run_program(command);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("Another rig"), HasSubstr("--force")));
+  EXPECT_EQ(other.read("report.json"), before);
+  auto forced = command;
+  forced.emplace_back("--force");
+  const auto run = run_program(forced);
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.out, "");
   EXPECT_EQ(other.read("report.json"), folder_->read("report.json"));
