@@ -393,7 +393,9 @@ class Analysis {
     const std::vector<double> shares = noise_shares(estimate);
     test_.force_noise_left = *std::max_element(shares.begin(), shares.end());
     // From an error of 0.1 % of H on.
-    test_.frfs.shared_force_noise = test_.force_window_s > 0 && test_.force_noise_left > 1e-6;
+    if (test_.force_window_s > 0 && test_.force_noise_left > 1e-6) {
+      test_.frfs.force_noise_span_s = force_noise_span();
+    }
     const auto percent = [](double part) {
       return part >= 3 ? std::string("three times or more") : fmt::format("{:.2g} %", 100 * part);
     };
@@ -425,6 +427,19 @@ class Analysis {
                            : "a force window keeps it out"),
            ""});
     }
+  }
+
+  /// From a hit's peak to where its force window has faded out, the longest of all hits.
+  double force_noise_span() const {
+    Index longest = 0;
+    for (const Hit& hit : test_.search.hits) {
+      if (!hit.accepted) continue;
+      const FrfBlock block = block_of(hit);
+      const Index peak = hit.peak_sample - hit.block_first;
+      longest = std::max({longest, block.force_last + block.force_taper - peak,
+                          peak - std::max<Index>(0, block.force_first - block.force_taper)});
+    }
+    return static_cast<double>(longest) / test_.search.sample_rate_hz;
   }
 
   double block_duration() const {

@@ -84,7 +84,7 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
     input.node = response ? all.responses[static_cast<std::size_t>(*response)].node
                           : static_cast<int>(responses) + ++named;
     all.inputs.push_back(input);
-    all.shared_force_noise = all.shared_force_noise || one.shared_force_noise;
+    all.force_noise_span_s = std::max(all.force_noise_span_s, one.force_noise_span_s);
     all.averages = std::min(all.averages, one.averages);
     for (Index r = 0; r < responses; ++r) {
       const Index column = r * inputs + i;

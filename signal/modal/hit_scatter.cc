@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -11,6 +10,7 @@
 #include <optional>
 
 #include "signal/numerics/numbers.h"
+#include "signal/refinement/local_fit.h"
 
 namespace rigfit::signal {
 namespace {
@@ -22,18 +22,29 @@ using Eigen::VectorXcd;
 constexpr Index kBackground = 3;   // coefficients of the polynomial
 constexpr double kBandwidths = 6;  // half width of the window, half bandwidths of the mode
 constexpr Index kLines = 8;        // and at least so many lines on either side
+// Poles nearer than so many times the sum of their half bandwidths are fitted together: where a
+// neighbour is one part in 20 of its peak.
+constexpr double kOverlap = 4.5;
 
 /// Lines around a mode and the poles that share them.
 struct Window {
   VectorXcd s;
-  Eigen::VectorXd x;  ///< -1..1
   Index first = 0;
-  std::vector<Complex> neighbours;
+  std::vector<std::size_t> near;   ///< modes whose resonances overlap with it: followed as well
+  std::vector<Complex> neighbours; ///< further ones, held
 };
 
 struct HitPole {
   Complex pole;
   double variance = 0;  ///< of its real and of its imaginary part, each
+};
+
+/// All hits with one set of free poles, the first of them the mode's.
+struct HitFits {
+  std::vector<std::vector<HitPole>> by_input;
+  /// Sum over hits and FRFs of the misfit over the noise, and what it has in degrees of freedom.
+  double misfit = 0, freedom = 0;
+  int fits = 0;
 };
 
 std::optional<Window> window_around(const FrfSet& frfs, const ModalModel& model, std::size_t mode) {
@@ -55,75 +66,121 @@ std::optional<Window> window_around(const FrfSet& frfs, const ModalModel& model,
   }
   for (std::size_t r = 0; r < model.modes.size(); ++r) {
     const Complex other = model.modes[r].pole_rad_s;
-    if (r == mode || std::abs(other.imag() / kTwoPi - centre) > 1.5 * half) continue;
-    // Within the resonance: a peak that moves between hits looks like two in the average. Where it
-    // is another mode, one pole leaves a misfit, which counts as noise.
-    if (std::abs(other.imag() - pole.imag()) < 2 * decay - other.real() - pole.real()) continue;
-    window.neighbours.push_back(other);
+    const double apart = std::abs(other.imag() - pole.imag());
+    if (r == mode || apart / kTwoPi > 1.5 * half) continue;
+    if (apart < kOverlap * (2 * decay - other.real() - pole.real()) && apart / kTwoPi < half) {
+      window.near.push_back(r);
+    } else {
+      window.neighbours.push_back(other);
+    }
   }
   const Index count = last - window.first;
-  if (count < kLines + kBackground + 2 + static_cast<Index>(window.neighbours.size())) return {};
+  const auto poles = static_cast<Index>(1 + window.near.size() + window.neighbours.size());
+  if (count < kLines + kBackground + 1 + poles) return {};
   window.s.resize(count);
-  window.x.resize(count);
   for (Index k = 0; k < count; ++k) {
-    const double f = frfs.frequency_hz[window.first + k];
-    window.s[k] = Complex(decay, kTwoPi * f);
-    window.x[k] = (f - centre) / half;
+    window.s[k] = Complex(decay, kTwoPi * frfs.frequency_hz[window.first + k]);
   }
   return window;
 }
 
-/// The pole that the FRFs `H` (lines of the window x responses) share; empty when it does not
-/// stand.
-std::optional<HitPole> fit_hit(const Window& window, const MatrixXcd& H, Complex pole) {
-  constexpr int kSteps = 20;
-  const Complex start = pole;
-  const Index lines = window.s.size();
-  const auto others = static_cast<Index>(window.neighbours.size());
-  const Index unknowns = 2 + others + kBackground;
-  for (int step = 0; step < kSteps; ++step) {
-    const double width = window.s[0].real() - pole.real();
-    if (!(width > 0)) return {};
-    MatrixXcd basis(lines, unknowns);
-    basis.col(0) = width * (window.s.array() - pole).inverse();
-    basis.col(1) = basis.col(0).array().square();
-    for (Index r = 0; r < others; ++r) {
-      const Complex other = window.neighbours[static_cast<std::size_t>(r)];
-      basis.col(2 + r) = (window.s[0].real() - other.real()) * (window.s.array() - other).inverse();
+/// One over the variance of each FRF's noise, from what a fit leaves; rounding, where nothing is
+/// left.
+Eigen::VectorXd weights_of(const LocalFit& fit, const MatrixXcd& H) {
+  const Eigen::VectorXd power = H.colwise().squaredNorm().transpose();
+  const Eigen::VectorXd least = 1e-24 * power / static_cast<double>(H.rows());
+  const Eigen::VectorXd variance =
+      (fit.misfit / static_cast<double>(fit.freedom)).cwiseMax(least);
+  return (power.array() > 0).select(variance.cwiseMax(1e-300).cwiseInverse(), 0.0);
+}
+
+/// The poles that the FRFs `H` (lines of the window x responses) share; not usable when the first
+/// does not stand. `weight`: of the responses, empty: from what the fit leaves.
+LocalFit fit_hit(const Window& window, const MatrixXcd& H, const VectorXcd& start,
+                 Eigen::VectorXd& weight) {
+  LocalFitOptions options;
+  options.background_order = static_cast<int>(kBackground) - 1;
+  const VectorXcd fixed = Eigen::Map<const VectorXcd>(window.neighbours.data(),
+                                                      static_cast<Index>(window.neighbours.size()));
+  const bool weighted = weight.size() > 0;
+  const Eigen::VectorXd power = H.colwise().squaredNorm().transpose();
+  if (!weighted) weight = (power.array() > 0).select(power.cwiseMax(1e-300).cwiseInverse(), 0.0);
+  for (int round = weighted ? 1 : 0; round < 2; ++round) {
+    LocalFit fit = fit_locally(window.s, H, weight, start, fixed, options);
+    if (!fit.usable ||
+        std::abs(fit.poles[0] - start[0]) > 3 * (window.s[0].real() - start[0].real())) {
+      fit.usable = false;
+      return fit;
     }
-    basis.col(2 + others).setOnes();
-    basis.col(3 + others) = window.x.cast<Complex>();
-    basis.col(4 + others) = window.x.array().square().cast<Complex>();
-    const Eigen::HouseholderQR<MatrixXcd> qr(basis);
-    const MatrixXcd coefficients = qr.solve(H);
-    const MatrixXcd residual = H - basis * coefficients;
-    // |row 1 of (basis' basis)^-1/2|^2: variance of b for unit noise.
-    const MatrixXcd triangle = qr.matrixQR().topRows(unknowns).triangularView<Eigen::Upper>();
-    const VectorXcd row = triangle.adjoint().triangularView<Eigen::Lower>().solve(
-        VectorXcd(VectorXcd::Unit(unknowns, 1)));
-    double information = 0;
-    Complex shift = 0;
-    for (Index c = 0; c < H.cols(); ++c) {
-      const double left = residual.col(c).squaredNorm() / static_cast<double>(lines - unknowns);
-      if (!(H.col(c).squaredNorm() > 0)) continue;
-      // Rounding, where nothing is left.
-      const double variance =
-          std::max(left, 1e-24 * H.col(c).squaredNorm() / static_cast<double>(lines));
-      information += std::norm(coefficients(0, c)) / variance;
-      shift += std::conj(coefficients(0, c)) * coefficients(1, c) / variance;
-    }
-    if (!(information > 0) || !std::isfinite(information)) return {};
-    shift *= width / information;
-    const double variance = 0.5 * width * width * row.squaredNorm() / information;
-    const double most = 0.5 * width;
-    if (std::abs(shift) > most) shift *= most / std::abs(shift);
-    pole += shift;
-    if (std::abs(pole - start) > 3 * (window.s[0].real() - start.real())) return {};
-    if (std::norm(shift) < 1e-4 * variance || std::abs(shift) < 1e-9 * width) {
-      return HitPole{pole, variance};
-    }
+    if (round == 1) return fit;
+    weight = weights_of(fit, H);
   }
   return {};
+}
+
+/// Every hit with the poles `start` free. `weights`: of every hit's responses, filled where empty.
+HitFits fit_hits(const FrfSet& frfs, const Window& window, const VectorXcd& start,
+                 std::vector<Eigen::VectorXd>& weights) {
+  const auto inputs = frfs.inputs.size(), responses = frfs.responses.size();
+  HitFits all;
+  all.by_input.resize(inputs);
+  weights.resize(inputs * frfs.by_hit.size());
+  for (std::size_t i = 0; i < inputs; ++i) {
+    for (std::size_t h = 0; h < frfs.by_hit.size(); ++h) {
+      MatrixXcd H(window.s.size(), static_cast<Index>(responses));
+      for (std::size_t o = 0; o < responses; ++o) {
+        const Index column = frfs.column(static_cast<Index>(o), static_cast<Index>(i));
+        H.col(static_cast<Index>(o)) = frfs.by_hit[h].col(column).segment(window.first, H.rows());
+      }
+      if (!H.allFinite()) continue;
+      Eigen::VectorXd& weight = weights[i * frfs.by_hit.size() + h];
+      const LocalFit fit = fit_hit(window, H, start, weight);
+      if (!fit.usable) continue;
+      all.by_input[i].push_back({fit.poles[0], 0.5 * fit.covariance(0, 0).real()});
+      all.misfit += 2 * weight.dot(fit.misfit);
+      all.freedom += 2 * static_cast<double>(fit.freedom * (weight.array() > 0).count()) -
+                     2 * static_cast<double>(start.size());
+      ++all.fits;
+    }
+  }
+  return all;
+}
+
+/// The fits of a mode with those of its neighbours that the hits together show: leaving such a one
+/// out, its pole and residues, raises the misfit by more than noise does (one chance in 10^4).
+HitFits follow(const FrfSet& frfs, const ModalModel& model, std::size_t mode, double shared,
+               Window& window, std::vector<std::size_t>& unseen) {
+  const auto start_of = [&](const std::vector<std::size_t>& near) {
+    VectorXcd start(static_cast<Index>(1 + near.size()));
+    start[0] = model.modes[mode].pole_rad_s;
+    for (std::size_t q = 0; q < near.size(); ++q) {
+      start[static_cast<Index>(q + 1)] = model.modes[near[q]].pole_rad_s;
+    }
+    return start;
+  };
+  for (;;) {
+    std::vector<Eigen::VectorXd> weights;
+    HitFits full = fit_hits(frfs, window, start_of(window.near), weights);
+    double largest = 1e-4;
+    std::size_t least = window.near.size();
+    HitFits instead;
+    for (std::size_t q = 0; q < window.near.size(); ++q) {
+      std::vector<std::size_t> fewer = window.near;
+      fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(q));
+      HitFits without = fit_hits(frfs, window, start_of(fewer), weights);
+      // A hit that stands with fewer poles only tells for fewer.
+      const double added = without.freedom - full.freedom;
+      const double chance =
+          full.fits < without.fits || !(added > 0)
+              ? 1
+              : gsl_cdf_chisq_Q(std::max(0.0, without.misfit - full.misfit) / shared,
+                                added / shared);
+      if (chance > largest) largest = chance, least = q;
+    }
+    if (least == window.near.size()) return full;
+    unseen.push_back(window.near[least]);
+    window.near.erase(window.near.begin() + static_cast<std::ptrdiff_t>(least));
+  }
 }
 
 /// Pooled scatter of repetitions.
@@ -179,60 +236,36 @@ double chance_of(double ratio, double freedom, double noise_freedom) {
   return gsl_cdf_fdist_Q(ratio, freedom, std::max(1.0, noise_freedom));
 }
 
-/// Whether a sure mode within four bandwidths of mode r is one that half of the `fits` single hits
-/// or fewer show: their fits of mode r then take its share too.
-bool hidden_neighbour(const std::vector<IdentifiedMode>& modes, std::size_t r,
-                      const std::vector<Scatter>& frequency, std::size_t fits) {
-  for (const std::size_t other : {r - 1, r + 1}) {  // r - 1 wraps below 0 and is left out
-    if (other >= modes.size() || modes[other].doubtful) continue;
-    const Complex p = modes[r].pole_rad_s, q = modes[other].pole_rad_s;
-    const bool near = std::abs(p.imag() - q.imag()) < -4 * (p.real() + q.real());
-    if (near && 2 * static_cast<std::size_t>(frequency[other].count) <= fits) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& model) {
   std::vector<ModeOfHits> result(model.modes.size());
   if (frfs.by_hit.size() < 2) return result;
-  const auto inputs = frfs.inputs.size(), responses = frfs.responses.size();
   const double spacing_s =
       frfs.frequency_hz.size() > 1 ? 1 / (frfs.frequency_hz[1] - frfs.frequency_hz[0]) : 0;
   // Under an exponential window neighbouring lines share their noise: sum of |correlation|^2.
   const double c = frfs.exponential_decay_rate_1_s * spacing_s;
   const double shared = c > 1e-6 ? c / std::tanh(c) : 1;
   for (std::size_t r = 0; r < model.modes.size(); ++r) {
-    const auto window = window_around(frfs, model, r);
+    auto window = window_around(frfs, model, r);
     if (!window) continue;
     ModeOfHits& mode = result[r];
-    mode.frequency_hz.resize(inputs);
-    mode.damping_ratio.resize(inputs);
-    double variance = 0, count = 0;
-    for (std::size_t i = 0; i < inputs; ++i) {
-      for (const MatrixXcd& all : frfs.by_hit) {
-        MatrixXcd H(window->s.size(), static_cast<Index>(responses));
-        for (std::size_t o = 0; o < responses; ++o) {
-          const Index column = frfs.column(static_cast<Index>(o), static_cast<Index>(i));
-          H.col(static_cast<Index>(o)) = all.col(column).segment(window->first, H.rows());
-        }
-        if (!H.allFinite()) continue;
-        const auto pole = fit_hit(*window, H, model.modes[r].pole_rad_s);
-        if (!pole) continue;
-        mode.frequency_hz[i].push_back(std::abs(pole->pole) / kTwoPi);
-        mode.damping_ratio[i].push_back(-pole->pole.real() / std::abs(pole->pole));
-        variance += shared * pole->variance, ++count;
+    const HitFits fits = follow(frfs, model, r, shared, *window, mode.unseen);
+    double variance = 0;
+    for (const std::vector<HitPole>& poles : fits.by_input) {
+      mode.frequency_hz.emplace_back();
+      mode.damping_ratio.emplace_back();
+      for (const HitPole& found : poles) {
+        mode.frequency_hz.back().push_back(std::abs(found.pole) / kTwoPi);
+        mode.damping_ratio.back().push_back(-found.pole.real() / std::abs(found.pole));
+        variance += shared * found.variance / fits.fits;
       }
     }
-    if (count == 0) continue;
+    if (fits.fits == 0) continue;
     const double omega = std::abs(model.modes[r].pole_rad_s);
-    mode.noise_frequency_hz = std::sqrt(variance / count) / kTwoPi;
-    mode.noise_damping_ratio = std::sqrt(variance / count) / omega;
-    mode.noise_freedom = 2 * count * static_cast<double>(responses) *
-                         static_cast<double>(window->s.size() - kBackground - 2 -
-                                             static_cast<Index>(window->neighbours.size())) /
-                         shared;
+    mode.noise_frequency_hz = std::sqrt(variance) / kTwoPi;
+    mode.noise_damping_ratio = std::sqrt(variance) / omega;
+    mode.noise_freedom = fits.freedom / shared;
   }
   return result;
 }
@@ -256,13 +289,12 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
   const bool all_differ = chance_of(excess / freedom, freedom, noise_freedom) < kAll;
   double largest = 0, times = 0;
   bool means = false;
-  const std::vector<IdentifiedMode> before = model.modes;
   std::vector<bool> allowed(hits.size(), false);
   for (std::size_t r = 0; r < hits.size(); ++r) {
     IdentifiedMode& mode = model.modes[r];
     const Scatter &f = frequency[r], &z = damping[r];
     const std::size_t fits = hits[r].frequency_hz.size() * frfs.by_hit.size();
-    if ((all_differ || frfs.shared_force_noise) && fits > 0 &&
+    if (all_differ && fits > 0 &&
         2 * static_cast<std::size_t>(f.count) <= fits) {
       mode.doubtful = true;
       mode.doubt += fmt::format("{}only {} of {} single hits show it",
@@ -276,15 +308,18 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
         all_differ || chance_of(ratio, 2 * f.freedom, hits[r].noise_freedom) < kMode;
     mode.between_hits = {f.count, std::sqrt(std::max(0.0, f.variance - f_noise)),
                          std::sqrt(std::max(0.0, z.variance - z_noise)), differs};
-    if (!differs && !frfs.shared_force_noise) continue;
+    if (!differs) continue;
     allowed[r] = true;
     // Poles that scatter by s about i w widen the average's resonance by (s / decay rate)^2.
     const double decay_rate = mode.damping_ratio.value * std::abs(mode.pole_rad_s);
     const double widening = mode.damping_ratio.value *
                             std::pow(kTwoPi * mode.between_hits.frequency_std_hz / decay_rate, 2);
     const double std = std::max(mode.damping_ratio.std, widened_std(z));
-    if (frfs.inputs.size() == 1 && !hidden_neighbour(before, r, frequency, fits) &&
-        (frfs.shared_force_noise || widening > 0.5 * std)) {
+    // Where hits do not show a sure neighbour, their fits of this mode take its share too.
+    const bool takes_more =
+        std::any_of(hits[r].unseen.begin(), hits[r].unseen.end(),
+                    [&](std::size_t other) { return !model.modes[other].doubtful; });
+    if (frfs.inputs.size() == 1 && !takes_more && widening > 0.5 * std) {
       means = true;
       mode.frequency_hz.value = f.mean;
       mode.damping_ratio.value = z.mean;

@@ -1,11 +1,10 @@
 // How much a mode's frequency and damping differ from hit to hit, and what that makes of them.
 //
-// Each hit's own FRFs are fitted around each mode with the model linearised about the pole p,
-//   H_c(s) = a_c / (s - p) + b_c / (s - p)^2 + neighbours + b_0c + b_1c x + b_2c x^2,
-// x the frequency scaled to the window; the pole moves by sum_c w_c conj(a_c) b_c / sum_c w_c
-// |a_c|^2 until it stands (Gauss-Newton for one pole shared by the responses, w_c one over the
-// variance of what is left). What noise a force window leaves multiplies an FRF by a smooth factor
-// and goes into a, b_0 .. b_2, not into p.
+// Each hit's own FRFs are fitted on the lines around each mode (local_fit.h): its pole and those of
+// modes whose resonances overlap with it are free, from the average's on, residues and a quadratic
+// background as well, further modes are held. What noise a force window leaves multiplies an FRF by
+// a smooth factor and goes into residues and background, not into poles. An overlapping mode that
+// the hits together do not show, by a chi-square test of the misfit without it, is left out.
 //
 // Hits on one point are repetitions: their scatter s has sum (hits - 1) degrees of freedom, their
 // mean the uncertainty s / sqrt(n). An F test says whether s is more than the noise left around the
@@ -27,6 +26,7 @@ struct ModeOfHits {
   std::vector<std::vector<double>> frequency_hz, damping_ratio;
   double noise_frequency_hz = 0, noise_damping_ratio = 0;  ///< std that noise gives one hit
   double noise_freedom = 0;                                ///< degrees of freedom of these
+  std::vector<std::size_t> unseen;  ///< overlapping modes that the hits do not show beside it
 };
 
 /// Fits of every hit in `frfs.by_hit`, in the order of `model.modes`. Hits whose fit does not stand
@@ -34,12 +34,11 @@ struct ModeOfHits {
 [[nodiscard]] std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& model);
 
 /// Fills `between_hits` of the modes, widens their standard deviations by it where it is more than
-/// noise (one chance in twenty of the mode, or one in a hundred of all modes), or where the noise
-/// on the force is shared by lines and responses (`FrfSet::shared_force_noise`), and notes
+/// noise (one chance in twenty of the mode, or one in a hundred of all modes), and notes
 /// "hits_disagree". A test of one point takes frequency and damping from the mean over its hits
-/// where the average's would be biased: where noise of the force is shared, or where poles that
-/// scatter by s widen the average's resonance, damping (s / decay rate)^2 too large to second order
-/// in s, by more than half a standard deviation. Elsewhere the average stays: fits of single hits
+/// where the average's would be biased: where poles that scatter by s widen the average's
+/// resonance, damping (s / decay rate)^2 too large to second order in s, by more than half a
+/// standard deviation. Elsewhere the average stays: fits of single hits
 /// are the noisier ones, and where they do not show a neighbouring mode they take its share too. A
 /// mode that half of the hits or fewer show, or that they show as one with another mode, is called
 /// doubtful. Without `by_hit` nothing is done.

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "signal/refinement/modal_basis.h"
+#include "signal/refinement/smooth_background.h"
 
 namespace rigfit::signal {
 
@@ -69,6 +70,8 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
   band.lines.s = laplace_lines(band.frequency_hz, band.window);
   band.lines.power = power_of_s(frfs.form);
   band.lines.inputs = inputs;
+  band.lines.background =
+      smooth_background(band.lines.s, band.lines.power, frfs.force_noise_span_s);
   return band;
 }
 

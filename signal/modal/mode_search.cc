@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "signal/numerics/numbers.h"
-#include "signal/refinement/residues.h"
 
 namespace rigfit::signal {
 namespace {
@@ -74,8 +73,7 @@ class ModeSearch {
   }
 
   MatrixXcd model() const {
-    return synthesise(band().lines.s, band().lines.power, fit_.poles, fit_.residues, fit_.lower,
-                      fit_.upper);
+    return fitted_frfs(band().lines, fit_);
   }
   void update_noise() {
     const MatrixXcd m = model();
@@ -96,13 +94,10 @@ class ModeSearch {
       }
     }
     if (static_cast<Index>(right.size()) == fit_.poles.size()) return model();
-    VectorXcd poles(static_cast<Index>(right.size()));
-    MatrixXcd residues(poles.size(), fit_.residues.cols());
-    for (Index i = 0; i < poles.size(); ++i) {
-      poles[i] = fit_.poles[right[static_cast<std::size_t>(i)]];
-      residues.row(i) = fit_.residues.row(right[static_cast<std::size_t>(i)]);
-    }
-    return synthesise(band().lines.s, band().lines.power, poles, residues, fit_.lower, fit_.upper);
+    ModalRefineResult part = fit_;
+    part.poles = fit_.poles(right);
+    part.residues = fit_.residues(right, Eigen::all);
+    return fitted_frfs(band().lines, part);
   }
   /// Misfit under a given noise, with the price of the modes: comparable between searches.
   double cost_with(const FrfNoise& noise) const {
@@ -139,7 +134,8 @@ class ModeSearch {
     fit_ = refine_modes(band().lines, noise_, start, refine_options);
     iterations_ += fit_.iterations;
     // Gram matrices and products with the FRFs of each step, and as much for noise and covariance.
-    const double columns = 2 * static_cast<double>(candidates_.size()) + 4;
+    const double columns = 2 * static_cast<double>(candidates_.size()) + 4 +
+                           2 * static_cast<double>(band().lines.background.cols());
     work_ += (fit_.iterations + 3.0) * 4 * static_cast<double>(band().frequency_hz.size()) *
              columns * (columns + static_cast<double>(band().lines.H.cols()));
     for (std::size_t r = 0; r < candidates_.size(); ++r) {

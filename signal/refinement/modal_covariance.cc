@@ -94,14 +94,13 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
                                  const ModalRefineResult& fit, bool with_residues) {
   const Index modes = fit.poles.size(), size = 2 * modes, frfs = data.H.cols();
   const Index inputs = data.inputs, lines = data.s.size();
-  const MatrixXcd model =
-      synthesise(data.s, data.power, fit.poles, fit.residues, fit.lower, fit.upper);
+  const MatrixXcd model = fitted_frfs(data, fit);
   const VectorXd weight = line_weight(noise, data.H);
   const VectorXd inverse_variance = inverse_variance_of(noise);
   ModalCovariance result;
   result.full_rank = false;
 
-  const MatrixXd basis = stacked_basis(data.s, data.power, fit.poles, weight);
+  const MatrixXd basis = weighted_basis(data, fit.poles, weight);
   const ScaledGram factor(gram_of(basis));
   if (!factor.usable()) return result;
   const MatrixXd coefficients = pack_coefficients(fit.residues, fit.lower, fit.upper);
@@ -174,8 +173,8 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
     const MatrixXd through_poles = turned_columns(gain, residues);
     const bool alive = inverse_variance[c] > 0;
     MatrixXd with_poles =
-        MatrixXd::Zero(size + 4, size);  // covariance with what the poles' errors sum
-    VectorXd variance = VectorXd::Zero(size + 4);
+        MatrixXd::Zero(basis.cols(), size);  // covariance with what the poles' errors sum
+    VectorXd variance = VectorXd::Zero(basis.cols());
     if (alive) {
       with_poles = turned_columns(filter_score, residues);
       variance = noise.column[c] * filter_covariance.diagonal();

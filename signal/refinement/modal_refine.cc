@@ -36,7 +36,7 @@ Stage stage_at(const FrfLines& data, const VectorXd& weight, const MatrixXd& y,
                const VectorXcd& poles) {
   Stage stage;
   stage.poles = poles;
-  stage.basis = stacked_basis(data.s, data.power, poles, weight);
+  stage.basis = weighted_basis(data, poles, weight);
   const ScaledGram factor(gram_of(stage.basis));
   if (!factor.usable()) return stage;
   const MatrixXd moments = stage.basis.transpose() * y;
@@ -101,6 +101,28 @@ const char* name_of(RefineEnd end) {
   return "";
 }
 
+MatrixXd weighted_basis(const FrfLines& data, const Eigen::Ref<const VectorXcd>& poles,
+                        const Eigen::Ref<const VectorXd>& line_weight) {
+  MatrixXd basis = stacked_basis(data.s, data.power, poles, line_weight);
+  const Index first = basis.cols(), terms = data.background.cols();
+  if (terms == 0) return basis;
+  basis.conservativeResize(Eigen::NoChange, first + 2 * terms);
+  const MatrixXcd turned_terms = Complex(0, 1) * data.background;
+  const MatrixXd even = stacked(data.background, line_weight);
+  const MatrixXd odd = stacked(turned_terms, line_weight);
+  for (Index t = 0; t < terms; ++t) {
+    basis.col(first + 2 * t) = even.col(t);
+    basis.col(first + 2 * t + 1) = odd.col(t);
+  }
+  return basis;
+}
+
+MatrixXcd fitted_frfs(const FrfLines& data, const ModalRefineResult& fit) {
+  MatrixXcd H = synthesise(data.s, data.power, fit.poles, fit.residues, fit.lower, fit.upper);
+  if (fit.background.size() > 0) H += data.background * fit.background;
+  return H;
+}
+
 ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
                                const Eigen::Ref<const VectorXcd>& start,
                                const ModalRefineOptions& options) {
@@ -116,7 +138,7 @@ ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
   const double window = lines > 0 ? data.s[0].real() : 0;
   const Index size = 2 * start.size();
   const double freedom = std::max(1.0, static_cast<double>((inverse_variance.array() > 0).count()) *
-                                               static_cast<double>(2 * lines - size - 4) -
+                                               static_cast<double>(2 * lines - size - 4 - 2 * data.background.cols()) -
                                            static_cast<double>(size));
 
   ModalRefineResult result;
@@ -180,7 +202,13 @@ ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
   result.poles = stage.poles;
   if (!stage.usable) return result;
   if (size == 0) result.end = RefineEnd::converged;
-  unpack_coefficients(stage.coefficients, result.residues, result.lower, result.upper);
+  unpack_coefficients(stage.coefficients.topRows(size + 4), result.residues, result.lower,
+                      result.upper);
+  result.background.resize(data.background.cols(), data.H.cols());
+  for (Index t = 0; t < result.background.rows(); ++t) {
+    result.background.row(t).real() = stage.coefficients.row(size + 4 + 2 * t);
+    result.background.row(t).imag() = stage.coefficients.row(size + 5 + 2 * t);
+  }
   result.cost = stage.cost;
   result.leverage = leverage_of(stage, noise, inverse_variance);
   return result;

@@ -22,6 +22,9 @@ struct FrfLines {
   int power = 0;
   Eigen::MatrixXcd H;
   Eigen::Index inputs = 1;
+  /// Lines x terms: smooth functions that every FRF may hold besides modes and residuals
+  /// (smooth_background.h); empty: none.
+  Eigen::MatrixXcd background;
 };
 
 struct ModalRefineOptions {
@@ -37,11 +40,21 @@ struct ModalRefineResult {
   Eigen::VectorXcd poles;     ///< rad/s, of the structure (s carries the window)
   Eigen::MatrixXcd residues;  ///< modes x FRFs
   Eigen::VectorXcd lower, upper;
+  Eigen::MatrixXcd background;  ///< terms of FrfLines::background x FRFs
   RefineEnd end = RefineEnd::iteration_limit;
   int iterations = 0;
   double cost = 0;           ///< the minimised sum
   Eigen::VectorXd leverage;  ///< lines: share of the freedom used, mean over FRFs
 };
+
+/// Columns of the linear unknowns: those of modal_basis.h, then two real ones a background term,
+/// each line multiplied by `line_weight`.
+[[nodiscard]] Eigen::MatrixXd weighted_basis(const FrfLines& data,
+                                             const Eigen::Ref<const Eigen::VectorXcd>& poles,
+                                             const Eigen::Ref<const Eigen::VectorXd>& line_weight);
+
+/// Lines x FRFs of a fit, background included.
+[[nodiscard]] Eigen::MatrixXcd fitted_frfs(const FrfLines& data, const ModalRefineResult& fit);
 
 /// From starting poles (positive imaginary part). FRFs with infinite `noise.column` are left out of
 /// the poles.

@@ -7,23 +7,12 @@
 #include <vector>
 
 #include "signal/numerics/robust.h"
+#include "signal/spectra/line_means.h"
 
 namespace rigfit::signal {
 namespace {
 using Eigen::ArrayXd;
 using Eigen::Index;
-
-/// Mean over lines k - half .. k + half, fewer at the ends.
-ArrayXd mean_over_lines(const ArrayXd& values, Index half) {
-  ArrayXd sums(values.size() + 1), result(values.size());
-  sums[0] = 0;
-  for (Index k = 0; k < values.size(); ++k) sums[k + 1] = sums[k] + values[k];
-  for (Index k = 0; k < values.size(); ++k) {
-    const Index first = std::max<Index>(0, k - half), last = std::min(values.size(), k + half + 1);
-    result[k] = std::max(0.0, sums[last] - sums[first]) / static_cast<double>(last - first);
-  }
-  return result;
-}
 
 void note_low(FrfSet& frfs, const std::optional<std::pair<double, double>>& band_hz) {
   std::vector<double> values;

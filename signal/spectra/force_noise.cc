@@ -6,6 +6,7 @@
 
 #include "signal/numerics/robust.h"
 #include "signal/spectra/fft.h"
+#include "signal/spectra/line_means.h"
 #include "signal/spectra/window.h"
 
 namespace rigfit::signal {
@@ -117,17 +118,6 @@ ArrayXd medians(const ArrayXd& values, Index half) {
   return result;
 }
 
-ArrayXd means(const ArrayXd& values, Index half) {
-  ArrayXd sums(values.size() + 1), result(values.size());
-  sums[0] = 0;
-  for (Index k = 0; k < values.size(); ++k) sums[k + 1] = sums[k] + values[k];
-  for (Index k = 0; k < values.size(); ++k) {
-    const Index first = std::max<Index>(0, k - half), last = std::min(values.size(), k + half + 1);
-    result[k] = std::max(0.0, sums[last] - sums[first]) / static_cast<double>(last - first);
-  }
-  return result;
-}
-
 /// Largest power of a line over the median that noise of `freedom` degrees of freedom gives, but
 /// for once in a million.
 double most_of_noise(double freedom) {
@@ -156,7 +146,7 @@ ForceNoise force_noise_power(std::span<const FrfBlock> blocks, Index n, const Ve
   const auto count = static_cast<double>(blocks.size());
   const ArrayXd window = window_lags(blocks, n, exponential) / count;
   const ArrayXd quiet = without_tones(r, 2 * count, smoothing_lines);
-  const ArrayXd smooth = means(every_second(power_of(quiet * window)), smoothing_lines);
+  const ArrayXd smooth = mean_over_lines(every_second(power_of(quiet * window)), smoothing_lines);
   const ArrayXd tones = every_second(power_of((r - quiet) * window));
   return {(tones > most_of_noise(2 * count) * smooth).select(smooth + tones, smooth), smooth};
 }

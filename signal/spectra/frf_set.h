@@ -44,9 +44,10 @@ struct FrfSet {
   /// FRFs of the single hits behind the average, layout as H, fewer lines; columns of inputs with
   /// fewer hits are NaN. Tells what changes between hits (hit_scatter.h). Empty: not kept.
   std::vector<Eigen::MatrixXcd> by_hit;
-  /// A force window leaves noise that is alike on neighbouring lines and common to the responses:
-  /// error bars line by line do not tell what it does to modes.
-  bool shared_force_noise = false;
+  /// The longest time between a hit and noise on the force that a force window leaves. H is then
+  /// multiplied by 1 + e(f), e common to the responses and smooth over lines: the transform of a
+  /// signal that lies within this time of the hit (smooth_background.h). 0: no such noise.
+  double force_noise_span_s = 0;
   int averages = 0;
   double sample_rate_hz = 0;
   std::vector<Note> notes;
