@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/robust.h"
 #include "signal/refinement/local_fit.h"
 
 namespace rigfit::signal {
@@ -25,25 +26,31 @@ constexpr Index kLines = 8;        // and at least so many lines on either side
 // Poles nearer than so many times the sum of their half bandwidths are fitted together: where a
 // neighbour is one part in 20 of its peak.
 constexpr double kOverlap = 4.5;
+/// Least peak of a neighbour in hits, of its peak in the average, both over the mode's.
+constexpr double kLeastPeak = 1.0 / 3;
 
 /// Lines around a mode and the poles that share them.
 struct Window {
   VectorXcd s;
   Index first = 0;
-  std::vector<std::size_t> near;   ///< modes whose resonances overlap with it: followed as well
-  std::vector<Complex> neighbours; ///< further ones, held
+  std::vector<std::size_t> near;    ///< modes whose resonances overlap with it: followed as well
+  std::vector<Complex> neighbours;  ///< further ones, held
 };
 
-struct HitPole {
-  Complex pole;
-  double variance = 0;  ///< of its real and of its imaginary part, each
+/// Mean over the hits of the variance of the real and of the imaginary part of a pole, each: from
+/// noise that is white over lines, and from what is left line by line.
+struct PoleNoise {
+  double white = 0, robust = 0;
 };
 
 /// All hits with one set of free poles, the first of them the mode's.
 struct HitFits {
-  std::vector<std::vector<HitPole>> by_input;
+  std::vector<std::vector<Complex>> by_input;
+  PoleNoise noise;
   /// Sum over hits and FRFs of the misfit over the noise, and what it has in degrees of freedom.
   double misfit = 0, freedom = 0;
+  /// Peak of each other free pole over the mode's, by hit.
+  std::vector<std::vector<double>> peaks;
   int fits = 0;
 };
 
@@ -89,8 +96,7 @@ std::optional<Window> window_around(const FrfSet& frfs, const ModalModel& model,
 Eigen::VectorXd weights_of(const LocalFit& fit, const MatrixXcd& H) {
   const Eigen::VectorXd power = H.colwise().squaredNorm().transpose();
   const Eigen::VectorXd least = 1e-24 * power / static_cast<double>(H.rows());
-  const Eigen::VectorXd variance =
-      (fit.misfit / static_cast<double>(fit.freedom)).cwiseMax(least);
+  const Eigen::VectorXd variance = (fit.misfit / static_cast<double>(fit.freedom)).cwiseMax(least);
   return (power.array() > 0).select(variance.cwiseMax(1e-300).cwiseInverse(), 0.0);
 }
 
@@ -124,6 +130,7 @@ HitFits fit_hits(const FrfSet& frfs, const Window& window, const VectorXcd& star
   const auto inputs = frfs.inputs.size(), responses = frfs.responses.size();
   HitFits all;
   all.by_input.resize(inputs);
+  all.peaks.resize(static_cast<std::size_t>(start.size() - 1));
   weights.resize(inputs * frfs.by_hit.size());
   for (std::size_t i = 0; i < inputs; ++i) {
     for (std::size_t h = 0; h < frfs.by_hit.size(); ++h) {
@@ -136,20 +143,36 @@ HitFits fit_hits(const FrfSet& frfs, const Window& window, const VectorXcd& star
       Eigen::VectorXd& weight = weights[i * frfs.by_hit.size() + h];
       const LocalFit fit = fit_hit(window, H, start, weight);
       if (!fit.usable) continue;
-      all.by_input[i].push_back({fit.poles[0], 0.5 * fit.covariance(0, 0).real()});
+      all.by_input[i].push_back(fit.poles[0]);
+      all.noise.white += 0.5 * fit.covariance(0, 0).real();
+      all.noise.robust += 0.5 * fit.robust_covariance(0, 0).real();
+      const Eigen::ArrayXd peaks =
+          fit.amplitudes.rowwise().norm().array() / (window.s[0].real() - fit.poles.real().array());
+      for (Index q = 1; q < start.size(); ++q) {
+        all.peaks[static_cast<std::size_t>(q - 1)].push_back(peaks[q] / peaks[0]);
+      }
       all.misfit += 2 * weight.dot(fit.misfit);
       all.freedom += 2 * static_cast<double>(fit.freedom * (weight.array() > 0).count()) -
                      2 * static_cast<double>(start.size());
       ++all.fits;
     }
   }
+  all.noise.white /= std::max(1, all.fits);
+  all.noise.robust /= std::max(1, all.fits);
   return all;
 }
 
 /// The fits of a mode with those of its neighbours that the hits together show: leaving such a one
-/// out, its pole and residues, raises the misfit by more than noise does (one chance in 10^4).
+/// out, its pole and residues, raises the misfit by more than noise does (one chance in 10^4), and
+/// its peak over the mode's is at least a third of what it is in the average. One mode that moves
+/// looks like two in the average; of the second, hits show next to nothing.
 HitFits follow(const FrfSet& frfs, const ModalModel& model, std::size_t mode, double shared,
                Window& window, std::vector<std::size_t>& unseen) {
+  const auto peak_of = [&](std::size_t r) {
+    const IdentifiedMode& of = model.modes[r];
+    return of.shape.norm() * of.participation.norm() /
+           (frfs.exponential_decay_rate_1_s - of.pole_rad_s.real());
+  };
   const auto start_of = [&](const std::vector<std::size_t>& near) {
     VectorXcd start(static_cast<Index>(1 + near.size()));
     start[0] = model.modes[mode].pole_rad_s;
@@ -170,11 +193,13 @@ HitFits follow(const FrfSet& frfs, const ModalModel& model, std::size_t mode, do
       HitFits without = fit_hits(frfs, window, start_of(fewer), weights);
       // A hit that stands with fewer poles only tells for fewer.
       const double added = without.freedom - full.freedom;
+      const bool shown =
+          full.fits > 0 && full.fits >= without.fits && added > 0 &&
+          median(full.peaks[q]) > kLeastPeak * peak_of(window.near[q]) / peak_of(mode);
       const double chance =
-          full.fits < without.fits || !(added > 0)
-              ? 1
-              : gsl_cdf_chisq_Q(std::max(0.0, without.misfit - full.misfit) / shared,
-                                added / shared);
+          !shown ? 1
+                 : gsl_cdf_chisq_Q(std::max(0.0, without.misfit - full.misfit) / shared,
+                                   added / shared);
       if (chance > largest) largest = chance, least = q;
     }
     if (least == window.near.size()) return full;
@@ -211,6 +236,11 @@ double widened_std(const Scatter& scatter) {
          1.96;
 }
 
+void doubt(IdentifiedMode& mode, const std::string& reason) {
+  mode.doubtful = true;
+  mode.doubt += (mode.doubt.empty() ? "" : "; ") + reason;
+}
+
 /// Modes whose single hits show the same pole twice: the weaker one is doubtful.
 void mark_doubles(const std::vector<Scatter>& frequency, const std::vector<bool>& allowed,
                   ModalModel& model) {
@@ -224,16 +254,34 @@ void mark_doubles(const std::vector<Scatter>& frequency, const std::vector<bool>
           0.1 * model.modes[r].damping_ratio.value * model.modes[r].frequency_hz.value;
       if (apart > std::max(one, width)) continue;
       const bool first = model.modes[r].shape.norm() < model.modes[q].shape.norm();
-      IdentifiedMode& weaker = model.modes[first ? r : q];
-      weaker.doubtful = true;
-      weaker.doubt += fmt::format("{}single hits show one resonance at {:.5g} Hz, not two",
-                                  weaker.doubt.empty() ? "" : "; ", a.mean);
+      doubt(model.modes[first ? r : q],
+            fmt::format("single hits show one resonance at {:.5g} Hz, not two", a.mean));
     }
   }
 }
 
 double chance_of(double ratio, double freedom, double noise_freedom) {
   return gsl_cdf_fdist_Q(ratio, freedom, std::max(1.0, noise_freedom));
+}
+
+/// Raises a standard deviation to `least`, its covariances with it.
+void widen(Estimate& value, Index row, double least, Eigen::MatrixXd& covariance) {
+  if (!(value.std < least)) return;
+  if (covariance.rows() > row && value.std > 0) {
+    covariance.row(row) *= least / value.std;
+    covariance.col(row) *= least / value.std;
+  }
+  value.std = least;
+}
+
+void take_mean(double frequency_hz, double damping_ratio, double window, IdentifiedMode& mode) {
+  mode.frequency_hz.value = frequency_hz;
+  mode.damping_ratio.value = damping_ratio;
+  const double omega = kTwoPi * frequency_hz;
+  mode.pole_rad_s = Complex(-damping_ratio * omega,
+                            omega * std::sqrt(std::max(0.0, 1 - damping_ratio * damping_ratio)));
+  const Complex measured = mode.pole_rad_s - window;
+  mode.damping_ratio_with_window = -measured.real() / std::abs(measured);
 }
 
 }  // namespace
@@ -251,18 +299,17 @@ std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& mode
     if (!window) continue;
     ModeOfHits& mode = result[r];
     const HitFits fits = follow(frfs, model, r, shared, *window, mode.unseen);
-    double variance = 0;
-    for (const std::vector<HitPole>& poles : fits.by_input) {
+    for (const std::vector<Complex>& poles : fits.by_input) {
       mode.frequency_hz.emplace_back();
       mode.damping_ratio.emplace_back();
-      for (const HitPole& found : poles) {
-        mode.frequency_hz.back().push_back(std::abs(found.pole) / kTwoPi);
-        mode.damping_ratio.back().push_back(-found.pole.real() / std::abs(found.pole));
-        variance += shared * found.variance / fits.fits;
+      for (const Complex pole : poles) {
+        mode.frequency_hz.back().push_back(std::abs(pole) / kTwoPi);
+        mode.damping_ratio.back().push_back(-pole.real() / std::abs(pole));
       }
     }
     if (fits.fits == 0) continue;
     const double omega = std::abs(model.modes[r].pole_rad_s);
+    const double variance = shared * std::max(fits.noise.white, fits.noise.robust);
     mode.noise_frequency_hz = std::sqrt(variance) / kTwoPi;
     mode.noise_damping_ratio = std::sqrt(variance) / omega;
     mode.noise_freedom = fits.freedom / shared;
@@ -288,28 +335,30 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
   constexpr double kMode = 0.05, kAll = 0.01;
   const bool all_differ = chance_of(excess / freedom, freedom, noise_freedom) < kAll;
   double largest = 0, times = 0;
-  bool means = false;
-  std::vector<bool> allowed(hits.size(), false);
+  std::vector<bool> differs(hits.size(), false);
   for (std::size_t r = 0; r < hits.size(); ++r) {
     IdentifiedMode& mode = model.modes[r];
     const Scatter &f = frequency[r], &z = damping[r];
     const std::size_t fits = hits[r].frequency_hz.size() * frfs.by_hit.size();
-    if (all_differ && fits > 0 &&
-        2 * static_cast<std::size_t>(f.count) <= fits) {
-      mode.doubtful = true;
-      mode.doubt += fmt::format("{}only {} of {} single hits show it",
-                                mode.doubt.empty() ? "" : "; ", f.count, fits);
+    if (all_differ && fits > 0 && 2 * static_cast<std::size_t>(f.count) <= fits) {
+      doubt(mode, fmt::format("only {} of {} single hits show it", f.count, fits));
     }
     if (!(f.freedom > 0) || !(hits[r].noise_frequency_hz > 0)) continue;
     const double f_noise = std::pow(hits[r].noise_frequency_hz, 2);
     const double z_noise = std::pow(hits[r].noise_damping_ratio, 2);
     const double ratio = 0.5 * (f.variance / f_noise + z.variance / z_noise);
-    const bool differs =
-        all_differ || chance_of(ratio, 2 * f.freedom, hits[r].noise_freedom) < kMode;
+    differs[r] = all_differ || chance_of(ratio, 2 * f.freedom, hits[r].noise_freedom) < kMode;
     mode.between_hits = {f.count, std::sqrt(std::max(0.0, f.variance - f_noise)),
-                         std::sqrt(std::max(0.0, z.variance - z_noise)), differs};
-    if (!differs) continue;
-    allowed[r] = true;
+                         std::sqrt(std::max(0.0, z.variance - z_noise)), differs[r]};
+    const double part = mode.between_hits.frequency_std_hz / mode.frequency_hz.value;
+    if (differs[r] && part > largest) largest = part, times = std::sqrt(f.variance / f_noise);
+  }
+  mark_doubles(frequency, differs, model);
+  bool means = false;
+  for (std::size_t r = 0; r < hits.size(); ++r) {
+    if (!differs[r]) continue;
+    IdentifiedMode& mode = model.modes[r];
+    const Scatter &f = frequency[r], &z = damping[r];
     // Poles that scatter by s about i w widen the average's resonance by (s / decay rate)^2.
     const double decay_rate = mode.damping_ratio.value * std::abs(mode.pole_rad_s);
     const double widening = mode.damping_ratio.value *
@@ -321,28 +370,11 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
                     [&](std::size_t other) { return !model.modes[other].doubtful; });
     if (frfs.inputs.size() == 1 && !takes_more && widening > 0.5 * std) {
       means = true;
-      mode.frequency_hz.value = f.mean;
-      mode.damping_ratio.value = z.mean;
-      const double omega = kTwoPi * f.mean;
-      mode.pole_rad_s =
-          Complex(-z.mean * omega, omega * std::sqrt(std::max(0.0, 1 - z.mean * z.mean)));
-      const Complex measured = mode.pole_rad_s - frfs.exponential_decay_rate_1_s;
-      mode.damping_ratio_with_window = -measured.real() / std::abs(measured);
+      take_mean(f.mean, z.mean, frfs.exponential_decay_rate_1_s, mode);
     }
-    const auto widen = [&](Estimate& value, Index row, double least) {
-      if (!(value.std < least)) return;
-      if (model.pole_covariance.rows() > row && value.std > 0) {
-        model.pole_covariance.row(row) *= least / value.std;
-        model.pole_covariance.col(row) *= least / value.std;
-      }
-      value.std = least;
-    };
-    widen(mode.frequency_hz, static_cast<Index>(2 * r), widened_std(f));
-    widen(mode.damping_ratio, static_cast<Index>(2 * r + 1), widened_std(z));
-    const double part = mode.between_hits.frequency_std_hz / mode.frequency_hz.value;
-    if (part > largest) largest = part, times = std::sqrt(f.variance / f_noise);
+    widen(mode.frequency_hz, static_cast<Index>(2 * r), widened_std(f), model.pole_covariance);
+    widen(mode.damping_ratio, static_cast<Index>(2 * r + 1), widened_std(z), model.pole_covariance);
   }
-  mark_doubles(frequency, allowed, model);
   if (!all_differ) return;
   model.notes.push_back(
       {"hits_disagree",

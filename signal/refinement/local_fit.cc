@@ -139,6 +139,12 @@ LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<cons
   const MatrixXcd D = outside_derivatives(s, state);
   const MatrixXcd curvature = information(D, fit.amplitudes, weight);
   fit.covariance = curvature.completeOrthogonalDecomposition().pseudoInverse();
+  // Score of each line: sum_c w_c conj(a_rc D_kr) times what is left.
+  const MatrixXcd across = state.residual * weight.asDiagonal() * fit.amplitudes.adjoint();
+  const MatrixXcd score = D.conjugate().cwiseProduct(across);
+  fit.robust_covariance = fit.covariance * (score.transpose() * score.conjugate()) *
+                          fit.covariance *
+                          (static_cast<double>(s.size()) / static_cast<double>(fit.freedom));
   // |a|^2 over its unit variance: what a column of the model adds to the fit.
   const MatrixXcd basis = columns_of(s, state.poles, fixed, options.background_order);
   const MatrixXcd inverse =

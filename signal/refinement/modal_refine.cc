@@ -137,9 +137,10 @@ ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
   const VectorXd inverse_variance = inverse_variance_of(noise);
   const double window = lines > 0 ? data.s[0].real() : 0;
   const Index size = 2 * start.size();
-  const double freedom = std::max(1.0, static_cast<double>((inverse_variance.array() > 0).count()) *
-                                               static_cast<double>(2 * lines - size - 4 - 2 * data.background.cols()) -
-                                           static_cast<double>(size));
+  const double freedom =
+      std::max(1.0, static_cast<double>((inverse_variance.array() > 0).count()) *
+                            static_cast<double>(2 * lines - size - 4 - 2 * data.background.cols()) -
+                        static_cast<double>(size));
 
   ModalRefineResult result;
   Stage stage = stage_at(data, weight, y, y_squared, inverse_variance, start);

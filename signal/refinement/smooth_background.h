@@ -6,8 +6,8 @@
 //   H (1 - e + e^2 ..) = sum_r R_r' / (s - p_r) + B(s):
 // poles stay in place, residues change by some parts of 1, and B has no pole: its inverse transform
 // lies within T of the hit as well (an impulse response convolved with a signal of that length is a
-// sum of the same damped sinusoids outside of it). B is spanned by exp(-i w t), |t| <= T, of which a
-// band of width b needs about 2 T b + some (Slepian, Bell Syst. Tech. J. 57 (1978) 1371).
+// sum of the same damped sinusoids outside of it). B is spanned by exp(-i w t), |t| <= T, of which
+// a band of width b needs about 2 T b + some (Slepian, Bell Syst. Tech. J. 57 (1978) 1371).
 #pragma once
 
 #include <Eigen/Core>

@@ -41,7 +41,7 @@ struct Problem {
   FrfLines noisy(double relative, double common, unsigned seed) const {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
-    FrfLines data{laplace_lines(f, window), 2, exact, 1};
+    FrfLines data{laplace_lines(f, window), 2, exact, 1, {}};
     for (Index k = 0; k < kLines; ++k) {
       const Complex factor(1 + common * normal(random), common * normal(random));
       for (Index c = 0; c < kFrfs; ++c) {
@@ -189,7 +189,7 @@ TEST(ModalRefine, IntervalsCoverUnderAnExponentialWindow) {
   };
   int poles = 0, residues = 0, pole_total = 0, residue_total = 0;
   for (int seed = 0; seed < 60; ++seed) {
-    FrfLines data{laplace_lines(problem.f, kRate), 2, problem.exact, 1};
+    FrfLines data{laplace_lines(problem.f, kRate), 2, problem.exact, 1, {}};
     const Eigen::VectorXcd factor = kCommon * noise_lines();
     for (Index c = 0; c < kFrfs; ++c) {
       data.H.col(c) += data.H.col(c).cwiseProduct(factor) + kOwn * problem.scale * noise_lines();
