@@ -72,9 +72,7 @@ class ModeSearch {
     }
   }
 
-  MatrixXcd model() const {
-    return fitted_frfs(band().lines, fit_);
-  }
+  MatrixXcd model() const { return fitted_frfs(band().lines, fit_); }
   void update_noise() {
     const MatrixXcd m = model();
     noise_ = noise_from_residuals(m, band().lines.H - m, fit_.leverage, band().lines.inputs,
