@@ -194,7 +194,14 @@ int run(int argc, char** argv) {
   context.command.assign(argv, argv + argc);
 
   prepare_plots(context, plots);
-  Json result = chosen->run(context);
+  Json result = Json::object();
+  try {
+    result = chosen->run(context);
+  } catch (const Refused& error) {
+    context.refuse(error.code(), error.what());
+  } catch (const NotConverged& error) {
+    context.fail(error.what());
+  }
   write_plots(context, plots, chosen->app->get_name());
   const Json document = json_document(context, chosen->app->get_name(), std::move(result));
   if (common.json == "-") {

@@ -4,6 +4,7 @@
 #include <exception>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace rigfit::apps {
 
@@ -24,10 +25,16 @@ class UsageError : public std::runtime_error {
 };
 
 /// Ends a verb without a result: the data cannot support what was asked. A verb that can give part
-/// of it sets `VerbContext::exit_code` by `refuse` instead and returns that part.
+/// of it sets `VerbContext::exit_code` by `refuse` instead and returns that part. `code` is the
+/// finding's, stable, for programs.
 class Refused : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Refused(const std::string& message, std::string code = "refused")
+      : std::runtime_error(message), code_(std::move(code)) {}
+  [[nodiscard]] const std::string& code() const { return code_; }
+
+ private:
+  std::string code_;
 };
 
 /// Ends a verb whose computation did not converge.

@@ -194,7 +194,7 @@ void run_impact_test(VerbContext& context, const ImpactCommand& command, ImpactR
   }
   for (auto& finding : run.test.findings) {
     if (finding.code == "no_hit" || finding.code == "no_response") {
-      throw Refused(finding.where + ": " + finding.message);
+      throw Refused(finding.where + ": " + finding.message, finding.code);
     }
     if (finding.code == "pulse_not_resolved") {
       finding.message +=

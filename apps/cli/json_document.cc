@@ -13,6 +13,23 @@ void replace_non_finite(Json& value) {
   }
 }
 
+/// Why the run ends with another exit code than 0: the finding that ended it.
+Json error_json(const VerbContext& context) {
+  const bool refused = context.exit_code == ExitCode::refused;
+  Json error{{"exit_code", static_cast<int>(context.exit_code)},
+             {"code", refused ? "refused" : "not_converged"},
+             {"message", ""},
+             {"where", ""}};
+  for (const auto& warning : context.warnings()) {
+    if (refused ? !warning.refused : warning.code != "not_converged") continue;
+    error["code"] = warning.code;
+    error["message"] = warning.message;
+    error["where"] = warning.where;
+    break;
+  }
+  return error;
+}
+
 }  // namespace
 
 Json json_document(const VerbContext& context, const std::string& verb, Json result) {
@@ -31,6 +48,7 @@ Json json_document(const VerbContext& context, const std::string& verb, Json res
         {{"code", warning.code}, {"message", warning.message}, {"where", warning.where}});
   }
   document["warnings"] = std::move(warnings);
+  if (context.exit_code != ExitCode::done) document["error"] = error_json(context);
   replace_non_finite(result);
   for (auto& [key, value] : result.items()) document[key] = std::move(value);
   return document;

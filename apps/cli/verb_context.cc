@@ -38,7 +38,7 @@ void VerbContext::refuse(std::string code, std::string message, std::string wher
     std::cerr << on_terminal(Colour::red, "refused:") << ' ' << (where.empty() ? "" : where + ": ")
               << message << '\n';
   }
-  warnings_.push_back({std::move(code), std::move(message), std::move(where)});
+  warnings_.push_back({std::move(code), std::move(message), std::move(where), true});
   exit_code = ExitCode::refused;
 }
 

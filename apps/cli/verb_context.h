@@ -22,7 +22,8 @@ struct PlotSheet;  // apps/cli/plot_option.h
 struct Warning {
   std::string code;  ///< stable, for programs
   std::string message;
-  std::string where;  ///< file, channel, member ...
+  std::string where;     ///< file, channel, member ...
+  bool refused = false;  ///< the run ends with exit code 4 for it
 };
 
 /// A file read by a run, as it was when the run met it.

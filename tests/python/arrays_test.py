@@ -3,7 +3,6 @@
 import gc
 import os
 import pathlib
-import resource
 import signal
 import subprocess
 import sys
@@ -90,23 +89,12 @@ class Arrays(unittest.TestCase):
         gc.collect()
         np.testing.assert_array_equal(H, copy)
 
-    @unittest.skipIf("libasan" in os.environ.get("LD_PRELOAD", ""), "the sanitizer keeps freed memory")
     def test_frf_takes_no_copy(self):
-        # 16 channels of 2^20 samples: 134 MB. The search for hits copies the force twice (offset, median); all channels
-        # copied once would add 134 MB.
-        data = hits(1 << 20, 16)
-        one = recording(data)
-        rigfit.frf(recording(hits(1 << 14, 16)), "force", threads=1)  # what the first call alone allocates
-        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        result = rigfit.frf(one, "force", block=1.9, threads=1)
-        grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024
-        self.assertGreater(result.averages, 100)
-        results = 0
-        for array in (result.H, result.H_std, result.coherence):
-            results += array.nbytes
-        # by_hit keeps the FRFs of every hit, a part of the samples themselves
-        print(f"{data.nbytes / 1e6:.0f} MB of samples, peak memory grown by {grown / 1e6:.0f} MB, results {results / 1e6:.1f} MB")
-        self.assertLess(grown, 0.75 * data.nbytes)
+        # 16 channels of 2^20 samples, 134 MB, in a process of its own: a peak is of the whole process.
+        run = subprocess.run([sys.executable, pathlib.Path(__file__).with_name("large_array.py"), str(1 << 20)],
+                             capture_output=True, text=True)
+        print(run.stdout.strip())
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 
     def test_calls_side_by_side(self):
         data = [recording(hits(1 << 15, 4, seed=s)) for s in range(4)]
@@ -142,21 +130,33 @@ class Arrays(unittest.TestCase):
         within = sum(started < t < ended for t in ticks)
         self.assertGreater(within, 0.05 * (ended - started) / 0.002)
 
-    def test_interrupt(self):
-        code = ("import rigfit, sys, time\n"
+    def interrupted(self, call):
+        """Seconds from the signal to KeyboardInterrupt; a further call works, and the process ends at once."""
+        code = ("import rigfit, warnings\n"
+                "warnings.simplefilter('ignore')\n"
                 "print('ready', flush=True)\n"
                 "try:\n"
-                f"    rigfit.respond({str(DATA / 'scenes/cable-release.toml')!r}, duration=2000, rate=2000, solver='explicit')\n"
+                f"    rigfit.{call}\n"
                 "except KeyboardInterrupt:\n"
-                "    print('interrupted', flush=True)\n")
+                "    print('interrupted', flush=True)\n"
+                f"print(len(rigfit.modes({CABLE!r}, count=1).modes), flush=True)\n")
         run = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.assertEqual(run.stdout.readline().strip(), "ready")
         time.sleep(0.5)
         sent = time.monotonic()
         run.send_signal(signal.SIGINT)
+        self.assertEqual(run.stdout.readline().strip(), "interrupted")
+        took = time.monotonic() - sent
         out, err = run.communicate(timeout=60)
-        self.assertEqual(out.strip(), "interrupted", err)
-        self.assertLess(time.monotonic() - sent, 20)  # the call would take minutes
+        self.assertEqual((out.strip(), run.returncode), ("1", 130), err)
+        return took
+
+    def test_interrupt(self):
+        # Calls of minutes. Signals are looked for every 50 ms; the rest of the bound is for a busy machine.
+        response = f"respond({str(DATA / 'scenes/cable-release.toml')!r}, duration=2000, rate=2000, solver='explicit')"
+        monte_carlo = f"update({CABLE!r}, measured=[7.36, 14.59, 22.15, 29.9], monte_carlo=1000000)"
+        for call in (response, monte_carlo):
+            self.assertLess(self.interrupted(call), 2, call)
 
     def test_sep005(self):
         one = recording(hits(1 << 12, 2))

@@ -42,6 +42,17 @@ class Examples(unittest.TestCase):
         self.assertEqual(len(stds), 3)
         self.assertGreater(stds[2], stds[0])
 
+    def test_known_modes(self):
+        out = run("known_modes.py")
+        # pyFRF's H1 of the same five blocks has 0.644 %: the noise of the record, which no average of five takes away.
+        self.assertLess(float(re.search(r"rms error (\S+) %", out)[1]), 1.05 * 0.644)
+        found = re.findall(r"off by +(\S+) mHz \(std (\S+)\), damping (\S+) % \(std (\S+), true (\S+) %\)", out)
+        self.assertEqual(len(found), 3)
+        self.assertIn("3 modes in the band", out)
+        for off, std, damping, damping_std, true in (map(float, one) for one in found):
+            self.assertLess(abs(off), 3 * std)
+            self.assertLess(abs(damping - true), 3 * damping_std)
+
     def test_updating(self):
         out = run("updating.py")
         for value, std, true in re.findall(r"-> +(\S+) \+- (\S+) +\(truth (\S+)\)", out):

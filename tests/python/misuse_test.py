@@ -1,5 +1,5 @@
 """Misuse: every call either works or raises rigfit.Error (or what Python itself raises for unknown arguments) that names
-the argument and the reason; a thousand random misuses without a crash."""
+the argument and the reason; a thousand random misuses without a crash (RIGFIT_MISUSES: another number)."""
 
 import io
 import os
@@ -15,6 +15,7 @@ import rigfit
 
 SOURCE = pathlib.Path(os.environ["RIGFIT_SOURCE"])
 CABLE = str(SOURCE / "testdata/jalali2021/scenes/cable.toml")
+MISUSES = int(os.environ.get("RIGFIT_MISUSES", 1000))
 CLOSED = io.StringIO("1,2\n")
 CLOSED.close()
 READ_ONLY = np.arange(64.0)
@@ -51,6 +52,7 @@ FUNCTIONS = {
                    "adapter_stiffness", "adapter_bar", "compliance_std", "catalogue_EA", "band", "sample_rate", "draws"],
     rigfit.tension: ["recordings", "length", "mass_per_length", "frequencies", "frequency_std", "measured", "column",
                      "channel", "band", "max_peaks", "plane", "mass_of", "EI", "EA", "inclination", "ends", "missed"],
+    rigfit.tension_table: ["table", "out", "missed", "false_mode", "threads", "seed"],
     rigfit.Scene: ["scene"],
     rigfit.modes: ["scene", "count", "band", "segments", "rotary_inertia", "torsion", "shapes"],
     rigfit.frf_of: ["scene", "frequency_hz", "segments", "exponential_window"],
@@ -58,6 +60,8 @@ FUNCTIONS = {
     rigfit.update: ["scene", "measured", "frf", "decay", "response", "free", "prior", "tension", "plane", "column",
                     "compare", "node", "band", "stiffness", "axial", "axial_damping", "input", "aim", "segments",
                     "starts", "threads", "seed"],
+    rigfit.predict: ["scene", "fit", "map", "count", "segments", "measured", "column", "plane", "damage", "frf", "band",
+                     "lines", "sample", "threads", "seed"],
     rigfit.synthesize: ["scene", "out", "hits", "record", "rate", "tension", "format", "bending_span", "taps"],
     rigfit.report: ["campaign", "out", "threads"],
 }
@@ -70,6 +74,9 @@ WHOLE = {
     rigfit.bending: {"recordings": {"tension_N": [25, 100], "EI_Nm2": [0.2, 0.4]}},
     rigfit.axial: {"recordings": GOOD, "mass": 1.0, "length": 1.0, "channel": "a", "draws": 10},
     rigfit.tension: {"frequencies": [7.4], "length": 2.4, "mass_per_length": 0.17, "ends": "pinned", "EI": 0.5},
+    rigfit.tension_table: {"table": [{"name": "a", "length": 2.4, "mass_per_length": 0.17, "EI": 0.5, "ends": "pinned",
+                                      "f1": 7.4}]},
+    rigfit.predict: {"scene": CABLE, "fit": "fit.json", "count": 1, "segments": 8, "lines": 3},
     rigfit.modes: {"scene": CABLE, "count": 1},
     rigfit.frf_of: {"scene": CABLE, "frequency_hz": [1.0]},
     rigfit.respond: {"scene": CABLE, "duration": 0.01, "rate": 100.0, "solver": "modal", "segments": 8},
@@ -89,6 +96,7 @@ class Misuse(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.addCleanup(os.chdir, os.getcwd())
         os.chdir(folder.name)
+        pathlib.Path("fit.json").write_text('{"parameters": [{"name": "cable.EI", "value": 0.5, "std": 0.01}]}')
 
     def wrong(self, argument, reason, function, *args, **kwargs):
         with self.assertRaises(rigfit.ArgumentError) as caught:
@@ -128,6 +136,9 @@ class Misuse(unittest.TestCase):
         self.wrong("frequency_hz", "negative", rigfit.frf_of, CABLE, [-1.0])
         self.wrong("measured[0].plane", "in, out, any", rigfit.update, CABLE,
                    measured=[{"frequency_hz": 7.0, "plane": "up"}])
+        self.wrong("table[1]", "unknown entry 'weight'", rigfit.tension_table, [{"length": 1.0}, {"weight": 1.0}])
+        self.wrong("table[0].f1", "finite", rigfit.tension_table, [{"length": 1.0, "f1": float("inf")}])
+        self.wrong("map", "dict", rigfit.predict, CABLE, "fit.json", map="cable.EI")
         self.wrong("measured", "unknown column", rigfit.update, CABLE, measured=[{"frequency_hz": 7.0, "x": 1}])
 
     def test_missing_samples_are_said(self):
@@ -140,7 +151,7 @@ class Misuse(unittest.TestCase):
     def test_random_misuse(self):
         rng = random.Random(7)
         calls = refused = 0
-        for _ in range(1000):
+        for _ in range(MISUSES):
             function = rng.choice(list(FUNCTIONS))
             names = FUNCTIONS[function]
             arguments = dict(WHOLE.get(function, {})) if rng.random() < 0.8 else {}
@@ -159,8 +170,8 @@ class Misuse(unittest.TestCase):
                 # A required argument is left out, or one that is not there: Python's own.
                 self.assertRegex(str(error), "missing|unexpected keyword", f"{function.__name__}({arguments})")
                 refused += 1
-        self.assertEqual(calls, 1000)
-        self.assertGreater(refused, 500)
+        self.assertEqual(calls, MISUSES)
+        self.assertGreater(refused, MISUSES / 2)
 
 
 if __name__ == "__main__":

@@ -164,6 +164,38 @@ class SameNumbers(unittest.TestCase):
         table = [{"frequency_hz": f, "std": 0.01} for f in frequencies]
         self.assertEqual(document["tension_N"], rigfit.tension(measured=table, **options).tension_N.to_dict())
 
+    def test_tension_table(self):
+        rows = [{"name": "short", "length": 2.4, "length_std": 0.001, "mass_per_length": 0.16667, "EA": 221780.0,
+                 "ends": "pinned", "frequency_std": 0.01, "f1": 7.36, "f2": 14.59, "f3": 22.15},
+                {"name": "long", "length": 98.3, "mass_per_length": 62.1, "EI": 2e5, "frequencies": [1.05, 2.1, 3.16]}]
+        (self.folder / "cables.csv").write_text(
+            "name,length,length_std,mass_per_length,EA,ends,frequency_std,f1,f2,f3,EI,frequencies\n"
+            "short,2.4,0.001,0.16667,221780,pinned,0.01,7.36,14.59,22.15,,\nlong,98.3,,62.1,,,,,,,200000,1.05 2.1 3.16\n")
+        document = self.program("tension", "--table", "cables.csv", "--out", "tensions.csv")
+        result = rigfit.tension_table(self.folder / "cables.csv", out=self.folder / "again.csv")
+        self.same(document, result, ["inputs"])  # named by its folder here
+        self.assertEqual((self.folder / "tensions.csv").read_bytes(), (self.folder / "again.csv").read_bytes())
+        self.same(document, rigfit.tension_table(rows), ["inputs"])
+        self.assertEqual(result.cables[1].tension_N.value, document["cables"][1]["tension_N"]["value"])
+        one = rigfit.tension(frequencies=[7.36, 14.59, 22.15], frequency_std=0.01, length=(2.4, 0.001), mass_per_length=0.16667,
+                             EA=221780, ends="pinned")
+        self.assertEqual(one.tension_N, result.cables[0].tension_N)
+
+    def test_predict(self):
+        scene, table = DATA / "jalali2021/scenes/beam.toml", DATA / "jalali2021/table2_beam_frequencies.csv"
+        fit = rigfit.update(scene, measured=table, column="bond_graph_Hz", plane="in", free=["beam.EI_z", "tip.mass"])
+        (self.folder / "fit.json").write_text(json.dumps(fit.to_dict()))
+        words = ["--count", 5, "--measured", table, "--column", "test_Hz", "--plane", "in"]
+        document = self.program("predict", scene, "--from", "fit.json", *words)
+        options = dict(count=5, measured=table, column="test_Hz", plane="in")
+        self.same(document, rigfit.predict(scene, self.folder / "fit.json", **options), ["inputs"])
+        result = rigfit.predict(rigfit.Scene(scene), fit, **options)
+        self.same(document, result, ["inputs"])
+        mode = result.modes[0].frequency_hz
+        self.assertTrue(mode.low < mode.value < mode.high)
+        sampled = self.program("predict", scene, "--from", "fit.json", "--sample", "--seed", 3, "--map", "beam.EI_z=beam.EI_y")
+        self.same(sampled, rigfit.predict(scene, fit, sample=True, seed=3, map={"beam.EI_z": "beam.EI_y"}), ["inputs"])
+
     def test_synthesize(self):
         scene = DATA / "virtual_laboratory/truth/bench.toml"
         words = ["--bending-span", 0.5, "--axial-length", 0.7, "--taps", 1]

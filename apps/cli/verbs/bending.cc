@@ -135,7 +135,9 @@ Json bending_result(BendingCommand command, VerbContext& context) {
                                                 {"density_kg_m3", bar.density_kg_m3}});
     }
   }
-  if (found.curve.empty()) context.exit_code = ExitCode::refused;
+  if (found.curve.empty() && context.exit_code == ExitCode::done) {
+    context.refuse("no_EI", "no test gives an EI");
+  }
   return result;
 }
 

@@ -73,6 +73,8 @@ struct MeasuredFrfs {
 };
 /// Of hits just analysed.
 [[nodiscard]] MeasuredFrfs measured_frfs(const ImpactRun& run);
+/// Of `command.files`: one UFF file, or text tables.
+[[nodiscard]] MeasuredFrfs measured_frfs(const ModalCommand& command, VerbContext& context);
 /// Of another analyser: its window, and error bars from the coherence where there are none.
 [[nodiscard]] MeasuredFrfs measured_frfs(signal::FrfSet frfs, const ModalCommand& command,
                                          VerbContext& context);
@@ -160,6 +162,25 @@ struct TensionCommand {
 /// `recordings`: one for each of `command.files`, in that order.
 [[nodiscard]] Json tension_result(const TensionCommand& command,
                                   const std::vector<signal::Recording>& recordings,
+                                  VerbContext& context);
+
+/// A table of cables, a row each (campaign_file/cable_table.h).
+struct TensionTableCommand {
+  std::string table, out;
+  double missed = 0.1, false_mode = 0.05;
+};
+/// `cables[]`, one a row: its result, or `error` and a refusal `bad_row` or of the analysis.
+[[nodiscard]] Json tension_table_result(const TensionTableCommand& command, VerbContext& context);
+
+struct PredictCommand {
+  std::string scene;  ///< name in messages
+  std::string from, measured, column, plane = "any", frf;
+  std::vector<std::string> maps, damage;
+  std::vector<double> band;
+  int count = 6, segments = 0, lines = 400;
+  bool sample = false;
+};
+[[nodiscard]] Json predict_result(const model::Scene& scene, const PredictCommand& command,
                                   VerbContext& context);
 
 struct SynthesizeOptions {

@@ -66,18 +66,7 @@ MeasuredFrfs frfs_of(VerbContext& context, ModalCommand& options) {
     return measured;
   }
   refuse_options_of_hits(options);
-  for (const auto& file : options.files) {
-    context.input(file);
-    if (options.files.size() == 1) break;
-    const signal::MappedFile mapped(file);
-    if (signal::format_of(mapped.bytes()) == signal::RecordingFormat::uff) {
-      throw UsageError(
-          "FRFs come from one UFF file, or from text tables; recordings of hits need --force C");
-    }
-  }
-  return measured_frfs(
-      signal::read_frfs({options.files.begin(), options.files.end()}, context.reading), options,
-      context);
+  return measured_frfs(options, context);
 }
 
 Json number_json(double value) { return value; }
@@ -151,7 +140,7 @@ ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand
   modal.lscf.max_order = options.order;
   modal.lscf.max_damping_ratio = options.max_damping;
   auto found = ident::identify(measured.frfs, band, measured.usable_hz, modal);
-  if (!found.modal) throw Refused(found.findings.front().message);
+  if (!found.modal) throw Refused(found.findings.front().message, found.findings.front().code);
   return found;
 }
 
@@ -177,6 +166,21 @@ MeasuredFrfs measured_frfs(const ImpactRun& run) {
   measured.amplitudes = run.test.amplitudes;
   measured.frfs = run.test.frfs;
   return measured;
+}
+
+MeasuredFrfs measured_frfs(const ModalCommand& command, VerbContext& context) {
+  for (const auto& file : command.files) {
+    context.input(file);
+    if (command.files.size() == 1) break;
+    const signal::MappedFile mapped(file);
+    if (signal::format_of(mapped.bytes()) == signal::RecordingFormat::uff) {
+      throw UsageError(
+          "FRFs come from one UFF file, or from text tables; recordings of hits need --force C");
+    }
+  }
+  return measured_frfs(
+      signal::read_frfs({command.files.begin(), command.files.end()}, context.reading), command,
+      context);
 }
 
 MeasuredFrfs measured_frfs(signal::FrfSet frfs, const ModalCommand& options, VerbContext& context) {

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <iostream>
 #include <memory>
 #include <optional>
 
@@ -11,6 +10,7 @@
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/calls.h"
 #include "ident/predict/damage_estimate.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/read_scene.h"
@@ -23,14 +23,6 @@ constexpr const char* kPredictExample =
     "Example: the beam of a rig, fitted with its cables on, by itself\n"
     "  rigfit update rig.toml --measured rig.csv --free beam.EI_z --json fit.json\n"
     "  rigfit predict beam.toml --from fit.json --count 5 --measured beam.csv";
-
-struct PredictCommand {
-  std::string scene, from, measured, column, plane = "any", frf;
-  std::vector<std::string> maps, damage;
-  std::vector<double> band;
-  int count = 6, segments = 0, lines = 400;
-  bool sample = false;
-};
 
 [[noreturn]] void refuse_file(const std::string& path, const std::string& what) {
   throw model::SceneError({path, 0, 0, ""}, what,
@@ -252,20 +244,21 @@ Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
             {"not_told_apart_from", one.like},
             {"statement", one.statement}};
   } catch (const std::invalid_argument& error) {
-    throw Refused(std::string("--damage: ") + error.what());
+    throw Refused(std::string("--damage: ") + error.what(), "damage");
   }
 }
 
-Json run_predict(const PredictCommand& command, VerbContext& context) {
+}  // namespace
+
+Json predict_result(const model::Scene& scene, const PredictCommand& command,
+                    VerbContext& context) {
   if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz");
   }
-  context.input(command.scene);
   context.input(command.from);
-  const model::Scene scene = model::read_scene(command.scene);
   auto fitted = read_fit(command.from, context);
   apply_maps(command.maps, fitted);
-  if (fitted.parameters.empty()) throw Refused("the fit identifies no parameter");
+  if (fitted.parameters.empty()) throw Refused("the fit identifies no parameter", "no_parameter");
   ident::PredictionOptions options;
   options.count = command.count;
   if (command.segments > 0) options.segments = command.segments;
@@ -275,15 +268,15 @@ Json run_predict(const PredictCommand& command, VerbContext& context) {
   try {
     prediction = ident::predict_modes(scene, fitted, options);
   } catch (const std::invalid_argument& error) {
-    throw Refused(std::string(error.what()) + "; --map NAME=TARGET says what one is called here");
+    throw Refused(std::string(error.what()) + "; --map NAME=TARGET says what one is called here",
+                  "parameter_not_in_scene");
   }
   Json json{{"title", scene.title},
             {"parameters_used", prediction.used},
             {"parameters_not_used", prediction.not_used}};
   json["modes"] = modes_json(prediction);
   if (prediction.modes.empty()) {
-    std::cerr << "error: " << command.scene << ": " << prediction.equilibrium.reason << '\n';
-    context.exit_code = ExitCode::not_converged;
+    context.fail(prediction.equilibrium.reason, command.scene);
     return json;
   }
   for (const auto& name : prediction.not_used) {
@@ -299,8 +292,6 @@ Json run_predict(const PredictCommand& command, VerbContext& context) {
   if (!command.frf.empty()) write_frfs(command, scene, fitted, prediction, context);
   return json;
 }
-
-}  // namespace
 
 void add_predict(CLI::App& program, Verbs& verbs) {
   const auto c = std::make_shared<PredictCommand>();
@@ -335,7 +326,10 @@ void add_predict(CLI::App& program, Verbs& verbs) {
       ->check(CLI::Range(2, 100000))
       ->capture_default_str();
   app->add_flag("--sample", c->sample, "Intervals from samples, also where the model is linear");
-  verbs.push_back({app, [c](VerbContext& context) { return run_predict(*c, context); }});
+  verbs.push_back({app, [c](VerbContext& context) {
+                     context.input(c->scene);
+                     return predict_result(model::read_scene(c->scene), *c, context);
+                   }});
 }
 
 }  // namespace rigfit::apps

@@ -28,7 +28,7 @@ constexpr const char* kExample =
     "62.1,0.5 --EA 1.6e9\n"
     "  rigfit tension --table cables.csv --out tensions.csv --json tensions.json";
 
-/// Beside what a call takes: many cables.
+/// One cable or many.
 struct TensionVerb : TensionCommand {
   std::string table, out;
 };
@@ -130,9 +130,30 @@ ident::CableDescription description_of(const TensionCommand& command) {
   return cable;
 }
 
-/// One row a cable: its result, or why there is none; the first refused or unreadable row ends the
-/// run with exit code 4, after all others.
-Json run_table(const TensionVerb& command, VerbContext& context) {
+Json run(const TensionVerb& command, VerbContext& context) {
+  if (!command.table.empty()) {
+    if (!command.files.empty() || !command.measured.empty() || !command.frequencies.empty() ||
+        !command.length.empty() || !command.mass.empty()) {
+      throw UsageError("--table brings lengths, masses and frequencies of its own");
+    }
+    return tension_table_result({command.table, command.out, command.missed, command.false_mode},
+                                context);
+  }
+  if (command.length.empty() || command.mass.empty()) {
+    throw UsageError("give --length and --mass-per-length, or --table");
+  }
+  signal::ReadOptions read;
+  read.sample_rate_hz = command.sample_rate_hz;
+  std::vector<signal::Recording> recordings;
+  for (const auto& file : command.files) recordings.push_back(load_recording(file, context, read));
+  return tension_result(command, recordings, context);
+}
+
+}  // namespace
+
+/// One row a cable: its result, or why there is none; a refused or unreadable row ends the run with
+/// exit code 4, after all others.
+Json tension_table_result(const TensionTableCommand& command, VerbContext& context) {
   context.input(command.table);
   const auto rows = read_cable_table(command.table);
   std::vector<ident::CableTest> tests;
@@ -181,26 +202,6 @@ Json run_table(const TensionVerb& command, VerbContext& context) {
   return Json{{"cables", std::move(cables)}};
 }
 
-Json run(const TensionVerb& command, VerbContext& context) {
-  if (!command.table.empty()) {
-    if (!command.files.empty() || !command.measured.empty() || !command.frequencies.empty() ||
-        !command.length.empty() || !command.mass.empty()) {
-      throw UsageError("--table brings lengths, masses and frequencies of its own");
-    }
-    return run_table(command, context);
-  }
-  if (command.length.empty() || command.mass.empty()) {
-    throw UsageError("give --length and --mass-per-length, or --table");
-  }
-  signal::ReadOptions read;
-  read.sample_rate_hz = command.sample_rate_hz;
-  std::vector<signal::Recording> recordings;
-  for (const auto& file : command.files) recordings.push_back(load_recording(file, context, read));
-  return tension_result(command, recordings, context);
-}
-
-}  // namespace
-
 Json tension_result(const TensionCommand& command, const std::vector<signal::Recording>& recordings,
                     VerbContext& context) {
   if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
@@ -213,7 +214,7 @@ Json tension_result(const TensionCommand& command, const std::vector<signal::Rec
     throw UsageError("give recordings, --measured or --frequencies");
   }
   if (modes.empty())
-    throw Refused("no peak stands out of the noise: nothing to find a tension from");
+    throw Refused("no peak stands out of the noise: nothing to find a tension from", "no_peaks");
   ident::CableTest test{"", cable, modes};
   auto& options = test.options;
   if (command.ends == "pinned") options.ends = {ident::CableEnds::pinned};
@@ -227,7 +228,7 @@ Json tension_result(const TensionCommand& command, const std::vector<signal::Rec
     throw UsageError(error.what());
   }
   const auto result = ident::analyse_cable_test(test);
-  if (!result.tension.solved) throw Refused(result.tension.message);
+  if (!result.tension.solved) throw Refused(result.tension.message, "no_tension");
   context.tell(result.findings);
   print_tension(context.out, result.tension);
   if (context.plots) draw_tension(*context.plots, result.tension);

@@ -16,23 +16,23 @@ import sys as _sys
 from . import _core
 from ._core import FrfSet
 from .errors import (ArgumentError, DataWarning, Error, InputError, InternalError, NotConverged, Refused, UsageError)
-from .laboratory import axial, bending, tension
-from .model import Scene, frf_of, modes, report, respond, synthesize, update
+from .laboratory import axial, bending, tension, tension_table
+from .model import Scene, frf_of, modes, predict, report, respond, synthesize, update
 from .recordings import Channel, Recording, read
 from .results import (AxialResult, BendingResult, DecayResult, Estimate, FrfResult, InspectResult, ModalResult,
-                      ModesResult, Record, Records, ReportResult, RespondResult, Result, SceneFrfs, SynthesizeResult,
-                      TensionResult, UpdateResult)
+                      ModesResult, PredictResult, Record, Records, ReportResult, RespondResult, Result, SceneFrfs,
+                      SynthesizeResult, TensionResult, TensionTableResult, UpdateResult)
 from .spectra import decay, frf, frfs_of_arrays, inspect, modal, read_frfs
 
 __version__ = _core.version
 
 __all__ = [
     "ArgumentError", "AxialResult", "BendingResult", "Channel", "DataWarning", "DecayResult", "Error", "Estimate",
-    "FrfResult", "FrfSet", "InputError", "InspectResult", "InternalError", "ModalResult", "ModesResult", "NotConverged", "Record",
-    "Recording", "Records", "Refused", "ReportResult", "RespondResult", "Result", "Scene", "SceneFrfs",
-    "SynthesizeResult", "TensionResult", "UpdateResult", "UsageError", "axial", "bending", "decay", "frf", "frf_of",
-    "frfs_of_arrays", "inspect", "modal", "modes", "read", "read_frfs", "report", "respond", "synthesize", "tension",
-    "update",
+    "FrfResult", "FrfSet", "InputError", "InspectResult", "InternalError", "ModalResult", "ModesResult", "NotConverged",
+    "PredictResult", "Record", "Recording", "Records", "Refused", "ReportResult", "RespondResult", "Result", "Scene", "SceneFrfs",
+    "SynthesizeResult", "TensionResult", "TensionTableResult", "UpdateResult", "UsageError", "axial", "bending", "decay", "frf", "frf_of",
+    "frfs_of_arrays", "inspect", "modal", "modes", "predict", "read", "read_frfs", "report", "respond", "synthesize", "tension",
+    "tension_table", "update",
 ]
 
 

@@ -67,6 +67,11 @@ def tension(
     seed: int | None = None
 ) -> TensionResult: ...
 
+def tension_table(
+    table: Path | Sequence[Mapping[str, Any]] | Any, *, out: Path | None = None, missed: float | None = None,
+    false_mode: float | None = None, threads: int | None = None, seed: int | None = None
+) -> TensionTableResult: ...
+
 def modes(
     scene: SceneLike, *, count: int | None = None, band: tuple[float, float] | None = None,
     segments: int | None = None, rotary_inertia: Literal["accurate", "rigid_rod"] = 'accurate',
@@ -100,6 +105,14 @@ def update(
     segments: int | None = None, starts: int | None = None, start_spread: float | None = None,
     hold_out: bool = False, monte_carlo: int | None = None, threads: int | None = None, seed: int | None = None
 ) -> UpdateResult: ...
+
+def predict(
+    scene: SceneLike, fit: UpdateResult | Path, *, map: Mapping[str, str] | None = None, count: int | None = None,
+    segments: int | None = None, measured: Path | ModalResult | ArrayLike | Sequence[Mapping[str, Any]] | None = None,
+    column: str | None = None, plane: Literal["any", "in", "out"] = 'any',
+    damage: str | Sequence[str] | None = None, frf: Path | None = None, band: tuple[float, float] | None = None,
+    lines: int | None = None, sample: bool = False, threads: int | None = None, seed: int | None = None
+) -> PredictResult: ...
 
 def synthesize(
     scene: SceneLike, out: Path, *, seed: int | None = None, hits: int | None = None, double_hits: int | None = None,
@@ -318,6 +331,16 @@ class TensionResult(Result):
     modes: Records
     formulas: Record
     budget: Records
+
+class TensionTableResult(Result):
+    cables: Records
+
+class PredictResult(Result):
+    title: str
+    modes: Records
+    interval: str
+    parameters_used: list[str]
+    parameters_not_used: list[str]
 
 class SynthesizeResult(Result):
     files: list[str]

@@ -7,8 +7,8 @@ class Error(Exception):
     Attributes
     ----------
     code : str
-        Stable, for programs: ``"bad_input"``, ``"wrong_usage"``, ``"argument"``, ``"refused"``, ``"not_converged"``,
-        ``"fault"``, or of a refusal the code of its finding, such as ``"no_hit_accepted"``.
+        Stable, for programs: ``"bad_input"``, ``"wrong_usage"``, ``"argument"``, ``"not_converged"``, ``"fault"``, or of
+        a refusal the code of its finding, such as ``"no_hit_accepted"``: ``error.code`` of the program's JSON document.
     message : str
         For a person.
     argument : str

@@ -1,14 +1,16 @@
-"""Laboratory tests to parameters: `bending`, `axial`, `tension`."""
+"""Laboratory tests to parameters: `bending`, `axial`, `tension`, `tension_table`."""
 
 from collections.abc import Mapping
+import math
 import pathlib
+import re
 import tempfile
 
 import numpy as np
 
 from . import _core, checks
 from .recordings import Recording, sources
-from .results import AxialResult, BendingResult, Estimate, ModalResult, TensionResult
+from .results import AxialResult, BendingResult, Estimate, ModalResult, TensionResult, TensionTableResult
 from .spectra import call, finish
 
 
@@ -210,6 +212,86 @@ def write_modes(argument, given, folder):
     return str(file)
 
 
+_CABLE_COLUMNS = ("name", "cable", "length", "length_std", "mass_per_length", "mass_per_length_std", "EI", "EI_std", "EA",
+                  "EA_std", "inclination", "ends", "plane", "mass_of", "frequency_std", "frequencies")
+
+
+def write_cables(argument, given, folder):
+    """Cables as a table that the program reads: its path. ``given``: list of dicts, or a DataFrame."""
+    if hasattr(given, "to_dict") and hasattr(given, "columns"):
+        given = given.to_dict("records")
+    if not isinstance(given, (list, tuple)) or not given:
+        checks.fail(argument, f"must be a path, a list of dicts or a DataFrame, not {checks.kind(given)}")
+    columns, rows = [], []
+    for i, row in enumerate(given):
+        if not isinstance(row, Mapping):
+            checks.fail(f"{argument}[{i}]", f"must be a dict, not {checks.kind(row)}")
+        cells = {}
+        for key, value in row.items():
+            if not isinstance(key, str) or not (key in _CABLE_COLUMNS or re.fullmatch("f[0-9]+", key)):
+                checks.fail(f"{argument}[{i}]", f"has an unknown entry {key!r}; known are {', '.join(_CABLE_COLUMNS)}, "
+                                                "f1, f2 ...")
+            entry = f"{argument}[{i}].{key}"
+            if value is None or isinstance(value, float) and math.isnan(value):
+                continue  # not known
+            if key in ("name", "cable", "ends", "plane", "mass_of"):
+                word = checks.text(entry, value)
+                if any(c in word for c in '"\n\r'):
+                    checks.fail(entry, "holds a quote or a line end")
+                cells[key] = f'"{word}"'
+            elif key == "frequencies":
+                cells[key] = " ".join(repr(f) for f in checks.numbers(entry, value, positive=True))
+            else:
+                cells[key] = repr(checks.number(entry, value))
+        columns += [key for key in row if key not in columns]
+        rows.append(cells)
+    lines = [",".join(columns)] + [",".join(cells.get(column, "") for column in columns) for cells in rows]
+    file = pathlib.Path(folder) / "cables.csv"
+    file.write_text("\n".join(lines) + "\n")
+    return str(file)
+
+
+def tension_table(table, *, out=None, missed=None, false_mode=None, threads=None, seed=None):
+    """Tensions of many cables from their natural frequencies, a row each.
+
+    Parameters
+    ----------
+    table : path, list of dict or DataFrame
+        name, length (m), mass_per_length (kg/m), and where known EI (N m2), EA (N), each also with ``_std``, inclination
+        (degrees), ends, plane, mass_of, frequency_std (Hz); and f1, f2 ... or frequencies (a list), Hz. A file may say
+        other units in brackets.
+    out : path, optional
+        CSV file of the tensions to write.
+    missed, false_mode : float, optional
+        Probabilities that a mode was missed, that a measured one is none of the cable's.
+    threads, seed : int, optional
+
+    Returns
+    -------
+    TensionTableResult
+        ``cables[]``, each with ``name`` and what `tension` gives, or ``error``.
+
+    Raises
+    ------
+    Refused
+        A row could not be used; ``result`` has the others.
+    """
+    options = checks.common(threads, seed)
+    _probabilities(options, missed, false_mode)
+    if out is not None:
+        options["out"] = checks.path("out", out)
+    with tempfile.TemporaryDirectory(prefix="rigfit-") as folder:
+        options["table"] = checks.path("table", table) if is_path(table) else write_cables("table", table, folder)
+        document, exit_code = call(_core.tension_table, options)
+    return finish(TensionTableResult, at_hand(document, folder), exit_code)
+
+
+def _probabilities(options, missed, false_mode):
+    for name, value in (("missed", missed), ("false_mode", false_mode)):
+        if value is not None:
+            options[name] = checks.number(name, value, 0.001, 0.9)
+
+
 def tension(recordings=None, *, length, mass_per_length, frequencies=None, frequency_std=None, measured=None,
             column=None, channel=None, band=None, max_peaks=None, sample_rate=None, plane="any", mass_of=None, EI=None,
             EA=None, inclination=None, ends="compare", missed=None, false_mode=None, threads=None, seed=None):
@@ -250,8 +332,14 @@ def tension(recordings=None, *, length, mass_per_length, frequencies=None, frequ
     -------
     TensionResult
         ``tension_N`` (Estimate with low, high), ``EI_Nm2``, ``candidates[]``, ``modes[]``, ``formulas``, ``budget[]``.
+
+    Raises
+    ------
+    Refused
+        No tension explains the frequencies.
     """
     options = checks.common(threads, seed)
+    _probabilities(options, missed, false_mode)
     given = sources("recordings", recordings) if recordings is not None else []
     options["length"] = estimate_text("length", length)
     options["mass_per_length"] = estimate_text("mass_per_length", mass_per_length)
@@ -262,9 +350,6 @@ def tension(recordings=None, *, length, mass_per_length, frequencies=None, frequ
     if frequencies is not None:
         options["frequencies"] = checks.numbers("frequencies", frequencies, positive=True)
     positives(options, frequency_std=frequency_std, sample_rate=sample_rate)
-    for name, value in (("missed", missed), ("false_mode", false_mode)):
-        if value is not None:
-            options[name] = checks.number(name, value, 0.001, 0.9)
     if inclination is not None:
         options["inclination"] = checks.number("inclination", inclination, -90, 90)
     if channel is not None:

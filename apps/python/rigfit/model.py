@@ -1,4 +1,5 @@
-"""Scenes and what is done with them: `Scene`, `modes`, `frf_of`, `respond`, `update`, `synthesize`; and `report`."""
+"""Scenes and what is done with them: `Scene`, `modes`, `frf_of`, `respond`, `update`, `predict`, `synthesize`; and
+`report`."""
 
 from collections.abc import Mapping
 import html
@@ -10,7 +11,7 @@ import numpy as np
 
 from . import _core, checks
 from .laboratory import at_hand, estimate_text, is_path, not_negative, positives, write_modes
-from .results import (AxialResult, BendingResult, ModesResult, ReportResult, RespondResult, SceneFrfs,
+from .results import (AxialResult, BendingResult, ModesResult, PredictResult, ReportResult, RespondResult, SceneFrfs,
                       SynthesizeResult, UpdateResult)
 from .spectra import call, finish
 
@@ -412,6 +413,70 @@ def _scene_file(scene, index, folder):
     file = pathlib.Path(folder) / f"scene{index + 1}.toml"
     file.write_text(scene.to_toml())
     return str(file)
+
+
+def predict(scene, fit, *, map=None, count=None, segments=None, measured=None, column=None, plane="any", damage=None,
+            frf=None, band=None, lines=None, sample=False, threads=None, seed=None):
+    """Modes of another scene with the parameters of a fit, with intervals from their covariance.
+
+    Parameters
+    ----------
+    scene : Scene, path, TOML text or dict
+        Where the parameters are used, such as one part of the rig that was fitted.
+    fit : UpdateResult or path
+        Result of `update`, or the JSON document of ``rigfit update``.
+    map : dict of str to str, optional
+        What a parameter of the fit is called here: ``{"cable.EI": "left.EI,right.EI"}``.
+    count, segments : int, optional
+        Modes from the first; segments of every member, instead of the scene's.
+    measured : path, ModalResult, array of frequencies or list of dict, optional
+        Measured modes to compare with; ``column`` is that of the frequencies in a table.
+    column : str, optional
+    plane : {"any", "in", "out"}
+        Of the measured modes.
+    damage : str or list of str, optional
+        Loss of EI of a zone against its sound part: ``ZONE=SOUND[,RATIO]``.
+    frf : path, optional
+        CSV file of the FRFs with their intervals to write; ``band`` (Hz) and ``lines`` are of these.
+    band : (float, float), optional
+    lines : int, optional
+    sample : bool
+        Intervals from samples, also where the model is linear.
+    threads, seed : int, optional
+
+    Returns
+    -------
+    PredictResult
+        ``modes[]`` with ``frequency_hz`` (Estimate with low, high), ``damping_ratio``; ``measured[]``, ``damage[]``.
+    """
+    options = checks.common(threads, seed)
+    if map is not None:
+        if not isinstance(map, Mapping):
+            checks.fail("map", f"must be a dict of name to name, not {checks.kind(map)}")
+        options["map"] = [f"{checks.text('map', name)}={checks.text(f'map[{name!r}]', target)}"
+                          for name, target in map.items()]
+    for name, value, low, high in (("count", count, 1, 1000), ("segments", segments, 2, 100000),
+                                   ("lines", lines, 2, 100000)):
+        if value is not None:
+            options[name] = checks.integer(name, value, low, high)
+    if column is not None:
+        options["column"] = checks.text("column", column)
+    options["plane"] = checks.choice("plane", plane, ("any", "in", "out"))
+    if damage is not None:
+        options["damage"] = checks.texts("damage", damage)
+    if frf is not None:
+        options["frf"] = checks.path("frf", frf)
+    if band is not None:
+        options["band"] = checks.band("band", band)
+    options["sample"] = checks.flag("sample", sample)
+    with tempfile.TemporaryDirectory(prefix="rigfit-") as folder:
+        options["fit"] = (_write_document("fit", fit, folder) if isinstance(fit, UpdateResult) else
+                          checks.path("fit", fit))
+        if measured is not None:
+            options["measured"] = (checks.path("measured", measured) if is_path(measured) else
+                                   write_modes("measured", measured, folder))
+        document, exit_code = call(_core.predict, _scene(scene), options)
+    return finish(PredictResult, at_hand(document, folder), exit_code)
 
 
 def synthesize(scene, out, *, seed=None, hits=None, double_hits=None, record=None, rate=None, finer=None, tension=None,

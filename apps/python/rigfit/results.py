@@ -333,6 +333,19 @@ class TensionResult(Result):
     main = "modes"
 
 
+class TensionTableResult(Result):
+    """Tensions of a table of cables: ``cables``, each as a `TensionResult` with ``name`` and ``line``, or ``error``."""
+
+    main = "cables"
+
+
+class PredictResult(Result):
+    """Modes of another scene with a fit's parameters: ``modes`` (``frequency_hz`` with low, high), ``interval``,
+    ``parameters_used``; ``measured`` where it was compared."""
+
+    main = "modes"
+
+
 class SynthesizeResult(Result):
     """Files that a virtual laboratory wrote: ``files``."""
 

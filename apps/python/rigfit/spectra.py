@@ -9,28 +9,16 @@ from .recordings import sources, warn
 from .results import DecayResult, FrfResult, InspectResult, ModalResult
 
 
-# Codes of findings that end a run with exit code 4; documents list them among the warnings.
-_REFUSALS = {
-    "axial", "band_not_sampled", "channel", "clamp_slip", "constant", "curved", "friction", "grows", "missing_samples",
-    "no_EI", "no_decay", "no_hit", "no_hit_accepted", "no_loading", "no_modes", "no_response", "no_slope", "no_tension",
-    "not_decided", "not_determined", "not_uniform", "pulse_not_resolved", "rank_deficient", "string_like",
-    "too_few_points", "too_few_samples", "too_noisy", "under_one_cycle", "window_damping",
-}
-
-
 def finish(kind, document, exit_code, **extra):
     """The result of a call; a refusal or a failure to converge raises, with what can be had as its ``result``."""
     result = kind(document, **extra)
     if exit_code == 0:
         warn(document["warnings"])
         return result
-    error = errors.Refused if exit_code == 4 else errors.NotConverged
-    known = _REFUSALS if exit_code == 4 else {"not_converged"}
-    found = document["warnings"]
-    one = next((w for w in found if w["code"] in known), None)
-    one = one or (found[-1] if found else {"code": error.code, "message": "there is no result", "where": ""})
-    where = f"{one['where']}: " if one["where"] else ""
-    raise error(f"{where}{one['message']}", code=one["code"], where=one["where"], problem=one["message"], result=result)
+    found = document["error"]
+    where = f"{found['where']}: " if found["where"] else ""
+    raise (errors.Refused if exit_code == 4 else errors.NotConverged)(
+        f"{where}{found['message']}", code=found["code"], where=found["where"], problem=found["message"], result=result)
 
 
 def call(function, *arguments):
@@ -221,8 +209,9 @@ def modal(frfs, *, force=None, response=None, band=None, order=None, max_damping
 
     Parameters
     ----------
-    frfs : FrfResult, path of a UFF file of FRFs, or recordings of hits (then with ``force``)
-        FRFs of other programs: `frfs_of_arrays`.
+    frfs : FrfResult, path of a file of FRFs, or recordings of hits (then with ``force``)
+        A UFF file, or one or several text tables of frequency, real and imaginary part. FRFs of other programs:
+        `frfs_of_arrays`.
     force, response, **hits
         As of `frf`, for recordings of hits; exponential_window is also the window that FRFs were measured with.
     band : (float, float), optional
@@ -256,7 +245,7 @@ def modal(frfs, *, force=None, response=None, band=None, order=None, max_damping
         options["force"] = checks.text("force", force)
         if averages is not None:
             checks.fail("averages", "is for FRFs from elsewhere, not for recordings of hits")
-    elif at_hand is None and (len(given) != 1 or not isinstance(given[0], str)):
+    elif at_hand is None and not all(isinstance(one, str) for one in given):
         checks.fail("force", "is needed for recordings of hits")
     if force is None:
         unused = {name for name in hits if name not in ("exponential_window", "exponential_end_level")}
@@ -337,7 +326,7 @@ def frfs_of_arrays(frequency_hz, H, *, form, responses=None, inputs=None, cohere
 
 
 def read_frfs(file):
-    """FRFs of a UFF 58 file.
+    """FRFs of a UFF 58 file or of a text table of frequency, real and imaginary part.
 
     Parameters
     ----------

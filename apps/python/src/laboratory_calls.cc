@@ -128,12 +128,25 @@ py::tuple tension(const py::list& given, const py::dict& options_given) {
   });
 }
 
+py::tuple tension_table(const py::dict& options_given) {
+  const Options options(options_given);
+  apps::TensionTableCommand command;
+  options.take("table", command.table);
+  options.take("out", command.out);
+  options.take("missed", command.missed);
+  options.take("false_mode", command.false_mode);
+  return run_verb("tension", options, [command](apps::VerbContext& context) {
+    return apps::tension_table_result(command, context);
+  });
+}
+
 }  // namespace
 
 void bind_laboratory(py::module_& module) {
   module.def("bending", &bending);
   module.def("axial", &axial);
   module.def("tension", &tension);
+  module.def("tension_table", &tension_table);
 }
 
 }  // namespace rigfit::python

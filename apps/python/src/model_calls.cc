@@ -1,5 +1,5 @@
-// Python's Scene and what is done with it: modes, FRFs, responses, fits, virtual laboratories; and
-// reports.
+// Python's Scene and what is done with it: modes, FRFs, responses, fits, predictions, virtual
+// laboratories; and reports.
 #include <pybind11/complex.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -232,6 +232,28 @@ py::tuple update(const py::dict& options_given) {
   return py::make_tuple(answer[0], answer[1], matrix, list);
 }
 
+py::tuple predict(const py::object& given, const py::dict& options_given) {
+  const Options options(options_given);
+  const SceneSource source(given);
+  apps::PredictCommand command;
+  command.scene = source.path;
+  options.take("fit", command.from);
+  options.take("map", command.maps);
+  options.take("count", command.count);
+  options.take("segments", command.segments);
+  options.take("measured", command.measured);
+  options.take("column", command.column);
+  options.take("plane", command.plane);
+  options.take("damage", command.damage);
+  options.take("frf", command.frf);
+  options.take("band", command.band);
+  options.take("lines", command.lines);
+  options.take("sample", command.sample);
+  return run_verb("predict", options, [source, command](apps::VerbContext& context) {
+    return apps::predict_result(source.load(context), command, context);
+  });
+}
+
 py::tuple synthesize(const py::object& given, const py::dict& options_given) {
   const Options options(options_given);
   const SceneSource source(given);
@@ -289,6 +311,7 @@ void bind_model(py::module_& module) {
   module.def("frf_of", &frf_of);
   module.def("respond", &respond);
   module.def("update", &update);
+  module.def("predict", &predict);
   module.def("synthesize", &synthesize);
   module.def("report", &report);
 }

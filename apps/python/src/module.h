@@ -9,7 +9,7 @@ namespace rigfit::python {
 void bind_signal(pybind11::module_& module);
 /// bending, axial, tension.
 void bind_laboratory(pybind11::module_& module);
-/// Scene, modes, frf_of, respond, update, synthesize, report.
+/// Scene, modes, frf_of, respond, update, predict, synthesize, report.
 void bind_model(pybind11::module_& module);
 
 }  // namespace rigfit::python

@@ -18,7 +18,7 @@
 #include "apps/python/src/borrowed_samples.h"
 #include "apps/python/src/call.h"
 #include "apps/python/src/recording_object.h"
-#include "signal/readers/uff/read_uff.h"
+#include "signal/readers/frequency/frequency_table.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::python {
@@ -157,7 +157,7 @@ py::tuple frf(const py::list& given, const py::dict& options_given) {
   return py::make_tuple(answer[0], answer[1], frfs_or_none(state->frfs));
 }
 
-/// Modes of FRFs at hand, of a UFF file of FRFs, or (with a force channel) of recordings of hits.
+/// Modes of FRFs at hand, of files of FRFs, or (with a force channel) of recordings of hits.
 py::tuple modal(const py::object& frfs, const py::list& given, const py::dict& options_given) {
   const Options options(options_given);
   struct State {
@@ -184,9 +184,8 @@ py::tuple modal(const py::object& frfs, const py::list& given, const py::dict& o
     } else if (at_hand) {
       measured = apps::measured_frfs(*state->frfs, state->command, context);
     } else {
-      const std::string path = state->sources.at(0).name();
-      context.input(path);
-      measured = apps::measured_frfs(signal::read_uff_frfs(path), state->command, context);
+      for (const Source& source : state->sources) state->command.files.push_back(source.name());
+      measured = apps::measured_frfs(state->command, context);
     }
     Json result{{"modes", Json::array()}};
     if (measured.frfs.frequency_hz.size() > 0) {
@@ -242,7 +241,7 @@ SharedFrfs frfs_of_arrays(const py::array_t<double, py::array::c_style>& frequen
 
 SharedFrfs read_frfs(const std::string& path) {
   auto state = std::make_shared<signal::FrfSet>();
-  run_unlocked([state, path] { *state = signal::read_uff_frfs(path); });
+  run_unlocked([state, path] { *state = signal::read_frfs({path}, {}); });
   return state;
 }
 
