@@ -1,4 +1,4 @@
-"""The commands of README.md and apps/README.md, run as a reader would: each page in its order and in one folder.
+"""The commands of README.md, apps/README.md and the tutorials, run as a reader would: each page in its order and in one folder.
 
 usage: readme_test.py PROGRAM SOURCE_FOLDER
 
@@ -120,6 +120,10 @@ class Readme(unittest.TestCase):
     def test_commands_do_what_the_page_of_benchmarks_says(self):
         self.commands_do_what_it_says("tests/bench/README.md", 1, compared=False)
 
+    def test_tutorials_run_and_draw_their_pictures(self):
+        for who, fewest in (("technician", 5), ("student", 4), ("consultant", 4)):
+            self.commands_do_what_it_says("apps/tutorials/%s/README.md" % who, fewest)
+
     def test_links_lead_somewhere(self):
         for page in subprocess.run(["git", "ls-files", "*.md"], cwd=SOURCE, capture_output=True, text=True).stdout.split():
             text = (SOURCE / page).read_text(encoding="utf-8")
@@ -143,6 +147,8 @@ class Readme(unittest.TestCase):
                     lacking = missing(one["expected"], lines)
                     self.assertIsNone(lacking, "not in the output:\n  %s\nwhich is:\n%s" % (lacking, run.stdout))
                     checked += any(l.strip() for l in one["expected"])
+            for picture in re.findall(r"!\[[^\]]*\]\(([^)/]+)\)", text):
+                self.assertTrue(os.path.exists(os.path.join(folder, picture)), "%s: nothing draws %s" % (page, picture))
         self.assertTrue(checked > 0 or not compared, "no output is compared")
 
     def test_the_comparison_itself(self):
