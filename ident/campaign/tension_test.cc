@@ -61,12 +61,6 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
          "the segment model has no equilibrium at the best tension: the closed forms of a shallow "
          "cable stand alone");
   }
-  if (result.irvine_parameter > 0.5) {
-    warn("sagging_interval",
-         fmt::format("the cable sags (Irvine's parameter {:.2g}): symmetric modes can give several "
-                     "tensions, and intervals held in 65 to 80 % of virtual cases only",
-                     result.irvine_parameter));
-  }
   if (result.mass_reference_matters) {
     warn("mass_reference_unknown",
          "whether the mass per length is that of the installed or of the unstretched cable matters "

@@ -13,6 +13,7 @@ namespace {
 
 // Of a steel cable at a third of its strength, where no EA is given.
 constexpr double kAssumedStrain = 1e-3;
+constexpr double kAssumedStrainStd = 0.5;  // of its logarithm: within a factor of 2 or so
 // cos of the inclination from which a scene's tension is along the chord.
 constexpr double kSteep = 0.0872;
 
@@ -63,6 +64,25 @@ std::vector<double> logarithms_of_ratio(const std::vector<double>& segments,
 
 }  // namespace
 
+std::vector<CableInput> uncertain_inputs(const CableDescription& cable) {
+  std::vector<CableInput> inputs;
+  const auto add = [&](std::size_t index, double std, double CableState::*factor) {
+    if (std > 0) inputs.push_back({index, std, factor});
+  };
+  add(0, cable.length_m.std / cable.length_m.value, &CableState::length);
+  add(1, cable.mass_per_length.std / cable.mass_per_length.value, &CableState::mass);
+  if (cable.EA_N) {
+    add(2, cable.EA_N->std / cable.EA_N->value, &CableState::EA);
+  } else {
+    add(3, kAssumedStrainStd, &CableState::EA);
+  }
+  if (cable.EI_Nm2 && cable.EI_Nm2->value > 0 &&
+      cable.EI_Nm2->std <= kNormalEI * cable.EI_Nm2->value) {
+    add(kCableInputs.size() - 1, cable.EI_Nm2->std / cable.EI_Nm2->value, &CableState::EI);
+  }
+  return inputs;
+}
+
 CableModel::CableModel(const CableDescription& cable, CableCorrection correction)
     : cable_(cable), correction_(std::move(correction)) {}
 
@@ -75,9 +95,14 @@ double CableModel::weight_across() const {
 }
 
 double CableModel::lambda_squared(double tension_N) const {
-  const double slope = weight_across() * cable_.length_m.value / tension_N;
+  return lambda_squared(CableState{tension_N});
+}
+
+double CableModel::lambda_squared(const CableState& state) const {
+  const double T = state.tension_N,
+               slope = weight_across() * state.mass * cable_.length_m.value * state.length / T;
   if (slope < 1e-9) return 0;  // a hanger
-  return slope * slope * axial_rigidity(tension_N) / (tension_N * (1 + slope * slope / 8));
+  return slope * slope * axial_rigidity(T) * state.EA / (T * (1 + slope * slope / 8));
 }
 
 bool CableModel::needs_correction(double tension_N) const {
@@ -90,10 +115,14 @@ bool CableModel::needs_correction(double tension_N) const {
 SaggingBeam CableModel::beam(const CableState& state, bool sags) const {
   // Of the installed cable: the unstretched one has the same mass on a shorter length.
   const bool installed = cable_.mass_reference == MassReference::installed;
-  const double strain = state.tension_N / axial_rigidity(state.tension_N);
-  return {cable_.length_m.value, cable_.mass_per_length.value / (installed ? 1 : 1 + strain),
-          state.tension_N,       state.EI_Nm2,
-          state.spring_Nm_rad,   sags ? lambda_squared(state.tension_N) : 0};
+  const double strain = state.tension_N / (axial_rigidity(state.tension_N) * state.EA);
+  const double mass = cable_.mass_per_length.value * state.mass;
+  return {cable_.length_m.value * state.length,
+          mass / (installed ? 1 : 1 + strain),
+          state.tension_N,
+          state.EI_Nm2,
+          state.spring_Nm_rad,
+          sags ? lambda_squared(state) : 0};
 }
 
 CableFrequencies CableModel::frequencies(const CableState& state, int count,
@@ -106,17 +135,21 @@ CableFrequencies CableModel::frequencies(const CableState& state, int count,
 
 CableCorrection segment_correction(const CableModel& model, CableEnds ends, const CableState& state,
                                    int count, std::string& why) {
-  CableDescription straight = model.cable();
+  CableDescription cable = model.cable();
+  cable.EA_N = signal::Estimate{model.axial_rigidity(state.tension_N) * state.EA, 0};
+  cable.length_m.value *= state.length;
+  cable.mass_per_length.value *= state.mass;
+  CableDescription straight = cable;
   straight.gravity = straight.inclination_deg = 0;
   straight.masses.clear();
-  const auto with_springs = [&](const CableDescription& cable) {
-    auto scene = cable_scene(cable, ends, state.tension_N, state.EI_Nm2);
+  const auto with_springs = [&](const CableDescription& one) {
+    auto scene = cable_scene(one, ends, state.tension_N, state.EI_Nm2);
     if (ends == CableEnds::springs) {
       for (auto& node : scene.nodes) node.support.rotational.setConstant(state.spring_Nm_rad);
     }
     return scene;
   };
-  const auto hanging = with_springs(model.cable()), level_scene = with_springs(straight);
+  const auto hanging = with_springs(cable), level_scene = with_springs(straight);
   const double all = std::numeric_limits<double>::infinity();
   const auto closed = cable_frequencies(model.beam(state, true), count, all);
   const auto closed_straight = cable_frequencies(model.beam(state, false), count, all);

@@ -10,6 +10,7 @@
 // tension, so that one at the estimate, repeated until it stays, is exact there.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -23,10 +24,24 @@ struct CableCorrection {
   std::vector<double> in, out;
 };
 
-/// Tension, EI and springs of a cable.
+/// Tension, EI and springs of a cable, and its length, mass per length, EA and EI over what they
+/// are given as (EI_Nm2 contains that factor).
 struct CableState {
   double tension_N = 0, EI_Nm2 = 0, spring_Nm_rad = 0;
+  double length = 1, mass = 1, EA = 1, EI = 1;
 };
+
+/// Something that is known of a cable with an uncertainty.
+struct CableInput {
+  std::size_t index = 0;  ///< of kCableInputs
+  double std = 0;         ///< of its logarithm
+  double CableState::*factor = nullptr;
+};
+inline constexpr std::array<const char*, 5> kCableInputs = {"length", "mass per length", "EA",
+                                                            "EA (assumed)", "EI"};
+/// Of EI as given: up to this its logarithm counts as normal, beyond it is summed over a grid.
+inline constexpr double kNormalEI = 0.3;
+[[nodiscard]] std::vector<CableInput> uncertain_inputs(const CableDescription& cable);
 
 class CableModel {
  public:
@@ -46,6 +61,7 @@ class CableModel {
 
  private:
   [[nodiscard]] SaggingBeam beam(const CableState& state, bool sags) const;
+  [[nodiscard]] double lambda_squared(const CableState& state) const;
   friend CableCorrection segment_correction(const CableModel& model, CableEnds ends,
                                             const CableState& state, int count, std::string& why);
   CableDescription cable_;

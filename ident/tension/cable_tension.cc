@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -21,6 +22,8 @@ using signal::Estimate;
 using signal::kNaN;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
+
+constexpr double kSettled = 3e-5;  // of ln f
 
 /// A weighted normal of ln T, and where it comes from.
 struct Part {
@@ -52,18 +55,19 @@ struct EndsPosterior {
   CableModel model;
   std::vector<TensionAnswer> answers;
   double ln_evidence = -kInf;
-  std::vector<std::pair<std::string, double>> inputs;  ///< shift of ln T by one std of each
-  bool corrected = true;                               ///< false: needed and not to be had
+  bool corrected = true;  ///< false: needed and not to be had
 
-  [[nodiscard]] CableState state() const { return answers.front().state(ends); }
+  [[nodiscard]] CableState state() const { return answers.front().state(); }
 };
 
+/// `best`: ln of the evidence of the best answer with other ends.
 void evaluate(EndsPosterior& one, const TensionData& data,
-              const std::vector<Assignment>& assignments) {
+              const std::vector<Assignment>& assignments, double best) {
   one.answers.clear();
   for (const auto& assignment : assignments) {
-    auto answer = tension_answer(one.model, data, one.ends, assignment);
+    auto answer = tension_answer(one.model, data, one.ends, assignment, best);
     if (answer.cells.empty() || !std::isfinite(answer.ln_evidence)) continue;
+    best = std::max(best, answer.ln_evidence);
     // Two starts can end in one answer.
     const bool known = std::any_of(one.answers.begin(), one.answers.end(), [&](const auto& other) {
       return other.modes == answer.modes && std::abs(other.cells[other.best].ln_tension -
@@ -107,32 +111,6 @@ double correct(EndsPosterior& one, const CableState& state) {
   return change;
 }
 
-/// Shifts of ln T at the heaviest answer by what is known of the cable but not fitted.
-void shift_by_inputs(EndsPosterior& one, const TensionData& data) {
-  const auto& cable = one.model.cable();
-  const auto state = one.state();
-  const double here = refitted_ln_tension(one.model, data, one.answers.front().modes, state);
-  const auto shift = [&](const char* name, double relative_std, const auto& change) {
-    if (!(relative_std > 0)) return;
-    constexpr double kStep = 0.01;  // far above the fit's tolerance, far below what is non-linear
-    auto moved = cable;
-    change(moved, 1 + kStep);
-    const CableModel model(moved, one.model.correction());
-    const double there = refitted_ln_tension(model, data, one.answers.front().modes, state);
-    one.inputs.emplace_back(name, (there - here) / kStep * relative_std);
-  };
-  shift("length", cable.length_m.std / cable.length_m.value,
-        [](CableDescription& c, double factor) { c.length_m.value *= factor; });
-  shift("mass per length", cable.mass_per_length.std / cable.mass_per_length.value,
-        [](CableDescription& c, double factor) { c.mass_per_length.value *= factor; });
-  const double EA = one.model.axial_rigidity(state.tension_N);
-  // Without EA: within a factor of 2.
-  shift(cable.EA_N ? "EA" : "EA (assumed)", cable.EA_N ? cable.EA_N->std / EA : 0.5,
-        [EA](CableDescription& c, double factor) {
-          c.EA_N = Estimate{EA * factor, 0};
-        });
-}
-
 /// Mean and variances of T over the cells of one or several kinds of ends, by the law of total
 /// variance: between ends, assignments, springs, rigidities; within: frequencies and model.
 struct Summary {
@@ -144,50 +122,81 @@ struct Summary {
 class Moments {
  public:
   void add(double weight, double value) {
+    if (!(weight > 0)) return;
     weight_ += weight;
     mean_ += weight * value;
     square_ += weight * value * value;
   }
   [[nodiscard]] double weight() const { return weight_; }
-  [[nodiscard]] double mean() const { return mean_ / weight_; }
+  [[nodiscard]] double mean() const { return weight_ > 0 ? mean_ / weight_ : 0; }
   [[nodiscard]] double variance() const {
-    return std::max(0.0, square_ / weight_ - mean() * mean());
+    return weight_ > 0 ? std::max(0.0, square_ / weight_ - mean() * mean()) : 0;
   }
 
  private:
   double weight_ = 0, mean_ = 0, square_ = 0;
 };
 
+/// Of the ln T of one cell.
+double variance_of(const TensionCell& cell) {
+  return std::accumulate(cell.variance_input.begin(), cell.variance_input.end(),
+                         cell.variance_frequency + cell.variance_model);
+}
+
+/// All cells; weights sum to 1.
+std::vector<Part> mixture(const std::vector<const EndsPosterior*>& all, double top) {
+  std::vector<Part> parts;
+  double sum = 0;
+  for (const auto* one : all) {
+    for (const auto& answer : one->answers) {
+      for (const auto& cell : answer.cells) {
+        parts.push_back({std::exp(cell.ln_weight - top), cell.ln_tension, variance_of(cell)});
+        sum += parts.back().weight;
+      }
+    }
+  }
+  for (auto& part : parts) part.weight /= sum;
+  std::erase_if(parts, [](const Part& part) { return part.weight < 1e-8; });
+  return parts;
+}
+
+/// Value, std and budget are of what lies in the 95 % interval or within half its width beside it:
+/// an improbable other answer far off would otherwise make the std larger than the interval.
 Summary summarise(const std::vector<const EndsPosterior*>& all) {
   double top = -kInf;
   for (const auto* one : all) top = std::max(top, one->ln_evidence);
+  const auto parts = mixture(all, top);
+  Summary summary;
+  summary.low = mixture_quantile(parts, 0.025);
+  summary.high = mixture_quantile(parts, 0.975);
+  const double beside = std::log(summary.high / summary.low) / 2 + 1e-6;
+  const double from = std::log(summary.low) - beside, to = std::log(summary.high) + beside;
   const double reference = all.front()->answers.front().cells.front().ln_tension;
   const double scale = std::exp(reference);
-  std::vector<Part> parts;
   Moments total, EI, spring, ends;
-  double assignments = 0, springs = 0, rigidities = 0, models = 0, frequencies = 0;
+  double assignments = 0, springs = 0, rigidities = 0, models = 0, frequencies = 0, within_EI = 0;
   std::map<std::string, double> inputs;
   for (const auto* one : all) {
-    double input_variance = 0;
-    for (const auto& [name, shift] : one->inputs) input_variance += shift * shift;
     Moments of_ends, of_answers;
     for (const auto& answer : one->answers) {
       Moments of_answer;
       std::map<int, std::map<int, Moments>> by_spring;
       for (const auto& cell : answer.cells) {
+        if (cell.ln_tension < from || cell.ln_tension > to) continue;
         const double w = std::exp(cell.ln_weight - top);
         const double T = std::exp(cell.ln_tension - reference);
-        parts.push_back(
-            {w, cell.ln_tension, cell.variance_frequency + cell.variance_model + input_variance});
+        for (std::size_t j = 0; j < kCableInputs.size(); ++j) {
+          inputs[kCableInputs[j]] += w * T * T * cell.variance_input[j];
+        }
         for (Moments* moments :
              {&total, &of_ends, &of_answer, &by_spring[cell.spring][cell.rigidity]}) {
           moments->add(w, T);
         }
-        EI.add(w, std::exp(cell.ln_EI));
-        spring.add(w, std::exp(cell.ln_spring));
+        EI.add(w, cell.state.EI_Nm2);
+        within_EI += w * cell.state.EI_Nm2 * cell.state.EI_Nm2 * cell.variance_ln_EI;
+        spring.add(w, cell.state.spring_Nm_rad);
         frequencies += w * T * T * cell.variance_frequency;
         models += w * T * T * cell.variance_model;
-        for (const auto& [name, shift] : one->inputs) inputs[name] += w * T * T * shift * shift;
       }
       of_answers.add(of_answer.weight(), of_answer.mean());
       Moments between;
@@ -205,9 +214,6 @@ Summary summarise(const std::vector<const EndsPosterior*>& all) {
     assignments += of_answers.weight() * of_answers.variance();
     ends.add(of_ends.weight(), of_ends.mean());
   }
-  for (auto& part : parts) part.weight /= total.weight();
-  std::erase_if(parts, [](const Part& part) { return part.weight < 1e-8; });
-  Summary summary;
   const double mean = total.mean() * scale;
   double variance = 0;
   const auto term = [&](const std::string& name, double weighted) {
@@ -218,16 +224,16 @@ Summary summarise(const std::vector<const EndsPosterior*>& all) {
   };
   term("frequencies", frequencies);
   term("model", models);
-  term("EI", rigidities);
+  const auto of_EI = inputs.find("EI");
+  term("EI", rigidities + (of_EI == inputs.end() ? 0 : of_EI->second));
+  inputs.erase("EI");
   term("end springs", springs);
   term("assignment", assignments);
   term("ends", ends.weight() * ends.variance());
   for (const auto& [name, weighted] : inputs) term(name, weighted);
   summary.tension = {mean, std::sqrt(variance)};
-  summary.EI = {EI.mean(), std::sqrt(EI.variance())};
+  summary.EI = {EI.mean(), std::sqrt(EI.variance() + within_EI / EI.weight())};
   summary.spring = {spring.mean(), std::sqrt(spring.variance())};
-  summary.low = mixture_quantile(parts, 0.025);
-  summary.high = mixture_quantile(parts, 0.975);
   return summary;
 }
 
@@ -362,22 +368,31 @@ std::vector<Assignment> likely(const std::vector<EndsPosterior>& all,
   return kept;
 }
 
+/// The answers that may still be the best, as starts.
+std::vector<Assignment> surviving(const EndsPosterior& one) {
+  std::vector<Assignment> kept;
+  for (const auto& answer : one.answers) {
+    if (answer.ln_evidence < one.answers.front().ln_evidence - 30) break;
+    const auto state = answer.state();
+    kept.push_back({answer.modes, 0, std::log(state.tension_N), state.EA});
+  }
+  return kept;
+}
+
 /// Repeats correction and posterior until the correction at the heaviest answer stays; how much the
 /// first one changed ln f.
-template <class Assignments>
-double settle(EndsPosterior& one, const TensionData& data, const Assignments& assignments) {
+double settle(EndsPosterior& one, const TensionData& data, double best) {
   double first = 0;
   for (int i = 0; i < 3 && !one.answers.empty(); ++i) {
     auto state = one.state();
     double change = correct(one, state);
     first = std::max(first, change);
-    if (change < 1e-5) break;
-    for (int k = 0; k < 4 && change > 1e-6; ++k) {
-      state.tension_N =
-          std::exp(refitted_ln_tension(one.model, data, one.answers.front().modes, state));
+    if (change < kSettled) break;
+    for (int k = 0; k < 6 && change > kSettled / 3; ++k) {
+      state = refitted(one.model, data, one.answers.front().modes, state);
       change = correct(one, state);
     }
-    evaluate(one, data, assignments());
+    evaluate(one, data, surviving(one), best);
   }
   return first;
 }
@@ -388,7 +403,7 @@ std::vector<EndsPosterior> posteriors(const CableDescription& cable, const Tensi
   std::vector<EndsPosterior> all;
   all.reserve(kinds.size());
   for (const CableEnds ends : kinds) {
-    all.push_back({ends, CableModel(cable), {}, -kInf, {}, true});
+    all.push_back({ends, CableModel(cable), {}, -kInf, true});
   }
   std::stable_partition(all.begin(), all.end(),
                         [](const auto& one) { return one.ends != CableEnds::springs; });
@@ -398,21 +413,17 @@ std::vector<EndsPosterior> posteriors(const CableDescription& cable, const Tensi
     double change = 0;
     const EndsPosterior* heaviest = nullptr;
     for (auto& one : all) {
-      evaluate(one, data, one.ends == CableEnds::springs ? likely(all, assignments) : assignments);
+      const double best = heaviest != nullptr ? heaviest->ln_evidence : -kInf;
+      const auto tried = one.ends == CableEnds::springs ? likely(all, assignments) : assignments;
+      evaluate(one, data, tried, best);
       if (one.answers.empty()) continue;
-      change =
-          std::max(change, settle(one, data, [&] {
-                     return one.ends == CableEnds::springs ? likely(all, assignments) : assignments;
-                   }));
+      change = std::max(change, settle(one, data, best));
       if (!one.answers.empty() && (heaviest == nullptr || one.ln_evidence > heaviest->ln_evidence))
         heaviest = &one;
     }
     // A correction beyond the search's own tolerance can hide the right assignment.
     if (heaviest == nullptr || change < 0.005) break;
     searched = heaviest->model;
-  }
-  for (auto& one : all) {
-    if (!one.answers.empty()) shift_by_inputs(one, data);
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.ln_evidence > b.ln_evidence; });

@@ -83,8 +83,10 @@ struct TensionFormulas {
 
 struct TensionResult {
   bool solved = false;
-  std::string message;            ///< why not
-  signal::Estimate tension_N;     ///< at mid-span, over all candidates
+  std::string message;  ///< why not
+  /// At mid-span, over all candidates; without what lies more than half the interval's width
+  /// outside of it (less than 5 % of the probability: other orders, other ends).
+  signal::Estimate tension_N;
   double low = 0, high = 0;       ///< 95 % of the mixture
   double start_N = 0, end_N = 0;  ///< at the first (lower) and at the second end
   signal::Estimate EI_Nm2;

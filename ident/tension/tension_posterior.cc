@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "ident/tension/tension_fit.h"
+
 namespace rigfit::ident {
 namespace {
 
@@ -13,12 +15,6 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kLowX = 2, kHighX = 2000;             // L sqrt(T / EI) where EI is not given
 constexpr double kLowSpring = 0.03, kHighSpring = 30;  // q
 constexpr double kNegligible = 18;                     // in ln(weight)
-constexpr std::array<double, 6> kModelStd = {0, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2};
-
-double ln_prior_of_model_std(std::size_t index, bool stated) {
-  if (!stated) return index == 0 ? -kUnbounded : std::log(0.2);
-  return index == 0 ? std::log(0.95) : std::log(0.01);
-}
 
 double ln_sum(const std::vector<TensionCell>& cells) {
   double top = -kUnbounded, sum = 0;
@@ -53,19 +49,22 @@ struct GridPoint {
   }
 };
 
-constexpr double kMatters = 10;    // below the top, in ln
-constexpr double kSmoothStep = 1;  // of ln between neighbours that resolve a density
+constexpr double kMatters = 10;       // below the top, in ln
+constexpr double kMattersAtAll = 14;  // below the best answer, in ln
+constexpr double kSmoothStep = 1;     // of ln between neighbours that resolve a density
 
 /// Whether the interval after point i needs a point between. A peak between coarse points is seen
-/// by the parabola through three of them.
-bool needs_point(const std::vector<GridPoint>& points, std::size_t i, double top) {
+/// by the parabola through three of them. Nothing below `matters` does.
+bool needs_point(const std::vector<GridPoint>& points, std::size_t i, double matters) {
   for (std::size_t t = 0; t < kModelStd.size(); ++t) {
     const double a = points[i].ln[t], b = points[i + 1].ln[t];
     if (!std::isfinite(a) || !std::isfinite(b)) {
-      if (std::max(a, b) > top - kMatters) return true;
+      // Where the density ends: as near as weights need it.
+      const double range = points.back().at - points.front().at;
+      if (std::max(a, b) > matters && points[i + 1].at - points[i].at > range / 200) return true;
       continue;
     }
-    if (std::abs(a - b) > kSmoothStep && std::max(a, b) > top - kMatters) return true;
+    if (std::abs(a - b) > kSmoothStep && std::max(a, b) > matters) return true;
     for (const std::size_t middle : {i, i + 1}) {
       if (middle == 0 || middle + 1 >= points.size()) continue;
       const double x0 = points[middle - 1].at, x1 = points[middle].at, x2 = points[middle + 1].at;
@@ -77,16 +76,18 @@ bool needs_point(const std::vector<GridPoint>& points, std::size_t i, double top
       const double bend = (right - left) / (x2 - x0);
       if (!(bend < 0)) continue;
       const double slope = left + bend * (x1 - x0);  // at x1
-      if (y1 - slope * slope / (4 * bend) > top - kMatters) return true;
+      if (y1 - slope * slope / (4 * bend) > matters) return true;
     }
   }
   return false;
 }
 
 /// Cells of a density over a range: points are added until it is resolved for every value of t
-/// that matters; weights of the trapezoidal rule.
+/// that matters, within exp(-kMatters) of the top and above `floor`; weights of the trapezoidal
+/// rule.
 template <class Evaluate>
-std::vector<TensionCell> resolved(const Range& range, int count, const Evaluate& evaluate) {
+std::vector<TensionCell> resolved(const Range& range, int count, double floor,
+                                  const Evaluate& evaluate) {
   std::vector<GridPoint> points;
   const auto point = [&](double at) {
     GridPoint made;
@@ -106,7 +107,7 @@ std::vector<TensionCell> resolved(const Range& range, int count, const Evaluate&
     if (!std::isfinite(top)) break;
     std::vector<GridPoint> added;
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-      if (needs_point(points, i, top))
+      if (needs_point(points, i, std::max(top - kMatters, floor)))
         added.push_back(point((points[i].at + points[i + 1].at) / 2));
     }
     if (added.empty()) break;
@@ -126,103 +127,6 @@ std::vector<TensionCell> resolved(const Range& range, int count, const Evaluate&
   }
   return cells;
 }
-
-/// Local fit of the tension with all else held.
-class Local {
- public:
-  Local(const CableModel& model, const TensionData& data, const std::vector<AssignedMode>& modes)
-      : model_(model), data_(data), modes_(modes) {
-    for (const auto& mode : modes) {
-      count_ = std::max(count_, mode.order + 1);
-      pairs_ += mode.order >= 0;
-    }
-  }
-
-  [[nodiscard]] int pairs() const { return pairs_; }
-
-  /// Fits ln T, starting from what it is; `state_at` gives the state at a ln T.
-  template <class StateAt>
-  bool fit(double& ln_tension, const StateAt& state_at) {
-    constexpr double kStep = 1e-4;
-    for (int i = 0; i < 12; ++i) {
-      residuals(state_at(ln_tension), residual_);
-      double gradient = 0, curvature = 0;
-      slope_.resize(residual_.size());
-      // The slopes of the first step serve as long as the tension does not move far.
-      const bool anew = i == 0 || std::abs(ln_tension - slope_at_) > 0.02;
-      if (anew) {
-        residuals(state_at(ln_tension + kStep), stepped_);
-        slope_at_ = ln_tension;
-      }
-      for (std::size_t k = 0; k < residual_.size(); ++k) {
-        if (anew) slope_[k] = (residual_[k] - stepped_[k]) / kStep;
-        const double w = 1 / (variance_[k] + kFloor);
-        gradient += w * slope_[k] * residual_[k];
-        curvature += w * slope_[k] * slope_[k];
-      }
-      if (!(curvature > 0) || !std::isfinite(gradient)) return false;
-      const double change = std::clamp(gradient / curvature, -1.0, 1.0);
-      if (std::abs(change) < 1e-5) return true;  // the cells take the rest of the way
-      ln_tension += change;
-    }
-    return false;
-  }
-
-  /// One cell a value of t about the fit.
-  void add_cells(double ln_tension, double ln_prior, const TensionCell& at,
-                 std::vector<TensionCell>& cells) const {
-    for (std::size_t t = 0; t < kModelStd.size(); ++t) {
-      const double prior = ln_prior_of_model_std(t, data_.stated);
-      if (!std::isfinite(prior)) continue;
-      const double extra = kModelStd[t] * kModelStd[t];
-      double gradient = 0, curvature = 0, squares = 0, ln_density = 0, of_data = 0, stated = 0;
-      for (std::size_t k = 0; k < residual_.size(); ++k) {
-        const double v = variance_[k] + extra, w = 1 / v;
-        gradient += w * slope_[k] * residual_[k];
-        curvature += w * slope_[k] * slope_[k];
-        squares += w * residual_[k] * residual_[k];
-        of_data += w * w * slope_[k] * slope_[k] * variance_[k];
-        ln_density -= 0.5 * std::log(2 * std::numbers::pi * v);
-      }
-      TensionCell cell = at;
-      const double change = gradient / curvature;
-      for (std::size_t k = 0; k < residual_.size(); ++k) {
-        const double r = residual_[k] - slope_[k] * change;
-        if (variance_[k] > 0) stated += r * r / variance_[k];
-      }
-      cell.ln_tension = ln_tension + change;
-      cell.variance_frequency = of_data / (curvature * curvature);
-      cell.variance_model = std::max(0.0, 1 / curvature - cell.variance_frequency);
-      cell.model_std = kModelStd[t];
-      cell.chi2_stated = data_.stated ? stated : std::numeric_limits<double>::quiet_NaN();
-      cell.ln_weight = ln_prior + prior + ln_density - 0.5 * (squares - gradient * change) +
-                       0.5 * std::log(2 * std::numbers::pi / curvature);
-      cells.push_back(cell);
-    }
-  }
-
- private:
-  static constexpr double kFloor = 1e-14;
-
-  void residuals(const CableState& state, std::vector<double>& values) {
-    const auto modelled = model_.frequencies(state, count_, kUnbounded);
-    values.clear();
-    variance_.clear();
-    for (std::size_t i = 0; i < modes_.size(); ++i) {
-      if (modes_[i].order < 0) continue;
-      const auto& list = modes_[i].plane == model::ModePlane::in ? modelled.in_hz : modelled.out_hz;
-      values.push_back(data_.ln_hz[i] - std::log(list[static_cast<std::size_t>(modes_[i].order)]));
-      variance_.push_back(data_.variance[i]);
-    }
-  }
-
-  const CableModel& model_;
-  const TensionData& data_;
-  const std::vector<AssignedMode>& modes_;
-  int count_ = 0, pairs_ = 0;
-  double slope_at_ = 0;
-  std::vector<double> residual_, stepped_, slope_, variance_;
-};
 
 double spring_of(double q, double EI, double tension, double L) {
   if (q == 0 || std::isinf(q)) return q;
@@ -267,24 +171,25 @@ double given_EI(const CableDescription& cable, double tension_N) {
   return std::max(cable.EI_Nm2 ? cable.EI_Nm2->value : 0.0, 1e-10 * tension_N * L * L);
 }
 
-CableState TensionAnswer::state(CableEnds ends) const {
-  const auto& cell = cells[best];
-  CableState state{std::exp(cell.ln_tension), std::exp(cell.ln_EI), 0};
-  if (ends == CableEnds::clamped) state.spring_Nm_rad = kUnbounded;
-  if (ends == CableEnds::springs) state.spring_Nm_rad = std::exp(cell.ln_spring);
-  return state;
-}
-
 TensionAnswer tension_answer(const CableModel& model, const TensionData& data, CableEnds ends,
-                             const Assignment& assignment) {
+                             const Assignment& assignment, double ln_evidence_of_best) {
   TensionAnswer answer;
   answer.modes = assignment.modes;
-  Local local(model, data, answer.modes);
+  TensionFit local(model, data, answer.modes);
   if (local.pairs() == 0) return answer;
   const auto& cable = model.cable();
   const double L = cable.length_m.value;
-  const bool exact = EI_is_exact(cable), given = cable.EI_Nm2.has_value();
-  double ln_T = assignment.ln_tension;
+  const bool given = cable.EI_Nm2.has_value();
+  // Without a grid of its own: exact, or one of the inputs that the fit moves.
+  const bool exact =
+      EI_is_exact(cable) || (given && cable.EI_Nm2->std <= kNormalEI * cable.EI_Nm2->value);
+  // What is a millionth of the best answer needs no fine grid. An unpaired frequency costs
+  // ln_false.
+  const auto unpaired = static_cast<int>(answer.modes.size()) - local.pairs();
+  const double floor = ln_evidence_of_best - kMattersAtAll - unpaired * data.ln_false;
+  CableState start{std::exp(assignment.ln_tension)};
+  start.EA = assignment.EA;
+  const CableState first = start;
   int spring_index = 0, rigidity_index = 0;
   const auto at_rigidity = [&](double q, double y, double ln_prior,
                                std::vector<TensionCell>& cells) {
@@ -295,16 +200,15 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
                                 : T * L * L * std::exp(-2 * y);
       return CableState{T, EI, spring_of(q, EI, T, L)};
     };
-    double start = std::isfinite(ln_T) ? ln_T : assignment.ln_tension;
-    if (!local.fit(start, state_at)) return;
-    ln_T = start;
+    if (!local.fit(start, state_at)) {
+      start = first;
+      return;
+    }
+    start = local.state();
     TensionCell cell;
-    const auto state = state_at(start);
-    cell.ln_EI = std::log(state.EI_Nm2);
-    cell.ln_spring = std::log(state.spring_Nm_rad);
     cell.spring = spring_index;
     cell.rigidity = rigidity_index++;
-    local.add_cells(start, ln_prior, cell, cells);
+    local.add_cells(ln_prior, cell, cells);
   };
   const auto at_spring = [&](double q, double ln_prior, std::vector<TensionCell>& cells) {
     rigidity_index = 0;
@@ -313,7 +217,7 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
     } else if (given) {
       const double s = cable.EI_Nm2->std / cable.EI_Nm2->value;
       const double middle = std::log(cable.EI_Nm2->value);
-      cells = resolved({middle - 4.5 * s, middle + 4.5 * s}, 13, [&](double y, auto& into) {
+      cells = resolved({middle - 4.5 * s, middle + 4.5 * s}, 13, floor, [&](double y, auto& into) {
         const double ln_normal = -0.5 * (y - middle) * (y - middle) / (s * s) -
                                  0.5 * std::log(2 * std::numbers::pi * s * s);
         at_rigidity(q, y, ln_prior + ln_normal, into);
@@ -321,7 +225,7 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
     } else {
       const Range range{std::log(kLowX), std::log(kHighX)};
       const double ln_flat = -std::log(range.high - range.low);
-      cells = resolved(range, 15,
+      cells = resolved(range, 15, floor,
                        [&](double y, auto& into) { at_rigidity(q, y, ln_prior + ln_flat, into); });
     }
     ++spring_index;
@@ -329,8 +233,9 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
   if (ends == CableEnds::springs) {
     const Range range{std::log(kLowSpring), std::log(kHighSpring)};
     const double ln_flat = -std::log(range.high - range.low);
-    answer.cells = resolved(
-        range, 9, [&](double ln_q, auto& cells) { at_spring(std::exp(ln_q), ln_flat, cells); });
+    answer.cells = resolved(range, 9, floor, [&](double ln_q, auto& cells) {
+      at_spring(std::exp(ln_q), ln_flat, cells);
+    });
   } else {
     at_spring(ends == CableEnds::clamped ? kUnbounded : 0, 0, answer.cells);
   }
@@ -343,25 +248,25 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
       std::max_element(answer.cells.begin(), answer.cells.end(),
                        [](const auto& a, const auto& b) { return a.ln_weight < b.ln_weight; }) -
       answer.cells.begin());
-  const double ln_a = ln_of_assignment(model, data, answer.modes, answer.state(ends));
+  const double ln_a = ln_of_assignment(model, data, answer.modes, answer.state());
   for (auto& cell : answer.cells) cell.ln_weight += ln_a;
   answer.ln_evidence = ln_sum(answer.cells);
   return answer;
 }
 
-double refitted_ln_tension(const CableModel& model, const TensionData& data,
-                           const std::vector<AssignedMode>& modes, const CableState& state) {
-  Local local(model, data, modes);
+CableState refitted(const CableModel& model, const TensionData& data,
+                    const std::vector<AssignedMode>& modes, const CableState& state) {
+  TensionFit local(model, data, modes);
   const auto& cable = model.cable();
-  const double L = cable.length_m.value, x = L * std::sqrt(state.tension_N / state.EI_Nm2);
-  const double q = state.spring_Nm_rad * L / (state.EI_Nm2 * (x + 4));
-  double ln_T = std::log(state.tension_N);
-  local.fit(ln_T, [&](double ln_tension) {
+  const double base = state.EI_Nm2 / state.EI, L = cable.length_m.value,
+               x = L * std::sqrt(state.tension_N / base);
+  const double q = state.spring_Nm_rad * L / (base * (x + 4));
+  const bool done = local.fit(state, [&](double ln_tension) {
     const double T = std::exp(ln_tension);
-    const double EI = cable.EI_Nm2 ? state.EI_Nm2 : T * L * L / (x * x);
+    const double EI = cable.EI_Nm2 ? base : T * L * L / (x * x);
     return CableState{T, EI, spring_of(q, EI, T, L)};
   });
-  return ln_T;
+  return done ? local.state() : state;
 }
 
 }  // namespace rigfit::ident

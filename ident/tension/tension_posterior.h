@@ -11,13 +11,15 @@
 // Unknowns are ln T (flat), EI (given, given with an uncertainty, or x = L sqrt(T / EI) flat in
 // ln x over 2..2000), the end springs k = q EI (x + 4) / L (q flat in ln q over 0.03..30:
 // practically pinned to practically clamped) and t (0 with probability 0.95, else one of 0.03 to 3
-// %; without stated uncertainties only the latter). ln T is normal given the others; the others are
-// summed over grids that are refined until they resolve the posterior. Nothing is linearised in EI
-// or k, so that values at a bound of what can be told count for what they are. Candidates of
-// assignments: every pair of a measured and a modelled mode over the ranges of EI and k is a
-// hypothesis for T; the best monotone assignment of all others by dynamic programming.
+// %; without stated uncertainties only the latter). Length, mass per length, EA and an EI known to
+// 30 % or better have their uncertainties as priors. ln T and these are normal given the others;
+// the others are summed over grids that are refined until they resolve the posterior. Nothing is
+// linearised in EI or k, so that values at a bound of what can be told count for what they are.
+// Candidates of assignments: every pair of a measured and a modelled mode over the ranges of EI and
+// k is a hypothesis for T; the best monotone assignment of all others by dynamic programming.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -36,14 +38,17 @@ struct Assignment {
   std::vector<AssignedMode> modes;  ///< by measured mode
   double score = 0;                 ///< of the search
   double ln_tension = 0;            ///< there
+  double EA = 1;                    ///< factor there
 };
 
-/// One value of (EI, k, t): ln T is normal.
+/// One value of (EI, k, t): ln T and the uncertain inputs are normal (tension_fit.h).
 struct TensionCell {
   double ln_weight = 0;  ///< with the prior and the grid's spacing
   double ln_tension = 0;
-  double variance_frequency = 0, variance_model = 0;  ///< of ln T
-  double ln_EI = 0, ln_spring = 0;
+  double variance_frequency = 0, variance_model = 0;            ///< of ln T
+  std::array<double, kCableInputs.size()> variance_input = {};  ///< of ln T, by input
+  double variance_ln_EI = 0;                                    ///< within the cell
+  CableState state;
   int spring = 0;          ///< index of the grid's value
   int rigidity = 0;        ///< index of the grid's value among those of this spring
   double model_std = 0;    ///< t
@@ -54,9 +59,9 @@ struct TensionCell {
 struct TensionAnswer {
   std::vector<AssignedMode> modes;
   double ln_evidence = -std::numeric_limits<double>::infinity();
-  std::vector<TensionCell> cells;                        ///< those within exp(-18) of the heaviest
-  std::size_t best = 0;                                  ///< the heaviest
-  [[nodiscard]] CableState state(CableEnds ends) const;  ///< of the heaviest
+  std::vector<TensionCell> cells;  ///< those within exp(-18) of the heaviest
+  std::size_t best = 0;            ///< the heaviest
+  [[nodiscard]] CableState state() const { return cells[best].state; }  ///< of the heaviest
 };
 
 /// What the measured frequencies are, sorted, with the options: shared by search and posterior.
@@ -90,15 +95,15 @@ class TensionData {
 [[nodiscard]] std::vector<Assignment> search_assignments(const CableModel& model,
                                                          const TensionData& data);
 
-/// Posterior of one assignment; no cells where it leaves no pair.
+/// Posterior of one assignment; no cells where it leaves no pair. Coarse where it is far below the
+/// evidence of the best one.
 [[nodiscard]] TensionAnswer tension_answer(const CableModel& model, const TensionData& data,
-                                           CableEnds ends, const Assignment& assignment);
+                                           CableEnds ends, const Assignment& assignment,
+                                           double ln_evidence_of_best);
 
-/// ln T that fits an assignment best at given x (or EI where it is given) and k of a state: for
-/// shifts by inputs.
-[[nodiscard]] double refitted_ln_tension(const CableModel& model, const TensionData& data,
-                                         const std::vector<AssignedMode>& modes,
-                                         const CableState& state);
+/// The state that fits an assignment best at the x (or EI where it is given) and k of a state.
+[[nodiscard]] CableState refitted(const CableModel& model, const TensionData& data,
+                                  const std::vector<AssignedMode>& modes, const CableState& state);
 
 /// Whether EI is one number without an uncertainty.
 [[nodiscard]] bool EI_is_exact(const CableDescription& cable);

@@ -99,6 +99,9 @@ class Search {
  public:
   Search(const CableModel& model, const TensionData& data) : model_(model), data_(data) {}
 
+  /// Factor of EA in the states that follow.
+  void set_EA(double factor) { EA_ = factor; }
+
   /// One course of the tension from `high` down to `low` with EI and springs by `state_at`.
   template <class StateAt>
   void descend(double ln_high, double ln_low, double step, const StateAt& state_at) {
@@ -178,13 +181,14 @@ class Search {
                                                  : 0);
     auto& kept = found_[key];
     if (!kept.modes.empty() && kept.score >= alignment.score()) return;
-    kept = {std::move(modes), alignment.score(), ln_tension};
+    kept = {std::move(modes), alignment.score(), ln_tension, EA_};
   }
 
   const CableModel& model_;
   const TensionData& data_;
   std::vector<Listed> listed_;
   std::map<std::vector<int>, Assignment> found_;
+  double EA_ = 1;
   double best_score_ = -std::numeric_limits<double>::infinity();
 };
 
@@ -245,6 +249,22 @@ double TensionData::ln_pair(std::size_t i, const Listed& listed) const {
          (crossed ? std::log(options_.leaked) : 0);
 }
 
+namespace {
+
+/// Factors of EA from which a fit reaches what its uncertainty allows: beyond a tenth, the orders
+/// of a sagging cable's modes change with it.
+std::vector<double> searched_EA(const CableDescription& cable, const CableModel& model,
+                                double slack_N) {
+  for (const auto& input : uncertain_inputs(cable)) {
+    if (input.factor != &CableState::EA || input.std < 0.1) continue;
+    if (!(slack_N > 0) || model.lambda_squared(slack_N) < 0.1) continue;
+    return {std::exp(-1.5 * input.std), 1, std::exp(1.5 * input.std)};
+  }
+  return {1};
+}
+
+}  // namespace
+
 std::vector<Assignment> search_assignments(const CableModel& model, const TensionData& data) {
   const auto& cable = model.cable();
   const double L = cable.length_m.value, m = cable.mass_per_length.value;
@@ -255,34 +275,41 @@ std::vector<Assignment> search_assignments(const CableModel& model, const Tensio
   const double slack = model.weight_across() * L / 6;
   constexpr std::array<double, 3> kSprings = {0, 1, std::numeric_limits<double>::infinity()};
   Search search(model, data);
-  for (const double q : kSprings) {
-    const auto spring = [&](double EI, double x) { return q > 0 ? q * EI * (x + 4) / L : 0; };
-    if (cable.EI_Nm2) {
-      const double high = 1.2 * string(top_hz);
-      const double low = std::max(slack, 1e-6 * high);
-      if (!(low < high)) continue;
-      search.descend(std::log(high), std::log(low), 0.15, [&](double ln_T) {
-        const double T = std::exp(ln_T), EI = given_EI(cable, T);
-        return CableState{T, EI, spring(EI, L * std::sqrt(T / EI))};
-      });
-      continue;
-    }
-    for (const double x : {2.0,  2.5,  3.0,  3.7,  4.5,  5.5,  6.7,  8.2,   10.0,  12.5,  15.0,
-                           18.0, 22.0, 27.0, 35.0, 45.0, 60.0, 80.0, 120.0, 200.0, 400.0, 1500.0}) {
-      const auto state = [&](double ln_T) {
-        const double T = std::exp(ln_T), EI = T * L * L / (x * x);
-        return CableState{T, EI, spring(EI, x)};
-      };
-      // At a given x frequencies go with sqrt(T), but for the sag.
-      const double guess = string(top_hz);
-      const auto at = model.frequencies(state(std::log(guess)), kMaxOrder,
-                                        std::numeric_limits<double>::infinity());
-      const double high = 1.1 * guess * std::pow(top_hz / at.out_hz.front(), 2);
-      const double low =
-          std::max(slack, 0.9 * guess * std::pow(data.lowest_hz / at.out_hz.back(), 2));
-      if (!(low < high)) continue;
-      const bool sags = model.lambda_squared(low) > 1e-3;
-      search.descend(std::log(high), std::log(low), sags ? 0.15 : 2.0, state);
+  for (const double EA : searched_EA(cable, model, slack)) {
+    search.set_EA(EA);
+    for (const double q : kSprings) {
+      const auto spring = [&](double EI, double x) { return q > 0 ? q * EI * (x + 4) / L : 0; };
+      if (cable.EI_Nm2) {
+        const double high = 1.2 * string(top_hz);
+        const double low = std::max(slack, 1e-6 * high);
+        if (!(low < high)) continue;
+        search.descend(std::log(high), std::log(low), 0.15, [&](double ln_T) {
+          const double T = std::exp(ln_T), EI = given_EI(cable, T);
+          return CableState{.tension_N = T,
+                            .EI_Nm2 = EI,
+                            .spring_Nm_rad = spring(EI, L * std::sqrt(T / EI)),
+                            .EA = EA};
+        });
+        continue;
+      }
+      for (const double x :
+           {2.0,  2.5,  3.0,  3.7,  4.5,  5.5,  6.7,  8.2,   10.0,  12.5,  15.0,
+            18.0, 22.0, 27.0, 35.0, 45.0, 60.0, 80.0, 120.0, 200.0, 400.0, 1500.0}) {
+        const auto state = [&](double ln_T) {
+          const double T = std::exp(ln_T), EI = T * L * L / (x * x);
+          return CableState{.tension_N = T, .EI_Nm2 = EI, .spring_Nm_rad = spring(EI, x), .EA = EA};
+        };
+        // At a given x frequencies go with sqrt(T), but for the sag.
+        const double guess = string(top_hz);
+        const auto at = model.frequencies(state(std::log(guess)), kMaxOrder,
+                                          std::numeric_limits<double>::infinity());
+        const double high = 1.1 * guess * std::pow(top_hz / at.out_hz.front(), 2);
+        const double low =
+            std::max(slack, 0.9 * guess * std::pow(data.lowest_hz / at.out_hz.back(), 2));
+        if (!(low < high)) continue;
+        const bool sags = model.lambda_squared(low) > 1e-3;
+        search.descend(std::log(high), std::log(low), sags ? 0.15 : 2.0, state);
+      }
     }
   }
   return search.best();
