@@ -26,6 +26,11 @@ constexpr Index kLines = 8;        // and at least so many lines on either side
 // Poles nearer than so many times the sum of their half bandwidths are fitted together: where a
 // neighbour is one part in 20 of its peak.
 constexpr double kOverlap = 4.5;
+/// Decay rate over the line spacing, of a half left at the end of a record.
+constexpr double kSteady = 0.693;
+/// Poles of a hit that are this part of their distance uncertain are told apart, near enough to
+/// where they are that the fit is linear in them.
+constexpr double kToldApart = 0.25;
 /// Least peak of a neighbour in hits, of its peak in the average, both over the mode's.
 constexpr double kLeastPeak = 1.0 / 3;
 
@@ -75,7 +80,10 @@ std::optional<Window> window_around(const FrfSet& frfs, const ModalModel& model,
     const Complex other = model.modes[r].pole_rad_s;
     const double apart = std::abs(other.imag() - pole.imag());
     if (r == mode || apart / kTwoPi > 1.5 * half) continue;
-    if (apart < kOverlap * (2 * decay - other.real() - pole.real()) && apart / kTwoPi < half) {
+    // A tone that lasts for the record has one frequency in all hits.
+    const bool steady = decay - other.real() < kSteady * spacing;
+    if (!steady && apart < kOverlap * (2 * decay - other.real() - pole.real()) &&
+        apart / kTwoPi < half) {
       window.near.push_back(r);
     } else {
       window.neighbours.push_back(other);
@@ -163,9 +171,10 @@ HitFits fit_hits(const FrfSet& frfs, const Window& window, const VectorXcd& star
 }
 
 /// The fits of a mode with those of its neighbours that the hits together show: leaving such a one
-/// out, its pole and residues, raises the misfit by more than noise does (one chance in 10^4), and
-/// its peak over the mode's is at least a third of what it is in the average. One mode that moves
-/// looks like two in the average; of the second, hits show next to nothing.
+/// out, its pole and residues, raises the misfit by more than noise does (one chance in 10^4), the
+/// hits' noise lets the two poles be told apart, and its peak over the mode's is at least a third
+/// of what it is in the average. One mode that moves looks like two in the average; of the second,
+/// hits show next to nothing.
 HitFits follow(const FrfSet& frfs, const ModalModel& model, std::size_t mode, double shared,
                Window& window, std::vector<std::size_t>& unseen) {
   const auto peak_of = [&](std::size_t r) {
@@ -310,6 +319,7 @@ std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& mode
     if (fits.fits == 0) continue;
     const double omega = std::abs(model.modes[r].pole_rad_s);
     const double variance = shared * std::max(fits.noise.white, fits.noise.robust);
+    mode.white_part = std::min(1.0, shared * fits.noise.white / variance);
     mode.noise_frequency_hz = std::sqrt(variance) / kTwoPi;
     mode.noise_damping_ratio = std::sqrt(variance) / omega;
     mode.noise_freedom = fits.freedom / shared;
@@ -321,21 +331,24 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
   if (frfs.by_hit.size() < 2 || model.modes.empty()) return;
   const std::vector<ModeOfHits> hits = modes_of_hits(frfs, model);
   std::vector<Scatter> frequency, damping;
-  double excess = 0, freedom = 0, noise_freedom = 0;
+  double excess = 0, white_excess = 0, freedom = 0, noise_freedom = 0;
   for (const ModeOfHits& mode : hits) {
     frequency.push_back(scatter_of(mode.frequency_hz));
     damping.push_back(scatter_of(mode.damping_ratio));
     const Scatter& f = frequency.back();
     if (!(f.freedom > 0) || !(mode.noise_frequency_hz > 0)) continue;
-    excess += f.freedom * f.variance / std::pow(mode.noise_frequency_hz, 2);
+    const double times_noise = f.variance / std::pow(mode.noise_frequency_hz, 2);
+    excess += f.freedom * times_noise;
+    white_excess += f.freedom * times_noise / mode.white_part;
     freedom += f.freedom;
     noise_freedom += mode.noise_freedom;
   }
   if (!(freedom > 0)) return;
   constexpr double kMode = 0.05, kAll = 0.01;
   const bool all_differ = chance_of(excess / freedom, freedom, noise_freedom) < kAll;
+  const bool all_scatter = chance_of(white_excess / freedom, freedom, noise_freedom) < kAll;
   double largest = 0, times = 0;
-  std::vector<bool> differs(hits.size(), false);
+  std::vector<bool> differs(hits.size(), false), scatters(hits.size(), false);
   for (std::size_t r = 0; r < hits.size(); ++r) {
     IdentifiedMode& mode = model.modes[r];
     const Scatter &f = frequency[r], &z = damping[r];
@@ -348,15 +361,18 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
     const double z_noise = std::pow(hits[r].noise_damping_ratio, 2);
     const double ratio = 0.5 * (f.variance / f_noise + z.variance / z_noise);
     differs[r] = all_differ || chance_of(ratio, 2 * f.freedom, hits[r].noise_freedom) < kMode;
+    scatters[r] =
+        all_scatter || differs[r] ||
+        chance_of(ratio / hits[r].white_part, 2 * f.freedom, hits[r].noise_freedom) < kMode;
     mode.between_hits = {f.count, std::sqrt(std::max(0.0, f.variance - f_noise)),
                          std::sqrt(std::max(0.0, z.variance - z_noise)), differs[r]};
     const double part = mode.between_hits.frequency_std_hz / mode.frequency_hz.value;
     if (differs[r] && part > largest) largest = part, times = std::sqrt(f.variance / f_noise);
   }
-  mark_doubles(frequency, differs, model);
+  mark_doubles(frequency, scatters, model);
   bool means = false;
   for (std::size_t r = 0; r < hits.size(); ++r) {
-    if (!differs[r]) continue;
+    if (!scatters[r]) continue;
     IdentifiedMode& mode = model.modes[r];
     const Scatter &f = frequency[r], &z = damping[r];
     // Poles that scatter by s about i w widen the average's resonance by (s / decay rate)^2.
@@ -368,12 +384,18 @@ void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
     const bool takes_more =
         std::any_of(hits[r].unseen.begin(), hits[r].unseen.end(),
                     [&](std::size_t other) { return !model.modes[other].doubtful; });
-    if (frfs.inputs.size() == 1 && !takes_more && widening > 0.5 * std) {
+    if (differs[r] && frfs.inputs.size() == 1 && !takes_more && widening > 0.5 * std) {
       means = true;
       take_mean(f.mean, z.mean, frfs.exponential_decay_rate_1_s, mode);
     }
+    // Errors of residues go with those of the poles.
+    const double before = mode.frequency_hz.std, damping_before = mode.damping_ratio.std;
     widen(mode.frequency_hz, static_cast<Index>(2 * r), widened_std(f), model.pole_covariance);
     widen(mode.damping_ratio, static_cast<Index>(2 * r + 1), widened_std(z), model.pole_covariance);
+    if (before > 0 && damping_before > 0) {
+      mode.shape_std *=
+          std::max(mode.frequency_hz.std / before, mode.damping_ratio.std / damping_before);
+    }
   }
   if (!all_differ) return;
   model.notes.push_back(

@@ -25,7 +25,10 @@ namespace rigfit::signal {
 struct ModeOfHits {
   std::vector<std::vector<double>> frequency_hz, damping_ratio;
   double noise_frequency_hz = 0, noise_damping_ratio = 0;  ///< std that noise gives one hit
-  double noise_freedom = 0;                                ///< degrees of freedom of these
+  /// Variance of the same by noise that is white over lines, as part of it: noise that goes with
+  /// |H|, such as that on the force, or a tone beside the mode makes it small.
+  double white_part = 1;
+  double noise_freedom = 0;         ///< degrees of freedom of these
   std::vector<std::size_t> unseen;  ///< overlapping modes that the hits do not show beside it
 };
 
@@ -33,15 +36,16 @@ struct ModeOfHits {
 /// are left out.
 [[nodiscard]] std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& model);
 
-/// Fills `between_hits` of the modes, widens their standard deviations by it where it is more than
-/// noise (one chance in twenty of the mode, or one in a hundred of all modes), and notes
-/// "hits_disagree". A test of one point takes frequency and damping from the mean over its hits
+/// Fills `between_hits` of the modes, widens their standard deviations and those of the shapes by
+/// it where it is more than noise that is white over lines gives (one chance in twenty of the mode,
+/// or one in a hundred of all modes), and notes "hits_disagree" where it is more than what is left
+/// line by line gives. A test of one point takes frequency and damping from the mean over its hits
 /// where the average's would be biased: where poles that scatter by s widen the average's
 /// resonance, damping (s / decay rate)^2 too large to second order in s, by more than half a
-/// standard deviation. Elsewhere the average stays: fits of single hits
-/// are the noisier ones, and where they do not show a neighbouring mode they take its share too. A
-/// mode that half of the hits or fewer show, or that they show as one with another mode, is called
-/// doubtful. Without `by_hit` nothing is done.
+/// standard deviation. Elsewhere the average stays: fits of single hits are the noisier ones, and
+/// where they do not show a neighbouring mode they take its share too. A mode that half of the hits
+/// or fewer show, or that they show as one with another mode, is called doubtful. Without `by_hit`
+/// nothing is done.
 void allow_for_hits(const FrfSet& frfs, ModalModel& model);
 
 }  // namespace rigfit::signal
