@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 import unittest
+import unittest.mock
 import warnings
 import weakref
 
@@ -209,6 +210,16 @@ class Results(unittest.TestCase):
         self.assertEqual(len(modes), 4)
         table = rigfit.read(DATA / "virtual_laboratory/bench/axial/L1m-1.csv").to_frame()
         self.assertIsInstance(table, pandas.DataFrame)
+
+    def test_packages_that_are_missing(self):
+        frf = rigfit.frf(recording(hits(1 << 14, 2)), "force")
+        calls = {"uncertainties": self.result.tension_N.to_ufloat, "pandas": frf.to_frame, "matplotlib": frf.plot}
+        for package, call in calls.items():
+            # An entry of None says that the package cannot be imported.
+            with unittest.mock.patch.dict(sys.modules, {package: None}), self.assertRaises(rigfit.Error) as caught:
+                call()
+            self.assertEqual(caught.exception.code, "not_installed")
+            self.assertIn(package, str(caught.exception))
 
     def test_plots(self):
         try:

@@ -1,9 +1,13 @@
 """The stubs and the docstrings say what the package is."""
 
 import ast
+import importlib.util
 import inspect
 import pathlib
 import re
+import subprocess
+import sys
+import tempfile
 import unittest
 
 import rigfit
@@ -41,6 +45,20 @@ class Stubs(unittest.TestCase):
                         if inspect.isfunction(getattr(kind, member.name)):
                             self.assertEqual(arguments_of(member), arguments_at_run_time(getattr(kind, member.name)),
                                              f"{node.name}.{member.name}")
+
+    def test_by_mypy(self):
+        if importlib.util.find_spec("mypy") is None:
+            self.skipTest("mypy is not installed")
+        with tempfile.TemporaryDirectory() as folder:
+            # The stubs are checked, not what is behind them; pybind11's classes have a metaclass and a constructor of their own.
+            settings, known = pathlib.Path(folder) / "mypy.ini", pathlib.Path(folder) / "known"
+            modules = [file.stem for file in pathlib.Path(rigfit.__file__).parent.glob("*.py") if file.stem != "__init__"]
+            settings.write_text("[mypy]\nignore_missing_imports = True\n" +
+                                "".join(f"[mypy-rigfit.{name}]\nignore_errors = True\n" for name in modules))
+            known.write_text("rigfit\\.FrfSet(\\.__init__)?\n" + "".join(f"rigfit\\.{name}\\..*\n" for name in modules))
+            run = subprocess.run([sys.executable, "-m", "mypy.stubtest", "rigfit", "--concise", "--ignore-unused-allowlist",
+                                  "--mypy-config-file", settings, "--allowlist", known], cwd=folder, capture_output=True, text=True)
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 
     def test_docstrings(self):
         for name in rigfit.__all__:

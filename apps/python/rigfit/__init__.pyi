@@ -1,44 +1,44 @@
 """Types of the package; `tests/python/stubs_test.py` holds them against what it is."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 import os
-from typing import Any, Literal
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
 
-Path = str | os.PathLike[str]
-Value = float | tuple[float, float] | Estimate
-Source = Path | Recording | Sequence[Mapping[str, Any] | Channel]
-Sources = Source | Sequence[Source]
-SceneLike = Scene | Path | Mapping[str, Any]
+_Path = str | os.PathLike[str]
+_Value = float | tuple[float, float] | Estimate
+_Source = _Path | Recording | Sequence[Mapping[str, Any] | Channel]
+_Sources = _Source | Sequence[_Source]
+_SceneLike = Scene | _Path | Mapping[str, Any]
 
-def inspect(recordings: Sources, *, sample_rate: float | None = None) -> InspectResult: ...
+def inspect(recordings: _Sources, *, sample_rate: float | None = None) -> InspectResult: ...
 
 def decay(
-    recording: Source, channel: str | None = None, *, start: float | None = None, end: float | None = None,
+    recording: _Source, channel: str | None = None, *, start: float | None = None, end: float | None = None,
     band: tuple[float, float] | None = None, each: bool = False, max_modes: int | None = None,
     sample_rate: float | None = None, threads: int | None = None, seed: int | None = None
 ) -> DecayResult: ...
 
 def frf(
-    recordings: Sources, force: str, response: str | Sequence[str] | None = None, *,
-    band: tuple[float, float] | None = None, out: Path | None = None, csv: Path | None = None,
+    recordings: _Sources, force: str, response: str | Sequence[str] | None = None, *,
+    band: tuple[float, float] | None = None, out: _Path | None = None, csv: _Path | None = None,
     encoding: Literal["binary", "ascii"] = 'binary', threads: int | None = None, seed: int | None = None,
     **hits: Any
 ) -> FrfResult: ...
 
 def modal(
-    frfs: FrfResult | FrfSet | Sources, *, force: str | None = None, response: str | Sequence[str] | None = None,
+    frfs: FrfResult | FrfSet | _Sources, *, force: str | None = None, response: str | Sequence[str] | None = None,
     band: tuple[float, float] | None = None, order: int | None = None, max_damping: float | None = None,
-    averages: int | None = None, out: Path | None = None, synthesis: Path | None = None, threads: int | None = None,
+    averages: int | None = None, out: _Path | None = None, synthesis: _Path | None = None, threads: int | None = None,
     seed: int | None = None, **hits: Any
 ) -> ModalResult: ...
 
 def bending(
-    recordings: Sources | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]], *, span: float | None = None,
+    recordings: _Sources | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]], *, span: float | None = None,
     span_std: float | None = None, tension: str | None = None, load: str | None = None,
     deflection: str | None = None, load_calibration: float | None = None,
     deflection_calibration: float | None = None, tension_zero_std: float | None = None,
@@ -47,7 +47,7 @@ def bending(
 ) -> BendingResult: ...
 
 def axial(
-    recordings: Sources, *, mass: float, length: float | Sequence[float], channel: str | None = None,
+    recordings: _Sources, *, mass: float, length: float | Sequence[float], channel: str | None = None,
     mass_per_length: float | None = None, mass_std: float | None = None, length_std: float | None = None,
     mass_per_length_std: float | None = None, adapter_stiffness: float | None = None,
     adapter_stiffness_std: float | None = None, adapter_bar: Sequence[float] | None = None,
@@ -56,50 +56,50 @@ def axial(
 ) -> AxialResult: ...
 
 def tension(
-    recordings: Sources | None = None, *, length: Value, mass_per_length: Value,
+    recordings: _Sources | None = None, *, length: _Value, mass_per_length: _Value,
     frequencies: ArrayLike | None = None, frequency_std: float | None = None,
-    measured: Path | ModalResult | Sequence[Mapping[str, Any]] | None = None, column: str | None = None,
+    measured: _Path | ModalResult | Sequence[Mapping[str, Any]] | None = None, column: str | None = None,
     channel: str | Sequence[str] | None = None, band: tuple[float, float] | None = None,
     max_peaks: int | None = None, sample_rate: float | None = None, plane: Literal["any", "in", "out"] = 'any',
-    mass_of: Literal["installed", "unstretched"] | None = None, EI: Value | None = None, EA: Value | None = None,
+    mass_of: Literal["installed", "unstretched"] | None = None, EI: _Value | None = None, EA: _Value | None = None,
     inclination: float | None = None, ends: Literal["compare", "pinned", "clamped", "springs"] = 'compare',
     missed: float | None = None, false_mode: float | None = None, threads: int | None = None,
     seed: int | None = None
 ) -> TensionResult: ...
 
 def tension_table(
-    table: Path | Sequence[Mapping[str, Any]] | Any, *, out: Path | None = None, missed: float | None = None,
+    table: _Path | Sequence[Mapping[str, Any]] | Any, *, out: _Path | None = None, missed: float | None = None,
     false_mode: float | None = None, threads: int | None = None, seed: int | None = None
 ) -> TensionTableResult: ...
 
 def modes(
-    scene: SceneLike, *, count: int | None = None, band: tuple[float, float] | None = None,
+    scene: _SceneLike, *, count: int | None = None, band: tuple[float, float] | None = None,
     segments: int | None = None, rotary_inertia: Literal["accurate", "rigid_rod"] = 'accurate',
     torsion: Literal["auto", "on", "off"] = 'auto', shapes: bool = False
 ) -> ModesResult: ...
 
 def frf_of(
-    scene: SceneLike, frequency_hz: ArrayLike, *, segments: int | None = None,
+    scene: _SceneLike, frequency_hz: ArrayLike, *, segments: int | None = None,
     exponential_window: float | None = None
 ) -> SceneFrfs: ...
 
 def respond(
-    scene: SceneLike, *, duration: float, rate: float, out: Path | None = None, energy: Path | None = None,
+    scene: _SceneLike, *, duration: float, rate: float, out: _Path | None = None, energy: _Path | None = None,
     solver: str = 'auto', plane: Literal["auto", "on", "off"] = 'auto',
     torsion: Literal["auto", "on", "off"] = 'auto', axial: Literal["auto", "on", "off"] = 'auto',
     segments: int | None = None, step: float | None = None, tolerance: float | None = None
 ) -> RespondResult: ...
 
 def update(
-    scene: SceneLike | Sequence[SceneLike], *,
-    measured: Path | ModalResult | ArrayLike | Sequence[Any] | None = None, frf: Path | Sequence[Path] | None = None,
-    decay: Path | Sequence[Path] | None = None, response: Path | Sequence[Path] | None = None,
-    free: str | Sequence[str] | None = None, prior: Mapping[str, Value] | None = None,
+    scene: _SceneLike | Sequence[_SceneLike], *,
+    measured: _Path | ModalResult | ArrayLike | Sequence[Any] | None = None, frf: _Path | Sequence[_Path] | None = None,
+    decay: _Path | Sequence[_Path] | None = None, response: _Path | Sequence[_Path] | None = None,
+    free: str | Sequence[str] | None = None, prior: Mapping[str, _Value] | None = None,
     tension: float | Sequence[float] | None = None, plane: str | Sequence[str] | None = None,
     column: str | None = None, compare: str | Sequence[str] | None = None, node: str | Sequence[str] | None = None,
     channel: str | None = None, band: tuple[float, float] | None = None,
-    stiffness: Path | BendingResult | None = None, stiffness_std: float | None = None,
-    axial: Path | AxialResult | None = None, axial_damping: bool = False, input: str | Sequence[str] | None = None,
+    stiffness: _Path | BendingResult | None = None, stiffness_std: float | None = None,
+    axial: _Path | AxialResult | None = None, axial_damping: bool = False, input: str | Sequence[str] | None = None,
     aim: str | Sequence[str] | None = None, profile: bool = False, assumed_std: float | None = None,
     model_std: float | None = None, frf_model_std: float | None = None, shape_std: float | None = None,
     segments: int | None = None, starts: int | None = None, start_spread: float | None = None,
@@ -107,29 +107,31 @@ def update(
 ) -> UpdateResult: ...
 
 def predict(
-    scene: SceneLike, fit: UpdateResult | Path, *, map: Mapping[str, str] | None = None, count: int | None = None,
-    segments: int | None = None, measured: Path | ModalResult | ArrayLike | Sequence[Mapping[str, Any]] | None = None,
+    scene: _SceneLike, fit: UpdateResult | _Path, *, map: Mapping[str, str] | None = None, count: int | None = None,
+    segments: int | None = None, measured: _Path | ModalResult | ArrayLike | Sequence[Mapping[str, Any]] | None = None,
     column: str | None = None, plane: Literal["any", "in", "out"] = 'any',
-    damage: str | Sequence[str] | None = None, frf: Path | None = None, band: tuple[float, float] | None = None,
+    damage: str | Sequence[str] | None = None, frf: _Path | None = None, band: tuple[float, float] | None = None,
     lines: int | None = None, sample: bool = False, threads: int | None = None, seed: int | None = None
 ) -> PredictResult: ...
 
 def synthesize(
-    scene: SceneLike, out: Path, *, seed: int | None = None, hits: int | None = None, double_hits: int | None = None,
+    scene: _SceneLike, out: _Path, *, seed: int | None = None, hits: int | None = None, double_hits: int | None = None,
     record: float | None = None, rate: float | None = None, finer: int | None = None,
-    tension: float | Sequence[float] | None = None, tension_std: float | None = None, stiffness: Path | None = None,
+    tension: float | Sequence[float] | None = None, tension_std: float | None = None, stiffness: _Path | None = None,
     format: Literal["csv", "uff"] = 'csv', accelerometer_mass: float | None = None,
     bending_span: float | None = None, bending_load: float | None = None,
     axial_length: float | Sequence[float] | None = None, axial_length_std: float | None = None,
-    axial_mass: float | None = None, axial_damping: bool | None = None, taps: int | None = None,
+    axial_mass: float | None = None, axial_damping: float | None = None, taps: int | None = None,
     threads: int | None = None
 ) -> SynthesizeResult: ...
 
-def report(campaign: Path, out: Path, *, threads: int | None = None, seed: int | None = None) -> ReportResult: ...
+def report(
+    campaign: _Path, out: _Path, *, force: bool = False, threads: int | None = None, seed: int | None = None
+) -> ReportResult: ...
 
-def read(file: Path, sample_rate: float | None = None) -> Recording: ...
+def read(file: _Path, sample_rate: float | None = None) -> Recording: ...
 
-def read_frfs(file: Path) -> FrfSet: ...
+def read_frfs(file: _Path) -> FrfSet: ...
 
 def frfs_of_arrays(
     frequency_hz: ArrayLike, H: ArrayLike, *, form: Literal["receptance", "mobility", "accelerance"],
@@ -138,6 +140,11 @@ def frfs_of_arrays(
 ) -> FrfSet: ...
 
 class Error(Exception):
+    def __init__(
+        self, message: str, *, code: str | None = None, argument: str = '', file: str = '', line: int = 0,
+        column: int = 0, channel: str = '', key: str = '', value: str = '', problem: str = '', remedy: str = '',
+        where: str = '', result: Result | None = None
+    ) -> None: ...
     code: str
     exit_code: int
     message: str
@@ -162,6 +169,7 @@ class InternalError(Error): ...
 class DataWarning(UserWarning): ...
 
 class Channel:
+    def __init__(self, fields: Mapping[str, Any], fs: float) -> None: ...
     name: str
     unit: str
     source_unit: str
@@ -193,14 +201,19 @@ class Recording(Sequence[Channel]):
     @property
     def notes(self) -> Records: ...
     def __len__(self) -> int: ...
-    def __getitem__(self, key: int | str) -> Channel: ...
+    @overload
+    def __getitem__(self, key: int) -> Channel: ...
+    @overload
+    def __getitem__(self, key: str) -> Channel: ...
+    @overload
+    def __getitem__(self, key: slice) -> list[Channel]: ...
     def to_sep005(self) -> list[dict[str, Any]]: ...
     def to_dict(self) -> dict[str, Any]: ...
     def to_frame(self) -> Any: ...
     def plot(self, axes: Any = None) -> Any: ...
 
 class Scene:
-    def __init__(self, scene: Path | Mapping[str, Any]) -> None: ...
+    def __init__(self, scene: _Path | Mapping[str, Any]) -> None: ...
     @property
     def title(self) -> str: ...
     @property
@@ -216,19 +229,28 @@ class Scene:
     def with_parameters(self, values: Mapping[str, float]) -> Scene: ...
     def to_toml(self) -> str: ...
     def to_dict(self) -> dict[str, Any]: ...
-    def write(self, file: Path) -> None: ...
+    def write(self, file: _Path) -> None: ...
 
 class FrfSet:
-    frequency_hz: NDArray[np.float64]
-    H: NDArray[np.complex128]
-    H_std: NDArray[np.float64] | None
-    coherence: NDArray[np.float64] | None
-    responses: list[str]
-    inputs: list[str]
-    form: str
-    unit: str
+    @property
+    def frequency_hz(self) -> NDArray[np.float64]: ...
+    @property
+    def H(self) -> NDArray[np.complex128]: ...
+    @property
+    def H_std(self) -> NDArray[np.float64] | None: ...
+    @property
+    def coherence(self) -> NDArray[np.float64] | None: ...
+    @property
+    def responses(self) -> list[str]: ...
+    @property
+    def inputs(self) -> list[str]: ...
+    @property
+    def form(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
 
 class Estimate:
+    def __init__(self, fields: Mapping[str, Any]) -> None: ...
     value: float | None
     std: float | None
     low: float | None
@@ -238,8 +260,10 @@ class Estimate:
     def to_ufloat(self) -> Any: ...
 
 class Record(Mapping[str, Any]):
+    def __init__(self, fields: Mapping[str, Any]) -> None: ...
     def __getattr__(self, name: str) -> Any: ...
     def __getitem__(self, name: str) -> Any: ...
+    def __iter__(self) -> Iterator[str]: ...
     def __len__(self) -> int: ...
     def to_dict(self) -> dict[str, Any]: ...
 
@@ -249,6 +273,8 @@ class Records(list[Any]):
     def to_frame(self) -> Any: ...
 
 class Result(Record):
+    def __init__(self, fields: Mapping[str, Any], **extra: Any) -> None: ...
+    main: str
     rigfit: str
     command: str
     inputs: Records

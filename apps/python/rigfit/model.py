@@ -535,7 +535,7 @@ def synthesize(scene, out, *, seed=None, hits=None, double_hits=None, record=Non
     return finish(SynthesizeResult, *call(_core.synthesize, _scene(scene), options))
 
 
-def report(campaign, out, *, threads=None, seed=None):
+def report(campaign, out, *, force=False, threads=None, seed=None):
     """Everything a campaign names, from recordings to model against test.
 
     Parameters
@@ -544,6 +544,8 @@ def report(campaign, out, *, threads=None, seed=None):
         TOML file.
     out : path
         Folder for report.html, report.json, data/ and figures/.
+    force : bool
+        Another campaign's report in the folder is replaced.
     threads, seed : int, optional
 
     Returns
@@ -551,5 +553,6 @@ def report(campaign, out, *, threads=None, seed=None):
     ReportResult
     """
     options = checks.common(threads, seed)
+    options["force"] = checks.flag("force", force)
     return finish(ReportResult, *call(_core.report, checks.path("campaign", campaign), checks.path("out", out),
                                       options))

@@ -285,9 +285,11 @@ py::tuple synthesize(const py::object& given, const py::dict& options_given) {
 py::tuple report(const std::string& campaign, const std::string& out,
                  const py::dict& options_given) {
   const Options options(options_given);
-  return run_verb("report", options, [campaign, out](apps::VerbContext& context) {
+  apps::ReportOptions report;
+  options.take("force", report.force);
+  return run_verb("report", options, [campaign, out, report](apps::VerbContext& context) {
     context.input(campaign);
-    return apps::campaign_report(apps::read_campaign(campaign), out, {}, context);
+    return apps::campaign_report(apps::read_campaign(campaign), out, report, context);
   });
 }
 
