@@ -127,6 +127,10 @@ class Refusals(unittest.TestCase):
         self.both(2, None, "frf two.csv --force F --band 5 3", rigfit.frf, "two.csv", "F", band=(5, 3))
         self.both(2, None, "frf two.csv --force F --struck a b", rigfit.frf, "two.csv", "F", struck=["a", "b"])
         self.both(4, "no_hit", "frf two.csv --force F", rigfit.frf, "two.csv", "F")
+        self.table("short.csv", "t (s),F (N),a (m/s2)", np.arange(3000) / 500, np.where(np.arange(3000) == 300, 50.0, 0.0),
+                   np.where(np.arange(3000) > 300, np.exp(-0.02 * np.arange(3000)) * np.cos(0.5 * np.arange(3000)), 0))
+        error = self.both(4, "pulse_not_resolved", "frf short.csv --force F", rigfit.frf, "short.csv", "F")
+        self.assertIn("frequencies_only keeps", str(error))  # the program: --frequencies-only
         self.both(3, None, "modal ring.csv", rigfit.modal, "ring.csv")
         self.both(4, "no_hit", "modal two.csv --force F", rigfit.modal, "two.csv", force="F")
         hits = str(DATA / "virtual_laboratory/beam/rig/hammer-hit1.uff")
@@ -166,6 +170,10 @@ class Refusals(unittest.TestCase):
         self.both(2, None, f"synthesize {CABLE} --out ring.csv", rigfit.synthesize, CABLE, "ring.csv")
         self.both(3, None, "report none.toml --out out", rigfit.report, "none.toml", "out")
         self.both(4, "band_not_sampled", "report campaign.toml --out out", rigfit.report, "campaign.toml", "out")
+        other = pathlib.Path("campaign.toml").read_text().replace('"rig"', '"other rig"')
+        pathlib.Path("other.toml").write_text(other)
+        self.both(2, None, "report other.toml --out out", rigfit.report, "other.toml", "out")
+        self.both(4, "band_not_sampled", "report other.toml --out out --force", rigfit.report, "other.toml", "out", force=True)
 
     def test_fits(self):
         update = f"update {CABLE} --out fitted.toml"

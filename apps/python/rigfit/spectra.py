@@ -16,20 +16,24 @@ def finish(kind, document, exit_code, **extra):
         warn(document["warnings"])
         return result
     found = document["error"]
-    where = f"{found['where']}: " if found["where"] else ""
+    where, problem = f"{found['where']}: " if found["where"] else "", _in_arguments(found["message"])
     raise (errors.Refused if exit_code == 4 else errors.NotConverged)(
-        f"{where}{found['message']}", code=found["code"], where=found["where"], problem=found["message"], result=result)
+        f"{where}{problem}", code=found["code"], where=found["where"], problem=problem, result=result)
+
+
+def _in_arguments(text):
+    """A message with arguments in place of options of the command line."""
+    return re.sub(r"--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), text)
 
 
 def call(function, *arguments):
-    """Calls the module; options of the command line in messages become names of arguments."""
+    """Calls the module; options of the command line in what it raises become names of arguments."""
     try:
         return function(*arguments)
     except errors.Error as error:
-        text = re.sub(r"--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), error.message)
-        error.message, error.args = text, (text,)
-        error.problem = re.sub(r"--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), error.problem)
-        error.remedy = re.sub(r"--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), error.remedy)
+        error.message = _in_arguments(error.message)
+        error.args = (error.message,)
+        error.problem, error.remedy = _in_arguments(error.problem), _in_arguments(error.remedy)
         raise
 
 
