@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "apps/campaign_file/recording_description.h"
+#include "signal/impact/pulse_shape.h"
 #include "signal/readers/foreign_formats.h"
 #include "signal/readers/frequency/frequency_table.h"
 #include "signal/readers/mapped_file.h"
@@ -64,6 +65,23 @@ bool has_pulses(const signal::Channel& channel) {
   return rms > 0 && largest > 8 * rms;
 }
 
+/// Pulses to one side with rest between them, as a hammer's force: around the largest one, in
+/// blocks down to a 64th of the record, since others may follow it.
+bool looks_like_a_hammer(const signal::Channel& channel) {
+  if (!has_pulses(channel)) return false;
+  Eigen::Index peak = 0;
+  channel.samples.unaryExpr([](double x) { return std::isfinite(x) ? std::abs(x) : 0.0; })
+      .maxCoeff(&peak);
+  const Eigen::Index samples = channel.samples.size();
+  for (const Eigen::Index part : {1, 4, 16, 64}) {
+    const Eigen::Index length = samples / part,
+                       first = std::max<Eigen::Index>(0, peak - length / 10);
+    if (length < 64) break;
+    if (signal::pulse_shape(channel.samples, first, length).is_pulse()) return true;
+  }
+  return false;
+}
+
 struct Guess {
   std::string kind, why;
   std::string force;                   ///< modal
@@ -86,7 +104,16 @@ const signal::Channel* hammer_of(const signal::Recording& recording, const Guess
       return &channel;
     }
   }
-  return nullptr;
+  // Without a name: the one channel that looks like it and is no motion by its unit.
+  const signal::Channel* found = nullptr;
+  for (const auto& channel : recording.channels) {
+    const bool could_be_force = channel.quantity == signal::Quantity::unknown ||
+                                channel.quantity == signal::Quantity::voltage;
+    if (!could_be_force || !looks_like_a_hammer(channel)) continue;
+    if (found != nullptr) return nullptr;
+    found = &channel;
+  }
+  return found;
 }
 
 Guess guess_of(const signal::Recording& recording, const GuessOptions& options) {
@@ -102,7 +129,11 @@ Guess guess_of(const signal::Recording& recording, const GuessOptions& options) 
       guess.why = "channels of tension, load and deflection";
     } else if (hammer != nullptr && recording.channels.size() > 1) {
       guess.kind = "modal";
-      guess.why = "hits on channel " + hammer->name;
+      guess.why = "pulses of a hammer on channel " + hammer->name;
+      if (hammer->quantity == signal::Quantity::voltage &&
+          !options.sensitivities.contains(hammer->name)) {
+        guess.why += fmt::format(", in V: say --sensitivity \"{}=X mV/N\"", hammer->name);
+      }
     } else {
       guess.kind = "decay";
       guess.why = "no hammer and no load-deflection pair: taken as free vibration";

@@ -81,6 +81,44 @@ TEST(OwnFiles, ACampaignOfThemRuns) {
               HasSubstr("CH9"));
 }
 
+// A logger's names say nothing: the hammer is the channel of short pulses to one side, also where
+// one file holds several hits.
+TEST(OwnFiles, HammerIsFoundByItsPulses) {
+  const TemporaryFolder folder;
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> noise(0, 1e-3);
+  for (const int hits : {1, 4}) {
+    std::string text = "t;CH1;CH2\n";
+    const double omega = 2 * std::numbers::pi * 25, zeta = 0.02, step = 1e-5;
+    double place = 0, speed = 0;
+    for (int k = 0; k < 800000; ++k) {
+      const double since = std::fmod(step * k - 0.1, 1.9);
+      const bool hits_now = step * k > 0.1 && step * k < 0.1 + 1.9 * hits && since < 0.008;
+      const double force = hits_now ? std::sin(std::numbers::pi * since / 0.008) : 0;
+      const double motion = force - 2 * zeta * omega * speed - omega * omega * place;
+      speed += motion * step;
+      place += speed * step;
+      if (k % 100 == 0) {
+        text += fmt::format("{:.3f};{:.6f};{:.6f}\n", step * k, motion + noise(random),
+                            force + noise(random));
+      }
+    }
+    const std::string file = folder.write(fmt::format("data{}/hits.csv", hits), text);
+    const std::string rig = (folder.path() / fmt::format("rig{}", hits)).string();
+    const auto made =
+        run_program({"new", rig, "--from", file, "--unit", "CH1=g", "--unit", "CH2=N"});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_THAT(made.out, HasSubstr("pulses of a hammer on channel CH2"));
+    const auto report = run_program({"report", rig + "/campaign.toml", "--out", rig + "/report"});
+    EXPECT_THAT(report.exit_code, testing::AnyOf(0, 4)) << report.err;
+    const auto test = parsed(folder.read(fmt::format("rig{}/report/report.json", hits)))
+                          .at("recorded_modal")
+                          .at(0);
+    const auto& mode = test.at("states").at(0).at("modes").at(0);
+    EXPECT_NEAR(mode.at("frequency_hz").at("value").get<double>(), 25, 0.05);
+  }
+}
+
 TEST(OwnFiles, AtAnotherRate) {
   const TemporaryFolder folder;
   std::string text = "Time (s),a (m/s^2)\n";
