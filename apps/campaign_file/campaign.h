@@ -28,7 +28,15 @@
 //                        direction ([x, y, z], struck and measured along it), band, estimator
 //                        ("h1", "h2", "hv"), force_window (s after the pulse begins),
 //                        exponential_window (level at the end of the block), max_order
-//     [test.reference]   EA, damping_ratio of an axial test as known otherwise, and what they are:
+//     kind = "tension"   length (m), length_std, mass_per_length (kg/m), mass_per_length_std, mass_of
+//                        ("installed", "unstretched"), EI (N m2), EI_std, EA (N), EA_std (none:
+//                        fitted, or a strain of 0.001), inclination (degrees), ends ("compare",
+//                        "pinned", "clamped", "springs"), plane ("in", "out", "any"), missed,
+//                        false (probabilities of a mode not seen, of a false one); one or more of
+//                        frequencies (Hz) with frequency_std (Hz), measured (a table of modes, or
+//                        UFF 55) with column, and recordings of its motion: channels, band,
+//                        max_peaks (a channel)
+//     [test.reference]   tension (N) of a tension test, EA, damping_ratio of an axial test as known otherwise, and what they are:
 //                        name = "published" (default), "truth", ...
 //     [[test.recording]] see recording_group.h
 //   [[fit]]              name, title, tests = [modal tests], hold_out, model_std, starts,
@@ -54,6 +62,7 @@
 #include "apps/campaign_file/result_table.h"
 #include "ident/axial/axial_test.h"
 #include "ident/bending/strand.h"
+#include "ident/campaign/tension_campaign.h"
 #include "ident/update/model_update.h"
 #include "model/scene/scene.h"
 
@@ -95,7 +104,7 @@ struct HammerTest {
 };
 
 struct CampaignTest {
-  enum class Kind { bending, axial, decay, modal };
+  enum class Kind { bending, axial, decay, modal, tension };
   std::string name;
   std::string title;
   Kind kind = Kind::modal;
@@ -118,6 +127,7 @@ struct CampaignTest {
   std::vector<std::string> EA_of;       ///< scene parameters that take the axial test's EA
   std::vector<std::string> damping_of;  ///< scene parameters that take its damping ratio
   HammerTest hammer;                    ///< modal with recordings; decay: load, sensors
+  std::optional<ident::TensionInputs> tension;  ///< tension: all but the recordings themselves
   std::optional<ResultColumns> results;
   std::vector<RecordingGroup> recordings;
   std::map<std::string, double> reference;  ///< values as known otherwise, by quantity

@@ -21,6 +21,8 @@ const char* name_of(CampaignTest::Kind kind) {
       return "decay";
     case CampaignTest::Kind::modal:
       return "modal";
+    case CampaignTest::Kind::tension:
+      return "tension";
   }
   return "";
 }
@@ -108,7 +110,7 @@ CampaignTest CampaignTestReader::read(TomlTable& table, const std::string& name)
   test.name = name;
   test.title = table.string_or("title", test.name);
   static_cast<void>(table.string("kind"));
-  const std::string kind = table.choice_or("kind", {"bending", "axial", "decay", "modal"}, "");
+  const std::string kind = table.choice_or("kind", {"bending", "axial", "decay", "modal", "tension"}, "");
   if (kind == "bending") {
     test.kind = CampaignTest::Kind::bending;
     read_bending(table, test);
@@ -118,6 +120,9 @@ CampaignTest CampaignTestReader::read(TomlTable& table, const std::string& name)
   } else if (kind == "decay") {
     test.kind = CampaignTest::Kind::decay;
     read_decay(table, test);
+  } else if (kind == "tension") {
+    test.kind = CampaignTest::Kind::tension;
+    read_tension(table, test);
   } else {
     test.kind = CampaignTest::Kind::modal;
     read_modal(table, test);

@@ -29,6 +29,7 @@ class CampaignTestReader {
   void read_bending(model::TomlTable& table, CampaignTest& test);
   void read_axial(model::TomlTable& table, CampaignTest& test);
   void read_decay(model::TomlTable& table, CampaignTest& test);
+  void read_tension(model::TomlTable& table, CampaignTest& test);
   void read_modal(model::TomlTable& table, CampaignTest& test);
   void read_scene_keys(model::TomlTable& table, CampaignTest& test);
   void read_hammer(model::TomlTable& table, CampaignTest& test);

@@ -49,6 +49,21 @@ Json candidate_json(const ident::TensionCandidate& one) {
 
 }  // namespace
 
+Json tension_json(const ident::TensionInputs& inputs,
+                  const ident::TensionCampaignResult& campaign) {
+  Json json = tension_json(campaign.result.tension);
+  for (const auto& one : campaign.peaks) {
+    const auto& peak = one.peak;
+    json["peaks"].push_back(
+        {{"file", inputs.recordings[one.recording].name},
+         {"channel", one.channel},
+         {"frequency_hz", json_estimate(peak.frequency_hz.value, peak.frequency_hz.std)},
+         {"half_power_bandwidth_hz", json_number(peak.bandwidth_hz)},
+         {"signal_to_noise", json_number(peak.signal_to_noise)}});
+  }
+  return json;
+}
+
 Json tension_json(const ident::TensionResult& result) {
   const auto& best = result.candidates.front();
   Json json{{"tension_N", interval_json(result.tension_N, result.low, result.high)},

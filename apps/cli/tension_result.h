@@ -4,12 +4,15 @@
 #include <ostream>
 
 #include "apps/cli/verb.h"
-#include "ident/campaign/tension_test.h"
+#include "ident/campaign/tension_campaign.h"
 
 namespace rigfit::apps {
 
 /// Of a solved tension.
 [[nodiscard]] Json tension_json(const ident::TensionResult& result);
+/// The same with the peaks of the recordings it is found from.
+[[nodiscard]] Json tension_json(const ident::TensionInputs& inputs,
+                                const ident::TensionCampaignResult& campaign);
 void print_tension(std::ostream& out, const ident::TensionResult& result);
 
 }  // namespace rigfit::apps

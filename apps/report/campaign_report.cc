@@ -18,6 +18,7 @@
 #include "apps/report/parts/decay_part.h"
 #include "apps/report/parts/overview_part.h"
 #include "apps/report/parts/scenes_part.h"
+#include "apps/report/parts/tension_part.h"
 #include "ident/statistics/in_parallel.h"
 
 namespace rigfit::apps {
@@ -102,6 +103,9 @@ class Stages {
             break;
           case CampaignTest::Kind::modal:
             if (!test.recordings.empty()) recorded_[i] = recorded_modal(campaign_, test);
+            break;
+          case CampaignTest::Kind::tension:
+            second[i] = tension_part(test);
             break;
           case CampaignTest::Kind::decay:
             break;

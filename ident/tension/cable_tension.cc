@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include "ident/tension/cable_model.h"
 #include "ident/tension/tension_formulas.h"
 #include "ident/tension/tension_posterior.h"
+#include "ident/tension/tension_summary.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -24,41 +23,6 @@ using signal::kNaN;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 constexpr double kSettled = 3e-5;  // of ln f
-
-/// A weighted normal of ln T, and where it comes from.
-struct Part {
-  double weight = 0, ln_tension = 0, variance = 0;
-};
-
-double mixture_quantile(const std::vector<Part>& parts, double probability) {
-  double low = kInf, high = -kInf;
-  for (const auto& part : parts) {
-    const double reach = 8 * std::sqrt(part.variance) + 1e-12;
-    low = std::min(low, part.ln_tension - reach);
-    high = std::max(high, part.ln_tension + reach);
-  }
-  for (int i = 0; i < 60 && high - low > 1e-10; ++i) {
-    const double middle = (low + high) / 2;
-    double below = 0;
-    for (const auto& part : parts) {
-      below +=
-          part.weight * 0.5 * std::erfc((part.ln_tension - middle) / std::sqrt(2 * part.variance));
-    }
-    (below < probability ? low : high) = middle;
-  }
-  return std::exp((low + high) / 2);
-}
-
-/// One kind of ends: its model as corrected, its answers, heaviest first.
-struct EndsPosterior {
-  CableEnds ends = CableEnds::pinned;
-  CableModel model;
-  std::vector<TensionAnswer> answers;
-  double ln_evidence = -kInf;
-  bool corrected = true;  ///< false: needed and not to be had
-
-  [[nodiscard]] CableState state() const { return answers.front().state(); }
-};
 
 /// `best`: ln of the evidence of the best answer with other ends.
 void evaluate(EndsPosterior& one, const TensionData& data,
@@ -109,132 +73,6 @@ double correct(EndsPosterior& one, const CableState& state) {
   }
   one.model = CableModel(one.model.cable(), std::move(correction));
   return change;
-}
-
-/// Mean and variances of T over the cells of one or several kinds of ends, by the law of total
-/// variance: between ends, assignments, springs, rigidities; within: frequencies and model.
-struct Summary {
-  Estimate tension, EI, spring;
-  double low = 0, high = 0;
-  std::vector<UpdateBudgetTerm> budget;
-};
-
-class Moments {
- public:
-  void add(double weight, double value) {
-    if (!(weight > 0)) return;
-    weight_ += weight;
-    mean_ += weight * value;
-    square_ += weight * value * value;
-  }
-  [[nodiscard]] double weight() const { return weight_; }
-  [[nodiscard]] double mean() const { return weight_ > 0 ? mean_ / weight_ : 0; }
-  [[nodiscard]] double variance() const {
-    return weight_ > 0 ? std::max(0.0, square_ / weight_ - mean() * mean()) : 0;
-  }
-
- private:
-  double weight_ = 0, mean_ = 0, square_ = 0;
-};
-
-/// Of the ln T of one cell.
-double variance_of(const TensionCell& cell) {
-  return std::accumulate(cell.variance_input.begin(), cell.variance_input.end(),
-                         cell.variance_frequency + cell.variance_model);
-}
-
-/// All cells; weights sum to 1.
-std::vector<Part> mixture(const std::vector<const EndsPosterior*>& all, double top) {
-  std::vector<Part> parts;
-  double sum = 0;
-  for (const auto* one : all) {
-    for (const auto& answer : one->answers) {
-      for (const auto& cell : answer.cells) {
-        parts.push_back({std::exp(cell.ln_weight - top), cell.ln_tension, variance_of(cell)});
-        sum += parts.back().weight;
-      }
-    }
-  }
-  for (auto& part : parts) part.weight /= sum;
-  std::erase_if(parts, [](const Part& part) { return part.weight < 1e-8; });
-  return parts;
-}
-
-/// Value, std and budget are of what lies in the 95 % interval or within half its width beside it:
-/// an improbable other answer far off would otherwise make the std larger than the interval.
-Summary summarise(const std::vector<const EndsPosterior*>& all) {
-  double top = -kInf;
-  for (const auto* one : all) top = std::max(top, one->ln_evidence);
-  const auto parts = mixture(all, top);
-  Summary summary;
-  summary.low = mixture_quantile(parts, 0.025);
-  summary.high = mixture_quantile(parts, 0.975);
-  const double beside = std::log(summary.high / summary.low) / 2 + 1e-6;
-  const double from = std::log(summary.low) - beside, to = std::log(summary.high) + beside;
-  const double reference = all.front()->answers.front().cells.front().ln_tension;
-  const double scale = std::exp(reference);
-  Moments total, EI, spring, ends;
-  double assignments = 0, springs = 0, rigidities = 0, models = 0, frequencies = 0, within_EI = 0;
-  std::map<std::string, double> inputs;
-  for (const auto* one : all) {
-    Moments of_ends, of_answers;
-    for (const auto& answer : one->answers) {
-      Moments of_answer;
-      std::map<int, std::map<int, Moments>> by_spring;
-      for (const auto& cell : answer.cells) {
-        if (cell.ln_tension < from || cell.ln_tension > to) continue;
-        const double w = std::exp(cell.ln_weight - top);
-        const double T = std::exp(cell.ln_tension - reference);
-        for (std::size_t j = 0; j < kCableInputs.size(); ++j) {
-          inputs[kCableInputs[j]] += w * T * T * cell.variance_input[j];
-        }
-        for (Moments* moments :
-             {&total, &of_ends, &of_answer, &by_spring[cell.spring][cell.rigidity]}) {
-          moments->add(w, T);
-        }
-        EI.add(w, cell.state.EI_Nm2);
-        within_EI += w * cell.state.EI_Nm2 * cell.state.EI_Nm2 * cell.variance_ln_EI;
-        spring.add(w, cell.state.spring_Nm_rad);
-        frequencies += w * T * T * cell.variance_frequency;
-        models += w * T * T * cell.variance_model;
-      }
-      of_answers.add(of_answer.weight(), of_answer.mean());
-      Moments between;
-      for (const auto& [spring_index, of_spring] : by_spring) {
-        Moments within;
-        for (const auto& [index, moments] : of_spring) {
-          within.add(moments.weight(), moments.mean());
-          models += moments.weight() * moments.variance();
-        }
-        between.add(within.weight(), within.mean());
-        rigidities += within.weight() * within.variance();
-      }
-      springs += between.weight() * between.variance();
-    }
-    assignments += of_answers.weight() * of_answers.variance();
-    ends.add(of_ends.weight(), of_ends.mean());
-  }
-  const double mean = total.mean() * scale;
-  double variance = 0;
-  const auto term = [&](const std::string& name, double weighted) {
-    const double part = weighted / total.weight() * scale * scale;
-    variance += part;
-    // What rounding leaves of a difference of squares is no source.
-    if (part > 1e-24 * mean * mean) summary.budget.push_back({name, std::sqrt(part)});
-  };
-  term("frequencies", frequencies);
-  term("model", models);
-  const auto of_EI = inputs.find("EI");
-  term("EI", rigidities + (of_EI == inputs.end() ? 0 : of_EI->second));
-  inputs.erase("EI");
-  term("end springs", springs);
-  term("assignment", assignments);
-  term("ends", ends.weight() * ends.variance());
-  for (const auto& [name, weighted] : inputs) term(name, weighted);
-  summary.tension = {mean, std::sqrt(variance)};
-  summary.EI = {EI.mean(), std::sqrt(EI.variance() + within_EI / EI.weight())};
-  summary.spring = {spring.mean(), std::sqrt(spring.variance())};
-  return summary;
 }
 
 /// Order of each measured mode among those of its plane, and how well it agrees.
@@ -288,7 +126,7 @@ TensionCandidate candidate_of(const EndsPosterior& one, const TensionData& data)
     candidate.message =
         "the segment model has no equilibrium there: deep sag or masses are not corrected for";
   }
-  const auto summary = summarise({&one});
+  const auto summary = summarise_tension({&one});
   candidate.tension_N = summary.tension;
   candidate.low = summary.low;
   candidate.high = summary.high;
@@ -521,7 +359,7 @@ TensionResult identify_tension(const CableDescription& cable,
   }
   result.solved = true;
   result.decided = decided >= 0.9;
-  const auto summary = summarise(solved);
+  const auto summary = summarise_tension(solved);
   result.tension_N = summary.tension;
   result.low = summary.low;
   result.high = summary.high;

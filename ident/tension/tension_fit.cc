@@ -15,7 +15,7 @@ constexpr double kSlopeStep = 1e-4;   // in ln of an unknown
 constexpr double kSlopeReach = 0.02;  // in ln T: how far slopes serve
 constexpr double kLongWay = 2.5;      // in ln T
 
-bool apart(double a, double b, double reach) {
+bool differ_in_ln(double a, double b, double reach) {
   return a != b && !(a > 0 && b > 0 && std::abs(std::log(a / b)) < reach);
 }
 
@@ -69,8 +69,8 @@ void TensionFit::slopes() {
   if (slope_at_.size() == unknowns_.size() &&
       std::abs(unknowns_[0] - slope_at_[0]) <= kSlopeReach &&
       (unknowns_ - slope_at_).tail(unknowns_.size() - 1).squaredNorm() < 0.25 &&
-      !apart(here.EI_Nm2, slope_state_.EI_Nm2, 0.1) &&
-      !apart(here.spring_Nm_rad, slope_state_.spring_Nm_rad, 0.2)) {
+      !differ_in_ln(here.EI_Nm2, slope_state_.EI_Nm2, 0.1) &&
+      !differ_in_ln(here.spring_Nm_rad, slope_state_.spring_Nm_rad, 0.2)) {
     return;
   }
   slope_.resize(pairs_, unknowns_.size());

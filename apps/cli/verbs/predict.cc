@@ -12,9 +12,11 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "ident/predict/damage_estimate.h"
+#include "ident/predict/response_prediction.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
+#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::apps {
 namespace {
@@ -214,6 +216,63 @@ void print(std::ostream& out, const ident::ModePrediction& prediction) {
   }
 }
 
+/// What response is asked for.
+struct PredictedResponse {
+  std::string file;  ///< empty: none
+  double duration_s = 2, rate_hz = 500;
+};
+
+/// Time, then the value and its 95 % interval of every sensor.
+Json write_response(const PredictedResponse& asked, const PredictCommand& command,
+                    const model::Scene& scene, const ident::FittedParameters& fitted,
+                    VerbContext& context) {
+  if (scene.loads.empty() || scene.sensors.empty()) {
+    throw UsageError("--response: the scene has no load or no sensor");
+  }
+  for (const auto& load : scene.loads) {
+    if (load.kind == model::Load::Kind::record) {
+      throw UsageError("--response: load " + load.name +
+                       " is a record; hits and releases can be predicted");
+    }
+  }
+  ident::ResponsePredictionOptions options;
+  options.response.sampling.duration_s = asked.duration_s;
+  options.response.sampling.rate_hz = asked.rate_hz;
+  if (command.segments > 0) options.response.segments = command.segments;
+  options.seed = context.seed;
+  const auto prediction = ident::predict_response(scene, fitted, options);
+  const auto& response = prediction.response;
+  if (!response.completed) {
+    throw Refused("--response: " + (response.reason.empty() ? "no response" : response.reason),
+                  "no_response");
+  }
+  if (prediction.low.size() == 0) {
+    throw Refused("--response: too few draws of the parameters have a response", "no_response");
+  }
+  std::string text = "time (s)";
+  for (const auto& sensor : scene.sensors) {
+    const auto name = fmt::format("{} ({})", sensor.name, model::described(sensor.quantity).unit);
+    text += fmt::format(",{0},low {0},high {0}", name);
+  }
+  text += '\n';
+  for (Eigen::Index row = 0; row < response.samples.rows(); ++row) {
+    text += fmt::format("{:.10g}", static_cast<double>(row) / response.rate_hz);
+    for (Eigen::Index s = 0; s < response.samples.cols(); ++s) {
+      text += fmt::format(",{:.8g},{:.8g},{:.8g}", response.samples(row, s), prediction.low(row, s),
+                          prediction.high(row, s));
+    }
+    text += '\n';
+  }
+  context.write(asked.file, text);
+  context.out << fmt::format("\nresponse: {} samples at {:g} Hz by {}, interval from {} draws\n",
+                             response.samples.rows(), response.rate_hz,
+                             model::name_of(response.solver), prediction.samples);
+  return {{"samples", response.samples.rows()},
+          {"sample_rate_hz", response.rate_hz},
+          {"solver", model::name_of(response.solver)},
+          {"draws", prediction.samples}};
+}
+
 /// "ZONE=SOUND[,RATIO]", SOUND a parameter of the fit or a number.
 Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
                  VerbContext& context) {
@@ -248,10 +307,8 @@ Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
   }
 }
 
-}  // namespace
-
-Json predict_result(const model::Scene& scene, const PredictCommand& command,
-                    VerbContext& context) {
+Json predicted(const model::Scene& scene, const PredictCommand& command,
+               const PredictedResponse& asked, VerbContext& context) {
   if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz");
   }
@@ -290,13 +347,25 @@ Json predict_result(const model::Scene& scene, const PredictCommand& command,
   for (const auto& text : command.damage)
     json["damage"].push_back(damage_json(text, fitted, context));
   if (!command.frf.empty()) write_frfs(command, scene, fitted, prediction, context);
+  if (!asked.file.empty()) {
+    json["response"] = write_response(asked, command, scene, fitted, context);
+  }
   return json;
+}
+
+}  // namespace
+
+Json predict_result(const model::Scene& scene, const PredictCommand& command,
+                    VerbContext& context) {
+  return predicted(scene, command, {}, context);
 }
 
 void add_predict(CLI::App& program, Verbs& verbs) {
   const auto c = std::make_shared<PredictCommand>();
+  const auto response = std::make_shared<PredictedResponse>();
   CLI::App* app = program.add_subcommand(
-      "predict", "Modes and FRFs of another scene with the parameters of a fit, with intervals");
+      "predict",
+      "Modes, FRFs and responses of another scene with the parameters of a fit, with intervals");
   app->footer(kPredictExample);
   app->add_option("scene", c->scene, "Scene file (TOML)")->required()->type_name("SCENE");
   app->add_option("--from", c->from, "JSON result of `rigfit update`")
@@ -325,10 +394,19 @@ void add_predict(CLI::App& program, Verbs& verbs) {
   app->add_option("--lines", c->lines, "Of the FRFs")
       ->check(CLI::Range(2, 100000))
       ->capture_default_str();
+  app->add_option("--response", response->file,
+                  "Response to the scene's loads with its 95 % interval as a table")
+      ->type_name("F.csv");
+  app->add_option("--duration", response->duration_s, "Of the response, s")
+      ->check(number_within(1e-6, 3600))
+      ->capture_default_str();
+  app->add_option("--rate", response->rate_hz, "Of the response, Hz")
+      ->check(number_within(1e-3, 1e6))
+      ->capture_default_str();
   app->add_flag("--sample", c->sample, "Intervals from samples, also where the model is linear");
-  verbs.push_back({app, [c](VerbContext& context) {
+  verbs.push_back({app, [c, response](VerbContext& context) {
                      context.input(c->scene);
-                     return predict_result(model::read_scene(c->scene), *c, context);
+                     return predicted(model::read_scene(c->scene), *c, *response, context);
                    }});
 }
 

@@ -14,8 +14,7 @@
 #include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
-#include "ident/campaign/tension_test.h"
-#include "signal/spectra/spectral_peaks.h"
+#include "ident/campaign/tension_campaign.h"
 
 namespace rigfit::apps {
 namespace {
@@ -60,45 +59,9 @@ std::optional<model::ModePlane> plane_of(const TensionCommand& command) {
   return std::nullopt;
 }
 
-/// Peaks of the spectra of recordings as measured modes.
-void add_peaks(const TensionCommand& command, const std::vector<signal::Recording>& recordings,
-               VerbContext& context, std::vector<ident::MeasuredMode>& modes, Json& spectra) {
-  for (std::size_t f = 0; f < recordings.size(); ++f) {
-    const auto& file = command.files[f];
-    const auto& recording = recordings[f];
-    for (const auto& channel : recording.channels) {
-      if (!command.channels.empty() && std::find(command.channels.begin(), command.channels.end(),
-                                                 channel.name) == command.channels.end()) {
-        continue;
-      }
-      signal::SpectralPeakOptions options;
-      if (!command.band.empty())
-        options.low_hz = command.band[0], options.high_hz = command.band[1];
-      options.max_peaks = command.max_peaks;
-      const auto found = signal::spectral_peaks(channel.samples, recording.sample_rate_hz, options);
-      for (const auto& peak : found.peaks) {
-        ident::MeasuredMode mode;
-        mode.frequency_hz = peak.frequency_hz;
-        mode.damping_ratio = {std::nan(""), std::nan("")};
-        mode.plane = plane_of(command);
-        modes.push_back(std::move(mode));
-        spectra.push_back(
-            {{"file", file},
-             {"channel", channel.name},
-             {"frequency_hz", json_estimate(peak.frequency_hz.value, peak.frequency_hz.std)},
-             {"half_power_bandwidth_hz", json_number(peak.bandwidth_hz)},
-             {"signal_to_noise", json_number(peak.signal_to_noise)}});
-      }
-      if (found.peaks.empty()) context.warn("no_peaks", found.reason, file + ": " + channel.name);
-    }
-  }
-}
-
 std::vector<ident::MeasuredMode> measured_modes(const TensionCommand& command,
-                                                const std::vector<signal::Recording>& recordings,
-                                                VerbContext& context, Json& spectra) {
+                                                VerbContext& context) {
   std::vector<ident::MeasuredMode> modes;
-  add_peaks(command, recordings, context, modes, spectra);
   if (!command.measured.empty()) {
     context.input(command.measured);
     for (auto& row : read_measured_modes(command.measured, command.column, plane_of(command), {})) {
@@ -109,13 +72,10 @@ std::vector<ident::MeasuredMode> measured_modes(const TensionCommand& command,
     ident::MeasuredMode mode;
     mode.frequency_hz = {frequency,
                          command.frequency_std > 0 ? command.frequency_std : std::nan("")};
-    mode.damping_ratio = {std::nan(""), std::nan("")};
     mode.plane = plane_of(command);
     modes.push_back(std::move(mode));
   }
-  // Damping says nothing about the tension.
-  for (auto& mode : modes) mode.damping_ratio = {std::nan(""), std::nan("")};
-  return ident::merged_modes(modes);
+  return modes;
 }
 
 ident::CableDescription description_of(const TensionCommand& command) {
@@ -207,34 +167,45 @@ Json tension_result(const TensionCommand& command, const std::vector<signal::Rec
   if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz");
   }
-  const auto cable = description_of(command);
-  Json spectra = Json::array();
-  const auto modes = measured_modes(command, recordings, context, spectra);
-  if (modes.empty() && command.files.empty()) {
+  ident::TensionInputs inputs;
+  inputs.test = {"", description_of(command), measured_modes(command, context)};
+  if (inputs.test.modes.empty() && command.files.empty()) {
     throw UsageError("give recordings, --measured or --frequencies");
   }
-  if (modes.empty())
-    throw Refused("no peak stands out of the noise: nothing to find a tension from", "no_peaks");
-  ident::CableTest test{"", cable, modes};
-  auto& options = test.options;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    inputs.recordings.push_back({command.files[i], recordings[i]});
+  }
+  inputs.channels = command.channels;
+  if (!command.band.empty()) {
+    inputs.band_low_hz = command.band[0];
+    inputs.band_high_hz = command.band[1];
+  }
+  inputs.max_peaks = command.max_peaks;
+  inputs.plane = plane_of(command);
+  auto& options = inputs.test.options;
   if (command.ends == "pinned") options.ends = {ident::CableEnds::pinned};
   if (command.ends == "clamped") options.ends = {ident::CableEnds::clamped};
   if (command.ends == "springs") options.ends = {ident::CableEnds::springs};
   options.missed = command.missed;
   options.false_mode = command.false_mode;
-  try {
-    ident::check_cable(cable, modes);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
+  const auto campaign = ident::tension_campaign(inputs);
+  if (!campaign.modes.empty()) {
+    try {
+      ident::check_cable(inputs.test.cable, campaign.modes);
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
+    }
   }
-  const auto result = ident::analyse_cable_test(test);
-  if (!result.tension.solved) throw Refused(result.tension.message, "no_tension");
-  context.tell(result.findings);
-  print_tension(context.out, result.tension);
-  if (context.plots) draw_tension(*context.plots, result.tension);
-  Json json = tension_json(result.tension);
-  if (!spectra.empty()) json["peaks"] = std::move(spectra);
-  return json;
+  const auto& result = campaign.result.tension;
+  auto findings = campaign.result.findings;
+  if (!result.solved) std::erase_if(findings, [](const auto& f) { return f.code == "no_tension"; });
+  context.tell(findings);
+  if (!result.solved) {
+    throw Refused(result.message, campaign.modes.empty() ? "no_peaks" : "no_tension");
+  }
+  print_tension(context.out, result);
+  if (context.plots) draw_tension(*context.plots, result);
+  return tension_json(inputs, campaign);
 }
 
 void add_tension(CLI::App& program, Verbs& verbs) {

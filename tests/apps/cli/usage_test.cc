@@ -99,6 +99,9 @@ TEST(KeyReference, HoldsEveryKeyThatTheReadersKnow) {
         title + "[[test]]\nname = \"t\"\nkind = \"bending\"\nspan = 1.0\n" + unknown + recording,
         title + "[[test]]\nname = \"t\"\nkind = \"axial\"\nmass = 1.0\n" + unknown + recording +
             "length = 1.0\n",
+        title +
+            "[[test]]\nname = \"t\"\nkind = \"tension\"\nlength = 1.0\nmass_per_length = 1.0\n" +
+            unknown + recording,
         title + "[[test]]\nname = \"t\"\nkind = \"decay\"\n" + recording + unknown}) {
     check("campaign", {"report", folder.write(fmt::format("campaign{}.toml", ++number), text),
                        "--out", (folder.path() / "out").string()});

@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -22,9 +24,12 @@ std::string fit_json(const std::string& name, double value, double std) {
 }
 
 // Fitted to the coupled rig alone (Table 5), the bare beam's frequencies (Table 2) come inside
-// their intervals, from the second on within 3 %. The first, 2.24 Hz, is lowered by the beam's
-// weight and comes 5.4 % low: EI of the coupled rig is 2.0 N m2, of the bare beam 2.1. The source's
-// own model of the beam errs by 4.5 to 9.7 %.
+// their intervals, from the second on within 3 %. The first, 2.24 Hz, comes 5.4 % low. 1.6 % of it
+// is EI: 2.02 N m2 from the coupled rig, 2.08 from the bare beam's modes 2 to 5. The rest is the
+// tip: the scene keeps the 0.02 kg of the coupled rig's sensor and U-bolts, which are not said to
+// stay when the cables are taken off, and a mass there moves the first mode most (with 0.010 to
+// 0.015 kg all five come within 2 %). So the published first mode must lie between the predictions
+// with that mass and with none. The source's own model of the beam errs by 4.5 to 9.7 %.
 TEST(PredictVerb, TheBareBeamFromTheCoupledRig) {
   const TemporaryFolder folder;
   const auto fit = (folder.path() / "fit.json").string();
@@ -43,9 +48,22 @@ TEST(PredictVerb, TheBareBeamFromTheCoupledRig) {
   ASSERT_EQ(json["measured"].size(), 5u);
   for (std::size_t i = 0; i < 5; ++i) {
     const auto& row = json["measured"][i];
-    EXPECT_LT(std::abs(row["relative_error"].get<double>()), i == 0 ? 0.06 : 0.03) << row.dump();
+    if (i > 0) {
+      EXPECT_LT(std::abs(row["relative_error"].get<double>()), 0.03) << row.dump();
+    }
     EXPECT_TRUE(row["inside"].get<bool>()) << row.dump();
   }
+  std::ifstream file(kPaper + "scenes/beam.toml");
+  std::string bare((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const auto mass = bare.find("mass = 0.02");
+  ASSERT_NE(mass, std::string::npos);
+  bare.replace(mass, 11, "mass = 0.00");
+  const auto without = run_program({"predict", folder.write("bare.toml", bare), "--from", fit,
+                                    "--count", "1", "--segments", "30", "--json", "-"});
+  ASSERT_EQ(without.exit_code, 0) << without.err;
+  constexpr double kPublished = 2.24;  // Hz, Table 2
+  EXPECT_LT(json["measured"][0]["predicted_hz"].get<double>(), kPublished);
+  EXPECT_GT(parsed(without.out)["modes"][0]["frequency_hz"]["value"].get<double>(), kPublished);
 }
 
 TEST(PredictVerb, FrfsWithIntervals) {
@@ -71,6 +89,34 @@ TEST(PredictVerb, FrfsWithIntervals) {
     ++rows;
   }
   EXPECT_EQ(rows, 20);
+}
+
+TEST(PredictVerb, ResponsesWithIntervals) {
+  const TemporaryFolder folder;
+  const auto table = (folder.path() / "response.csv").string();
+  const auto run = run_program({"predict", kPaper + "scenes/beam.toml", "--from",
+                                folder.write("fit.json", fit_json("beam.EI_z", 2.1, 0.02)),
+                                "--count", "2", "--segments", "8", "--response", table,
+                                "--duration", "0.2", "--rate", "500", "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(parsed(run.out)["response"]["draws"].get<int>(), 200);
+  std::ifstream file(table);
+  std::string header, line;
+  std::getline(file, header);
+  EXPECT_THAT(header, HasSubstr("low beam 0.65 m"));
+  int rows = 0;
+  double widest = 0;
+  while (std::getline(file, line)) {
+    double t = 0, value = 0, low = 0, high = 0;
+    char comma = 0;
+    std::istringstream cells(line);
+    cells >> t >> comma >> value >> comma >> low >> comma >> high;
+    EXPECT_LE(low, high);
+    widest = std::max(widest, high - low);
+    ++rows;
+  }
+  EXPECT_EQ(rows, 101);  // both ends
+  EXPECT_GT(widest, 0);
 }
 
 TEST(PredictVerb, RefusesWhatDoesNotMatchAndWhatIsNoFit) {

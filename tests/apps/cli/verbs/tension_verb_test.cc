@@ -2,12 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "tests/apps/json_schema.h"
 #include "tests/apps/run_program.h"
 
 namespace rigfit::apps::tension_verb_test {
@@ -102,6 +104,46 @@ TEST(TensionVerb, FromAnAmbientRecording) {
   const auto json = parsed(run.out);
   expect_tension(json);
   EXPECT_GE(json["peaks"].size(), 4u);
+
+  // The same recording in a campaign: the same numbers to the last digit, also on the first page.
+  folder.write("campaign.toml",
+               "title = \"cable\"\n[[test]]\nname = \"stay\"\nkind = \"tension\"\nlength = 20\n"
+               "length_std = 0.002\nmass_per_length = 5\nmass_per_length_std = 0.005\nEI = 200\n"
+               "EI_std = 10\nEA = 2e7\nmass_of = \"installed\"\nplane = \"out\"\nband = [1, 12]\n"
+               "reference = { name = \"truth\", tension = 5e4 }\n"
+               "[[test.recording]]\nfiles = [\"ambient.csv\"]\nsynthetic = true\n");
+  const auto report = run_program({"report", folder.path() / "campaign.toml", "--out",
+                                   folder.path() / "out", "--quiet", "--json", "-"});
+  ASSERT_EQ(report.exit_code, 0) << report.err;
+  const auto document = parsed(report.out);
+  const auto& part = document["tension"][0];
+  for (const char* key : {"tension_N", "tension_start_N", "tension_end_N", "EI_Nm2", "ends",
+                          "candidates", "modes", "formulas", "budget", "decided"}) {
+    EXPECT_EQ(json[key].dump(), part[key].dump()) << key;
+  }
+  ASSERT_EQ(json["peaks"].size(), part["peaks"].size());
+  for (std::size_t i = 0; i < json["peaks"].size(); ++i) {
+    EXPECT_EQ(json["peaks"][i]["frequency_hz"].dump(), part["peaks"][i]["frequency_hz"].dump());
+  }
+  std::ifstream file(std::string(RIGFIT_TESTDATA) + "/../apps/report/report.schema.json");
+  const auto schema = nlohmann::json::parse(file, nullptr, false);
+  ASSERT_TRUE(schema.is_object());
+  EXPECT_EQ(schema_errors(document, schema), std::vector<std::string>{});
+  const auto& answer = document["answers"][0];
+  EXPECT_EQ(answer["value"].dump(), json["tension_N"]["value"].dump());
+  EXPECT_EQ(answer["low"].dump(), json["tension_N"]["low"].dump());
+  EXPECT_EQ(answer["reference"].get<double>(), kTension);
+}
+
+TEST(TensionVerb, ACampaignTestWithoutFrequenciesIsRefused) {
+  const TemporaryFolder folder;
+  folder.write("campaign.toml",
+               "title = \"cable\"\n[[test]]\nname = \"stay\"\nkind = \"tension\"\nlength = 20\n"
+               "mass_per_length = 5\n");
+  const auto report = run_program(
+      {"report", folder.path() / "campaign.toml", "--out", folder.path() / "out", "--quiet"});
+  EXPECT_EQ(report.exit_code, 3);
+  EXPECT_THAT(report.err, HasSubstr("frequencies"));
 }
 
 TEST(TensionVerb, ManyCablesInOneTable) {

@@ -1,0 +1,184 @@
+#include "apps/report/parts/tension_part.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "apps/cli/tension_result.h"
+#include "apps/report/figures/share_bars.h"
+#include "apps/report/figures/tension_plots.h"
+#include "apps/report/html_text.h"
+#include "apps/report/parts/recording_blocks.h"
+
+namespace rigfit::apps {
+namespace {
+
+ReportTable ends_table(const std::string& id, const ident::TensionResult& r) {
+  ReportTable table;
+  table.id = id + "-ends";
+  table.caption =
+      "Tension at mid-span by kind of ends; the result is the average by weight. p: probability of "
+      "a larger misfit if the model were right.";
+  table.columns = {{"ends", {}, false},
+                   {"weight", {}, true},
+                   {"tension, N", Origin::modelled},
+                   {"95 %, N", Origin::modelled},
+                   {"EI, N m²", Origin::modelled},
+                   {"chi-square", {}, true},
+                   {"degrees of freedom", {}, true},
+                   {"p", {}, true}};
+  for (const auto& one : r.candidates) {
+    if (!one.solved) {
+      table.rows.push_back({ident::name_of(one.ends), "0", one.message, "", "", "", "", ""});
+      continue;
+    }
+    table.rows.push_back(
+        {ident::name_of(one.ends), fmt::format("{:.3f}", one.weight),
+         Cell(shown_estimate(one.tension_N.value, one.tension_N.std), Origin::modelled),
+         fmt::format("{} to {}", shown_bound(one.low, one.tension_N.std),
+                     shown_bound(one.high, one.tension_N.std)),
+         shown(one.EI_Nm2.value, 3),
+         std::isfinite(one.fit.chi2) ? shown(one.fit.chi2, 3) : std::string(),
+         fmt::format("{:g}", one.fit.degrees_of_freedom),
+         std::isfinite(one.fit.p_value) ? shown(one.fit.p_value, 2) : std::string()});
+  }
+  return table;
+}
+
+ReportTable modes_table(const std::string& id, const ident::TensionResult& r) {
+  ReportTable table;
+  table.id = id + "-modes";
+  table.caption = fmt::format("Measured frequencies and those of the model, {} ends.",
+                              ident::name_of(r.candidates.front().ends));
+  table.columns = {{"order", {}, true},
+                   {"plane", {}, false},
+                   {"measured, Hz", Origin::measured},
+                   {"model, Hz", Origin::modelled},
+                   {"model over test, %", {}, true}};
+  for (const auto& mode : r.candidates.front().modes) {
+    const bool known = std::isfinite(mode.measured_std_hz);
+    const Cell measured(
+        known ? shown_estimate(mode.measured_hz, mode.measured_std_hz) : shown(mode.measured_hz, 5),
+        Origin::measured);
+    if (mode.order == 0 || !std::isfinite(mode.model_hz)) {
+      table.rows.push_back({"", "", measured, "none of the cable's", ""});
+      continue;
+    }
+    table.rows.push_back({fmt::format("{}", mode.order), model::name_of(mode.plane), measured,
+                          Cell(shown(mode.model_hz, 5), Origin::modelled),
+                          fmt::format("{:+.3f}", 100 * mode.relative_error)});
+  }
+  return table;
+}
+
+ReportTable formulas_table(const std::string& id, const ident::TensionResult& r) {
+  ReportTable table;
+  table.id = id + "-formulas";
+  table.caption =
+      "What formulas of the literature give from the lowest mode alone, beside the model.";
+  table.columns = {{"formula", {}, false},
+                   {"tension, N", Origin::published_model},
+                   {"over the result, %", {}, true}};
+  const auto add = [&](const char* name, double value) {
+    if (!std::isfinite(value)) {
+      table.rows.push_back({name, "does not apply", ""});
+      return;
+    }
+    table.rows.push_back({name, Cell(shown(value, 5), Origin::published_model),
+                          fmt::format("{:+.2f}", 100 * (value / r.tension_N.value - 1))});
+  };
+  add("string", r.formulas.string_N);
+  add("pinned beam", r.formulas.pinned_beam_N);
+  add("clamped beam", r.formulas.clamped_beam_N);
+  add("Zui, Shinke and Namita", r.formulas.zui_N);
+  return table;
+}
+
+void answer(ReportPart& part, const CampaignTest& test, const ident::TensionResult& r) {
+  Answer answer;
+  answer.key = test.name + "/tension";
+  answer.quantity = "Cable tension at mid-span";
+  answer.how = fmt::format("from {} frequencies, {} ends", r.candidates.front().modes.size(),
+                           ident::name_of(r.candidates.front().ends));
+  answer.unit = "N";
+  answer.value = r.tension_N.value;
+  answer.std = r.tension_N.std;
+  answer.low = r.low;
+  answer.high = r.high;
+  answer.determined = r.decided;
+  if (const auto at = test.reference.find("tension"); at != test.reference.end()) {
+    answer.reference = at->second;
+    answer.reference_name = test.reference_name;
+  }
+  answer.origin = test.recordings.empty() ? Origin::measured : test.recordings.front().origin();
+  answer.anchor = part.id;
+  part.summary.push_back(
+      {SummaryItem::Kind::result, test.title + ": tension",
+       fmt::format("{} N (95 %: {} to {})", shown_estimate(r.tension_N.value, r.tension_N.std),
+                   shown_bound(r.low, r.tension_N.std), shown_bound(r.high, r.tension_N.std)),
+       answer.origin, part.id});
+  part.answers.push_back(std::move(answer));
+}
+
+void show(ReportPart& part, const CampaignTest& test, const ident::TensionResult& r) {
+  for (auto& plot : tension_plots(test.name, r)) part.blocks.push_back(std::move(plot));
+  part.blocks.push_back(ends_table(test.name, r));
+  part.blocks.push_back(modes_table(test.name, r));
+  part.blocks.push_back(formulas_table(test.name, r));
+  ShareBar bar{"tension", shown_estimate(r.tension_N.value, r.tension_N.std) + " N", {}};
+  for (const auto& term : r.budget) {
+    if (std::isfinite(term.std)) bar.parts.emplace_back(term.source, term.std * term.std);
+  }
+  if (!bar.parts.empty()) {
+    part.blocks.push_back(share_bars(test.name + "-budget",
+                                     "Where the uncertainty of the tension comes from",
+                                     "Shares of the variance.", {bar}));
+  }
+  part.blocks.push_back(Paragraph{fmt::format(
+      "Along the cable: {} N at the first end, {} N at the second; sag {} m. Irvine's parameter "
+      "{}, L √(T / EI) = {}.",
+      shown(r.start_N, 5), shown(r.end_N, 5), shown(r.sag_m, 3), shown(r.irvine_parameter, 2),
+      shown(r.bending_parameter, 3))});
+  part.brief = {test.name + "-frequencies", test.name + "-ends"};
+  answer(part, test, r);
+}
+
+}  // namespace
+
+ReportPart tension_part(const CampaignTest& test) {
+  ReportPart part;
+  part.id = test.name;
+  part.title = test.title;
+  part.json_key = "tension";
+  part.json["test"] = test.name;
+  auto inputs = *test.tension;
+  part.blocks.push_back(Paragraph{
+      "The natural frequencies of a cable give its tension. Which mode each frequency is, bending "
+      "stiffness, ends and sag are found with it."});
+  if (!test.recordings.empty()) {
+    auto loaded = load_recordings(test.recordings);
+    for (const auto& entry : loaded) {
+      part.inputs.insert(part.inputs.end(), entry.inputs.begin(), entry.inputs.end());
+    }
+    add_recordings(part, test, loaded);
+    for (auto& entry : loaded) {
+      if (entry.recording) inputs.recordings.push_back({entry.file, std::move(*entry.recording)});
+    }
+  }
+  const auto found = ident::tension_campaign(inputs);
+  for (const auto& f : found.result.findings) {
+    const std::string where = f.where.empty() ? test.name : f.where;
+    if (f.refused) {
+      refuse(part, f.code, f.message, where);
+    } else {
+      part.warnings.push_back({f.code, f.message, where, false});
+    }
+  }
+  if (!found.result.tension.solved) return part;
+  part.json.update(tension_json(inputs, found));
+  show(part, test, found.result.tension);
+  return part;
+}
+
+}  // namespace rigfit::apps
