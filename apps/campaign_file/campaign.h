@@ -28,7 +28,8 @@
 //                        direction ([x, y, z], struck and measured along it), band, estimator
 //                        ("h1", "h2", "hv"), force_window (s after the pulse begins),
 //                        exponential_window (level at the end of the block), max_order
-//     kind = "tension"   length (m), length_std, mass_per_length (kg/m), mass_per_length_std, mass_of
+//     kind = "tension"   length (m), length_std, mass_per_length (kg/m), mass_per_length_std,
+//     mass_of
 //                        ("installed", "unstretched"), EI (N m2), EI_std, EA (N), EA_std (none:
 //                        fitted, or a strain of 0.001), inclination (degrees), ends ("compare",
 //                        "pinned", "clamped", "springs"), plane ("in", "out", "any"), missed,
@@ -36,7 +37,8 @@
 //                        frequencies (Hz) with frequency_std (Hz), measured (a table of modes, or
 //                        UFF 55) with column, and recordings of its motion: channels, band,
 //                        max_peaks (a channel)
-//     [test.reference]   tension (N) of a tension test, EA, damping_ratio of an axial test as known otherwise, and what they are:
+//     [test.reference]   tension (N) of a tension test, EA, damping_ratio of an axial test as known
+//     otherwise, and what they are:
 //                        name = "published" (default), "truth", ...
 //     [[test.recording]] see recording_group.h
 //   [[fit]]              name, title, tests = [modal tests], hold_out, model_std, starts,
@@ -124,9 +126,9 @@ struct CampaignTest {
   std::vector<std::string> EI_of;              ///< scene parameters that take EI at that tension
   /// Modal: struck and measured along this, whatever the scene says; unit vector.
   std::optional<Eigen::Vector3d> direction;
-  std::vector<std::string> EA_of;       ///< scene parameters that take the axial test's EA
-  std::vector<std::string> damping_of;  ///< scene parameters that take its damping ratio
-  HammerTest hammer;                    ///< modal with recordings; decay: load, sensors
+  std::vector<std::string> EA_of;               ///< scene parameters that take the axial test's EA
+  std::vector<std::string> damping_of;          ///< scene parameters that take its damping ratio
+  HammerTest hammer;                            ///< modal with recordings; decay: load, sensors
   std::optional<ident::TensionInputs> tension;  ///< tension: all but the recordings themselves
   std::optional<ResultColumns> results;
   std::vector<RecordingGroup> recordings;

@@ -110,7 +110,8 @@ CampaignTest CampaignTestReader::read(TomlTable& table, const std::string& name)
   test.name = name;
   test.title = table.string_or("title", test.name);
   static_cast<void>(table.string("kind"));
-  const std::string kind = table.choice_or("kind", {"bending", "axial", "decay", "modal", "tension"}, "");
+  const std::string kind =
+      table.choice_or("kind", {"bending", "axial", "decay", "modal", "tension"}, "");
   if (kind == "bending") {
     test.kind = CampaignTest::Kind::bending;
     read_bending(table, test);
