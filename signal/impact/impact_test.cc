@@ -356,6 +356,16 @@ class Analysis {
     }
     judge_force_noise(estimate);
     const double left = end_level * std::exp(-decay_rate() * block_duration());
+    // What is cut off at the end of a block, R / (s - p) exp(p T) exp(i w t) of a mode, T from the
+    // hit to the end and t from the block's beginning to the hit, is smooth over lines as well.
+    if (left > 1e-3 && left > 3 * quietest()) {
+      for (const Hit& hit : test_.search.hits) {
+        if (!hit.accepted) continue;
+        const auto before = static_cast<double>(hit.peak_sample - hit.block_first);
+        test_.frfs.force_noise_span_s =
+            std::max(test_.frfs.force_noise_span_s, before / test_.search.sample_rate_hz);
+      }
+    }
     if (left > options_.hits.ring_down_level && left > 3 * quietest()) {
       test_.notes.push_back(
           {"ring_down_truncated",

@@ -7,14 +7,14 @@
 
 namespace rigfit::signal {
 
-AmplitudeTrend amplitude_trend(const IdentifiedMode& mode, bool by_input) {
+AmplitudeTrend amplitude_trend(const IdentifiedMode& mode) {
   using Eigen::ArrayXd;
   using Eigen::Index;
   AmplitudeTrend trend;
   constexpr Index kFewest = 5;
   const auto n = static_cast<Index>(mode.points.size());
   if (n < kFewest) return trend;
-  const Eigen::VectorXcd& shape = by_input ? mode.participation : mode.shape;
+  const Eigen::VectorXcd& shape = mode.participation;
   ArrayXd x(n), y(n), weight(n);
   const double scatter = mode.between_points_std_hz, mean = mode.frequency_hz.value;
   for (Index i = 0; i < n; ++i) {

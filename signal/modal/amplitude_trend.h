@@ -17,8 +17,8 @@ struct AmplitudeTrend {
   double strongest_hz = 0;  ///< on the line, at the strongest point
 };
 
-/// From the mode's points; chance 1 for fewer than five, or where their amplitudes are equal.
-/// `by_input`: the points are places struck, else responses.
-[[nodiscard]] AmplitudeTrend amplitude_trend(const IdentifiedMode& mode, bool by_input);
+/// From the mode's points, places struck one by one; chance 1 for fewer than five, or where their
+/// amplitudes are equal.
+[[nodiscard]] AmplitudeTrend amplitude_trend(const IdentifiedMode& mode);
 
 }  // namespace rigfit::signal

@@ -79,6 +79,23 @@ double tone_beside(const ModalModel& model, std::size_t r, const ModalBand& band
   return 0;
 }
 
+/// Peak of a mode over the rms of the FRFs within its half bandwidth, all FRFs together.
+/// `measured`: its decay rate, window included.
+double part_of_frfs(const IdentifiedMode& mode, const ModalBand& band, double measured) {
+  const double centre = mode.pole_rad_s.imag() / kTwoPi;
+  const double half = std::max(measured / kTwoPi, band.spacing_hz);
+  double power = 0, lines = 0;
+  for (Index k = 0; k < band.frequency_hz.size(); ++k) {
+    if (std::abs(band.frequency_hz[k] - centre) > half) continue;
+    power += band.lines.H.row(k).squaredNorm();
+    ++lines;
+  }
+  if (!(power > 0)) return 1;
+  const double peak = mode.shape.norm() * mode.participation.norm() / measured *
+                      std::pow(std::abs(mode.pole_rad_s), band.lines.power);
+  return peak / std::sqrt(power / lines);
+}
+
 }  // namespace
 
 void judge_modes(ModalResult& result, const ModalBand& band) {
@@ -113,6 +130,14 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
           tone));
     }
     const double f = mode.frequency_hz.value, half = measured / kTwoPi;
+    // Structures, hits and sensors are not linear to better than some percent of a strong
+    // resonance.
+    if (const double part = part_of_frfs(mode, band, measured); part < 0.1) {
+      doubts.push_back(fmt::format(
+          "its peak is {:.2g} % of the FRFs around it, less than 10 %: what a non-linear "
+          "structure or differing hits add to a stronger mode looks like this",
+          100 * part));
+    }
     if (f - half < result.low_hz || f + half > result.high_hz) {
       doubts.push_back("its resonance is cut by the end of the band");
     }
@@ -124,8 +149,10 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
                       mode.between_points_std_hz, mode.between_points_std_hz * kTwoPi / measured));
     }
     // One chance in a hundred, and what it makes of the frequency is not within its error bar.
-    if (const AmplitudeTrend trend = amplitude_trend(mode, points_are_inputs(band));
-        trend.chance < 0.01 && std::abs(trend.small_hz - f) > 1.96 * mode.frequency_hz.std) {
+    // Responses to the same hits share their pole: only places struck one by one tell.
+    if (const AmplitudeTrend trend = amplitude_trend(mode);
+        mode.refinement != "global" && points_are_inputs(band) && trend.chance < 0.01 &&
+        std::abs(trend.small_hz - f) > 1.96 * mode.frequency_hz.std) {
       doubts.push_back(fmt::format(
           "its frequency goes with the squared amplitude of the points, from {:.6g} Hz at small "
           "amplitude to {:.6g} Hz at the strongest: a non-linear spring or joint looks like this",
