@@ -63,7 +63,10 @@ class Stubs(unittest.TestCase):
     def test_docstrings(self):
         for name in rigfit.__all__:
             thing = getattr(rigfit, name)
-            self.assertTrue(thing.__doc__ or name == "FrfSet", name)
+            self.assertTrue(thing.__doc__, name)
+            for member, value in vars(thing).items() if inspect.isclass(thing) else ():
+                if not member.startswith("_") and (callable(value) or isinstance(value, property)):
+                    self.assertTrue(inspect.getdoc(value), f"{name}.{member}")
             if not inspect.isfunction(thing):
                 continue
             text = thing.__doc__

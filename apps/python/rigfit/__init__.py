@@ -16,8 +16,9 @@ import sys as _sys
 from . import _core
 from ._core import FrfSet
 from .errors import (ArgumentError, DataWarning, Error, InputError, InternalError, NotConverged, Refused, UsageError)
+from .fits import predict, update
 from .laboratory import axial, bending, tension, tension_table
-from .model import Scene, frf_of, modes, predict, report, respond, synthesize, update
+from .model import Scene, frf_of, modes, report, respond, synthesize
 from .recordings import Channel, Recording, read
 from .results import (AxialResult, BendingResult, DecayResult, Estimate, FrfResult, InspectResult, ModalResult,
                       ModesResult, PredictResult, Record, Records, ReportResult, RespondResult, Result, SceneFrfs,

@@ -286,21 +286,36 @@ py::tuple decay(const py::list& given, const py::dict& options_given) {
 }  // namespace
 
 void bind_signal(py::module_& module) {
-  py::class_<signal::FrfSet, SharedFrfs>(module, "FrfSet")
-      .def_property_readonly("frequency_hz",
-                             [](const SharedFrfs& f) {
-                               return view<double>(py::cast(f), f->frequency_hz.data(),
-                                                   {f->frequency_hz.size()}, {sizeof(double)});
-                             })
-      .def_property_readonly("H", [](const SharedFrfs& f) { return layers(f, f->H); })
-      .def_property_readonly("H_std", [](const SharedFrfs& f) { return layers(f, f->H_std); })
-      .def_property_readonly("coherence",
-                             [](const SharedFrfs& f) { return layers(f, f->coherence); })
-      .def_property_readonly("responses",
-                             [](const signal::FrfSet& f) { return names_of(f.responses); })
-      .def_property_readonly("inputs", [](const signal::FrfSet& f) { return names_of(f.inputs); })
-      .def_property_readonly("form", [](const signal::FrfSet& f) { return name_of(f.form); })
-      .def_property_readonly("unit", [](const signal::FrfSet& f) { return f.unit; });
+  py::class_<signal::FrfSet, SharedFrfs>(module, "FrfSet",
+                                         "FRFs at hand, of `frfs_of_arrays` or `read_frfs`; their "
+                                         "arrays cannot be written to.")
+      .def_property_readonly(
+          "frequency_hz",
+          [](const SharedFrfs& f) {
+            return view<double>(py::cast(f), f->frequency_hz.data(), {f->frequency_hz.size()},
+                                {sizeof(double)});
+          },
+          "Lines, Hz.")
+      .def_property_readonly(
+          "H", [](const SharedFrfs& f) { return layers(f, f->H); },
+          "lines x responses x inputs, SI per N, sign exp(+i 2 pi f t).")
+      .def_property_readonly(
+          "H_std", [](const SharedFrfs& f) { return layers(f, f->H_std); },
+          "Standard deviation of the real and of the imaginary part, each; None: not known.")
+      .def_property_readonly(
+          "coherence", [](const SharedFrfs& f) { return layers(f, f->coherence); },
+          "Layout of H; None: not known.")
+      .def_property_readonly(
+          "responses", [](const signal::FrfSet& f) { return names_of(f.responses); },
+          "Names along the second axis of H.")
+      .def_property_readonly(
+          "inputs", [](const signal::FrfSet& f) { return names_of(f.inputs); },
+          "Names along the third axis of H.")
+      .def_property_readonly(
+          "form", [](const signal::FrfSet& f) { return name_of(f.form); },
+          "\"receptance\", \"mobility\", \"accelerance\" or \"unknown\".")
+      .def_property_readonly(
+          "unit", [](const signal::FrfSet& f) { return f.unit; }, "Of H.");
   module.def("inspect", &inspect);
   module.def("decay", &decay);
   module.def("frf", &frf);
