@@ -20,6 +20,7 @@ CLOSED = io.StringIO("1,2\n")
 CLOSED.close()
 READ_ONLY = np.arange(64.0)
 READ_ONLY.setflags(write=False)
+MISALIGNED = np.zeros(8 * 8 + 1, dtype=np.uint8)[1:].view(np.float64)
 GOOD = rigfit.Recording({"force": np.sin(np.arange(64.0)), "a": np.cos(np.arange(64.0))}, fs=64.0)
 
 # What a person passes by mistake.
@@ -28,7 +29,7 @@ ODD = [None, True, 0, -1, 1, 2, 7, 2**70, -2**70, 0.0, -0.5, 0.5, 1e-320, 1e308,
        ["a", 1], (), {}, {"a": 1}, {"name": "a"}, {"name": "a", "data": [1, 2]}, {"a": [1, 2]}, {"a": []}, object(), CLOSED,
        io.BytesIO(), np.zeros(0), np.zeros((2, 2)), np.zeros((2, 3, 4)), np.array(3.0), np.arange(8), np.arange(8.0)[::2],
        np.arange(8.0)[::-1], np.arange(8, dtype=np.float32), np.arange(8, dtype=np.complex64), np.array(["a", "b"]),
-       np.array([1, None], dtype=object), np.full(8, np.nan), np.full(8, np.inf), np.zeros(8, dtype=bool), READ_ONLY,
+       np.array([1, None], dtype=object), np.full(8, np.nan), np.full(8, np.inf), np.zeros(8, dtype=bool), READ_ONLY, MISALIGNED,
        np.ma.masked_array([1.0, 2.0], [True, False]), np.asfortranarray(np.zeros((3, 3))),
        np.zeros(8, dtype=">f8"), np.float32(2), np.int8(3), range(4), lambda: 0, rigfit.Recording, GOOD, [GOOD, GOOD],
        pathlib.Path("/"), pathlib.Path(CABLE), CABLE, "title = 1\n", rigfit.Scene(CABLE), ...]

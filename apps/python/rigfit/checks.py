@@ -138,7 +138,7 @@ def band(argument, value):
 
 
 def array(argument, value, dimensions, dtype=np.float64, missing=False):
-    """A contiguous array of so many dimensions; the very same where it is one already. ``missing``: NaN may stand in it."""
+    """A contiguous, aligned array of so many dimensions; the very same where it is one already. ``missing``: NaN may stand in it."""
     if isinstance(value, (str, bytes)) or hasattr(value, "read"):
         fail(argument, f"must be an array, not {kind(value)}")
     try:
@@ -152,7 +152,7 @@ def array(argument, value, dimensions, dtype=np.float64, missing=False):
         fail(argument, f"must have {dimensions} dimension{'s' * (dimensions > 1)}, not {given.ndim}")
     if given.size == 0:
         fail(argument, "has no elements")
-    given = np.ascontiguousarray(given, dtype=dtype)
+    given = np.require(given, dtype, ("C", "A"))
     if not missing and not np.isfinite(given).all():
         fail(argument, f"holds {int((~np.isfinite(given)).sum())} values that are not finite")
     return given
