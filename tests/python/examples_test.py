@@ -25,8 +25,10 @@ class Examples(unittest.TestCase):
         out = run("hammer_test.py", *sorted(glob.glob(str(LABORATORY / "beam/rig/hammer-*.uff"))))
         self.assertIn("hit 1: 1.65 N, double hit", out)
         self.assertIn("4 hits averaged", out)
-        # The virtual beam's damping ratio is 1 %.
-        self.assertRegex(out, r"41\.859\d Hz \+- 0\.0005, damping 0\.999\d %")
+        # The virtual beam's damping ratio is 1 %; three standard uncertainties of 0.0012 % and the four hits' own scatter.
+        std, damping = map(float, re.search(r"41\.8\d+ Hz \+- (\S+), damping (\S+) %", out).groups())
+        self.assertLess(std, 1e-3)
+        self.assertLess(abs(damping - 1), 0.005)
 
     def test_axial_rigidity(self):
         groups = [f"{length}=" + ",".join(sorted(glob.glob(str(LABORATORY / f"bench/axial/L{length}m-[12].csv"))))
