@@ -44,9 +44,9 @@ struct FrfSet {
   /// FRFs of the single hits behind the average, layout as H, fewer lines; columns of inputs with
   /// fewer hits are NaN. Tells what changes between hits (hit_scatter.h). Empty: not kept.
   std::vector<Eigen::MatrixXcd> by_hit;
-  /// The longest time between a hit and noise on the force that a force window leaves. H is then
-  /// multiplied by 1 + e(f), e common to the responses and smooth over lines: the transform of a
-  /// signal that lies within this time of the hit (smooth_background.h). 0: no such noise.
+  /// The longest time between a hit and noise on the force that a force window leaves, or the hit's
+  /// block's beginning where its end cuts the responses off: either adds to H the transform of a
+  /// signal that lies within this time of the hit, smooth over lines. 0: nothing of the kind.
   double force_noise_span_s = 0;
   int averages = 0;
   double sample_rate_hz = 0;
