@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "ident/update/contradicting_modes.h"
-#include "ident/update/shared_sources.h"
+#include "ident/update/frf_segments.h"
 #include "ident/update/update_alternatives.h"
 #include "ident/update/update_intervals.h"
 #include "ident/update/update_misfit.h"
@@ -23,32 +23,16 @@ namespace {
 using signal::kNaN;
 
 constexpr int kRefinements = 3;
-constexpr double kUnlikely = 0.05;  // probability of a misfit that is none of the data's
 
-// Everything in the result that follows from the answer.
-void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
-                  const UpdateSolution& answer, UpdateResult& result) {
+// The answer's values, and its pairs.
+void state_values(const UpdateProblem& problem, const UpdateSolution& answer,
+                  UpdateResult& result) {
   const auto& coordinates = problem.coordinates();
-  const auto& matches = answer.matches.matches;
-  const auto data = problem.residual_count(matches, UpdateStage::full);
   result.coordinates = answer.q;
   for (std::size_t j = 0; j < coordinates.size(); ++j) {
-    auto& parameter = result.parameters[j];
-    parameter.value = coordinates[j].value(answer.q[static_cast<Eigen::Index>(j)]);
-    parameter.budget.clear();
+    result.parameters[j].value = coordinates[j].value(answer.q[static_cast<Eigen::Index>(j)]);
   }
-  result.status = answer.converged ? UpdateStatus::converged : UpdateStatus::not_converged;
-  result.message.clear();
-  if (!answer.converged) {
-    result.message =
-        "the fit or its pairs had not settled; what is given is the best that was "
-        "seen; ";
-  }
-  if (static_cast<Eigen::Index>(coordinates.size()) > data) {
-    result.status = UpdateStatus::too_little_data;
-    result.message += fmt::format("{} unknowns and {} data; ", coordinates.size(), data);
-  }
-  result.pairs = problem.pairs(answer.q, matches);
+  result.pairs = problem.pairs(answer.q, answer.matches.matches);
   result.unpaired = answer.matches.unpaired;
   result.rms_relative_error = rms_of_pairs(result.pairs);
   if (problem.has_frfs()) {
@@ -56,6 +40,27 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
     result.frf_lines = problem.frf_lines();
   }
   if (problem.has_histories()) result.history_error = problem.history_error(answer.q);
+}
+
+// Everything in the result that follows from the answer. `by_segments`: of state_uncertainty.
+void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
+                  const UpdateSolution& answer, UpdateResult& result,
+                  const Eigen::VectorXd& by_segments = {}) {
+  const auto& matches = answer.matches.matches;
+  for (auto& parameter : result.parameters) parameter.budget.clear();
+  result.status = answer.converged ? UpdateStatus::converged : UpdateStatus::not_converged;
+  result.message.clear();
+  if (!answer.converged) {
+    result.message =
+        "the fit or its pairs had not settled; what is given is the best that was "
+        "seen; ";
+  }
+  const auto data = problem.residual_count(matches, UpdateStage::full);
+  if (problem.size() > data) {
+    result.status = UpdateStatus::too_little_data;
+    result.message += fmt::format("{} unknowns and {} data; ", problem.size(), data);
+  }
+  state_values(problem, answer, result);
   result.shift_sources.clear();
   result.open.clear();
   const UpdateFit before = result.fit;
@@ -66,43 +71,7 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
     result.fit = before;
     result.fit.correlated_lines = correlated;
   }
-  state_uncertainty(problem, options, matches, result);
-}
-
-// Fits of FRFs: the sources that lines share, and the error of the model in FRFs that the misfit
-// asks for; the answer with them.
-void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
-                      UpdateResult& result) {
-  if (!settled.has_frfs()) return;
-  settled = settled.with_frf_model_std(0);
-  const auto& matches = answer.matches.matches;
-  const auto again = [&](const UpdateProblem& trial) {
-    Eigen::VectorXd q = answer.q;
-    double cost = 0;
-    const bool converged = minimise(trial, matches, UpdateStage::full, options, q, cost);
-    if (!converged && !robust_cost(trial, matches, UpdateStage::full, options, q, cost)) return;
-    answer.q = std::move(q);
-    answer.cost = cost;
-    answer.converged = converged;
-    settled = trial;
-  };
-  if (settled.inputs().size() == options.inputs.size()) {
-    settled = settled.with_places_of_hits(answer.q);
-  }
-  constexpr int kPasses = 6;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    const Eigen::VectorXd before = answer.q, off = settled.inputs_off();
-    again(with_shared_sources(settled, options, matches, answer.q));
-    if (!settled.has_sources()) break;
-    if ((answer.q - before).norm() < 1e-6 && (settled.inputs_off() - off).norm() < 1e-3) break;
-  }
-  const UpdateFit fit = misfit_of(settled, matches, answer.q);
-  if (!(fit.p_value < kUnlikely) || !fit.stated) return;
-  const double tau = frf_model_std_of(settled, matches, answer.q);
-  if (!(tau > 0)) return;
-  result.fit = fit;
-  result.fit.frf_model_std = tau;
-  again(with_shared_sources(settled.with_frf_model_std(tau), options, matches, answer.q));
+  state_uncertainty(problem, options, matches, result, by_segments);
 }
 
 // The error of the model that the misfit at the answer asks for, and the answer with it.
@@ -112,7 +81,7 @@ void allow_for_misfit(const UpdateOptions& options, UpdateProblem& settled, Upda
   settled = settled.with_model_std(0);
   if (!settled.modes_only()) return;
   const UpdateFit fit = misfit_of(settled, answer.matches.matches, answer.q);
-  if (!(fit.p_value < kUnlikely)) return;
+  if (!(fit.p_value < kUnlikelyMisfit)) return;
   // Assumed uncertainties are scaled by the scatter; only Huber's loss should not take it for
   // outliers.
   if (!fit.stated && fit.chi2 < 2 * fit.degrees_of_freedom) return;
@@ -274,6 +243,13 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     allow_for_shared(options, settled, answer, result);
     result.auto_segments = more;
     state_answer(settled, options, answer, result);
+  }
+  if (auto fine = with_resolving_segments(settled, options, answer, result)) {
+    result.fit = fine->fit;
+    state_answer(fine->problem, options, fine->answer, result, fine->by_segments);
+    // What is reported is the model with the segments that its scene gives.
+    state_values(settled, answer, result);
+    state_prediction_uncertainty(settled, options, result, answer.q, -1, result.pairs);
   }
   // Of differences of the cost only: the segments of the beginning serve, at their own error.
   const UpdateProblem quick =

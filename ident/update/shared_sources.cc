@@ -10,7 +10,7 @@
 
 namespace rigfit::ident {
 
-SharedChanges shared_changes(const UpdateProblem& problem, const UpdateOptions& options,
+SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
                              const std::vector<UpdateMatch>& matches, const Eigen::VectorXd& q) {
   SharedChanges shared;
   std::vector<Eigen::VectorXd> columns;
@@ -22,7 +22,7 @@ SharedChanges shared_changes(const UpdateProblem& problem, const UpdateOptions& 
     shared.names.push_back(name);
     columns.push_back(change);
   };
-  if (options.segment_uncertainty) {
+  if (segments) {
     if (change_by_segments(problem, residuals, change)) {
       add("segments");
     } else {
@@ -49,31 +49,28 @@ SharedChanges shared_changes(const UpdateProblem& problem, const UpdateOptions& 
   return shared;
 }
 
-UpdateProblem with_shared_sources(const UpdateProblem& problem, const UpdateOptions& options,
+UpdateProblem with_shared_sources(const UpdateProblem& problem,
                                   const std::vector<UpdateMatch>& matches,
                                   const Eigen::VectorXd& q) {
   constexpr double kMost = 6;  // standard uncertainties that an estimate may be off
   const UpdateProblem plain = problem.with_sources(nullptr);
-  const SharedChanges shared = shared_changes(plain, options, matches, q);
+  const SharedChanges shared = shared_changes(plain, false, matches, q);
   const Eigen::MatrixXd& C = shared.changes;
   Eigen::VectorXd r;
   if (C.cols() == 0 || C.rows() == 0 || !C.allFinite() ||
       !plain.residuals(q, matches, UpdateStage::full, r, nullptr)) {
     return plain;
   }
-  // The estimates d of the sources minimise |r + C (d - d0)|^2 + |d|^2 about those of before.
-  const auto inputs = static_cast<Eigen::Index>(shared.inputs.size());
+  // The estimates d of the inputs minimise |r + C (d - d0)|^2 + |d|^2 about those of before.
   Eigen::VectorXd off = plain.inputs_off();
-  Eigen::VectorXd d = Eigen::VectorXd::Zero(C.cols());
-  for (Eigen::Index i = 0; i < inputs; ++i) {
-    d[C.cols() - inputs + i] = off[shared.inputs[static_cast<std::size_t>(i)]];
+  Eigen::VectorXd d(C.cols());
+  for (Eigen::Index i = 0; i < d.size(); ++i) {
+    d[i] = off[shared.inputs[static_cast<std::size_t>(i)]];
   }
   const Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(C.cols(), C.cols()) + C.transpose() * C;
   const Eigen::VectorXd estimate = -normal.ldlt().solve(C.transpose() * (r - C * d));
-  d.setZero();
-  for (Eigen::Index i = 0; i < inputs; ++i) {
-    const Eigen::Index k = C.cols() - inputs + i;
-    d[k] = off[shared.inputs[static_cast<std::size_t>(i)]] = std::clamp(estimate[k], -kMost, kMost);
+  for (Eigen::Index i = 0; i < d.size(); ++i) {
+    d[i] = off[shared.inputs[static_cast<std::size_t>(i)]] = std::clamp(estimate[i], -kMost, kMost);
   }
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(C, Eigen::ComputeThinU);
   auto sources = std::make_shared<UpdateProblem::Sources>();

@@ -1,12 +1,14 @@
 // What moves many residuals of an update together: the error of the segments, what is taken as
 // known with an uncertainty, and where a hammer struck in the mean of its hits.
 //
-// One standard uncertainty of source k changes the residuals (over their own standard deviations)
+// One standard uncertainty of input k changes the residuals (over their own standard deviations)
 // by c_k; with C = [c_1 ...] their covariance is I + C C'. A fit of FRFs minimises r' (I + C C')^-1
 // r: with C = U S V', residuals and Jacobian are multiplied by
 //   L = I - U (1 - (1 + S^2)^(-1/2)) U',   L' L = (I + C C')^-1.
-// Its covariance (J' L' L J)^-1 holds the sources' part; chi-square is |L r|^2 for every kind of
-// data. Without that, one hammer 3 mm off counts as an error of the model in a thousand lines.
+// Its covariance (J' L' L J)^-1 holds the inputs' part; chi-square is |L r|^2 for every kind of
+// data. Without that, one hammer 3 mm off counts as an error of the model in a thousand lines. The
+// error of the segments is no such source: it is known, and not linear in h^2 where it moves a
+// resonance by a part of its width (update_segments.h).
 //
 // The place of the hits: an error bar of an averaged FRF holds what the hits scatter by, and hits
 // scatter in place. sigma_x |dH/dx| <= std(H) in every line bounds the standard uncertainty of
@@ -31,9 +33,9 @@ struct SharedChanges {
   std::string message;               ///< sources that could not be evaluated, "; " after each
 };
 
-/// Of `problem` as it is (its residuals may be multiplied by L), at q.
-[[nodiscard]] SharedChanges shared_changes(const UpdateProblem& problem,
-                                           const UpdateOptions& options,
+/// Of `problem` as it is (its residuals may be multiplied by L), at q. `segments`: theirs is the
+/// first column.
+[[nodiscard]] SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
                                            const std::vector<UpdateMatch>& matches,
                                            const Eigen::VectorXd& q);
 
@@ -41,7 +43,6 @@ struct SharedChanges {
 /// residuals want them: repeated with q, that solves for both without linearising H in the place of
 /// a hammer.
 [[nodiscard]] UpdateProblem with_shared_sources(const UpdateProblem& problem,
-                                                const UpdateOptions& options,
                                                 const std::vector<UpdateMatch>& matches,
                                                 const Eigen::VectorXd& q);
 
@@ -52,7 +53,9 @@ template <typename Value>
                                       Eigen::VectorXd& change) {
   constexpr double kRichardson = 4.0 / 3;
   Eigen::VectorXd here, fine;
-  if (!value(problem, here) || !value(problem.with_segments(2), fine)) return false;
+  if (!value(problem, here) || !value(problem.with_segments(2 * problem.segment_factor()), fine)) {
+    return false;
+  }
   change = kRichardson * (here - fine);
   return true;
 }

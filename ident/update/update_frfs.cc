@@ -116,7 +116,7 @@ std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows_of(int state) const 
     for (std::size_t g = f; g < frfs.size(); ++g) {
       if (done[g] || !solved_together(frfs[g], frfs[f])) continue;
       done[g] = true;
-      all.push_back({0, lines_of(frfs[g]).relative_std, g});
+      all.push_back({0, lines_of(frfs[g]).relative_std, g, state, frfs[g].load});
     }
   }
   return all;

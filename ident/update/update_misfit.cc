@@ -8,6 +8,8 @@
 #include <map>
 #include <utility>
 
+#include "ident/update/frf_correlation.h"
+
 namespace rigfit::ident {
 
 UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
@@ -25,38 +27,6 @@ UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
                                   fit.degrees_of_freedom / fit.correlated_lines);
   }
   return fit;
-}
-
-double correlated_lines_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                           const Eigen::VectorXd& r) {
-  if (!problem.has_frfs()) return 1;
-  const auto all = problem.frf_rows(matches);
-  Eigen::Index most = 0, lines = 0;
-  for (const auto& rows : all) {
-    const auto here = static_cast<Eigen::Index>(rows.relative_std.size());
-    most = std::max(most, here / 3);
-    lines += here;
-  }
-  const auto product = [&](Eigen::Index lag) {  // mean over pairs of lines that far apart
-    double sum = 0;
-    Eigen::Index count = 0;
-    for (const auto& rows : all) {
-      const auto here = static_cast<Eigen::Index>(rows.relative_std.size());
-      for (Eigen::Index i = 0; i + lag < here; ++i, ++count) {
-        sum += r.segment<2>(rows.first + 2 * i).dot(r.segment<2>(rows.first + 2 * (i + lag)));
-      }
-    }
-    return count > 0 ? sum / static_cast<double>(count) : 0;
-  };
-  const double variance = product(0);
-  if (!(variance > 0)) return 1;
-  double time = 1;
-  for (Eigen::Index lag = 1; lag <= most; ++lag) {
-    const double correlation = product(lag) / variance;
-    if (correlation < 2 / std::sqrt(2 * static_cast<double>(lines))) break;
-    time += 2 * correlation;
-  }
-  return time;
 }
 
 namespace {

@@ -11,10 +11,8 @@
 // with g the modes, or the states, widens what tau alone gives where it is larger.
 // FRFs the same, with the relative errors of their lines in place of frequencies; what they share
 // (shared_sources.h) is taken out before. Lines that err together count as one: chi-square and its
-// degrees of freedom are divided by the integrated autocorrelation time of what is left over,
-//   t = 1 + 2 sum_l rho_l, up to the first rho_l below 2 / sqrt(lines),
-// for the probability, and variances multiplied by it (Bartlett's effective number of samples).
-// Sources: Bartlett, J. R. Stat. Soc. 98 (1935) 536; Paule and Mandel, J. Res. NBS 87 (1982) 377;
+// degrees of freedom are divided by t of frf_correlation.h for the probability.
+// Sources: Paule and Mandel, J. Res. NBS 87 (1982) 377;
 // Liang and Zeger, Biometrika 73 (1986) 13. For the update and its checks, not for users.
 #pragma once
 
@@ -39,11 +37,6 @@ namespace rigfit::ident {
 [[nodiscard]] double frf_model_std_of(const UpdateProblem& problem,
                                       const std::vector<UpdateMatch>& matches,
                                       const Eigen::VectorXd& q);
-
-/// t of the residuals r of the problem's FRFs, 1 or more; 1 without FRFs.
-[[nodiscard]] double correlated_lines_of(const UpdateProblem& problem,
-                                         const std::vector<UpdateMatch>& matches,
-                                         const Eigen::VectorXd& r);
 
 /// The larger of the covariances by modes and by states, each coordinate's variance for itself; of
 /// the whitened residuals r and J of the problem. Zero with fewer than three clusters of a kind.

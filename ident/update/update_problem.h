@@ -84,11 +84,14 @@ class UpdateProblem {
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
   [[nodiscard]] bool takes_part(int state) const { return state != held_out_; }
-  /// The same with that many times the segments (at least 8, where there are as many).
+  /// The same with that many times the segments of its scenes (at least 8, where there are as
+  /// many).
   [[nodiscard]] UpdateProblem with_segments(double factor) const;
+  [[nodiscard]] double segment_factor() const { return segment_factor_; }
   /// The same with that many segments where the scene says "auto".
   [[nodiscard]] UpdateProblem with_auto_segments(int segments) const;
   [[nodiscard]] bool has_auto_segments() const;
+  [[nodiscard]] bool has_given_segments() const;
   /// The same with the error of "auto" segments, as it is at q, taken off the frequencies that
   /// count as data (update_segments.h); `with_segments(2)` of it then differs by what may be left
   /// of it.
@@ -119,6 +122,8 @@ class UpdateProblem {
     Eigen::Index first = 0;
     std::vector<double> relative_std;
     std::size_t frf = 0;  ///< of the state
+    int state = 0;
+    std::size_t load = 0;
   };
   [[nodiscard]] std::vector<FrfRows> frf_rows(const std::vector<UpdateMatch>& matches) const;
   /// The same with its inputs off by so many standard uncertainties each.

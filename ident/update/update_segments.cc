@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ident/update/shared_sources.h"
+
 namespace rigfit::ident {
 namespace {
 
@@ -26,6 +28,13 @@ bool UpdateProblem::has_auto_segments() const {
   return std::any_of(states_.begin(), states_.end(), [](const auto& state) {
     const auto& members = state.scene.members;
     return std::any_of(members.begin(), members.end(), leaves_segments);
+  });
+}
+
+bool UpdateProblem::has_given_segments() const {
+  return std::any_of(states_.begin(), states_.end(), [](const auto& state) {
+    const auto& members = state.scene.members;
+    return !std::all_of(members.begin(), members.end(), leaves_segments);
   });
 }
 
@@ -126,13 +135,9 @@ UpdateProblem take_segments_off(const UpdateProblem& problem, const UpdateOption
   return settled;
 }
 
-int auto_segments_needed(const UpdateProblem& problem, const UpdateOptions& options,
-                         const std::vector<UpdateMatch>& matches, const UpdateResult& result,
-                         int now) {
-  if (!options.segment_uncertainty || !problem.has_auto_segments() || problem.has_histories()) {
-    return now;
-  }
-  double excess = problem.left_over_accuracy(matches);
+double segment_excess(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                      const UpdateResult& result) {
+  double excess = 0;
   for (const auto& parameter : result.parameters) {
     if (!parameter.identifiable || !std::isfinite(parameter.segment_shift)) continue;
     const double all = parameter.std * parameter.std,
@@ -140,6 +145,24 @@ int auto_segments_needed(const UpdateProblem& problem, const UpdateOptions& opti
     const double small = kSmall * std::sqrt(std::max(all - own, 1e-6 * own));
     if (own > 0) excess = std::max(excess, std::sqrt(own) / small);
   }
+  if (!problem.has_frfs()) return excess;
+  Eigen::VectorXd change;
+  const auto residuals = [&](const UpdateProblem& moved, Eigen::VectorXd& r) {
+    return moved.residuals(result.coordinates, matches, UpdateStage::full, r, nullptr);
+  };
+  if (!change_by_segments(problem, residuals, change)) return excess;
+  const double verdict = kSmall * std::sqrt(2 * std::max(1.0, result.degrees_of_freedom));
+  return std::max(excess, std::sqrt(change.squaredNorm() / verdict));
+}
+
+int auto_segments_needed(const UpdateProblem& problem, const UpdateOptions& options,
+                         const std::vector<UpdateMatch>& matches, const UpdateResult& result,
+                         int now) {
+  if (!options.segment_uncertainty || !problem.has_auto_segments() || problem.has_histories()) {
+    return now;
+  }
+  const double excess = std::max(problem.left_over_accuracy(matches),
+                                 segment_excess(problem, matches, result));
   if (!(excess > 1)) return now;
   // Second order; a tenth more, as that is no law.
   const double wanted = 1.1 * now * std::sqrt(std::min(excess, 100.0));

@@ -8,12 +8,17 @@
 // their segments taken off. From n, 2 n and 4 n segments Romberg's table gives ln f for h -> 0; its
 // difference to ln f of n, found at the parameters and held, is subtracted wherever the model with
 // n segments is asked, twice over as the parameters move. What Romberg's last column changed stays
-// as the uncertainty. FRFs and time histories are fitted as n segments give them; Richardson's
-// estimate of their error is all uncertainty.
+// as the uncertainty. FRFs and time histories are fitted as n segments give them; of
+// histories Richardson's estimate of their error is all uncertainty.
 //
 // "auto" gets more segments until what is left is below a fifth of every parameter's uncertainty by
-// all else and below the scene's accuracy in the frequencies, at most eight times as many as at
-// first; not with time histories, whose cost goes with the square of the segments. Source: Stoer
+// all else, below a fifth of chi-square's standard deviation in the residuals of FRFs, and below
+// the scene's accuracy in the frequencies, at most eight times as many as at first. FRFs of members
+// whose segments are given: the fit is repeated with 2, 4 and 8 times as many until they meet the
+// same limits. That fit has the verdict and the covariance; what the given segments moved the
+// parameters by, with what is left, is their uncertainty. An error that moves a resonance by a part
+// of its width is not linear in h^2, and no linear estimate holds it. Time histories stay with the
+// segments that they have, as their cost goes with the square of the segments. Source: Stoer
 // and Bulirsch, Introduction to Numerical Analysis, 3.4. For the update and its checks, not for
 // users.
 #pragma once
@@ -26,6 +31,12 @@ namespace rigfit::ident {
 /// pairs kept. As `problem` where nothing is to be taken off, or no minimum is found then.
 [[nodiscard]] UpdateProblem take_segments_off(const UpdateProblem& problem,
                                               const UpdateOptions& options, UpdateSolution& answer);
+
+/// How many times too large the segments' error is, as a ratio of h^2; `result`: stated with
+/// `problem`.
+[[nodiscard]] double segment_excess(const UpdateProblem& problem,
+                                    const std::vector<UpdateMatch>& matches,
+                                    const UpdateResult& result);
 
 /// Segments that "auto" needs: `now` when these are enough or cannot be more.
 [[nodiscard]] int auto_segments_needed(const UpdateProblem& problem, const UpdateOptions& options,

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 
+#include "ident/update/frf_correlation.h"
 #include "ident/update/shared_sources.h"
 #include "ident/update/update_misfit.h"
 #include "signal/numerics/numbers.h"
@@ -29,7 +30,9 @@ Eigen::VectorXd weights_of(const UpdateProblem& problem, const UpdateOptions& op
   return weights;
 }
 
-void state_variance_factor(const UpdateProblem& problem, UpdateResult& result) {
+// `correlated`: what lines that err together make of a coordinate's variance, over that of
+// independent lines with the stated uncertainties; 0: no such lines.
+void state_variance_factor(const UpdateProblem& problem, double correlated, UpdateResult& result) {
   const double reduced =
       result.degrees_of_freedom > 0 ? result.chi_squared / result.degrees_of_freedom : kNaN;
   // Stated uncertainties are trusted unless the scatter contradicts them; assumed ones are not.
@@ -39,15 +42,13 @@ void state_variance_factor(const UpdateProblem& problem, UpdateResult& result) {
   } else {
     result.variance_factor = std::isfinite(reduced) ? reduced : 1;
   }
-  // Lines that err together say less than as many that do not.
-  const double together = result.fit.correlated_lines;
   bool from_scatter = !stated && std::isfinite(reduced);
-  if (together > 1 && std::isfinite(reduced) && reduced * together > result.variance_factor) {
-    result.variance_factor = reduced * together;
-    from_scatter = true;
+  if (correlated > result.variance_factor) {
+    result.variance_factor = correlated;
+    from_scatter = std::isfinite(reduced);
   }
   result.coverage_factor =
-      coverage_factor(0.95, from_scatter ? result.degrees_of_freedom / together : 0);
+      coverage_factor(0.95, from_scatter ? result.degrees_of_freedom / result.fit.correlated_lines : 0);
   if (!stated && !std::isfinite(reduced)) {
     result.message +=
         "no more data than unknowns: uncertainties rest on the assumed one of the "
@@ -70,13 +71,19 @@ Eigen::MatrixXd prior_parts(const UpdateProblem& problem, const Eigen::MatrixXd&
 void state_shifts(const UpdateProblem& problem, const UpdateOptions& options,
                   const std::vector<UpdateMatch>& matches, const Eigen::VectorXd& weights,
                   const Eigen::MatrixXd& J, const IdentifiabilityOptions& limits,
-                  UpdateResult& result) {
-  const SharedChanges shared = shared_changes(problem, options, matches, result.coordinates);
+                  const Eigen::VectorXd& by_segments, UpdateResult& result) {
+  const Eigen::Index known = by_segments.size() > 0 ? 1 : 0;
+  const SharedChanges shared = shared_changes(problem, options.segment_uncertainty && known == 0,
+                                              matches, result.coordinates);
   result.message += shared.message;
   result.shift_sources = shared.names;
-  result.shifts.resize(problem.size(), shared.changes.cols());
+  result.shifts.resize(problem.size(), known + shared.changes.cols());
+  if (known > 0) {
+    result.shift_sources.insert(result.shift_sources.begin(), "segments");
+    result.shifts.col(0) = by_segments;
+  }
   for (Eigen::Index k = 0; k < shared.changes.cols(); ++k) {
-    result.shifts.col(k) =
+    result.shifts.col(known + k) =
         result.identifiability.shift_by(J, weights.cwiseProduct(shared.changes.col(k)), limits);
   }
 }
@@ -116,7 +123,8 @@ ModelPart model_part(const UpdateProblem& problem, const std::vector<UpdateMatch
 }  // namespace
 
 void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
-                       const std::vector<UpdateMatch>& matches, UpdateResult& result) {
+                       const std::vector<UpdateMatch>& matches, UpdateResult& result,
+                       const Eigen::VectorXd& by_segments) {
   const Eigen::Index n = problem.size();
   const Eigen::VectorXd& q = result.coordinates;
   result.covariance = result.correlation = Eigen::MatrixXd::Constant(n, n, kNaN);
@@ -128,7 +136,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   J = weights.asDiagonal() * J;
   result.chi_squared = r.squaredNorm();
   result.degrees_of_freedom = static_cast<double>(r.size() - n) - problem.shared_residuals();
-  state_variance_factor(problem, result);
+  state_variance_factor(problem, correlated_variance_factor(problem, matches, r, J), result);
 
   Eigen::VectorXd scales = Eigen::VectorXd::Ones(n);
   for (Eigen::Index j = 0; j < n; ++j) {
@@ -151,7 +159,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   const auto alone =
       identifiability(J.topRows(r.size() - problem.prior_count()), scales, names, limits);
   for (const auto& open : known.open) result.open.push_back(open.message);
-  state_shifts(problem, options, matches, weights, J, limits, result);
+  state_shifts(problem, options, matches, weights, J, limits, by_segments, result);
   const Eigen::MatrixXd priors = prior_parts(problem, J, known, limits);
   std::vector<std::string> prior_names;
   for (std::size_t j = 0; j < names.size(); ++j) {
@@ -162,12 +170,15 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   for (Eigen::Index i = 0; i < n; ++i) {
     by[i] = problem.coordinates()[static_cast<std::size_t>(i)].derivative(q[i]);
   }
-  // Of a problem with its sources the covariance holds their part.
+  // Of a problem with its sources the covariance holds the part of the inputs.
   Eigen::MatrixXd outside = result.shifts * result.shifts.transpose();
   Eigen::VectorXd inside = Eigen::VectorXd::Zero(n);
   if (problem.has_sources()) {
-    inside = outside.diagonal();
-    outside.setZero();
+    const bool segments =
+        !result.shift_sources.empty() && result.shift_sources.front() == "segments";
+    const auto inputs = result.shifts.rightCols(result.shifts.cols() - (segments ? 1 : 0));
+    inside = inputs.rowwise().squaredNorm();
+    outside -= inputs * inputs.transpose();
   }
   const ModelPart model = model_part(problem, matches, r, J, scales, names, result);
   result.covariance =

@@ -9,9 +9,12 @@
 
 namespace rigfit::ident {
 
-/// Fills everything in `result` that is uncertain, from its coordinates.
+/// Fills everything in `result` that is uncertain, from its coordinates. `by_segments`: how far the
+/// segments move the coordinates, where that is known better than by a linear estimate; empty: by
+/// that.
 void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
-                       const std::vector<UpdateMatch>& matches, UpdateResult& result);
+                       const std::vector<UpdateMatch>& matches, UpdateResult& result,
+                       const Eigen::VectorXd& by_segments = {});
 
 /// Fills model_std_hz of pairs as modelled at `q`. `held_out`: a state whose own values are taken
 /// as they are (where they have no prior); -1: none.
