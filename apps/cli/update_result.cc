@@ -52,22 +52,6 @@ Json pair_json(const ident::UpdatedPair& pair, const States& states) {
   return json;
 }
 
-namespace {
-
-Json pairs_json(const std::vector<ident::UpdatedPair>& paired,
-                const std::vector<ident::UpdatedUnpaired>& unpaired, const States& states) {
-  Json pairs = Json::array();
-  for (const auto& pair : paired) pairs.push_back(pair_json(pair, states));
-  for (const auto& lone : unpaired) {
-    pairs.push_back({{"state", states[static_cast<std::size_t>(lone.state)].name},
-                     {"measured_hz", lone.measured ? Json(lone.frequency_hz) : Json(nullptr)},
-                     {"model_hz", lone.measured ? Json(nullptr) : Json(lone.frequency_hz)},
-                     {"relative_error", nullptr},
-                     {"reason", lone.reason}});
-  }
-  return pairs;
-}
-
 Json parameters_json(const std::vector<ident::UpdatedParameter>& parameters) {
   Json list = Json::array();
   for (const auto& p : parameters) {
@@ -89,6 +73,22 @@ Json parameters_json(const std::vector<ident::UpdatedParameter>& parameters) {
                     {"budget", std::move(budget)}});
   }
   return list;
+}
+
+namespace {
+
+Json pairs_json(const std::vector<ident::UpdatedPair>& paired,
+                const std::vector<ident::UpdatedUnpaired>& unpaired, const States& states) {
+  Json pairs = Json::array();
+  for (const auto& pair : paired) pairs.push_back(pair_json(pair, states));
+  for (const auto& lone : unpaired) {
+    pairs.push_back({{"state", states[static_cast<std::size_t>(lone.state)].name},
+                     {"measured_hz", lone.measured ? Json(lone.frequency_hz) : Json(nullptr)},
+                     {"model_hz", lone.measured ? Json(nullptr) : Json(lone.frequency_hz)},
+                     {"relative_error", nullptr},
+                     {"reason", lone.reason}});
+  }
+  return pairs;
 }
 
 Json fit_json(const ident::UpdateFit& fit) {

@@ -24,7 +24,10 @@ std::string percent(double ratio) {
 std::string fit_text(const UpdateFit& fit) {
   std::string text = fmt::format("chi-square {:.4g} on {:.4g} degrees of freedom", fit.chi2,
                                  fit.degrees_of_freedom);
-  if (std::isfinite(fit.p_value)) text += fmt::format(", probability {:.2g}", fit.p_value);
+  if (std::isfinite(fit.p_value)) {
+    text += fit.p_value < 1e-6 ? std::string(", probability below 1e-6")
+                               : fmt::format(", probability {:.2g}", fit.p_value);
+  }
   if (!fit.stated) text += ", with assumed uncertainties";
   if (fit.model_std > 0) {
     text += fmt::format("; error of the model in frequency {}", percent(fit.model_std));
@@ -61,9 +64,7 @@ std::vector<std::string> alternative_texts(const UpdateResult& result) {
   return texts;
 }
 
-namespace {
-
-std::vector<Finding> findings_of(const UpdateResult& result) {
+std::vector<Finding> fit_findings(const UpdateResult& result) {
   std::vector<Finding> findings;
   if (result.fit.ruled_out()) {
     findings.push_back(
@@ -110,6 +111,8 @@ std::vector<Finding> findings_of(const UpdateResult& result) {
   return findings;
 }
 
+namespace {
+
 double rms_of_state(const std::vector<UpdatedPair>& pairs, int state) {
   double sum = 0;
   int count = 0;
@@ -148,7 +151,7 @@ FitOutcome fit_campaign(const FitTask& task) {
   outcome.result = update_model(task.states, task.free, task.options);
   outcome.rms_held_out = signal::kNaN;
   if (outcome.result.status == UpdateStatus::no_model) return outcome;
-  outcome.findings = findings_of(outcome.result);
+  outcome.findings = fit_findings(outcome.result);
   if (!task.hold_out || task.states.size() < 2) return outcome;
   outcome.held = held_out(task, outcome.result);
   std::vector<UpdatedPair> all;

@@ -31,6 +31,9 @@ struct FitOutcome {
 /// known before.
 [[nodiscard]] FitOutcome fit_campaign(const FitTask& task);
 
+/// What to look at before the numbers of a fit are used, the gravest first.
+[[nodiscard]] std::vector<Finding> fit_findings(const UpdateResult& result);
+
 /// "chi-square 12.3 on 8 degrees of freedom, probability 0.14 ...".
 [[nodiscard]] std::string fit_text(const UpdateFit& fit);
 

@@ -58,8 +58,7 @@ std::optional<ResolvedFit> with_resolving_segments(const UpdateProblem& settled,
     if (!(segment_excess(fine.problem, matches, result) > 1)) break;
     UpdateProblem finer = settled.with_segments(factor).with_frf_model_std(0).with_sources(nullptr);
     UpdateSolution trial = fine.answer;
-    trial.converged =
-        minimise(finer, matches, UpdateStage::full, options, trial.q, trial.cost);
+    trial.converged = minimise(finer, matches, UpdateStage::full, options, trial.q, trial.cost);
     if (!trial.converged) break;
     result.fit = {};
     allow_for_shared(options, finer, trial, result);

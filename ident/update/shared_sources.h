@@ -14,8 +14,16 @@
 // scatter in place. sigma_x |dH/dx| <= std(H) in every line bounds the standard uncertainty of
 // their mean place x along the member; the bound (its 5 % quantile over the lines, as error bars
 // scatter) is taken where nothing else is said of the place. A mean that was aimed beside is not in
-// the hits' scatter and must be stated. Source: Aitken's generalised least squares, e.g. Rao,
-// Linear Statistical Inference, 4a. For the update and its checks, not for users.
+// the hits' scatter and must be stated.
+//
+// The force of the hits: noise n(t) on the hammer's signal moves H by the factor 1 - N / F, alike
+// in all responses, and where a window keeps only the pulse, alike in neighbouring lines:
+//   N / F = sum_j a_j exp(-i omega tau_j),  |tau_j| <= T / 2.
+// A pulse that excites lines up to f lasts 1.5 / f at most (half sine), and windows keep three
+// pulses, faded over half as long: T = 6.75 / f. The a_j are independent; what they add up to in a
+// line is bounded as the place is, by the 5 % quantile of the lines' relative uncertainties.
+// Source: Aitken's generalised least squares, e.g. Rao, Linear Statistical Inference, 4a. For the
+// update and its checks, not for users.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,8 +35,8 @@
 namespace rigfit::ident {
 
 struct SharedChanges {
-  std::vector<std::string> names;    ///< "segments", the inputs; one a column
-  std::vector<Eigen::Index> inputs;  ///< which inputs the last columns are
+  std::vector<std::string> names;    ///< "segments", "force of ...", the inputs; one a column
+  std::vector<Eigen::Index> inputs;  ///< which input each column is; -1: none
   Eigen::MatrixXd changes;           ///< of the residuals of `problem`, by one standard uncertainty
   std::string message;               ///< sources that could not be evaluated, "; " after each
 };

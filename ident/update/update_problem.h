@@ -109,6 +109,8 @@ class UpdateProblem {
   };
   /// The same with `off` subtracted from its residuals, then multiplied by L; null: as they are.
   [[nodiscard]] UpdateProblem with_sources(std::shared_ptr<const Sources> sources) const;
+  /// Changes of plain residuals, as those of this problem change.
+  [[nodiscard]] Eigen::VectorXd with_sources_of(Eigen::VectorXd change) const;
   [[nodiscard]] bool has_sources() const { return sources_ != nullptr; }
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
   /// By how many standard uncertainties each input is off.
@@ -124,6 +126,7 @@ class UpdateProblem {
     std::size_t frf = 0;  ///< of the state
     int state = 0;
     std::size_t load = 0;
+    std::vector<double> frequency_hz = {};
   };
   [[nodiscard]] std::vector<FrfRows> frf_rows(const std::vector<UpdateMatch>& matches) const;
   /// The same with its inputs off by so many standard uncertainties each.

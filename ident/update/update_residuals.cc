@@ -121,6 +121,11 @@ void UpdateProblem::whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const {
   residuals -= sources_->U * (sources_->less.matrix().asDiagonal() * along);
 }
 
+Eigen::VectorXd UpdateProblem::with_sources_of(Eigen::VectorXd change) const {
+  if (sources_ && sources_->U.rows() == change.size()) whiten(change);
+  return change;
+}
+
 Eigen::VectorXd UpdateProblem::inputs_off() const {
   Eigen::VectorXd off = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(options_.inputs.size()));
   off.head(inputs_off_.size()) = inputs_off_;

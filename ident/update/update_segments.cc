@@ -161,8 +161,8 @@ int auto_segments_needed(const UpdateProblem& problem, const UpdateOptions& opti
   if (!options.segment_uncertainty || !problem.has_auto_segments() || problem.has_histories()) {
     return now;
   }
-  const double excess = std::max(problem.left_over_accuracy(matches),
-                                 segment_excess(problem, matches, result));
+  const double excess =
+      std::max(problem.left_over_accuracy(matches), segment_excess(problem, matches, result));
   if (!(excess > 1)) return now;
   // Second order; a tenth more, as that is no law.
   const double wanted = 1.1 * now * std::sqrt(std::min(excess, 100.0));

@@ -47,8 +47,8 @@ void state_variance_factor(const UpdateProblem& problem, double correlated, Upda
     result.variance_factor = correlated;
     from_scatter = std::isfinite(reduced);
   }
-  result.coverage_factor =
-      coverage_factor(0.95, from_scatter ? result.degrees_of_freedom / result.fit.correlated_lines : 0);
+  result.coverage_factor = coverage_factor(
+      0.95, from_scatter ? result.degrees_of_freedom / result.fit.correlated_lines : 0);
   if (!stated && !std::isfinite(reduced)) {
     result.message +=
         "no more data than unknowns: uncertainties rest on the assumed one of the "
@@ -215,7 +215,12 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
     }
     for (Eigen::Index k = 0; k < result.shifts.cols(); ++k) {
       const auto& source = result.shift_sources[static_cast<std::size_t>(k)];
-      parameter.budget.push_back({source, std::abs(by[i] * result.shifts(i, k))});
+      const double by_source = std::abs(by[i] * result.shifts(i, k));
+      if (parameter.budget.back().source == source) {  // a source of several columns
+        parameter.budget.back().std = std::hypot(parameter.budget.back().std, by_source);
+      } else {
+        parameter.budget.push_back({source, by_source});
+      }
       if (k == 0 && options.segment_uncertainty && source == "segments") {
         parameter.segment_shift = by[i] * result.shifts(i, k);
       }

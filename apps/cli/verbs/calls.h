@@ -137,6 +137,8 @@ struct UpdateCommand {
   UpdateData data;
   std::vector<double> band;
   std::vector<std::string> free, priors, inputs, aims;
+  std::string candidates;         ///< file (apps/cli/update_candidates.h); empty: none
+  std::vector<std::string> ends;  ///< "pinned", "clamped", "springs", "own springs": the same
   std::string out, axial;
   bool axial_damping = false;
   bool hold_out = false, profile = false;
@@ -144,7 +146,8 @@ struct UpdateCommand {
   double start_spread = 3, assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
   double stiffness_common_std = 0;
 };
-/// The fit with its scenes goes to `result`.
+/// The fit with its scenes goes to `result`; with candidates it is that of the heaviest, whose
+/// scenes `states` then holds.
 [[nodiscard]] Json update_result(UpdateStates& states, const UpdateCommand& command,
                                  VerbContext& context, ident::UpdateResult& result);
 

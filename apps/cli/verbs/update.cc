@@ -13,6 +13,8 @@
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/progress.h"
+#include "apps/cli/update_candidates.h"
+#include "apps/cli/update_parameters.h"
 #include "apps/cli/update_result.h"
 #include "apps/cli/verb_figures.h"
 #include "apps/cli/verbs/all.h"
@@ -24,76 +26,6 @@
 
 namespace rigfit::apps {
 namespace {
-
-double number_of(const std::string& text, const std::string& option) {
-  try {
-    std::size_t used = 0;
-    const double value = std::stod(text, &used);
-    if (used == text.size() && std::isfinite(value)) return value;
-  } catch (const std::exception&) {
-  }
-  throw UsageError(fmt::format("{}: \"{}\" is no number", option, text));
-}
-
-std::vector<std::string> split(const std::string& text, char at) {
-  std::vector<std::string> parts;
-  for (std::size_t begin = 0;;) {
-    const auto end = text.find(at, begin);
-    parts.push_back(text.substr(begin, end - begin));
-    if (end == std::string::npos) return parts;
-    begin = end + 1;
-  }
-}
-
-// "name", "name@each", "name=target,target,-target", any with "@each" at its end.
-ident::FreeParameter free_parameter(std::string text) {
-  ident::FreeParameter parameter;
-  if (text.ends_with("@each")) {
-    parameter.per_state = true;
-    text.resize(text.size() - 5);
-  }
-  const auto equals = text.find('=');
-  parameter.name = text.substr(0, equals);
-  if (equals != std::string::npos) {
-    for (std::string target : split(text.substr(equals + 1), ',')) {
-      const bool minus = target.starts_with("-");
-      if (minus) target.erase(0, 1);
-      if (target.empty()) throw UsageError("--free: an empty name in \"" + text + "\"");
-      parameter.targets.push_back(target);
-      parameter.factors.push_back(minus ? -1 : 1);
-    }
-  }
-  if (parameter.name.empty()) throw UsageError("--free: a parameter without a name");
-  return parameter;
-}
-
-std::vector<ident::FreeParameter> free_parameters(const UpdateCommand& options,
-                                                  const model::Scene& scene) {
-  std::vector<ident::FreeParameter> free;
-  for (const auto& text : options.free) free.push_back(free_parameter(text));
-  if (free.empty()) {  // what is least known of a rig: its bending stiffnesses
-    for (const auto& member : scene.members) {
-      const std::string name = member.name + (member.EI[0] == member.EI[1] ? ".EI" : ".EI_z");
-      free.push_back(free_parameter(name));
-    }
-  }
-  for (const auto& text : options.priors) {
-    const auto equals = text.find('=');
-    const auto values = equals == std::string::npos ? std::vector<std::string>{}
-                                                    : split(text.substr(equals + 1), ',');
-    if (values.size() != 2) {
-      throw UsageError("--prior: write NAME=VALUE,STD, not \"" + text + "\"");
-    }
-    const std::string name = text.substr(0, equals);
-    auto known = std::find_if(free.begin(), free.end(),
-                              [&](const auto& parameter) { return parameter.name == name; });
-    if (known == free.end()) throw UsageError("--prior: " + name + " is not among --free");
-    known->prior =
-        signal::Estimate{number_of(values[0], "--prior"), number_of(values[1], "--prior")};
-    if (!(known->prior->std > 0)) throw UsageError("--prior: the uncertainty must be positive");
-  }
-  return free;
-}
 
 // Paired errors of the model before, fitted and held out, and of other models in the same rows.
 Json comparison_json(const UpdateCommand& options, const UpdateStates& states,
@@ -227,6 +159,59 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
   return update;
 }
 
+void tell_findings(const std::vector<ident::Finding>& findings, const ident::UpdateResult& result,
+                   VerbContext& context) {
+  context.tell(findings);
+  if (result.status == ident::UpdateStatus::not_converged) {
+    context.warn("not_converged", result.message);
+    context.exit_code = ExitCode::not_converged;
+  }
+}
+
+// Several models of the same modes: the heaviest as a fit by itself, and all beside each other.
+Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
+                    ident::UpdateResult& result) {
+  if (options.hold_out || options.profile || options.monte_carlo > 0) {
+    throw UsageError(
+        "candidates are compared without --hold-out, --profile and --monte-carlo: give these to a "
+        "fit of the model chosen");
+  }
+  if (!options.data.frfs.empty() || !options.data.responses.empty()) {
+    throw UsageError("candidates are compared by modes: give --measured or --decay alone");
+  }
+  auto models = candidate_models(options, states, context);
+  std::vector<ident::ModelCandidate> candidates;
+  ident::UpdateOptions update;
+  for (auto& one : models) {
+    auto own = fit_options(options, one.states, context);
+    if (candidates.empty()) update = std::move(own);
+    auto priors = options.priors;
+    priors.insert(priors.end(), one.priors.begin(), one.priors.end());
+    const auto& scene = one.states.states.front().scene;
+    std::vector<std::string> names = options.free;
+    if (names.empty()) {
+      for (const auto& parameter : free_parameters({}, {}, scene)) names.push_back(parameter.name);
+    }
+    names.insert(names.end(), one.free.begin(), one.free.end());
+    candidates.push_back({one.name, one.states.states, free_parameters(names, priors, scene)});
+  }
+  const auto comparison = ident::compare_candidates(candidates, update);
+  if (comparison.heaviest < 0) {
+    throw NotConverged("none of the candidates could be fitted: " +
+                       comparison.candidates.front().result.message);
+  }
+  const auto best = static_cast<std::size_t>(comparison.heaviest);
+  result = comparison.candidates[best].result;
+  states = std::move(models[best].states);
+  context.out << "the heaviest candidate: " << comparison.candidates[best].name << '\n';
+  print_update(context.out, result, states.states);
+  if (context.plots) draw_update(*context.plots, states.states, result, {});
+  tell_findings(ident::fit_findings(result), result, context);
+  Json json = update_json(result, states.states);
+  json.update(candidates_json(comparison, context));
+  return json;
+}
+
 Json run_update(VerbContext& context, UpdateCommand options) {
   if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty() &&
       options.data.responses.empty()) {
@@ -258,10 +243,13 @@ std::vector<model::Scene> updated_scenes(const UpdateStates& states,
 
 Json update_result(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
                    ident::UpdateResult& result) {
+  if (!options.candidates.empty() || !options.ends.empty()) {
+    return compare_models(states, options, context, result);
+  }
   if (options.hold_out && states.states.size() < 2) {
     throw UsageError("--hold-out needs several states: a tension_N column or several scenes");
   }
-  const auto free = free_parameters(options, states.states.front().scene);
+  const auto free = free_parameters(options.free, options.priors, states.states.front().scene);
   const auto update = fit_options(options, states, context);
   auto outcome = ident::fit_campaign({states.states, free, update, options.hold_out});
   result = std::move(outcome.result);
@@ -269,17 +257,7 @@ Json update_result(UpdateStates& states, const UpdateCommand& options, VerbConte
 
   print_update(context.out, result, states.states);
   if (context.plots) draw_update(*context.plots, states.states, result, outcome.held);
-  for (const auto& warning : outcome.findings) {
-    if (warning.refused) {
-      context.refuse(warning.code, warning.message);
-    } else {
-      context.warn(warning.code, warning.message, warning.where);
-    }
-  }
-  if (result.status == ident::UpdateStatus::not_converged) {
-    context.warn("not_converged", result.message);
-    context.exit_code = ExitCode::not_converged;
-  }
+  tell_findings(outcome.findings, result, context);
   Json json = update_json(result, states.states);
   if (options.profile) {
     const auto intervals = ident::profile_intervals(result, states.states, free, update);
@@ -357,6 +335,18 @@ void add_update(CLI::App& program, Verbs& verbs) {
                    "value), NAME@each (one value a state). Default: every member's EI");
   verb->add_option("--prior", options->priors,
                    "NAME=VALUE,STD of a free parameter, from other tests");
+  verb->add_option(
+          "--candidates", options->candidates,
+          "TOML file of models to compare, [[candidate]] with name and, as needed, "
+          "supports = { NODE = \"pinned|clamped|free|springs|own springs\" }, set = { "
+          "\"PARAMETER\" = VALUE }, free = [...], prior = [...], scene = \"FILE\": weights by "
+          "evidence, averaged parameters; exit code 4 when none has 90 % of the weight")
+      ->check(CLI::ExistingFile);
+  verb->add_option(
+          "--ends", options->ends,
+          "The usual candidates: all nodes that are held \"pinned\", \"clamped\", with "
+          "\"springs\" (one rotational stiffness, fitted), with \"own springs\" (one a node)")
+      ->check(CLI::IsMember({"pinned", "clamped", "springs", "own springs"}));
   verb->add_option("--column", options->data.column, "Name of the frequency column");
   verb->add_option("--plane", options->data.planes, "Plane of each file: in, out or any")
       ->check(CLI::IsMember({"in", "out", "any"}));

@@ -100,7 +100,8 @@ def update(
     channel: str | None = None, band: tuple[float, float] | None = None,
     stiffness: _Path | BendingResult | None = None, stiffness_std: float | None = None,
     axial: _Path | AxialResult | None = None, axial_damping: bool = False, input: str | Sequence[str] | None = None,
-    aim: str | Sequence[str] | None = None, profile: bool = False, assumed_std: float | None = None,
+    aim: str | Sequence[str] | None = None, candidates: _Path | None = None,
+    ends: str | Sequence[str] | None = None, profile: bool = False, assumed_std: float | None = None,
     model_std: float | None = None, frf_model_std: float | None = None, shape_std: float | None = None,
     segments: int | None = None, starts: int | None = None, start_spread: float | None = None,
     hold_out: bool = False, monte_carlo: int | None = None, threads: int | None = None, seed: int | None = None

@@ -34,9 +34,9 @@ def _write_document(argument, result, folder):
 
 def update(scene, *, measured=None, frf=None, decay=None, response=None, free=None, prior=None, tension=None, plane=None,
            column=None, compare=None, node=None, channel=None, band=None, stiffness=None, stiffness_std=None,
-           axial=None, axial_damping=False, input=None, aim=None, profile=False, assumed_std=None, model_std=None,
-           frf_model_std=None, shape_std=None, segments=None, starts=None, start_spread=None, hold_out=False,
-           monte_carlo=None, threads=None, seed=None):
+           axial=None, axial_damping=False, input=None, aim=None, candidates=None, ends=None, profile=False,
+           assumed_std=None, model_std=None, frf_model_std=None, shape_std=None, segments=None, starts=None,
+           start_spread=None, hold_out=False, monte_carlo=None, threads=None, seed=None):
     """A scene's uncertain parameters fitted to what was measured.
 
     Objects go through files in a temporary folder, in the formats that the program reads, so that the same rules
@@ -72,6 +72,11 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
         EA of all cables; with ``axial_damping`` their damping ratio too.
     input, aim : str or list of str, optional
         Uncertainty of what is not fitted: ``TARGET=STD``; ``LOAD=METRES,DEGREES``.
+    candidates : path, optional
+        TOML file of models to compare by evidence: ``[[candidate]]`` with ``name``, ``supports``, ``set``, ``free``,
+        ``prior``, ``scene``. The result is the heaviest's, with ``candidates[]`` and ``averaged[]``.
+    ends : str or list of str, optional
+        The usual candidates: "pinned", "clamped", "springs", "own springs" at all nodes that are held.
     profile, hold_out : bool
         95 % intervals by profile; each state left out and predicted.
     assumed_std, model_std, frf_model_std, shape_std : float, optional
@@ -109,6 +114,11 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
     for name, value in (("compare", compare), ("node", node), ("input", input), ("aim", aim)):
         if value is not None:
             options[name] = checks.texts(name, value)
+    if candidates is not None:
+        options["candidates"] = checks.path("candidates", candidates)
+    if ends is not None:
+        options["ends"] = [checks.choice("ends", one, ("pinned", "clamped", "springs", "own springs"))
+                           for one in checks.sequence("ends", ends)]
     if band is not None:
         options["band"] = checks.band("band", band)
     not_negative(options, 1, stiffness_std=stiffness_std, model_std=model_std, shape_std=shape_std)

@@ -192,6 +192,8 @@ apps::UpdateCommand update_command(const Options& options) {
   options.take("prior", c.priors);
   options.take("input", c.inputs);
   options.take("aim", c.aims);
+  options.take("candidates", c.candidates);
+  options.take("ends", c.ends);
   options.take("axial", c.axial);
   options.take("axial_damping", c.axial_damping);
   options.take("hold_out", c.hold_out);

@@ -359,9 +359,9 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
   const auto damping = parsed(again.out)["parameters"][2];
   std::string sources;
   for (const auto& term : damping["budget"]) sources += term["source"].get<std::string>() + "; ";
-  EXPECT_EQ(
-      sources,
-      "data; segments; place of hammer; direction of hammer to y; direction of hammer to z; ");
+  EXPECT_EQ(sources,
+            "data; segments; place of hammer; direction of hammer to y; direction of hammer to z; "
+            "force of the hits of hammer; ");
   EXPECT_TRUE(damping["identifiable"].get<bool>());
   EXPECT_NEAR(damping["value"].get<double>(), 0.01, 4 * damping["std"].get<double>());
   EXPECT_LT(damping["std"].get<double>(), 0.005);

@@ -1,0 +1,47 @@
+// `update --candidates FILE` and `--ends WORD...`: several models of the same measured modes, each
+// fitted, weighed by its evidence, their parameters averaged (ident/update/model_candidates.h).
+//
+// FILE is TOML, one table a candidate:
+//   [[candidate]]
+//   name = "springs"
+//   supports = { left = "springs", right = "springs" }
+//   set = { "sensor.mass" = 0.01 }
+//   free = ["sensor.mass"]
+//   prior = ["sensor.mass=0.01,0.002"]
+//   scene = "other.toml"
+// All but the name may be left out. `supports` by node: "free", "pinned", "clamped", "springs" (no
+// displacement, no twist about the member's axis, the same rotational stiffness about both axes
+// across it and at all nodes of the candidate with this word; free, it is the parameter "springs")
+// or "own springs" (a stiffness of its own, the parameter NODE.springs). `set` gives parameters of
+// the scene another value. `free` and `prior` stand beside --free and --prior. `scene`, relative to
+// the file, takes the place of SCENE.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/campaign_file/update_data.h"
+#include "apps/cli/verbs/calls.h"
+#include "ident/update/model_candidates.h"
+
+namespace rigfit::apps {
+
+/// A candidate with what is fitted in it: names as for --free and --prior.
+struct NamedModel {
+  std::string name;
+  UpdateStates states;
+  std::vector<std::string> free, priors;
+};
+
+/// The candidates of `command.candidates` or `command.ends`. `states`: as the command gives them.
+/// Throws UsageError, document::DocumentError, model::SceneError and what read_update_states does.
+[[nodiscard]] std::vector<NamedModel> candidate_models(const UpdateCommand& command,
+                                                       const UpdateStates& states,
+                                                       VerbContext& context);
+
+/// `candidates[]` and `averaged[]`; prints them and refuses where no candidate has 90 % of the
+/// weight.
+[[nodiscard]] Json candidates_json(const ident::CandidateComparison& comparison,
+                                   VerbContext& context);
+
+}  // namespace rigfit::apps

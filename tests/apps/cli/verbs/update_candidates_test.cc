@@ -1,0 +1,149 @@
+// Models of the same modes compared through the program: a hanger with end springs.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::update_candidates_test {
+namespace {
+
+using Json = nlohmann::json;
+
+// 10 m, 30 kg/m, EI 2e5 N m2.
+std::string hanger(const std::string& support, const std::string& tension) {
+  const std::string node = "support = " + support + "\n";
+  return R"(gravity = 0.0
+[[node]]
+name = "a"
+position = [0.0, 0.0, 0.0]
+)" + node +
+         R"([[node]]
+name = "b"
+position = [10.0, 0.0, 0.0]
+)" + node +
+         R"([[member]]
+name = "h"
+kind = "cable"
+nodes = ["a", "b"]
+segments = 30
+mass_per_length = 30.0
+EA = 1.0e9
+EI = 2.0e5
+GJ = 2.0e5
+tension = )" +
+         tension + "\n";
+}
+
+// Six frequencies to 0.05 %, 500 kN and end springs of 30 EI / L.
+std::string six_frequencies(const TemporaryFolder& folder, double relative_std) {
+  const auto truth = folder.write(
+      "truth.toml",
+      hanger("{ translational = [inf, inf, inf], rotational = [inf, 6.0e5, 6.0e5] }", "5.0e5"));
+  const auto run = run_program({"modes", truth, "--count", "14", "--json", "-"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  std::string text = "frequency_hz,std,plane\n";
+  int count = 0;
+  const Json modelled = parsed(run.out);
+  for (const auto& mode : modelled["modes"]) {
+    if (mode["plane"] != "in" || ++count > 6) continue;
+    const double f = mode["frequency_hz"];
+    text += std::to_string(f * (1 + relative_std * normal(random))) + "," +
+            std::to_string(relative_std * f) + ",in\n";
+  }
+  return text;
+}
+
+const Json& named(const Json& list, const std::string& name) {
+  for (const auto& one : list) {
+    if (one["name"] == name) return one;
+  }
+  ADD_FAILURE() << "no " << name;
+  return list.front();
+}
+
+TEST(UpdateCandidates, EndSpringsOfAHangerAreChosenAndGiveItsTension) {
+  const TemporaryFolder folder;
+  const auto modes = folder.write("modes.csv", six_frequencies(folder, 5e-4));
+  const auto scene = folder.write("hanger.toml", hanger("\"pinned\"", "4.0e5"));
+  const auto file = folder.write("ends.toml", R"([[candidate]]
+name = "pinned"
+[[candidate]]
+name = "clamped"
+supports = { a = "clamped", b = "clamped" }
+[[candidate]]
+name = "springs"
+supports = { a = "springs", b = "springs" }
+)");
+  const auto run =
+      run_program({"update", scene, "--measured", modes, "--free", "h.tension", "--candidates",
+                   file, "--out", (folder.path() / "updated.toml").string(), "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = parsed(run.out);
+  ASSERT_EQ(json["candidates"].size(), 3U);
+  const auto& springs = named(json["candidates"], "springs");
+  EXPECT_GT(springs["weight"].get<double>(), 0.99);
+  EXPECT_GT(springs["p_value"].get<double>(), 0.001);
+  EXPECT_EQ(springs["degrees_of_freedom"], 4);
+  EXPECT_TRUE(springs["log_evidence"].is_number());
+  EXPECT_LT(named(json["candidates"], "pinned")["p_value"].get<double>(), 1e-6);
+  EXPECT_EQ(springs["parameters"][1]["name"], "springs");
+  const auto& tension = named(json["averaged"], "h.tension");
+  EXPECT_LE(tension["low"].get<double>(), 5e5);
+  EXPECT_GE(tension["high"].get<double>(), 5e5);
+  EXPECT_NEAR(tension["value"].get<double>(), 5e5, 0.05 * 5e5);
+  // The result is the heaviest's, its scene the one written.
+  EXPECT_EQ(json["parameters"], springs["parameters"]);
+  EXPECT_NE(folder.read("updated.toml").find("rotational"), std::string::npos);
+}
+
+// Two frequencies to 5 % cannot tell ends apart: what is averaged is wider than what each says.
+TEST(UpdateCandidates, WhatTheDataCannotTellIsRefusedWithItsAverage) {
+  const TemporaryFolder folder;
+  const auto modes =
+      folder.write("modes.csv", "frequency_hz,std,plane\n7.17,0.36,in\n15.0,0.75,in\n");
+  const auto scene = folder.write("hanger.toml", hanger("\"pinned\"", "4.0e5"));
+  const auto run =
+      run_program({"update", scene, "--measured", modes, "--free", "h.tension", "--ends", "pinned",
+                   "clamped", "--out", (folder.path() / "updated.toml").string(), "--json", "-"});
+  EXPECT_EQ(run.exit_code, 4) << run.err;
+  EXPECT_NE(run.err.find("no candidate has 90 % of the weight"), std::string::npos) << run.err;
+  const Json json = parsed(run.out);
+  const auto& tension = named(json["averaged"], "h.tension");
+  double narrowest = INFINITY;
+  for (const auto& one : json["candidates"]) {
+    const auto& own = named(one["parameters"], "h.tension");
+    narrowest = std::min(narrowest, own["high"].get<double>() - own["low"].get<double>());
+  }
+  EXPECT_GT(tension["high"].get<double>() - tension["low"].get<double>(), narrowest);
+}
+
+TEST(UpdateCandidates, MistakesAreNamed) {
+  const TemporaryFolder folder;
+  const auto modes = folder.write("modes.csv", "frequency_hz,std,plane\n7.17,0.36,in\n");
+  const auto scene = folder.write("hanger.toml", hanger("\"pinned\"", "4.0e5"));
+  const auto fails = [&](const std::string& text, int code, const std::string& said) {
+    const auto file = folder.write("c.toml", text);
+    const auto run =
+        run_program({"update", scene, "--measured", modes, "--free", "h.tension", "--candidates",
+                     file, "--out", (folder.path() / "updated.toml").string()});
+    EXPECT_EQ(run.exit_code, code) << run.err;
+    EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
+  };
+  const std::string one = "[[candidate]]\nname = \"one\"\n";
+  fails(one, 2, "two or more");
+  fails(one + one, 2, "twice");
+  fails(one + "[[candidate]]\nname = \"two\"\nsupports = { c = \"clamped\" }\n", 2,
+        "no node \"c\"");
+  fails(one + "[[candidate]]\nname = \"two\"\nsupports = { a = \"glued\" }\n", 3, "own springs");
+  fails(one + "[[candidate]]\nname = \"two\"\nset = { \"h.colour\" = 1.0 }\n", 3, "h.colour");
+  fails(one + "[[candidate]]\nname = \"two\"\nsprings = 1\n", 3, "springs");
+}
+
+}  // namespace
+}  // namespace rigfit::apps::update_candidates_test

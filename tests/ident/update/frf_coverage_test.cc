@@ -1,0 +1,82 @@
+// Coverage of fits to FRFs of hits that scatter in place under noise of the force; the larger table
+// is tests/bench/frf_coverage.cc.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/ident/update/hammered_beam.h"
+
+namespace rigfit::ident::frf_coverage_test {
+namespace {
+
+const Eigen::VectorXd& lines() {
+  static const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(71, 30, 65);
+  return all;
+}
+
+// Noise that a force window leaves is alike in neighbouring lines and common to both responses: as
+// independent noise of the lines it made errors of 2.6 standard uncertainties, rms.
+TEST(FrfCoverage, IntervalsHoldUnderNoiseOfTheForce) {
+  constexpr int kSeeds = 8;
+  int held = 0;
+  double squares = 0, EI_std = 0;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    UpdateOptions options;
+    options.starts = 1;
+    options.segment_uncertainty = false;  // the data have the model's segments
+    const UpdateState state{"",
+                            testing::hammered_beam(1.02 * testing::kBeamEI, testing::kTipMass, 16),
+                            {},
+                            testing::hammered_frfs(lines(), {}, seed, 16)};
+    const auto result = update_model({state}, {{"beam.EI_z"}, {"beam.damping_ratio"}}, options);
+    ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+    const double truth[] = {testing::kBeamEI, testing::kBeamDamping};
+    for (std::size_t p = 0; p < 2; ++p) {
+      const auto& one = result.parameters[p];
+      held += one.low <= truth[p] && truth[p] <= one.high;
+      squares += std::pow((one.value - truth[p]) / one.std, 2) / (2 * kSeeds);
+      bool force = false;
+      for (const auto& term : one.budget) {
+        force = force || term.source == "force of the hits of hammer";
+      }
+      EXPECT_TRUE(force);
+    }
+    EI_std += result.parameters[0].std / testing::kBeamEI / kSeeds;
+    EXPECT_FALSE(result.fit.ruled_out());
+  }
+  EXPECT_GE(held, 13);                  // of 16: 95 %, three binomial deviations
+  EXPECT_LT(std::sqrt(squares), 1.53);  // 16 values: 1 + 3 / sqrt(2 x 16)
+  // What the lines know: half-widths of 1 % with noise of 1 % give 1e-4 of a frequency or so.
+  EXPECT_LT(EI_std, 1e-3);
+}
+
+// 16 given segments move the third mode by a part of its width: the interval holds the truth, and
+// the verdict is not about the segments. "auto" gives the rig's own stiffness.
+TEST(FrfCoverage, GivenSegmentsAreUncertaintyAndNoMisfit) {
+  const testing::HammerTestNoise quiet{.place_m = 1e-4, .force = 1e-3, .response = 2e-3};
+  for (std::uint64_t seed = 0; seed < 2; ++seed) {
+    const auto frfs = testing::hammered_frfs(lines(), quiet, 50 + seed, 128);
+    const auto fit = [&](int segments) {
+      const UpdateState state{
+          "",
+          testing::hammered_beam(1.02 * testing::kBeamEI, testing::kTipMass, segments),
+          {},
+          frfs};
+      UpdateOptions options;
+      options.starts = 1;
+      return update_model({state}, {{"beam.EI_z"}, {"beam.damping_ratio"}}, options);
+    };
+    const auto given = fit(16), left = fit(0);
+    const auto &EI = given.parameters[0], &own = left.parameters[0];
+    EXPECT_GT(std::abs(EI.value - testing::kBeamEI), 3 * own.std);  // what this is for
+    EXPECT_LE(EI.low, testing::kBeamEI);
+    EXPECT_GE(EI.high, testing::kBeamEI);
+    EXPECT_NEAR(EI.segment_shift, EI.value - testing::kBeamEI, 4 * own.std);
+    EXPECT_FALSE(given.fit.ruled_out()) << given.fit.chi2;
+    EXPECT_NEAR(own.value, testing::kBeamEI, 3 * own.std);
+    EXPECT_LT(std::abs(own.segment_shift), 0.5 * own.std);
+  }
+}
+
+}  // namespace
+}  // namespace rigfit::ident::frf_coverage_test

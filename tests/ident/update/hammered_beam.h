@@ -1,0 +1,142 @@
+// Averaged FRFs of a cantilever struck by a person, for tests and tables of coverage: every hit at
+// a place of its own, noise of the force that a short window leaves (alike on neighbouring lines
+// and common to all responses), noise of the responses, error bars from what the hits scatter by.
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "ident/update/model_update.h"
+#include "model/linear/frf_synthesis.h"
+#include "model/scene/read_scene.h"
+
+namespace rigfit::ident::testing {
+
+inline constexpr double kBeamEI = 2.1, kTipMass = 0.02, kBeamDamping = 0.01;
+
+/// 0.75 m, hammer at 0.6 m, responses at 0.45 and 0.65 m; `segments` 0: left to the program.
+inline model::Scene hammered_beam(double EI, double tip_mass, int segments) {
+  auto scene = model::parse_scene(R"(
+gravity = 9.80665
+[[node]]
+name = "foot"
+position = [0.0, -0.75, 0.0]
+support = "clamped"
+[[node]]
+name = "tip"
+position = [0.0, 0.0, 0.0]
+[[member]]
+name = "beam"
+kind = "beam"
+nodes = ["foot", "tip"]
+segments = "auto"
+mass_per_length = 0.3
+EA = 7.0e6
+EI = [2.0, 200.0]
+GJ = 3.0
+damping_ratio = 0.01
+[[load]]
+name = "hammer"
+kind = "impact"
+member = "beam"
+position = 0.8
+direction = [1.0, 0.0, 0.0]
+peak = 1.0
+duration = 0.002
+[[sensor]]
+name = "low"
+member = "beam"
+position = 0.6
+direction = [1.0, 0.0, 0.0]
+[[sensor]]
+name = "high"
+member = "beam"
+position = 0.866667
+direction = [1.0, 0.0, 0.0]
+)",
+                                  "beam.toml");
+  model::set_parameter(scene, "beam.EI_z", EI);
+  model::set_parameter(scene, "tip.mass", tip_mass);
+  scene.members[0].segments = segments;
+  return scene;
+}
+
+struct HammerTestNoise {
+  int hits = 4;
+  double place_m = 0.003;  ///< standard deviation of a hit's place
+  double force = 0.014;    ///< of a hit's spectrum, relative, smooth over `force_width_hz`
+  double force_width_hz = 60;
+  double response = 0.01;  ///< of a line of a hit, relative to the rms of H over the lines
+};
+
+/// FRFs at `lines` of the beam with 240 segments and the values above.
+inline std::vector<MeasuredFrf> hammered_frfs(const Eigen::VectorXd& lines,
+                                              const HammerTestNoise& noise, std::uint64_t seed,
+                                              int segments = 240) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const Eigen::Index count = lines.size();
+  std::vector<std::vector<Eigen::VectorXcd>> hits;  // by hit, then response
+  for (int hit = 0; hit < noise.hits; ++hit) {
+    auto scene = hammered_beam(kBeamEI, kTipMass, segments);
+    model::set_parameter(scene, "hammer.position", 0.8 + noise.place_m / 0.75 * normal(random));
+    const auto exact = model::synthesize_frfs(scene, lines);
+    // White noise under a window of duration T: a sum of decorrelated phases over T.
+    constexpr int kSamples = 24;
+    const double T = 1 / noise.force_width_hz;
+    Eigen::VectorXcd force = Eigen::VectorXcd::Zero(count);
+    for (int i = 0; i < kSamples; ++i) {
+      const double sample = noise.force / std::sqrt(kSamples) * normal(random);
+      for (Eigen::Index k = 0; k < count; ++k) {
+        force[k] += sample * std::polar(1.0, -2 * M_PI * lines[k] * T * i / kSamples);
+      }
+    }
+    std::vector<Eigen::VectorXcd> responses;
+    for (Eigen::Index sensor = 0; sensor < 2; ++sensor) {
+      Eigen::VectorXcd H(count);
+      for (Eigen::Index k = 0; k < count; ++k)
+        H[k] = exact.H[static_cast<std::size_t>(k)](sensor, 0);
+      const double std =
+          noise.response * std::sqrt(H.squaredNorm() / static_cast<double>(count) / 2);
+      for (Eigen::Index k = 0; k < count; ++k) {
+        H[k] = H[k] / (1.0 + force[k]) + std * std::complex<double>(normal(random), normal(random));
+      }
+      responses.push_back(std::move(H));
+    }
+    hits.push_back(std::move(responses));
+  }
+  std::vector<MeasuredFrf> frfs(2);
+  for (std::size_t sensor = 0; sensor < 2; ++sensor) {
+    auto& frf = frfs[sensor];
+    frf.sensor = sensor;
+    frf.frequency_hz = lines;
+    frf.H = Eigen::VectorXcd::Zero(count);
+    for (const auto& hit : hits) frf.H += hit[sensor] / noise.hits;
+    Eigen::VectorXd power = Eigen::VectorXd::Zero(count);
+    for (const auto& hit : hits) power += (hit[sensor] - frf.H).cwiseAbs2();
+    // As signal/spectra/frf.h: of the mean's real and imaginary part, over ten lines on either
+    // side.
+    power /= 2.0 * noise.hits * (noise.hits - 1);
+    frf.std.resize(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Eigen::Index first = std::max<Eigen::Index>(0, k - 10);
+      const Eigen::Index last = std::min(count - 1, k + 10);
+      frf.std[k] = std::sqrt(power.segment(first, last - first + 1).mean());
+    }
+  }
+  return frfs;
+}
+
+/// Fit of EI, the tip's mass and damping to such a test, from values 2 to 10 % off.
+inline UpdateResult fit_hammered_beam(std::vector<MeasuredFrf> frfs, int segments) {
+  const UpdateState state{
+      "beam", hammered_beam(1.02 * kBeamEI, 1.1 * kTipMass, segments), {}, std::move(frfs)};
+  UpdateOptions options;
+  options.starts = 1;
+  return update_model({state}, {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}}, options);
+}
+
+}  // namespace rigfit::ident::testing
