@@ -85,7 +85,8 @@ void put_supports(const std::vector<std::pair<std::string, std::string>>& words,
     std::string own;
     for (const auto& target : put_springs(scene, *node)) {
       std::string& list = word == "springs" ? shared : own;
-      list += (list.empty() ? "" : ",") + target;
+      if (!list.empty()) list += ',';
+      list += target;
     }
     if (!own.empty() && free != nullptr) free->push_back(name + ".springs=" + own);
   }

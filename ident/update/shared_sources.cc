@@ -116,7 +116,7 @@ UpdateProblem with_shared_sources(const UpdateProblem& problem,
                                   const std::vector<UpdateMatch>& matches,
                                   const Eigen::VectorXd& q) {
   constexpr double kMost = 6;  // standard uncertainties that an estimate may be off
-  const UpdateProblem plain = problem.with_sources(nullptr);
+  UpdateProblem plain = problem.with_sources(nullptr);
   const SharedChanges shared = shared_changes(plain, false, matches, q);
   const Eigen::MatrixXd& C = shared.changes;
   Eigen::VectorXd r;

@@ -208,7 +208,10 @@ TEST(UpdateModel, AWrongFrequencyOfHighLeverageIsLeftOut) {
     EXPECT_NEAR(result.parameters[0].value, 2.1, 3.3 * result.parameters[0].std);
     EXPECT_NEAR(result.parameters[1].value, 0.02, 3.3 * result.parameters[1].std);
     EXPECT_LT(result.parameters[0].std, 0.01);
+    // Of the measured ones; the modelled mode that it belongs to is listed beside, as one that the
+    // test should have seen.
     EXPECT_EQ(unpaired_measured(result), 1U);
+    EXPECT_EQ(result.unpaired.size(), 2U);
     EXPECT_EQ(result.pairs.size(), 5U);
   }
   // Two data too few to tell which one is wrong: all stay, and the misfit is said.

@@ -237,23 +237,5 @@ TEST(UpdateUncertainty, AHeldOutStatesPredictionHasItsUncertainty) {
   }
 }
 
-// Starts that look around with a third of the segments find what all segments find.
-TEST(UpdateStarts, CoarseOnesEndInTheSameAnswer) {
-  UpdateState state{"cable", cable(150, 0.9, 30),
-                    exact(cable(200, 0.6, 30), ModePlane::out, 5, 1e-3)};
-  add_noise(state.measured, 3);
-  UpdateOptions options;
-  options.starts = 4;
-  const auto fast = update_model({state}, {{"cable.EI"}, {"cable.tension"}}, options);
-  options.coarse_starts = false;
-  const auto slow = update_model({state}, {{"cable.EI"}, {"cable.tension"}}, options);
-  ASSERT_EQ(fast.status, UpdateStatus::converged);
-  EXPECT_EQ(fast.starts_agreeing, slow.starts_agreeing);
-  for (std::size_t p = 0; p < 2; ++p) {
-    // Ceres stops at 1e-9 of cost, which is 3e-5 of a standard deviation.
-    EXPECT_NEAR(fast.parameters[p].value, slow.parameters[p].value, 1e-3 * fast.parameters[p].std);
-  }
-}
-
 }  // namespace
 }  // namespace rigfit::ident::update_uncertainty_test
