@@ -3,6 +3,8 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 namespace rigfit::ident {
 namespace {
@@ -59,6 +61,29 @@ void add_meat(const Rows& a, const Rows& b, Eigen::Index lag, double R, const Ei
   meat += R * J.middleRows(a.first, last).transpose() * J.middleRows(b.first + 2 * lag, last);
 }
 
+// Sum of s s', s = J' r of a block of neighbouring lines of all responses of a load.
+struct Blocks {
+  Eigen::MatrixXd meat;
+  Eigen::Index count = 0;
+};
+Blocks blocks_of(const std::vector<Rows>& all, Eigen::Index length, const Eigen::VectorXd& r,
+                 const Eigen::MatrixXd& J) {
+  std::map<std::tuple<int, std::size_t, Eigen::Index>, Eigen::VectorXd> scores;
+  for (const auto& rows : all) {
+    for (Eigen::Index i = 0; i < lines_of(rows); ++i) {
+      auto& score =
+          scores.try_emplace({rows.state, rows.load, i / length}, Eigen::VectorXd::Zero(J.cols()))
+              .first->second;
+      const Eigen::Index row = rows.first + 2 * i;
+      score += J.middleRows(row, 2).transpose() * r.segment<2>(row);
+    }
+  }
+  Blocks blocks{Eigen::MatrixXd::Zero(J.cols(), J.cols()),
+                static_cast<Eigen::Index>(scores.size())};
+  for (const auto& [block, score] : scores) blocks.meat += score * score.transpose();
+  return blocks;
+}
+
 }  // namespace
 
 double correlated_lines_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
@@ -103,7 +128,14 @@ double correlated_variance_factor(const UpdateProblem& problem,
   }
   const Eigen::MatrixXd bread =
       (J.transpose() * J).completeOrthogonalDecomposition().pseudoInverse();
-  const Eigen::VectorXd sandwich = (bread * meat * bread).diagonal();
+  Eigen::VectorXd sandwich = (bread * meat * bread).diagonal();
+  double time = 1;
+  for (std::size_t lag = 1; lag < R.size(); ++lag) time += 2 * R[lag] / R[0];
+  const Blocks blocks = blocks_of(all, static_cast<Eigen::Index>(std::ceil(2 * time)), r, J);
+  if (blocks.count > 2 * J.cols()) {
+    const double few = static_cast<double>(blocks.count) / static_cast<double>(blocks.count - 1);
+    sandwich = sandwich.cwiseMax((bread * blocks.meat * bread).diagonal() * few);
+  }
   double factor = 0;
   for (Eigen::Index j = 0; j < J.cols(); ++j) {
     if (bread(j, j) > 0) factor = std::max(factor, sandwich[j] / bread(j, j));

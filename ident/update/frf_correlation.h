@@ -10,8 +10,11 @@
 // the correlation only as far as its derivatives reach, which is the width of a resonance: its
 // variance is that of the sandwich
 //   B M B,  B = (J' J)^-1,  M = sum_(k, l) J_k' R_l J_(k+l),
-// with the same R_l. Sources: Bartlett, J. R. Stat. Soc. 98 (1935) 536; White, Econometrica 48
-// (1980) 817. For the update and its checks, not for users.
+// with the same R_l, or with M the sum of s_g s_g', s_g = J' r of blocks of 2 t lines of all
+// responses of a load, where that is larger: what is left over is no stationary noise where a small
+// signal of another direction stands beside an antiresonance. Sources: Bartlett, J. R. Stat. Soc.
+// 98 (1935) 536; White, Econometrica 48 (1980) 817; Liang and Zeger, Biometrika 73 (1986) 13. For
+// the update and its checks, not for users.
 #pragma once
 
 #include <Eigen/Core>
