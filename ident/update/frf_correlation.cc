@@ -96,8 +96,8 @@ double correlated_lines_of(const UpdateProblem& problem, const std::vector<Updat
 }
 
 double correlated_variance_factor(const UpdateProblem& problem,
-                                  const std::vector<UpdateMatch>& matches, const Eigen::VectorXd& r,
-                                  const Eigen::MatrixXd& J) {
+                                  const std::vector<UpdateMatch>& matches, const Eigen::VectorXd& q,
+                                  const Eigen::VectorXd& r, const Eigen::MatrixXd& J) {
   if (!problem.has_frfs()) return 0;
   const auto all = problem.frf_rows(matches);
   const auto R = autocorrelation(all, r);
@@ -136,7 +136,14 @@ double correlated_variance_factor(const UpdateProblem& problem,
     const double few = static_cast<double>(blocks.count) / static_cast<double>(blocks.count - 1);
     sandwich = sandwich.cwiseMax((bread * blocks.meat * bread).diagonal() * few);
   }
-  double factor = 0;
+  double factor = R[0] * time;  // the least: as if every derivative reached as far as the errors
+  Eigen::VectorXd plain_r;
+  Eigen::MatrixXd plain_J;
+  if (problem.has_sources() &&
+      problem.with_sources(nullptr).residuals(q, matches, UpdateStage::full, plain_r, &plain_J)) {
+    const Eigen::VectorXd apart = plain_J.completeOrthogonalDecomposition().solve(plain_r);
+    sandwich = sandwich.cwiseMax(apart.cwiseAbs2());
+  }
   for (Eigen::Index j = 0; j < J.cols(); ++j) {
     if (bread(j, j) > 0) factor = std::max(factor, sandwich[j] / bread(j, j));
   }

@@ -29,9 +29,14 @@ namespace rigfit::ident {
                                          const std::vector<UpdateMatch>& matches,
                                          const Eigen::VectorXd& r);
 
-/// The largest ratio of a coordinate's variance in B M B to that in B; 0 without FRFs.
+/// The largest ratio of a coordinate's variance to that in B, at q with its residuals and
+/// derivatives: of B M B, of R_0 t B, and of the squared step to the estimate that takes no shared
+/// source out of its residuals. The two estimates agree within the uncertainty of the less exact
+/// one where the sources are what the lines share; where they do not, something else is shared
+/// (Hausman, Econometrica 46 (1978) 1251). 0 without FRFs.
 [[nodiscard]] double correlated_variance_factor(const UpdateProblem& problem,
                                                 const std::vector<UpdateMatch>& matches,
-                                                const Eigen::VectorXd& r, const Eigen::MatrixXd& J);
+                                                const Eigen::VectorXd& q, const Eigen::VectorXd& r,
+                                                const Eigen::MatrixXd& J);
 
 }  // namespace rigfit::ident

@@ -136,7 +136,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   J = weights.asDiagonal() * J;
   result.chi_squared = r.squaredNorm();
   result.degrees_of_freedom = static_cast<double>(r.size() - n) - problem.shared_residuals();
-  state_variance_factor(problem, correlated_variance_factor(problem, matches, r, J), result);
+  state_variance_factor(problem, correlated_variance_factor(problem, matches, q, r, J), result);
 
   Eigen::VectorXd scales = Eigen::VectorXd::Ones(n);
   for (Eigen::Index j = 0; j < n; ++j) {

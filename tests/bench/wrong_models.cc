@@ -132,6 +132,7 @@ int main(int argc, char** argv) {
       for (int k = 0; k < seeds; ++k) {
         std::mt19937_64 random(static_cast<std::uint64_t>(first + k));
         std::vector<ident::UpdateState> states;
+        states.reserve(tensions.size());
         for (const double tension : tensions) states.push_back(state_of(kind, tension, random));
         ident::UpdateOptions options;
         options.segment_uncertainty = false;  // the data have the model's segments

@@ -164,7 +164,9 @@ TEST(UpdateFrfs, WhereAndAlongWhatTheHammerStruckIsAnInput) {
     }
   }
   EXPECT_GE(covered[1], 34);  // of 40: 95 %, three binomial deviations
-  EXPECT_LT(covered[0], 30);
+  // Not stated, it makes the estimates with and without shared sources disagree, and the intervals
+  // widen by that (frf_correlation.h).
+  EXPECT_GE(covered[0], 34);
 }
 
 TEST(UpdateFrfs, WithoutAnyModeTheFitStartsFromWhereItIs) {
