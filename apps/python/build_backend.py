@@ -1,4 +1,4 @@
-"""Build backend of `pip install .` (PEP 517): CMake builds and installs the package, this makes a wheel of it.
+"""Build backend of `pip install ./apps/python` (PEP 517): CMake builds and installs the package, this makes a wheel of it.
 
 Environment: RIGFIT_BUILD_DIR is a CMake build folder of this source in which the target rigfit_python is built already
 (left out: build/python-<version> is configured and built); CMAKE_ARGS are further arguments of the configuration.

@@ -39,7 +39,7 @@ class Installed(unittest.TestCase):
         if subprocess.run([sys.executable, "-m", "pip", "--version"], capture_output=True).returncode:
             self.skipTest("pip is not installed")
         done = subprocess.run([sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--no-cache-dir",
-                               "--disable-pip-version-check", "--target", self.folder, SOURCE],
+                               "--disable-pip-version-check", "--target", self.folder, SOURCE / "apps/python"],
                               env={**os.environ, "RIGFIT_BUILD_DIR": BUILD,
                                    "PATH": f"{pathlib.Path(CMAKE).parent}:{os.environ['PATH']}"},
                               capture_output=True, text=True)
