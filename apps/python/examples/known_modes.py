@@ -16,7 +16,7 @@ Of this record (five hits, six accelerations, a pair of modes 3.2 Hz apart), pro
 H1 is the same but for the block of each hit; pyFRF gets the five blocks cut. rigfit takes its error bars from the hits, needs no
 start and states its own uncertainty; sdypy-EMA is told to look at 41, 119 and 122 Hz (select_closest_poles with f_window=2: with
 its default of 50 Hz it takes the pair for one mode) in the accelerances from 20 to 160 Hz. Their figures are of the functions
-that do this (csd averages and get_H1; get_poles "lscf", the stabilisation and select_closest_poles) transcribed from in
+that do this (csd averages and get_H1; get_poles "lscf", the stabilisation and select_closest_poles) transcribed from
 ladisk/pyFRF 0a8a1392 and sdypy/sdypy-EMA 00c0c230, with NumPy 1.24.2 and SciPy 1.10.1; their packages were not installed.
 """
 
