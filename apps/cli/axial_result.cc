@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "apps/cli/json_document.h"
+#include "ident/statistics/probability_text.h"
 
 namespace rigfit::apps {
 namespace {
@@ -152,9 +153,7 @@ void print_axial(std::ostream& out, const ident::AxialTestResult& r) {
                rounded(l.EA_N), rounded(l.damping_ratio), l.damping_Ns_m);
   }
   if (r.lengths.size() > 1) {
-    const double p = r.homogeneity_p;
-    fmt::print(out, "the same EA, with the cable alone: p {}\n",
-               p < 1e-6 ? std::string("below 1e-6") : fmt::format("= {:.2g}", p));
+    fmt::print(out, "the same EA, with the cable alone: {}\n", ident::p_text(r.homogeneity_p));
   }
   if (r.alternatives.size() > 1) {
     fmt::print(out, "\n{:<40} {:>8} {:>22} {:>24}\n", "what gives way", "weight", "EA N",

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/cli/json_document.h"
+#include "ident/statistics/probability_text.h"
 
 namespace rigfit::apps {
 namespace {
@@ -97,16 +98,17 @@ void print_tension(std::ostream& out, const ident::TensionResult& result) {
   out << fmt::format("        {:.6g} N at the first end, {:.6g} N at the second; sag {:.3g} m\n",
                      result.start_N, result.end_N, result.sag_m);
   out << fmt::format("EI      {:.4g} N m2, std {:.2g}\n\n", result.EI_Nm2.value, result.EI_Nm2.std);
-  out << fmt::format("{:<10} {:>8} {:>14} {:>10} {:>10} {:>5} {:>8}\n", "ends", "weight",
+  out << fmt::format("{:<10} {:>8} {:>14} {:>10} {:>10} {:>5} {:>10}\n", "ends", "weight",
                      "tension, N", "std", "chi2", "dof", "p");
   for (const auto& one : result.candidates) {
     if (!one.solved) {
       out << fmt::format("{:<10} {}\n", ident::name_of(one.ends), one.message);
       continue;
     }
-    out << fmt::format("{:<10} {:>8.3f} {:>14.6g} {:>10.2g} {:>10.3g} {:>5.3g} {:>8.2g}\n",
+    out << fmt::format("{:<10} {:>8.3f} {:>14.6g} {:>10.2g} {:>10.3g} {:>5.3g} {:>10}\n",
                        ident::name_of(one.ends), one.weight, one.tension_N.value, one.tension_N.std,
-                       one.fit.chi2, one.fit.degrees_of_freedom, one.fit.p_value);
+                       one.fit.chi2, one.fit.degrees_of_freedom,
+                       ident::probability_text(one.fit.p_value));
   }
   out << fmt::format("\n{:>5} {:>6} {:>13} {:>13} {:>10}\n", "order", "plane", "measured, Hz",
                      "model, Hz", "error");

@@ -88,7 +88,7 @@ void put_supports(const std::vector<std::pair<std::string, std::string>>& words,
       if (!list.empty()) list += ',';
       list += target;
     }
-    if (!own.empty() && free != nullptr) free->push_back(name + ".springs=" + own);
+    if (!own.empty() && free != nullptr) free->push_back(fmt::format("{}.springs={}", name, own));
   }
   if (!shared.empty() && free != nullptr) free->push_back("springs=" + shared);
 }

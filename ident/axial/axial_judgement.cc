@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ident/statistics/probability_text.h"
+
 namespace rigfit::ident {
 namespace {
 
@@ -19,11 +21,6 @@ double weight_of(const AxialTestResult& result, bool series, bool scatter) {
     if ((series && has_series) || (scatter && a.between_lengths_std_N > 0)) sum += a.weight;
   }
   return sum;
-}
-
-// "p = 0.012", "p below 1e-6".
-std::string chance(double p) {
-  return p < 1e-6 ? std::string("p below 1e-6") : fmt::format("p = {:.2g}", p);
 }
 
 void judge_lengths(AxialTestResult& result) {
@@ -46,7 +43,7 @@ void judge_lengths(AxialTestResult& result) {
         fmt::format("EA differs between lengths by more than their uncertainties (Cochran's Q "
                     "{:.3g}, {}) and not along a line: a scatter of {:.2g} N between lengths is in "
                     "the uncertainty",
-                    result.cochran_Q, chance(result.homogeneity_p), result.between_lengths_std_N));
+                    result.cochran_Q, p_text(result.homogeneity_p), result.between_lengths_std_N));
   }
   const auto& s = result.series_compliance_m_N;
   if (weight_of(result, true, false) < 0.95 || !(std::abs(s.value) > 2 * s.std)) return;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "ident/statistics/probability_text.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -90,8 +91,9 @@ void StiffnessCurve::choose() {
     if (probability < 0.01) {
       return interpolate(
           fmt::format("No law passes through the points: chi-square of the best, {}, is {:.3g} on "
-                      "{:g} degrees of freedom (probability {:.1g}).",
-                      name_of(best.kind), best.chi_squared, best.degrees_of_freedom, probability),
+                      "{:g} degrees of freedom (probability {}).",
+                      name_of(best.kind), best.chi_squared, best.degrees_of_freedom,
+                      probability_text(probability)),
           std::sqrt(std::max(1.0, best.chi_squared / best.degrees_of_freedom)));
     }
   }

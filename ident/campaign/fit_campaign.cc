@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ident/statistics/probability_text.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -24,10 +25,7 @@ std::string percent(double ratio) {
 std::string fit_text(const UpdateFit& fit) {
   std::string text = fmt::format("chi-square {:.4g} on {:.4g} degrees of freedom", fit.chi2,
                                  fit.degrees_of_freedom);
-  if (std::isfinite(fit.p_value)) {
-    text += fit.p_value < 1e-6 ? std::string(", probability below 1e-6")
-                               : fmt::format(", probability {:.2g}", fit.p_value);
-  }
+  if (std::isfinite(fit.p_value)) text += ", probability " + probability_text(fit.p_value);
   if (!fit.stated) text += ", with assumed uncertainties";
   if (fit.model_std > 0) {
     text += fmt::format("; error of the model in frequency {}", percent(fit.model_std));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "ident/statistics/in_parallel.h"
+#include "ident/statistics/probability_text.h"
 
 namespace rigfit::ident {
 
@@ -41,10 +42,9 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
   const auto& best = result.candidates.front();
   if (best.fit.ruled_out()) {
     warn("model_ruled_out",
-         fmt::format(
-             "chi-square {:.3g} for {:.3g} degrees of freedom (p = {:.2g}): the frequencies do "
-             "not agree with the best model within their uncertainties",
-             best.fit.chi2, best.fit.degrees_of_freedom, best.fit.p_value));
+         fmt::format("chi-square {:.3g} for {:.3g} degrees of freedom ({}): the frequencies do "
+                     "not agree with the best model within their uncertainties",
+                     best.fit.chi2, best.fit.degrees_of_freedom, p_text(best.fit.p_value)));
   }
   if (result.EA_assumed) {
     warn("EA_assumed",

@@ -179,6 +179,10 @@ SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& samples, double r
   Index averages = 0;
   result.spectrum = welch(samples, length, rate_hz, averages);
   result.frequency_hz = line_frequencies(length, rate_hz);
+  if (samples.minCoeff() == samples.maxCoeff()) {
+    result.reason = "every sample is the same: nothing moves, or the channel is not connected";
+    return result;
+  }
   const double step = rate_hz / static_cast<double>(length);
   const Index first = static_cast<Index>(std::ceil(options.low_hz / step));
   const Index last = static_cast<Index>(std::floor(high / step));

@@ -122,7 +122,8 @@ Json write_scenes(const UpdateCommand& options, const UpdateStates& states,
       const std::string tension =
           states.tension[s] ? fmt::format("-{:g}N", *states.tension[s]) : "";
       const std::string number = options.data.scenes.size() > 1 ? fmt::format("-{}", s + 1) : "";
-      path.replace_filename(path.stem().string() + number + tension + path.extension().string());
+      path.replace_filename(fmt::format("{}{}{}{}", path.stem().string(), number, tension,
+                                        path.extension().string()));
     }
     context.write(path, model::scene_text(scenes[s]));
     context.out << "updated scene: " << path.string() << '\n';

@@ -52,6 +52,13 @@ TEST(SpectralPeaks, FrequenciesOfDrivenModesWithinTheirUncertainty) {
   EXPECT_LE(ratio / all, 1.6);  // the window costs sqrt(35/18) = 1.39, the floor a little more
 }
 
+// Rounding in the transform of a constant is no peak.
+TEST(SpectralPeaks, AConstantHasNone) {
+  const auto found = spectral_peaks(Eigen::VectorXd::Constant(4096, 9.81), kRate, {});
+  EXPECT_TRUE(found.peaks.empty());
+  EXPECT_FALSE(found.reason.empty());
+}
+
 TEST(SpectralPeaks, NoiseAloneHasNone) {
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
