@@ -32,17 +32,17 @@ Eigen::VectorXd weights_of(const UpdateProblem& problem, const UpdateOptions& op
 
 // `correlated`: what lines that err together make of a coordinate's variance, over that of
 // independent lines with the stated uncertainties; 0: no such lines.
-void state_variance_factor(const UpdateProblem& problem, double correlated, UpdateResult& result) {
+void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& options,
+                           double correlated, UpdateResult& result) {
   const double reduced =
       result.degrees_of_freedom > 0 ? result.chi_squared / result.degrees_of_freedom : kNaN;
   // Stated uncertainties are trusted unless the scatter contradicts them; assumed ones are not.
+  // Priors and a stated error of the model do not shrink because assumed ones were too large.
   const bool stated = problem.uncertainties_known();
-  if (stated) {
-    result.variance_factor = reduced > 1 ? reduced : 1;
-  } else {
-    result.variance_factor = std::isfinite(reduced) ? reduced : 1;
-  }
-  bool from_scatter = !stated && std::isfinite(reduced);
+  const bool may_shrink = !stated && problem.prior_count() == 0 && options.model_relative_std == 0;
+  const double least = may_shrink ? 0 : 1;
+  result.variance_factor = std::isfinite(reduced) ? std::max(reduced, least) : 1;
+  bool from_scatter = !stated && result.variance_factor == reduced;
   if (correlated > result.variance_factor) {
     result.variance_factor = correlated;
     from_scatter = std::isfinite(reduced);
@@ -136,7 +136,8 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   J = weights.asDiagonal() * J;
   result.chi_squared = r.squaredNorm();
   result.degrees_of_freedom = static_cast<double>(r.size() - n) - problem.shared_residuals();
-  state_variance_factor(problem, correlated_variance_factor(problem, matches, q, r, J), result);
+  state_variance_factor(problem, options, correlated_variance_factor(problem, matches, q, r, J),
+                        result);
 
   Eigen::VectorXd scales = Eigen::VectorXd::Ones(n);
   for (Eigen::Index j = 0; j < n; ++j) {
