@@ -158,6 +158,23 @@ TEST(UpdateModel, APriorSeparatesThem) {
   EXPECT_NEAR(result.identifiability.correlation(0, 1), 1, 0.05);
 }
 
+// Frequencies without an uncertainty of their own that fit far better than was assumed say nothing
+// about what else was stated: EI and mass go together, so both keep the prior's 1 %.
+TEST(UpdateModel, AssumedUncertaintiesThatAreTooLargeLeaveAPriorAsItIs) {
+  auto random = seeded(2);
+  UpdateState state{"beam", beam(1.5, 0.3, 0, 0), {}};
+  state.measured = measured(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 0, random);
+  for (auto& mode : state.measured) mode.frequency_hz.std = std::nan("");
+  FreeParameter mass{"beam.mass_per_length"};
+  mass.prior = signal::Estimate{0.3, 0.003};
+  UpdateOptions options;
+  options.segment_uncertainty = false;  // the data have the model's segments
+  const auto result = update_model({state}, {{"beam.EI_z"}, mass}, options);
+  for (const auto& parameter : result.parameters) {
+    EXPECT_GT(parameter.std / parameter.value, 0.0099);
+  }
+}
+
 TEST(UpdateModel, AParameterWithoutInfluenceIsNamedAlone) {
   auto random = seeded(3);
   UpdateState state{"beam", beam(2.0, 0.3, 0.02), {}};
