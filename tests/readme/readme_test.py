@@ -121,7 +121,7 @@ class Readme(unittest.TestCase):
         self.commands_do_what_it_says("tests/bench/README.md", 1, compared=False)
 
     def test_tutorials_run_and_draw_their_pictures(self):
-        for who, fewest in (("technician", 5), ("student", 4), ("consultant", 4)):
+        for who, fewest in (("technician", 5), ("student", 4), ("consultant", 4), ("coupled", 4)):
             self.commands_do_what_it_says("apps/tutorials/%s/README.md" % who, fewest)
 
     def test_links_lead_somewhere(self):
