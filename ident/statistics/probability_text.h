@@ -1,5 +1,5 @@
-// Probabilities in words: two digits, and none so small that it only says how far a normal
-// distribution's tail is trusted.
+// Probabilities as text: two digits. Below 1e-6 the number depends on the assumed distribution more
+// than on the data, so that it is not shown.
 #pragma once
 
 #include <string>
