@@ -19,7 +19,7 @@ using namespace std::string_view_literals;
 
 // Types of elements and classes of arrays (MAT-File Format, The MathWorks, version 5).
 constexpr std::uint32_t kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;
-constexpr std::uint32_t kCell = 1, kStruct = 2, kObject = 3, kOpaque = 17;
+constexpr std::uint32_t kCell = 1, kStruct = 2, kObject = 3, kFunction = 16, kOpaque = 17;
 constexpr std::uint64_t kTagBytes = 8;
 constexpr std::uint64_t kMostDimensions = 32;
 constexpr int kDeepestHeader = 64;
@@ -127,6 +127,7 @@ class MatWalk {
     for (std::uint64_t d = 0; d < bytes / 4; ++d) count = product(count, word(words[d]));
     if (!skip_part(kInt8, left, bytes)) return false;  // name
     const bool has_fields = array_class == kStruct || array_class == kObject;
+    if (array_class == kFunction && product(count, kTagBytes) > left) return false;
     // Behind a variable of the file nothing more is asked for.
     if (!has_fields && array_class != kCell) return depth == 0 || bytes_.skip(left);
     if (array_class == kObject && !skip_part(kInt8, left, bytes))
