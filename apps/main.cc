@@ -20,7 +20,7 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/plot_option.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/terminal.h"
 #include "apps/cli/usage.h"
 #include "apps/cli/verb.h"

@@ -61,7 +61,7 @@
 
 #include "apps/campaign_file/recording_group.h"
 #include "apps/campaign_file/report_details.h"
-#include "apps/campaign_file/result_table.h"
+#include "apps/results/result_table.h"
 #include "ident/axial/axial_test.h"
 #include "ident/bending/strand.h"
 #include "ident/campaign/tension_campaign.h"

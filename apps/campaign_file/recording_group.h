@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "apps/campaign_file/recording_description.h"
-#include "apps/report/figures/plot.h"
+#include "apps/report/drawing/plot.h"
 #include "model/scene/toml_table.h"
 #include "signal/recording/recording.h"
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "apps/campaign_file/recording_description.h"
-#include "apps/cli/modal_json.h"
 #include "apps/cli/number_checks.h"
+#include "apps/results/modal_json.h"
 
 namespace rigfit::apps {
 namespace {

@@ -17,7 +17,7 @@
 
 namespace rigfit::apps {
 
-struct PlotSheet;  // apps/cli/plot_option.h
+struct PlotSheet;  // apps/cli/plots/plot_option.h
 
 struct Warning {
   std::string code;  ///< stable, for programs

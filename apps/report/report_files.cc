@@ -6,9 +6,9 @@
 #include <iterator>
 
 #include "apps/cli/output_file.h"
-#include "apps/report/block_html.h"
-#include "apps/report/page_limits.h"
-#include "apps/report/print_pdf.h"
+#include "apps/report/page/block_html.h"
+#include "apps/report/page/page_limits.h"
+#include "apps/report/page/print_pdf.h"
 #include "ident/statistics/in_parallel.h"
 
 namespace rigfit::apps {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "apps/cli/verb.h"
-#include "apps/report/figures/svg_plot.h"
-#include "apps/report/report_page.h"
+#include "apps/report/drawing/svg_plot.h"
+#include "apps/report/page/report_page.h"
 
 namespace rigfit::apps {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "apps/report/answer.h"
-#include "apps/report/figures/plot.h"
+#include "apps/report/drawing/plot.h"
 
 namespace rigfit::apps {
 

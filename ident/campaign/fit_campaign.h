@@ -8,7 +8,7 @@
 
 #include "ident/campaign/finding.h"
 #include "ident/update/model_update.h"
-#include "ident/update/update_checks.h"
+#include "ident/update/uncertainty/update_checks.h"
 
 namespace rigfit::ident {
 

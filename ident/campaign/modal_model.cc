@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ident/update/mode_pairing.h"
+#include "ident/update/assignment/mode_pairing.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

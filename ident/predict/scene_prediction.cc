@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "ident/update/mode_pairing.h"
+#include "ident/update/assignment/mode_pairing.h"
 #include "model/linear/frf_sensitivities.h"
 #include "model/scene/parameters.h"
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "ident/update/model_update.h"
-#include "ident/update/update_intervals.h"
+#include "ident/update/uncertainty/update_intervals.h"
 
 namespace rigfit::ident {
 namespace {

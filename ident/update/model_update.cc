@@ -6,15 +6,15 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "ident/update/contradicting_modes.h"
-#include "ident/update/frf_segments.h"
-#include "ident/update/update_alternatives.h"
-#include "ident/update/update_intervals.h"
-#include "ident/update/update_misfit.h"
+#include "ident/update/assignment/contradicting_modes.h"
+#include "ident/update/assignment/update_alternatives.h"
+#include "ident/update/frfs/frf_segments.h"
+#include "ident/update/uncertainty/update_intervals.h"
+#include "ident/update/uncertainty/update_misfit.h"
+#include "ident/update/uncertainty/update_uncertainty.h"
 #include "ident/update/update_problem.h"
 #include "ident/update/update_segments.h"
 #include "ident/update/update_solver.h"
-#include "ident/update/update_uncertainty.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/mode_assignment.h"
-#include "ident/update/mode_pairing.h"
+#include "ident/update/assignment/mode_assignment.h"
+#include "ident/update/assignment/mode_pairing.h"
 #include "ident/update/update_data.h"
 #include "model/linear/frf_sensitivities.h"
 #include "model/linear/modal_analysis.h"

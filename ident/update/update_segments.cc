@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ident/update/shared_sources.h"
+#include "ident/update/uncertainty/shared_sources.h"
 
 namespace rigfit::ident {
 namespace {

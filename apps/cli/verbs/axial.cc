@@ -5,12 +5,12 @@
 #include <memory>
 
 #include "apps/campaign_file/recording_description.h"
-#include "apps/cli/axial_result.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/number_checks.h"
-#include "apps/cli/verb_figures.h"
+#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
+#include "apps/results/axial_result.h"
 #include "ident/campaign/axial_campaign.h"
 
 namespace rigfit::apps {

@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "apps/campaign_file/bending_files.h"
-#include "apps/campaign_file/bending_json.h"
 #include "apps/cli/number_checks.h"
-#include "apps/cli/verb_figures.h"
+#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
+#include "apps/results/bending_json.h"
 #include "ident/campaign/bending_campaign.h"
 
 namespace rigfit::apps {

@@ -137,7 +137,7 @@ struct UpdateCommand {
   UpdateData data;
   std::vector<double> band;
   std::vector<std::string> free, priors, inputs, aims;
-  std::string candidates;         ///< file (apps/cli/update_candidates.h); empty: none
+  std::string candidates;         ///< file (apps/results/update_candidates.h); empty: none
   std::vector<std::string> ends;  ///< "pinned", "clamped", "springs", "own springs": the same
   std::string out, axial;
   bool axial_damping = false;

@@ -14,7 +14,7 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
-#include "apps/cli/verb_figures.h"
+#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 

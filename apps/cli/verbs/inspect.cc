@@ -10,7 +10,7 @@
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/number_checks.h"
-#include "apps/cli/verb_figures.h"
+#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "signal/readers/foreign_formats.h"

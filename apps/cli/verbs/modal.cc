@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "apps/cli/impact_command.h"
-#include "apps/cli/modal_json.h"
 #include "apps/cli/number_checks.h"
-#include "apps/cli/verb_figures.h"
+#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
+#include "apps/results/modal_json.h"
 #include "signal/modal/modal_synthesis.h"
 #include "signal/readers/frequency/frequency_table.h"
 #include "signal/readers/mapped_file.h"

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "apps/cli/verb_figures.h"
+#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "model/linear/modal_analysis.h"

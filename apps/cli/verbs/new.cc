@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "apps/campaign_file/guess_campaign.h"
-#include "apps/campaign_file/new_campaign.h"
-#include "apps/campaign_file/utility_line.h"
+#include "apps/campaign_file/new/guess_campaign.h"
+#include "apps/campaign_file/new/new_campaign.h"
+#include "apps/campaign_file/new/utility_line.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"

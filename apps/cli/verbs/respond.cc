@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "apps/cli/number_checks.h"
-#include "apps/cli/verb_figures.h"
+#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "model/response/response.h"

@@ -10,10 +10,10 @@
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
-#include "apps/cli/tension_result.h"
-#include "apps/cli/verb_figures.h"
+#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
+#include "apps/results/tension_result.h"
 #include "ident/campaign/tension_campaign.h"
 
 namespace rigfit::apps {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/report/figures/share_bars.h"
-#include "apps/report/html_text.h"
+#include "apps/report/drawing/share_bars.h"
+#include "apps/report/page/html_text.h"
 
 namespace rigfit::apps {
 namespace {

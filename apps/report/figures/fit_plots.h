@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/report/report_part.h"
-#include "ident/update/update_checks.h"
+#include "ident/update/uncertainty/update_checks.h"
 #include "ident/update/update_data.h"
 #include "ident/update/update_result.h"
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "apps/report/figures/plot.h"
+#include "apps/report/drawing/plot.h"
 #include "apps/report/modal/modal_states.h"
 #include "apps/report/report_part.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/figures/plot.h"
+#include "apps/report/drawing/plot.h"
 #include "signal/recording/quality.h"
 #include "signal/recording/recording.h"
 

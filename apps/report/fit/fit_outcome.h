@@ -8,7 +8,7 @@
 #include "apps/campaign_file/campaign.h"
 #include "apps/report/modal/modal_states.h"
 #include "ident/update/model_update.h"
-#include "ident/update/update_checks.h"
+#include "ident/update/uncertainty/update_checks.h"
 
 namespace rigfit::apps {
 

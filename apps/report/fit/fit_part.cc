@@ -7,13 +7,13 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/cli/update_result.h"
 #include "apps/report/figures/fit_plots.h"
 #include "apps/report/fit/fit_figures.h"
 #include "apps/report/fit/fit_tables.h"
-#include "apps/report/html_text.h"
+#include "apps/report/page/html_text.h"
 #include "apps/report/parameter_words.h"
 #include "apps/report/parts/recording_blocks.h"
+#include "apps/results/update_result.h"
 #include "ident/campaign/fit_campaign.h"
 
 namespace rigfit::apps {

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "apps/cli/json_document.h"
-#include "apps/report/html_text.h"
 #include "apps/report/modal/modal_files.h"
+#include "apps/report/page/html_text.h"
 #include "apps/report/parameter_words.h"
 #include "apps/report/parts/scenes_part.h"
 #include "ident/campaign/fit_campaign.h"

@@ -7,10 +7,10 @@
 
 #include "apps/report/figures/frequency_plots.h"
 #include "apps/report/figures/model_plots.h"
-#include "apps/report/html_text.h"
 #include "apps/report/modal/modal_files.h"
 #include "apps/report/modal/modal_states.h"
 #include "apps/report/modal/modal_tables.h"
+#include "apps/report/page/html_text.h"
 
 namespace rigfit::apps {
 namespace {

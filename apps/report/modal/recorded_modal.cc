@@ -6,13 +6,13 @@
 #include <cmath>
 #include <map>
 
-#include "apps/cli/modal_json.h"
 #include "apps/report/figures/frf_plots.h"
 #include "apps/report/figures/hit_gallery.h"
 #include "apps/report/figures/point_plots.h"
-#include "apps/report/html_text.h"
 #include "apps/report/modal/modal_files.h"
+#include "apps/report/page/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
+#include "apps/results/modal_json.h"
 #include "signal/modal/modal_synthesis.h"
 
 namespace rigfit::apps {

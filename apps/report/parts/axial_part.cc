@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/axial_result.h"
 #include "apps/report/figures/axial_plots.h"
-#include "apps/report/html_text.h"
+#include "apps/report/page/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
+#include "apps/results/axial_result.h"
 #include "ident/statistics/uncertainty.h"
 
 namespace rigfit::apps {

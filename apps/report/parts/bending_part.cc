@@ -7,11 +7,11 @@
 #include <limits>
 
 #include "apps/campaign_file/bending_files.h"
-#include "apps/campaign_file/bending_json.h"
 #include "apps/report/figures/bending_plots.h"
-#include "apps/report/html_text.h"
+#include "apps/report/page/html_text.h"
 #include "apps/report/parts/bending_records.h"
 #include "apps/report/parts/recording_blocks.h"
+#include "apps/results/bending_json.h"
 #include "ident/bending/bending_equation.h"
 #include "signal/numerics/numbers.h"
 #include "signal/recording/recording_error.h"

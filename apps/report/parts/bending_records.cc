@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "apps/report/html_text.h"
+#include "apps/report/page/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
 
 namespace rigfit::apps {

@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "apps/report/figures/decay_overlay.h"
-#include "apps/report/html_text.h"
 #include "apps/report/modal/model_overlay.h"
+#include "apps/report/page/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
 #include "ident/campaign/decay_test.h"
 #include "ident/statistics/in_parallel.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "apps/report/figures/rig_drawing.h"
+#include "apps/report/drawing/rig_drawing.h"
 
 namespace rigfit::apps {
 namespace {

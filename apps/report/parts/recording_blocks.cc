@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "apps/report/figures/decay_plots.h"
-#include "apps/report/html_text.h"
+#include "apps/report/page/html_text.h"
 #include "signal/recording/quality.h"
 
 namespace rigfit::apps {

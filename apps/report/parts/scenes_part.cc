@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/report/html_text.h"
+#include "apps/report/page/html_text.h"
 #include "apps/report/parameter_words.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"

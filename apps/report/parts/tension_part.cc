@@ -5,11 +5,11 @@
 #include <cmath>
 #include <utility>
 
-#include "apps/cli/tension_result.h"
-#include "apps/report/figures/share_bars.h"
+#include "apps/report/drawing/share_bars.h"
 #include "apps/report/figures/tension_plots.h"
-#include "apps/report/html_text.h"
+#include "apps/report/page/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
+#include "apps/results/tension_result.h"
 
 namespace rigfit::apps {
 namespace {

@@ -1,4 +1,4 @@
-#include "apps/campaign_file/result_table.h"
+#include "apps/results/result_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "apps/campaign_file/utility_line.h"
+#include "apps/campaign_file/new/utility_line.h"
 
 #include <gtest/gtest.h>
 

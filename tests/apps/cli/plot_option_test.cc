@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/cli/browser.h"
+#include "apps/cli/plots/browser.h"
 #include "tests/apps/run_program.h"
 
 namespace rigfit::apps::plot_option_test {

@@ -1,4 +1,4 @@
-#include "apps/report/html_text.h"
+#include "apps/report/page/html_text.h"
 
 #include <gtest/gtest.h>
 

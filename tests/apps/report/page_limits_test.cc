@@ -1,4 +1,4 @@
-#include "apps/report/page_limits.h"
+#include "apps/report/page/page_limits.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Colours of figures: told apart by everyone, readable on their paper. Colour blindness is
 // simulated by the matrices of Machado, Oliveira and Fernandes (2009), severity 1, on linear sRGB;
 // distances are Euclidean in CIELAB (D65).
-#include "apps/report/figures/palette.h"
+#include "apps/report/drawing/palette.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

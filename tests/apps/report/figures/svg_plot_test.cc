@@ -1,4 +1,4 @@
-#include "apps/report/figures/svg_plot.h"
+#include "apps/report/drawing/svg_plot.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

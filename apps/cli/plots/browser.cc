@@ -1,0 +1,90 @@
+#include "apps/cli/plots/browser.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <sstream>
+#include <system_error>
+
+extern char** environ;
+
+namespace rigfit::apps {
+namespace fs = std::filesystem;
+
+fs::path find_program(const std::vector<std::string>& names) {
+  const char* path = std::getenv("PATH");
+  for (const auto& name : names) {
+    std::istringstream folders(path ? path : "");
+    for (std::string folder; std::getline(folders, folder, ':');) {
+      if (folder.empty()) continue;
+      const fs::path file = fs::path(folder) / name;
+      std::error_code error;
+      if (fs::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0) return file;
+    }
+  }
+  return {};
+}
+
+fs::path find_chromium() {
+  return find_program({"chromium", "chromium-browser", "google-chrome", "google-chrome-stable",
+                       "chrome", "microsoft-edge"});
+}
+
+int run_silently(const fs::path& program, const std::vector<std::string>& arguments) {
+  std::vector<std::string> words{program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (auto& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  if (::posix_spawn_file_actions_init(&actions) != 0) return -1;
+  ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t child = 0;
+  const int started =
+      ::posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (started != 0) return -1;
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return -1;
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+bool run_chromium(const fs::path& chromium, const std::vector<std::string>& options,
+                  const fs::path& page) {
+  const ScratchFolder profile;
+  std::vector<std::string> arguments{
+      "--headless",           "--disable-gpu",     "--no-first-run",
+      "--disable-extensions", "--hide-scrollbars", "--user-data-dir=" + profile.path().string()};
+  if (::geteuid() == 0) arguments.emplace_back("--no-sandbox");  // it refuses to run as root else
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  arguments.push_back("file://" + fs::absolute(page).string());
+  return run_silently(chromium, arguments) == 0;
+}
+
+bool open_for_user(const fs::path& file) {
+  const auto opener = find_program({"xdg-open"});
+  return !opener.empty() && run_silently(opener, {fs::absolute(file).string()}) == 0;
+}
+
+ScratchFolder::ScratchFolder() {
+  std::string name = (fs::temp_directory_path() / "rigfit-XXXXXX").string();
+  if (!::mkdtemp(name.data())) {
+    throw std::system_error(errno, std::generic_category(), "a temporary folder: " + name);
+  }
+  path_ = name;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code none;
+  fs::remove_all(path_, none);
+}
+
+}  // namespace rigfit::apps

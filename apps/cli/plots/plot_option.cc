@@ -1,0 +1,168 @@
+#include "apps/cli/plots/plot_option.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+#include <type_traits>
+
+#include "apps/cli/output_file.h"
+#include "apps/cli/plots/browser.h"
+#include "apps/report/page/figures_page.h"
+
+namespace rigfit::apps {
+namespace fs = std::filesystem;
+namespace {
+
+std::string kind_of(const std::string& file) {
+  std::string kind = fs::path(file).extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return kind;
+}
+
+std::string known_kind(const std::string& file) {
+  const std::string kind = kind_of(file);
+  if (kind == ".html" || kind == ".svg" || kind == ".png") return "";
+  return fmt::format("\"{}\" ends neither with .html nor with .svg or .png", file);
+}
+
+std::string repeat_command(const VerbContext& context) {
+  std::string text = "rigfit";
+  for (std::size_t i = 1; i < context.command.size(); ++i) text += " " + context.command[i];
+  return text;
+}
+
+std::string content_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// The picture as PNG, twice as fine as the screen's pixels.
+std::string png_of(const FiguresSvg& figures) {
+  const ScratchFolder folder;
+  const fs::path svg = folder.path() / "figures.svg", png = folder.path() / "figures.png";
+  write_whole_file(svg, figures.svg);
+  bool made = false;
+  if (const auto converter = find_program({"rsvg-convert"}); !converter.empty()) {
+    made = run_silently(converter, {"--zoom=2", "--output=" + png.string(), svg.string()}) == 0;
+  }
+  if (const auto chromium = find_chromium(); !made && !chromium.empty()) {
+    made = run_chromium(chromium,
+                        {"--force-device-scale-factor=2",
+                         fmt::format("--window-size={:.0f},{:.0f}", std::ceil(figures.width),
+                                     std::ceil(figures.height)),
+                         "--screenshot=" + png.string()},
+                        svg);
+  }
+  std::string content = made ? content_of(png) : "";
+  if (content.rfind("\x89PNG", 0) != 0) {
+    throw std::runtime_error(
+        "the program that turns figures into a PNG failed; write them as .svg or .html");
+  }
+  return content;
+}
+
+void set_id(Block& block, std::set<std::string>& known) {
+  std::visit(
+      [&](auto& one) {
+        using Kind = std::decay_t<decltype(one)>;
+        if constexpr (!std::is_same_v<Kind, Paragraph>) {
+          const std::string wanted = one.id;
+          for (int k = 2; !known.insert(one.id).second; ++k)
+            one.id = fmt::format("{}-{}", wanted, k);
+        }
+      },
+      block);
+}
+
+}  // namespace
+
+void PlotSheet::add(Block block) {
+  set_id(block, ids_);
+  if (auto* group = std::get_if<PlotGroup>(&block)) {
+    for (auto& tab : group->tabs) {
+      for (auto& plot : tab.plots) {
+        Block one = std::move(plot);
+        set_id(one, ids_);
+        plot = std::get<Plot>(std::move(one));
+      }
+    }
+  }
+  blocks.push_back(std::move(block));
+}
+
+void PlotSheet::add(std::vector<Block> more) {
+  for (auto& block : more) add(std::move(block));
+}
+
+void add_plot_option(CLI::App& verb, PlotCommand& command) {
+  verb.add_option("--plot", command.file,
+                  "Draw the result: an interactive page (.html) or a picture (.svg, .png)")
+      ->type_name("F.html|svg|png")
+      ->check(CLI::Validator(known_kind, ""))
+      ->group("Common");
+  verb.add_flag("--show", command.show, "Open the drawing, a page unless --plot says otherwise")
+      ->group("Common");
+}
+
+void prepare_plots(VerbContext& context, const PlotCommand& command) {
+  if (command.file.empty() && !command.show) return;
+  if (!command.file.empty()) {
+    const fs::path file(command.file);
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    std::error_code none;
+    if (!fs::is_directory(folder, none)) {
+      throw UsageError(command.file + ": there is no folder " + folder.string() +
+                       " to write the figures to");
+    }
+    if (fs::is_directory(file, none) || ::access(folder.c_str(), W_OK) != 0) {
+      throw UsageError(command.file + ": the figures cannot be written there");
+    }
+    if (kind_of(command.file) == ".png" && find_program({"rsvg-convert"}).empty() &&
+        find_chromium().empty()) {
+      throw UsageError(command.file +
+                       ": a PNG needs rsvg-convert (Debian: librsvg2-bin) or Chromium, and neither "
+                       "is here; write .svg or .html");
+    }
+  }
+  context.plots = std::make_shared<PlotSheet>();
+}
+
+void write_plots(VerbContext& context, const PlotCommand& command, const std::string& verb) {
+  if (!context.plots) return;
+  auto& sheet = *context.plots;
+  if (sheet.blocks.empty()) {
+    context.warn("nothing_to_draw", "there is no result to draw; no figure was written",
+                 command.file);
+    return;
+  }
+  if (sheet.title.empty()) sheet.title = "rigfit " + verb;
+  fs::path file = command.file;
+  if (command.file.empty()) {
+    file = fs::temp_directory_path() / fmt::format("rigfit-{}-{}.html", verb, ::getpid());
+  }
+  if (const std::string kind = kind_of(file.string()); kind == ".html") {
+    context.write(file, figures_page(sheet.title, repeat_command(context), sheet.blocks));
+  } else {
+    const auto figures = figures_svg(sheet.title, sheet.blocks);
+    if (figures.height <= 0) {
+      context.warn("nothing_to_draw", "these results are drawn on a page only: write .html",
+                   command.file);
+      return;
+    }
+    context.write(file, kind == ".png" ? png_of(figures) : figures.svg);
+  }
+  context.out << "figures: " << file.string() << '\n';
+  if (command.show && !open_for_user(file)) {
+    context.warn("not_shown", "there is no xdg-open, or it failed: open the file in a browser",
+                 file.string());
+  }
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,138 @@
+#include "apps/cli/plots/verb_figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "apps/report/drawing/share_bars.h"
+#include "apps/report/figures/axial_plots.h"
+#include "apps/report/figures/bending_plots.h"
+#include "apps/report/figures/decay_plots.h"
+#include "apps/report/figures/fit_plots.h"
+#include "apps/report/figures/frf_plots.h"
+#include "apps/report/figures/hit_gallery.h"
+#include "apps/report/figures/model_plots.h"
+#include "apps/report/figures/point_plots.h"
+#include "apps/report/figures/recording_plots.h"
+#include "apps/report/figures/tension_plots.h"
+#include "apps/report/page/html_text.h"
+#include "signal/modal/modal_synthesis.h"
+
+namespace rigfit::apps {
+namespace {
+
+template <class Made>
+void add(PlotSheet& sheet, std::optional<Made> made) {
+  if (made) sheet.add(Block(std::move(*made)));
+}
+
+void add_drawn(PlotSheet& sheet, Plot plot) {
+  if (!plot.series.empty()) sheet.add(Block(std::move(plot)));
+}
+
+}  // namespace
+
+void draw_recording(PlotSheet& sheet, const signal::Recording& recording,
+                    const signal::QualityResult& quality) {
+  const std::string id = fmt::format("recording-{}", sheet.blocks.size() + 1);
+  for (auto& plot : recording_plots(id, recording, quality, Origin::measured)) {
+    add_drawn(sheet, std::move(plot));
+  }
+}
+
+void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures) {
+  if (figures.places && figures.test && figures.test->hits() > 0) {
+    sheet.add(Block(hit_gallery("hits", *figures.places, *figures.test, Origin::measured)));
+  }
+  const auto& frfs = figures.frfs;
+  if (frfs.frequency_hz.size() == 0) return;
+  const double last = frfs.frequency_hz[frfs.frequency_hz.size() - 1];
+  const LineRange range =
+      lines_between(frfs, figures.low_hz, figures.high_hz > 0 ? figures.high_hz : last);
+  if (range.last < range.first) return;
+  std::optional<signal::FrfSet> rebuilt;
+  if (figures.modal && !figures.modal->model.modes.empty()) {
+    rebuilt = signal::synthesised(
+        figures.modal->model, frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
+        frfs.form, frfs.exponential_decay_rate_1_s);
+  }
+  for (auto& plot : frf_figures({"test", "", Origin::measured}, frfs, range, figures.modal,
+                                rebuilt ? &*rebuilt : nullptr)) {
+    add_drawn(sheet, std::move(plot));
+  }
+  if (!figures.modal) return;
+  const auto& modes = figures.modal->model.modes;
+  add(sheet, points_plot("points", modes, Origin::measured));
+  add(sheet, points_table("points-table", modes, Origin::measured));
+  if (const auto& mac = figures.modal->auto_mac; mac.rows() > 1 && frfs.responses.size() > 1) {
+    std::vector<std::string> names;
+    for (const auto& mode : modes)
+      names.push_back(fmt::format("{:.5g} Hz", mode.frequency_hz.value));
+    sheet.add(Block(matrix_picture("mac", "MAC between the modes",
+                                   "How alike two shapes are at the sensors: near 0 beside the "
+                                   "diagonal when there are enough of them to tell modes apart.",
+                                   mac, names, names)));
+  }
+}
+
+void draw_decay(PlotSheet& sheet, const std::string& file, const ident::ChannelDecays& decays) {
+  std::vector<AnalysedDecay> drawn{{file, decays.channel, decays.unit, Origin::measured,
+                                    decays.sample_rate_hz, decays.start_time_s, decays.samples,
+                                    decays.strongest}};
+  add_drawn(sheet, decay_plot("decay", drawn.front()));
+  add_drawn(sheet, damping_plot("damping", drawn));
+}
+
+void draw_bending(PlotSheet& sheet, const ident::BendingCampaign& campaign,
+                  const ident::BendingCampaignResult& result) {
+  const std::vector<Origin> origins(campaign.sources.size(), Origin::measured);
+  add_drawn(sheet, load_deflection_plot("load-deflection", campaign, origins, result));
+  add_drawn(sheet, load_residual_plot("load-residual", campaign, origins, result));
+  add_drawn(sheet, stiffness_plot("EI", stiffness_series(result, origins), result));
+}
+
+void draw_axial(PlotSheet& sheet, const ident::AxialInputs& inputs,
+                const ident::AxialCampaignResult& result) {
+  if (result.test) {
+    add_drawn(sheet, axial_length_plot("EA", *result.test, Origin::measured));
+    add(sheet, axial_budget_picture("EA-budget", *result.test));
+  }
+  const std::vector<Origin> origins(inputs.recordings.size(), Origin::measured);
+  sheet.add(axial_decay_blocks("axial", inputs, result, origins));
+}
+
+void draw_update(PlotSheet& sheet, const std::vector<ident::UpdateState>& states,
+                 const ident::UpdateResult& result, const std::vector<ident::HeldOut>& held) {
+  const FitFigures fit{states, result, held};
+  add_drawn(sheet, parity_plot("parity", fit));
+  add_drawn(sheet, error_by_mode_plot("errors-by-mode", fit));
+  add(sheet, pair_mac_plot("mac", fit));
+  add(sheet, budget_picture("budget", result));
+}
+
+void draw_tension(PlotSheet& sheet, const ident::TensionResult& result) {
+  for (auto& plot : tension_plots("tension", result)) add_drawn(sheet, std::move(plot));
+  ShareBar bar{"tension", shown_estimate(result.tension_N.value, result.tension_N.std) + " N", {}};
+  for (const auto& term : result.budget) {
+    if (std::isfinite(term.std)) bar.parts.emplace_back(term.source, term.std * term.std);
+  }
+  if (bar.parts.empty()) return;
+  sheet.add(Block(share_bars("tension-budget", "Where the uncertainty of the tension comes from",
+                             "Shares of the variance.", {bar})));
+}
+
+void draw_modes(PlotSheet& sheet, const model::Scene& scene, const model::ModalAnalysis& analysis) {
+  if (analysis.modes.empty()) return;
+  add(sheet, shapes_picture("shapes", scene, analysis));
+  add_drawn(sheet, mode_frequencies_plot("frequencies", analysis));
+}
+
+void draw_response(PlotSheet& sheet, const model::Scene& scene,
+                   const model::ResponseResult& response) {
+  for (auto& plot : response_plots("response", scene, response)) add_drawn(sheet, std::move(plot));
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,59 @@
+// What verbs draw with --plot: the report's figures of one kind of test, gathered.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/cli/plots/plot_option.h"
+#include "ident/campaign/axial_campaign.h"
+#include "ident/campaign/bending_campaign.h"
+#include "ident/campaign/decay_test.h"
+#include "ident/campaign/hammer_test.h"
+#include "ident/tension/cable_tension.h"
+#include "ident/update/uncertainty/update_checks.h"
+#include "model/linear/modal_analysis.h"
+#include "model/response/response.h"
+#include "signal/recording/quality.h"
+
+namespace rigfit::apps {
+
+/// Every channel of a recording.
+void draw_recording(PlotSheet& sheet, const signal::Recording& recording,
+                    const signal::QualityResult& quality);
+
+/// Hits (none: FRFs from a file), FRFs between two frequencies and, where there are any, modes.
+struct HammerFigures {
+  const std::vector<ident::StruckPlace>* places = nullptr;  ///< null: FRFs from a file
+  const ident::HammerTest* test = nullptr;                  ///< null: FRFs from a file
+  const signal::FrfSet& frfs;
+  double low_hz = 0, high_hz = 0;  ///< 0: to the last line
+  const signal::ModalResult* modal = nullptr;
+};
+void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures);
+
+/// The strongest decay of a channel, and damping over amplitude.
+void draw_decay(PlotSheet& sheet, const std::string& file, const ident::ChannelDecays& decays);
+
+void draw_bending(PlotSheet& sheet, const ident::BendingCampaign& campaign,
+                  const ident::BendingCampaignResult& result);
+
+/// EA by length, decays, budget.
+void draw_axial(PlotSheet& sheet, const ident::AxialInputs& inputs,
+                const ident::AxialCampaignResult& result);
+
+/// Pairs, errors, MAC, budget.
+void draw_update(PlotSheet& sheet, const std::vector<ident::UpdateState>& states,
+                 const ident::UpdateResult& result, const std::vector<ident::HeldOut>& held);
+
+/// Measured and modelled frequencies by mode, tension by candidate, budget.
+void draw_tension(PlotSheet& sheet, const ident::TensionResult& result);
+
+/// Frequencies, and shapes over the equilibrium with supports and sensors.
+void draw_modes(PlotSheet& sheet, const model::Scene& scene, const model::ModalAnalysis& analysis);
+
+/// Every sensor over time and its spectrum.
+void draw_response(PlotSheet& sheet, const model::Scene& scene,
+                   const model::ResponseResult& response);
+
+}  // namespace rigfit::apps

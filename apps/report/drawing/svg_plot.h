@@ -1,0 +1,43 @@
+// A figure as SVG, fit for a paper: vector text, axes with round ticks, a legend, points with
+// their intervals. Standing alone it carries its own colours; inside a page it takes the page's.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/report/drawing/plot.h"
+
+namespace rigfit::apps {
+
+struct SvgOptions {
+  double width = 760, height = 440;  ///< px, 96 an inch
+  bool standalone = true;            ///< with XML header and white paper
+  std::string font = "sans-serif";   ///< CSS font-family
+  double font_size = 12;             ///< px; markers, strokes and margins grow with it
+  bool in_mm = false;                ///< the size is written in mm, for print
+};
+
+/// For a paper: width and height in mm, the font's name and its size in points.
+[[nodiscard]] SvgOptions print_size(double width_mm, double height_mm, const std::string& font,
+                                    double size_pt);
+
+[[nodiscard]] std::string svg_plot(const Plot& plot, const SvgOptions& options = {});
+
+/// A figure of a sheet: an svg element of its own (SvgOptions::standalone false), px.
+struct SvgPanel {
+  std::string title, svg;
+  double width = 760, height = 440;
+};
+/// Figures below each other in one SVG file; gives its size in px, 0 high without figures.
+[[nodiscard]] std::string svg_sheet(const std::string& title, const std::vector<SvgPanel>& panels,
+                                    double& width, double& height);
+
+/// An svg element drawn for a page (SvgOptions::standalone false, a Picture) as a file of its own:
+/// XML header and white paper.
+[[nodiscard]] std::string standalone_svg(const std::string& svg);
+
+/// Round numbers that cover [low, high], about `count` of them; powers of ten (and 2, 5 between
+/// when few) on a logarithmic axis.
+[[nodiscard]] std::vector<double> axis_ticks(double low, double high, int count, bool logarithmic);
+
+}  // namespace rigfit::apps

@@ -1,0 +1,254 @@
+#include "apps/report/page/block_html.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "apps/report/assets.h"
+#include "apps/report/drawing/palette.h"
+#include "apps/report/drawing/plot_data.h"
+#include "apps/report/drawing/svg_plot.h"
+#include "apps/report/page/html_text.h"
+
+namespace rigfit::apps {
+namespace {
+
+constexpr std::size_t kLongestTable = 200;  // rows of a plot's table written into the page; of more
+                                            // points the page makes one when it is opened
+
+/// Text inside a script element: nothing in it may end that element.
+std::string guarded(std::string text) {
+  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) {
+    text.replace(at, 2, "<\\/");
+  }
+  for (std::size_t at = 0; (at = text.find("<!--", at)) != std::string::npos; at += 6) {
+    text.replace(at, 1, "\\u003c");
+  }
+  return text;
+}
+
+std::string embedded(const Json& json) {
+  return guarded(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+/// A source map is a separate file that no reader of a page has.
+std::string_view without_map(std::string_view text) {
+  return text.substr(
+      0, std::min(text.find("//# sourceMappingURL"), text.find("/*# sourceMappingURL")));
+}
+
+}  // namespace
+
+void BlockHtml::add(const Block& block) {
+  std::visit([this](const auto& b) { add(b); }, block);
+}
+
+std::string BlockHtml::taken() { return std::exchange(html_, {}); }
+
+std::string BlockHtml::links_to(const std::string& id) const {
+  if (!files_) return "";
+  return fmt::format(
+      " <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a>, <a "
+      "href=\"data/{0}.csv\">CSV</a></span>",
+      escaped(id));
+}
+
+std::string BlockHtml::styles() {
+  return fmt::format("<style>{}{}{}</style>\n", without_map(assets::dygraph_css),
+                     assets::report_css, palette_css());
+}
+
+std::string BlockHtml::scripts() const {
+  std::string text =
+      "<script type=\"application/json\" id=\"plots\">{" + guarded(plots_) + "}</script>\n";
+  for (const auto script : {assets::dygraph_js, assets::plots_js, assets::shapes_js}) {
+    text += fmt::format("<script>{}</script>\n", without_map(script));
+  }
+  return text;
+}
+
+void BlockHtml::add(const Picture& picture) {
+  html_ += fmt::format(
+      "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{1} id=\"{0}-title\">{2}</h{1}>\n"
+      "<div class=\"picture\">{3}</div>\n<figcaption>{5} {4}{6}</figcaption>\n</figure>\n",
+      escaped(picture.id), heading_, escaped(picture.title), picture.svg, escaped(picture.caption),
+      number("Figure", ++figures_), links_to(picture.id));
+}
+
+std::string BlockHtml::number(const char* what, int number) {
+  return fmt::format("<span class=\"number\">{}&nbsp;{}.</span>", what, number);
+}
+
+void BlockHtml::add(const Paragraph& paragraph) {
+  const char* css = paragraph.kind == Paragraph::Kind::warning ? " class=\"warning\""
+                    : paragraph.kind == Paragraph::Kind::note  ? " class=\"note\""
+                                                               : "";
+  html_ += fmt::format("<p{}>{}</p>\n", css, escaped(paragraph.text));
+}
+
+void BlockHtml::add(const ReportTable& table) {
+  if (!table.fold.empty()) {
+    html_ += fmt::format("<details class=\"fold\"><summary>{}</summary>\n", escaped(table.fold));
+  }
+  // A short table stays on one page.
+  html_ +=
+      fmt::format("<div class=\"table\"><table id=\"{}\"{}><caption>{} {}</caption>\n<thead><tr>",
+                  escaped(table.id), table.rows.size() <= 12 ? " class=\"short\"" : "",
+                  number("Table", ++tables_), escaped(table.caption));
+  // A column with nothing in it says nothing: remarks where there are none.
+  std::vector<bool> shown_column(table.columns.size(), table.rows.empty());
+  for (const auto& row : table.rows) {
+    for (std::size_t i = 0; i < std::min(row.size(), shown_column.size()); ++i) {
+      if (!row[i].text.empty()) shown_column[i] = true;
+    }
+  }
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    if (!shown_column[i]) continue;
+    const auto& column = table.columns[i];
+    html_ += fmt::format("<th scope=\"col\"{}>{}</th>", column.numeric ? " class=\"n\"" : "",
+                         column.origin ? fmt::format("<span class=\"o-{}\" title=\"{}\">{}</span>",
+                                                     word_of(*column.origin),
+                                                     name_of(*column.origin), escaped(column.name))
+                                       : escaped(column.name));
+  }
+  html_ += "</tr></thead>\n<tbody>\n";
+  for (const std::size_t row_index : rows_on_page(table)) {
+    const auto& row = table.rows[row_index];
+    const bool starts = !row.empty() && !row[0].text.empty() && table.rows.size() > 6;
+    html_ += starts ? "<tr class=\"state\">" : "<tr>";
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (i < shown_column.size() && !shown_column[i]) continue;
+      std::string css;
+      if (i < table.columns.size() && table.columns[i].numeric) css += "n";
+      if (row[i].origin) css += fmt::format(" o-{}", word_of(*row[i].origin));
+      if (row[i].doubtful) css += " doubt";
+      if (row[i].shade) css += " shade";
+      html_ += fmt::format(
+          "<td{}{}>{}</td>", css.empty() ? "" : " class=\"" + css + "\"",
+          row[i].shade ? fmt::format(" style=\"--shade:{:.0f}%\"", 100 * *row[i].shade) : "",
+          escaped(row[i].text));
+    }
+    html_ += "</tr>\n";
+  }
+  html_ += "</tbody></table></div>\n";
+  if (table.rows.size() > kMostRows) {
+    html_ += fmt::format(
+        "<p class=\"small\">{} of {} rows, those with remarks first; <a "
+        "href=\"data/{}.csv\">all as CSV</a>.</p>\n",
+        kMostRows, table.rows.size(), escaped(table.id));
+  }
+  if (!table.fold.empty()) html_ += "</details>\n";
+}
+
+void BlockHtml::add(const PlotGroup& group) {
+  html_ += fmt::format("<div class=\"group\" id=\"{0}\"><h{2}>{1}</h{2}>\n", escaped(group.id),
+                       escaped(group.title), heading_);
+  const bool several = group.tabs.size() > 1;
+  const std::size_t tabs = std::min(group.tabs.size(), kMostTabs);
+  if (tabs < group.tabs.size()) {
+    html_ += fmt::format(
+        "<p class=\"note\">The first {} of {} states; figures/ and data/ have all.</p>\n", tabs,
+        group.tabs.size());
+  }
+  if (several) {
+    html_ += fmt::format("<div class=\"tabs\" role=\"tablist\" aria-label=\"{}: state shown\">",
+                         escaped(group.title));
+    for (std::size_t i = 0; i < tabs; ++i) {
+      html_ += fmt::format(
+          "<button type=\"button\" role=\"tab\" id=\"{0}-t{1}\" aria-controls=\"{0}-p{1}\" "
+          "aria-selected=\"{2}\" tabindex=\"{3}\">{4}</button>",
+          escaped(group.id), i, i == 0, i == 0 ? 0 : -1, escaped(group.tabs[i].label));
+    }
+    html_ += "</div>\n";
+  }
+  for (std::size_t i = 0; i < tabs; ++i) {
+    if (several) {
+      html_ += fmt::format(
+          "<div role=\"tabpanel\" id=\"{0}-p{1}\" aria-labelledby=\"{0}-t{1}\" "
+          "class=\"panel{2}\">"
+          "<p class=\"panel-title\"><b>{3}</b></p>\n",
+          escaped(group.id), i, i == 0 ? "" : " other", escaped(group.tabs[i].label));
+    }
+    ++heading_;
+    for (const auto& plot : group.tabs[i].plots) add(plot);
+    --heading_;
+    if (several) html_ += "</div>\n";
+  }
+  html_ += "</div>\n";
+}
+
+void BlockHtml::add(const Plot& whole) {
+  const Plot thin = limits_.points > 0 ? on_screen(whole, limits_.points) : Plot();
+  const Plot& plot = limits_.points > 0 ? thin : whole;
+  const bool picture = limits_.pictures || always_on_paper_;
+  plots_ += (plots_.empty() ? "" : ",\n") + json_text(plot.id) + ":" + plot_data(plot);
+  SvgOptions options;
+  options.standalone = false;
+  html_ += fmt::format(
+      "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{4} id=\"{0}-title\">{1}</h{4}>\n"
+      "<div class=\"plot-tools\" role=\"group\" aria-label=\"{1}: series shown and "
+      "view\"></div>\n<div class=\"plot\" "
+      "data-plot=\"{0}\"></div>\n"
+      "<div class=\"readout\" aria-live=\"polite\"></div>\n<div class=\"static\">{2}</div>\n"
+      "<figcaption>{5} {3}{6}</figcaption>\n",
+      escaped(plot.id), escaped(plot.title),
+      picture ? svg_plot(plot, options) : fmt::format("On paper: figures/{}.svg", escaped(plot.id)),
+      escaped(plot.caption), heading_, number("Figure", ++figures_), links_to(plot.id));
+  values_table(plot);
+  html_ += "</figure>\n";
+}
+
+void BlockHtml::values_table(const Plot& plot) {
+  std::size_t all = 0;
+  for (const auto& series : plot.series) all += series.x.size();
+  html_ += fmt::format(
+      "<details class=\"values\"{}><summary>Values as a table<span class=\"hidden\">: {}</span>"
+      "</summary><div class=\"table\"><table aria-label=\"{}: values\"><thead><tr><th "
+      "scope=\"col\">series</th><th "
+      "scope=\"col\">origin</th><th scope=\"col\" class=\"n\">{}</th><th scope=\"col\" "
+      "class=\"n\">{}</th><th scope=\"col\" class=\"n\">95 % interval</th></tr></thead><tbody>",
+      all > kLongestTable ? fmt::format(" data-of=\"{}\"", escaped(plot.id)) : "",
+      escaped(plot.title), escaped(plot.title), escaped(plot.x_label), escaped(plot.y_label));
+  if (all <= kLongestTable) {
+    html_ += "\n";
+    for (const auto& series : plot.series) {
+      for (std::size_t i = 0; i < series.x.size(); ++i) {
+        if (!std::isfinite(series.y[i])) continue;
+        const bool interval = i < series.low.size() && std::isfinite(series.low[i]);
+        html_ += fmt::format(
+            "<tr><td>{}</td><td class=\"o-{}\">{}</td><td class=\"n\">{}</td><td "
+            "class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+            escaped(series.name), word_of(series.origin), name_of(series.origin),
+            shown(series.x[i], 5), shown(series.y[i], 5),
+            interval ? shown(series.low[i], 4) + " to " + shown(series.high[i], 4) : "");
+      }
+    }
+  }
+  html_ += "</tbody></table></div></details>\n";
+}
+
+void BlockHtml::add(const ShapeViewer& viewer) {
+  Json states = viewer.states;
+  if (states.size() > kMostTabs) states.erase(states.begin() + kMostTabs, states.end());
+  html_ += fmt::format(
+      "<figure id=\"{0}\" class=\"shapes\" data-shapes=\"{0}-data\" "
+      "aria-labelledby=\"{0}-title\">"
+      "<h{4} id=\"{0}-title\">Mode shapes</h{4}>\n"
+      "<div class=\"plot-tools\"><label>State <select "
+      "class=\"state\"></select></label><label>Mode "
+      "<select class=\"mode\"></select></label><button type=\"button\" "
+      "class=\"play\">Move</button>"
+      "<span class=\"key\"><span class=\"mark\" style=\"color:var(--cable)\">cable</span><span "
+      "class=\"mark\" style=\"color:var(--beam)\">beam</span><span class=\"mark\" "
+      "style=\"color:var(--hybrid)\">hybrid</span></span></div>\n"
+      "<div class=\"shapes-stage\"><canvas tabindex=\"0\" role=\"img\" aria-label=\"Moving mode "
+      "shape; "
+      "arrow keys turn it\"></canvas></div>\n<figcaption>{3} {1}</figcaption>\n<script "
+      "type=\"application/json\" id=\"{0}-data\">{2}</script></figure>\n",
+      escaped(viewer.id), escaped(viewer.caption), embedded(states), number("Figure", ++figures_),
+      heading_);
+}
+
+}  // namespace rigfit::apps

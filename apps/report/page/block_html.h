@@ -1,0 +1,60 @@
+// Blocks of a report as HTML: paragraphs, tables, figures with their data. A report's page and the
+// page that a verb writes by --plot are made of them, so that a figure looks the same in both.
+#pragma once
+
+#include <string>
+
+#include "apps/report/page/page_limits.h"
+#include "apps/report/report_part.h"
+
+namespace rigfit::apps {
+
+/// Collects blocks one after the other; the data of plots go to the end of the page, where the
+/// scripts are.
+class BlockHtml {
+ public:
+  /// `files`: figures/ID.svg and data/ID.csv lie beside the page, and figures say so.
+  explicit BlockHtml(bool files = true) : files_(files) {}
+
+  void add(const Block& block);
+  void add(const Paragraph& paragraph);
+  void add(const ReportTable& table);
+  void add(const Plot& plot);
+  void add(const PlotGroup& group);
+  void add(const ShapeViewer& viewer);
+  void add(const Picture& picture);
+
+  /// Level of the titles of figures from here on; those within a group are one lower.
+  void heading(int level) { heading_ = level; }
+
+  /// What the page carries of large figures.
+  void limit(const PageLimits& limits) { limits_ = limits; }
+  /// Whether figures are drawn for paper as well, whatever the limits say.
+  void always_on_paper(bool always) { always_on_paper_ = always; }
+
+  /// What was added since the last call.
+  [[nodiscard]] std::string taken();
+
+  /// Style sheets of a page with blocks: a style element for its head.
+  [[nodiscard]] static std::string styles();
+  /// Data and scripts of all plots added: script elements for the end of its body.
+  [[nodiscard]] std::string scripts() const;
+
+ private:
+  void values_table(const Plot& plot);
+
+  [[nodiscard]] std::string links_to(const std::string& id) const;
+
+  bool files_;
+  std::string html_;
+  /// "Figure 3.", "Table 2."
+  [[nodiscard]] static std::string number(const char* what, int number);
+
+  PageLimits limits_;
+  bool always_on_paper_ = false;
+  int heading_ = 3;               ///< level of a figure's title
+  int figures_ = 0, tables_ = 0;  ///< numbered through the page
+  std::string plots_;             ///< JSON members, by the plot's id
+};
+
+}  // namespace rigfit::apps

@@ -1,0 +1,261 @@
+#include "apps/results/update_result.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/cli/json_document.h"
+#include "ident/campaign/fit_campaign.h"
+
+namespace rigfit::apps {
+namespace {
+
+// Where each parameter's uncertainty comes from, as shares of its variance; what is below half a
+// percent is not shown.
+void print_budget(std::ostream& out, const ident::UpdateResult& result) {
+  for (const auto& p : result.parameters) {
+    std::string shares;
+    for (const auto& term : p.budget) {
+      const double share = std::pow(term.std / p.std, 2);
+      if (!(share > 0.005)) continue;
+      shares += fmt::format("{}{} {:.0f} %", shares.empty() ? "" : ", ", term.source, 100 * share);
+    }
+    if (!shares.empty() && p.budget.size() > 1) {
+      out << fmt::format("  variance of {}: {}\n", p.name, shares);
+    }
+  }
+}
+
+Json spread_json(const Eigen::VectorXd& mean, const Eigen::VectorXd& std,
+                 const Eigen::VectorXd& low, const Eigen::VectorXd& high, Eigen::Index j) {
+  if (j >= mean.size()) return nullptr;
+  return {{"mean", mean[j]}, {"std", std[j]}, {"low", low[j]}, {"high", high[j]}};
+}
+
+}  // namespace
+
+Json pair_json(const ident::UpdatedPair& pair, const States& states) {
+  Json json{{"state", states[static_cast<std::size_t>(pair.state)].name},
+            {"measured_hz", pair.measured_hz},
+            {"model_hz", pair.model_hz},
+            {"relative_error", pair.relative_error},
+            {"plane", model::name_of(pair.plane)},
+            {"order", pair.order + 1}};
+  if (std::isfinite(pair.mac)) json["mac"] = pair.mac;
+  if (std::isfinite(pair.measured_damping)) {
+    json["measured_damping_ratio"] = pair.measured_damping;
+    json["model_damping_ratio"] = json_number(pair.model_damping);
+  }
+  if (std::isfinite(pair.model_std_hz)) json["model_std_hz"] = pair.model_std_hz;
+  if (pair.cross_plane) json["leakage"] = true;
+  return json;
+}
+
+Json parameters_json(const std::vector<ident::UpdatedParameter>& parameters) {
+  Json list = Json::array();
+  for (const auto& p : parameters) {
+    Json budget = Json::array();
+    for (const auto& term : p.budget)
+      budget.push_back({{"source", term.source}, {"std", term.std}});
+    list.push_back({{"name", p.name},
+                    {"start", p.start},
+                    {"value", p.value},
+                    {"std", json_number(p.std)},
+                    {"low", json_number(p.low)},
+                    {"high", json_number(p.high)},
+                    {"interval", p.interval_by_profile ? "profile" : "linear"},
+                    {"identifiable", p.identifiable},
+                    {"std_from_data", json_number(p.std_from_data)},
+                    {"at_bound", p.at_bound},
+                    {"segment_shift", json_number(p.segment_shift)},
+                    {"segments_taken_off", json_number(p.segments_taken_off)},
+                    {"budget", std::move(budget)}});
+  }
+  return list;
+}
+
+namespace {
+
+Json pairs_json(const std::vector<ident::UpdatedPair>& paired,
+                const std::vector<ident::UpdatedUnpaired>& unpaired, const States& states) {
+  Json pairs = Json::array();
+  for (const auto& pair : paired) pairs.push_back(pair_json(pair, states));
+  for (const auto& lone : unpaired) {
+    pairs.push_back({{"state", states[static_cast<std::size_t>(lone.state)].name},
+                     {"measured_hz", lone.measured ? Json(lone.frequency_hz) : Json(nullptr)},
+                     {"model_hz", lone.measured ? Json(nullptr) : Json(lone.frequency_hz)},
+                     {"relative_error", nullptr},
+                     {"reason", lone.reason}});
+  }
+  return pairs;
+}
+
+Json fit_json(const ident::UpdateFit& fit) {
+  return {{"chi2", fit.chi2},
+          {"degrees_of_freedom", fit.degrees_of_freedom},
+          {"p_value", json_number(fit.p_value)},
+          {"uncertainties", fit.stated ? "stated" : "assumed"},
+          {"model_std", fit.model_std},
+          {"frf_model_std", fit.frf_model_std},
+          {"correlated_lines", fit.correlated_lines}};
+}
+
+Json alternatives_json(const ident::UpdateResult& result, const States& states) {
+  Json list = Json::array();
+  for (const auto& one : result.alternatives) {
+    list.push_back({{"weight", one.weight},
+                    {"log_evidence", one.log_evidence},
+                    {"log_detected", one.log_detected},
+                    {"log_false", one.log_false},
+                    {"log_missed", one.log_missed},
+                    {"model_std", one.model_std},
+                    {"parameters", parameters_json(one.parameters)},
+                    {"pairs", pairs_json(one.pairs, one.unpaired, states)},
+                    {"rms_relative_error", json_number(one.rms_relative_error)}});
+  }
+  return list;
+}
+
+Json correlation_json(const Eigen::MatrixXd& matrix) {
+  Json correlation = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(json_number(matrix(i, j)));
+    correlation.push_back(std::move(row));
+  }
+  return correlation;
+}
+
+}  // namespace
+
+Json update_json(const ident::UpdateResult& result, const States& states) {
+  Json json{{"status", ident::name_of(result.status)},
+            {"parameters", parameters_json(result.parameters)},
+            {"fit", fit_json(result.fit)},
+            {"alternatives", alternatives_json(result, states)},
+            {"log_evidence", json_number(result.log_evidence)}};
+  json["correlation"] = correlation_json(result.correlation);
+  json["rank"] = result.identifiability.rank;
+  json["condition"] = json_number(result.identifiability.condition);
+  json["not_identifiable"] = result.open;
+  json["pairs"] = pairs_json(result.pairs, result.unpaired, states);
+  json["rms_relative_error"] = json_number(result.rms_relative_error);
+  json["rms_relative_error_before"] = json_number(result.rms_relative_error_before);
+  json["chi_squared"] = result.chi_squared;
+  json["degrees_of_freedom"] = result.degrees_of_freedom;
+  json["coverage_factor"] = result.coverage_factor;
+  json["starts"] = result.starts;
+  json["starts_agreeing"] = result.starts_agreeing;
+  json["model_evaluations"] = result.model_evaluations;
+  json["auto_segments"] = result.auto_segments;
+  if (result.frf_lines > 0) {
+    json["frf_lines"] = result.frf_lines;
+    json["rms_log_frf_error"] = json_number(result.rms_log_frf_error);
+    json["rms_log_frf_error_before"] = json_number(result.rms_log_frf_error_before);
+  }
+  if (std::isfinite(result.history_error)) {
+    json["history_error"] = result.history_error;
+    json["history_error_before"] = json_number(result.history_error_before);
+  }
+  return json;
+}
+
+Json held_out_json(const std::vector<ident::HeldOut>& held, const States& states) {
+  Json json = Json::array();
+  for (const auto& one : held) {
+    Json pairs = Json::array();
+    for (const auto& pair : one.pairs) pairs.push_back(pair_json(pair, states));
+    json.push_back({{"state", states[static_cast<std::size_t>(one.state)].name},
+                    {"status", ident::name_of(one.status)},
+                    {"rms_relative_error_before", json_number(one.rms_before)},
+                    {"rms_relative_error_fitted", json_number(one.rms_fitted)},
+                    {"rms_relative_error_predicted", json_number(one.rms_predicted)},
+                    {"rms_log_frf_error_before", json_number(one.frf_before)},
+                    {"rms_log_frf_error_fitted", json_number(one.frf_fitted)},
+                    {"rms_log_frf_error_predicted", json_number(one.frf_predicted)},
+                    {"pairs", std::move(pairs)}});
+  }
+  return json;
+}
+
+Json monte_carlo_json(const ident::UpdateResult& result, const States& states,
+                      const ident::UpdateMonteCarlo& study) {
+  Json rows = Json::array(), pairs = Json::array();
+  for (Eigen::Index j = 0; j < study.mean.size(); ++j) {
+    rows.push_back(spread_json(study.mean, study.std, study.low, study.high, j));
+    rows.back()["name"] = result.parameters[static_cast<std::size_t>(j)].name;
+  }
+  for (std::size_t i = 0; i < result.pairs.size(); ++i) {
+    const auto j = static_cast<Eigen::Index>(i);
+    const auto& pair = result.pairs[i];
+    const auto &fitted = study.fitted, &before = study.before;
+    pairs.push_back(
+        {{"state", states[static_cast<std::size_t>(pair.state)].name},
+         {"measured_hz", pair.measured_hz},
+         {"fitted_hz", spread_json(fitted.mean, fitted.std, fitted.low, fitted.high, j)},
+         {"before_hz", spread_json(before.mean, before.std, before.low, before.high, j)}});
+  }
+  return {{"samples", study.samples},
+          {"failed", study.failed},
+          {"parameters", std::move(rows)},
+          {"pairs", std::move(pairs)}};
+}
+
+std::string percent(double ratio) {
+  return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
+}
+
+void print_update(std::ostream& out, const ident::UpdateResult& result, const States& states) {
+  if (result.fit.ruled_out())
+    out << "the data rule this model out: " << ident::fit_text(result.fit) << '\n';
+  const auto end = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:.5g}", value) : std::string("open");
+  };
+  out << fmt::format("{:<34} {:>12} {:>12} {:>10}   {}\n", "parameter", "start", "value", "std",
+                     "95 % interval");
+  for (const auto& p : result.parameters) {
+    out << fmt::format("{:<34} {:>12.5g} {:>12.5g} {:>10}   {} .. {}{}\n", p.name, p.start, p.value,
+                       p.identifiable ? fmt::format("{:.2g}", p.std) : "not known", end(p.low),
+                       end(p.high), p.interval_by_profile ? " (profile)" : "");
+  }
+  print_budget(out, result);
+  out << fmt::format("{:<24} {:>12} {:>12} {:>9} {:>9}  {}\n", "state", "measured, Hz", "model, Hz",
+                     "std", "error", "mode");
+  for (const auto& pair : result.pairs) {
+    out << fmt::format(
+        "{:<24} {:>12.4f} {:>12.4f} {:>9} {:>7.2f} %  {} {}{}\n",
+        states[static_cast<std::size_t>(pair.state)].name, pair.measured_hz, pair.model_hz,
+        std::isfinite(pair.model_std_hz) ? fmt::format("{:.2g}", pair.model_std_hz) : "-",
+        100 * pair.relative_error, model::name_of(pair.plane), pair.order + 1,
+        pair.cross_plane ? " (leakage, not fitted)" : "");
+  }
+  for (const auto& lone : result.unpaired) {
+    const auto& name = states[static_cast<std::size_t>(lone.state)].name;
+    const std::string hz = fmt::format("{:.4f}", lone.frequency_hz);
+    out << fmt::format("{:<24} {:>12} {:>12} {:>9} {:>9}  {}\n", name, lone.measured ? hz : "-",
+                       lone.measured ? "-" : hz, "", "unpaired", lone.reason);
+  }
+  if (!result.pairs.empty()) {
+    out << fmt::format("rms of the paired errors: {} before, {} fitted\n",
+                       percent(result.rms_relative_error_before),
+                       percent(result.rms_relative_error));
+  }
+  out << "fit: " << ident::fit_text(result.fit) << '\n';
+  if (result.alternatives.size() > 1) {
+    out << fmt::format("this answer has a weight of {:.3f}; others that the data support:\n",
+                       result.alternatives.front().weight);
+    for (const auto& text : ident::alternative_texts(result)) out << "  " << text << '\n';
+  }
+  if (result.frf_lines > 0) {
+    out << fmt::format(
+        "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
+        result.frf_lines, result.rms_log_frf_error_before, result.rms_log_frf_error);
+  }
+  if (std::isfinite(result.history_error)) {
+    out << fmt::format("rms of model less record over the record's: {:.2g} before, {:.2g} fitted\n",
+                       result.history_error_before, result.history_error);
+  }
+}
+
+}  // namespace rigfit::apps

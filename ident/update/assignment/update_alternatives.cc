@@ -1,0 +1,391 @@
+#include "ident/update/assignment/update_alternatives.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ident/statistics/in_parallel.h"
+
+namespace rigfit::ident {
+namespace {
+
+constexpr double kFewSegments = 12;
+constexpr double kSearchStd = 0.05;  // relative error of the model while looking around
+// Of the model while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
+constexpr double kLeastStd = 2e-3;
+constexpr double kSure = 12;         // see the header: a chance of exp(-12)
+constexpr std::size_t kSeeds = 8;    // local fits with few segments
+constexpr std::size_t kRefined = 4;  // of these, with all
+constexpr int kRounds = 6;
+constexpr double kNegligible = 7;  // ln of the ratio of weights
+
+double width_of(const UpdateCoordinate& coordinate) {
+  return coordinate.logarithmic ? std::log(10.0) : 0.1;
+}
+
+// tau and its prior probability.
+std::vector<std::pair<double, double>> model_errors() {
+  constexpr int kCount = 10;
+  std::vector<std::pair<double, double>> taus{{0, 0.5}};
+  for (int k = 0; k < kCount; ++k) taus.emplace_back(1e-4 * std::pow(10, k / 3.0), 0.5 / kCount);
+  return taus;
+}
+
+double log_sum(double a, double b) {
+  if (a < b) std::swap(a, b);
+  return std::isfinite(b) ? a + std::log1p(std::exp(b - a)) : a;
+}
+
+}  // namespace
+
+bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const Eigen::VectorXd& q,
+                 Evidence& evidence) {
+  const UpdateProblem plain = problem.with_model_std(0);
+  Eigen::VectorXd r;
+  Eigen::MatrixXd J;
+  if (!plain.residuals(q, found.matches, UpdateStage::full, r, &J)) return false;
+  const Eigen::Index n = problem.size();
+  const auto rows = plain.frequency_rows(found.matches, UpdateStage::full);
+  const double fixed = found.log_detected + found.log_false + found.log_missed;
+  evidence.log_evidence = -std::numeric_limits<double>::infinity();
+  double best = evidence.log_evidence;
+  for (const auto& [tau, probability] : model_errors()) {
+    Eigen::VectorXd w = Eigen::VectorXd::Ones(r.size());
+    double log_likelihood = fixed + std::log(probability);
+    for (const auto& row : rows) {
+      const auto& match = found.matches[row.match];
+      const double s = plain.relative_std(match.state, match.measured);
+      const double all = std::hypot(s, tau);
+      w[row.row] = s / all;
+      log_likelihood -= std::log(all * std::sqrt(2 * M_PI));
+    }
+    const Eigen::VectorXd weighted = w.cwiseProduct(r);
+    log_likelihood -= 0.5 * weighted.squaredNorm();
+    const Eigen::MatrixXd K = w.asDiagonal() * J;
+    Eigen::MatrixXd H = K.transpose() * K;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+      const bool prior = coordinate.prior_std > 0;
+      const double width = prior ? coordinate.prior_std : width_of(coordinate);
+      log_likelihood -= std::log(width);  // the roots of 2 pi of prior and integral cancel
+      if (!prior) H(j, j) += 1 / (width * width);
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> factored(H);
+    const double log_det = factored.vectorD().cwiseAbs().array().max(1e-300).log().sum();
+    const double log_part = log_likelihood - 0.5 * log_det;
+    if (log_part > best) {
+      best = log_part;
+      evidence.model_std = tau;
+      evidence.hessian = H;
+    }
+    evidence.log_evidence = log_sum(evidence.log_evidence, log_part);
+  }
+  return true;
+}
+
+namespace {
+
+class Search {
+ public:
+  Search(const UpdateProblem& problem, const UpdateOptions& options)
+      : problem_(problem),
+        options_(options),
+        few_(problem.with_segments(std::min(1.0, kFewSegments / problem.fewest_segments()))) {
+    rough_ = options;
+    rough_.function_tolerance = std::max(options.function_tolerance, 1e-5);
+  }
+
+  std::vector<UpdateAnswer> run(int& fits, std::string& failure) {
+    std::vector<UpdateAnswer> answers;
+    for (Seed& seed : seeds_at(problem_.start(), failure)) {
+      add(few_, rough_, std::move(seed), answers, failure);
+    }
+    bool sure = false;
+    if (options_.starts > 1 && !answers.empty()) {
+      const auto& near = answers.front();
+      UpdateAnswer whole =
+          settled(problem_, options_, {near.solution.q, near.solution.matches, 0}, near.model_std);
+      sure = whole.solution.q.size() > 0 && explained(whole);
+      if (sure) answers.assign(1, std::move(whole));
+    }
+    if (options_.starts > 1 && !sure) {
+      std::vector<Seed> seeds = look_around();
+      std::vector<UpdateAnswer> found(seeds.size());
+      in_parallel(seeds.size(), options_.threads,
+                  [&](std::size_t k) { found[k] = settled(few_, rough_, std::move(seeds[k])); });
+      fits_ += static_cast<int>(seeds.size());
+      for (auto& one : found) {
+        if (one.solution.q.size() > 0) merge(std::move(one), answers);
+      }
+    }
+    if (!sure) answers = refined(std::move(answers));
+    fits = fits_;
+    double all = -std::numeric_limits<double>::infinity();
+    for (const auto& answer : answers) all = log_sum(all, answer.log_evidence);
+    for (auto& answer : answers) answer.weight = std::exp(answer.log_evidence - all);
+    return answers;
+  }
+
+ private:
+  struct Seed {
+    Eigen::VectorXd q;
+    UpdateMatches matches;
+    double score = 0;  // ln of its likelihood while looking around
+  };
+
+  void add(const UpdateProblem& problem, const UpdateOptions& options, Seed seed,
+           std::vector<UpdateAnswer>& answers, std::string& failure) {
+    ++fits_;
+    UpdateAnswer answer = settled(problem, options, std::move(seed));
+    if (answer.solution.q.size() == 0) {
+      failure = answer.solution.failure;
+      return;
+    }
+    merge(std::move(answer), answers);
+  }
+
+  // The answers stay in order of evidence; of two that are one the heavier stays.
+  static void merge(UpdateAnswer answer, std::vector<UpdateAnswer>& answers) {
+    const auto same = [&](const UpdateAnswer& other) {
+      return answer.solution.matches.matches == other.solution.matches.matches ||
+             near(answer, other);
+    };
+    const auto known = std::find_if(answers.begin(), answers.end(), same);
+    if (known != answers.end()) {
+      if (known->log_evidence >= answer.log_evidence) return;
+      answers.erase(std::remove_if(answers.begin(), answers.end(), same), answers.end());
+    }
+    const auto at = std::find_if(answers.begin(), answers.end(), [&](const UpdateAnswer& other) {
+      return other.log_evidence < answer.log_evidence;
+    });
+    answers.insert(at, std::move(answer));
+  }
+
+  static bool near(const UpdateAnswer& a, const UpdateAnswer& b) {
+    const Eigen::VectorXd d = a.solution.q - b.solution.q;
+    const auto& H = a.log_evidence > b.log_evidence ? a.hessian : b.hessian;
+    return H.rows() == d.size() && d.dot(H * d) < 9;
+  }
+
+  // Fitted and assigned anew until the assignment stays; of those that were seen the best.
+  UpdateAnswer settled(const UpdateProblem& problem, const UpdateOptions& options, Seed seed,
+                       double tau = kSearchStd) const {
+    UpdateAnswer best;
+    best.log_evidence = -std::numeric_limits<double>::infinity();
+    best.solution.failure = "no measured mode lies near any modelled one";
+    Eigen::VectorXd q = std::move(seed.q);
+    UpdateMatches matches = std::move(seed.matches);
+    std::vector<std::vector<UpdateMatch>> seen;
+    for (int round = 0; round < kRounds; ++round) {
+      const bool fits = std::any_of(matches.matches.begin(), matches.matches.end(),
+                                    [](const auto& match) { return !match.cross_plane; });
+      if (!fits) break;
+      double cost = 0;
+      const UpdateProblem here = problem.with_model_std(tau);
+      Eigen::VectorXd at = q;
+      const bool converged = minimise(here, matches.matches, UpdateStage::full, options, at, cost);
+      Evidence evidence;
+      if (!evidence_of(problem, matches, at, evidence)) break;
+      std::string failure;
+      UpdateMatches next =
+          problem.with_model_std(std::max(evidence.model_std, kLeastStd)).assign(at, failure);
+      if (!failure.empty()) {
+        best.solution.failure = failure;
+        break;
+      }
+      const bool same = next.matches == matches.matches;
+      const bool again = !same && (round + 1 == kRounds ||
+                                   std::find(seen.begin(), seen.end(), next.matches) != seen.end());
+      const bool done = same && std::abs(evidence.model_std - tau) <= 1e-12 + 0.5 * tau;
+      const bool keep = same || (again && best.solution.q.size() == 0);
+      if (same) {
+        const auto assigned = [](const UpdateMatches& one) {
+          return one.log_detected + one.log_false + one.log_missed;
+        };
+        evidence.log_evidence += assigned(next) - assigned(matches);
+      }
+      const bool usable = same || (keep && evidence_of(problem, next, at, evidence));
+      if (usable && (done || evidence.log_evidence > best.log_evidence)) {
+        best.solution.q = at;
+        best.solution.matches = next;
+        best.solution.cost = cost;
+        best.solution.converged = converged && same;
+        best.solution.pairings = round + 1;
+        best.model_std = evidence.model_std;
+        best.log_evidence = evidence.log_evidence;
+        best.hessian = evidence.hessian;
+      }
+      if (done || again) break;
+      if (!same) seen.push_back(next.matches);
+      q = std::move(at);
+      matches = std::move(next);
+      tau = evidence.model_std;
+    }
+    return best;
+  }
+
+  // Whether chance cannot have made the answer fit.
+  bool explained(const UpdateAnswer& answer) const {
+    const auto& solution = answer.solution;
+    if (solution.matches.unpaired_measured > 0 || solution.matches.log_missed < -3) return false;
+    Eigen::VectorXd r;
+    if (!problem_.with_model_std(0).residuals(solution.q, solution.matches.matches,
+                                              UpdateStage::full, r, nullptr)) {
+      return false;
+    }
+    double squares = 0;
+    const auto rows = problem_.frequency_rows(solution.matches.matches, UpdateStage::full);
+    for (const auto& row : rows) {
+      const auto& match = solution.matches.matches[row.match];
+      squares += std::pow(
+          r[row.row] * problem_.with_model_std(0).relative_std(match.state, match.measured), 2);
+    }
+    const double degrees = static_cast<double>(rows.size()) +
+                           static_cast<double>(problem_.prior_count()) -
+                           static_cast<double>(problem_.size());
+    const double error =
+        std::max(1e-6, std::sqrt(squares / std::max<double>(1, static_cast<double>(rows.size()))));
+    return degrees * std::log(0.1 / error) > kSure;
+  }
+
+  // Assignments at q with its frequencies as they are and times the best common factor.
+  std::vector<Seed> seeds_at(const Eigen::VectorXd& q, std::string& failure) const {
+    const UpdateProblem wide = few_.with_model_std(kSearchStd);
+    std::vector<Seed> seeds(2);
+    for (auto& seed : seeds) seed.q = q;
+    for (int s = 0; s < static_cast<int>(wide.states().size()); ++s) {
+      if (!wide.takes_part(s) || wide.states()[static_cast<std::size_t>(s)].measured.empty()) {
+        continue;
+      }
+      const UpdateStateModes modelled = wide.modes(s, q, false);
+      if (!modelled.failure.empty()) {
+        const auto& name = wide.states()[static_cast<std::size_t>(s)].name;
+        failure = (name.empty() ? "" : name + ": ") + modelled.failure;
+        return {};
+      }
+      UpdateMatches best;
+      double best_score = -std::numeric_limits<double>::infinity();
+      constexpr double kStep = 0.1, kReach = 1.4, kScale = 0.7;
+      for (double log_factor = -kReach; log_factor < kReach + 0.5 * kStep; log_factor += kStep) {
+        UpdateMatches one = wide.assign_state(s, modelled, std::exp(log_factor));
+        const double score = one.log_likelihood - 0.5 * std::pow(log_factor / kScale, 2);
+        if (score > best_score) {
+          best_score = score;
+          best = std::move(one);
+        }
+      }
+      const auto append = [](Seed& seed, const UpdateMatches& one, double score) {
+        auto& all = seed.matches;
+        all.matches.insert(all.matches.end(), one.matches.begin(), one.matches.end());
+        all.log_detected += one.log_detected;
+        all.log_false += one.log_false;
+        all.log_missed += one.log_missed;
+        seed.score += score;
+      };
+      const UpdateMatches plain = wide.assign_state(s, modelled);
+      append(seeds[0], plain, plain.log_likelihood);
+      append(seeds[1], best, best_score);
+    }
+    if (seeds[0].matches.matches == seeds[1].matches.matches) seeds.pop_back();
+    return seeds;
+  }
+
+  // Points all over the range, at the same places whatever the start: see the header.
+  std::vector<Eigen::VectorXd> places() const {
+    const auto& coordinates = problem_.coordinates();
+    std::vector<int> dimension(coordinates.size());  // values of one parameter in all states: one
+    int dimensions = 0;
+    for (std::size_t j = 0; j < coordinates.size(); ++j) {
+      const bool next = j == 0 || coordinates[j].parameter != coordinates[j - 1].parameter;
+      if (next) ++dimensions;
+      dimension[j] = dimensions - 1;
+    }
+    const double reach = std::log(dimensions <= 2 ? 100.0 : 10.0);
+    const int each = dimensions == 1 ? 27 : 8;
+    const int count = dimensions == 1 ? each : 64;
+    std::vector<Eigen::VectorXd> all;
+    for (int k = 0; k < count; ++k) {
+      Eigen::VectorXd q = problem_.start();
+      for (Eigen::Index j = 0; j < q.size(); ++j) {
+        const auto& coordinate = coordinates[static_cast<std::size_t>(j)];
+        const int d = dimension[static_cast<std::size_t>(j)];
+        // -1 .. 1: of a lattice, or of Kronecker's sequence with the roots of primes.
+        constexpr double kRoots[] = {1.4142135623730951, 1.7320508075688772, 2.23606797749979,
+                                     2.6457513110645907, 3.3166247903554,    3.605551275463989};
+        const double u = dimensions <= 2 ? 2.0 * ((d == 0 ? k % each : k / each) + 0.5) / each - 1
+                                         : 2 * std::fmod((k + 1) * kRoots[d % 6], 1.0) - 1;
+        double width = coordinate.logarithmic ? reach : 0.1;
+        if (coordinate.prior_std > 0) width = std::min(width, 2.5 * coordinate.prior_std);
+        double to = q[j] + width * u;
+        if (dimensions <= 2 && coordinate.logarithmic && width == reach) {
+          const double step = 2 * reach / each;
+          to = step * std::round(to / step);  // the same from every start
+        }
+        q[j] = std::clamp(to, coordinate.low, coordinate.high);
+      }
+      all.push_back(std::move(q));
+    }
+    return all;
+  }
+
+  std::vector<Seed> look_around() const {
+    const auto points = places();
+    std::vector<std::vector<Seed>> found(points.size());
+    in_parallel(points.size(), options_.threads, [&](std::size_t k) {
+      std::string failure;
+      found[k] = seeds_at(points[k], failure);
+    });
+    std::vector<Seed> seeds;
+    for (auto& some : found) {
+      for (auto& seed : some) seeds.push_back(std::move(seed));
+    }
+    std::stable_sort(seeds.begin(), seeds.end(),
+                     [](const Seed& a, const Seed& b) { return a.score > b.score; });
+    std::vector<Seed> best;
+    for (auto& seed : seeds) {
+      const bool known = std::any_of(best.begin(), best.end(), [&](const Seed& other) {
+        return other.matches.matches == seed.matches.matches;
+      });
+      if (known || best.size() == kSeeds) continue;
+      best.push_back(std::move(seed));
+    }
+    return best;
+  }
+
+  // With all segments; what then has next to no weight is dropped.
+  std::vector<UpdateAnswer> refined(std::vector<UpdateAnswer> rough) {
+    std::vector<UpdateAnswer> answers;
+    if (rough.size() > kRefined) rough.resize(kRefined);
+    const double most = rough.empty() ? 0 : rough.front().log_evidence;
+    std::vector<UpdateAnswer> found(rough.size());
+    in_parallel(rough.size(), options_.threads, [&](std::size_t k) {
+      if (rough[k].log_evidence < most - kNegligible) return;
+      found[k] = settled(problem_, options_, {rough[k].solution.q, rough[k].solution.matches, 0},
+                         rough[k].model_std);
+    });
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      if (found[k].solution.q.size() > 0) merge(std::move(found[k]), answers);
+    }
+    if (answers.empty()) return answers;
+    std::erase_if(answers, [&](const UpdateAnswer& answer) {
+      return answer.log_evidence < answers.front().log_evidence - kNegligible;
+    });
+    return answers;
+  }
+
+  const UpdateProblem& problem_;
+  const UpdateOptions& options_;
+  UpdateOptions rough_;
+  UpdateProblem few_;
+  int fits_ = 0;
+};
+
+}  // namespace
+
+std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, const UpdateOptions& options,
+                                       int& fits, std::string& failure) {
+  return Search(problem, options).run(fits, failure);
+}
+
+}  // namespace rigfit::ident

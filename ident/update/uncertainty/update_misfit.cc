@@ -1,0 +1,124 @@
+#include "ident/update/uncertainty/update_misfit.h"
+
+#include <gsl/gsl_cdf.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "ident/update/frfs/frf_correlation.h"
+
+namespace rigfit::ident {
+
+UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                    const Eigen::VectorXd& q) {
+  UpdateFit fit;
+  fit.stated = problem.uncertainties_known();
+  Eigen::VectorXd r;
+  if (!problem.with_model_std(0).residuals(q, matches, UpdateStage::full, r, nullptr)) return fit;
+  fit.chi2 = r.squaredNorm();
+  fit.degrees_of_freedom =
+      static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
+  fit.correlated_lines = correlated_lines_of(problem, matches, r);
+  if (fit.degrees_of_freedom > 0) {
+    fit.p_value = gsl_cdf_chisq_Q(fit.chi2 / fit.correlated_lines,
+                                  fit.degrees_of_freedom / fit.correlated_lines);
+  }
+  return fit;
+}
+
+namespace {
+
+// Root tau of rest + sum e^2 / (s^2 + tau^2) = dof, of (e^2, s^2); 0: there is none to be found.
+double paule_mandel(const std::vector<std::pair<double, double>>& errors, double rest, double dof) {
+  const auto chi2 = [&](double tau) {
+    double sum = rest;
+    for (const auto& [e2, s2] : errors) sum += e2 / (s2 + tau * tau);
+    return sum;
+  };
+  if (dof <= 0 || errors.empty() || chi2(0) <= dof) return 0;
+  double low = 1e-9, high = 1;
+  if (chi2(high) > dof) return 0;  // not these errors' doing
+  for (int k = 0; k < 60; ++k) {
+    const double middle = std::sqrt(low * high);
+    (chi2(middle) > dof ? low : high) = middle;
+  }
+  return std::sqrt(low * high);
+}
+
+}  // namespace
+
+double frf_model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                        const Eigen::VectorXd& q) {
+  Eigen::VectorXd r;
+  if (!problem.residuals(q, matches, UpdateStage::full, r, nullptr)) return 0;
+  double rest = r.squaredNorm();
+  std::vector<std::pair<double, double>> errors;
+  for (const auto& rows : problem.frf_rows(matches)) {
+    for (std::size_t i = 0; i < rows.relative_std.size(); ++i) {
+      const double s2 = rows.relative_std[i] * rows.relative_std[i];
+      for (int part = 0; part < 2; ++part) {
+        const double z = r[rows.first + 2 * static_cast<Eigen::Index>(i) + part];
+        errors.emplace_back(z * z * s2, s2);
+        rest -= z * z;
+      }
+    }
+  }
+  return paule_mandel(errors, rest,
+                      static_cast<double>(r.size() - problem.size()) - problem.shared_residuals());
+}
+
+double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                    const Eigen::VectorXd& q) {
+  const UpdateProblem plain = problem.with_model_std(0);
+  Eigen::VectorXd r;
+  if (!plain.residuals(q, matches, UpdateStage::full, r, nullptr)) return 0;
+  const double dof = static_cast<double>(r.size() - problem.size());
+  const auto rows = plain.frequency_rows(matches, UpdateStage::full);
+  double rest = r.squaredNorm();
+  std::vector<std::pair<double, double>> errors;  // squared error, squared uncertainty
+  for (const auto& row : rows) {
+    const auto& match = matches[row.match];
+    const double s = plain.relative_std(match.state, match.measured);
+    errors.emplace_back(std::pow(r[row.row] * s, 2), s * s);
+    rest -= r[row.row] * r[row.row];
+  }
+  return paule_mandel(errors, rest, dof);
+}
+
+Eigen::VectorXd clustered_variance(const UpdateProblem& problem,
+                                   const std::vector<UpdateMatch>& matches,
+                                   const Eigen::VectorXd& r, const Eigen::MatrixXd& J) {
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(J.cols());
+  std::map<std::pair<int, int>, Eigen::VectorXd> by_mode;
+  std::map<int, Eigen::VectorXd> by_state;
+  for (const auto& row : problem.frequency_rows(matches, UpdateStage::full)) {
+    const auto& match = matches[row.match];
+    const Eigen::VectorXd score = J.row(row.row).transpose() * r[row.row];
+    for (auto* sum :
+         {&by_mode
+               .try_emplace({static_cast<int>(match.plane), match.order},
+                            Eigen::VectorXd::Zero(J.cols()))
+               .first->second,
+          &by_state.try_emplace(match.state, Eigen::VectorXd::Zero(J.cols())).first->second}) {
+      *sum += score;
+    }
+  }
+  const Eigen::MatrixXd bread =
+      (J.transpose() * J).completeOrthogonalDecomposition().pseudoInverse();
+  const auto widen = [&](const auto& clusters) {
+    const double count = static_cast<double>(clusters.size());
+    if (count < 3) return;
+    Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(J.cols(), J.cols());
+    for (const auto& [name, score] : clusters) meat += score * score.transpose();
+    const Eigen::MatrixXd covariance = bread * meat * bread * (count / (count - 1));
+    largest = largest.cwiseMax(covariance.diagonal());
+  };
+  widen(by_mode);
+  widen(by_state);
+  return largest;
+}
+
+}  // namespace rigfit::ident
