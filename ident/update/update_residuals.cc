@@ -117,6 +117,7 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
 }
 
 void UpdateProblem::whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const {
+  residuals = sources_->scale.asDiagonal() * residuals;
   const Eigen::MatrixXd along = sources_->U.transpose() * residuals;
   residuals -= sources_->U * (sources_->less.matrix().asDiagonal() * along);
 }

@@ -55,6 +55,27 @@ Eigen::MatrixXd force_columns(const std::vector<const UpdateProblem::FrfRows*>& 
   return columns;
 }
 
+// D: what is left of each residual's variance without the sources that its error bar holds.
+Eigen::VectorXd own_variance(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                             const SharedChanges& shared) {
+  // An error bar from four hits and 21 lines, 126 degrees of freedom, has a variance that is known
+  // to 2 sqrt(2 / 126), two standard deviations: no less can be told apart from it.
+  constexpr double kLeast = 0.25;
+  Eigen::VectorXd own = Eigen::VectorXd::Ones(shared.changes.rows());
+  for (const auto& rows : problem.frf_rows(matches)) {
+    const auto count = 2 * static_cast<Eigen::Index>(rows.relative_std.size());
+    // Residuals are over the error bar of so many lines that count as one, C is not.
+    const double lines =
+        problem.states()[static_cast<std::size_t>(rows.state)].frfs[rows.frf].lines_per_independent;
+    for (Eigen::Index k = 0; k < shared.changes.cols(); ++k) {
+      if (!shared.in_error_bars[static_cast<std::size_t>(k)]) continue;
+      own.segment(rows.first, count) -=
+          lines * shared.changes.col(k).segment(rows.first, count).cwiseAbs2();
+    }
+  }
+  return own.cwiseMax(kLeast);
+}
+
 }  // namespace
 
 SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
@@ -65,9 +86,10 @@ SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
     return moved.residuals(q, matches, UpdateStage::full, r, nullptr);
   };
   Eigen::VectorXd change;
-  const auto add = [&](const std::string& name, Eigen::Index input) {
+  const auto add = [&](const std::string& name, Eigen::Index input, bool in_error_bars = false) {
     shared.names.push_back(name);
     shared.inputs.push_back(input);
+    shared.in_error_bars.push_back(in_error_bars);
     columns.push_back(change);
   };
   if (segments) {
@@ -81,7 +103,7 @@ SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
   for (Eigen::Index i = 0; i < inputs; ++i) {
     const auto& name = problem.inputs()[static_cast<std::size_t>(i)].name;
     if (change_by_input(problem, i, residuals, change)) {
-      add(name, i);
+      add(name, i, problem.in_error_bars(i));
     } else {
       shared.message += fmt::format(
           "{} is not in the uncertainties: no model within half of its standard uncertainty; ",
@@ -102,7 +124,7 @@ SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
     const Eigen::MatrixXd force = force_columns(all, std, count);
     for (Eigen::Index j = 0; j < force.cols(); ++j) {
       change = problem.with_sources_of(force.col(j));
-      add(state.name.empty() ? name : name + " [" + state.name + "]", -1);
+      add(state.name.empty() ? name : name + " [" + state.name + "]", -1, true);
     }
   }
   shared.changes.resize(count, static_cast<Eigen::Index>(columns.size()));
@@ -118,12 +140,15 @@ UpdateProblem with_shared_sources(const UpdateProblem& problem,
   constexpr double kMost = 6;  // standard uncertainties that an estimate may be off
   UpdateProblem plain = problem.with_sources(nullptr);
   const SharedChanges shared = shared_changes(plain, false, matches, q);
-  const Eigen::MatrixXd& C = shared.changes;
   Eigen::VectorXd r;
-  if (C.cols() == 0 || C.rows() == 0 || !C.allFinite() ||
+  if (shared.changes.size() == 0 || !shared.changes.allFinite() ||
       !plain.residuals(q, matches, UpdateStage::full, r, nullptr)) {
     return plain;
   }
+  auto sources = std::make_shared<UpdateProblem::Sources>();
+  sources->scale = own_variance(plain, matches, shared).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd C = sources->scale.asDiagonal() * shared.changes;
+  r = r.cwiseProduct(sources->scale).eval();
   // The estimates d of the sources minimise |r + C (d - d0)|^2 + |d|^2, d0 the inputs of before;
   // the inputs move, what is linear in its source stays in the residuals.
   Eigen::VectorXd off = plain.inputs_off();
@@ -140,10 +165,9 @@ UpdateProblem with_shared_sources(const UpdateProblem& problem,
     if (input >= 0) d[k] = off[input] = std::clamp(estimate[k], -kMost, kMost);
   }
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(C, Eigen::ComputeThinU);
-  auto sources = std::make_shared<UpdateProblem::Sources>();
   sources->U = svd.matrixU();
   sources->less = 1 - (1 + svd.singularValues().array().square()).rsqrt();
-  sources->off = C * d;
+  sources->off = shared.changes * d;
   return plain.with_inputs(off).with_sources(std::move(sources));
 }
 

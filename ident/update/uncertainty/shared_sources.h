@@ -16,6 +16,10 @@
 // scatter) is taken where nothing else is said of the place. A mean that was aimed beside is not in
 // the hits' scatter and must be stated.
 //
+// What the hits scatter by is in the error bars of the lines and in C: with D_i = 1 - sum_k C_ik^2
+// over these sources (a quarter at least) the covariance is D + C C', which has the variances of
+// the error bars. Rows of residuals, Jacobian and C are divided by sqrt(D_i) first.
+//
 // The force of the hits: noise n(t) on the hammer's signal moves H by the factor 1 - N / F, alike
 // in all responses, and where a window keeps only the pulse, alike in neighbouring lines:
 //   N / F = sum_j a_j exp(-i omega tau_j),  |tau_j| <= T / 2.
@@ -37,6 +41,7 @@ namespace rigfit::ident {
 struct SharedChanges {
   std::vector<std::string> names;    ///< "segments", "force of ...", the inputs; one a column
   std::vector<Eigen::Index> inputs;  ///< which input each column is; -1: none
+  std::vector<bool> in_error_bars;   ///< hits scatter by it: the lines' error bars hold it as well
   Eigen::MatrixXd changes;           ///< of the residuals of `problem`, by one standard uncertainty
   std::string message;               ///< sources that could not be evaluated, "; " after each
 };

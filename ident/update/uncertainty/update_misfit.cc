@@ -58,9 +58,10 @@ double frf_model_std_of(const UpdateProblem& problem, const std::vector<UpdateMa
   std::vector<std::pair<double, double>> errors;
   for (const auto& rows : problem.frf_rows(matches)) {
     for (std::size_t i = 0; i < rows.relative_std.size(); ++i) {
-      const double s2 = rows.relative_std[i] * rows.relative_std[i];
       for (int part = 0; part < 2; ++part) {
-        const double z = r[rows.first + 2 * static_cast<Eigen::Index>(i) + part];
+        const auto row = rows.first + 2 * static_cast<Eigen::Index>(i) + part;
+        const double z = r[row];
+        const double s2 = std::pow(rows.relative_std[i] * problem.own_part(row), 2);
         errors.emplace_back(z * z * s2, s2);
         rest -= z * z;
       }

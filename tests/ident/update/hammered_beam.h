@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <random>
 #include <string>
 #include <vector>
@@ -69,8 +70,33 @@ struct HammerTestNoise {
   double place_m = 0.003;  ///< standard deviation of a hit's place
   double force = 0.014;    ///< of a hit's spectrum, relative, smooth over `force_width_hz`
   double force_width_hz = 60;
-  double response = 0.01;  ///< of a line of a hit, relative to the rms of H over the lines
+  double response = 0.01;     ///< of a line of a hit, relative to the rms of H over the lines
+  bool known_std = false;     ///< error bars from `response` itself, not from the hits' scatter
+  double decay_rate_1_s = 0;  ///< of an exponential window over blocks of one over the line spacing
 };
+
+/// Noise of one line from a response's white noise under the test's window; unit variance.
+inline Eigen::VectorXcd line_noise(const Eigen::VectorXd& lines, double decay_rate_1_s,
+                                   const std::function<double()>& normal) {
+  Eigen::VectorXcd noise(lines.size());
+  if (decay_rate_1_s == 0) {
+    for (auto& n : noise) n = {normal(), normal()};
+    return noise;
+  }
+  constexpr int kSamples = 400;  // more than twice the lines
+  const double T = 1 / (lines[1] - lines[0]), dt = T / kSamples;
+  noise.setZero();
+  double energy = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double window = std::exp(-decay_rate_1_s * i * dt);
+    const std::complex<double> sample{window * normal(), window * normal()};
+    energy += window * window;
+    for (Eigen::Index k = 0; k < lines.size(); ++k) {
+      noise[k] += sample * std::polar(1.0, -2 * M_PI * lines[k] * i * dt);
+    }
+  }
+  return noise / std::sqrt(energy);
+}
 
 /// FRFs at `lines` of the beam with 240 segments and the values above.
 inline std::vector<MeasuredFrf> hammered_frfs(const Eigen::VectorXd& lines,
@@ -79,11 +105,12 @@ inline std::vector<MeasuredFrf> hammered_frfs(const Eigen::VectorXd& lines,
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   const Eigen::Index count = lines.size();
+  double known[2] = {0, 0};
   std::vector<std::vector<Eigen::VectorXcd>> hits;  // by hit, then response
   for (int hit = 0; hit < noise.hits; ++hit) {
     auto scene = hammered_beam(kBeamEI, kTipMass, segments);
     model::set_parameter(scene, "hammer.position", 0.8 + noise.place_m / 0.75 * normal(random));
-    const auto exact = model::synthesize_frfs(scene, lines);
+    const auto exact = model::synthesize_frfs(scene, lines, {}, noise.decay_rate_1_s);
     // White noise under a window of duration T: a sum of decorrelated phases over T.
     constexpr int kSamples = 24;
     const double T = 1 / noise.force_width_hz;
@@ -101,9 +128,9 @@ inline std::vector<MeasuredFrf> hammered_frfs(const Eigen::VectorXd& lines,
         H[k] = exact.H[static_cast<std::size_t>(k)](sensor, 0);
       const double std =
           noise.response * std::sqrt(H.squaredNorm() / static_cast<double>(count) / 2);
-      for (Eigen::Index k = 0; k < count; ++k) {
-        H[k] = H[k] / (1.0 + force[k]) + std * std::complex<double>(normal(random), normal(random));
-      }
+      known[static_cast<std::size_t>(sensor)] = std / std::sqrt(noise.hits);
+      const auto own = line_noise(lines, noise.decay_rate_1_s, [&] { return normal(random); });
+      for (Eigen::Index k = 0; k < count; ++k) H[k] = H[k] / (1.0 + force[k]) + std * own[k];
       responses.push_back(std::move(H));
     }
     hits.push_back(std::move(responses));
@@ -120,11 +147,14 @@ inline std::vector<MeasuredFrf> hammered_frfs(const Eigen::VectorXd& lines,
     // As signal/spectra/frf.h: of the mean's real and imaginary part, over ten lines on either
     // side.
     power /= 2.0 * noise.hits * (noise.hits - 1);
+    frf.decay_rate_1_s = noise.decay_rate_1_s;
+    frf.lines_per_independent = lines_per_independent(noise.decay_rate_1_s, lines[1] - lines[0]);
     frf.std.resize(count);
     for (Eigen::Index k = 0; k < count; ++k) {
       const Eigen::Index first = std::max<Eigen::Index>(0, k - 10);
       const Eigen::Index last = std::min(count - 1, k + 10);
-      frf.std[k] = std::sqrt(power.segment(first, last - first + 1).mean());
+      frf.std[k] = noise.known_std ? known[sensor]
+                                   : std::sqrt(power.segment(first, last - first + 1).mean());
     }
   }
   return frfs;
