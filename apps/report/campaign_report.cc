@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <functional>
+#include <memory>
+#include <stdexcept>
 
 #include "apps/cli/json_document.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
 #include "apps/report/compare_reports.h"
 #include "apps/report/fit/fit_part.h"
-#include "apps/report/modal/modal_part.h"
 #include "apps/report/modal/recorded_modal.h"
 #include "apps/report/parts/axial_part.h"
 #include "apps/report/parts/bending_part.h"
@@ -19,19 +19,12 @@
 #include "apps/report/parts/overview_part.h"
 #include "apps/report/parts/scenes_part.h"
 #include "apps/report/parts/tension_part.h"
+#include "ident/campaign/campaign.h"
 #include "ident/statistics/in_parallel.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
 namespace {
-
-/// Runs the tasks on so many threads; the first exception comes out again.
-void run_all(const std::vector<std::function<void()>>& tasks, int threads, Progress& progress) {
-  ident::in_parallel(tasks.size(), threads, [&](std::size_t i) {
-    tasks[i]();
-    progress.advance();
-  });
-}
 
 std::string repeat_command(const VerbContext& context) {
   std::string text;
@@ -78,110 +71,76 @@ void take_inputs(const Campaign& campaign, VerbContext& context) {
   }
 }
 
-/// The parts of a campaign's report, in the order of the page.
-class Stages {
- public:
-  Stages(const Campaign& campaign, VerbContext& context)
-      : campaign_(campaign), context_(context), recorded_(campaign.tests.size()) {}
-
-  std::vector<ReportPart> run() {
-    const std::size_t tests = campaign_.tests.size();
-    std::vector<ReportPart> second(tests);
-    std::vector<FitPart> fits(campaign_.fits.size());
-    std::vector<BendingPart> bending(tests);
-    std::vector<AxialPart> axial(tests);
-    std::vector<std::function<void()>> tasks;
-    for (std::size_t i = 0; i < tests; ++i) {
-      const auto& test = campaign_.tests[i];
-      tasks.emplace_back([&, i] {
-        switch (test.kind) {
-          case CampaignTest::Kind::bending:
-            bending[i] = bending_part(campaign_, test);
-            break;
-          case CampaignTest::Kind::axial:
-            axial[i] = axial_part(test, context_.seed, context_.threads);
-            break;
-          case CampaignTest::Kind::modal:
-            if (!test.recordings.empty()) recorded_[i] = recorded_modal(campaign_, test);
-            break;
-          case CampaignTest::Kind::tension:
-            second[i] = tension_part(test);
-            break;
-          case CampaignTest::Kind::decay:
-            break;
-        }
-      });
-    }
-    Progress progress("report", static_cast<long>(2 * tests + campaign_.fits.size() + 1),
-                      context_.quiet);
-    run_all(tasks, context_.threads, progress);
-    // EI(T) and EA go on to the tests whose scenes take them.
-    for (std::size_t i = 0; i < tests; ++i) {
-      if (known_.EI.empty()) known_.EI = bending[i].curve;
-      if (!known_.axial) known_.axial = axial[i].known;
-    }
-    tasks.clear();
-    std::vector<std::vector<ident::ModalTestState>> states(tests);
-    for (std::size_t i = 0; i < tests; ++i) states[i] = recorded_[i].states;
-    for (std::size_t f = 0; f < campaign_.fits.size(); ++f) {
-      tasks.emplace_back([&, f] {
-        fits[f] =
-            fit_part(campaign_, campaign_.fits[f], known_, states, context_.threads, context_.seed);
-      });
-    }
-    for (std::size_t i = 0; i < tests; ++i) {
-      const auto& test = campaign_.tests[i];
-      if (test.kind == CampaignTest::Kind::modal && test.scene) {
-        tasks.emplace_back([&, i] { second[i] = modal_part(campaign_, test, known_, states[i]); });
-      }
-    }
-    run_all(tasks, context_.threads, progress);
-    tasks.clear();
-    for (std::size_t i = 0; i < tests; ++i) {
-      const auto& test = campaign_.tests[i];
-      if (test.kind != CampaignTest::Kind::decay) continue;
-      tasks.emplace_back([&, i] {
-        second[i] = decay_part(campaign_, test, known_, fits_of(i, fits), context_.threads);
-      });
-    }
-    run_all(tasks, context_.threads, progress);
-
-    // On the page: what was measured, what the model says of it, what was fitted.
-    std::vector<ReportPart> parts;
-    const auto add = [&](ReportPart& part) {
-      if (!part.id.empty()) parts.push_back(std::move(part));
-    };
-    for (auto& part : bending) add(part.part);
-    for (auto& part : axial) add(part.part);
-    for (std::size_t i = 0; i < tests; ++i) {
-      add(recorded_[i].part);
-      add(second[i]);
-    }
-    for (auto& fit : fits) add(fit.part);
-    auto costs = cost_part(parts);
-    parts.push_back(scenes_part(campaign_));
-    parts.push_back(std::move(costs));
-    return parts;
+std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& test,
+                                  const VerbContext& context) {
+  switch (test.kind) {
+    case CampaignTest::Kind::bending:
+      return bending_part(campaign, test);
+    case CampaignTest::Kind::axial:
+      return axial_part(test, context.seed, context.threads);
+    case CampaignTest::Kind::modal:
+      return modal_test_part(campaign, test);
+    case CampaignTest::Kind::tension:
+      return tension_part(test);
+    case CampaignTest::Kind::decay:
+      return decay_part(campaign, test);
   }
+  throw std::logic_error("a kind of test without a part of the report");
+}
 
- private:
-  /// What was found by the fits that predict a test.
-  [[nodiscard]] std::vector<FitOfDecay> fits_of(std::size_t test,
-                                                const std::vector<FitPart>& fits) const {
-    std::vector<FitOfDecay> list;
-    for (std::size_t f = 0; f < fits.size(); ++f) {
-      const auto& named = campaign_.fits[f].predicts;
-      if (std::find(named.begin(), named.end(), test) == named.end()) continue;
-      list.push_back({campaign_.fits[f].title, fits[f].values});
-    }
-    return list;
+/// Where a part stands on the page: bending and axial tests first, the others as in the campaign.
+bool comes_first(const CampaignTest& test) {
+  return test.kind == CampaignTest::Kind::bending || test.kind == CampaignTest::Kind::axial;
+}
+
+/// Reads the recordings, works out the campaign, shows what came of it: the parts in the order of
+/// the page.
+std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context) {
+  const std::size_t tests = campaign.tests.size(), fits = campaign.fits.size();
+  Progress progress("report", static_cast<long>(3 * tests + 2 * fits), context.quiet);
+  const auto each = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
+    ident::in_parallel(count, context.threads, [&](std::size_t i) {
+      work(i);
+      progress.advance();
+    });
+  };
+  std::vector<std::unique_ptr<TestPart>> shown;
+  std::vector<std::size_t> modal_tests;
+  for (std::size_t i = 0; i < tests; ++i) {
+    shown.push_back(part_of(campaign, campaign.tests[i], context));
+    if (campaign.tests[i].kind == CampaignTest::Kind::modal) modal_tests.push_back(i);
   }
+  each(tests, [&](std::size_t i) { shown[i]->read(); });
 
-  const Campaign& campaign_;
-  VerbContext& context_;
-  std::vector<RecordedModal> recorded_;
-  KnownValues known_;
-};
+  ident::CampaignInputs inputs;
+  inputs.threads = context.threads;
+  inputs.advance = [&] { progress.advance(); };
+  for (auto& part : shown) part->add_to(inputs);
+  for (const auto& fit : campaign.fits) {
+    inputs.fits.push_back(fit_inputs(fit, modal_tests, context.seed, context.threads));
+  }
+  auto result = ident::run_campaign(std::move(inputs));
+
+  std::vector<std::vector<ReportPart>> of_tests(tests);
+  std::vector<ReportPart> of_fits(fits);
+  each(tests, [&](std::size_t i) { of_tests[i] = shown[i]->show(result); });
+  each(fits, [&](std::size_t f) {
+    of_fits[f] = fit_part(campaign, campaign.fits[f], modal_tests, result.fits[f]);
+  });
+
+  std::vector<ReportPart> parts;
+  for (const bool first : {true, false}) {
+    for (std::size_t i = 0; i < tests; ++i) {
+      if (comes_first(campaign.tests[i]) != first) continue;
+      for (auto& part : of_tests[i]) parts.push_back(std::move(part));
+    }
+  }
+  for (auto& part : of_fits) parts.push_back(std::move(part));
+  auto costs = cost_part(parts);
+  parts.push_back(scenes_part(campaign));
+  parts.push_back(std::move(costs));
+  return parts;
+}
 
 }  // namespace
 
@@ -191,7 +150,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
   take_inputs(campaign, context);
   make_output_folder(folder);
   for (const char* place : {"", "data", "figures", "uff"}) sweep_parts(folder / place);
-  std::vector<ReportPart> parts = Stages(campaign, context).run();
+  std::vector<ReportPart> parts = campaign_parts(campaign, context);
   parts.insert(parts.begin(), overview_part(campaign, parts));
 
   PageFrame frame;

@@ -149,15 +149,19 @@ class ChannelAnalysis {
 
 }  // namespace
 
+std::optional<Finding> not_uniform(const signal::Recording& recording) {
+  if (recording.time_s.size() == 0 && recording.sample_rate_hz > 0) return std::nullopt;
+  return Finding{"not_uniform",
+                 recording.time_s.size() > 0
+                     ? "samples are not evenly spaced in time; resample the recording first"
+                     : "gives no sample rate; state it (sample_rate_hz, --sample-rate)",
+                 "", true};
+}
+
 DecayTest run_decay_test(const signal::Recording& recording, const DecayTestOptions& options) {
   DecayTest test;
-  if (recording.time_s.size() > 0 || !(recording.sample_rate_hz > 0)) {
-    test.findings.push_back(
-        {"not_uniform",
-         recording.time_s.size() > 0
-             ? "samples are not evenly spaced in time; resample the recording first"
-             : "gives no sample rate; state it (sample_rate_hz, --sample-rate)",
-         "", true});
+  if (auto refused = not_uniform(recording)) {
+    test.findings.push_back(std::move(*refused));
     return test;
   }
   const Index from = options.start_s ? sample_at(recording, *options.start_s, true) : 0;

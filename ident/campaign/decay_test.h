@@ -56,6 +56,9 @@ struct DecayTest {
   std::vector<Finding> findings;
 };
 
+/// Why no decay can be taken from this recording ("not_uniform"); empty: one can.
+[[nodiscard]] std::optional<Finding> not_uniform(const signal::Recording& recording);
+
 /// Throws RecordingError for a channel that is not there, std::invalid_argument when nothing lies
 /// between start and end.
 [[nodiscard]] DecayTest run_decay_test(const signal::Recording& recording,

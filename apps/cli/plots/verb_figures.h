@@ -9,7 +9,7 @@
 #include "ident/campaign/axial_campaign.h"
 #include "ident/campaign/bending_campaign.h"
 #include "ident/campaign/decay_test.h"
-#include "ident/campaign/hammer_test.h"
+#include "ident/campaign/modal/hammer_test.h"
 #include "ident/tension/cable_tension.h"
 #include "ident/update/uncertainty/update_checks.h"
 #include "model/linear/modal_analysis.h"

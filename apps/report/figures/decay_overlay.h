@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/report/figures/decay_plots.h"
-#include "ident/campaign/model_answers.h"
+#include "ident/campaign/modal/model_answers.h"
 
 namespace rigfit::apps {
 

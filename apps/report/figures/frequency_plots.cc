@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "apps/report/modal/modal_tables.h"
-#include "ident/campaign/mode_lines.h"
+#include "ident/campaign/modal/mode_lines.h"
 
 namespace rigfit::apps {
 namespace {
@@ -61,8 +61,8 @@ void add_points(Plot& plot, const CampaignTest& test, const std::vector<ModalSta
 
 }  // namespace
 
-TensionPlot tension_plot(const Campaign& campaign, const CampaignTest& test,
-                         const KnownValues& known, const std::vector<ModalState>& states) {
+TensionPlot tension_plot(const CampaignTest& test, const ident::SceneUse& use,
+                         const ident::KnownValues& known, const std::vector<ModalState>& states) {
   TensionPlot result;
   Plot& plot = result.plot;
   plot.id = test.name + "-frequency";
@@ -80,7 +80,7 @@ TensionPlot tension_plot(const Campaign& campaign, const CampaignTest& test,
     }
   }
   const auto followed = ident::follow_modes(
-      [&](double tension_N) { return scene_at(campaign, test, known, tension_N); },
+      [&](double tension_N) { return ident::scene_at(use, known, tension_N).scene; },
       *states.front().tension_N, *states.back().tension_N, kSteps, 1.1 * highest);
   const auto name_of_line = [&](std::size_t l) {
     const auto& line = followed.lines[l];

@@ -16,8 +16,8 @@ struct TensionPlot {
 };
 
 /// Lines of the model between the tensions, one a mode, where they cross, and the test's points.
-[[nodiscard]] TensionPlot tension_plot(const Campaign& campaign, const CampaignTest& test,
-                                       const KnownValues& known,
+[[nodiscard]] TensionPlot tension_plot(const CampaignTest& test, const ident::SceneUse& use,
+                                       const ident::KnownValues& known,
                                        const std::vector<ModalState>& states);
 
 /// Without tensions: frequency by row.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/report/report_part.h"
-#include "ident/campaign/hammer_test.h"
+#include "ident/campaign/modal/hammer_test.h"
 
 namespace rigfit::apps {
 

@@ -10,7 +10,7 @@ namespace rigfit::apps {
 PlotGroup fit_overlays(const FitOutcome& of, std::vector<ModelCost>& costs) {
   PlotGroup group{of.fit.name + "-overlays", "Test and model, laid over each other", {}};
   for (std::size_t s = 0; s < of.states.size(); ++s) {
-    const auto& modal = of.states[s].modal;
+    const auto& modal = *of.states[s].modal;
     if (!modal.recorded || modal.rig.response.empty() || modal.rig.input.empty() ||
         !modal.recorded->hammer.amplitudes) {
       continue;

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "apps/report/figures/fit_plots.h"
 #include "apps/report/fit/fit_figures.h"
+#include "apps/report/fit/fit_outcome.h"
 #include "apps/report/fit/fit_tables.h"
 #include "apps/report/page/html_text.h"
 #include "apps/report/parameter_words.h"
@@ -21,58 +21,40 @@ namespace {
 
 class Fit {
  public:
-  Fit(const Campaign& campaign, const CampaignFit& fit, const KnownValues& known,
-      const std::vector<std::vector<ident::ModalTestState>>& recorded, int threads,
-      std::uint64_t seed)
-      : of_{campaign, fit} {
-    part_.id = fit.name;
-    part_.title = fit.title;
+  explicit Fit(const FitOutcome& of) : of_(of) {
+    part_.id = of.fit.name;
+    part_.title = of.fit.title;
     part_.json_key = "fits";
-    part_.brief = {fit.name + "-parameters", fit.name + "-errors", fit.name + "-errors-by-mode"};
-    part_.json["fit"] = fit.name;
-    options_.starts = fit.starts;
-    options_.seed = seed;
-    options_.threads = threads;
-    for (const auto& parameter : fit.parameters) free_.push_back(parameter.free);
-    for (const std::size_t test : fit.tests) {
-      for (auto& modal : modal_states(campaign, campaign.tests[test], known, recorded[test])) {
-        add_state(test, std::move(modal));
-      }
-    }
-    options_.model_relative_std = fit.model_std;
+    part_.brief = {of.fit.name + "-parameters", of.fit.name + "-errors",
+                   of.fit.name + "-errors-by-mode"};
+    part_.json["fit"] = of.fit.name;
+    for (const auto& state : of.updates) measured_ += state.measured.size();
   }
 
-  FitPart run() {
+  ReportPart run() {
     const std::string what = describe();
     part_.blocks.push_back(Paragraph{what});
     if (of_.states.empty()) {
       refuse(part_, "nothing_to_fit", "none of its tests gave a mode to fit to", of_.fit.name);
-      return finished();
+      return std::move(part_);
     }
-    const auto begin = std::chrono::steady_clock::now();
-    auto outcome = ident::fit_campaign({of_.updates, free_, options_, of_.fit.hold_out});
-    of_.result = std::move(outcome.result);
-    of_.held = std::move(outcome.held);
-    of_.rms_held_out = outcome.rms_held_out;
-    const double wall =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     part_.costs.push_back({of_.fit.title + ": fit",
                            fmt::format("{} model evaluations, {} starts",
                                        of_.result.model_evaluations, of_.result.starts),
-                           fmt::format("pairs settled after {} rounds", of_.result.pairings), wall,
-                           std::numeric_limits<double>::quiet_NaN()});
+                           fmt::format("pairs settled after {} rounds", of_.result.pairings),
+                           of_.answer.wall_s, std::numeric_limits<double>::quiet_NaN()});
     part_.json["status"] = ident::name_of(of_.result.status);
     if (of_.result.status != ident::UpdateStatus::converged) {
       refuse(part_, "not_converged",
              of_.result.message.empty() ? ident::name_of(of_.result.status) : of_.result.message,
              of_.fit.name);
-      if (of_.result.scenes.empty() || of_.result.pairs.empty()) return finished();
+      if (of_.result.scenes.empty() || of_.result.pairs.empty()) return std::move(part_);
     }
     part_.json.update(update_json(of_.result, of_.updates));
     part_.json["misfit"] = part_.json["fit"];  // "fit" is its name here
     part_.json["fit"] = of_.fit.name;
     if (!of_.held.empty()) part_.json["hold_out"] = held_out_json(of_.held, of_.updates);
-    for (const auto& finding : outcome.findings) {
+    for (const auto& finding : of_.answer.outcome.findings) {
       part_.warnings.push_back(
           {finding.code, finding.message,
            finding.where.empty() ? of_.fit.name : parameter_words(finding.where), false});
@@ -90,7 +72,7 @@ class Fit {
       part_.blocks.push_back(std::move(group));
     }
     summary();
-    return finished();
+    return std::move(part_);
   }
 
  private:
@@ -107,28 +89,6 @@ class Fit {
     }
   }
 
-  void add_state(std::size_t test, ModalState modal) {
-    FittedState state{test, {}};
-    ident::UpdateState update;
-    update.name = of_.campaign.tests[test].name + ", " + state_label(modal.tension_N);
-    update.scene = modal.rig.scene;
-    const Origin origin = modal.recorded ? modal.recorded->origin : Origin::published;
-    for (const auto& row : modal.rows) {
-      if (!std::isfinite(row.measured_hz) || row.origin != origin) continue;
-      ident::MeasuredMode mode;
-      mode.frequency_hz = {row.measured_hz, row.std_hz};
-      mode.damping_ratio = {row.damping, row.damping_std};
-      mode.plane = of_.campaign.tests[test].plane();
-      mode.shape = row.shape;
-      update.measured.push_back(std::move(mode));
-    }
-    if (update.measured.empty()) return;
-    measured_ += update.measured.size();
-    state.modal = std::move(modal);
-    of_.states.push_back(std::move(state));
-    of_.updates.push_back(std::move(update));
-  }
-
   [[nodiscard]] std::string describe() const {
     std::string tests, parameters;
     for (const std::size_t test : of_.fit.tests) {
@@ -143,10 +103,10 @@ class Fit {
         "the parameters minimise the differences over their uncertainties; {}. A state held out is "
         "predicted from the others.",
         parameters, counted(measured_, "mode"), counted(of_.states.size(), "state"), tests,
-        options_.model_relative_std < 1e-5
+        of_.answer.task.options.model_relative_std < 1e-5
             ? std::string("the model's own error is less than 0.001 % of a frequency")
             : fmt::format("the model itself is allowed {} % in frequency",
-                          shown(100 * options_.model_relative_std, 2)));
+                          shown(100 * of_.answer.task.options.model_relative_std, 2)));
   }
 
   void summary() {
@@ -168,41 +128,36 @@ class Fit {
     }
   }
 
-  /// What was found goes on to the tests that ask for it.
-  FitPart finished() {
-    FitPart result;
-    if (of_.result.status == ident::UpdateStatus::converged) {
-      for (std::size_t s = 0; s < of_.result.scenes.size(); ++s) {
-        FittedValues values;
-        values.tension_N = of_.states[s].modal.tension_N;
-        for (const auto& parameter : of_.fit.parameters) {
-          const auto& targets = parameter.free.targets;
-          for (const auto& name : targets.empty() ? std::vector{parameter.free.name} : targets) {
-            values.values.push_back(
-                {name, model::parameter(of_.result.scenes[s], name), !parameter.free.per_state});
-          }
-        }
-        result.values.push_back(std::move(values));
-      }
-    }
-    result.part = std::move(part_);
-    return result;
-  }
-
-  FitOutcome of_;
+  const FitOutcome& of_;
   ReportPart part_;
-  ident::UpdateOptions options_;
-  std::vector<ident::FreeParameter> free_;
   std::size_t measured_ = 0;
   double held_rms_ = std::numeric_limits<double>::quiet_NaN();
 };
 
 }  // namespace
 
-FitPart fit_part(const Campaign& campaign, const CampaignFit& fit, const KnownValues& known,
-                 const std::vector<std::vector<ident::ModalTestState>>& recorded, int threads,
-                 std::uint64_t seed) {
-  return Fit(campaign, fit, known, recorded, threads, seed).run();
+ident::FitInputs fit_inputs(const CampaignFit& fit, const std::vector<std::size_t>& modal_tests,
+                            std::uint64_t seed, int threads) {
+  ident::FitInputs inputs;
+  inputs.title = fit.title;
+  for (const std::size_t test : fit.tests) {
+    const auto at = std::find(modal_tests.begin(), modal_tests.end(), test);
+    inputs.tests.push_back(static_cast<std::size_t>(at - modal_tests.begin()));
+  }
+  for (const auto& parameter : fit.parameters) inputs.free.push_back(parameter.free);
+  inputs.options.starts = fit.starts;
+  inputs.options.seed = seed;
+  inputs.options.threads = threads;
+  inputs.options.model_relative_std = fit.model_std;
+  inputs.hold_out = fit.hold_out;
+  return inputs;
+}
+
+ReportPart fit_part(const Campaign& campaign, const CampaignFit& fit,
+                    const std::vector<std::size_t>& modal_tests,
+                    const ident::CampaignFitOutcome& answer) {
+  const FitOutcome of{campaign, fit, modal_tests, answer};
+  return Fit(of).run();
 }
 
 }  // namespace rigfit::apps

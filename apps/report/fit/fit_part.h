@@ -3,37 +3,22 @@
 // laid over the test.
 #pragma once
 
-#include <optional>
-#include <string>
+#include <cstdint>
 #include <vector>
 
 #include "apps/campaign_file/campaign.h"
-#include "apps/report/modal/modal_states.h"
 #include "apps/report/report_part.h"
+#include "ident/campaign/campaign.h"
 
 namespace rigfit::apps {
 
-struct FittedValue {
-  std::string parameter;  ///< of the scene
-  double value = 0;
-  bool shared = false;  ///< by all states
-};
+/// `modal_tests`: the campaign's modal tests, in the order of CampaignInputs::modal.
+[[nodiscard]] ident::FitInputs fit_inputs(const CampaignFit& fit,
+                                          const std::vector<std::size_t>& modal_tests,
+                                          std::uint64_t seed, int threads);
 
-/// What a fit found of the scene's parameters in one state.
-struct FittedValues {
-  std::optional<double> tension_N;
-  std::vector<FittedValue> values;
-};
-
-struct FitPart {
-  ReportPart part;
-  std::vector<FittedValues> values;  ///< by state; empty when it did not converge
-};
-
-/// `recorded`: by test of the campaign (empty for tests without recordings).
-[[nodiscard]] FitPart fit_part(const Campaign& campaign, const CampaignFit& fit,
-                               const KnownValues& known,
-                               const std::vector<std::vector<ident::ModalTestState>>& recorded,
-                               int threads, std::uint64_t seed);
+[[nodiscard]] ReportPart fit_part(const Campaign& campaign, const CampaignFit& fit,
+                                  const std::vector<std::size_t>& modal_tests,
+                                  const ident::CampaignFitOutcome& answer);
 
 }  // namespace rigfit::apps

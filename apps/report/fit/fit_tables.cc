@@ -210,7 +210,7 @@ double add_errors(ReportPart& part, const FitOutcome& of) {
     table.rows.push_back(std::move(cells));
     list.push_back(std::move(json));
   }
-  const double held_rms = of.rms_held_out;
+  const double held_rms = of.answer.outcome.rms_held_out;
   std::vector<Cell> all{"all", percent_words(of.result.rms_relative_error_before),
                         percent_words(of.result.rms_relative_error)};
   if (!of.held.empty()) all.emplace_back(percent_words(held_rms));
@@ -285,7 +285,7 @@ void add_pairs(ReportPart& part, const FitOutcome& of) {
 
 void add_shapes(ReportPart& part, const FitOutcome& of) {
   for (std::size_t s = 0; s < of.states.size(); ++s) {
-    if (of.states[s].modal.rig.response.size() < 2) continue;
+    if (of.states[s].modal->rig.response.size() < 2) continue;
     double highest = 0;
     for (const auto& mode : of.updates[s].measured) {
       highest = std::max(highest, mode.frequency_hz.value);
@@ -299,10 +299,10 @@ void add_shapes(ReportPart& part, const FitOutcome& of) {
     table.caption = fmt::format(
         "{}: likeness of shapes (MAC, 1: the same) at the {} sensors, measured modes in rows, "
         "fitted model's in columns. Few sensors cannot tell every shape from every other.",
-        of.updates[s].name, of.states[s].modal.rig.response.size());
+        of.updates[s].name, of.states[s].modal->rig.response.size());
     table.columns = {{"test \\ model, Hz", {}, false}};
     std::vector<const model::NaturalMode*> columns;
-    const auto plane = of.campaign.tests[of.states[s].test].plane();
+    const auto plane = of.test_of(s).plane();
     for (const auto& mode : analysis.modes) {
       if (!(mode.frequency_hz > 0) || (plane && mode.plane != *plane)) continue;
       columns.push_back(&mode);

@@ -184,14 +184,13 @@ void add_summary(ReportPart& part, const CampaignTest& test,
 
 }  // namespace
 
-ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
-                      const std::vector<ident::ModalTestState>& recorded) {
+ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
+                      const ident::KnownValues& known, const std::vector<ModalState>& states) {
   ReportPart part;
   part.id = test.name;
   part.title = test.title;
   part.test = test.name;
   part.json_key = "modal";
-  const auto states = modal_states(campaign, test, known, recorded);
   bool any = false;
   for (const auto& state : states) {
     const auto& equilibrium = state.analysis.equilibrium;
@@ -239,7 +238,7 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test, const 
   part.blocks.push_back(error_table(test, states));
   if (any) {
     if (states.front().tension_N && states.size() > 1) {
-      auto lines = tension_plot(campaign, test, known, states);
+      auto lines = tension_plot(test, scene_use(campaign, test), known, states);
       part.blocks.push_back(std::move(lines.plot));
       part.json["crossings"] = std::move(lines.crossings);
     } else {

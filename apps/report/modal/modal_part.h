@@ -8,9 +8,9 @@
 
 namespace rigfit::apps {
 
-/// `known` gives EI at each tension and EA for the scene's parameters that take them.
+/// `states`: of the model, by rising tension; `known`: what its scene took from other tests.
 [[nodiscard]] ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
-                                    const KnownValues& known,
-                                    const std::vector<ident::ModalTestState>& recorded);
+                                    const ident::KnownValues& known,
+                                    const std::vector<ModalState>& states);
 
 }  // namespace rigfit::apps

@@ -31,7 +31,7 @@ std::string plane_words(model::ModePlane plane) {
 
 }  // namespace
 
-std::string label_of(const ModalState& state) { return state_label(state.tension_N); }
+std::string label_of(const ModalState& state) { return ident::state_label(state.tension_N); }
 
 const std::vector<std::pair<std::string, std::size_t>>& published_models(const CampaignTest& test) {
   static const std::vector<std::pair<std::string, std::size_t>> none;

@@ -6,7 +6,7 @@
 
 #include "apps/report/modal/modal_states.h"
 #include "apps/report/report_part.h"
-#include "ident/campaign/model_answers.h"
+#include "ident/campaign/modal/model_answers.h"
 
 namespace rigfit::apps {
 

@@ -10,6 +10,7 @@
 #include "apps/report/figures/hit_gallery.h"
 #include "apps/report/figures/point_plots.h"
 #include "apps/report/modal/modal_files.h"
+#include "apps/report/modal/modal_part.h"
 #include "apps/report/page/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
 #include "apps/results/modal_json.h"
@@ -20,34 +21,12 @@ namespace {
 
 using Eigen::Index;
 
-class RecordedModalAnalysis {
+class HitsShown {
  public:
-  RecordedModalAnalysis(const Campaign& campaign, const CampaignTest& test) : test_(test) {
-    part().id = test.name + "-recordings";
-    part().title = test.title + ": recordings";
-    part().test = test.name;
-    part().json_key = "recorded_modal";
-    part().json["test"] = test.name;
-    part().json["states"] = Json::array();
+  HitsShown(const Campaign& campaign, const CampaignTest& test, ReportPart& part)
+      : test_(test), part_(part) {
     if (test.scene) scene_ = &campaign.scenes[*test.scene].scene;
-  }
-
-  RecordedModal run() {
-    auto loaded = load_recordings(test_.recordings);
-    for (const auto& entry : loaded) {
-      part().inputs.insert(part().inputs.end(), entry.inputs.begin(), entry.inputs.end());
-    }
-    const std::size_t files = loaded.size();
-    part().blocks.push_back(Paragraph{fmt::format(
-        "The rig is struck with a hammer that measures its force, and what the sensors answer is "
-        "recorded. Each hit is judged; the accepted ones are averaged to frequency response "
-        "functions, and from these come natural frequencies, damping and shapes.{}",
-        test_.hammer.exponential_end_level > 0
-            ? fmt::format(" An exponential window, down to {:g} % at the end, acts on force and "
-                          "responses alike; its damping is taken out of every mode.",
-                          100 * test_.hammer.exponential_end_level)
-            : "")});
-    add_recordings(part(), test_, loaded);
+    part_.json["states"] = Json::array();
     hits_.id = test_.name + "-hits";
     hits_.caption = "Every hit, kept or rejected.";
     hits_.columns = {{"state", {}, false},  {"recording", {}, false}, {"time, s", {}, true},
@@ -67,48 +46,19 @@ class RecordedModalAnalysis {
                                  {"damping, %", {}, true},
                                  {"in the diagram, %", {}, true},
                                  {"why it is no mode", {}, false}};
-    auto analysed = ident::run_modal_test(recordings_of(loaded), options());
+  }
+
+  void run(ident::ModalTest& analysed, std::size_t files) {
     for (const auto& finding : analysed.findings) {
-      refuse(part(), finding.code, finding.message, finding.where);
+      refuse(part_, finding.code, finding.message, finding.where);
     }
     for (auto& state : analysed.states) show(state);
     finish(files);
-    return std::move(result_);
   }
 
  private:
-  ReportPart& part() { return result_.part; }
-
-  [[nodiscard]] std::vector<ident::ModalRecording> recordings_of(
-      std::vector<LoadedRecording>& loaded) const {
-    std::vector<ident::ModalRecording> recordings;
-    for (auto& entry : loaded) {
-      if (!entry.recording) continue;
-      const auto& group = test_.recordings[entry.group];
-      recordings.push_back(
-          {std::move(*entry.recording), group.tension_N, group.load, group.origin()});
-    }
-    return recordings;
-  }
-
-  [[nodiscard]] ident::ModalTestOptions options() const {
-    ident::ModalTestOptions options;
-    const auto& hammer = test_.hammer;
-    options.hammer.force = hammer.force;
-    options.hammer.responses = hammer.responses;
-    auto& impact = options.hammer.impact;
-    impact.estimator = hammer.estimator == "h2"   ? signal::FrfEstimator::h2
-                       : hammer.estimator == "hv" ? signal::FrfEstimator::hv
-                                                  : signal::FrfEstimator::h1;
-    if (hammer.force_window_s > 0) impact.force_window_s = hammer.force_window_s;
-    impact.exponential_end_level = hammer.exponential_end_level;
-    impact.hits.band_hz = test_.band_hz;
-    if (hammer.max_order > 0) options.modal.lscf.max_order = hammer.max_order;
-    return options;
-  }
-
   void show(ident::ModalTestState& state) {
-    const std::string label = state_label(state.tension_N);
+    const std::string label = ident::state_label(state.tension_N);
     for (std::size_t p = 0; p < state.hammer.tests.size(); ++p) {
       list_hits(label, state.places[p], state.hammer.tests[p]);
     }
@@ -129,7 +79,8 @@ class RecordedModalAnalysis {
       point_tables_.push_back(std::move(*table));
     }
     add_files(state);
-    if (state.has_modes()) result_.states.push_back(std::move(state));
+    if (!state.has_modes()) return;
+    if (++states_ == 1) origin_ = state.origin;
   }
 
   /// A place left out is refused here: the campaign asked for it. A mode whose damping is refused
@@ -140,9 +91,9 @@ class RecordedModalAnalysis {
       const bool refused =
           finding.code == "point_left_out" || (finding.refused && finding.code != "window_damping");
       if (refused) {
-        refuse(part(), finding.code, finding.message, where);
+        refuse(part_, finding.code, finding.message, where);
       } else {
-        part().warnings.push_back({finding.code, finding.message, where, false});
+        part_.warnings.push_back({finding.code, finding.message, where, false});
       }
     }
   }
@@ -264,7 +215,7 @@ class RecordedModalAnalysis {
     state["modes"] = std::move(list);
     state["rejected_columns"] = std::move(rejected);
     state["uff"] = {uff_path("frf", label), uff_path("modes", label)};
-    part().json["states"].push_back(std::move(state));
+    part_.json["states"].push_back(std::move(state));
   }
 
   /// Frequencies and damping; on the first page only where no model says more.
@@ -279,9 +230,9 @@ class RecordedModalAnalysis {
       answer.value = mode.frequency_hz.value;
       answer.std = mode.frequency_hz.std;
       answer.origin = found.origin;
-      answer.anchor = part().id;
+      answer.anchor = part_.id;
       answer.rank = scene_ ? 2 : 0;
-      part().answers.push_back(answer);
+      part_.answers.push_back(answer);
       if (mode.damping_dominated_by_window) continue;
       answer.key = fmt::format("{}/{}/damping", test_.name, label);
       answer.quantity = fmt::format("{}, {}: damping ratio ζ {}", test_.title, label, number);
@@ -289,7 +240,7 @@ class RecordedModalAnalysis {
       answer.percent = true;
       answer.value = mode.damping_ratio.value;
       answer.std = mode.damping_ratio.std;
-      part().answers.push_back(std::move(answer));
+      part_.answers.push_back(std::move(answer));
     }
   }
 
@@ -298,9 +249,9 @@ class RecordedModalAnalysis {
   }
 
   void add_files(const ident::ModalTestState& found) {
-    const std::string label = state_label(found.tension_N);
-    part().files.push_back({uff_path("frf", label), frf_file(found.hammer.frfs)});
-    part().files.push_back({uff_path("modes", label), mode_file(scene_, found.modal->model)});
+    const std::string label = ident::state_label(found.tension_N);
+    part_.files.push_back({uff_path("frf", label), frf_file(found.hammer.frfs)});
+    part_.files.push_back({uff_path("modes", label), mode_file(scene_, found.modal->model)});
   }
 
   void finish(std::size_t files) {
@@ -308,36 +259,36 @@ class RecordedModalAnalysis {
       if (hits_.rows.size() > 12) {
         hits_.fold = fmt::format("All {} hits, {} rejected", all_hits_, rejected_);
       }
-      part().blocks.push_back(std::move(hits_));
+      part_.blocks.push_back(std::move(hits_));
     }
-    for (auto& gallery : galleries_) part().blocks.push_back(std::move(gallery));
+    for (auto& gallery : galleries_) part_.blocks.push_back(std::move(gallery));
     if (!tabs_.empty()) {
-      part().blocks.push_back(
+      part_.blocks.push_back(
           PlotGroup{test_.name + "-frfs", "Frequency responses and poles", std::move(tabs_)});
     }
-    if (!scene_) part().brief = {test_.name + "-identified"};
-    if (!modes_.rows.empty()) part().blocks.push_back(std::move(modes_));
-    for (auto& table : point_tables_) part().blocks.push_back(std::move(table));
+    if (!scene_) part_.brief = {test_.name + "-identified"};
+    if (!modes_.rows.empty()) part_.blocks.push_back(std::move(modes_));
+    for (auto& table : point_tables_) part_.blocks.push_back(std::move(table));
     if (!rejected_columns_.rows.empty()) {
       rejected_columns_.fold = fmt::format("Columns of the diagram that are no mode: {}, and why",
                                            rejected_columns_.rows.size());
-      part().blocks.push_back(std::move(rejected_columns_));
+      part_.blocks.push_back(std::move(rejected_columns_));
     }
-    part().json["hits"] = all_hits_;
-    part().json["hits_rejected"] = rejected_;
-    const auto origin =
-        result_.states.empty() ? std::optional<Origin>() : result_.states.front().origin;
-    part().summary.push_back({SummaryItem::Kind::recorded, test_.title,
-                              fmt::format("{} in {} from {}; {} of {} hits rejected",
-                                          counted(static_cast<std::size_t>(modes_found_), "mode"),
-                                          counted(result_.states.size(), "state"),
-                                          counted(files, "recording"), rejected_, all_hits_),
-                              origin, part().id});
+    part_.json["hits"] = all_hits_;
+    part_.json["hits_rejected"] = rejected_;
+    part_.summary.push_back(
+        {SummaryItem::Kind::recorded, test_.title,
+         fmt::format("{} in {} from {}; {} of {} hits rejected",
+                     counted(static_cast<std::size_t>(modes_found_), "mode"),
+                     counted(states_, "state"), counted(files, "recording"), rejected_, all_hits_),
+         origin_, part_.id});
   }
 
   const CampaignTest& test_;
+  ReportPart& part_;
   const model::Scene* scene_ = nullptr;  ///< null: points keep their numbers
-  RecordedModal result_;
+  std::size_t states_ = 0;               ///< that gave modes
+  std::optional<Origin> origin_;         ///< of the first of them
   ReportTable hits_, modes_, rejected_columns_;
   std::vector<ReportTable> point_tables_;
   std::vector<Picture> galleries_;
@@ -347,14 +298,94 @@ class RecordedModalAnalysis {
   int rejected_ = 0, all_hits_ = 0, modes_found_ = 0;
 };
 
-}  // namespace
-
-std::string state_label(std::optional<double> tension_N) {
-  return tension_N ? fmt::format("{:g} N", *tension_N) : std::string("as built");
+ident::ModalTestOptions hammer_options(const CampaignTest& test) {
+  ident::ModalTestOptions options;
+  const auto& hammer = test.hammer;
+  options.hammer.force = hammer.force;
+  options.hammer.responses = hammer.responses;
+  auto& impact = options.hammer.impact;
+  impact.estimator = hammer.estimator == "h2"   ? signal::FrfEstimator::h2
+                     : hammer.estimator == "hv" ? signal::FrfEstimator::hv
+                                                : signal::FrfEstimator::h1;
+  if (hammer.force_window_s > 0) impact.force_window_s = hammer.force_window_s;
+  impact.exponential_end_level = hammer.exponential_end_level;
+  impact.hits.band_hz = test.band_hz;
+  if (hammer.max_order > 0) options.modal.lscf.max_order = hammer.max_order;
+  return options;
 }
 
-RecordedModal recorded_modal(const Campaign& campaign, const CampaignTest& test) {
-  return RecordedModalAnalysis(campaign, test).run();
+/// Recordings of hits and their modes, then the model's modes against them: a part each.
+class ModalTestPart : public TestPart {
+ public:
+  ModalTestPart(const Campaign& campaign, const CampaignTest& test)
+      : campaign_(campaign), test_(test) {
+    part_.id = test.name + "-recordings";
+    part_.title = test.title + ": recordings";
+    part_.test = test.name;
+    part_.json_key = "recorded_modal";
+    part_.json["test"] = test.name;
+  }
+
+  void read() override {
+    if (test_.recordings.empty()) return;
+    auto loaded = load_recordings(test_.recordings);
+    for (const auto& entry : loaded) {
+      part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
+    }
+    files_ = loaded.size();
+    part_.blocks.push_back(Paragraph{fmt::format(
+        "The rig is struck with a hammer that measures its force, and what the sensors answer is "
+        "recorded. Each hit is judged; the accepted ones are averaged to frequency response "
+        "functions, and from these come natural frequencies, damping and shapes.{}",
+        test_.hammer.exponential_end_level > 0
+            ? fmt::format(" An exponential window, down to {:g} % at the end, acts on force and "
+                          "responses alike; its damping is taken out of every mode.",
+                          100 * test_.hammer.exponential_end_level)
+            : "")});
+    add_recordings(part_, test_, loaded);
+    for (auto& entry : loaded) {
+      if (!entry.recording) continue;
+      const auto& group = test_.recordings[entry.group];
+      inputs_.recordings.push_back(
+          {std::move(*entry.recording), group.tension_N, group.load, group.origin()});
+    }
+  }
+
+  void add_to(ident::CampaignInputs& inputs) override {
+    index_ = inputs.modal.size();
+    inputs_.name = test_.name;
+    inputs_.options = hammer_options(test_);
+    inputs_.published = published_modes(test_);
+    inputs_.setup = setup_of(test_);
+    if (test_.scene) inputs_.scene = scene_use(campaign_, test_);
+    inputs.modal.push_back(std::move(inputs_));
+  }
+
+  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
+    auto& outcome = campaign.modal[index_];
+    std::vector<ReportPart> parts;
+    if (!test_.recordings.empty()) {
+      HitsShown(campaign_, test_, part_).run(outcome.test, files_);
+      parts.push_back(std::move(part_));
+    }
+    if (test_.scene) {
+      parts.push_back(modal_part(campaign_, test_, campaign.known, outcome.model));
+    }
+    return parts;
+  }
+
+ private:
+  const Campaign& campaign_;
+  const CampaignTest& test_;
+  ident::ModalInputs inputs_;
+  std::size_t index_ = 0, files_ = 0;
+  ReportPart part_;
+};
+
+}  // namespace
+
+std::unique_ptr<TestPart> modal_test_part(const Campaign& campaign, const CampaignTest& test) {
+  return std::make_unique<ModalTestPart>(campaign, test);
 }
 
 }  // namespace rigfit::apps

@@ -14,28 +14,28 @@
 namespace rigfit::apps {
 namespace {
 
-class AxialAnalysis {
+class AxialPart : public TestPart {
  public:
-  AxialAnalysis(const CampaignTest& test, std::uint64_t seed) : test_(test) {
-    part().id = test.name;
-    part().title = test.title;
-    part().json_key = "axial";
-    part().json["test"] = test.name;
+  AxialPart(const CampaignTest& test, std::uint64_t seed, int threads) : test_(test) {
+    part_.id = test.name;
+    part_.title = test.title;
+    part_.json_key = "axial";
+    part_.json["test"] = test.name;
     inputs_.options.seed = seed;
+    inputs_.threads = threads;
   }
 
-  AxialPart run(int threads) {
+  void read() override {
     auto loaded = load_recordings(test_.recordings);
     for (const auto& entry : loaded) {
-      part().inputs.insert(part().inputs.end(), entry.inputs.begin(), entry.inputs.end());
+      part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
     }
-    part().blocks.push_back(Paragraph{fmt::format(
+    part_.blocks.push_back(Paragraph{fmt::format(
         "A mass of {:g} kg hangs from a length of cable and is struck; the tension swings up and "
         "down. How fast gives the axial stiffness EA, how soon it dies away gives the damping.",
         test_.axial.mass_kg.value)});
-    add_recordings(part(), test_, loaded);
+    add_recordings(part_, test_, loaded);
     inputs_.setup = test_.axial;
-    inputs_.threads = threads;
     if (!test_.channels.empty()) inputs_.channel = test_.channels.front();
     if (test_.band_hz) {
       inputs_.band_low_hz = test_.band_hz->first, inputs_.band_high_hz = test_.band_hz->second;
@@ -46,43 +46,50 @@ class AxialAnalysis {
       inputs_.recordings.push_back({entry.file, std::move(*entry.recording), *group.length_m});
       origins_.push_back(group.origin());
     }
-    result_ = ident::axial_campaign(inputs_);
-    for (const auto& f : result_.findings) {
+  }
+
+  void add_to(ident::CampaignInputs& inputs) override {
+    index_ = inputs.axial.size();
+    inputs.axial.push_back(std::move(inputs_));
+  }
+
+  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
+    const auto& inputs = campaign.inputs.axial[index_];
+    const auto& result = campaign.axial[index_];
+    for (const auto& f : result.findings) {
       const std::string where = f.where.empty() ? test_.name : f.where;
       if (f.refused) {
-        refuse(part(), f.code, f.message, where);
+        refuse(part_, f.code, f.message, where);
       } else {
-        part().warnings.push_back({f.code, f.message, where, false});
+        part_.warnings.push_back({f.code, f.message, where, false});
       }
     }
-    part().json.update(axial_json(inputs_, result_));
-    if (result_.test) {
-      part().json["catalogue"] = part().json["plausibility"];
-      part().json["plausibility"] = result_.test->plausibility;
+    part_.json.update(axial_json(inputs, result));
+    if (result.test) {
+      part_.json["catalogue"] = part_.json["plausibility"];
+      part_.json["plausibility"] = result.test->plausibility;
+      show_test(inputs, result);
     }
-    if (result_.test) show(*result_.test);
-    return std::move(part_);
+    return {std::move(part_)};
   }
 
  private:
-  ReportPart& part() { return part_.part; }
-
-  void show(const ident::AxialTestResult& r) {
-    for (const auto& d : result_.decays) {
+  void show_test(const ident::AxialInputs& inputs, const ident::AxialCampaignResult& result) {
+    const auto& r = *result.test;
+    for (const auto& d : result.decays) {
       if (!d.mode) continue;
       origin_ = origins_[d.recording];
       break;
     }
-    part_.known = ident::knowledge_of(r);
-    part().blocks.push_back(axial_length_plot(test_.name + "-EA", r, origin_, reference_EA()));
-    part().blocks.push_back(length_table(r));
-    if (r.alternatives.size() > 1) part().blocks.push_back(alternatives_table(r));
+    part_.blocks.push_back(axial_length_plot(test_.name + "-EA", r, origin_, reference_EA()));
+    part_.blocks.push_back(length_table(r));
+    if (r.alternatives.size() > 1) part_.blocks.push_back(alternatives_table(r));
     if (auto bars = axial_budget_picture(test_.name + "-budget-bars", r)) {
-      part().blocks.push_back(std::move(*bars));
+      part_.blocks.push_back(std::move(*bars));
     }
-    part().blocks.push_back(budget_table(r));
+    part_.blocks.push_back(budget_table(r));
     if (r.draws > 0) {
-      part().blocks.push_back(Paragraph{
+      part_.blocks.push_back(Paragraph{
           fmt::format("Checked by a Monte Carlo of {} draws on closed forms: {} N, 95 % between {} "
                       "and {} N.",
                       r.draws, shown_estimate(r.monte_carlo_EA_N.value, r.monte_carlo_EA_N.std),
@@ -90,16 +97,12 @@ class AxialAnalysis {
                       shown_bound(r.monte_carlo_high_N, r.monte_carlo_EA_N.std))});
     }
     if (!r.plausibility.empty()) {
-      part().blocks.push_back(Paragraph{r.plausibility, Paragraph::Kind::note});
+      part_.blocks.push_back(Paragraph{r.plausibility, Paragraph::Kind::note});
     }
-    figures();
+    for (auto& block : axial_decay_blocks(test_.name, inputs, result, origins_)) {
+      part_.blocks.push_back(std::move(block));
+    }
     describe(r);
-  }
-
-  void figures() {
-    for (auto& block : axial_decay_blocks(test_.name, inputs_, result_, origins_)) {
-      part().blocks.push_back(std::move(block));
-    }
   }
 
   [[nodiscard]] std::optional<ReferenceValue> reference_EA() const {
@@ -179,34 +182,33 @@ class AxialAnalysis {
     return table;
   }
 
-  void add_answer(const char* quantity, const char* unit, const signal::Estimate& value, double low,
-                  double high, const char* reference) {
+  void add_answer(const ident::AxialTestResult& r, const char* quantity, const char* unit,
+                  const signal::Estimate& value, signal::Interval interval, const char* reference) {
     Answer answer;
     answer.key = test_.name + "/" + reference;
     answer.quantity = quantity;
-    answer.how =
-        fmt::format("axial test, {} at {}", counted(result_.test->samples.size(), "record"),
-                    counted(result_.test->lengths.size(), "length"));
+    answer.how = fmt::format("axial test, {} at {}", counted(r.samples.size(), "record"),
+                             counted(r.lengths.size(), "length"));
     answer.unit = unit;
     answer.value = value.value;
     answer.std = value.std;
-    answer.low = low;
-    answer.high = high;
+    answer.low = interval.low;
+    answer.high = interval.high;
     answer.percent = answer.unit.empty();
     if (const auto at = test_.reference.find(reference); at != test_.reference.end()) {
       answer.reference = at->second;
       answer.reference_name = test_.reference_name;
     }
     answer.origin = origin_;
-    answer.anchor = part().id;
-    part().answers.push_back(std::move(answer));
+    answer.anchor = part_.id;
+    part_.answers.push_back(std::move(answer));
   }
 
   void describe(const ident::AxialTestResult& r) {
-    add_answer("Cable axial stiffness EA", "N", r.EA_N, r.EA_low_N, r.EA_high_N, "EA");
-    add_answer("Axial damping ratio ζ", "", r.damping_ratio, r.damping_low, r.damping_high,
+    add_answer(r, "Cable axial stiffness EA", "N", r.EA_N, {r.EA_low_N, r.EA_high_N}, "EA");
+    add_answer(r, "Axial damping ratio ζ", "", r.damping_ratio, {r.damping_low, r.damping_high},
                "damping_ratio");
-    part().brief = {test_.name + "-EA", test_.name + "-lengths"};
+    part_.brief = {test_.name + "-EA", test_.name + "-lengths"};
     std::string text =
         fmt::format("{} N (95 %: {} to {})", shown_estimate(r.EA_N.value, r.EA_N.std),
                     shown_bound(r.EA_low_N, r.EA_N.std), shown_bound(r.EA_high_N, r.EA_N.std));
@@ -215,40 +217,40 @@ class AxialAnalysis {
       text += fmt::format("; {} {} ({})", test_.reference_name, shown(at->second, 5),
                           shown_percent(r.EA_N.value / at->second - 1));
     }
-    part().summary.push_back(
-        {SummaryItem::Kind::result, "EA of the cable", text, origin_, part().id});
+    part_.summary.push_back(
+        {SummaryItem::Kind::result, "EA of the cable", text, origin_, part_.id});
     text = shown_estimate(100 * r.damping_ratio.value, 100 * r.damping_ratio.std) + " %";
     if (const auto at = reference.find("damping_ratio"); at != reference.end()) {
       text += fmt::format("; {} {} %", test_.reference_name, shown(100 * at->second, 3));
     }
-    part().summary.push_back(
-        {SummaryItem::Kind::result, "Axial damping ratio", text, origin_, part().id});
+    part_.summary.push_back(
+        {SummaryItem::Kind::result, "Axial damping ratio", text, origin_, part_.id});
     for (const auto& note : r.notes) {
       for (const char* code :
            {"one_length", "lengths_too_close", "lengths_disagree", "series_compliance"}) {
         if (note.code != code) continue;
-        part().summary.push_back(
-            {SummaryItem::Kind::distrust, "EA by length", note.message, origin_, part().id});
+        part_.summary.push_back(
+            {SummaryItem::Kind::distrust, "EA by length", note.message, origin_, part_.id});
       }
     }
     if (r.catalogue_EA_N > 0 && (r.share_of_catalogue < 0.5 || r.share_of_catalogue > 1.5)) {
-      part().summary.push_back(
-          {SummaryItem::Kind::distrust, "Size of EA", r.plausibility, origin_, part().id});
+      part_.summary.push_back(
+          {SummaryItem::Kind::distrust, "Size of EA", r.plausibility, origin_, part_.id});
     }
   }
 
   const CampaignTest& test_;
   ident::AxialInputs inputs_;
+  std::size_t index_ = 0;
   std::vector<Origin> origins_;  // of the recordings
-  ident::AxialCampaignResult result_;
-  AxialPart part_;
+  ReportPart part_;
   Origin origin_ = Origin::measured;
 };
 
 }  // namespace
 
-AxialPart axial_part(const CampaignTest& test, std::uint64_t seed, int threads) {
-  return AxialAnalysis(test, seed).run(threads);
+std::unique_ptr<TestPart> axial_part(const CampaignTest& test, std::uint64_t seed, int threads) {
+  return std::make_unique<AxialPart>(test, seed, threads);
 }
 
 }  // namespace rigfit::apps

@@ -2,19 +2,14 @@
 // length, with the uncertainty budget.
 #pragma once
 
-#include <optional>
+#include <cstdint>
+#include <memory>
 
-#include "apps/campaign_file/campaign.h"
-#include "apps/report/report_part.h"
-#include "ident/campaign/axial_campaign.h"
+#include "apps/report/test_part.h"
 
 namespace rigfit::apps {
 
-struct AxialPart {
-  ReportPart part;
-  std::optional<ident::AxialKnowledge> known;
-};
-
-[[nodiscard]] AxialPart axial_part(const CampaignTest& test, std::uint64_t seed, int threads);
+[[nodiscard]] std::unique_ptr<TestPart> axial_part(const CampaignTest& test, std::uint64_t seed,
+                                                   int threads);
 
 }  // namespace rigfit::apps

@@ -243,55 +243,79 @@ void add_answers(const CampaignTest& test, const ident::BendingCampaignResult& r
   }
 }
 
+class BendingPart : public TestPart {
+ public:
+  BendingPart(const Campaign& campaign, const CampaignTest& test) : test_(test) {
+    part_.id = test.name;
+    part_.title = test.title;
+    part_.json_key = "bending";
+    part_.json["test"] = test.name;
+    part_.json["span_m"] = test.span_m;
+    tests_.campaign.strand = campaign.strand;
+  }
+
+  void read() override {
+    std::string words =
+        "A length of cable is clamped at both ends, pulled to a tension and pressed sideways at "
+        "mid-span. From the slope of deflection over load follows its bending stiffness EI.";
+    if (test_.results) {
+      words += fmt::format(
+          " Here the EI values themselves are published; what uncertainty was published with them "
+          "is shown. The span of {:g} m only sets the slope shown.",
+          test_.span_m);
+    }
+    part_.blocks.push_back(Paragraph{std::move(words)});
+    const auto strand = tests_.campaign.strand;
+    tests_ = test_.results ? published(test_) : recorded(test_, part_);
+    tests_.campaign.strand = strand;
+    auto& options = tests_.campaign.test;
+    options.span_m = {test_.span_m, test_.span_std_m};
+    options.tension_zero_std_N = test_.tension_zero_std_N;
+    options.tension_calibration_std = test_.tension_calibration_std;
+    options.load_calibration_std = test_.load_calibration_std;
+    options.deflection_calibration_std = test_.deflection_calibration_std;
+  }
+
+  void add_to(ident::CampaignInputs& inputs) override {
+    index_ = inputs.bending.size();
+    inputs.bending.push_back(std::move(tests_.campaign));
+  }
+
+  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
+    const auto& result = campaign.bending[index_];
+    tests_.campaign = std::move(campaign.inputs.bending[index_]);
+    part_.json.update(bending_json(tests_.campaign, result));
+    part_.json["laws_decided"] = result.curve.laws().decided;
+    for (const auto& finding : result.findings) {
+      part_.warnings.push_back({finding.code, finding.message, test_.name, false});
+    }
+    const std::string remark = show_points(test_, tests_, result, part_);
+    const auto series = stiffness_series(result, tests_.origins);
+    show_laws(test_, series, result, part_);
+    if (result.curve.empty()) return {std::move(part_)};
+    const Origin origin = series.back().origin;
+    const auto &first = result.curve.points().front(), &last = result.curve.points().back();
+    add_answers(test_, result, origin, part_);
+    part_.brief = {test_.name + "-EI", test_.name + "-points", test_.name + "-results"};
+    part_.summary.push_back({SummaryItem::Kind::result, "EI of the cable",
+                             fmt::format("{} N m² at {} N to {} N m² at {} N ({})",
+                                         shown(first.EI_Nm2, 4), shown(first.tension_N, 3),
+                                         shown(last.EI_Nm2, 4), shown(last.tension_N, 3), remark),
+                             origin, part_.id});
+    return {std::move(part_)};
+  }
+
+ private:
+  const CampaignTest& test_;
+  Tests tests_;
+  std::size_t index_ = 0;
+  ReportPart part_;
+};
+
 }  // namespace
 
-BendingPart bending_part(const Campaign& campaign, const CampaignTest& test) {
-  BendingPart bending;
-  ReportPart& part = bending.part;
-  part.id = test.name;
-  part.title = test.title;
-  part.json_key = "bending";
-  part.json["test"] = test.name;
-  part.json["span_m"] = test.span_m;
-  std::string words =
-      "A length of cable is clamped at both ends, pulled to a tension and pressed sideways at "
-      "mid-span. From the slope of deflection over load follows its bending stiffness EI.";
-  if (test.results) {
-    words += fmt::format(
-        " Here the EI values themselves are published; what uncertainty was published with them is "
-        "shown. The span of {:g} m only sets the slope shown.",
-        test.span_m);
-  }
-  part.blocks.push_back(Paragraph{std::move(words)});
-  Tests tests = test.results ? published(test) : recorded(test, part);
-  auto& options = tests.campaign.test;
-  options.span_m = {test.span_m, test.span_std_m};
-  options.tension_zero_std_N = test.tension_zero_std_N;
-  options.tension_calibration_std = test.tension_calibration_std;
-  options.load_calibration_std = test.load_calibration_std;
-  options.deflection_calibration_std = test.deflection_calibration_std;
-  tests.campaign.strand = campaign.strand;
-  const auto result = ident::analyse_bending_campaign(tests.campaign);
-  part.json.update(bending_json(tests.campaign, result));
-  part.json["laws_decided"] = result.curve.laws().decided;
-  for (const auto& finding : result.findings) {
-    part.warnings.push_back({finding.code, finding.message, test.name, false});
-  }
-  const std::string remark = show_points(test, tests, result, part);
-  const auto series = stiffness_series(result, tests.origins);
-  show_laws(test, series, result, part);
-  if (!result.curve.empty()) {
-    const auto &first = result.curve.points().front(), &last = result.curve.points().back();
-    add_answers(test, result, series.back().origin, part);
-    part.brief = {test.name + "-EI", test.name + "-points", test.name + "-results"};
-    part.summary.push_back({SummaryItem::Kind::result, "EI of the cable",
-                            fmt::format("{} N m² at {} N to {} N m² at {} N ({})",
-                                        shown(first.EI_Nm2, 4), shown(first.tension_N, 3),
-                                        shown(last.EI_Nm2, 4), shown(last.tension_N, 3), remark),
-                            series.back().origin, part.id});
-  }
-  bending.curve = result.curve;
-  return bending;
+std::unique_ptr<TestPart> bending_part(const Campaign& campaign, const CampaignTest& test) {
+  return std::make_unique<BendingPart>(campaign, test);
 }
 
 }  // namespace rigfit::apps

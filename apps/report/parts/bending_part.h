@@ -2,17 +2,13 @@
 // geometry, by ident/campaign/bending_campaign.h.
 #pragma once
 
-#include "apps/campaign_file/campaign.h"
-#include "apps/report/report_part.h"
-#include "ident/bending/stiffness_curve.h"
+#include <memory>
+
+#include "apps/report/test_part.h"
 
 namespace rigfit::apps {
 
-struct BendingPart {
-  ReportPart part;
-  ident::StiffnessCurve curve;
-};
-
-[[nodiscard]] BendingPart bending_part(const Campaign& campaign, const CampaignTest& test);
+[[nodiscard]] std::unique_ptr<TestPart> bending_part(const Campaign& campaign,
+                                                     const CampaignTest& test);
 
 }  // namespace rigfit::apps

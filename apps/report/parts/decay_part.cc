@@ -4,16 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 
 #include "apps/report/figures/decay_overlay.h"
+#include "apps/report/modal/modal_states.h"
 #include "apps/report/modal/model_overlay.h"
 #include "apps/report/page/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
-#include "ident/campaign/decay_test.h"
-#include "ident/statistics/in_parallel.h"
-#include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
 namespace {
@@ -23,11 +20,9 @@ Json estimate_json(const signal::Estimate& e) {
           {"std", std::isfinite(e.std) ? Json(e.std) : Json(nullptr)}};
 }
 
-class DecayAnalysis {
+class DecayPart : public TestPart {
  public:
-  DecayAnalysis(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
-                const std::vector<FitOfDecay>& fits)
-      : campaign_(campaign), test_(test), known_(known), fits_(fits) {
+  DecayPart(const Campaign& campaign, const CampaignTest& test) : campaign_(campaign), test_(test) {
     part_.id = test.name;
     part_.title = test.title;
     part_.json_key = "decays";
@@ -51,28 +46,56 @@ class DecayAnalysis {
                          {"model decay rate, 1/s", Origin::modelled}};
   }
 
-  ReportPart run(int threads) {
+  void read() override {
     auto loaded = load_recordings(test_.recordings);
     for (const auto& entry : loaded) {
       part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
     }
+    files_ = loaded.size();
     part_.blocks.push_back(Paragraph{
         "The rig is set free (a string is cut, or it is tapped) and rings. Damped oscillations are "
         "fitted to what it rings, without anybody's guess of frequency or window."});
     add_recordings(part_, test_, loaded);
-    Json list = Json::array();
-    std::vector<Job> jobs;
-    for (const auto& entry : loaded) {
+    for (auto& entry : loaded) {
       if (!entry.recording) continue;
-      auto more = jobs_of(entry);
-      std::move(more.begin(), more.end(), std::back_inserter(jobs));
+      const auto& group = test_.recordings[entry.group];
+      inputs_.recordings.push_back({entry.file, std::move(*entry.recording), group.tension_N});
+      groups_.push_back(&group);
     }
-    ident::in_parallel(jobs.size(), threads, [&](std::size_t i) { compute(jobs[i], threads); });
+  }
+
+  void add_to(ident::CampaignInputs& inputs) override {
+    index_ = inputs.decays.size();
+    inputs_.options.channels = test_.channels;
+    if (test_.band_hz) {
+      inputs_.options.decay.band_low_hz = test_.band_hz->first;
+      inputs_.options.decay.band_high_hz = test_.band_hz->second;
+    }
+    if (test_.scene) inputs_.scene = scene_use(campaign_, test_);
+    inputs_.sensors = test_.hammer.sensors;
+    inputs_.load = test_.hammer.load;
+    for (std::size_t f = 0; f < campaign_.fits.size(); ++f) {
+      for (const std::size_t test : campaign_.fits[f].predicts) {
+        if (&campaign_.tests[test] == &test_) inputs_.fits.push_back(f);
+      }
+    }
+    inputs.decays.push_back(std::move(inputs_));
+  }
+
+  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
+    const auto& recordings = campaign.inputs.decays[index_].recordings;
+    auto& outcome = campaign.decays[index_];
+    for (const auto& finding : outcome.findings) {
+      refuse(part_, finding.code, finding.message, finding.where);
+    }
+    Json list = Json::array();
     PlotTab tab;
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-      if (i == 0 || jobs[i].entry != jobs[i - 1].entry) tab.label = short_name(jobs[i].entry->file);
-      tell(jobs[i], tab, list);
-      if (i + 1 < jobs.size() && jobs[i + 1].entry == jobs[i].entry) continue;
+    auto& channels = outcome.channels;
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      const std::size_t r = channels[i].recording;
+      if (i == 0 || r != channels[i - 1].recording) tab.label = short_name(recordings[r].name);
+      tell(channels[i], recordings[r], *groups_[r], tab, list);
+      if (i + 1 < channels.size() && channels[i + 1].recording == r) continue;
       if (!tab.plots.empty()) group_.tabs.push_back(std::move(tab));
       tab = {};
     }
@@ -89,79 +112,26 @@ class DecayAnalysis {
     if (!damping.series.empty()) part_.blocks.push_back(std::move(damping));
     part_.summary.push_back(
         {test_.scene ? SummaryItem::Kind::error : SummaryItem::Kind::recorded, test_.title,
-         fmt::format("{} in {}{}", counted(decays_.size(), "decay"),
-                     counted(loaded.size(), "recording"), best_),
+         fmt::format("{} in {}{}", counted(decays_.size(), "decay"), counted(files_, "recording"),
+                     best_),
          decays_.empty() ? std::optional<Origin>() : decays_.front().origin, part_.id});
-    return std::move(part_);
+    return {std::move(part_)};
   }
 
  private:
-  /// One channel of one recording: its decay, and what the model answers where there is one.
-  struct Job {
-    const LoadedRecording* entry = nullptr;
-    const signal::Channel* channel = nullptr;
-    ident::ChannelDecays found;
+  void tell(ident::DecayOutcome& outcome, const ident::DecayRecording& recorded,
+            const RecordingGroup& group, PlotTab& tab, Json& list) {
     AnalysedDecay decay;
-    bool modelled = false;
-    std::vector<ReleaseAnswer> answers;
-  };
-
-  [[nodiscard]] std::vector<Job> jobs_of(const LoadedRecording& entry) {
-    const auto& recording = *entry.recording;
-    if (recording.time_s.size() > 0 || !(recording.sample_rate_hz > 0)) {
-      refuse(part_, "not_uniform",
-             recording.time_s.size() > 0 ? "its samples are not evenly spaced in time"
-                                         : "gives no sample rate; add sample_rate_hz",
-             entry.file);
-      return {};
-    }
-    std::vector<std::string> channels = test_.channels;
-    if (channels.empty()) {
-      for (const auto& channel : recording.channels) channels.push_back(channel.name);
-    }
-    std::vector<Job> jobs;
-    for (const auto& name : channels) {
-      try {
-        jobs.push_back({&entry, &recording.channel(name), {}, {}, false, {}});
-      } catch (const signal::RecordingError& error) {
-        refuse(part_, "channel", error.what(), entry.file);
-      }
-    }
-    return jobs;
-  }
-
-  void compute(Job& job, int threads) const {
-    const auto& recording = *job.entry->recording;
-    const auto& group = test_.recordings[job.entry->group];
-    AnalysedDecay& decay = job.decay;
-    decay.file = job.entry->file;
-    decay.channel = job.channel->name;
-    decay.unit = job.channel->unit;
+    decay.file = recorded.name;
+    decay.channel = outcome.found.channel;
+    decay.unit = outcome.found.unit;
     decay.origin = group.origin();
-    decay.rate_hz = recording.sample_rate_hz;
-    decay.start_s = recording.start_time_s;
-    ident::DecayTestOptions test;
-    test.channels = {job.channel->name};
-    test.decay = options();
-    job.found = std::move(ident::run_decay_test(recording, test).channels.front());
-    decay.samples = job.found.samples;
-    decay.result = job.found.strongest;
-    if (!decay.result.refusal_code.empty() || decay.result.modes.empty() || !test_.scene) return;
-    const auto other = test_.hammer.sensors.find(decay.channel);
-    const auto& sensor = other == test_.hammer.sensors.end() ? decay.channel : other->second;
-    const auto scenes = versions(group, sensor);
-    if (scenes.empty()) return;
-    job.modelled = true;
-    job.answers =
-        ident::release_answers({decay.samples, decay.rate_hz, decay.result.start, decay.result.end},
-                               options(), scenes, threads);
-  }
-
-  void tell(Job& job, PlotTab& tab, Json& list) {
-    const auto& group = test_.recordings[job.entry->group];
-    AnalysedDecay& decay = job.decay;
+    decay.rate_hz = recorded.recording.sample_rate_hz;
+    decay.start_s = recorded.recording.start_time_s;
+    decay.samples = std::move(outcome.found.samples);
+    decay.result = outcome.found.strongest;
     const std::string where = decay.file + ": " + decay.channel;
-    for (const auto& finding : job.found.findings) {
+    for (const auto& finding : outcome.found.findings) {
       if (finding.refused) {
         refuse(part_, finding.code, finding.message, where);
       } else {
@@ -176,23 +146,14 @@ class DecayAnalysis {
               {"origin", word_of(decay.origin)},
               {"tension_N", group.tension_N ? Json(*group.tension_N) : Json(nullptr)},
               {"modes", modes_json(decay.result)},
-              {"decays", decays_json(job.found)},
+              {"decays", decays_json(outcome.found)},
               {"law", name_of(decay.result.envelope.law)},
               {"frequency_drift_hz", estimate_json(decay.result.envelope.frequency_drift_hz)}};
     list_modes(decay, group);
     add_answers(decay, group);
-    if (job.modelled) overlay(decay, job.answers, id, tab, json);
+    if (outcome.modelled) overlay(decay, outcome.answers, id, tab, json);
     list.push_back(std::move(json));
     decays_.push_back(std::move(decay));
-  }
-
-  [[nodiscard]] signal::DecayOptions options() const {
-    signal::DecayOptions options;
-    if (test_.band_hz) {
-      options.band_low_hz = test_.band_hz->first;
-      options.band_high_hz = test_.band_hz->second;
-    }
-    return options;
   }
 
   static Json decays_json(const ident::ChannelDecays& found) {
@@ -215,31 +176,6 @@ class DecayAnalysis {
                        {"r_squared", mode.r_squared}});
     }
     return modes;
-  }
-
-  /// As given, and with what each fit found: its state at this tension, else what its states share.
-  [[nodiscard]] std::vector<ident::ModelVersion> versions(const RecordingGroup& group,
-                                                          const std::string& sensor) const {
-    model::Scene scene = scene_at(campaign_, test_, known_, group.tension_N);
-    std::erase_if(scene.sensors, [&](const auto& one) { return one.name != sensor; });
-    std::erase_if(scene.loads, [&](const auto& load) { return load.name != test_.hammer.load; });
-    if (scene.sensors.empty() || scene.loads.empty()) return {};
-    std::vector<ident::ModelVersion> all{{"as given", scene}};
-    for (const auto& fit : fits_) {
-      const FittedValues* state = nullptr;
-      for (const auto& one : fit.values) {
-        if (one.tension_N == group.tension_N) state = &one;
-      }
-      const bool own = state != nullptr;
-      if (!own && !fit.values.empty()) state = &fit.values.front();
-      if (!state) continue;
-      model::Scene fitted = scene;
-      for (const auto& value : state->values) {
-        if (own || value.shared) model::set_parameter(fitted, value.parameter, value.value);
-      }
-      all.push_back({fit.title, std::move(fitted)});
-    }
-    return all;
   }
 
   void overlay(const AnalysedDecay& decay, const std::vector<ReleaseAnswer>& answers,
@@ -338,8 +274,9 @@ class DecayAnalysis {
 
   const Campaign& campaign_;
   const CampaignTest& test_;
-  const KnownValues& known_;
-  const std::vector<FitOfDecay>& fits_;
+  ident::DecayInputs inputs_;
+  std::size_t index_ = 0, files_ = 0;
+  std::vector<const RecordingGroup*> groups_;  ///< of the recordings
   ReportPart part_;
   ReportTable table_, compared_;
   PlotGroup group_;
@@ -349,9 +286,8 @@ class DecayAnalysis {
 
 }  // namespace
 
-ReportPart decay_part(const Campaign& campaign, const CampaignTest& test, const KnownValues& known,
-                      const std::vector<FitOfDecay>& fits, int threads) {
-  return DecayAnalysis(campaign, test, known, fits).run(threads);
+std::unique_ptr<TestPart> decay_part(const Campaign& campaign, const CampaignTest& test) {
+  return std::make_unique<DecayPart>(campaign, test);
 }
 
 }  // namespace rigfit::apps

@@ -121,7 +121,7 @@ void answer(ReportPart& part, const CampaignTest& test, const ident::TensionResu
   part.answers.push_back(std::move(answer));
 }
 
-void show(ReportPart& part, const CampaignTest& test, const ident::TensionResult& r) {
+void show_result(ReportPart& part, const CampaignTest& test, const ident::TensionResult& r) {
   for (auto& plot : tension_plots(test.name, r)) part.blocks.push_back(std::move(plot));
   part.blocks.push_back(ends_table(test.name, r));
   part.blocks.push_back(modes_table(test.name, r));
@@ -144,41 +144,63 @@ void show(ReportPart& part, const CampaignTest& test, const ident::TensionResult
   answer(part, test, r);
 }
 
+class TensionPart : public TestPart {
+ public:
+  explicit TensionPart(const CampaignTest& test) : test_(test), inputs_(*test.tension) {
+    part_.id = test.name;
+    part_.title = test.title;
+    part_.json_key = "tension";
+    part_.json["test"] = test.name;
+  }
+
+  void read() override {
+    part_.blocks.push_back(Paragraph{
+        "The natural frequencies of a cable give its tension. Which mode each frequency is, "
+        "bending stiffness, ends and sag are found with it."});
+    if (test_.recordings.empty()) return;
+    auto loaded = load_recordings(test_.recordings);
+    for (const auto& entry : loaded) {
+      part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
+    }
+    add_recordings(part_, test_, loaded);
+    for (auto& entry : loaded) {
+      if (entry.recording) inputs_.recordings.push_back({entry.file, std::move(*entry.recording)});
+    }
+  }
+
+  void add_to(ident::CampaignInputs& inputs) override {
+    index_ = inputs.tension.size();
+    inputs.tension.push_back(std::move(inputs_));
+  }
+
+  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
+    const auto& found = campaign.tension[index_];
+    for (const auto& f : found.result.findings) {
+      const std::string where = f.where.empty() ? test_.name : f.where;
+      if (f.refused) {
+        refuse(part_, f.code, f.message, where);
+      } else {
+        part_.warnings.push_back({f.code, f.message, where, false});
+      }
+    }
+    if (found.result.tension.solved) {
+      part_.json.update(tension_json(campaign.inputs.tension[index_], found));
+      show_result(part_, test_, found.result.tension);
+    }
+    return {std::move(part_)};
+  }
+
+ private:
+  const CampaignTest& test_;
+  ident::TensionInputs inputs_;
+  std::size_t index_ = 0;
+  ReportPart part_;
+};
+
 }  // namespace
 
-ReportPart tension_part(const CampaignTest& test) {
-  ReportPart part;
-  part.id = test.name;
-  part.title = test.title;
-  part.json_key = "tension";
-  part.json["test"] = test.name;
-  auto inputs = *test.tension;
-  part.blocks.push_back(Paragraph{
-      "The natural frequencies of a cable give its tension. Which mode each frequency is, bending "
-      "stiffness, ends and sag are found with it."});
-  if (!test.recordings.empty()) {
-    auto loaded = load_recordings(test.recordings);
-    for (const auto& entry : loaded) {
-      part.inputs.insert(part.inputs.end(), entry.inputs.begin(), entry.inputs.end());
-    }
-    add_recordings(part, test, loaded);
-    for (auto& entry : loaded) {
-      if (entry.recording) inputs.recordings.push_back({entry.file, std::move(*entry.recording)});
-    }
-  }
-  const auto found = ident::tension_campaign(inputs);
-  for (const auto& f : found.result.findings) {
-    const std::string where = f.where.empty() ? test.name : f.where;
-    if (f.refused) {
-      refuse(part, f.code, f.message, where);
-    } else {
-      part.warnings.push_back({f.code, f.message, where, false});
-    }
-  }
-  if (!found.result.tension.solved) return part;
-  part.json.update(tension_json(inputs, found));
-  show(part, test, found.result.tension);
-  return part;
+std::unique_ptr<TestPart> tension_part(const CampaignTest& test) {
+  return std::make_unique<TensionPart>(test);
 }
 
 }  // namespace rigfit::apps

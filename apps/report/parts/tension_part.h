@@ -2,11 +2,12 @@
 // ends with their weights, formulas of the literature beside it, uncertainty budget.
 #pragma once
 
-#include "apps/campaign_file/campaign.h"
-#include "apps/report/report_part.h"
+#include <memory>
+
+#include "apps/report/test_part.h"
 
 namespace rigfit::apps {
 
-[[nodiscard]] ReportPart tension_part(const CampaignTest& test);
+[[nodiscard]] std::unique_ptr<TestPart> tension_part(const CampaignTest& test);
 
 }  // namespace rigfit::apps

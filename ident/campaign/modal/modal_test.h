@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ident/campaign/finding.h"
-#include "ident/campaign/hammer_test.h"
+#include "ident/campaign/modal/hammer_test.h"
 #include "ident/campaign/origin.h"
 
 namespace rigfit::ident {

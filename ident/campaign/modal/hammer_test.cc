@@ -1,4 +1,4 @@
-#include "ident/campaign/hammer_test.h"
+#include "ident/campaign/modal/hammer_test.h"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/modal_model.h"
+#include "ident/campaign/modal/modal_model.h"
 #include "model/linear/frf_synthesis.h"
 #include "model/response/response.h"
 #include "signal/decay/decay.h"

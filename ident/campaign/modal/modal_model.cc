@@ -1,4 +1,6 @@
-#include "ident/campaign/modal_model.h"
+#include "ident/campaign/modal/modal_model.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
@@ -151,17 +153,24 @@ Instrumented instrumented(model::Scene scene, const TestSetup& test,
   return rig;
 }
 
-std::vector<ModalState> modal_states(const TestSetup& test, const SceneAt& scene_at,
+std::string state_label(std::optional<double> tension_N) {
+  return tension_N ? fmt::format("{:g} N", *tension_N) : std::string("as built");
+}
+
+std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
+                                     const KnownValues& known,
                                      const std::vector<ModalTestState>& recorded,
                                      const std::vector<PublishedMode>& published) {
   std::vector<ModalState> states;
   const std::size_t models = published.empty() ? 0 : published.front().models_hz.size();
-  for (const auto& one : recorded) add_recorded(states, one, models);
+  for (const auto& one : recorded) {
+    if (one.has_modes()) add_recorded(states, one, models);
+  }
   for (const auto& one : published) add_published(states, one);
   std::sort(states.begin(), states.end(),
             [](const ModalState& a, const ModalState& b) { return a.tension_N < b.tension_N; });
   for (auto& state : states) {
-    SceneOfState at = scene_at(state.tension_N);
+    SceneOfState at = scene_at(use, known, state.tension_N);
     state.EI_Nm2 = at.EI_Nm2;
     state.rig.scene = std::move(at.scene);
     if (state.recorded) {

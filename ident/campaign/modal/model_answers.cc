@@ -1,4 +1,4 @@
-#include "ident/campaign/model_answers.h"
+#include "ident/campaign/modal/model_answers.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,26 +3,18 @@
 // by recordings, by a published table, or both.
 #pragma once
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "ident/campaign/modal_test.h"
+#include "ident/campaign/modal/modal_test.h"
 #include "ident/campaign/origin.h"
+#include "ident/campaign/scene_use.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::ident {
-
-/// The scene that stands for the rig at a tension (empty: as built), with all that tests made
-/// before found of it, and EI where a test gave it.
-struct SceneOfState {
-  model::Scene scene;
-  std::optional<double> EI_Nm2;
-};
-using SceneAt = std::function<SceneOfState(std::optional<double> tension_N)>;
 
 /// How a test was made, as its scene needs to know.
 struct TestSetup {
@@ -74,9 +66,13 @@ struct ModalState {
   std::vector<MeasuredRow> rows;
 };
 
-/// Modes of the scene at every state of the test, by rising tension, and their pairing. `recorded`
-/// must outlive the result. Tensions that agree to a part in 200 are one state.
-[[nodiscard]] std::vector<ModalState> modal_states(const TestSetup& test, const SceneAt& scene_at,
+/// "200 N", or "as built" without a tension.
+[[nodiscard]] std::string state_label(std::optional<double> tension_N);
+
+/// Modes of the scene at every state of the test that has modes, by rising tension, and their
+/// pairing. `recorded` must outlive the result. Tensions that agree to a part in 200 are one state.
+[[nodiscard]] std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
+                                                   const KnownValues& known,
                                                    const std::vector<ModalTestState>& recorded,
                                                    const std::vector<PublishedMode>& published);
 

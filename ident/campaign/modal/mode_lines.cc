@@ -1,4 +1,4 @@
-#include "ident/campaign/mode_lines.h"
+#include "ident/campaign/modal/mode_lines.h"
 
 #include <algorithm>
 #include <cmath>

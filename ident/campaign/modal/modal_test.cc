@@ -1,4 +1,4 @@
-#include "ident/campaign/modal_test.h"
+#include "ident/campaign/modal/modal_test.h"
 
 #include <fmt/format.h>
 

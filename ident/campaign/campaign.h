@@ -1,0 +1,131 @@
+// A whole campaign on a rig: its tests, and fits over them, in the order in which they need each
+// other.
+//
+//   bending tests -> EI(T) ------+
+//   axial tests -> EA, damping --+-> scenes of the modal tests -> their modes against the test
+//   hits -> FRFs -> modes -------+                            -> fits -> answers to recorded decays
+//
+// The report calls this. A program fills in the tests that were made and leaves the others empty.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/campaign/axial_campaign.h"
+#include "ident/campaign/bending_campaign.h"
+#include "ident/campaign/decay_test.h"
+#include "ident/campaign/fit_campaign.h"
+#include "ident/campaign/modal/modal_model.h"
+#include "ident/campaign/modal/modal_test.h"
+#include "ident/campaign/modal/model_answers.h"
+#include "ident/campaign/scene_use.h"
+#include "ident/campaign/tension_campaign.h"
+
+namespace rigfit::ident {
+
+/// A hammer test; with a scene, the model's modes beside it.
+struct ModalInputs {
+  std::string name;                        ///< in the names of its states
+  std::vector<ModalRecording> recordings;  ///< none: published modes alone
+  ModalTestOptions options;
+  std::vector<PublishedMode> published;
+  TestSetup setup;
+  std::optional<SceneUse> scene;
+};
+
+struct DecayRecording {
+  std::string name;  ///< for messages
+  signal::Recording recording;
+  std::optional<double> tension_N;
+};
+
+/// Free decays; with a scene, what the model and the fits named answer to the same release or tap.
+struct DecayInputs {
+  std::vector<DecayRecording> recordings;
+  DecayTestOptions options;
+  std::optional<SceneUse> scene;
+  std::map<std::string, std::string> sensors;  ///< channel -> sensor, where names differ
+  std::string load;                            ///< of the scene: what set the rig free
+  std::vector<std::size_t> fits;               ///< that predict these decays
+};
+
+/// A fit to the modes of modal tests that have a scene.
+struct FitInputs {
+  std::string title;
+  std::vector<std::size_t> tests;  ///< of CampaignInputs::modal
+  std::vector<FreeParameter> free;
+  UpdateOptions options;  ///< what EI, EA and damping are known to is added to its inputs
+  bool hold_out = false;  ///< each state in turn
+};
+
+struct CampaignInputs {
+  std::vector<BendingCampaign> bending;
+  std::vector<AxialInputs> axial;
+  std::vector<TensionInputs> tension;
+  std::vector<ModalInputs> modal;
+  std::vector<DecayInputs> decays;
+  std::vector<FitInputs> fits;
+  int threads = 1;
+  /// Called, from any thread, as each test and fit is done; may be empty.
+  std::function<void()> advance;
+};
+
+struct ModalOutcome {
+  ModalTest test;                 ///< of the recordings
+  std::vector<ModalState> model;  ///< by rising tension; empty: no scene
+};
+
+/// One channel of one recording of decays.
+struct DecayOutcome {
+  std::size_t recording = 0;  ///< index of the inputs' recordings
+  ChannelDecays found;
+  bool modelled = false;
+  std::vector<ReleaseAnswer> answers;  ///< "as given", then by fit
+};
+struct DecaysOutcome {
+  std::vector<DecayOutcome> channels;  ///< by recording, then channel
+  std::vector<Finding> findings;       ///< recordings and channels refused; `where`: the recording
+};
+
+/// A state of a fit: `modal` of the result's modal test `test`.
+struct FittedState {
+  std::size_t test = 0;
+  const ModalState* modal = nullptr;
+};
+
+struct CampaignFitOutcome {
+  std::vector<FittedState> states;
+  FitTask task;        ///< its states have the names and the order of `states`
+  FitOutcome outcome;  ///< without states: nothing was fitted
+  double wall_s = 0;
+};
+
+/// Holds what it was made from: its parts point to each other, so it can be moved, not copied.
+struct CampaignResult {
+  CampaignResult() = default;
+  CampaignResult(const CampaignResult&) = delete;
+  CampaignResult& operator=(const CampaignResult&) = delete;
+  CampaignResult(CampaignResult&&) = default;
+  CampaignResult& operator=(CampaignResult&&) = default;
+  ~CampaignResult() = default;
+
+  CampaignInputs inputs;  ///< recordings of hits have gone on to `modal`
+  std::vector<BendingCampaignResult> bending;
+  std::vector<AxialCampaignResult> axial;
+  std::vector<TensionCampaignResult> tension;
+  std::vector<ModalOutcome> modal;
+  std::vector<CampaignFitOutcome> fits;
+  std::vector<DecaysOutcome> decays;
+  KnownValues known;  ///< by the first bending and the first axial test that have an answer
+};
+
+/// Works through tests and fits on `threads` threads; the numbers do not depend on how many. Throws
+/// std::invalid_argument for options that make no sense, model::SceneError for parameters that a
+/// scene does not have; what recordings hold is refused in the findings.
+[[nodiscard]] CampaignResult run_campaign(CampaignInputs inputs);
+
+}  // namespace rigfit::ident

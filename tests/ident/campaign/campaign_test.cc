@@ -1,0 +1,130 @@
+// A campaign as a whole: what its tests find reaches the scene of the fits, with its uncertainty.
+#include "ident/campaign/campaign.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "model/linear/modal_analysis.h"
+#include "model/scene/parameters.h"
+#include "model/scene/read_scene.h"
+#include "signal/readers/read_recording.h"
+
+namespace rigfit::ident {
+namespace {
+
+const std::string kData = RIGFIT_TESTDATA;
+
+/// EI(T) = 0.2 + 0.002 T N m2, each point to `relative_std`.
+BendingCampaign bending(double relative_std) {
+  BendingSource source;
+  source.name = "bending";
+  for (const double tension_N : {25.0, 100.0, 200.0, 300.0}) {
+    const double EI = 0.2 + 0.002 * tension_N;
+    source.values.push_back({.tension_N = tension_N, .EI_Nm2 = EI, .std = relative_std * EI});
+  }
+  BendingCampaign campaign;
+  campaign.sources.push_back(std::move(source));
+  return campaign;
+}
+
+/// Frequencies of the cable at two tensions, to 1e-4, where EI is what the bending tests say.
+CampaignInputs campaign(double relative_std) {
+  CampaignInputs inputs;
+  inputs.bending.push_back(bending(relative_std));
+  ModalInputs test;
+  test.name = "cable";
+  test.setup.plane = model::ModePlane::in;
+  test.scene = SceneUse{model::read_scene(kData + "/jalali2021/scenes/cable.toml"),
+                        {"cable.tension"},
+                        {"cable.EI"},
+                        {},
+                        {}};
+  for (const double tension_N : {100.0, 300.0}) {
+    model::Scene scene = test.scene->scene;
+    model::set_parameter(scene, "cable.tension", 1.01 * tension_N);
+    model::set_parameter(scene, "cable.EI", 0.2 + 0.002 * tension_N);
+    model::ModesOptions options;
+    options.count = 12;
+    int found = 0;
+    for (const auto& mode : model::analyse_modes(scene, options).modes) {
+      if (mode.plane != model::ModePlane::in || ++found > 4) continue;
+      test.published.push_back({tension_N, mode.frequency_hz, {}});
+    }
+  }
+  inputs.modal.push_back(std::move(test));
+  FitInputs fit;
+  fit.title = "tension";
+  fit.tests = {0};
+  fit.free.push_back({.name = "tension", .targets = {"cable.tension"}, .per_state = true});
+  fit.options.model_relative_std = 1e-4;
+  fit.options.assumed_relative_std = 1e-4;
+  inputs.fits.push_back(std::move(fit));
+  return inputs;
+}
+
+TEST(Campaign, StiffnessOfTheBendingTestsReachesTheFitWithItsUncertainty) {
+  const auto result = run_campaign(campaign(0.05));
+  EXPECT_NEAR(result.known.EI.at(300).EI_Nm2, 0.8, 1e-6);
+  const auto& fit = result.fits.at(0);
+  ASSERT_EQ(fit.states.size(), 2u);
+  EXPECT_EQ(fit.task.states[0].name, "cable, 100 N");
+  // The scene has the EI of each state, not that of its file.
+  EXPECT_NEAR(model::parameter(fit.task.states[1].scene, "cable.EI"), 0.8, 1e-6);
+  const auto& parameters = fit.outcome.result.parameters;
+  ASSERT_EQ(parameters.size(), 2u);
+  EXPECT_NEAR(parameters[0].value / 101, 1, 1e-3);
+  EXPECT_NEAR(parameters[1].value / 303, 1, 1e-3);
+  const auto& budget = parameters[1].budget;
+  EXPECT_TRUE(std::any_of(budget.begin(), budget.end(), [&](const auto& term) {
+    return term.source.find("EI") != std::string::npos && term.std > 0.3 * parameters[1].std;
+  }));
+  // Bending tests that are known better leave the tension less uncertain.
+  const auto better = run_campaign(campaign(0.005));
+  EXPECT_LT(better.fits.at(0).outcome.result.parameters.at(1).std, 0.8 * parameters[1].std);
+}
+
+TEST(Campaign, IsTheFitAndTheModelThatItsPartsGiveByThemselves) {
+  auto inputs = campaign(0.05);
+  inputs.threads = 2;
+  const auto result = run_campaign(inputs);
+  const auto& test = inputs.modal[0];
+  const auto states = modal_states(test.setup, *test.scene, result.known, {}, test.published);
+  ASSERT_EQ(result.modal[0].model.size(), states.size());
+  for (std::size_t s = 0; s < states.size(); ++s) {
+    EXPECT_EQ(result.modal[0].model[s].analysis.modes.at(3).frequency_hz,
+              states[s].analysis.modes.at(3).frequency_hz);
+  }
+  const auto alone = fit_campaign(result.fits[0].task);
+  EXPECT_EQ(alone.result.parameters[0].value, result.fits[0].outcome.result.parameters[0].value);
+  EXPECT_EQ(alone.result.parameters[0].std, result.fits[0].outcome.result.parameters[0].std);
+}
+
+TEST(Campaign, DecaysAreThoseOfTheDecayTestAndTheFitAnswersBesideTheScene) {
+  auto inputs = campaign(0.05);
+  DecayInputs decays;
+  const std::string file = kData + "/virtual_laboratory/cable-in-plane/rig/T200N-release.uff";
+  decays.recordings.push_back({"release", signal::read_recording(file), 200.0});
+  decays.options.channels = {"accelerometer", "not there"};
+  inputs.decays.push_back(decays);
+  const auto result = run_campaign(std::move(inputs));
+  ASSERT_EQ(result.decays.at(0).channels.size(), 1u);
+  ASSERT_EQ(result.decays[0].findings.size(), 1u);
+  EXPECT_TRUE(result.decays[0].findings[0].refused);
+  decays.options.channels.pop_back();
+  const auto alone = run_decay_test(decays.recordings[0].recording, decays.options);
+  ASSERT_FALSE(alone.channels.at(0).strongest.modes.empty());
+  EXPECT_EQ(result.decays[0].channels[0].found.strongest.modes.at(0).damping_ratio.value,
+            alone.channels[0].strongest.modes[0].damping_ratio.value);
+}
+
+TEST(Campaign, WithoutTestsHasNoResults) {
+  const auto result = run_campaign({});
+  EXPECT_TRUE(result.fits.empty());
+  EXPECT_TRUE(result.known.EI.empty());
+}
+
+}  // namespace
+}  // namespace rigfit::ident
