@@ -1,7 +1,8 @@
 """Build backend of `pip install ./apps/python` (PEP 517): CMake builds and installs the package, this makes a wheel of it.
 
 Environment: RIGFIT_BUILD_DIR is a CMake build folder of this source in which the target rigfit_python is built already
-(left out: build/python-<version> is configured and built); CMAKE_ARGS are further arguments of the configuration.
+(left out: build/python-<version> is configured and built); CMAKE_ARGS are further arguments of the configuration,
+CMAKE_BUILD_PARALLEL_LEVEL is the number of compilers at a time (each takes up to 2 GB of memory; default: one a processor).
 """
 
 import base64
@@ -43,7 +44,8 @@ def _built():
     subprocess.run(["cmake", "-S", SOURCE, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON",
                     "-DRIGFIT_BUILD_TESTS=OFF", "-DRIGFIT_BUILD_BENCHMARKS=OFF", "-DRIGFIT_BUILD_PYTHON=ON",
                     f"-DRIGFIT_PYTHON={sys.executable}", *shlex.split(os.environ.get("CMAKE_ARGS", ""))], check=True)
-    subprocess.run(["cmake", "--build", build, "--target", "rigfit_python", "--parallel"], check=True)
+    processes = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL") or str(os.cpu_count() or 1)  # make's own default has no limit
+    subprocess.run(["cmake", "--build", build, "--target", "rigfit_python", "--parallel", processes], check=True)
     return build
 
 
