@@ -10,12 +10,16 @@ namespace rigfit::apps {
 namespace {
 using Clock = std::chrono::steady_clock;
 double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
+thread_local const std::atomic<bool>* stop_of_thread = nullptr;
 }  // namespace
+
+void Progress::stops_by(const std::atomic<bool>* stop) { stop_of_thread = stop; }
 
 Progress::Progress(std::string label, long total, bool quiet)
     : label_(std::move(label)),
       total_(std::max(1L, total)),
       enabled_(!quiet && ::isatty(STDERR_FILENO) == 1),
+      stop_(stop_of_thread),
       start_(Clock::now()),
       last_(start_) {}
 
@@ -24,6 +28,7 @@ Progress::~Progress() {
 }
 
 void Progress::advance(long steps) {
+  if (stop_ != nullptr && *stop_) throw Stopped();
   const long done = done_ += steps;
   if (!enabled_) return;
   const std::lock_guard lock(mutex_);

@@ -1,23 +1,33 @@
 // A progress bar on standard error, shown only on a terminal and only once the work has taken a
-// second.
+// second. Where it advances, long work can be stopped too.
 #pragma once
 
 #include <atomic>
 #include <chrono>
+#include <exception>
 #include <mutex>
 #include <string>
 
 namespace rigfit::apps {
 
+/// Thrown out of work that somebody has stopped.
+struct Stopped : std::exception {
+  [[nodiscard]] const char* what() const noexcept override { return "stopped"; }
+};
+
 class Progress {
  public:
+  /// From now on every Progress made on this thread stops its work once `*stop` is true; null: none
+  /// does. `*stop` outlives them.
+  static void stops_by(const std::atomic<bool>* stop);
+
   /// `total` steps of what `label` says; nothing is drawn when `quiet` or without a terminal.
   Progress(std::string label, long total, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// May be called from any thread.
+  /// May be called from any thread. Throws Stopped.
   void advance(long steps = 1);
 
  private:
@@ -26,6 +36,7 @@ class Progress {
   std::string label_;
   long total_;
   bool enabled_;
+  const std::atomic<bool>* stop_;
   bool drawn_ = false;
   std::atomic<long> done_{0};
   std::mutex mutex_;

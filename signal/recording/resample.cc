@@ -221,6 +221,11 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     }
     result.error_rms.assign(recording.channels.size(), 0);
   }
+  if (static_cast<double>(result.recording.samples() - 1) * rate_hz <
+      7 * result.recording.sample_rate_hz) {
+    throw refusal(recording, "", "would have fewer than 8 samples at that rate",
+                  "ask for a higher rate");
+  }
   for (std::size_t c = 0; c < recording.channels.size(); ++c) {
     const auto& x = result.recording.channels[c].samples;
     const double rms = std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));

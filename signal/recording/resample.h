@@ -23,7 +23,7 @@ struct ResampleResult {
 };
 
 /// `rate_hz` > 0; 0 for the rate of the median step. Throws RecordingError without times or rate,
-/// for fewer than 8 samples, samples that are missing, and times that do not rise.
+/// for fewer than 8 samples before or after, samples that are missing, and times that do not rise.
 [[nodiscard]] ResampleResult resampled(const Recording& recording, double rate_hz);
 
 }  // namespace rigfit::signal

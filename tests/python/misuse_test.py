@@ -5,6 +5,7 @@ import io
 import os
 import pathlib
 import random
+import shutil
 import tempfile
 import unittest
 import warnings
@@ -14,7 +15,8 @@ import numpy as np
 import rigfit
 
 SOURCE = pathlib.Path(os.environ["RIGFIT_SOURCE"])
-CABLE = str(SOURCE / "testdata/jalali2021/scenes/cable.toml")
+FOLDER = tempfile.TemporaryDirectory()
+CABLE = shutil.copy(SOURCE / "testdata/jalali2021/scenes/cable.toml", FOLDER.name)  # what is written over it is lost
 MISUSES = int(os.environ.get("RIGFIT_MISUSES", 1000))
 CLOSED = io.StringIO("1,2\n")
 CLOSED.close()
@@ -35,9 +37,10 @@ ODD = [None, True, 0, -1, 1, 2, 7, 2**70, -2**70, 0.0, -0.5, 0.5, 1e-320, 1e308,
        pathlib.Path("/"), pathlib.Path(CABLE), CABLE, "title = 1\n", rigfit.Scene(CABLE), ...]
 
 FUNCTIONS = {
-    rigfit.read: ["file", "sample_rate"],
+    rigfit.read: ["file", "sample_rate", "format", "decimal", "separator", "time_unit", "variable"],
     rigfit.Recording: ["channels", "fs", "units", "start_time_s", "name"],
     rigfit.inspect: ["recordings", "sample_rate"],
+    rigfit.resample: ["recording", "rate", "out", "sample_rate"],
     rigfit.decay: ["recording", "channel", "start", "end", "band", "each", "max_modes", "sample_rate", "threads", "seed"],
     rigfit.frf: ["recordings", "force", "response", "band", "encoding", "driving_point", "struck", "estimator",
                  "force_window", "exponential_window", "exponential_end_level", "sample_rate", "block", "pre_trigger",
@@ -59,16 +62,21 @@ FUNCTIONS = {
     rigfit.frf_of: ["scene", "frequency_hz", "segments", "exponential_window"],
     rigfit.respond: ["scene", "duration", "rate", "solver", "plane", "segments", "step", "tolerance"],
     rigfit.update: ["scene", "measured", "frf", "decay", "response", "free", "prior", "tension", "plane", "column",
-                    "compare", "node", "band", "stiffness", "axial", "axial_damping", "input", "aim", "segments",
-                    "starts", "threads", "seed"],
+                    "compare", "node", "channel", "band", "stiffness", "stiffness_std", "axial", "axial_damping", "input",
+                    "aim", "candidates", "ends", "profile", "assumed_std", "model_std", "frf_model_std", "shape_std",
+                    "segments", "starts", "start_spread", "hold_out", "threads", "seed"],
     rigfit.predict: ["scene", "fit", "map", "count", "segments", "measured", "column", "plane", "damage", "frf", "band",
-                     "lines", "sample", "threads", "seed"],
-    rigfit.synthesize: ["scene", "out", "hits", "record", "rate", "tension", "format", "bending_span", "taps"],
-    rigfit.report: ["campaign", "out", "threads"],
+                     "lines", "response", "duration", "rate", "sample", "threads", "seed"],
+    rigfit.synthesize: ["scene", "out", "hits", "double_hits", "record", "rate", "finer", "tension", "tension_std",
+                        "stiffness", "format", "accelerometer_mass", "bending_span", "bending_load", "axial_length",
+                        "axial_length_std", "axial_mass", "axial_damping", "taps", "threads", "seed"],
+    rigfit.report: ["campaign", "out", "style", "pdf", "force", "figure_size", "figure_font", "figure_font_size", "threads",
+                    "seed"],
 }
 # Arguments that make a call whole, so that one wrong among them is met where it is used; small, that what works is quick.
 WHOLE = {
     rigfit.decay: {"recording": GOOD, "channel": "a"},
+    rigfit.resample: {"recording": GOOD, "rate": 32.0},
     rigfit.frf: {"recordings": GOOD, "force": "force"},
     rigfit.modal: {"frfs": GOOD, "force": "force"},
     rigfit.frfs_of_arrays: {"frequency_hz": [1.0, 2.0], "H": [1.0, 2.0], "form": "mobility"},
@@ -77,17 +85,21 @@ WHOLE = {
     rigfit.tension: {"frequencies": [7.4], "length": 2.4, "mass_per_length": 0.17, "ends": "pinned", "EI": 0.5},
     rigfit.tension_table: {"table": [{"name": "a", "length": 2.4, "mass_per_length": 0.17, "EI": 0.5, "ends": "pinned",
                                       "f1": 7.4}]},
-    rigfit.predict: {"scene": CABLE, "fit": "fit.json", "count": 1, "segments": 8, "lines": 3},
+    rigfit.predict: {"scene": CABLE, "fit": "fit.json", "count": 1, "segments": 8, "lines": 3, "duration": 0.01},
     rigfit.modes: {"scene": CABLE, "count": 1},
     rigfit.frf_of: {"scene": CABLE, "frequency_hz": [1.0]},
     rigfit.respond: {"scene": CABLE, "duration": 0.01, "rate": 100.0, "solver": "modal", "segments": 8},
     rigfit.update: {"scene": CABLE, "measured": [7.4], "starts": 1, "segments": 8},
     rigfit.synthesize: {"scene": CABLE, "out": "out", "hits": 1, "double_hits": 0, "record": 0.2, "rate": 200.0,
                         "finer": 1},
-    rigfit.report: {"campaign": CABLE, "out": "out"},
+    rigfit.report: {"campaign": "campaign.toml", "out": "out"},
 }
 # Sizes that are right and only slow.
 SLOW = {("count", 7), ("segments", 2**70), ("taps", 7), ("monte_carlo", 7)}
+
+
+# Arguments that name files to write.
+WRITTEN = {"out", "csv", "frf", "response", "energy", "synthesis"}
 
 
 class Misuse(unittest.TestCase):
@@ -98,6 +110,10 @@ class Misuse(unittest.TestCase):
         self.addCleanup(os.chdir, os.getcwd())
         os.chdir(folder.name)
         pathlib.Path("fit.json").write_text('{"parameters": [{"name": "cable.EI", "value": 0.5, "std": 0.01}]}')
+        pathlib.Path("ei.csv").write_text("tension_N,EI_Nm2\n25,0.25\n100,0.49\n200,0.59\n")
+        pathlib.Path("campaign.toml").write_text(
+            'title = "one test"\n[[test]]\nname = "bending"\nkind = "bending"\nspan = 1.0\n'
+            '[test.table]\nfile = "ei.csv"\ntension = "tension_N"\nEI = "EI_Nm2"\n')
 
     def wrong(self, argument, reason, function, *args, **kwargs):
         with self.assertRaises(rigfit.ArgumentError) as caught:
@@ -139,6 +155,15 @@ class Misuse(unittest.TestCase):
                    measured=[{"frequency_hz": 7.0, "plane": "up"}])
         self.wrong("table[1]", "unknown entry 'weight'", rigfit.tension_table, [{"length": 1.0}, {"weight": 1.0}])
         self.wrong("table[0].f1", "finite", rigfit.tension_table, [{"length": 1.0, "f1": float("inf")}])
+        self.wrong("ends", "pinned, clamped", rigfit.update, CABLE, measured=[7.4], ends=["pinned", "free"])
+        self.wrong("response", "path", rigfit.predict, CABLE, "fit.json", response=True)
+        self.wrong("duration", "at most 3600", rigfit.predict, CABLE, "fit.json", response="r.csv", duration=1e9)
+        self.wrong("out", "no folder no/such", rigfit.resample, GOOD, 32.0, out="no/such/file.csv")
+        self.wrong("csv", "is a folder", rigfit.frf, GOOD, "force", csv="/")
+        self.wrong("fit", "is a folder", rigfit.predict, CABLE, "/")
+        self.wrong("axial", "is a folder", rigfit.update, CABLE, measured=[7.4], axial="/")
+        self.wrong("campaign", "one or two", rigfit.report, ["campaign.toml"] * 3, "out")
+        self.wrong("decimal", "one of", rigfit.read, "ei.csv", decimal=";")
         self.wrong("map", "dict", rigfit.predict, CABLE, "fit.json", map="cable.EI")
         self.wrong("measured", "unknown column", rigfit.update, CABLE, measured=[{"frequency_hz": 7.0, "x": 1}])
 
@@ -152,12 +177,16 @@ class Misuse(unittest.TestCase):
     def test_random_misuse(self):
         rng = random.Random(7)
         calls = refused = 0
+        met = dict.fromkeys(FUNCTIONS, 0)
         for _ in range(MISUSES):
             function = rng.choice(list(FUNCTIONS))
+            met[function] += 1
             names = FUNCTIONS[function]
             arguments = dict(WHOLE.get(function, {})) if rng.random() < 0.8 else {}
             for name in rng.sample(names, min(len(names), rng.choice((1, 1, 1, 2, 3)))):
                 value = rng.choice(ODD)
+                if name in WRITTEN and isinstance(value, (str, pathlib.Path)) and str(value) == CABLE:
+                    value = "written.csv"
                 if (name, value if isinstance(value, (int, str)) else None) not in SLOW:
                     arguments[name] = value
             calls += 1
@@ -173,6 +202,7 @@ class Misuse(unittest.TestCase):
                 refused += 1
         self.assertEqual(calls, MISUSES)
         self.assertGreater(refused, MISUSES / 2)
+        self.assertGreater(min(met.values()), MISUSES / 50)  # 20 functions: of each some fifty of a thousand
 
 
 if __name__ == "__main__":

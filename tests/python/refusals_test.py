@@ -27,7 +27,7 @@ CODES = {2: {"wrong_usage", "argument"}, 3: {"bad_input"}}
 
 def in_python(text):
     """A message with arguments in place of options."""
-    return re.sub(r"--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), text)
+    return re.sub(r"`[^`]*`|--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_") if m[1] else m[0], text)
 
 
 def without_times(value):

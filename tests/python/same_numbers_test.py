@@ -196,6 +196,65 @@ class SameNumbers(unittest.TestCase):
         sampled = self.program("predict", scene, "--from", "fit.json", "--sample", "--seed", 3, "--map", "beam.EI_z=beam.EI_y")
         self.same(sampled, rigfit.predict(scene, fit, sample=True, seed=3, map={"beam.EI_z": "beam.EI_y"}), ["inputs"])
 
+    def test_predicted_response(self):
+        scene = str(DATA / "scenes/cable-release.toml")
+        name = next(p for p in rigfit.Scene(scene).parameters if p.endswith(".EI"))
+        (self.folder / "fit.json").write_text(json.dumps({"parameters": [{"name": name, "value": 0.6, "std": 0.02}]}))
+        words = ["--response", "r.csv", "--duration", 0.2, "--rate", 400, "--count", 2]
+        document = self.program("predict", scene, "--from", "fit.json", *words)
+        result = rigfit.predict(scene, self.folder / "fit.json", response=self.folder / "again.csv", duration=0.2, rate=400,
+                                count=2)
+        self.same(document, result, ["inputs"])
+        self.assertEqual((self.folder / "r.csv").read_bytes(), (self.folder / "again.csv").read_bytes())
+        self.assertEqual(result.response.samples, len((self.folder / "r.csv").read_text().splitlines()) - 1)
+        self.assertEqual(result.response.sample_rate_hz, 400)
+        with self.assertRaises(rigfit.UsageError) as caught:
+            unloaded = {key: value for key, value in rigfit.Scene(scene).to_dict().items() if key != "load"}
+            rigfit.predict(unloaded, self.folder / "fit.json", response=self.folder / "none.csv")
+        self.assertIn("response: the scene has no load", str(caught.exception))
+
+    def test_update_candidates(self):
+        # The cable's in-plane modes to 0.1 % tell its ends, and nothing of its torsional rigidity.
+        modes = [m.frequency_hz for m in rigfit.modes(CABLE, band=(1, 80)).modes if m.plane == "in"]
+        (self.folder / "measured.csv").write_text("frequency_hz,std,plane\n" +
+                                                  "".join(f"{f!r},{1e-3 * f!r},in\n" for f in modes))
+        words = ["--measured", "measured.csv", "--free", "cable.tension"]
+        options = dict(measured=self.folder / "measured.csv", free="cable.tension")
+        document = self.program("update", CABLE, *words, "--ends", "pinned", "clamped")
+        result = rigfit.update(CABLE, ends=["pinned", "clamped"], **options)
+        self.same(document, result, ["inputs", "scenes"])
+        self.assertEqual([c.name for c in result.candidates], [c["name"] for c in document["candidates"]])
+        self.assertAlmostEqual(sum(c.weight for c in result.candidates), 1, delta=1e-9)
+        self.assertEqual(len(result.candidates), 2)
+        (self.folder / "models.toml").write_text(
+            '[[candidate]]\nname = "as drawn"\n[[candidate]]\nname = "stiffer in torsion"\nset = { "cable.GJ" = 0.2 }\n')
+        document = self.program("update", CABLE, *words, "--candidates", "models.toml", code=4)
+        with self.assertRaises(rigfit.Refused) as caught:
+            rigfit.update(CABLE, candidates=self.folder / "models.toml", **options)
+        self.same(document, caught.exception.result, ["inputs", "scenes"])
+        averaged = caught.exception.result.averaged
+        self.assertEqual(averaged[0].name, "cable.tension")
+        self.assertEqual(averaged[0].to_dict(), document["averaged"][0])
+
+    def test_resample(self):
+        document = self.program("resample", AXIAL[0], "--rate", 300, "--out", "slow.csv")
+        result = rigfit.resample(AXIAL[0], 300, out=self.folder / "again.csv")
+        self.same(document, result, ["out"])
+        self.assertEqual((self.folder / "slow.csv").read_bytes(), (self.folder / "again.csv").read_bytes())
+        self.assertEqual(result.recording.fs, 300)
+        self.assertEqual(len(result.recording.channels[0]), result.samples)
+        at_hand = rigfit.resample(rigfit.read(AXIAL[0]), 300)
+        np.testing.assert_array_equal(at_hand.recording.channels[0].data, result.recording.channels[0].data)
+
+    def test_read_as_said(self):
+        file = self.folder / "odd.csv"
+        file.write_text("t;a (N)\n" + "".join(f"{i};{i},5\n" for i in range(100)))
+        document = self.program("inspect", file, "--decimal", "comma", "--separator", "semicolon", "--time-unit", "ms")
+        one = rigfit.read(file, decimal=",", separator=";", time_unit="ms", format="csv")
+        self.assertEqual(one.fs, document["recordings"][0]["sample_rate_hz"])
+        self.assertEqual(one.fs, 1000)
+        np.testing.assert_array_equal(one["a"].data, np.arange(100) + 0.5)
+
     def test_synthesize(self):
         scene = DATA / "virtual_laboratory/truth/bench.toml"
         words = ["--bending-span", 0.5, "--axial-length", 0.7, "--taps", 1]
@@ -214,6 +273,11 @@ class SameNumbers(unittest.TestCase):
         self.same(document, rigfit.report(campaign, self.folder / "by-package"))
         for file in ("report.html", "report.json"):
             self.assertTrue((self.folder / "by-package" / file).exists())
+        # Two campaigns, before and after; the short style.
+        after = self.folder / "after.toml"
+        after.write_text(campaign.read_text())
+        document = self.program("report", campaign, after, "--out", self.folder / "compared", "--style", "client")
+        self.same(document, rigfit.report([campaign, after], self.folder / "compared-too", style="client"))
 
     def test_refusals(self):
         time = np.arange(1000) / 500

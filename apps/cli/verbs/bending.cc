@@ -152,7 +152,7 @@ void add_bending(CLI::App& program, Verbs& verbs) {
       ->check(CLI::ExistingFile);
   verb->add_option("--span", options->span, "Clear length between the clamps, m")
       ->check(positive_number());
-  verb->add_option("--span-std", options->span_std, "Its standard uncertainty, m")
+  verb->add_option("--span-std", options->span_std, "Standard uncertainty of the span, m")
       ->check(not_negative_number());
   verb->add_option("--tension", options->columns.tension, "Name of the tension column");
   verb->add_option("--load", options->columns.load, "Name of the load column");
@@ -161,13 +161,13 @@ void add_bending(CLI::App& program, Verbs& verbs) {
                    "Relative standard uncertainty of the load cell's calibration")
       ->check(number_within(0.0, 1.0));
   verb->add_option("--deflection-calibration", options->campaign.test.deflection_calibration_std,
-                   "The same of the deflection sensor")
+                   "Relative standard uncertainty of the deflection sensor's calibration")
       ->check(number_within(0.0, 1.0));
   verb->add_option("--tension-zero-std", options->campaign.test.tension_zero_std_N,
                    "Standard uncertainty of the tension cell's zero, N (offset and drift)")
       ->check(not_negative_number());
   verb->add_option("--tension-calibration", options->campaign.test.tension_calibration_std,
-                   "The same of the tension cell")
+                   "Relative standard uncertainty of the tension cell's calibration")
       ->check(number_within(0.0, 1.0));
   verb->add_option("--strand", options->strand,
                    "Young's modulus (Pa), number of wires, wire diameter (m), strand diameter (m): "
@@ -181,7 +181,8 @@ void add_bending(CLI::App& program, Verbs& verbs) {
                    "Axial rigidity, N: with --mass-per-length, the equivalent "
                    "solid cylinder at each tension")
       ->check(positive_number());
-  verb->add_option("--mass-per-length", options->mass_per_length, "kg/m")->check(positive_number());
+  verb->add_option("--mass-per-length", options->mass_per_length, "Of the cable, kg/m")
+      ->check(positive_number());
   verb->footer(
       "Example:\n  printf 'tension_N,EI_Nm2\\n25,0.2549\\n100,0.4948\\n200,0.5972\\n300,0.8283\\n' "
       "> "

@@ -24,6 +24,7 @@
 #include "model/scene/scene.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/recording/recording.h"
+#include "signal/recording/resample.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::apps {
@@ -34,6 +35,16 @@ namespace rigfit::apps {
 /// says.
 [[nodiscard]] Json inspect_file(const std::string& path, double sample_rate_hz,
                                 VerbContext& context);
+
+struct ResampleCommand {
+  std::string file, out;  ///< no file is written without `out`
+  double rate_hz = 0;     ///< 0: of uneven times that of their usual step
+  double sample_rate_hz = 0;
+};
+/// The recording at its new rate goes to `result`.
+[[nodiscard]] Json resample_result(const signal::Recording& recording,
+                                   const ResampleCommand& command, VerbContext& context,
+                                   signal::ResampleResult& result);
 
 struct DecayCommand {
   std::string file, channel;  ///< name or "#number"; may be empty where there is one
@@ -177,7 +188,8 @@ struct TensionTableCommand {
 
 struct PredictCommand {
   std::string scene;  ///< name in messages
-  std::string from, measured, column, plane = "any", frf;
+  std::string from, measured, column, plane = "any", frf, response;
+  double duration_s = 2, rate_hz = 500;  ///< of the response
   std::vector<std::string> maps, damage;
   std::vector<double> band;
   int count = 6, segments = 0, lines = 400;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
@@ -34,7 +35,7 @@ constexpr const char* kPredictExample =
 /// Values and covariance of the parameters that a result of `rigfit update` identifies.
 ident::FittedParameters read_fit(const std::string& path, VerbContext& context) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) refuse_file(path, "cannot be read");
+  if (!file || std::filesystem::is_directory(path)) refuse_file(path, "cannot be read");
   const Json json = Json::parse(file, nullptr, false);
   if (json.is_discarded() || !json.is_object()) refuse_file(path, "is no JSON document");
   if (!json.contains("parameters") || !json["parameters"].is_array()) {
@@ -216,16 +217,9 @@ void print(std::ostream& out, const ident::ModePrediction& prediction) {
   }
 }
 
-/// What response is asked for.
-struct PredictedResponse {
-  std::string file;  ///< empty: none
-  double duration_s = 2, rate_hz = 500;
-};
-
 /// Time, then the value and its 95 % interval of every sensor.
-Json write_response(const PredictedResponse& asked, const PredictCommand& command,
-                    const model::Scene& scene, const ident::FittedParameters& fitted,
-                    VerbContext& context) {
+Json write_response(const PredictCommand& command, const model::Scene& scene,
+                    const ident::FittedParameters& fitted, VerbContext& context) {
   if (scene.loads.empty() || scene.sensors.empty()) {
     throw UsageError("--response: the scene has no load or no sensor");
   }
@@ -236,8 +230,8 @@ Json write_response(const PredictedResponse& asked, const PredictCommand& comman
     }
   }
   ident::ResponsePredictionOptions options;
-  options.response.sampling.duration_s = asked.duration_s;
-  options.response.sampling.rate_hz = asked.rate_hz;
+  options.response.sampling.duration_s = command.duration_s;
+  options.response.sampling.rate_hz = command.rate_hz;
   if (command.segments > 0) options.response.segments = command.segments;
   options.seed = context.seed;
   const auto prediction = ident::predict_response(scene, fitted, options);
@@ -263,7 +257,7 @@ Json write_response(const PredictedResponse& asked, const PredictCommand& comman
     }
     text += '\n';
   }
-  context.write(asked.file, text);
+  context.write(command.response, text);
   context.out << fmt::format("\nresponse: {} samples at {:g} Hz by {}, interval from {} draws\n",
                              response.samples.rows(), response.rate_hz,
                              model::name_of(response.solver), prediction.samples);
@@ -307,8 +301,10 @@ Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
   }
 }
 
-Json predicted(const model::Scene& scene, const PredictCommand& command,
-               const PredictedResponse& asked, VerbContext& context) {
+}  // namespace
+
+Json predict_result(const model::Scene& scene, const PredictCommand& command,
+                    VerbContext& context) {
   if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz");
   }
@@ -347,22 +343,14 @@ Json predicted(const model::Scene& scene, const PredictCommand& command,
   for (const auto& text : command.damage)
     json["damage"].push_back(damage_json(text, fitted, context));
   if (!command.frf.empty()) write_frfs(command, scene, fitted, prediction, context);
-  if (!asked.file.empty()) {
-    json["response"] = write_response(asked, command, scene, fitted, context);
+  if (!command.response.empty()) {
+    json["response"] = write_response(command, scene, fitted, context);
   }
   return json;
 }
 
-}  // namespace
-
-Json predict_result(const model::Scene& scene, const PredictCommand& command,
-                    VerbContext& context) {
-  return predicted(scene, command, {}, context);
-}
-
 void add_predict(CLI::App& program, Verbs& verbs) {
   const auto c = std::make_shared<PredictCommand>();
-  const auto response = std::make_shared<PredictedResponse>();
   CLI::App* app = program.add_subcommand(
       "predict",
       "Modes, FRFs and responses of another scene with the parameters of a fit, with intervals");
@@ -381,8 +369,9 @@ void add_predict(CLI::App& program, Verbs& verbs) {
       ->check(CLI::Range(2, 100000));
   app->add_option("--measured", c->measured, "Table of measured frequencies to compare with")
       ->type_name("F");
-  app->add_option("--column", c->column, "Of the frequencies in the table")->type_name("NAME");
-  app->add_option("--plane", c->plane, "Of the measured modes")
+  app->add_option("--column", c->column, "Column of the frequencies in the table")
+      ->type_name("NAME");
+  app->add_option("--plane", c->plane, "Plane of the measured modes")
       ->check(CLI::IsMember({"in", "out", "any"}))
       ->capture_default_str();
   app->add_option("--damage", c->damage,
@@ -390,23 +379,23 @@ void add_predict(CLI::App& program, Verbs& verbs) {
                   "parameter of the fit or N m2")
       ->type_name("ZONE=SOUND");
   app->add_option("--frf", c->frf, "FRFs with their 95 % intervals as a table")->type_name("F.csv");
-  app->add_option("--band", c->band, "Of the FRFs, Hz")->expected(2)->type_name("LO HI");
-  app->add_option("--lines", c->lines, "Of the FRFs")
+  app->add_option("--band", c->band, "Band of the FRFs, Hz")->expected(2)->type_name("LO HI");
+  app->add_option("--lines", c->lines, "Frequency lines of the FRFs")
       ->check(CLI::Range(2, 100000))
       ->capture_default_str();
-  app->add_option("--response", response->file,
+  app->add_option("--response", c->response,
                   "Response to the scene's loads with its 95 % interval as a table")
       ->type_name("F.csv");
-  app->add_option("--duration", response->duration_s, "Of the response, s")
+  app->add_option("--duration", c->duration_s, "Length of the response, s")
       ->check(number_within(1e-6, 3600))
       ->capture_default_str();
-  app->add_option("--rate", response->rate_hz, "Of the response, Hz")
+  app->add_option("--rate", c->rate_hz, "Sample rate of the response, Hz")
       ->check(number_within(1e-3, 1e6))
       ->capture_default_str();
   app->add_flag("--sample", c->sample, "Intervals from samples, also where the model is linear");
-  verbs.push_back({app, [c, response](VerbContext& context) {
+  verbs.push_back({app, [c](VerbContext& context) {
                      context.input(c->scene);
-                     return predicted(model::read_scene(c->scene), *c, *response, context);
+                     return predict_result(model::read_scene(c->scene), *c, context);
                    }});
 }
 

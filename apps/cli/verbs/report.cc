@@ -33,13 +33,13 @@ void add_report(CLI::App& program, Verbs& verbs) {
   app->add_flag("--pdf", options->pdf, "Print to PDF as well, by a Chromium on PATH");
   app->add_flag("--force", options->force, "Replace another campaign's report in the folder");
   app->add_option("--figure-size", options->figure_size,
-                  "Width and height of the figures for a paper; with --pdf also figures.pdf")
+                  "Width and height of the figures for a paper, mm; with --pdf also figures.pdf")
       ->expected(2)
       ->check(CLI::Range(20.0, 1000.0))
       ->type_name("MM MM");
   app->add_option("--figure-font", options->figure_font, "Font of these figures")
       ->capture_default_str();
-  app->add_option("--figure-font-size", options->figure_font_size, "Its size")
+  app->add_option("--figure-font-size", options->figure_font_size, "Its size, pt")
       ->check(CLI::Range(4.0, 24.0))
       ->type_name("PT")
       ->capture_default_str();

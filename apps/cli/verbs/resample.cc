@@ -6,23 +6,15 @@
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
-#include "signal/recording/resample.h"
+#include "apps/cli/verbs/calls.h"
 #include "signal/writers/write_csv.h"
 
 namespace rigfit::apps {
-namespace {
 
-struct ResampleCommand {
-  std::string file, out;
-  double rate_hz = 0, sample_rate_hz = 0;
-};
-
-Json run_resample(VerbContext& context, const ResampleCommand& command) {
-  signal::ReadOptions reading;
-  reading.sample_rate_hz = command.sample_rate_hz;
-  const signal::Recording recording = load_recording(command.file, context, reading);
+Json resample_result(const signal::Recording& recording, const ResampleCommand& command,
+                     VerbContext& context, signal::ResampleResult& result) {
   const std::size_t known = recording.notes.size();
-  const signal::ResampleResult result = signal::resampled(recording, command.rate_hz);
+  result = signal::resampled(recording, command.rate_hz);
   for (std::size_t k = known; k < result.recording.notes.size(); ++k) {
     context.out << result.recording.notes[k].message << '\n';
   }
@@ -34,18 +26,18 @@ Json run_resample(VerbContext& context, const ResampleCommand& command) {
     context.out << fmt::format("{}: error at most {:.2g} {} rms\n", channel.name,
                                result.error_rms[c], channel.unit);
   }
+  Json json{{"from_hz", result.from_hz},
+            {"sample_rate_hz", result.recording.sample_rate_hz},
+            {"samples", result.recording.samples()},
+            {"channels", std::move(channels)}};
+  if (command.out.empty()) return json;
   // Nine digits: rounding stays below the filter's error.
   context.write(command.out, signal::csv_text(result.recording, {}, 9));
   context.out << fmt::format("{} samples at {:.9g} Hz: {}\n", result.recording.samples(),
                              result.recording.sample_rate_hz, command.out);
-  return {{"from_hz", result.from_hz},
-          {"sample_rate_hz", result.recording.sample_rate_hz},
-          {"samples", result.recording.samples()},
-          {"channels", std::move(channels)},
-          {"out", command.out}};
+  json["out"] = command.out;
+  return json;
 }
-
-}  // namespace
 
 void add_resample(CLI::App& program, Verbs& verbs) {
   const auto command = std::make_shared<ResampleCommand>();
@@ -63,8 +55,13 @@ void add_resample(CLI::App& program, Verbs& verbs) {
   app->footer(
       "Example:\n  rigfit resample uneven.csv --out even.csv\n"
       "  rigfit resample fast.wav --rate 4000 --out slow.csv");
-  verbs.push_back(
-      {app, [command](VerbContext& context) { return run_resample(context, *command); }});
+  verbs.push_back({app, [command](VerbContext& context) {
+                     signal::ReadOptions reading;
+                     reading.sample_rate_hz = command->sample_rate_hz;
+                     signal::ResampleResult result;
+                     return resample_result(load_recording(command->file, context, reading),
+                                            *command, context, result);
+                   }});
 }
 
 }  // namespace rigfit::apps

@@ -226,7 +226,8 @@ void add_tension(CLI::App& program, Verbs& verbs) {
       ->check(positive_number());
   app->add_option("--measured", c->measured, "Table of measured frequencies, or modes as UFF 55")
       ->type_name("F");
-  app->add_option("--column", c->column, "Of the frequencies in the table")->type_name("NAME");
+  app->add_option("--column", c->column, "Column of the frequencies in the table")
+      ->type_name("NAME");
   app->add_option("--frequencies", c->frequencies, "Measured frequencies, Hz")
       ->check(positive_number())
       ->type_name("HZ");
@@ -237,7 +238,7 @@ void add_tension(CLI::App& program, Verbs& verbs) {
       ->capture_default_str();
   app->add_option("--length", c->length, "Between the ends, along the chord, m")
       ->type_name("V[,STD]");
-  app->add_option("--mass-per-length", c->mass, "kg/m")->type_name("V[,STD]");
+  app->add_option("--mass-per-length", c->mass, "Of the cable, kg/m")->type_name("V[,STD]");
   app->add_option("--table", c->table, "Many cables, a row each (columns: ident/tension/README.md)")
       ->type_name("CABLES.csv");
   app->add_option("--out", c->out, "Table of the tensions of --table")->type_name("F.csv");

@@ -21,18 +21,18 @@ from .laboratory import axial, bending, tension, tension_table
 from .model import Scene, frf_of, modes, report, respond, synthesize
 from .recordings import Channel, Recording, read
 from .results import (AxialResult, BendingResult, DecayResult, Estimate, FrfResult, InspectResult, ModalResult,
-                      ModesResult, PredictResult, Record, Records, ReportResult, RespondResult, Result, SceneFrfs,
+                      ModesResult, PredictResult, Record, Records, ReportResult, ResampleResult, RespondResult, Result, SceneFrfs,
                       SynthesizeResult, TensionResult, TensionTableResult, UpdateResult)
-from .spectra import decay, frf, frfs_of_arrays, inspect, modal, read_frfs
+from .spectra import decay, frf, frfs_of_arrays, inspect, modal, read_frfs, resample
 
 __version__ = _core.version
 
 __all__ = [
     "ArgumentError", "AxialResult", "BendingResult", "Channel", "DataWarning", "DecayResult", "Error", "Estimate",
     "FrfResult", "FrfSet", "InputError", "InspectResult", "InternalError", "ModalResult", "ModesResult", "NotConverged",
-    "PredictResult", "Record", "Recording", "Records", "Refused", "ReportResult", "RespondResult", "Result", "Scene", "SceneFrfs",
+    "PredictResult", "Record", "Recording", "Records", "Refused", "ReportResult", "ResampleResult", "RespondResult", "Result", "Scene", "SceneFrfs",
     "SynthesizeResult", "TensionResult", "TensionTableResult", "UpdateResult", "UsageError", "axial", "bending", "decay", "frf", "frf_of",
-    "frfs_of_arrays", "inspect", "modal", "modes", "predict", "read", "read_frfs", "report", "respond", "synthesize", "tension",
+    "frfs_of_arrays", "inspect", "modal", "modes", "predict", "read", "read_frfs", "report", "resample", "respond", "synthesize", "tension",
     "tension_table", "update",
 ]
 

@@ -17,6 +17,10 @@ _SceneLike = Scene | _Path | Mapping[str, Any]
 
 def inspect(recordings: _Sources, *, sample_rate: float | None = None) -> InspectResult: ...
 
+def resample(
+    recording: _Source, rate: float | None = None, *, out: _Path | None = None, sample_rate: float | None = None
+) -> ResampleResult: ...
+
 def decay(
     recording: _Source, channel: str | None = None, *, start: float | None = None, end: float | None = None,
     band: tuple[float, float] | None = None, each: bool = False, max_modes: int | None = None,
@@ -112,7 +116,8 @@ def predict(
     segments: int | None = None, measured: _Path | ModalResult | ArrayLike | Sequence[Mapping[str, Any]] | None = None,
     column: str | None = None, plane: Literal["any", "in", "out"] = 'any',
     damage: str | Sequence[str] | None = None, frf: _Path | None = None, band: tuple[float, float] | None = None,
-    lines: int | None = None, sample: bool = False, threads: int | None = None, seed: int | None = None
+    lines: int | None = None, response: _Path | None = None, duration: float | None = None, rate: float | None = None,
+    sample: bool = False, threads: int | None = None, seed: int | None = None
 ) -> PredictResult: ...
 
 def synthesize(
@@ -127,10 +132,17 @@ def synthesize(
 ) -> SynthesizeResult: ...
 
 def report(
-    campaign: _Path, out: _Path, *, force: bool = False, threads: int | None = None, seed: int | None = None
+    campaign: _Path | Sequence[_Path], out: _Path, *, style: Literal["lab", "client"] = 'lab', pdf: bool = False,
+    force: bool = False, figure_size: tuple[float, float] | None = None, figure_font: str | None = None,
+    figure_font_size: float | None = None, threads: int | None = None, seed: int | None = None
 ) -> ReportResult: ...
 
-def read(file: _Path, sample_rate: float | None = None) -> Recording: ...
+def read(
+    file: _Path, sample_rate: float | None = None, *,
+    format: Literal["csv", "lvm", "uff", "wav", "npy", "mat"] | None = None, decimal: Literal[".", ","] | None = None,
+    separator: Literal[",", ";", "\t", " "] | None = None, time_unit: Literal["s", "ms", "us", "min"] | None = None,
+    variable: str | Sequence[str] | None = None
+) -> Recording: ...
 
 def read_frfs(file: _Path) -> FrfSet: ...
 
@@ -286,6 +298,12 @@ class Result(Record):
 class InspectResult(Result):
     recordings: Records
 
+class ResampleResult(Result):
+    recording: Recording
+    channels: Records
+    from_hz: float
+    sample_rate_hz: float
+
 class DecayResult(Result):
     channel: str
     unit: str
@@ -347,8 +365,12 @@ class RespondResult(Result):
 class UpdateResult(Result):
     parameters: Records
     pairs: Records
+    alternatives: Records
+    fit: Record
     covariance: NDArray[np.float64] | None
     fitted_scenes: list[Scene]
+    candidates: Records
+    averaged: Records
 
 class TensionResult(Result):
     tension_N: Estimate
@@ -368,8 +390,14 @@ class PredictResult(Result):
     interval: str
     parameters_used: list[str]
     parameters_not_used: list[str]
+    measured: Records
+    damage: Records
+    response: Record
 
 class SynthesizeResult(Result):
     files: list[str]
 
-class ReportResult(Result): ...
+class ReportResult(Result):
+    title: str
+    answers: Records
+    summary: Records

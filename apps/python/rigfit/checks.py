@@ -95,6 +95,25 @@ def path(argument, value):
     return text(argument, value)
 
 
+def document(argument, value):
+    """The name of a JSON or TOML file, not of a folder."""
+    value = path(argument, value)
+    if os.path.isdir(value):
+        fail(argument, f"is a folder, not a file: {value}")
+    return value
+
+
+def new_file(argument, value):
+    """The name of a file to write, in a folder that is there."""
+    value = path(argument, value)
+    folder = os.path.dirname(value) or "."
+    if os.path.isdir(value):
+        fail(argument, f"is a folder: {value}")
+    if not os.path.isdir(folder):
+        fail(argument, f"cannot be written: there is no folder {folder}")
+    return value
+
+
 def sequence(argument, value):
     """A list of what may be one or several."""
     if isinstance(value, (str, os.PathLike)):

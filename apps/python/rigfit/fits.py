@@ -44,45 +44,99 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
 
     Parameters
     ----------
-    scene : Scene, path, TOML text or dict, or a list: one for each of the data below
+    scene : Scene, path, TOML text or dict, or a list of these
+        Several: one for each of the data below.
     measured : path, ModalResult, array of frequencies, or list of dict, or a list of these, optional
-        Measured modes; dicts hold ``frequency_hz`` and where known ``std``, ``damping_ratio``, ``damping_std``,
-        ``plane``, ``tension_N``, ``shape:<sensor>``.
-    frf, decay, response : path or list of paths, optional
-        FRFs (UFF 58), recordings of free decays, recordings of the response to the scene's loads.
+        Tables of measured modes: frequency_hz, and where known std, damping_ratio, damping_std, plane, tension_N (a
+        state each), shape:<sensor>; or universal files of mode shapes (UFF 55, with 15 or 2411 for where the nodes
+        are).
+
+        A dict holds the same keys: ``{"frequency_hz": 7.36, "std": 0.01, "plane": "in"}``.
+    frf : path or list of paths, optional
+        FRFs (UFF 58), fitted line by line; names of inputs and responses are those of the scene's loads and sensors.
+        Their modes lead the fit near. An exponential window in them is part of the model then, not of its damping.
+    decay : path or list of paths, optional
+        Recordings of free decays: their frequencies and damping ratios.
+    response : path or list of paths, optional
+        Recordings of the response to the scene's own loads from t = 0 on, fitted sample by sample; channels are
+        called like the scene's sensors.
     free : str or list of str, optional
-        Parameters to fit: NAME, NAME=TARGET,-TARGET, NAME@each. Left out: every member's EI.
+        Scene parameters to fit: NAME, NAME=TARGET,-TARGET (several that share a value), NAME@each (one value a
+        state). Default: every member's EI.
     prior : dict of NAME to (value, std), optional
-        Of free parameters, from other tests.
+        NAME=VALUE,STD of a free parameter, from other tests.
+
+        Here ``{"cable.EI": (0.6, 0.02)}``.
     tension : float or list of float, optional
-        Of each of frf, decay and response, N.
+        Of each frf, decay and response, N: the cables' tension in that state.
     plane : str or list of str, optional
-        Of each of the data: "in", "out", "any".
-    column, compare : str, list of str, optional
-        Columns of tables: of the frequencies; of other models, shown beside.
+        Plane of each file: in, out or any.
+    column : str, optional
+        Name of the frequency column.
+    compare : str or list of str, optional
+        Further columns of the tables: frequencies of other models, shown beside.
     node : str or list of str, optional
-        SENSOR=NODE of universal files of mode shapes.
+        SENSOR=NODE of universal files of mode shapes (SENSOR=NODE-Y: along the file's -y); without it a sensor's node
+        is the one at its place in the scene.
     channel : str, optional
-        Of the decays.
+        Channel of the decays.
     band : (float, float), optional
-        Hz, of FRFs, decays and UFF 55.
+        Lines and modes of FRFs, decays and UFF 55 that count, Hz.
     stiffness : path or BendingResult, optional
-        The cables' EI in each state; ``stiffness_std`` is the relative uncertainty that its tests share.
+        Table of tension_N, EI_Nm2 and, where known, std, or the JSON result of rigfit bending: the cables' EI in each
+        state.
+
+        Or the result of `bending` itself.
+    stiffness_std : float, optional
+        Relative uncertainty of that EI that all its tests share (0 to 1).
     axial : path or AxialResult, optional
-        EA of all cables; with ``axial_damping`` their damping ratio too.
-    input, aim : str or list of str, optional
-        Uncertainty of what is not fitted: ``TARGET=STD``; ``LOAD=METRES,DEGREES``.
+        JSON result of rigfit axial: EA of all cables, with its uncertainty.
+
+        Or the result of `axial` itself.
+    axial_damping : bool
+        With axial: its damping ratio too becomes that of all cables.
+    input : str or list of str, optional
+        Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets with commas (-TARGET: opposite),
+        `tension` for the cables' reading, @each at the end: independent in each state. Carried into the parameters,
+        the predictions and monte_carlo.
+    aim : str or list of str, optional
+        How exactly a load of the scene struck, LOAD=METRES,DEGREES (standard uncertainties of its place along the
+        member and of its direction, of the mean of the hits): carried on like every input. With frf and response.
     candidates : path, optional
-        TOML file of models to compare by evidence: ``[[candidate]]`` with ``name``, ``supports``, ``set``, ``free``,
-        ``prior``, ``scene``. The result is the heaviest's, with ``candidates[]`` and ``averaged[]``.
+        TOML file of models to compare, [[candidate]] with name and, as needed, supports = { NODE =
+        "pinned|clamped|free|springs|own springs" }, set = { "PARAMETER" = VALUE }, free = [...], prior = [...], scene
+        = "FILE": weights by evidence, averaged parameters; exit code 4 when none has 90 % of the weight.
+
+        The result is the heaviest's, with ``candidates[]`` and ``averaged[]``; `Refused` has it where none is decided.
     ends : str or list of str, optional
-        The usual candidates: "pinned", "clamped", "springs", "own springs" at all nodes that are held.
-    profile, hold_out : bool
-        95 % intervals by profile; each state left out and predicted.
-    assumed_std, model_std, frf_model_std, shape_std : float, optional
-        As the options of ``rigfit update``.
-    segments, starts, start_spread, monte_carlo : optional
-    threads, seed : int, optional
+        The usual candidates: all nodes that are held "pinned", "clamped", with "springs" (one rotational stiffness,
+        fitted), with "own springs" (one a node).
+    profile : bool
+        Also 95 % intervals by profile (of data and priors alone).
+    assumed_std : float, optional
+        Relative standard uncertainty of frequencies that come without one (1e-09 to 1; default 0.01).
+    model_std : float, optional
+        Relative error in frequency that the model itself is allowed (0 to 1; default 0).
+    frf_model_std : float, optional
+        Relative error in FRFs that the model itself is allowed (0 to 10; default 0).
+    shape_std : float, optional
+        Uncertainty of a component of a unit shape: shapes are fitted too (0: they only help to pair) (0 to 1; default
+        0).
+    segments : int, optional
+        Of every member while fitting (default: the scene's); fewer are faster (2 to 10000).
+    starts : int, optional
+        Starts, the first at the scene's own values (1 to 1000; default 4).
+    start_spread : float, optional
+        Factor by which the other starts are off at most (1 to 100; default 3).
+    hold_out : bool
+        Also leave out each state in turn and predict it from the others.
+    monte_carlo : int, optional
+        Refits with measured frequencies, damping ratios, FRFs and time histories, priors, the stiffness table, EA,
+        every input and aim drawn anew (0 to 1000000).
+    threads : int, optional
+        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
+    seed : int, optional
+        Seed of every random number (default 1).
 
     Returns
     -------
@@ -115,7 +169,7 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
         if value is not None:
             options[name] = checks.texts(name, value)
     if candidates is not None:
-        options["candidates"] = checks.path("candidates", candidates)
+        options["candidates"] = checks.document("candidates", candidates)
     if ends is not None:
         options["ends"] = [checks.choice("ends", one, ("pinned", "clamped", "springs", "own springs"))
                            for one in checks.sequence("ends", ends)]
@@ -145,7 +199,7 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
             if isinstance(value, kind):
                 options[name] = _write_document(name, value, folder)
             elif value is not None:
-                options[name] = checks.path(name, value)
+                options[name] = checks.document(name, value)
         document, exit_code, covariance, scenes = call(_core.update, options)
     covariance.setflags(write=False)
     return finish(UpdateResult, at_hand(document, folder), exit_code,
@@ -164,7 +218,8 @@ def _scene_file(scene, index, folder):
 
 
 def predict(scene, fit, *, map=None, count=None, segments=None, measured=None, column=None, plane="any", damage=None,
-            frf=None, band=None, lines=None, sample=False, threads=None, seed=None):
+            frf=None, band=None, lines=None, response=None, duration=None, rate=None, sample=False, threads=None,
+            seed=None):
     """Modes of another scene with the parameters of a fit, with intervals from their covariance.
 
     Parameters
@@ -172,25 +227,43 @@ def predict(scene, fit, *, map=None, count=None, segments=None, measured=None, c
     scene : Scene, path, TOML text or dict
         Where the parameters are used, such as one part of the rig that was fitted.
     fit : UpdateResult or path
-        Result of `update`, or the JSON document of ``rigfit update``.
+        JSON result of `rigfit update`.
+
+        Or the result of `update` itself.
     map : dict of str to str, optional
-        What a parameter of the fit is called here: ``{"cable.EI": "left.EI,right.EI"}``.
-    count, segments : int, optional
-        Modes from the first; segments of every member, instead of the scene's.
+        What a parameter of the fit is called here: NAME=TARGET[,-TARGET...].
+
+        Such as ``{"cable.EI": "left.EI,right.EI"}``.
+    count : int, optional
+        The first N modes (1 to 1000; default 6).
+    segments : int, optional
+        Segments of every member, instead of the scene's (2 to 100000).
     measured : path, ModalResult, array of frequencies or list of dict, optional
-        Measured modes to compare with; ``column`` is that of the frequencies in a table.
+        Table of measured frequencies to compare with.
     column : str, optional
+        Column of the frequencies in the table.
     plane : {"any", "in", "out"}
-        Of the measured modes.
+        Plane of the measured modes (default any).
     damage : str or list of str, optional
-        Loss of EI of a zone against its sound part: ``ZONE=SOUND[,RATIO]``.
+        Loss of EI of a zone against its sound part: ZONE=SOUND[,RATIO], SOUND a parameter of the fit or N m2.
     frf : path, optional
-        CSV file of the FRFs with their intervals to write; ``band`` (Hz) and ``lines`` are of these.
+        FRFs with their 95 % intervals as a table.
     band : (float, float), optional
+        Band of the FRFs, Hz.
     lines : int, optional
+        Frequency lines of the FRFs (2 to 100000; default 400).
+    response : path, optional
+        Response to the scene's loads with its 95 % interval as a table.
+    duration : float, optional
+        Length of the response, s (1e-06 to 3600; default 2).
+    rate : float, optional
+        Sample rate of the response, Hz (0.001 to 1e+06; default 500).
     sample : bool
         Intervals from samples, also where the model is linear.
-    threads, seed : int, optional
+    threads : int, optional
+        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
+    seed : int, optional
+        Seed of every random number (default 1).
 
     Returns
     -------
@@ -212,14 +285,18 @@ def predict(scene, fit, *, map=None, count=None, segments=None, measured=None, c
     options["plane"] = checks.choice("plane", plane, ("any", "in", "out"))
     if damage is not None:
         options["damage"] = checks.texts("damage", damage)
-    if frf is not None:
-        options["frf"] = checks.path("frf", frf)
+    for name, value in (("frf", frf), ("response", response)):
+        if value is not None:
+            options[name] = checks.new_file(name, value)
+    for name, value, low, high in (("duration", duration, 1e-6, 3600), ("rate", rate, 1e-3, 1e6)):
+        if value is not None:
+            options[name] = checks.number(name, value, low, high)
     if band is not None:
         options["band"] = checks.band("band", band)
     options["sample"] = checks.flag("sample", sample)
     with tempfile.TemporaryDirectory(prefix="rigfit-") as folder:
         options["fit"] = (_write_document("fit", fit, folder) if isinstance(fit, UpdateResult) else
-                          checks.path("fit", fit))
+                          checks.document("fit", fit))
         if measured is not None:
             options["measured"] = (checks.path("measured", measured) if is_path(measured) else
                                    write_modes("measured", measured, folder))

@@ -42,20 +42,32 @@ def bending(recordings, *, span=None, span_std=None, tension=None, load=None, de
     recordings : path, Recording, dict of arrays, or list of these
         Records or tables of tension, load and deflection; or of ``tension_N`` and ``EI_Nm2`` (with ``std``, or ``low``
         and ``high``). A dict holds arrays in SI by these names.
-    span, span_std : float, optional
-        Clear length between the clamps and its standard uncertainty, m.
-    tension, load, deflection : str, optional
-        Names of the channels, where they are not the usual ones.
-    load_calibration, deflection_calibration, tension_calibration : float, optional
-        Relative standard uncertainties.
+    span : float, optional
+        Clear length between the clamps, m.
+    span_std : float, optional
+        Standard uncertainty of the span, m.
+    tension : str, optional
+        Name of the tension column.
+    load : str, optional
+        Name of the load column.
+    deflection : str, optional
+        Name of the deflection column.
+    load_calibration : float, optional
+        Relative standard uncertainty of the load cell's calibration (0 to 1).
+    deflection_calibration : float, optional
+        Relative standard uncertainty of the deflection sensor's calibration (0 to 1).
     tension_zero_std : float, optional
-        N.
+        Standard uncertainty of the tension cell's zero, N (offset and drift).
+    tension_calibration : float, optional
+        Relative standard uncertainty of the tension cell's calibration (0 to 1).
     strand : (E, wires, wire_diameter, diameter), optional
-        Pa, number, m, m: bounds on EI.
+        Young's modulus (Pa), number of wires, wire diameter (m), strand diameter (m): bounds on EI.
     relative_std : float, optional
-        Of EI values that come without an uncertainty.
-    EA, mass_per_length : float, optional
-        Together: the equivalent solid cylinder at each tension.
+        Relative standard uncertainty of EI values that come without one (0 to 1).
+    EA : float, optional
+        Axial rigidity, N: with mass_per_length, the equivalent solid cylinder at each tension.
+    mass_per_length : float, optional
+        Of the cable, kg/m.
 
     Returns
     -------
@@ -97,28 +109,41 @@ def axial(recordings, *, mass, length, channel=None, mass_per_length=None, mass_
     ----------
     recordings : path, Recording, list of channels, or list of these
         Tension or motion after an impulse; a record may hold several.
-    mass, mass_std : float
+    mass : float
         Hung mass, adapter and clamp included, kg.
     length : float or list of float
-        Of cable, m: for all, each recording, or each group of recordings of equal size.
-    length_std, mass_per_length, mass_per_length_std : float, optional
-        m, kg/m, kg/m.
+        Cable length, m: for all, each file, or each group of files.
     channel : str, optional
-    adapter_stiffness, adapter_stiffness_std : float, optional
-        In series with the cable, N/m.
+        Name or #number.
+    mass_per_length : float, optional
+        Of the cable, kg/m.
+    mass_std : float, optional
+        Standard uncertainty, kg.
+    length_std : float, optional
+        Standard uncertainty of each length, m.
+    mass_per_length_std : float, optional
+        Standard uncertainty, kg/m.
+    adapter_stiffness : float, optional
+        In series with the cable, N/m (default: rigid).
+    adapter_stiffness_std : float, optional
+        Standard uncertainty, N/m.
     adapter_bar : (E, A, l), optional
-        The adapter as a bar: Pa, m2, m.
+        Adapter as a bar: modulus Pa, area m2, length m.
     compliance_std : float, optional
-        Of what else gives way in series, m/N; 0: known to be rigid.
+        Standard uncertainty of what else gives way in series, m/N; 0: known to be rigid (default: not known, told
+        from several lengths).
     catalogue_EA : float, optional
-        N.
+        What EA should be, N (default: 80 GPa on the metal of the mass per length).
     band : (float, float), optional
         Where the axial frequency is, Hz.
     sample_rate : float, optional
-        Hz, where a recording gives none.
+        Where a file gives none, Hz.
     draws : int, optional
-        Of the Monte Carlo study; 0: none.
-    threads, seed : int, optional
+        Monte Carlo draws, 0 for none (0 to 10000000; default 20000).
+    threads : int, optional
+        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
+    seed : int, optional
+        Seed of every random number (default 1).
 
     Returns
     -------
@@ -257,14 +282,21 @@ def tension_table(table, *, out=None, missed=None, false_mode=None, threads=None
     Parameters
     ----------
     table : path, list of dict or DataFrame
-        name, length (m), mass_per_length (kg/m), and where known EI (N m2), EA (N), each also with ``_std``, inclination
+        Many cables, a row each (columns: ident/tension/README.md).
+
+        Columns: name, length (m), mass_per_length (kg/m), and where known EI (N m2), EA (N), each also with ``_std``, inclination
         (degrees), ends, plane, mass_of, frequency_std (Hz); and f1, f2 ... or frequencies (a list), Hz. A file may say
         other units in brackets.
     out : path, optional
-        CSV file of the tensions to write.
-    missed, false_mode : float, optional
-        Probabilities that a mode was missed, that a measured one is none of the cable's.
-    threads, seed : int, optional
+        Table of the tensions of table.
+    missed : float, optional
+        Probability that a mode in the band was missed (0.001 to 0.9; default 0.1).
+    false_mode : float, optional
+        Probability that a measured mode is none of the cable's (0.001 to 0.9; default 0.05).
+    threads : int, optional
+        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
+    seed : int, optional
+        Seed of every random number (default 1).
 
     Returns
     -------
@@ -279,7 +311,7 @@ def tension_table(table, *, out=None, missed=None, false_mode=None, threads=None
     options = checks.common(threads, seed)
     _probabilities(options, missed, false_mode)
     if out is not None:
-        options["out"] = checks.path("out", out)
+        options["out"] = checks.new_file("out", out)
     with tempfile.TemporaryDirectory(prefix="rigfit-") as folder:
         options["table"] = checks.path("table", table) if is_path(table) else write_cables("table", table, folder)
         document, exit_code = call(_core.tension_table, options)
@@ -302,31 +334,49 @@ def tension(recordings=None, *, length, mass_per_length, frequencies=None, frequ
     recordings : path, Recording, list of channels, or list of these, optional
         Of the cable's motion; the peaks of their spectra are the frequencies.
     length : float or (value, std)
-        Between the ends, along the chord, m. Here and below also an Estimate or a ufloat.
+        Between the ends, along the chord, m.
+
+        Here and below also an Estimate or a ufloat.
     mass_per_length : float or (value, std)
-        kg/m.
-    frequencies, frequency_std : list of float, float, optional
-        Measured, Hz.
+        Of the cable, kg/m.
+    frequencies : array or list of float, optional
+        Measured frequencies, Hz.
+    frequency_std : float, optional
+        Standard uncertainty of frequencies, Hz.
     measured : path, ModalResult or list of dict, optional
-        Measured modes: frequency_hz, std, plane.
+        Table of measured frequencies, or modes as UFF 55.
+
+        A dict holds frequency_hz and where known std, plane.
     column : str, optional
-        Of the frequencies in the table.
+        Column of the frequencies in the table.
     channel : str or list of str, optional
+        Channels to use (default: all).
     band : (float, float), optional
         Where peaks are looked for, Hz.
     max_peaks : int, optional
+        Peaks a channel at most (1 to 200; default 12).
     sample_rate : float, optional
-        Hz, where a recording gives none.
+        Where a file gives none, Hz.
     plane : {"any", "in", "out"}
+        The motion that was measured (default any).
     mass_of : {"installed", "unstretched"}, optional
-    EI, EA : float or (value, std), optional
-        N m2, N.
+        What the mass per length is of.
+    EI : float or (value, std), optional
+        Flexural rigidity, N m2 (default: fitted).
+    EA : float or (value, std), optional
+        Axial rigidity, N.
     inclination : float, optional
-        Of the chord, degrees.
+        Of the chord, degrees: 0 horizontal, 90 a hanger (-90 to 90; default 0).
     ends : {"compare", "pinned", "clamped", "springs"}
-    missed, false_mode : float, optional
-        Probabilities that a mode was missed, that a measured one is none of the cable's.
-    threads, seed : int, optional
+        Kinds of ends (default compare).
+    missed : float, optional
+        Probability that a mode in the band was missed (0.001 to 0.9; default 0.1).
+    false_mode : float, optional
+        Probability that a measured mode is none of the cable's (0.001 to 0.9; default 0.05).
+    threads : int, optional
+        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
+    seed : int, optional
+        Seed of every random number (default 1).
 
     Returns
     -------

@@ -142,7 +142,7 @@ class Scene:
 
     def write(self, file):
         """Writes the scene file."""
-        pathlib.Path(checks.path("file", file)).write_text(self.to_toml())
+        pathlib.Path(checks.new_file("file", file)).write_text(self.to_toml())
 
     def __repr__(self):
         return f"Scene({self.title!r}, members {self.members}, loads {self.loads}, sensors {self.sensors})"
@@ -167,15 +167,21 @@ def modes(scene, *, count=None, band=None, segments=None, rotary_inertia="accura
     ----------
     scene : Scene, path, TOML text or dict
     count : int, optional
-        The first so many modes (6).
+        The first N modes (1 to 10000; default 6).
     band : (float, float), optional
-        All modes between two frequencies, Hz, instead of a count.
+        All modes between two frequencies, Hz.
+
+        Instead of a count.
     segments : int, optional
-        Of every member, instead of the scene's.
+        Segments of every member, instead of the scene's (2 to 100000).
     rotary_inertia : {"accurate", "rigid_rod"}
+        Of a segment, and its joints: accurate, or a rigid rod's as in the paper (default accurate).
     torsion : {"auto", "on", "off"}
+        Model torsion: where needed, always or never (default auto).
     shapes : bool
-        Mode shapes at every node in ``modes[].shape``.
+        Mode shapes at every node in the JSON result.
+
+        They are ``modes[].shape``.
 
     Returns
     -------
@@ -205,6 +211,7 @@ def frf_of(scene, frequency_hz, *, segments=None, exponential_window=None):
     frequency_hz : array, shape (lines,)
         Not negative, Hz.
     segments : int, optional
+        Of every member, instead of the scene's.
     exponential_window : float, optional
         Decay rate of a window that measured FRFs were averaged under, 1/s.
 
@@ -235,17 +242,28 @@ def respond(scene, *, duration, rate, out=None, energy=None, solver="auto", plan
     Parameters
     ----------
     scene : Scene, path, TOML text or dict
-    duration, rate : float
-        s, samples a second.
-    out, energy : path, optional
-        CSV files to write.
+    duration : float
+        Seconds to simulate.
+    rate : float
+        Samples a second.
+    out : path, optional
+        CSV: time_s, then one column a sensor.
+    energy : path, optional
+        CSV of the energy by member and kind over time.
     solver : {"auto", "modal", "large-motion", "explicit", "implicit", "cvode-adams", "cvode-banded"}
-    plane, torsion, axial : {"auto", "on", "off"}
+        auto: modal when the estimated frequency shift is within the scene's accuracy (default auto).
+    plane : {"auto", "on", "off"}
+        Move in the plane of symmetry only (default auto).
+    torsion : {"auto", "on", "off"}
+        Model torsion (default auto).
+    axial : {"auto", "on", "off"}
+        Axial waves at their own speed; off: followed at once (modal) or slowed (default auto).
     segments : int, optional
+        Segments of every member, over the scene's (2 to 10000).
     step : float, optional
         Largest step of the explicit and implicit solvers, s.
     tolerance : float, optional
-        Relative, of the CVODE solvers.
+        Relative tolerance of the CVODE solvers (1e-13 to 0.1; default 1e-06).
 
     Returns
     -------
@@ -258,9 +276,9 @@ def respond(scene, *, duration, rate, out=None, energy=None, solver="auto", plan
     for name, value in (("plane", plane), ("torsion", torsion), ("axial", axial)):
         options[name] = checks.choice(name, value, ("auto", "on", "off"))
     if out is not None:
-        options["out"] = checks.path("out", out)
+        options["out"] = checks.new_file("out", out)
     if energy is not None:
-        options["energy"] = checks.path("energy", energy)
+        options["energy"] = checks.new_file("energy", energy)
     if segments is not None:
         options["segments"] = checks.integer("segments", segments, 2, 10000)
     positives(options, step=step)
@@ -283,23 +301,47 @@ def synthesize(scene, out, *, seed=None, hits=None, double_hits=None, record=Non
     scene : Scene, path, TOML text or dict
         Its loads are the tests.
     out : path
-        Folder to write to; ``truth.json`` says what is true.
-    seed, threads : int, optional
-    hits, double_hits : int, optional
-        Of every impact, and how many of them are double.
-    record, rate : float, optional
-        Length of a record in s, sample rate in Hz.
+        Folder to write to.
+
+        Its ``truth.json`` says what is true.
+    seed : int, optional
+        Seed of every random number (default 1).
+    hits : int, optional
+        Hits of every impact (1 to 1000; default 5).
+    double_hits : int, optional
+        Of these, how many are double (0 to 1000; default 1).
+    record : float, optional
+        Length of a record, s (default 8).
+    rate : float, optional
+        Sample rate, Hz (default 1024).
     finer : int, optional
-        Segments of the tested rig over the scene's.
-    tension, tension_std, stiffness : optional
-        Tensions that the cables are set to, N; relative error of that; table of EI over tension.
+        Segments of the tested rig over the scene's (1 to 100; default 4).
+    tension : float or list of float, optional
+        Tensions that the cables are set to, N, one row of tests each (default: the scene's).
+    tension_std : float, optional
+        Relative error with which a person sets them (0 to 0.5; default 0).
+    stiffness : path, optional
+        Table of tension_N, EI_Nm2: the cables' EI at each of them.
     format : {"csv", "uff"}
+        Of hammer and release recordings: csv, or uff (58, binary, single precision) (default csv).
     accelerometer_mass : float, optional
-        kg.
-    bending_span, bending_load : float, optional
-        Also the bending test of the first cable: m, N.
-    axial_length, axial_length_std, axial_mass, axial_damping, taps : optional
-        Also its hanging-mass test: m, m, kg, ratio, number at every length.
+        Mass of an accelerometer, kg, where the scene has none at its place (default 0.0048).
+    bending_span : float, optional
+        Also the bending test of the scene's first cable, span in m.
+    bending_load : float, optional
+        Its largest load, N (default 10).
+    axial_length : float or list of float, optional
+        Also the hanging-mass test of that cable, lengths in m.
+    axial_length_std : float, optional
+        Error with which they were cut, m (0 to 0.1; default 0).
+    axial_mass : float, optional
+        Mass hung there, kg (default 2.2).
+    axial_damping : float, optional
+        Damping ratio of its oscillation (0 to 0.99; default 0.017).
+    taps : int, optional
+        Taps at every length (1 to 1000; default 5).
+    threads : int, optional
+        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
 
     Returns
     -------
@@ -328,24 +370,50 @@ def synthesize(scene, out, *, seed=None, hits=None, double_hits=None, record=Non
     return finish(SynthesizeResult, *call(_core.synthesize, scene_or_path(scene), options))
 
 
-def report(campaign, out, *, force=False, threads=None, seed=None):
+def report(campaign, out, *, style="lab", pdf=False, force=False, figure_size=None, figure_font=None,
+           figure_font_size=None, threads=None, seed=None):
     """Everything a campaign names, from recordings to model against test.
 
     Parameters
     ----------
-    campaign : path
-        TOML file.
+    campaign : path, or (path, path)
+        TOML file; two: before and after, compared value by value.
     out : path
         Folder for report.html, report.json, data/ and figures/.
+    style : {"lab", "client"}
+        lab: one page of everything; client: a short report, the appendix beside it (default lab).
+    pdf : bool
+        Print to PDF as well, by a Chromium on PATH.
     force : bool
-        Another campaign's report in the folder is replaced.
-    threads, seed : int, optional
+        Replace another campaign's report in the folder.
+    figure_size : (float, float), optional
+        Width and height of the figures for a paper, mm; with pdf also figures.pdf (20 to 1000).
+    figure_font : str, optional
+        Font of these figures (default sans-serif).
+    figure_font_size : float, optional
+        Its size, pt (4 to 24; default 8).
+    threads : int, optional
+        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
+    seed : int, optional
+        Seed of every random number (default 1).
 
     Returns
     -------
     ReportResult
     """
     options = checks.common(threads, seed)
+    options["style"] = checks.choice("style", style, ("lab", "client"))
+    options["pdf"] = checks.flag("pdf", pdf)
     options["force"] = checks.flag("force", force)
-    return finish(ReportResult, *call(_core.report, checks.path("campaign", campaign), checks.path("out", out),
-                                      options))
+    if figure_size is not None:
+        options["figure_size"] = checks.numbers("figure_size", figure_size, low=20, high=1000)
+        if len(options["figure_size"]) != 2:
+            checks.fail("figure_size", "must be width and height in mm")
+    if figure_font is not None:
+        options["figure_font"] = checks.text("figure_font", figure_font)
+    if figure_font_size is not None:
+        options["figure_font_size"] = checks.number("figure_font_size", figure_font_size, 4, 24)
+    campaigns = checks.paths("campaign", campaign)
+    if len(campaigns) > 2:
+        checks.fail("campaign", f"must be one or two, before and after, not {len(campaigns)}")
+    return finish(ReportResult, *call(_core.report, campaigns, checks.path("out", out), options))

@@ -215,6 +215,12 @@ class InspectResult(Result):
     main = "recordings"
 
 
+class ResampleResult(Result):
+    """A recording at another rate: ``recording``; ``channels`` with ``error_rms``, ``sample_rate_hz``, ``from_hz``."""
+
+    main = "channels"
+
+
 class DecayResult(Result):
     """Free decay: ``modes``, strongest first, ``decays``, ``frequency_drift_hz``, ``amplitude_dependence``."""
 
@@ -315,6 +321,7 @@ class RespondResult(Result):
 
 class UpdateResult(Result):
     """A fit: ``parameters``, ``pairs``, ``alternatives``, ``fit``; ``covariance`` of the parameters, fitted ``scenes``.
+    Where models were compared, it is of the heaviest, with ``candidates`` and ``averaged``.
 
     Attributes
     ----------
@@ -341,7 +348,7 @@ class TensionTableResult(Result):
 
 class PredictResult(Result):
     """Modes of another scene with a fit's parameters: ``modes`` (``frequency_hz`` with low, high), ``interval``,
-    ``parameters_used``; ``measured`` where it was compared."""
+    ``parameters_used``; ``measured`` where it was compared, ``response`` where it was written."""
 
     main = "modes"
 
@@ -351,4 +358,6 @@ class SynthesizeResult(Result):
 
 
 class ReportResult(Result):
-    """The document of a report; the page is ``report.html`` in its folder."""
+    """The document of a report: ``answers``, ``summary``, ``fits`` ...; the page is ``report.html`` in its folder."""
+
+    main = "answers"

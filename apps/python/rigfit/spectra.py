@@ -1,12 +1,12 @@
-"""Recordings to decays, FRFs and modes: `inspect`, `decay`, `frf`, `modal`."""
+"""Recordings to decays, FRFs and modes: `inspect`, `resample`, `decay`, `frf`, `modal`."""
 
 import re
 
 import numpy as np
 
 from . import _core, checks, errors
-from .recordings import sources, warn
-from .results import DecayResult, FrfResult, InspectResult, ModalResult
+from .recordings import Recording, sources, warn
+from .results import DecayResult, FrfResult, InspectResult, ModalResult, ResampleResult
 
 
 def finish(kind, document, exit_code, **extra):
@@ -22,8 +22,8 @@ def finish(kind, document, exit_code, **extra):
 
 
 def _in_arguments(text):
-    """A message with arguments in place of options of the command line."""
-    return re.sub(r"--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), text)
+    """A message with arguments in place of options of the command line, but for commands in backticks."""
+    return re.sub(r"`[^`]*`|--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_") if m[1] else m[0], text)
 
 
 def call(function, *arguments):
@@ -44,7 +44,7 @@ def inspect(recordings, *, sample_rate=None):
     ----------
     recordings : path, Recording, list of channels, or list of these
     sample_rate : float, optional
-        Hz, of files that give none.
+        Sample rate in Hz of files that give none.
 
     Returns
     -------
@@ -57,6 +57,36 @@ def inspect(recordings, *, sample_rate=None):
     return finish(InspectResult, *call(_core.inspect, sources("recordings", recordings), options))
 
 
+def resample(recording, rate=None, *, out=None, sample_rate=None):
+    """A recording at another rate (with a filter), or uneven times made even.
+
+    Parameters
+    ----------
+    recording : path, Recording or list of channels
+    rate : float, optional
+        New rate, Hz [of uneven times that of their usual step].
+    out : path, optional
+        Recording to write.
+    sample_rate : float, optional
+        Where the file gives none, Hz.
+
+    Returns
+    -------
+    ResampleResult
+        ``recording`` (Recording); ``channels[]`` with ``error_rms``, each in its unit.
+    """
+    options, given = {}, sources("recording", recording)
+    if len(given) != 1:
+        checks.fail("recording", f"must be one recording, not {len(given)}")
+    for name, value in (("rate", rate), ("sample_rate", sample_rate)):
+        if value is not None:
+            options[name] = checks.number(name, value, positive=True)
+    if out is not None:
+        options["out"] = checks.new_file("out", out)
+    document, exit_code, even = call(_core.resample, given, options)
+    return finish(ResampleResult, document, exit_code, recording=Recording._of(even))
+
+
 def decay(recording, channel=None, *, start=None, end=None, band=None, each=False, max_modes=None, sample_rate=None,
           threads=None, seed=None):
     """Frequency and damping of a free decay.
@@ -65,17 +95,23 @@ def decay(recording, channel=None, *, start=None, end=None, band=None, each=Fals
     ----------
     recording : path, Recording or list of channels
     channel : str, optional
-        Name or ``"#number"``; may be left out where there is one.
-    start, end : float, optional
-        s; without a start the decay is looked for.
+        Name or #number; may be left out where there is one.
+    start : float, optional
+        Fit from this time on, s (default: found).
+    end : float, optional
+        Use nothing after this time, s.
     band : (float, float), optional
-        Hz; modes between these are reported.
+        Report modes between these, Hz.
     each : bool
-        Every decay of the record is fitted, and their modes pooled.
+        Fit every decay of the record and pool their modes: mean, and scatter between decays.
     max_modes : int, optional
+        At most so many modes (1 to 12; default 6).
     sample_rate : float, optional
-        Hz, where the recording gives none.
-    threads, seed : int, optional
+        Where the file gives none, Hz.
+    threads : int, optional
+        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
+    seed : int, optional
+        Seed of every random number (default 1).
 
     Returns
     -------
@@ -157,20 +193,64 @@ def frf(recordings, force, response=None, *, band=None, out=None, csv=None, enco
     recordings : path, Recording, list of channels, or list of these
         Continuous, or one a hit. Channels of Recording objects are used where they lie, without a copy.
     force : str
-        Force channel: name or ``"#k"``.
+        Force channel: name or #k.
     response : str or list of str, optional
-        Response channels; every other one when left out.
+        Response channels [every other].
     band : (float, float), optional
-        Hz, in which the force spectrum is asked for.
-    out, csv : path, optional
-        Files to write: UFF 58, table.
+        Band in which the force spectrum is asked for, Hz.
+    out : path, optional
+        FRFs with coherence and error bars as UFF 58.
+    csv : path, optional
+        FRFs with standard deviations and coherence as CSV.
     encoding : {"binary", "ascii"}
-    threads, seed : int, optional
+        Of the UFF file (default binary).
+    threads : int, optional
+        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
+    seed : int, optional
+        Seed of every random number (default 1).
     **hits
-        driving_point, struck (one a recording: roving hammer), estimator ("h1", "h2", "hv"), force_window ("by-noise",
-        "auto", "off" or s), exponential_window (1/s), exponential_end_level, sample_rate (Hz), block, pre_trigger (s),
-        pulse_sign, trigger, double_hit, ring_down_level (%), min_pulse_samples, max_spectrum_drop (dB), keep_outliers,
-        frequencies_only, error_smoothing (lines).
+        How hits are found, judged and windowed: below.
+
+    Other Parameters
+    ----------------
+    driving_point : str, optional
+        The response at the point struck.
+    struck : list of str, optional
+        Point struck in each file, one a file (roving hammer): a response's name where it was struck, else any name.
+    estimator : {"h1", "h2", "hv"}
+        h1: noise on responses, h2: on force, hv: both (default h1).
+    force_window : float or {"by-noise", "auto", "off"}, optional
+        Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or by-noise: auto where the
+        noise on the force matters, else off (default by-noise).
+    exponential_window : float, optional
+        Decay rate of a window on force and responses, 1/s; its damping is carried along and taken off the poles again
+        (0 to 1e+06; default 0).
+    exponential_end_level : float, optional
+        The same, given as its level at the end of the block (1e-12 to 1).
+    sample_rate : float, optional
+        Hz, for files that do not say.
+    block : float, optional
+        Seconds analysed a hit [what uses most of the recordings].
+    pre_trigger : float, optional
+        Seconds before the peak [1 % of the block].
+    pulse_sign : {"auto", "positive", "negative"}
+        Side to which the force goes when hit (default auto).
+    trigger : float, optional
+        A hit exceeds this much of the largest force, % (0.1 to 100; default 10).
+    double_hit : float, optional
+        Smallest second contact objected to, % of the hit (0.1 to 100; default 3).
+    min_pulse_samples : int, optional
+        Samples a pulse needs above 10 % of its peak (1 to 10000; default 4).
+    max_spectrum_drop : float, optional
+        Drop of the force spectrum within the band, dB (ISO 7626-5) (default 20).
+    ring_down_level : float, optional
+        A ring-down may be cut once it has fallen to this, % of its largest value (1e-06 to 100; default 1).
+    keep_outliers : bool
+        No leave-one-out test.
+    frequencies_only : bool
+        Keep hits whose pulse is not resolved; the FRFs then have no scale.
+    error_smoothing : int, optional
+        Lines on either side over which the noise under error bars is averaged (0 to 1000000; default 10).
 
     Returns
     -------
@@ -189,9 +269,9 @@ def frf(recordings, force, response=None, *, band=None, out=None, csv=None, enco
     if band is not None:
         options["band"] = checks.band("band", band)
     if out is not None:
-        options["out"] = checks.path("out", out)
+        options["out"] = checks.new_file("out", out)
     if csv is not None:
-        options["csv"] = checks.path("csv", csv)
+        options["csv"] = checks.new_file("csv", csv)
     options["encoding"] = checks.choice("encoding", encoding, ("binary", "ascii"))
     document, exit_code, frfs = call(_core.frf, given, options)
     return finish(FrfResult, document, exit_code, frfs=frfs)
@@ -216,19 +296,71 @@ def modal(frfs, *, force=None, response=None, band=None, order=None, max_damping
     frfs : FrfResult, path of a file of FRFs, or recordings of hits (then with ``force``)
         A UFF file, or one or several text tables of frequency, real and imaginary part. FRFs of other programs:
         `frfs_of_arrays`.
-    force, response, **hits
-        As of `frf`, for recordings of hits; exponential_window is also the window that FRFs were measured with.
+    force : str, optional
+        Force channel: name or #k.
+
+        For recordings of hits.
+    response : str or list of str, optional
+        Response channels [every other].
     band : (float, float), optional
-        Hz, where modes are looked for.
+        Band to look for modes in (and for the force spectrum of hits), Hz.
     order : int, optional
-        Highest model order.
+        Highest model order of the stabilisation diagram (2 to 400; default 60).
     max_damping : float, optional
-        Largest damping ratio that is taken for a mode.
+        Largest damping ratio that is taken for a mode (1e-06 to 0.99; default 0.2).
     averages : int, optional
-        Behind the coherence of FRFs from elsewhere.
-    out, synthesis : path, optional
-        Files to write: modes as UFF 55, FRFs rebuilt from them as UFF 58.
-    threads, seed : int, optional
+        Averages behind the coherence of FRFs from a file [as the file says] (1 to 1000000).
+    out : path, optional
+        Modes as UFF 55.
+    synthesis : path, optional
+        FRFs rebuilt from the modes, at the measured lines, as UFF 58.
+    threads : int, optional
+        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
+    seed : int, optional
+        Seed of every random number (default 1).
+    **hits
+        For recordings of hits, as of `frf`: below.
+
+    Other Parameters
+    ----------------
+    driving_point : str, optional
+        The response at the point struck.
+    struck : list of str, optional
+        Point struck in each file, one a file (roving hammer): a response's name where it was struck, else any name.
+    estimator : {"h1", "h2", "hv"}
+        h1: noise on responses, h2: on force, hv: both (default h1).
+    force_window : float or {"by-noise", "auto", "off"}, optional
+        Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or by-noise: auto where the
+        noise on the force matters, else off (default by-noise).
+    exponential_window : float, optional
+        Decay rate of a window on force and responses, 1/s: used on hits, or stated of FRFs from a file that were
+        measured with one; it is taken off the poles (0 to 1e+06; default 0).
+    exponential_end_level : float, optional
+        The same, given as its level at the end of the block (1e-12 to 1).
+    sample_rate : float, optional
+        Hz, for files that do not say.
+    block : float, optional
+        Seconds analysed a hit [what uses most of the recordings].
+    pre_trigger : float, optional
+        Seconds before the peak [1 % of the block].
+    pulse_sign : {"auto", "positive", "negative"}
+        Side to which the force goes when hit (default auto).
+    trigger : float, optional
+        A hit exceeds this much of the largest force, % (0.1 to 100; default 10).
+    double_hit : float, optional
+        Smallest second contact objected to, % of the hit (0.1 to 100; default 3).
+    min_pulse_samples : int, optional
+        Samples a pulse needs above 10 % of its peak (1 to 10000; default 4).
+    max_spectrum_drop : float, optional
+        Drop of the force spectrum within the band, dB (ISO 7626-5) (default 20).
+    ring_down_level : float, optional
+        A ring-down may be cut once it has fallen to this, % of its largest value (1e-06 to 100; default 1).
+    keep_outliers : bool
+        No leave-one-out test.
+    frequencies_only : bool
+        Keep hits whose pulse is not resolved; the FRFs then have no scale.
+    error_smoothing : int, optional
+        Lines on either side over which the noise under error bars is averaged (0 to 1000000; default 10).
 
     Returns
     -------
@@ -266,9 +398,9 @@ def modal(frfs, *, force=None, response=None, band=None, order=None, max_damping
     if averages is not None:
         options["averages"] = checks.integer("averages", averages, 1, 1000000)
     if out is not None:
-        options["out"] = checks.path("out", out)
+        options["out"] = checks.new_file("out", out)
     if synthesis is not None:
-        options["synthesis"] = checks.path("synthesis", synthesis)
+        options["synthesis"] = checks.new_file("synthesis", synthesis)
     document, exit_code, used = call(_core.modal, at_hand, given, options)
     return finish(ModalResult, document, exit_code, frfs=used)
 
@@ -288,6 +420,7 @@ def frfs_of_arrays(frequency_hz, H, *, form, responses=None, inputs=None, cohere
     coherence : array of the shape of H, optional
         With ``averages`` it gives the error bars.
     averages : int, optional
+        Behind the coherence.
     exponential_window : float, optional
         Decay rate of a window shared by force and responses, 1/s.
 

@@ -13,6 +13,7 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
+#include "apps/cli/progress.h"
 #include "document/document_error.h"
 #include "signal/recording/recording_error.h"
 
@@ -68,6 +69,7 @@ std::atomic<int> abandoned{0};
 struct Job {
   std::function<void()> work;
   std::promise<void> done;
+  std::atomic<bool> stop{false};
 };
 
 bool on_main_thread() {
@@ -136,6 +138,7 @@ void run_unlocked(std::function<void()> work) {
   // Whoever comes second, the end of the work or an interruption, knows of the other.
   auto parted = std::make_shared<std::atomic<bool>>(false);
   std::thread worker([job, parted]() mutable {
+    apps::Progress::stops_by(&job->stop);
     try {
       job->work();
       job->done.set_value();
@@ -156,6 +159,7 @@ void run_unlocked(std::function<void()> work) {
     }
     if (ready || PyErr_CheckSignals() == 0) continue;
     ++abandoned;
+    job->stop = true;
     if (parted->exchange(true)) {
       --abandoned;  // it has just ended
       worker.join();

@@ -2,8 +2,8 @@
 // done without it, the answer and what went wrong given back with it.
 //
 // From the main thread the work runs on a thread of its own, so that Ctrl-C ends the call at once.
-// The work itself cannot be stopped: it goes on with what it owns until it is done or the
-// interpreter ends.
+// Work that shows its progress (apps/cli/progress.h) stops then; other work goes on with what it
+// owns until it is done or the interpreter ends.
 #pragma once
 
 #include <pybind11/pybind11.h>

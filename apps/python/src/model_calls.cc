@@ -250,6 +250,9 @@ py::tuple predict(const py::object& given, const py::dict& options_given) {
   options.take("frf", command.frf);
   options.take("band", command.band);
   options.take("lines", command.lines);
+  options.take("response", command.response);
+  options.take("duration", command.duration_s);
+  options.take("rate", command.rate_hz);
   options.take("sample", command.sample);
   return run_verb("predict", options, [source, command](apps::VerbContext& context) {
     return apps::predict_result(source.load(context), command, context);
@@ -284,14 +287,33 @@ py::tuple synthesize(const py::object& given, const py::dict& options_given) {
   });
 }
 
-py::tuple report(const std::string& campaign, const std::string& out,
+/// One campaign, or two to be compared.
+py::tuple report(const std::vector<std::string>& files, const std::string& out,
                  const py::dict& options_given) {
   const Options options(options_given);
   apps::ReportOptions report;
+  std::string style;
+  options.take("style", style);
+  if (style == "client") report.style = apps::ReportStyle::client;
+  options.take("pdf", report.pdf);
   options.take("force", report.force);
-  return run_verb("report", options, [campaign, out, report](apps::VerbContext& context) {
-    context.input(campaign);
-    return apps::campaign_report(apps::read_campaign(campaign), out, report, context);
+  std::vector<double> size;
+  std::string font = "sans-serif";
+  double font_size = 8;
+  options.take("figure_size", size);
+  options.take("figure_font", font);
+  options.take("figure_font_size", font_size);
+  if (size.size() == 2) report.figures = apps::print_size(size[0], size[1], font, font_size);
+  return run_verb("report", options, [files, out, report](apps::VerbContext& context) {
+    std::vector<apps::Campaign> campaigns;
+    campaigns.reserve(files.size());
+    for (const auto& file : files) {
+      context.input(file);
+      campaigns.push_back(apps::read_campaign(file));
+    }
+    return campaigns.size() == 1
+               ? apps::campaign_report(campaigns[0], out, report, context)
+               : apps::compared_campaigns(campaigns[0], campaigns[1], out, report, context);
   });
 }
 

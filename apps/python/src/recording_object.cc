@@ -124,6 +124,11 @@ py::tuple read(const std::string& path, const py::dict& options_given) {
   auto state = std::make_shared<State>(options);
   signal::ReadOptions reading;
   options.take("sample_rate", reading.sample_rate_hz);
+  options.take("format", reading.format);
+  options.take("decimal", reading.decimal);
+  options.take("separator", reading.separator);
+  options.take("time_unit_s", reading.time_unit_s);
+  options.take("variable", reading.variables);
   run_unlocked([state, path, reading] {
     state->object->recording = apps::load_recording(path, state->context.verb(), reading);
   });

@@ -1,4 +1,5 @@
-// Python's inspect, decay, frf, modal: what the verbs of these names do with recordings and FRFs.
+// Python's inspect, resample, decay, frf, modal: what the verbs of these names do with recordings
+// and FRFs.
 #include "apps/python/src/module.h"
 
 #include <pybind11/complex.h>
@@ -264,6 +265,29 @@ py::tuple inspect(const py::list& given, const py::dict& options_given) {
   });
 }
 
+/// document, exit code, Recording
+py::tuple resample(const py::list& given, const py::dict& options_given) {
+  const Options options(options_given);
+  auto sources = std::make_shared<std::vector<Source>>(sources_of(given));
+  apps::ResampleCommand command;
+  command.file = sources->at(0).name();
+  options.take("rate", command.rate_hz);
+  options.take("sample_rate", command.sample_rate_hz);
+  options.take("out", command.out);
+  auto even = std::make_shared<RecordingObject>();
+  const py::tuple answer =
+      run_verb("resample", options, [sources, command, even](apps::VerbContext& context) {
+        signal::ReadOptions reading;
+        reading.sample_rate_hz = command.sample_rate_hz;
+        signal::ResampleResult result;
+        Json json =
+            apps::resample_result(sources->at(0).load(context, reading), command, context, result);
+        even->recording = std::move(result.recording);
+        return json;
+      });
+  return py::make_tuple(answer[0], answer[1], even);
+}
+
 py::tuple decay(const py::list& given, const py::dict& options_given) {
   const Options options(options_given);
   auto sources = std::make_shared<std::vector<Source>>(sources_of(given));
@@ -318,6 +342,7 @@ void bind_signal(py::module_& module) {
           "unit", [](const signal::FrfSet& f) { return f.unit; }, "Of H.");
   module.def("inspect", &inspect);
   module.def("decay", &decay);
+  module.def("resample", &resample);
   module.def("frf", &frf);
   module.def("modal", &modal);
   module.def("frfs_of_arrays", &frfs_of_arrays);

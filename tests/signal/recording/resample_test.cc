@@ -74,5 +74,12 @@ TEST(Resample, GapsAndMissingSamplesAreNotFilledIn) {
   EXPECT_THROW((void)resampled(uneven, 100), RecordingError);
 }
 
+TEST(Resample, ARateThatLeavesNoSamplesIsRefused) {
+  const Recording even = record(Eigen::VectorXd::LinSpaced(100, 0, 0.99), 100, 3);
+  EXPECT_THROW((void)resampled(even, 5), RecordingError);
+  EXPECT_THROW((void)resampled(even, 1e-320), RecordingError);
+  EXPECT_EQ(resampled(even, 10).recording.samples(), 10);
+}
+
 }  // namespace
 }  // namespace rigfit::signal::resample_test
