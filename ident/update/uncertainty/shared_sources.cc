@@ -55,13 +55,15 @@ Eigen::MatrixXd force_columns(const std::vector<const UpdateProblem::FrfRows*>& 
   return columns;
 }
 
-// D: what is left of each residual's variance without the sources that its error bar holds.
-Eigen::VectorXd own_variance(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                             const SharedChanges& shared) {
-  // An error bar from four hits and 21 lines, 126 degrees of freedom, has a variance that is known
-  // to 2 sqrt(2 / 126), two standard deviations: no less can be told apart from it.
-  constexpr double kLeast = 0.25;
-  Eigen::VectorXd own = Eigen::VectorXd::Ones(shared.changes.rows());
+// An error bar from four hits and 21 lines, 126 degrees of freedom, has a variance that is known to
+// 2 sqrt(2 / 126), two standard deviations: no smaller part of it is told apart.
+constexpr double kLeastOwn = 0.25;
+
+// By row: what the sources that error bars hold may add to a residual's variance, sum_k C_ik^2.
+Eigen::VectorXd variance_of_hits(const UpdateProblem& problem,
+                                 const std::vector<UpdateMatch>& matches,
+                                 const SharedChanges& shared) {
+  Eigen::VectorXd held = Eigen::VectorXd::Zero(shared.changes.rows());
   for (const auto& rows : problem.frf_rows(matches)) {
     const auto count = 2 * static_cast<Eigen::Index>(rows.relative_std.size());
     // Residuals are over the error bar of so many lines that count as one, C is not.
@@ -69,11 +71,27 @@ Eigen::VectorXd own_variance(const UpdateProblem& problem, const std::vector<Upd
         problem.states()[static_cast<std::size_t>(rows.state)].frfs[rows.frf].lines_per_independent;
     for (Eigen::Index k = 0; k < shared.changes.cols(); ++k) {
       if (!shared.in_error_bars[static_cast<std::size_t>(k)]) continue;
-      own.segment(rows.first, count) -=
+      held.segment(rows.first, count) +=
           lines * shared.changes.col(k).segment(rows.first, count).cwiseAbs2();
     }
   }
-  return own.cwiseMax(kLeast);
+  return held;
+}
+
+// The sources d that minimise |D^(-1/2) (r + C (d - before))|^2 + |d|^2.
+struct SourceEstimate {
+  Eigen::VectorXd scale, d;  // D^(-1/2)
+  double chi2 = 0;
+};
+SourceEstimate estimated(const Eigen::MatrixXd& changes, const Eigen::VectorXd& r,
+                         const Eigen::VectorXd& before, const Eigen::VectorXd& own_variance) {
+  SourceEstimate found{own_variance.cwiseSqrt().cwiseInverse(), {}, 0};
+  const Eigen::MatrixXd C = found.scale.asDiagonal() * changes;
+  const Eigen::VectorXd without = found.scale.cwiseProduct(r) - C * before;
+  const Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(C.cols(), C.cols()) + C.transpose() * C;
+  found.d = -normal.ldlt().solve(C.transpose() * without);
+  found.chi2 = (without + C * found.d).squaredNorm() + found.d.squaredNorm();
+  return found;
 }
 
 }  // namespace
@@ -145,29 +163,32 @@ UpdateProblem with_shared_sources(const UpdateProblem& problem,
       !plain.residuals(q, matches, UpdateStage::full, r, nullptr)) {
     return plain;
   }
-  auto sources = std::make_shared<UpdateProblem::Sources>();
-  sources->scale = own_variance(plain, matches, shared).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd C = sources->scale.asDiagonal() * shared.changes;
-  r = r.cwiseProduct(sources->scale).eval();
-  // The estimates d of the sources minimise |r + C (d - d0)|^2 + |d|^2, d0 the inputs of before;
-  // the inputs move, what is linear in its source stays in the residuals.
   Eigen::VectorXd off = plain.inputs_off();
-  Eigen::VectorXd d = Eigen::VectorXd::Zero(C.cols());
+  Eigen::VectorXd before = Eigen::VectorXd::Zero(shared.changes.cols());
+  for (Eigen::Index k = 0; k < before.size(); ++k) {
+    const Eigen::Index input = shared.inputs[static_cast<std::size_t>(k)];
+    if (input >= 0) before[k] = off[input];
+  }
+  const Eigen::VectorXd held = variance_of_hits(plain, matches, shared);
+  const double dof = static_cast<double>(r.size() - plain.size()) - plain.shared_residuals();
+  SourceEstimate found;
+  for (const double share : {1.0, 0.75, 0.5, 0.25, 0.0}) {
+    found = estimated(shared.changes, r, before, (1 - share * held.array()).max(kLeastOwn));
+    if (found.chi2 <= dof) break;
+  }
+  // The inputs move, what is linear in its source stays in the residuals.
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(before.size());
   for (Eigen::Index k = 0; k < d.size(); ++k) {
     const Eigen::Index input = shared.inputs[static_cast<std::size_t>(k)];
-    if (input >= 0) d[k] = off[input];
+    if (input >= 0) d[k] = off[input] = std::clamp(found.d[k], -kMost, kMost);
   }
-  const Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(C.cols(), C.cols()) + C.transpose() * C;
-  const Eigen::VectorXd estimate = -normal.ldlt().solve(C.transpose() * (r - C * d));
-  d.setZero();
-  for (Eigen::Index k = 0; k < d.size(); ++k) {
-    const Eigen::Index input = shared.inputs[static_cast<std::size_t>(k)];
-    if (input >= 0) d[k] = off[input] = std::clamp(estimate[k], -kMost, kMost);
-  }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(C, Eigen::ComputeThinU);
+  auto sources = std::make_shared<UpdateProblem::Sources>();
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(found.scale.asDiagonal() * shared.changes,
+                                           Eigen::ComputeThinU);
   sources->U = svd.matrixU();
   sources->less = 1 - (1 + svd.singularValues().array().square()).rsqrt();
   sources->off = shared.changes * d;
+  sources->scale = std::move(found.scale);
   return plain.with_inputs(off).with_sources(std::move(sources));
 }
 

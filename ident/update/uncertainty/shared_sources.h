@@ -16,9 +16,11 @@
 // scatter) is taken where nothing else is said of the place. A mean that was aimed beside is not in
 // the hits' scatter and must be stated.
 //
-// What the hits scatter by is in the error bars of the lines and in C: with D_i = 1 - sum_k C_ik^2
-// over these sources (a quarter at least) the covariance is D + C C', which has the variances of
-// the error bars. Rows of residuals, Jacobian and C are divided by sqrt(D_i) first.
+// What the hits scatter by is in the error bars of the lines and, as a bound, in C: the covariance
+// is D + C C', D_i = 1 - share sum_k C_ik^2 over these sources, a quarter at least. The share is
+// the largest of 1, 3/4, 1/2, 1/4, 0 that leaves chi-square within its degrees of freedom: 0 where
+// lines err by themselves, 1 where place and force are all that the bars hold. Rows of residuals,
+// Jacobian and C are divided by sqrt(D_i) first. A model is ruled out as with share 0.
 //
 // The force of the hits: noise n(t) on the hammer's signal moves H by the factor 1 - N / F, alike
 // in all responses, and where a window keeps only the pulse, alike in neighbouring lines:
