@@ -42,7 +42,7 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
   const auto& best = result.candidates.front();
   if (best.fit.ruled_out()) {
     warn("model_ruled_out",
-         fmt::format("chi-square {:.3g} for {:.3g} degrees of freedom ({}): the frequencies do "
+         fmt::format("chi-square {:.4g} for {:.3g} degrees of freedom ({}): the frequencies do "
                      "not agree with the best model within their uncertainties",
                      best.fit.chi2, best.fit.degrees_of_freedom, p_text(best.fit.p_value)));
   }

@@ -27,6 +27,7 @@ struct Section {
 std::vector<Section> sections_of(std::span<const ReportPart> parts) {
   std::vector<Section> sections;
   for (const auto& part : parts) {
+    if (part.blocks.empty()) continue;
     const std::string& id = part.test.empty() ? part.id : part.test;
     auto at = std::find_if(sections.begin(), sections.end(),
                            [&](const Section& one) { return one.id == id; });

@@ -12,10 +12,6 @@ ReportPart cost_part(const std::vector<ReportPart>& parts) {
   ReportPart part;
   part.id = "solvers";
   part.title = "What the model did, and what it cost";
-  part.blocks.push_back(
-      Paragraph{"Every computation chooses what to model and how, by the error that it estimates, "
-                "and says what "
-                "it left out. Times are of this run on this machine."});
   ReportTable table;
   table.id = "solver-costs";
   table.caption =
@@ -36,8 +32,13 @@ ReportPart cost_part(const std::vector<ReportPart>& parts) {
                                 : std::string("–")});
     }
   }
+  if (rows == 0) return part;
+  part.blocks.push_back(
+      Paragraph{"Every computation chooses what to model and how, by the error that it estimates, "
+                "and says what "
+                "it left out. Times are of this run on this machine."});
   if (rows > 10) table.fold = fmt::format("All {} computations", rows);
-  if (rows > 0) part.blocks.push_back(std::move(table));
+  part.blocks.push_back(std::move(table));
   return part;
 }
 

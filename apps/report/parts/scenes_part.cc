@@ -65,6 +65,7 @@ ReportPart scenes_part(const Campaign& campaign) {
     scenes.push_back({{"name", scene.name}, {"file", scene.file}, {"values", std::move(values)}});
   }
   part.json = std::move(scenes);
+  if (campaign.scenes.empty()) return part;
   part.blocks.push_back(Paragraph{
       "A model is only as good as what it is given. Published values are stated by the source; "
       "inferred ones were worked out from its tables and are starting values, not truth; assumed "

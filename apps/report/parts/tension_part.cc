@@ -10,6 +10,7 @@
 #include "apps/report/page/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
 #include "apps/results/tension_result.h"
+#include "ident/statistics/probability_text.h"
 
 namespace rigfit::apps {
 namespace {
@@ -38,10 +39,12 @@ ReportTable ends_table(const std::string& id, const ident::TensionResult& r) {
          Cell(shown_estimate(one.tension_N.value, one.tension_N.std), Origin::modelled),
          fmt::format("{} to {}", shown_bound(one.low, one.tension_N.std),
                      shown_bound(one.high, one.tension_N.std)),
-         shown(one.EI_Nm2.value, 3),
+         one.EI_Nm2.std > 0 ? shown_estimate(one.EI_Nm2.value, one.EI_Nm2.std)
+                            : shown(one.EI_Nm2.value, 3),
          std::isfinite(one.fit.chi2) ? shown(one.fit.chi2, 3) : std::string(),
          fmt::format("{:g}", one.fit.degrees_of_freedom),
-         std::isfinite(one.fit.p_value) ? shown(one.fit.p_value, 2) : std::string()});
+         std::isfinite(one.fit.p_value) ? ident::probability_text(one.fit.p_value)
+                                        : std::string()});
   }
   return table;
 }
@@ -181,6 +184,8 @@ class TensionPart : public TestPart {
         refuse(part_, f.code, f.message, where);
       } else {
         part_.warnings.push_back({f.code, f.message, where, false});
+        part_.summary.push_back({SummaryItem::Kind::distrust, test_.title, f.message,
+                                 Origin::modelled, part_.id, f.code == "model_ruled_out" ? 2 : 1});
       }
     }
     if (found.result.tension.solved) {

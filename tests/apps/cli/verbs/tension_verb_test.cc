@@ -135,6 +135,25 @@ TEST(TensionVerb, FromAnAmbientRecording) {
   EXPECT_EQ(answer["reference"].get<double>(), kTension);
 }
 
+TEST(TensionVerb, AModelThatIsRuledOutIsSaidOnTheFirstPageOfTheReport) {
+  // Frequencies that no cable has to 2 mHz.
+  const TemporaryFolder folder;
+  folder.write("campaign.toml",
+               "title = \"cable\"\n[[test]]\nname = \"stay\"\nkind = \"tension\"\nlength = 20\n"
+               "length_std = 0.002\nmass_per_length = 5\nmass_per_length_std = 0.005\nEI = 2\n"
+               "EI_std = 0.1\nEA = 2e7\nfrequencies = [2.50, 5.03, 7.46, 10.04, 12.48]\n"
+               "frequency_std = 0.002\n");
+  const auto report = run_program({"report", folder.path() / "campaign.toml", "--out",
+                                   folder.path() / "out", "--quiet", "--json", "-"});
+  const auto document = parsed(report.out);
+  bool said = false;
+  for (const auto& item : document["summary"]) {
+    said = said || (item["kind"] == "distrust" &&
+                    item["text"].get<std::string>().find("do not agree") != std::string::npos);
+  }
+  EXPECT_TRUE(said) << document["summary"].dump(1);
+}
+
 TEST(TensionVerb, ACampaignTestWithoutFrequenciesIsRefused) {
   const TemporaryFolder folder;
   folder.write("campaign.toml",
