@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include <algorithm>
 #include <iostream>
 #include <system_error>
 
 #include "apps/cli/output_file.h"
 #include "apps/cli/sha256.h"
 #include "apps/cli/terminal.h"
+#include "apps/cli/warning_lines.h"
 
 namespace rigfit::apps {
 namespace {
@@ -53,41 +53,11 @@ void VerbContext::fail(std::string message, std::string where) {
 
 void VerbContext::say_warnings() const {
   if (quiet || silent) return;
-  std::unordered_set<std::string> said;
-  for (const std::size_t first : unsaid_) {
-    const Warning& warning = warnings_[first];
-    if (!said.insert(warning.code).second) continue;
-    std::size_t more = 0;
-    bool alike = true;
-    std::vector<std::string> places;
-    for (const std::size_t k : unsaid_) {
-      if (warnings_[k].code != warning.code) continue;
-      more += k == first ? 0 : 1;
-      alike &= warnings_[k].message == warning.message;
-      const std::string& where = warnings_[k].where;
-      if (!where.empty() && std::find(places.begin(), places.end(), where) == places.end()) {
-        places.push_back(where);
-      }
-    }
-    std::string line = on_terminal(Colour::yellow, "warning:") + ' ';
-    const bool one = more == 0 || !alike;
-    if (one) std::erase(places, warning.where);
-    constexpr std::size_t kShown = 8;
-    std::string list;
-    for (std::size_t k = 0; k < std::min(kShown, places.size()); ++k) {
-      list += (k == 0 ? "" : ", ") + places[k];
-    }
-    if (places.size() > kShown) list += " ...";
-    if (one) {
-      line += (warning.where.empty() ? "" : warning.where + ": ") + warning.message;
-      if (more > 0)
-        line +=
-            fmt::format(" (and {} more of this kind{}{})", more, list.empty() ? "" : ": ", list);
-    } else {
-      line += fmt::format("{} times: {}{}", more + 1, warning.message,
-                          list.empty() ? "" : " (" + list + ")");
-    }
-    std::cerr << line << '\n';
+  std::vector<Warning> unsaid;
+  unsaid.reserve(unsaid_.size());
+  for (const std::size_t k : unsaid_) unsaid.push_back(warnings_[k]);
+  for (const auto& line : warning_lines(unsaid)) {
+    std::cerr << on_terminal(Colour::yellow, "warning:") << ' ' << line << '\n';
   }
 }
 

@@ -34,6 +34,17 @@ Recording recording_of_table(CsvTable csv, const std::filesystem::path& path,
         "export the time signal. Where the first column is time after all, title it so");
   }
 
+  const std::string spectrum = spectrum_without_frequencies(csv);
+  if (!spectrum.empty() && options.format.empty()) {
+    throw RecordingError(
+        {file, layout.body_line, 0, spectrum, ""},
+        "is a spectrum by its title, without a column of frequencies; not taken as a recording "
+        "over time",
+        "export it with its frequencies (rigfit inspect then lists the peaks), or export the time "
+        "signal; where it is a time signal after all: --format " +
+            format);
+  }
+
   Recording recording;
   recording.path = path;
   recording.format = format;

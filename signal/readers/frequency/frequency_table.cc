@@ -40,17 +40,24 @@ bool is_frequency_name(const std::string& name) {
   });
 }
 
+constexpr std::array<std::string_view, 19> kSpectrumWords = {
+    "fft",        "spectrum",     "spectra",          "spektrum",
+    "psd",        "asd",          "autopower",        "frf",
+    "cpsd",       "autospectrum", "periodogram",      "coherence",
+    "crosspower", "octave",       "accelerance",      "inertance",
+    "receptance", "mobility",     "transfer function"};
+
+/// The first of `words` in the text; empty: none.
+template <std::size_t N>
+std::string_view word_in(const std::string& text, const std::array<std::string_view, N>& words) {
+  for (const std::string_view word : words) {
+    if (has_word(text, word)) return word;
+  }
+  return {};
+}
+
 bool speaks_of_spectra(const std::string& text) {
-  static constexpr std::array<std::string_view, 21> kWords = {
-      "fft",         "spectrum",     "spectra",
-      "spektrum",    "psd",          "asd",
-      "autopower",   "autospectrum", "frf",
-      "periodogram", "cpsd",         "crosspower",
-      "coherence",   "db",           "accelerance",
-      "inertance",   "receptance",   "mobility",
-      "octave",      "rms spectrum", "transfer function"};
-  return std::any_of(kWords.begin(), kWords.end(),
-                     [&](std::string_view word) { return has_word(text, word); });
+  return !word_in(text, kSpectrumWords).empty() || has_word(text, "db");
 }
 
 /// Finite, rising and not negative.
@@ -90,6 +97,31 @@ std::optional<std::size_t> frequency_column(const CsvTable& table) {
     return std::nullopt;
   }
   return std::size_t{0};
+}
+
+std::string spectrum_without_frequencies(const CsvTable& table) {
+  static constexpr std::array<std::string_view, 3> kWithoutRate = {"db", "rms", "magnitude"};
+  const bool has_rate = table.layout.stated_rate_hz > 0;
+  for (std::size_t k = 0; k < table.channels.size(); ++k) {
+    const CsvColumn& column = table.layout.columns[table.column[k]];
+    if (column.kind == ColumnKind::clock || table.channels[k].quantity == Quantity::time ||
+        is_time_name(column.name)) {
+      return {};
+    }
+  }
+  for (std::size_t k = 0; k < table.channels.size(); ++k) {
+    const CsvColumn& column = table.layout.columns[table.column[k]];
+    const std::string title = lower_case(column.name + " " + column.unit);
+    std::string_view word = word_in(title, kSpectrumWords);
+    if (word.empty() && !has_rate) {
+      word = word_in(title, kWithoutRate);
+      const auto& values = table.channels[k].samples;
+      const bool negative = (values.array() < 0).any();  // NaN is not
+      if (negative && word != "db") word = {};
+    }
+    if (!word.empty()) return column.name.empty() ? std::string(word) : column.name;
+  }
+  return has_rate ? std::string() : std::string(word_in(table.layout.heading, kSpectrumWords));
 }
 
 std::optional<FrequencyTable> read_frequency_table(std::string_view bytes,

@@ -32,6 +32,12 @@ struct FrequencyTable {
 /// The column that holds the frequencies; empty: the table is none over frequency.
 [[nodiscard]] std::optional<std::size_t> frequency_column(const CsvTable& table);
 
+/// The words by which a table shows that it is a spectrum whose frequencies are missing: there is
+/// neither a time column nor one of frequencies, and a title, or where no sample rate is stated the
+/// header, speaks of a spectrum; without a rate also "dB", "RMS" or "magnitude" as the title of
+/// numbers that are not negative (dB: of either sign). Empty: none.
+[[nodiscard]] std::string spectrum_without_frequencies(const CsvTable& table);
+
 /// `bytes`: a table as text. Empty when it is none over frequency. Throws RecordingError.
 [[nodiscard]] std::optional<FrequencyTable> read_frequency_table(std::string_view bytes,
                                                                  const std::filesystem::path& path,

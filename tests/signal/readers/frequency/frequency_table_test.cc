@@ -102,5 +102,37 @@ TEST(Spectra, AreNoRecordings) {
             10);
 }
 
+std::string column_of(const std::string& header) {
+  std::string text = header;
+  for (int k = 0; k < 200; ++k) text += fmt::format("{}\n", std::abs(accelerance(0.5 * k)));
+  return text;
+}
+
+TEST(Spectra, WithoutFrequenciesAreNoRecordings) {
+  for (const char* header : {"FFT magnitude\n", "Amplitude (dB)\n", "RMS\n", "Magnitude\n",
+                             "Spectrum of channel 1\nvalue\n", "PSD (g^2/Hz)\n",
+                             "Sample rate: 1000 Hz\nFFT magnitude\n"}) {
+    try {
+      (void)read_csv(column_of(header), "fft.csv");
+      ADD_FAILURE() << header << " taken as a recording";
+    } catch (const RecordingError& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("without a column of frequencies")) << header;
+      EXPECT_THAT(error.remedy(), ::testing::HasSubstr("--format csv")) << header;
+    }
+    ReadOptions forced;
+    forced.format = "csv";
+    EXPECT_EQ(read_csv(column_of(header), "fft.csv", forced).samples(), 200) << header;
+  }
+}
+
+TEST(Spectra, TimeSignalsWithWordsOfTheirsStayRecordings) {
+  // A rate or times beside the words; a force whose title only holds letters of them.
+  for (const char* header : {"Sample rate: 1000 Hz, FFT lines: 400\nforce (N)\n",
+                             "Sample rate: 1000 Hz\nRMS force (N)\n", "draft (m)\n", "terms\n"}) {
+    EXPECT_EQ(read_csv(column_of(header), "a.csv").samples(), 200) << header;
+  }
+  EXPECT_EQ(read_csv("Time (s),RMS (g)\n0,1\n0.1,2\n0.2,1\n", "a.csv").sample_rate_hz, 10);
+}
+
 }  // namespace
 }  // namespace rigfit::signal::frequency_table_test

@@ -1,0 +1,120 @@
+#include "apps/cli/warning_lines.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "apps/cli/verb_context.h"
+
+namespace rigfit::apps {
+namespace {
+
+constexpr std::array<std::string_view, 22> kAnswerMayBeWrong = {
+    "model_ruled_out", "not_identifiable",  "not_converged", "fit_not_decided", "not_decided",
+    "outside_bounds",  "below_catalogue",   "cross-plane",   "hits_disagree",   "clamp_slip",
+    "clipped",         "unit_unknown",      "unscaled",      "rates_disagree",  "rate_disagrees",
+    "unit_suspected",  "length_suspected",  "time_gaps",     "at_bound",        "extrapolated",
+    "curved",          "systematic_misfit",
+};
+constexpr std::array<std::string_view, 20> kAllowedFor = {
+    "taken_as_exact",
+    "exact_inputs",
+    "start_chosen",
+    "friction",
+    "footer_skipped",
+    "comments_skipped",
+    "mains_hum",
+    "time_column_assumed",
+    "uff_remark",
+    "remark",
+    "coloured_residual",
+    "decay_cut_off",
+    "range_not_used",
+    "nothing_to_draw",
+    "not_all_drawn",
+    "text_column_left_out",
+    "hits_rejected",
+    "no_unit",
+    "toe",
+    "top",
+};
+
+struct Kind {
+  std::string_view code;
+  std::vector<const Warning*> all;
+};
+
+std::vector<Kind> kinds_of(std::span<const Warning> warnings) {
+  std::vector<Kind> kinds;
+  for (const auto& warning : warnings) {
+    auto same = std::find_if(kinds.begin(), kinds.end(),
+                             [&](const Kind& one) { return one.code == warning.code; });
+    if (same == kinds.end()) same = kinds.insert(kinds.end(), Kind{warning.code, {}});
+    same->all.push_back(&warning);
+  }
+  std::stable_sort(kinds.begin(), kinds.end(), [](const Kind& a, const Kind& b) {
+    return rank_of_warning(a.code) < rank_of_warning(b.code);
+  });
+  return kinds;
+}
+
+std::string line_of(const Kind& kind) {
+  const Warning& first = *kind.all.front();
+  const std::size_t more = kind.all.size() - 1;
+  bool alike = true;
+  std::vector<std::string_view> places;
+  for (const Warning* one : kind.all) {
+    alike &= one->message == first.message;
+    const std::string& where = one->where;
+    if (!where.empty() && std::find(places.begin(), places.end(), where) == places.end()) {
+      places.emplace_back(where);
+    }
+  }
+  const bool by_itself = more == 0 || !alike;
+  if (by_itself) std::erase(places, std::string_view(first.where));
+  constexpr std::size_t kShown = 4;
+  std::string list;
+  for (std::size_t k = 0; k < std::min(kShown, places.size()); ++k) {
+    list += k == 0 ? "" : ", ";
+    list += places[k];
+  }
+  if (places.size() > kShown) list += " ...";
+  if (!by_itself) {
+    return fmt::format("{} times: {}{}", more + 1, first.message,
+                       list.empty() ? "" : " (" + list + ")");
+  }
+  std::string line = (first.where.empty() ? "" : first.where + ": ") + first.message;
+  if (more > 0) {
+    line += fmt::format(" (and {} more of this kind{}{})", more, list.empty() ? "" : ": ", list);
+  }
+  return line;
+}
+
+}  // namespace
+
+int rank_of_warning(std::string_view code) {
+  const auto in = [&](const auto& list) {
+    return std::find(list.begin(), list.end(), code) != list.end();
+  };
+  if (in(kAnswerMayBeWrong)) return 0;
+  return in(kAllowedFor) ? 2 : 1;
+}
+
+std::vector<std::string> warning_lines(std::span<const Warning> warnings, std::size_t most) {
+  const std::vector<Kind> kinds = kinds_of(warnings);
+  const std::size_t shown = kinds.size() > most && most > 0 ? most - 1 : kinds.size();
+  std::vector<std::string> lines;
+  lines.reserve(shown + 1);
+  for (std::size_t k = 0; k < shown; ++k) lines.push_back(line_of(kinds[k]));
+  std::size_t others = 0;
+  for (std::size_t k = shown; k < kinds.size(); ++k) others += kinds[k].all.size();
+  if (others > 0) {
+    lines.push_back(
+        fmt::format("{} more of {} other kinds: all are in the report and in what --json writes",
+                    others, kinds.size() - shown));
+  }
+  return lines;
+}
+
+}  // namespace rigfit::apps

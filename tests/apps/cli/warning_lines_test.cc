@@ -1,0 +1,49 @@
+// Warnings on the terminal: grouped by kind, the grave ones first, never more lines than are read.
+#include "apps/cli/warning_lines.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "apps/cli/verb_context.h"
+
+namespace rigfit::apps::warning_lines_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Warning warning(std::string code, std::string message, std::string where = "") {
+  return {std::move(code), std::move(message), std::move(where), false};
+}
+
+TEST(WarningLines, CountWhatIsAlike) {
+  EXPECT_THAT(warning_lines(std::vector<Warning>{
+                  warning("spike", "a spike", "a.csv"), warning("set", "3 mm are left", "b.csv"),
+                  warning("spike", "a spike", "c.csv"), warning("set", "5 mm are left", "d.csv")}),
+              ElementsAre("2 times: a spike (a.csv, c.csv)",
+                          "b.csv: 3 mm are left (and 1 more of this kind: d.csv)"));
+}
+
+TEST(WarningLines, GraveOnesFirstAndTheRestCounted) {
+  std::vector<Warning> warnings{warning("taken_as_exact", "span taken as exact")};
+  for (int kind = 0; kind < 9; ++kind) {
+    warnings.push_back(warning(fmt::format("kind_{}", kind), fmt::format("message {}", kind)));
+    warnings.push_back(warnings.back());
+  }
+  warnings.push_back(warning("model_ruled_out", "the data rule this model out"));
+  const auto lines = warning_lines(warnings);
+  ASSERT_EQ(lines.size(), 8u);
+  EXPECT_EQ(lines[0], "the data rule this model out");
+  EXPECT_EQ(lines[1], "2 times: message 0");
+  // Shown: one and six kinds of two; left: three kinds of two and what is taken as exact.
+  EXPECT_THAT(lines[7], HasSubstr("7 more of 4 other kinds"));
+  // Eight kinds need no line that counts.
+  warnings.erase(warnings.begin() + 7, warnings.end());
+  EXPECT_EQ(warning_lines(warnings).size(), 4u);
+}
+
+}  // namespace
+}  // namespace rigfit::apps::warning_lines_test
