@@ -43,6 +43,17 @@ const signal::Channel* find(const signal::Recording& recording, const std::strin
   return nullptr;
 }
 
+/// The only column in a unit; null: none, or several.
+const signal::Channel* only_in(const signal::Recording& recording, const std::string& unit) {
+  const signal::Channel* only = nullptr;
+  for (const auto& column : recording.channels) {
+    if (column.unit != unit) continue;
+    if (only != nullptr) return nullptr;
+    only = &column;
+  }
+  return only;
+}
+
 class Columns {
  public:
   Columns(const signal::Recording& recording, const BendingColumns& names,
@@ -55,27 +66,58 @@ class Columns {
     if (const auto* EI = find(recording_, "", {"ei"})) {
       source.values = values(*EI);
     } else {
-      source.record = {
-          column("tension", names_.tension, {"tension", "preload"}, "N").samples,
-          column("load", names_.load, {"load", "force", "q"}, "N").samples,
-          column("deflection", names_.deflection, {"deflection", "displacement", "lvdt", "d"}, "m")
-              .samples};
+      source.record.deflection_m =
+          column("deflection", names_.deflection,
+                 {"deflection", "displacement", "lvdt", "extension", "crosshead", "d"}, "m")
+              .samples;
+      source.record.load_N = load();
+      source.record.tension_N =
+          names_.without_tension
+              ? Eigen::VectorXd::Zero(source.record.load_N.size())
+              : column("tension", names_.tension, {"tension", "preload"}, "N").samples;
     }
     return source;
   }
 
  private:
+  /// In newtons; masses as dead weights.
+  Eigen::VectorXd load() const {
+    const std::vector<std::string> names = {"load", "force",  "standard force",
+                                            "q",    "weight", "mass"};
+    const auto* found = find(recording_, names_.load, names);
+    const bool named = found != nullptr && lower(found->name).starts_with("mass");
+    // "g" is the standard gravity to the reader, grams on a mass.
+    const bool grams = named && found->source_unit == "g";
+    if (found == nullptr || !(named || found->unit == "kg")) {
+      return column("load", names_.load, names, "N").samples;
+    }
+    if (!grams && found->unit != "kg") {
+      throw signal::RecordingError(
+          {.file = file_, .channel = found->name, .value = found->source_unit},
+          "is a mass without a unit of mass", "title it in kg or g, or in a TOML file beside it");
+    }
+    warnings_.push_back({"mass_as_load",
+                         "masses are taken as dead weights, times 9.80665 m/s2; the place on earth "
+                         "changes that by up to 0.3 %",
+                         file_ + ": " + found->name});
+    return found->samples * (grams ? 1e-3 : 9.80665);
+  }
+
   const signal::Channel& column(const std::string& what, const std::string& asked,
                                 const std::vector<std::string>& beginnings,
                                 const std::string& si) const {
     const auto* found = find(recording_, asked, beginnings);
+    if (found == nullptr && asked.empty() && what != "tension") found = only_in(recording_, si);
     const std::string remedy = fmt::format(fmt::runtime(names_.remedy), what);
     if (found == nullptr) {
       std::string known;
       for (const auto& one : recording_.channels) known += (known.empty() ? "" : ", ") + one.name;
       throw signal::RecordingError(
           {.file = file_, .channel = asked.empty() ? what : asked, .value = ""}, "no such column",
-          fmt::format("{}; there are: {}", remedy, known));
+          fmt::format(
+              "{}{}; there are: {}", remedy,
+              what == "tension" && asked.empty() ? ", or say that there is none (--tension 0)" : "",
+              known));
     }
     if (found->unit.empty()) {
       warnings_.push_back({"unit_unknown", fmt::format("no unit given, taken as {}", si),

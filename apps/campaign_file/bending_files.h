@@ -13,11 +13,14 @@
 namespace rigfit::apps {
 
 /// Names of columns; empty: the first whose name begins in one of the usual ways, such as
-/// "tension", "preload"; "load", "force", "Q"; "deflection", "displacement", "lvdt", "d".
+/// "tension", "preload"; "load", "force", "Q"; "deflection", "displacement", "lvdt", "d"; else, for
+/// load and deflection, the only column in newtons or metres.
 struct BendingColumns {
   std::string tension, load, deflection;
   /// How a person names one, with {} for tension, load or deflection.
   std::string remedy = "name it with --{}";
+  /// A beam without tension: no tension column is looked for. Loads may be masses (dead weights).
+  bool without_tension = false;
 };
 
 /// A recording or table as every reader of it; times and their faults do not matter here and are

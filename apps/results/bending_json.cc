@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "apps/cli/json_document.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::apps {
 namespace {
@@ -129,6 +130,17 @@ Json bending_point_json(const ident::BendingCampaign& campaign, const ident::Ben
   if (one.row > 0) json["row"] = one.row;
   json["shared_relative_std"] = point.shared_relative_std;
   if (one.analysis) json.update(analysis_json(*one.analysis));
+  if (!one.analysis || one.analysis->ends == ident::BeamEnds::tensioned) return json;
+  const auto& compliance = one.analysis->compliance_m_N;
+  json["ends"] = ident::name_of(one.analysis->ends);
+  json["stiffness_N_m"] = refused
+                              ? json_estimate(signal::kNaN, signal::kNaN)
+                              : json_estimate(1 / compliance.value,
+                                              compliance.std / compliance.value / compliance.value);
+  const auto modulus = ident::bending_modulus(campaign, one);
+  if (campaign.second_moment_m4.value > 0) {
+    json["modulus_Pa"] = json_estimate(modulus.value, modulus.std);
+  }
   return json;
 }
 
@@ -150,6 +162,13 @@ Json bending_json(const ident::BendingCampaign& campaign,
   if (result.bounds) {
     json["bounds"] = {{"EI_min_Nm2", result.bounds->EI_min_Nm2},
                       {"EI_max_Nm2", result.bounds->EI_max_Nm2}};
+  }
+  if (result.specimens) {
+    const auto& all = *result.specimens;
+    json["specimens"] = {{"count", all.count},
+                         {"EI_Nm2", all.EI_Nm2},
+                         {"modulus_Pa", json_number(all.modulus_Pa)},
+                         {"relative_scatter", all.relative_scatter}};
   }
   if (campaign.assumed_relative_std > 0) {
     json["assumed_relative_std"] = campaign.assumed_relative_std;

@@ -62,10 +62,12 @@ double odds_df(double log_lambda, void* data) {
 }
 
 // EI of one draw; 0 where it is softer than a string, infinite where it does not yield at all.
-double EI_of_draw(double compliance, double tension, double span) {
+double EI_of_draw(double compliance, double tension, double span, BeamEnds ends) {
   if (!(span > 0)) return 0;
   if (!(compliance > 0)) return kInfinity;
-  if (!(tension > 0)) return span * span * span / (192 * compliance);
+  if (ends != BeamEnds::tensioned || !(tension > 0)) {
+    return span * span * span / (beam_stiffness_factor(ends) * compliance);
+  }
   const double ratio = 4 * tension * compliance / span;
   if (ratio >= 1) return 0;
   const double lambda = lambda_from_bending_ratio(ratio).lambda;
@@ -83,10 +85,10 @@ std::vector<double> sorted_draws(const ComplianceMeasurement& measured) {
     const double slope_score = measured.degrees_of_freedom > 0
                                    ? gsl_cdf_tdist_Pinv(u[0], measured.degrees_of_freedom)
                                    : gsl_cdf_ugaussian_Pinv(u[0]);
-    draw =
-        EI_of_draw(measured.compliance_m_N.value + measured.compliance_m_N.std * slope_score,
-                   measured.tension_N.value + measured.tension_N.std * gsl_cdf_ugaussian_Pinv(u[1]),
-                   measured.span_m.value + measured.span_m.std * gsl_cdf_ugaussian_Pinv(u[2]));
+    draw = EI_of_draw(
+        measured.compliance_m_N.value + measured.compliance_m_N.std * slope_score,
+        measured.tension_N.value + measured.tension_N.std * gsl_cdf_ugaussian_Pinv(u[1]),
+        measured.span_m.value + measured.span_m.std * gsl_cdf_ugaussian_Pinv(u[2]), measured.ends);
   }
   std::sort(draws.begin(), draws.end());
   return draws;
@@ -201,8 +203,8 @@ double clamp_compliance(double EI_Nm2, double tension_N, double span_m) {
 
 StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& measured) {
   StiffnessFromBending result;
-  const double slope = measured.compliance_m_N.value, tension = measured.tension_N.value,
-               span = measured.span_m.value;
+  const double slope = measured.compliance_m_N.value, span = measured.span_m.value,
+               tension = measured.ends == BeamEnds::tensioned ? measured.tension_N.value : 0;
   if (!positive_finite(slope) || !positive_finite(span) || !std::isfinite(tension) || tension < 0) {
     result.status = BendingStatus::not_positive;
     result.reason = fmt::format(
@@ -246,7 +248,7 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
     k = 2 * result.ratio / bending_ratio_log_derivative(solution.lambda);
   } else {
     result.lambda = 0;
-    result.EI_Nm2.value = span * span * span / (192 * slope);
+    result.EI_Nm2.value = span * span * span / (beam_stiffness_factor(measured.ends) * slope);
   }
   result.log_sensitivity_compliance = -k;
   result.log_sensitivity_tension = 1 - k;

@@ -15,6 +15,7 @@
 #include <limits>
 #include <string>
 
+#include "ident/bending/beam_ends.h"
 #include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
@@ -52,6 +53,8 @@ struct ComplianceMeasurement {
   signal::Estimate tension_N;
   signal::Estimate span_m;
   double degrees_of_freedom = 0;  ///< of the slope's uncertainty (Student's t); 0: normal
+  /// Not `tensioned`: the tension is not used, EI = L^3 / (c s) (beam_ends.h).
+  BeamEnds ends = BeamEnds::tensioned;
 };
 
 enum class BendingStatus {

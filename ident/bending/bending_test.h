@@ -13,6 +13,10 @@
 // Satterthwaite (GUM G.4). Where strokes have 40 samples or more the slope is averaged over what
 // wire friction may do after the turns (friction_transient.h), with the spread between its laws in
 // the uncertainty. Then `stiffness_from_compliance`.
+//
+// Without tension (`ends` clamped, pinned or cantilever) the tension of a record is not used, the
+// straight part of long strokes is the elastic one between toe and yield or stop
+// (beam_segments.h), and EI = L^3 / (c s) (beam_ends.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -20,17 +24,20 @@
 #include <string>
 #include <vector>
 
+#include "ident/bending/beam_ends.h"
 #include "ident/bending/bending_equation.h"
 
 namespace rigfit::ident {
 
 /// One record at one tension, SI, samples in the order of time. NaN rows are left out and counted.
+/// Without tension `tension_N` may be empty.
 struct BendingRecord {
   Eigen::VectorXd tension_N, load_N, deflection_m;
 };
 
 struct BendingTestOptions {
   signal::Estimate span_m;
+  BeamEnds ends = BeamEnds::tensioned;
   // Relative standard uncertainties of calibration, common to all samples of a channel.
   double load_calibration_std = 0;
   double deflection_calibration_std = 0;
@@ -73,6 +80,7 @@ struct BendingFinding {
 
 struct BendingTestResult {
   bool refused = false;
+  BeamEnds ends = BeamEnds::tensioned;  ///< as asked; otherwise the tensions are zero
   std::vector<BendingFinding> findings;
   signal::Estimate tension_N;  ///< mean over the samples used; std from calibration
   double tension_low_N = 0, tension_high_N = 0;  ///< over the samples used

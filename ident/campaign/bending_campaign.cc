@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ident/bending/bending_equation.h"
 
@@ -26,7 +27,7 @@ void add_values(const BendingSource& source, std::size_t index, std::vector<Bend
 void add_record(const BendingSource& source, std::size_t index, const BendingTestOptions& options,
                 std::vector<BendingPoint>& points) {
   std::vector<BendingRecord> records;
-  if (source.record.load_N.size() <= kLongestBendingTable) {
+  if (options.ends == BeamEnds::tensioned && source.record.load_N.size() <= kLongestBendingTable) {
     records = split_by_tension(source.record);
   }
   if (records.empty()) records = {source.record};
@@ -56,9 +57,23 @@ void name_exact_inputs(const BendingTestOptions& options, BendingCampaignResult&
     span = std::max(span, std::abs(EI.log_sensitivity_span) * 1e-3 / l);
     clamps = std::max(clamps, std::abs(EI.log_sensitivity_compliance) *
                                   clamp_compliance(one.point.EI_Nm2, T, l) / 1000);
-    zero = std::max(zero, std::abs(EI.log_sensitivity_tension) * 0.1 / T);
+    if (T > 0) zero = std::max(zero, std::abs(EI.log_sensitivity_tension) * 0.1 / T);
   }
   if (!(span > 0)) return;
+  if (options.ends != BeamEnds::tensioned) {
+    std::string exact =
+        options.ends == BeamEnds::pinned ? "supports that do not give way" : "rigid clamps";
+    if (!(options.span_m.std > 0)) exact += ", span";
+    if (!(options.load_calibration_std > 0)) exact += ", calibration of load";
+    if (!(options.deflection_calibration_std > 0)) exact += ", of deflection";
+    result.findings.push_back(
+        {"taken_as_exact",
+         fmt::format("taken as exact: {}. EI changes by {:.2g} % for 1 mm of span; shear is left "
+                     "out",
+                     exact, 100 * span),
+         false});
+    return;
+  }
   std::string exact = "rigid clamps";
   if (!(options.span_m.std > 0)) exact += ", span";
   if (!(options.load_calibration_std > 0)) exact += ", calibration of load";
@@ -75,7 +90,75 @@ void name_exact_inputs(const BendingTestOptions& options, BendingCampaignResult&
        false});
 }
 
+/// Lengths that hardly any bending test has: most often millimetres given as metres, or the
+/// reverse.
+void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& result) {
+  double deflection = 0;
+  for (const auto& one : result.points) {
+    if (!one.analysis) continue;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const double d : one.record.deflection_m) {
+      if (std::isfinite(d)) low = std::min(low, d), high = std::max(high, d);
+    }
+    if (high > low) deflection = std::max(deflection, high - low);
+  }
+  const double span = campaign.test.span_m.value;
+  if (!(deflection > 0 && span > 0)) return;
+  constexpr double kLongestSpan = 20;        // m, of a bench
+  constexpr double kLeastDeflection = 1e-6;  // of the span
+  if (span > kLongestSpan || deflection < kLeastDeflection * span) {
+    result.findings.push_back(
+        {"length_suspected",
+         fmt::format("a span of {:.4g} m with deflections up to {:.3g} mm: if the span is {:.4g} "
+                     "mm, give {:.4g}; EI goes with about its cube",
+                     span, 1e3 * deflection, span, 1e-3 * span),
+         false});
+  } else if (deflection > 0.5 * span) {
+    result.findings.push_back(
+        {"length_suspected",
+         fmt::format("deflections of {:.3g} m on a span of {:.3g} m: are they millimetres taken "
+                     "as metres? Give the unit in the title or in a TOML file beside the recording",
+                     deflection, span),
+         false});
+  } else if (deflection > 0.1 * span) {
+    result.findings.push_back(
+        {"large_deflection",
+         fmt::format("the deflection reaches {:.0f} % of the span: the equation is that of small "
+                     "deflections (error of the order of its square, {:.1g} %)",
+                     100 * deflection / span, 100 * deflection * deflection / span / span),
+         false});
+  }
+}
+
+void gather_specimens(const BendingCampaign& campaign, BendingCampaignResult& result) {
+  BeamSpecimens all;
+  double squares = 0;
+  all.modulus_Pa = 0;
+  for (const auto& one : result.points) {
+    if (!one.usable()) continue;
+    ++all.count;
+    all.EI_Nm2 += one.point.EI_Nm2;
+    all.modulus_Pa += bending_modulus(campaign, one).value;
+  }
+  if (all.count < 2) return;
+  const auto count = static_cast<double>(all.count);
+  all.EI_Nm2 /= count, all.modulus_Pa /= count;
+  for (const auto& one : result.points) {
+    if (one.usable()) squares += std::pow(one.point.EI_Nm2 / all.EI_Nm2 - 1, 2);
+  }
+  all.relative_scatter = std::sqrt(squares / (count - 1));
+  result.specimens = all;
+}
+
 }  // namespace
+
+signal::Estimate bending_modulus(const BendingCampaign& campaign, const BendingPoint& point) {
+  const auto& I = campaign.second_moment_m4;
+  if (!(I.value > 0) || !point.usable() || !(point.point.EI_Nm2 > 0)) return {};
+  const double modulus = point.point.EI_Nm2 / I.value;
+  return {modulus, modulus * std::hypot(point.point.std / point.point.EI_Nm2,
+                                        std::isfinite(I.std) ? I.std / I.value : 0)};
+}
 
 double shared_relative_std(const BendingTestResult& test, const BendingTestOptions& options) {
   if (test.refused) return 0;
@@ -106,6 +189,11 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
     return a.point.tension_N < b.point.tension_N;
   });
   name_exact_inputs(campaign.test, result);
+  suspect_lengths(campaign, result);
+  if (campaign.test.ends != BeamEnds::tensioned) {
+    gather_specimens(campaign, result);
+    return result;
+  }
   std::vector<StiffnessPoint> points;
   for (const auto& one : result.points) {
     if (one.usable()) points.push_back(one.point);

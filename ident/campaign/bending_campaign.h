@@ -6,7 +6,8 @@
 //   points -> StiffnessCurve: laws without the uncertainty that the tests share in their weights
 //
 // What tests share: the span, the calibrations of load, deflection and tension, relative to EI by
-// the sensitivities of the bending equation.
+// the sensitivities of the bending equation. Tests without tension have no EI(T): their curve is
+// empty, their EI and modulus are given with the scatter between specimens.
 #pragma once
 
 #include <optional>
@@ -30,6 +31,9 @@ struct BendingCampaign {
   std::vector<BendingSource> sources;
   BendingTestOptions test;  ///< span, calibrations and what they are known to; for records only
   std::optional<StrandGeometry> strand;
+  /// Of the cross-section about the axis of bending, m^4; NaN: not known. Without tension it gives
+  /// Young's modulus in bending, EI / I.
+  signal::Estimate second_moment_m4;
   double assumed_relative_std = 0;  ///< of EI values that come without an uncertainty; 0: not known
 };
 
@@ -46,11 +50,20 @@ struct BendingPoint {
   [[nodiscard]] bool usable() const { return !refused() && point.EI_Nm2 > 0; }
 };
 
+/// Specimens of one kind, bent without tension: plain means, as each is one draw from the kind.
+struct BeamSpecimens {
+  std::size_t count = 0;
+  double EI_Nm2 = 0, modulus_Pa = 0;  ///< means; modulus NaN without a section
+  double relative_scatter = 0;  ///< standard deviation between specimens, relative to the mean
+};
+
 struct BendingCampaignResult {
   std::vector<BendingPoint> points;  ///< by rising tension
   StiffnessCurve curve;              ///< of the usable ones; empty: none
   std::optional<StiffnessBounds> bounds;
-  /// Of the points together: "taken_as_exact", "outside_bounds".
+  std::optional<BeamSpecimens> specimens;  ///< two and more that gave an EI without tension
+  /// Of the points together: "taken_as_exact", "outside_bounds", "length_suspected",
+  /// "large_deflection".
   std::vector<BendingFinding> findings;
 };
 
@@ -59,6 +72,10 @@ inline constexpr Eigen::Index kLongestBendingTable = 400;
 
 /// Throws std::invalid_argument as analyse_bending_test, stiffness_bounds, fit_stiffness_laws.
 [[nodiscard]] BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign);
+
+/// Young's modulus in bending of a test without tension, Pa; NaN without a second moment.
+[[nodiscard]] signal::Estimate bending_modulus(const BendingCampaign& campaign,
+                                               const BendingPoint& point);
 
 /// Uncertainty of a test's EI that it shares with others of the same span and instruments, relative
 /// to EI: root of the sum of squares.

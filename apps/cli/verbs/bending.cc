@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <optional>
 
 #include "apps/campaign_file/bending_files.h"
@@ -11,6 +12,7 @@
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
+#include "apps/report/page/html_text.h"
 #include "apps/results/bending_json.h"
 #include "ident/campaign/bending_campaign.h"
 
@@ -42,6 +44,37 @@ void print_points(std::ostream& out, const BendingCommand& command,
   }
 }
 
+// Beams without tension.
+void print_beams(std::ostream& out, const ident::BendingCampaign& campaign,
+                 const ident::BendingCampaignResult& result) {
+  const bool section = campaign.second_moment_m4.value > 0;
+  out << fmt::format("{:>20} {:>20}  {:<22} {}{}\n", "slope, N/m", "EI, N m2", "95 % interval",
+                     section ? "       modulus, GPa  " : "", "from");
+  for (const auto& one : result.points) {
+    const auto& file = campaign.sources[one.source].name;
+    if (!one.analysis || one.refused()) {
+      out << fmt::format("{:>20} {:>20}  {:<22} {}{}\n", "refused", "", "",
+                         section ? std::string(21, ' ') : "", file);
+      continue;
+    }
+    const auto& s = one.analysis->compliance_m_N;
+    const auto modulus = ident::bending_modulus(campaign, one);
+    const auto& p = one.point;
+    out << fmt::format(
+        "{:>20} {:>20}  {:<22} {}{}\n", shown_estimate(1 / s.value, s.std / s.value / s.value),
+        shown_estimate(p.EI_Nm2, p.std),
+        std::isfinite(p.low) ? fmt::format("{:.4g} .. {:.4g}", p.low, p.high) : "-",
+        section ? fmt::format("{:>19}  ", shown_estimate(1e-9 * modulus.value, 1e-9 * modulus.std))
+                : "",
+        file);
+  }
+  if (!result.specimens) return;
+  const auto& all = *result.specimens;
+  out << fmt::format("{} specimens: EI {:.3g} N m2 on average", all.count, all.EI_Nm2);
+  if (section) out << fmt::format(", modulus {:.3g} GPa", 1e-9 * all.modulus_Pa);
+  out << fmt::format("; standard deviation between them {:.2g} %\n", 100 * all.relative_scatter);
+}
+
 // What the records cannot show of themselves: said where the intervals leave it out.
 void print_tension_cell(std::ostream& out, const ident::BendingTestOptions& options,
                         const ident::BendingCampaignResult& result) {
@@ -61,6 +94,29 @@ void print_tension_cell(std::ostream& out, const ident::BendingTestOptions& opti
       10 * most, worst->analysis->tension_N.value);
 }
 
+/// Ends and section of a beam without tension.
+void take_beam(BendingCommand& command) {
+  auto& campaign = command.campaign;
+  const bool section =
+      !command.rectangle.empty() || command.diameter > 0 || command.second_moment > 0;
+  if (!command.columns.without_tension) {
+    if (!command.ends.empty() || section) {
+      throw UsageError("--ends and a cross-section belong to a beam without tension: --tension 0");
+    }
+    return;
+  }
+  campaign.test.ends = command.ends == "pinned"       ? ident::BeamEnds::pinned
+                       : command.ends == "cantilever" ? ident::BeamEnds::cantilever
+                                                      : ident::BeamEnds::clamped;
+  double moment = command.second_moment;
+  if (!command.rectangle.empty()) {
+    moment = command.rectangle[0] * std::pow(command.rectangle[1], 3) / 12;
+  } else if (command.diameter > 0) {
+    moment = std::numbers::pi * std::pow(command.diameter, 4) / 64;
+  }
+  if (moment > 0) campaign.second_moment_m4 = {moment, command.section_std * moment};
+}
+
 Json run_bending(VerbContext& context, BendingCommand command) {
   read_sources(command, context);
   return bending_result(std::move(command), context);
@@ -70,6 +126,7 @@ Json run_bending(VerbContext& context, BendingCommand command) {
 
 void add_bending_source(const signal::Recording& recording, BendingCommand& command,
                         VerbContext& context) {
+  command.columns.without_tension = command.columns.tension == "0";
   std::vector<Warning> warnings;
   auto source = bending_source(recording, command.columns, warnings);
   if (source.values.empty() && !(command.span > 0)) {
@@ -86,6 +143,7 @@ void add_bending_source(const signal::Recording& recording, BendingCommand& comm
 Json bending_result(BendingCommand command, VerbContext& context) {
   auto& campaign = command.campaign;
   campaign.test.span_m = {command.span, command.span_std};
+  take_beam(command);
   if (!command.strand.empty()) {
     campaign.strand = {command.strand[0], static_cast<int>(command.strand[1]), command.strand[2],
                        command.strand[3]};
@@ -94,7 +152,7 @@ Json bending_result(BendingCommand command, VerbContext& context) {
   for (const auto& one : found.points) {
     if (!one.analysis) continue;
     const auto& file = campaign.sources[one.source].name;
-    const std::string where = std::isfinite(one.point.tension_N)
+    const std::string where = std::isfinite(one.point.tension_N) && one.point.tension_N > 0
                                   ? fmt::format("{} at {:.4g} N", file, one.point.tension_N)
                                   : file;
     for (const auto& finding : one.analysis->findings) {
@@ -107,8 +165,13 @@ Json bending_result(BendingCommand command, VerbContext& context) {
   }
   for (const auto& finding : found.findings) context.warn(finding.code, finding.message);
   if (context.plots) draw_bending(*context.plots, campaign, found);
-  print_points(context.out, command, found);
-  print_tension_cell(context.out, campaign.test, found);
+  const bool beams = campaign.test.ends != ident::BeamEnds::tensioned;
+  if (beams) {
+    print_beams(context.out, campaign, found);
+  } else {
+    print_points(context.out, command, found);
+    print_tension_cell(context.out, campaign.test, found);
+  }
   if (found.bounds) {
     context.out << fmt::format("strand: EI between {:.4g} (free slip) and {:.4g} N m2 (no slip)\n",
                                found.bounds->EI_min_Nm2, found.bounds->EI_max_Nm2);
@@ -135,7 +198,9 @@ Json bending_result(BendingCommand command, VerbContext& context) {
                                                 {"density_kg_m3", bar.density_kg_m3}});
     }
   }
-  if (found.curve.empty() && context.exit_code == ExitCode::done) {
+  const bool none = std::none_of(found.points.begin(), found.points.end(),
+                                 [](const auto& one) { return one.usable(); });
+  if ((beams ? none : found.curve.empty()) && context.exit_code == ExitCode::done) {
     context.refuse("no_EI", "no test gives an EI");
   }
   return result;
@@ -150,11 +215,36 @@ void add_bending(CLI::App& program, Verbs& verbs) {
                    "EI (with std, or low and high)")
       ->required()
       ->check(CLI::ExistingFile);
-  verb->add_option("--span", options->span, "Clear length between the clamps, m")
+  verb->add_option("--span", options->span,
+                   "Clear length between the clamps or supports (cantilever: to the load), m")
       ->check(positive_number());
   verb->add_option("--span-std", options->span_std, "Standard uncertainty of the span, m")
       ->check(not_negative_number());
-  verb->add_option("--tension", options->columns.tension, "Name of the tension column");
+  verb->add_option("--tension", options->columns.tension,
+                   "Name of the tension column; 0: there is no tension (a beam, by dead weights or "
+                   "a testing machine)");
+  verb->add_option("--ends", options->ends,
+                   "Of a beam without tension: clamped (default) or pinned, loaded at mid-span; "
+                   "cantilever, loaded at its end")
+      ->check(CLI::IsMember({"clamped", "pinned", "cantilever"}));
+  auto* rectangle =
+      verb->add_option("--rectangle", options->rectangle,
+                       "Its cross-section: width and height (along the load), m: gives the modulus")
+          ->expected(2)
+          ->check(positive_number());
+  auto* diameter =
+      verb->add_option("--diameter", options->diameter, "Its diameter when round and solid, m")
+          ->check(positive_number())
+          ->excludes(rectangle);
+  verb->add_option("--second-moment", options->second_moment,
+                   "Its second moment of area about the axis of bending, m4")
+      ->check(positive_number())
+      ->excludes(rectangle)
+      ->excludes(diameter);
+  verb->add_option("--section-std", options->section_std,
+                   "Relative standard uncertainty of the second moment (three times that of a "
+                   "height, four times that of a diameter)")
+      ->check(number_within(0.0, 1.0));
   verb->add_option("--load", options->columns.load, "Name of the load column");
   verb->add_option("--deflection", options->columns.deflection, "Name of the deflection column");
   verb->add_option("--load-calibration", options->campaign.test.load_calibration_std,

@@ -99,6 +99,12 @@ struct BendingCommand {
   double span = 0, span_std = 0;
   std::vector<double> strand;  ///< E, elements, element diameter, strand diameter
   std::optional<double> EA, mass_per_length;
+  /// "clamped", "pinned", "cantilever" without tension (columns.tension "0"); empty: clamped.
+  std::string ends;
+  // Cross-section of a beam without tension: one of them, or none; m, m4.
+  std::vector<double> rectangle;  ///< width, height
+  double diameter = 0, second_moment = 0;
+  double section_std = 0;  ///< relative standard uncertainty of the second moment
 };
 /// Adds a recording's points or record to the campaign.
 void add_bending_source(const signal::Recording& recording, BendingCommand& command,

@@ -17,6 +17,11 @@ std::string file_of(const ident::BendingCampaign& campaign, const ident::Bending
   return std::filesystem::path(campaign.sources[point.source].name).filename().string();
 }
 
+std::string series_name(const ident::BendingCampaign& campaign, const ident::BendingPoint& point) {
+  if (campaign.test.ends != ident::BeamEnds::tensioned) return file_of(campaign, point);
+  return fmt::format("{:.0f} N: {}", point.point.tension_N, file_of(campaign, point));
+}
+
 /// Load less slope times deflection about its mean, over the straight part of a stroke.
 void add_residuals(PlotSeries& series, const std::vector<double>& load,
                    const std::vector<double>& deflection, const ident::BendingStroke& stroke) {
@@ -47,13 +52,18 @@ Plot load_deflection_plot(const std::string& id, const ident::BendingCampaign& c
   plot.caption =
       "Each recording loads the cable at mid-span and lets it go again; the slope of the straight "
       "parts gives EI. The gap between loading and unloading is friction between the wires.";
+  if (campaign.test.ends != ident::BeamEnds::tensioned) {
+    plot.caption =
+        "Load against deflection of beams without tension; the slope of the elastic part, between "
+        "a toe and yield or a stop, gives EI.";
+  }
   plot.x_label = "deflection, mm";
   plot.y_label = "load, N";
   int variant = 0;
   for (const auto& one : result.points) {
     if (!one.analysis) continue;
     PlotSeries series;
-    series.name = fmt::format("{:.0f} N: {}", one.point.tension_N, file_of(campaign, one));
+    series.name = series_name(campaign, one);
     series.origin = origins[one.source];
     series.variant = variant++;
     const Eigen::Index n = one.record.load_N.size();
@@ -88,7 +98,7 @@ Plot load_residual_plot(const std::string& id, const ident::BendingCampaign& cam
   for (const auto& one : result.points) {
     if (!one.analysis) continue;
     PlotSeries series;
-    series.name = fmt::format("{:.0f} N: {}", one.point.tension_N, file_of(campaign, one));
+    series.name = series_name(campaign, one);
     series.origin = origins[one.source];
     series.variant = variant++;
     series.style = PlotSeries::Style::points;
@@ -103,7 +113,8 @@ Plot load_residual_plot(const std::string& id, const ident::BendingCampaign& cam
       const double P = one.record.tension_N[i];
       const double scale = EI > 0 && span > 0 ? ident::midspan_compliance(EI, mean, span) /
                                                     ident::midspan_compliance(EI, P, span)
-                                              : P / mean;
+                           : mean > 0 ? P / mean
+                                      : 1;
       load.push_back(q);
       deflection.push_back(d * scale);
     }

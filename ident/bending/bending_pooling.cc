@@ -1,0 +1,116 @@
+#include "ident/bending/bending_pooling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rigfit::ident {
+namespace {
+
+struct FrictionCandidate {
+  PooledSlope pooled;
+  FrictionFit fit;
+};
+
+}  // namespace
+
+// Exact tables have lines without residuals; rounding keeps their variance from being zero.
+double slope_variance(const signal::Estimate& slope) {
+  const double std = std::max(slope.std, 1e-10 * slope.value);
+  return std * std;
+}
+
+PooledSlope pool_slopes(const std::vector<signal::Estimate>& slopes,
+                        const std::vector<double>& freedoms) {
+  const auto count = static_cast<double>(slopes.size());
+  double weight = 0, weight2 = 0, mean = 0;
+  for (const auto& K : slopes) {
+    const double w = 1 / slope_variance(K);
+    weight += w, weight2 += w * w, mean += w * K.value;
+  }
+  mean /= weight;
+  double chi = 0;
+  for (const auto& K : slopes) chi += std::pow(K.value - mean, 2) / slope_variance(K);
+  // Variance between strokes beyond what their own lines promise.
+  const double between =
+      count > 1 ? std::max(0.0, (chi - (count - 1)) / (weight - weight2 / weight)) : 0;
+  PooledSlope pooled;
+  double pooled_weight = 0, within = 0;
+  for (std::size_t i = 0; i < slopes.size(); ++i) {
+    const double own = slope_variance(slopes[i]);
+    const double w = 1 / (own + between);
+    pooled_weight += w;
+    pooled.K += w * slopes[i].value;
+    within += w * w * own;
+    pooled.welch += std::pow(w * w * own, 2) / std::max(1.0, freedoms[i]);
+  }
+  pooled.K /= pooled_weight;
+  within /= pooled_weight * pooled_weight;
+  pooled.welch /= std::pow(pooled_weight, 4);
+  pooled.variance = 1 / pooled_weight;
+  const double scatter = std::max(0.0, pooled.variance - within);
+  if (count > 1) pooled.welch += scatter * scatter / (count - 1);
+  return pooled;
+}
+
+std::optional<SlopeWithFriction> average_over_friction(const std::vector<FrictionStroke>& strokes,
+                                                       const PooledSlope& straight,
+                                                       double deflection_noise) {
+  std::vector<FrictionCandidate> candidates;
+  double least = std::numeric_limits<double>::infinity();
+  for (const FrictionLaw law : kFrictionLaws) {
+    FrictionCandidate one;
+    one.fit = fit_friction(strokes, law, deflection_noise);
+    if (!one.fit.usable) return std::nullopt;
+    one.pooled = pool_slopes(one.fit.stiffness_N_m,
+                             std::vector<double>(strokes.size(), one.fit.degrees_of_freedom));
+    if (law == FrictionLaw::none) {
+      // Where nothing happens after the turns the line through the straight part is the best
+      // there is: it is robust to toes and stops. Its residuals hardly show a drift.
+      if (straight.variance > one.pooled.variance) {
+        one.pooled = straight;
+      } else {
+        one.pooled.K = straight.K;
+      }
+    } else {
+      double common = 0;
+      for (double by : one.fit.by_travel) common += by / static_cast<double>(strokes.size());
+      one.pooled.variance += common * common;
+    }
+    least = std::min(least, one.fit.aicc);
+    candidates.push_back(std::move(one));
+  }
+  double weight = 0, K = 0, travel = 0, load = 0, none = 0;
+  for (const auto& one : candidates) {
+    const double w = std::exp(-0.5 * (one.fit.aicc - least));
+    weight += w;
+    K += w * one.pooled.K;
+    if (one.fit.law == FrictionLaw::none) {
+      none = w;
+      continue;
+    }
+    travel += w * one.fit.travel_m;
+    for (double a : one.fit.load_N) load += w * 0.5 * a / static_cast<double>(strokes.size());
+  }
+  K /= weight;
+  SlopeWithFriction averaged;
+  averaged.pooled.K = K;
+  double spread = 0, welch = 0;
+  for (const auto& one : candidates) {
+    const double w = std::exp(-0.5 * (one.fit.aicc - least)) / weight;
+    averaged.pooled.variance += w * (one.pooled.variance + std::pow(one.pooled.K - K, 2));
+    spread += w * std::pow(one.pooled.K - K, 2);
+    welch += w * one.pooled.welch / std::pow(one.pooled.variance, 2);
+  }
+  averaged.pooled.welch = welch * averaged.pooled.variance * averaged.pooled.variance;
+  if (!(K > 0) || !std::isfinite(averaged.pooled.variance)) return std::nullopt;
+  const double share = 1 - none / weight;
+  averaged.probability = share;
+  averaged.travel_m = share > 0.5 ? travel / (weight - none) : 0;
+  averaged.load_N = share > 0.5 ? load / (weight - none) : 0;
+  averaged.relative_std = std::sqrt(spread) / K;
+  averaged.relative_correction = K / straight.K - 1;
+  return averaged;
+}
+
+}  // namespace rigfit::ident
