@@ -30,8 +30,8 @@ BendingTestOptions options_of(BeamEnds ends, double span) {
 TEST(BeamEquation, IsTheLimitForTensionZero) {
   const double EI = 2.5, span = 0.8;
   for (const auto& [ends, factor] : {std::pair{BeamEnds::clamped, 192.0},
-                                    {BeamEnds::pinned, 48.0},
-                                    {BeamEnds::cantilever, 3.0}}) {
+                                     {BeamEnds::pinned, 48.0},
+                                     {BeamEnds::cantilever, 3.0}}) {
     ComplianceMeasurement measured{.compliance_m_N = {std::pow(span, 3) / (factor * EI), 0},
                                    .tension_N = {123, 0},  // not used
                                    .span_m = {span, 0},
