@@ -144,6 +144,14 @@ class Analysis {
     return block;
   }
 
+  /// Of the force over its pulse.
+  double impulse_of(const Hit& hit) const {
+    const Eigen::VectorXd& force = channel(hit.recording, force_).samples;
+    const Index count = hit.pulse_last - hit.pulse_first + 1;
+    const double sum = force.segment(hit.pulse_first, count).sum();
+    return (sum - static_cast<double>(count) * hit.offset) / test_.search.sample_rate_hz;
+  }
+
   /// Force kept after the beginning of the pulse, s; 0: all of it.
   double kept_force(const Hit& hit) const {
     return window_s_ < 0 ? 3 * hit.pulse_duration_s : window_s_;
@@ -273,6 +281,10 @@ class Analysis {
     frfs.H_std = estimate.H_std;
     frfs.coherence = estimate.coherence;
     frfs.by_hit = estimate.by_hit;
+    frfs.hit_impulse.emplace_back();
+    for (const Hit& hit : test_.search.hits) {
+      if (hit.accepted) frfs.hit_impulse.back().push_back(impulse_of(hit));
+    }
     const Channel& force = channel(0, force_);
     std::vector<FrfForm> forms;
     for (std::size_t r = 0; r < test_.responses.size(); ++r) {

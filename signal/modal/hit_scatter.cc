@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "signal/modal/mode_changes.h"
 #include "signal/numerics/numbers.h"
 #include "signal/numerics/robust.h"
 #include "signal/refinement/local_fit.h"
@@ -51,6 +52,7 @@ struct PoleNoise {
 /// All hits with one set of free poles, the first of them the mode's.
 struct HitFits {
   std::vector<std::vector<Complex>> by_input;
+  std::vector<std::vector<std::size_t>> hit;
   PoleNoise noise;
   /// Sum over hits and FRFs of the misfit over the noise, and what it has in degrees of freedom.
   double misfit = 0, freedom = 0;
@@ -138,6 +140,7 @@ HitFits fit_hits(const FrfSet& frfs, const Window& window, const VectorXcd& star
   const auto inputs = frfs.inputs.size(), responses = frfs.responses.size();
   HitFits all;
   all.by_input.resize(inputs);
+  all.hit.resize(inputs);
   all.peaks.resize(static_cast<std::size_t>(start.size() - 1));
   weights.resize(inputs * frfs.by_hit.size());
   for (std::size_t i = 0; i < inputs; ++i) {
@@ -152,6 +155,7 @@ HitFits fit_hits(const FrfSet& frfs, const Window& window, const VectorXcd& star
       const LocalFit fit = fit_hit(window, H, start, weight);
       if (!fit.usable) continue;
       all.by_input[i].push_back(fit.poles[0]);
+      all.hit[i].push_back(h);
       all.noise.white += 0.5 * fit.covariance(0, 0).real();
       all.noise.robust += 0.5 * fit.robust_covariance(0, 0).real();
       const Eigen::ArrayXd peaks =
@@ -245,11 +249,6 @@ double widened_std(const Scatter& scatter) {
          1.96;
 }
 
-void doubt(IdentifiedMode& mode, const std::string& reason) {
-  mode.doubtful = true;
-  mode.doubt += (mode.doubt.empty() ? "" : "; ") + reason;
-}
-
 /// Modes whose single hits show the same pole twice: the weaker one is doubtful.
 void mark_doubles(const std::vector<Scatter>& frequency, const std::vector<bool>& allowed,
                   ModalModel& model) {
@@ -263,8 +262,8 @@ void mark_doubles(const std::vector<Scatter>& frequency, const std::vector<bool>
           0.1 * model.modes[r].damping_ratio.value * model.modes[r].frequency_hz.value;
       if (apart > std::max(one, width)) continue;
       const bool first = model.modes[r].shape.norm() < model.modes[q].shape.norm();
-      doubt(model.modes[first ? r : q],
-            fmt::format("single hits show one resonance at {:.5g} Hz, not two", a.mean));
+      add_doubt(model.modes[first ? r : q],
+                fmt::format("single hits show one resonance at {:.5g} Hz, not two", a.mean));
     }
   }
 }
@@ -273,24 +272,84 @@ double chance_of(double ratio, double freedom, double noise_freedom) {
   return gsl_cdf_fdist_Q(ratio, freedom, std::max(1.0, noise_freedom));
 }
 
-/// Raises a standard deviation to `least`, its covariances with it.
-void widen(Estimate& value, Index row, double least, Eigen::MatrixXd& covariance) {
-  if (!(value.std < least)) return;
-  if (covariance.rows() > row && value.std > 0) {
-    covariance.row(row) *= least / value.std;
-    covariance.col(row) *= least / value.std;
+/// What the scatter of all modes says.
+struct Verdict {
+  std::vector<Scatter> frequency, damping;
+  bool all_differ = false;              ///< beyond what is left line by line
+  bool all_scatter = false;             ///< beyond noise that is white over lines
+  std::vector<bool> differs, scatters;  ///< of each mode
+  double largest = 0, times = 0;        ///< relative scatter, and over that of noise
+};
+
+Verdict verdict_on(const std::vector<ModeOfHits>& hits) {
+  Verdict verdict;
+  double excess = 0, white_excess = 0, freedom = 0, noise_freedom = 0;
+  for (const ModeOfHits& mode : hits) {
+    verdict.frequency.push_back(scatter_of(mode.frequency_hz));
+    verdict.damping.push_back(scatter_of(mode.damping_ratio));
+    const Scatter& f = verdict.frequency.back();
+    if (!(f.freedom > 0) || !(mode.noise_frequency_hz > 0)) continue;
+    const double times_noise = f.variance / std::pow(mode.noise_frequency_hz, 2);
+    excess += f.freedom * times_noise;
+    white_excess += f.freedom * times_noise / mode.white_part;
+    freedom += f.freedom;
+    noise_freedom += mode.noise_freedom;
   }
-  value.std = least;
+  verdict.differs.assign(hits.size(), false);
+  verdict.scatters = verdict.differs;
+  if (!(freedom > 0)) return verdict;
+  constexpr double kAll = 0.01;
+  verdict.all_differ = chance_of(excess / freedom, freedom, noise_freedom) < kAll;
+  verdict.all_scatter = chance_of(white_excess / freedom, freedom, noise_freedom) < kAll;
+  return verdict;
 }
 
-void take_mean(double frequency_hz, double damping_ratio, double window, IdentifiedMode& mode) {
-  mode.frequency_hz.value = frequency_hz;
-  mode.damping_ratio.value = damping_ratio;
-  const double omega = kTwoPi * frequency_hz;
-  mode.pole_rad_s = Complex(-damping_ratio * omega,
-                            omega * std::sqrt(std::max(0.0, 1 - damping_ratio * damping_ratio)));
-  const Complex measured = mode.pole_rad_s - window;
-  mode.damping_ratio_with_window = -measured.real() / std::abs(measured);
+/// Fills `between_hits` of a mode and what the verdict says of it.
+void judge_mode(const ModeOfHits& hits, std::size_t r, IdentifiedMode& mode, Verdict& verdict) {
+  constexpr double kMode = 0.05;
+  const Scatter &f = verdict.frequency[r], &z = verdict.damping[r];
+  if (!(f.freedom > 0) || !(hits.noise_frequency_hz > 0)) return;
+  const double f_noise = std::pow(hits.noise_frequency_hz, 2);
+  const double z_noise = std::pow(hits.noise_damping_ratio, 2);
+  const double ratio = 0.5 * (f.variance / f_noise + z.variance / z_noise);
+  const bool differs =
+      verdict.all_differ || chance_of(ratio, 2 * f.freedom, hits.noise_freedom) < kMode;
+  verdict.differs[r] = differs;
+  verdict.scatters[r] =
+      verdict.all_scatter || differs ||
+      chance_of(ratio / hits.white_part, 2 * f.freedom, hits.noise_freedom) < kMode;
+  mode.between_hits = {f.count, std::sqrt(std::max(0.0, f.variance - f_noise)),
+                       std::sqrt(std::max(0.0, z.variance - z_noise)), differs};
+  const double part = mode.between_hits.frequency_std_hz / mode.frequency_hz.value;
+  if (differs && part > verdict.largest) {
+    verdict.largest = part;
+    verdict.times = std::sqrt(f.variance / f_noise);
+  }
+}
+
+/// Whether the mean over the hits is to be taken: where the average's damping is biased by more
+/// than half a standard deviation.
+bool average_is_biased(const Scatter& damping, const IdentifiedMode& mode) {
+  // Poles that scatter by s about i w widen the average's resonance by (s / decay rate)^2.
+  const double decay_rate = mode.damping_ratio.value * std::abs(mode.pole_rad_s);
+  const double widening = mode.damping_ratio.value *
+                          std::pow(kTwoPi * mode.between_hits.frequency_std_hz / decay_rate, 2);
+  return widening > 0.5 * std::max(mode.damping_ratio.std, widened_std(damping));
+}
+
+/// Raises the standard deviations of a mode to those of the mean over the hits.
+void widen_to_hits(const Scatter& f, const Scatter& z, std::size_t r, ModalModel& model) {
+  IdentifiedMode& mode = model.modes[r];
+  const double before = mode.frequency_hz.std, damping_before = mode.damping_ratio.std;
+  const auto row = static_cast<Index>(2 * r);
+  set_std(mode.frequency_hz, row, std::max(before, widened_std(f)), model.pole_covariance);
+  set_std(mode.damping_ratio, row + 1, std::max(damping_before, widened_std(z)),
+          model.pole_covariance);
+  // Errors of residues go with those of the poles.
+  if (before > 0 && damping_before > 0) {
+    mode.shape_std *=
+        std::max(mode.frequency_hz.std / before, mode.damping_ratio.std / damping_before);
+  }
 }
 
 }  // namespace
@@ -308,6 +367,7 @@ std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& mode
     if (!window) continue;
     ModeOfHits& mode = result[r];
     const HitFits fits = follow(frfs, model, r, shared, *window, mode.unseen);
+    mode.hit = fits.hit;
     for (const std::vector<Complex>& poles : fits.by_input) {
       mode.frequency_hz.emplace_back();
       mode.damping_ratio.emplace_back();
@@ -327,84 +387,42 @@ std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& mode
   return result;
 }
 
-void allow_for_hits(const FrfSet& frfs, ModalModel& model) {
-  if (frfs.by_hit.size() < 2 || model.modes.empty()) return;
-  const std::vector<ModeOfHits> hits = modes_of_hits(frfs, model);
-  std::vector<Scatter> frequency, damping;
-  double excess = 0, white_excess = 0, freedom = 0, noise_freedom = 0;
-  for (const ModeOfHits& mode : hits) {
-    frequency.push_back(scatter_of(mode.frequency_hz));
-    damping.push_back(scatter_of(mode.damping_ratio));
-    const Scatter& f = frequency.back();
-    if (!(f.freedom > 0) || !(mode.noise_frequency_hz > 0)) continue;
-    const double times_noise = f.variance / std::pow(mode.noise_frequency_hz, 2);
-    excess += f.freedom * times_noise;
-    white_excess += f.freedom * times_noise / mode.white_part;
-    freedom += f.freedom;
-    noise_freedom += mode.noise_freedom;
-  }
-  if (!(freedom > 0)) return;
-  constexpr double kMode = 0.05, kAll = 0.01;
-  const bool all_differ = chance_of(excess / freedom, freedom, noise_freedom) < kAll;
-  const bool all_scatter = chance_of(white_excess / freedom, freedom, noise_freedom) < kAll;
-  double largest = 0, times = 0;
-  std::vector<bool> differs(hits.size(), false), scatters(hits.size(), false);
+void allow_for_hits(const FrfSet& frfs, const std::vector<ModeOfHits>& hits, ModalModel& model) {
+  if (frfs.by_hit.size() < 2 || hits.size() != model.modes.size()) return;
+  Verdict verdict = verdict_on(hits);
   for (std::size_t r = 0; r < hits.size(); ++r) {
-    IdentifiedMode& mode = model.modes[r];
-    const Scatter &f = frequency[r], &z = damping[r];
+    const auto shown = static_cast<std::size_t>(verdict.frequency[r].count);
     const std::size_t fits = hits[r].frequency_hz.size() * frfs.by_hit.size();
-    if (all_differ && fits > 0 && 2 * static_cast<std::size_t>(f.count) <= fits) {
-      doubt(mode, fmt::format("only {} of {} single hits show it", f.count, fits));
+    if (verdict.all_differ && fits > 0 && 2 * shown <= fits) {
+      add_doubt(model.modes[r], fmt::format("only {} of {} single hits show it", shown, fits));
     }
-    if (!(f.freedom > 0) || !(hits[r].noise_frequency_hz > 0)) continue;
-    const double f_noise = std::pow(hits[r].noise_frequency_hz, 2);
-    const double z_noise = std::pow(hits[r].noise_damping_ratio, 2);
-    const double ratio = 0.5 * (f.variance / f_noise + z.variance / z_noise);
-    differs[r] = all_differ || chance_of(ratio, 2 * f.freedom, hits[r].noise_freedom) < kMode;
-    scatters[r] =
-        all_scatter || differs[r] ||
-        chance_of(ratio / hits[r].white_part, 2 * f.freedom, hits[r].noise_freedom) < kMode;
-    mode.between_hits = {f.count, std::sqrt(std::max(0.0, f.variance - f_noise)),
-                         std::sqrt(std::max(0.0, z.variance - z_noise)), differs[r]};
-    const double part = mode.between_hits.frequency_std_hz / mode.frequency_hz.value;
-    if (differs[r] && part > largest) largest = part, times = std::sqrt(f.variance / f_noise);
+    judge_mode(hits[r], r, model.modes[r], verdict);
   }
-  mark_doubles(frequency, scatters, model);
+  mark_doubles(verdict.frequency, verdict.scatters, model);
   bool means = false;
   for (std::size_t r = 0; r < hits.size(); ++r) {
-    if (!scatters[r]) continue;
+    if (!verdict.scatters[r]) continue;
     IdentifiedMode& mode = model.modes[r];
-    const Scatter &f = frequency[r], &z = damping[r];
-    // Poles that scatter by s about i w widen the average's resonance by (s / decay rate)^2.
-    const double decay_rate = mode.damping_ratio.value * std::abs(mode.pole_rad_s);
-    const double widening = mode.damping_ratio.value *
-                            std::pow(kTwoPi * mode.between_hits.frequency_std_hz / decay_rate, 2);
-    const double std = std::max(mode.damping_ratio.std, widened_std(z));
+    const Scatter &f = verdict.frequency[r], &z = verdict.damping[r];
     // Where hits do not show a sure neighbour, their fits of this mode take its share too.
     const bool takes_more =
         std::any_of(hits[r].unseen.begin(), hits[r].unseen.end(),
                     [&](std::size_t other) { return !model.modes[other].doubtful; });
-    if (differs[r] && frfs.inputs.size() == 1 && !takes_more && widening > 0.5 * std) {
+    if (verdict.differs[r] && frfs.inputs.size() == 1 && !takes_more &&
+        average_is_biased(z, mode)) {
       means = true;
-      take_mean(f.mean, z.mean, frfs.exponential_decay_rate_1_s, mode);
+      set_frequency_and_damping(mode, f.mean, z.mean, frfs.exponential_decay_rate_1_s);
     }
-    // Errors of residues go with those of the poles.
-    const double before = mode.frequency_hz.std, damping_before = mode.damping_ratio.std;
-    widen(mode.frequency_hz, static_cast<Index>(2 * r), widened_std(f), model.pole_covariance);
-    widen(mode.damping_ratio, static_cast<Index>(2 * r + 1), widened_std(z), model.pole_covariance);
-    if (before > 0 && damping_before > 0) {
-      mode.shape_std *=
-          std::max(mode.frequency_hz.std / before, mode.damping_ratio.std / damping_before);
-    }
+    widen_to_hits(f, z, r, model);
   }
-  if (!all_differ) return;
+  if (!verdict.all_differ) return;
   model.notes.push_back(
       {"hits_disagree",
        fmt::format(
            "frequencies differ from hit to hit by up to {:.2g} % (one standard deviation), "
            "{:.1f} times what noise gives: the structure, the hammer or the place struck "
            "changes; {}error bars are those of the scatter between hits",
-           100 * largest, times,
+           100 * verdict.largest, verdict.times,
            means ? "values are means over the hits where the average would be biased, " : ""),
        ""});
 }

@@ -24,6 +24,7 @@ namespace rigfit::signal {
 /// Of one mode; by point struck, then hit.
 struct ModeOfHits {
   std::vector<std::vector<double>> frequency_hz, damping_ratio;
+  std::vector<std::vector<std::size_t>> hit;               ///< place of each in `FrfSet::by_hit`
   double noise_frequency_hz = 0, noise_damping_ratio = 0;  ///< std that noise gives one hit
   /// Variance of the same by noise that is white over lines, as part of it: noise that goes with
   /// |H|, such as that on the force, or a tone beside the mode makes it small.
@@ -45,7 +46,7 @@ struct ModeOfHits {
 /// standard deviation. Elsewhere the average stays: fits of single hits are the noisier ones, and
 /// where they do not show a neighbouring mode they take its share too. A mode that half of the hits
 /// or fewer show, or that they show as one with another mode, is called doubtful. Without `by_hit`
-/// nothing is done.
-void allow_for_hits(const FrfSet& frfs, ModalModel& model);
+/// nothing is done. `hits`: of modes_of_hits().
+void allow_for_hits(const FrfSet& frfs, const std::vector<ModeOfHits>& hits, ModalModel& model);
 
 }  // namespace rigfit::signal

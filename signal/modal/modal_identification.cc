@@ -7,6 +7,7 @@
 #include <complex>
 #include <utility>
 
+#include "signal/modal/amplitude_limit.h"
 #include "signal/modal/hit_scatter.h"
 #include "signal/modal/local_modes.h"
 #include "signal/modal/mac.h"
@@ -348,7 +349,9 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   }
   check_misfit(result, H - found.model);
   judge_modes(result, band);
-  allow_for_hits(frfs, model);
+  const std::vector<ModeOfHits> hits = modes_of_hits(frfs, model);
+  allow_for_hits(frfs, hits, model);
+  allow_for_amplitude(frfs, band, hits, model);
   return result;
 }
 

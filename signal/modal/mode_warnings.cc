@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "signal/modal/amplitude_trend.h"
-#include "signal/modal/point_poles.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
@@ -147,16 +145,6 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
                       "bandwidths: the points "
                       "do not show one and the same rig",
                       mode.between_points_std_hz, mode.between_points_std_hz * kTwoPi / measured));
-    }
-    // One chance in a hundred, and what it makes of the frequency is not within its error bar.
-    // Responses to the same hits share their pole: only places struck one by one tell.
-    if (const AmplitudeTrend trend = amplitude_trend(mode);
-        mode.refinement != "global" && points_are_inputs(band) && trend.chance < 0.01 &&
-        std::abs(trend.small_hz - f) > 1.96 * mode.frequency_hz.std) {
-      doubts.push_back(fmt::format(
-          "its frequency goes with the squared amplitude of the points, from {:.6g} Hz at small "
-          "amplitude to {:.6g} Hz at the strongest: a non-linear spring or joint looks like this",
-          trend.small_hz, trend.strongest_hz));
     }
     if (mode.reconstruction_error > 0.3 && mode.refinement != "global") {
       doubts.push_back(fmt::format("{:.0f} % of the FRFs around it are not explained by it",

@@ -74,6 +74,9 @@ double paule_mandel(const ArrayXd& y, const ArrayXd& std, const ArrayXd& x, bool
   return 0.5 * (low + high);
 }
 
+/// Of a standard deviation, so that +-1.96 of it hold 95 %.
+double widening(double freedom) { return gsl_cdf_tdist_Pinv(0.975, freedom) / 1.959964; }
+
 }  // namespace
 
 std::vector<std::vector<PointPole>> link_points(const ModalBand& band,
@@ -119,6 +122,22 @@ std::vector<std::vector<PointPole>> link_points(const ModalBand& band,
   return tracks;
 }
 
+LineOverPoints line_over_points(const Eigen::Ref<const VectorXd>& value,
+                                const Eigen::Ref<const VectorXd>& std,
+                                const Eigen::Ref<const VectorXd>& x) {
+  const ArrayXd y = value.array(), at = x.array();
+  const ArrayXd s = std.array().max(1e-12 * value.cwiseAbs().maxCoeff());
+  const double tau2 = paule_mandel(y, s, at, true), freedom = static_cast<double>(y.size()) - 2;
+  const Line line = fit_line(y, s, at, tau2, true);
+  const double scale = std::sqrt(std::max(1.0, line.chi2 / freedom));
+  LineOverPoints result;
+  result.slope = {line.slope, line.slope_std * scale};
+  result.level = {line.mean, line.mean_std * scale * widening(freedom)};
+  const double t = std::abs(line.slope) / std::max(result.slope.std, 1e-300);
+  result.chance = 2 * gsl_cdf_tdist_Q(t, freedom);
+  return result;
+}
+
 MeanOverPoints mean_over_points(const Eigen::Ref<const VectorXd>& value,
                                 const Eigen::Ref<const VectorXd>& std,
                                 const Eigen::Ref<const VectorXd>& order, Index points) {
@@ -135,23 +154,16 @@ MeanOverPoints mean_over_points(const Eigen::Ref<const VectorXd>& value,
   result.between_std = std::sqrt(tau2);
   const Line alone = fit_line(y, s, x, 0, false);
   result.excess_chance = gsl_cdf_chisq_Q(alone.chi2, static_cast<double>(n - 1));
-  const auto widened = [&](const Line& line, double own, double freedom) {
-    // Hartung and Knapp's factor, never below the errors of the points themselves.
-    return own * std::sqrt(std::max(1.0, line.chi2 / freedom)) *
-           gsl_cdf_tdist_Pinv(0.975, freedom) / 1.959964;
-  };
   const Line flat = fit_line(y, s, x, tau2, false);
-  result.value = {flat.mean, widened(flat, flat.mean_std, static_cast<double>(n - 1))};
+  // Hartung and Knapp's factor, never below the errors of the points themselves.
+  const double freedom = static_cast<double>(n - 1);
+  result.value = {
+      flat.mean, flat.mean_std * std::sqrt(std::max(1.0, flat.chi2 / freedom)) * widening(freedom)};
   if (n < 4) return result;
-  const double rest = paule_mandel(y, s, x, true), freedom = static_cast<double>(n - 2);
-  const Line line = fit_line(y, s, x, rest, true);
-  const double scale = std::sqrt(std::max(1.0, line.chi2 / freedom));
-  result.trend = {line.slope, line.slope_std * scale};
-  const double t = std::abs(line.slope) / std::max(result.trend.std, 1e-300);
-  result.has_trend = 2 * gsl_cdf_tdist_Q(t, freedom) < 0.01;
-  if (result.has_trend) {
-    result.value = {line.mean, widened(line, line.mean_std, freedom)};
-  }
+  const LineOverPoints line = line_over_points(value, std, x.matrix());
+  result.trend = line.slope;
+  result.has_trend = line.chance < 0.01;
+  if (result.has_trend) result.value = line.level;
   return result;
 }
 

@@ -34,6 +34,17 @@ struct MeanOverPoints {
   double excess_chance = 1;  ///< that points which are equal differ as much
 };
 
+struct LineOverPoints {
+  Estimate level;     ///< at x = 0; +-1.96 std hold 95 %
+  Estimate slope;     ///< std without Student's t
+  double chance = 1;  ///< of as steep a slope where there is none
+};
+
+/// value = level + slope x + random scatter + own error, at four points or more.
+[[nodiscard]] LineOverPoints line_over_points(const Eigen::Ref<const Eigen::VectorXd>& value,
+                                              const Eigen::Ref<const Eigen::VectorXd>& std,
+                                              const Eigen::Ref<const Eigen::VectorXd>& x);
+
 /// `order`: of the points, rising with time; `points`: number of all points, whose middle is the
 /// mean rig. One value: itself.
 [[nodiscard]] MeanOverPoints mean_over_points(const Eigen::Ref<const Eigen::VectorXd>& value,

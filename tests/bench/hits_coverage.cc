@@ -108,6 +108,17 @@ std::vector<Case> cases() {
   testing::StrikeOptions twice = plain;
   twice.second_contact = 0.02;
   add("second contacts of 2 %", twice);
+  for (const double shift : {-0.05, -0.3, -1.0, 1.0}) {
+    testing::StrikeOptions nonlinear = plain;
+    nonlinear.cubic = shift;
+    add(fmt::format("cubic spring, {} bandwidths", shift), nonlinear);
+  }
+  testing::StrikeOptions ten = plain;
+  ten.cubic = -0.3, ten.hits = 10;
+  add("cubic spring, -0.3 bandwidths, ten hits", ten);
+  testing::StrikeOptions aside = plain;
+  aside.off_axis = 0.13, aside.off_place = 0.005;
+  add("hammer 7.5 degrees off axis, 0.5 % off place", aside);
   testing::StrikeOptions two = plain;
   two.hits = 2;
   add("two hits", two);

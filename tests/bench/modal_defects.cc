@@ -53,6 +53,8 @@ std::vector<Case> cases() {
   add("cubic spring, 0.3 bandwidths",
       [&](auto& o) { plate(o), o.noise = 0.002, o.softening = 0.3; });
   add("cubic spring, 1 bandwidth", [&](auto& o) { plate(o), o.noise = 0.002, o.softening = 1; });
+  add("cubic spring, 0.3 bandwidths, hits' sizes not known",
+      [&](auto& o) { plate(o), o.noise = 0.002, o.softening = 0.3, o.hit_sizes = false; });
   add("leakage, 0.05 %, 1 s records", [&](auto& o) {
     plate(o), o.damping_ratio = 5e-4, o.spacing_hz = 1, o.record_s = 1, o.noise = 0.005;
   });

@@ -51,6 +51,7 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
     const double place =
         options.points > 1 ? static_cast<double>(c) / static_cast<double>(options.points - 1) - 0.5
                            : 0;
+    const double size_of_hit = 1 + 0.3 * normal(random);
     VectorXcd sum = VectorXcd::Zero(lines);
     for (Index r = 0; r < modes; ++r) {
       const double zeta = options.damping_ratio,
@@ -61,11 +62,11 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
       const Complex pole(-zeta * w, w * std::sqrt(1 - zeta * zeta));
       Complex residue = size * own / Complex(0, 2 * pole.imag());
       if (options.record_s > 0) residue *= 1.0 - std::exp(pole * options.record_s);
-      const double hit = std::pow(1 + 0.3 * normal(random), 2);
-      const double softening = -2 * zeta * options.softening * hit * size * size;
+      const double softening = -2 * zeta * options.softening * std::pow(size_of_hit * size, 2);
       VectorXcd part = ring_down(s, pole, softening);
       sum += residue * part + std::conj(residue) * (s.array() - std::conj(pole)).inverse().matrix();
     }
+    if (options.hit_sizes && options.points_are_inputs) set.hit_impulse.push_back({size_of_hit});
     set.H.col(c) = s.cwiseProduct(s).cwiseProduct(sum);
   }
   const double rms = std::sqrt(set.H.squaredNorm() / static_cast<double>(set.H.size()));
