@@ -54,6 +54,14 @@ def get_requires_for_build_wheel(config_settings=None):
     return []
 
 
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """Writes the metadata, without which pip would build all to know them, and returns their folder."""
+    info = pathlib.Path(metadata_directory) / f"rigfit-{_version()}.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(_metadata())
+    return info.name
+
+
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """Writes the wheel and returns its name."""
     name = f"rigfit-{_version()}-{_tag()}.whl"
