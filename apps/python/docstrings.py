@@ -38,7 +38,7 @@ def options_of(program, verb):
         default = re.search(r"[A-Z}\]]=([^A-Z\s]\S*)", kind)
         more = [f"{limits[1]} to {limits[2]}"] if limits else []
         more += [f"default {default[1]}"] if default else []
-        words = re.sub(r"--([a-z][\w-]*)", lambda m: m[1].replace("-", "_"), words)
+        words = re.sub(r"--([a-z][\w-]*)", lambda m: f"`{m[1].replace('-', '_')}`", words)
         found[name[1]] = words + (f" ({'; '.join(more)})" if more else "") + "."
     return found
 

@@ -211,7 +211,7 @@ class SameNumbers(unittest.TestCase):
         with self.assertRaises(rigfit.UsageError) as caught:
             unloaded = {key: value for key, value in rigfit.Scene(scene).to_dict().items() if key != "load"}
             rigfit.predict(unloaded, self.folder / "fit.json", response=self.folder / "none.csv")
-        self.assertIn("response: the scene has no load", str(caught.exception))
+        self.assertIn("`response`: the scene has no load", str(caught.exception))
 
     def test_update_candidates(self):
         # The cable's in-plane modes to 0.1 % tell its ends, and nothing of its torsional rigidity.
@@ -277,6 +277,7 @@ class SameNumbers(unittest.TestCase):
         after = self.folder / "after.toml"
         after.write_text(campaign.read_text())
         document = self.program("report", campaign, after, "--out", self.folder / "compared", "--style", "client")
+        self.assertTrue(rigfit.report(campaign, self.folder / "by-package").answers[0].quantity)
         self.same(document, rigfit.report([campaign, after], self.folder / "compared-too", style="client"))
 
     def test_refusals(self):

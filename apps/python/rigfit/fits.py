@@ -68,7 +68,7 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
 
         Here ``{"cable.EI": (0.6, 0.02)}``.
     tension : float or list of float, optional
-        Of each frf, decay and response, N: the cables' tension in that state.
+        Of each `frf`, `decay` and `response`, N: the cables' tension in that state.
     plane : str or list of str, optional
         Plane of each file: in, out or any.
     column : str, optional
@@ -94,14 +94,15 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
 
         Or the result of `axial` itself.
     axial_damping : bool
-        With axial: its damping ratio too becomes that of all cables.
+        With `axial`: its damping ratio too becomes that of all cables.
     input : str or list of str, optional
         Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets with commas (-TARGET: opposite),
         `tension` for the cables' reading, @each at the end: independent in each state. Carried into the parameters,
-        the predictions and monte_carlo.
+        the predictions and `monte_carlo`.
     aim : str or list of str, optional
         How exactly a load of the scene struck, LOAD=METRES,DEGREES (standard uncertainties of its place along the
-        member and of its direction, of the mean of the hits): carried on like every input. With frf and response.
+        member and of its direction, of the mean of the hits): carried on like every `input`. With `frf` and
+        `response`.
     candidates : path, optional
         TOML file of models to compare, [[candidate]] with name and, as needed, supports = { NODE =
         "pinned|clamped|free|springs|own springs" }, set = { "PARAMETER" = VALUE }, free = [...], prior = [...], scene
@@ -132,7 +133,7 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
         Also leave out each state in turn and predict it from the others.
     monte_carlo : int, optional
         Refits with measured frequencies, damping ratios, FRFs and time histories, priors, the stiffness table, EA,
-        every input and aim drawn anew (0 to 1000000).
+        every `input` and `aim` drawn anew (0 to 1000000).
     threads : int, optional
         Threads to use (all processors); the numbers do not depend on it (1 to 1024).
     seed : int, optional

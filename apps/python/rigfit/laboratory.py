@@ -65,7 +65,7 @@ def bending(recordings, *, span=None, span_std=None, tension=None, load=None, de
     relative_std : float, optional
         Relative standard uncertainty of EI values that come without one (0 to 1).
     EA : float, optional
-        Axial rigidity, N: with mass_per_length, the equivalent solid cylinder at each tension.
+        Axial rigidity, N: with `mass_per_length`, the equivalent solid cylinder at each tension.
     mass_per_length : float, optional
         Of the cable, kg/m.
 
@@ -288,7 +288,7 @@ def tension_table(table, *, out=None, missed=None, false_mode=None, threads=None
         (degrees), ends, plane, mass_of, frequency_std (Hz); and f1, f2 ... or frequencies (a list), Hz. A file may say
         other units in brackets.
     out : path, optional
-        Table of the tensions of table.
+        Table of the tensions of `table`.
     missed : float, optional
         Probability that a mode in the band was missed (0.001 to 0.9; default 0.1).
     false_mode : float, optional
@@ -342,7 +342,7 @@ def tension(recordings=None, *, length, mass_per_length, frequencies=None, frequ
     frequencies : array or list of float, optional
         Measured frequencies, Hz.
     frequency_std : float, optional
-        Standard uncertainty of frequencies, Hz.
+        Standard uncertainty of `frequencies`, Hz.
     measured : path, ModalResult or list of dict, optional
         Table of measured frequencies, or modes as UFF 55.
 

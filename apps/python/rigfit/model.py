@@ -387,7 +387,7 @@ def report(campaign, out, *, style="lab", pdf=False, force=False, figure_size=No
     force : bool
         Replace another campaign's report in the folder.
     figure_size : (float, float), optional
-        Width and height of the figures for a paper, mm; with pdf also figures.pdf (20 to 1000).
+        Width and height of the figures for a paper, mm; with `pdf` also figures.pdf (20 to 1000).
     figure_font : str, optional
         Font of these figures (default sans-serif).
     figure_font_size : float, optional

@@ -118,7 +118,7 @@ def _shown(value):
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-_NAMED = {"name", "source"}  # a row of parameters or of a budget, not an estimate
+_NAMED = {"name", "source", "key"}  # a row of parameters, of a budget or of answers, not an estimate
 
 
 def wrapped(value):

@@ -17,13 +17,16 @@ def finish(kind, document, exit_code, **extra):
         return result
     found = document["error"]
     where, problem = f"{found['where']}: " if found["where"] else "", _in_arguments(found["message"])
-    raise (errors.Refused if exit_code == 4 else errors.NotConverged)(
+    error = (errors.Refused if exit_code == 4 else errors.NotConverged)(
         f"{where}{problem}", code=found["code"], where=found["where"], problem=problem, result=result)
+    if hasattr(error, "add_note"):  # from Python 3.11 on
+        error.add_note(f"What can be had all the same is the exception's result, a {kind.__name__}.")
+    raise error
 
 
 def _in_arguments(text):
     """A message with arguments in place of options of the command line, but for commands in backticks."""
-    return re.sub(r"`[^`]*`|--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_") if m[1] else m[0], text)
+    return re.sub(r"`[^`]*`|--([a-z][a-z-]*)", lambda m: f"`{m[1].replace('-', '_')}`" if m[1] else m[0], text)
 
 
 def call(function, *arguments):

@@ -54,7 +54,7 @@ py::tuple bending(const py::list& given, const py::dict& options_given) {
   options.take("tension", command.columns.tension);
   options.take("load", command.columns.load);
   options.take("deflection", command.columns.deflection);
-  command.columns.remedy = "name it with {}=";
+  command.columns.remedy = "name it with `{}`";
   ident::BendingTestOptions& test = command.campaign.test;
   options.take("load_calibration", test.load_calibration_std);
   options.take("deflection_calibration", test.deflection_calibration_std);
