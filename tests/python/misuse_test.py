@@ -50,7 +50,7 @@ FUNCTIONS = {
     rigfit.frfs_of_arrays: ["frequency_hz", "H", "form", "responses", "inputs", "coherence", "averages",
                             "exponential_window"],
     rigfit.read_frfs: ["file"],
-    rigfit.bending: ["recordings", "span", "span_std", "tension", "load", "deflection", "load_calibration",
+    rigfit.bending: ["recordings", "span", "span_std", "ends", "rectangle", "diameter", "second_moment", "section_std", "tension", "load", "deflection", "load_calibration",
                      "tension_zero_std", "strand", "relative_std", "EA", "mass_per_length"],
     rigfit.axial: ["recordings", "mass", "length", "channel", "mass_per_length", "mass_std", "length_std",
                    "adapter_stiffness", "adapter_bar", "compliance_std", "catalogue_EA", "band", "sample_rate", "draws"],

@@ -105,6 +105,19 @@ class SameNumbers(unittest.TestCase):
         for key in ("laws", "law_choice", "bounds"):
             self.assertEqual(document[key], result.to_dict()[key])
 
+    def test_bending_without_tension(self):
+        # A pinned beam of 12 N m2 over 0.6 m by dead weights: d = P L^3 / (48 EI).
+        loads = np.arange(0.0, 21.0, 2.0)
+        deflections = loads * 0.6**3 / (48 * 12) + 1e-6 * np.sin(7 * loads)
+        (self.folder / "beam.csv").write_text("load_N,deflection_m\n" +
+                                              "".join(f"{p!r},{d!r}\n" for p, d in zip(loads.tolist(), deflections.tolist())))
+        document = self.program("bending", "beam.csv", "--tension", 0, "--span", 0.6, "--ends", "pinned", "--diameter", 0.008)
+        result = rigfit.bending(self.folder / "beam.csv", tension=0, span=0.6, ends="pinned", diameter=0.008)
+        self.assertEqual([{k: v for k, v in t.items() if k != "file"} for t in document["tests"]],
+                         [{k: v for k, v in t.items() if k != "file"} for t in result.to_dict()["tests"]])
+        # Deflections are off by 1e-6 m in 7.5e-3 m: EI by some 1e-4.
+        self.assertAlmostEqual(result.tests[0].EI_Nm2.value / 12, 1, delta=1e-3)
+
     def test_axial(self):
         document = self.program("axial", *AXIAL, "--length", 0.7, 1.0, 1.3, "--length-std", 0.001, "--mass", 2.2,
                                 "--mass-std", 0.002, "--mass-per-length", 0.16667, "--band", 20, 100)

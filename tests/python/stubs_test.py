@@ -113,7 +113,7 @@ class Stubs(unittest.TestCase):
 
     def test_documented_arguments(self):
         # Each argument once, none that is not there, with the stub's type; a number with its unit.
-        unit = re.compile(r"\b(Hz|N|m|s|mm|kg|kg/m|N/m|m/N|N m2|Pa|1/s|dB|pt|degrees|[Ss]econds|[Ss]amples a second)\b|%|1/s|"
+        unit = re.compile(r"\b(Hz|N|m|m4|s|mm|kg|kg/m|N/m|m/N|N m2|Pa|1/s|dB|pt|degrees|[Ss]econds|[Ss]amples a second)\b|%|1/s|"
                           r"[Rr]elative|[Rr]atio|[Pp]robabilit|[Ff]actor|level|unit shape")
         for node in STUB.body:
             if not isinstance(node, ast.FunctionDef):

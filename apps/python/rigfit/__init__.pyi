@@ -43,8 +43,10 @@ def modal(
 
 def bending(
     recordings: _Sources | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]], *, span: float | None = None,
-    span_std: float | None = None, tension: str | None = None, load: str | None = None,
-    deflection: str | None = None, load_calibration: float | None = None,
+    span_std: float | None = None, tension: str | Literal[0] | None = None,
+    ends: Literal["clamped", "pinned", "cantilever"] | None = None, rectangle: tuple[float, float] | None = None,
+    diameter: float | None = None, second_moment: float | None = None, section_std: float | None = None,
+    load: str | None = None, deflection: str | None = None, load_calibration: float | None = None,
     deflection_calibration: float | None = None, tension_zero_std: float | None = None,
     tension_calibration: float | None = None, strand: Sequence[float] | None = None,
     relative_std: float | None = None, EA: float | None = None, mass_per_length: float | None = None

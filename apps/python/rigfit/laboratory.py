@@ -32,7 +32,8 @@ _UNITS = {"tension": "N", "tension_N": "N", "load": "N", "load_N": "N", "deflect
           "EI_Nm2": "N m2", "EI": "N m2", "std": "N m2", "low": "N m2", "high": "N m2"}
 
 
-def bending(recordings, *, span=None, span_std=None, tension=None, load=None, deflection=None, load_calibration=None,
+def bending(recordings, *, span=None, span_std=None, tension=None, ends=None, rectangle=None, diameter=None,
+            second_moment=None, section_std=None, load=None, deflection=None, load_calibration=None,
             deflection_calibration=None, tension_zero_std=None, tension_calibration=None, strand=None,
             relative_std=None, EA=None, mass_per_length=None):
     """EI at each tension from load-deflection records or tables, and laws for EI over tension.
@@ -43,11 +44,22 @@ def bending(recordings, *, span=None, span_std=None, tension=None, load=None, de
         Records or tables of tension, load and deflection; or of ``tension_N`` and ``EI_Nm2`` (with ``std``, or ``low``
         and ``high``). A dict holds arrays in SI by these names.
     span : float, optional
-        Clear length between the clamps, m.
+        Clear length between the clamps or supports (cantilever: to the load), m.
     span_std : float, optional
         Standard uncertainty of the span, m.
-    tension : str, optional
-        Name of the tension column.
+    tension : str or 0, optional
+        Name of the tension column; 0: there is no tension (a beam, by dead weights or a testing machine).
+    ends : {"clamped", "pinned", "cantilever"}, optional
+        Of a beam without tension: clamped (default) or pinned, loaded at mid-span; cantilever, loaded at its end.
+    rectangle : (float, float), optional
+        Its cross-section: width and height (along the load), m: gives the modulus.
+    diameter : float, optional
+        Its diameter when round and solid, m.
+    second_moment : float, optional
+        Its second moment of area about the axis of bending, m4.
+    section_std : float, optional
+        Relative standard uncertainty of the second moment (three times that of a height, four times that of a
+        diameter) (0 to 1).
     load : str, optional
         Name of the load column.
     deflection : str, optional
@@ -81,10 +93,20 @@ def bending(recordings, *, span=None, span_std=None, tension=None, load=None, de
         recordings = [Recording(one, units=_UNITS, name=f"recordings[{i}]") if _table(one) else one
                       for i, one in enumerate(recordings)]
     given = sources("recordings", recordings)
-    positives(options, span=span, EA=EA, mass_per_length=mass_per_length)
+    positives(options, span=span, EA=EA, mass_per_length=mass_per_length, diameter=diameter, second_moment=second_moment)
     not_negative(options, span_std=span_std, tension_zero_std=tension_zero_std)
     not_negative(options, 1, load_calibration=load_calibration, deflection_calibration=deflection_calibration,
-                 tension_calibration=tension_calibration, relative_std=relative_std)
+                 tension_calibration=tension_calibration, relative_std=relative_std, section_std=section_std)
+    if isinstance(tension, (int, np.integer)) and not isinstance(tension, bool) and tension == 0:
+        tension = "0"
+    if ends is not None:
+        options["ends"] = checks.choice("ends", ends, ("clamped", "pinned", "cantilever"))
+    if rectangle is not None:
+        options["rectangle"] = checks.numbers("rectangle", rectangle, positive=True)
+        if len(options["rectangle"]) != 2:
+            checks.fail("rectangle", "must be two numbers: width and height")
+    if sum(one is not None for one in (rectangle, diameter, second_moment)) > 1:
+        checks.fail("rectangle", "diameter and second_moment say the same: give one of them")
     for name, value in (("tension", tension), ("load", load), ("deflection", deflection)):
         if value is not None:
             options[name] = checks.text(name, value)

@@ -61,6 +61,11 @@ py::tuple bending(const py::list& given, const py::dict& options_given) {
   options.take("tension_calibration", test.tension_calibration_std);
   options.take("tension_zero_std", test.tension_zero_std_N);
   options.take("strand", command.strand);
+  options.take("ends", command.ends);
+  options.take("rectangle", command.rectangle);
+  options.take("diameter", command.diameter);
+  options.take("second_moment", command.second_moment);
+  options.take("section_std", command.section_std);
   options.take("relative_std", command.campaign.assumed_relative_std);
   options.take("EA", command.EA);
   options.take("mass_per_length", command.mass_per_length);
