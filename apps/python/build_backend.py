@@ -2,7 +2,7 @@
 
 Environment: RIGFIT_BUILD_DIR is a CMake build folder of this source in which the target rigfit_python is built already
 (left out: build/python-<version> is configured and built); CMAKE_ARGS are further arguments of the configuration,
-CMAKE_BUILD_PARALLEL_LEVEL is the number of compilers at a time (each takes up to 2 GB of memory; default: one a processor).
+CMAKE_BUILD_PARALLEL_LEVEL is the number of compilers at a time (each takes 1 GB of memory and more; default: one a processor).
 """
 
 import base64

@@ -309,6 +309,8 @@ class SameNumbers(unittest.TestCase):
         self.assertIn(caught.exception.problem, run.stderr[run.stderr.index("refused:"):])
         self.assertIn(caught.exception.code, [w["code"] for w in json.loads(run.stdout)["warnings"]])
         self.same(json.loads(run.stdout), caught.exception.result)
+        if hasattr(caught.exception, "add_note"):
+            self.assertIn("DecayResult", caught.exception.__notes__[0])
         (self.folder / "bad.csv").write_text("time (s),a (N)\n0,1\n0.1,x\n0.2,3\n")
         with self.assertRaises(rigfit.Error):
             rigfit.decay(self.folder / "missing.csv")

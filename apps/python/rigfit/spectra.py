@@ -20,7 +20,7 @@ def finish(kind, document, exit_code, **extra):
     error = (errors.Refused if exit_code == 4 else errors.NotConverged)(
         f"{where}{problem}", code=found["code"], where=found["where"], problem=problem, result=result)
     if hasattr(error, "add_note"):  # from Python 3.11 on
-        error.add_note(f"What can be had all the same is the exception's result, a {kind.__name__}.")
+        error.add_note(f"What can be had all the same is the exception's `result` ({kind.__name__}).")
     raise error
 
 
