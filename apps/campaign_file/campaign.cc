@@ -226,6 +226,13 @@ class Reader {
                         "give prior and prior_std together");
     }
     if (prior) free.prior = signal::Estimate{*prior, *prior_std};
+    free.prior_relative_std =
+        table.number_or("prior_std_percent", Bound::not_negative, "%", 0) / 100;
+    if (prior && free.prior_relative_std > 0) {
+      throw table.error("prior_std_percent", "stands beside prior",
+                        "give prior and prior_std, or prior_std_percent alone: of each state's own "
+                        "value, such as a load cell's reading");
+    }
     free.low = table.number_or("low", Bound::any, "the parameter's unit", free.low);
     free.high = table.number_or("high", Bound::any, "the parameter's unit", free.high);
     if (!(free.low < free.high)) {

@@ -45,7 +45,8 @@
 //                        reference_name ("earlier value"), predicts = [decay tests that it has not
 //                        seen and is laid over], and
 //     [[fit.parameter]]  name, of = [scene parameters that share the value], factors, per_state,
-//                        start, prior, prior_std, low, high, reference (an earlier value)
+//                        start, prior, prior_std or prior_std_percent (of each state's own value),
+//                        low, high, reference (an earlier value)
 //
 // Every key is checked like a scene's; the scenes and tables it names are read and checked too.
 #pragma once

@@ -101,6 +101,20 @@ Json fit_json(const ident::UpdateFit& fit) {
           {"correlated_lines", fit.correlated_lines}};
 }
 
+Json exact_inputs_json(const ident::UpdateResult& result) {
+  Json list = Json::array();
+  for (const auto& input : result.exact_inputs) {
+    Json shifts = Json::object();
+    for (std::size_t p = 0; p < result.parameters.size(); ++p) {
+      shifts[result.parameters[p].name] = json_number(input.shift[static_cast<Eigen::Index>(p)]);
+    }
+    list.push_back({{"name", input.name},
+                    {"relative_change", input.relative_change},
+                    {"changes", std::move(shifts)}});
+  }
+  return list;
+}
+
 Json alternatives_json(const ident::UpdateResult& result, const States& states) {
   Json list = Json::array();
   for (const auto& one : result.alternatives) {
@@ -135,6 +149,7 @@ Json update_json(const ident::UpdateResult& result, const States& states) {
             {"fit", fit_json(result.fit)},
             {"alternatives", alternatives_json(result, states)},
             {"log_evidence", json_number(result.log_evidence)}};
+  json["exact_inputs"] = exact_inputs_json(result);
   json["correlation"] = correlation_json(result.correlation);
   json["rank"] = result.identifiability.rank;
   json["condition"] = json_number(result.identifiability.condition);
@@ -220,6 +235,7 @@ void print_update(std::ostream& out, const ident::UpdateResult& result, const St
                        end(p.high), p.interval_by_profile ? " (profile)" : "");
   }
   print_budget(out, result);
+  for (const auto& text : ident::exact_input_texts(result)) out << "  " << text << '\n';
   out << fmt::format("{:<24} {:>12} {:>12} {:>9} {:>9}  {}\n", "state", "measured, Hz", "model, Hz",
                      "std", "error", "mode");
   for (const auto& pair : result.pairs) {

@@ -62,6 +62,52 @@ std::vector<std::string> alternative_texts(const UpdateResult& result) {
   return texts;
 }
 
+namespace {
+
+// An exact input and how far 0.1 % of it moves one parameter, in its standard uncertainties.
+struct ExactShift {
+  const ExactInput* input = nullptr;
+  double shift = 0, stds = 0;
+};
+
+// The largest first.
+std::vector<ExactShift> exact_shifts(const UpdateResult& result, std::size_t parameter) {
+  std::vector<ExactShift> shifts;
+  const double std = result.parameters[parameter].std;
+  for (const auto& input : result.exact_inputs) {
+    const double shift = input.shift[static_cast<Eigen::Index>(parameter)];
+    if (std::isfinite(shift) && std > 0) shifts.push_back({&input, shift, std::abs(shift) / std});
+  }
+  std::stable_sort(shifts.begin(), shifts.end(),
+                   [](const auto& a, const auto& b) { return a.stds > b.stds; });
+  return shifts;
+}
+
+}  // namespace
+
+std::vector<std::string> exact_input_texts(const UpdateResult& result) {
+  constexpr double kSmall = 0.1;  // standard uncertainties, below which an input is not listed
+  std::vector<std::string> texts;
+  if (result.exact_inputs.empty()) return texts;
+  std::string names;
+  for (const auto& input : result.exact_inputs) names += (names.empty() ? "" : ", ") + input.name;
+  texts.push_back("taken as exact: " + names);
+  for (std::size_t p = 0; p < result.parameters.size(); ++p) {
+    std::string list;
+    const auto shifts = exact_shifts(result, p);
+    for (const auto& one : shifts) {
+      if (one.stds < kSmall) break;
+      list += list.empty() ? fmt::format("{:.3g} % of {} changes it by {:+.2g} ({:.2g} std)",
+                                         100 * one.input->relative_change, one.input->name,
+                                         one.shift, one.stds)
+                           : fmt::format(", of {} by {:+.2g} ({:.2g} std)", one.input->name,
+                                         one.shift, one.stds);
+    }
+    if (!list.empty()) texts.push_back(result.parameters[p].name + ": " + list);
+  }
+  return texts;
+}
+
 std::vector<Finding> fit_findings(const UpdateResult& result) {
   std::vector<Finding> findings;
   if (result.fit.ruled_out()) {
@@ -98,6 +144,20 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
       findings.push_back(
           {"from_prior", "is known from its prior only, not from these data", p.name, false});
     }
+  }
+  std::string exact;
+  for (std::size_t p = 0; p < result.parameters.size(); ++p) {
+    const auto shifts = exact_shifts(result, p);
+    if (shifts.empty() || !(shifts.front().stds > 1)) continue;
+    exact += fmt::format("{}0.1 % of {} changes {} by {:.2g} of its standard uncertainties",
+                         exact.empty() ? "" : "; ", shifts.front().input->name,
+                         result.parameters[p].name, shifts.front().stds);
+  }
+  if (!exact.empty()) {
+    findings.push_back({"exact_inputs",
+                        "the intervals leave out what is taken as exact: " + exact +
+                            ". State what these inputs are known to, or fit them",
+                        "", false});
   }
   if (result.starts > 1 && result.starts_agreeing < result.starts) {
     findings.push_back(

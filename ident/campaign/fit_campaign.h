@@ -37,6 +37,10 @@ struct FitOutcome {
 /// "chi-square 12.3 on 8 degrees of freedom, probability 0.14 ...".
 [[nodiscard]] std::string fit_text(const UpdateFit& fit);
 
+/// What the fit takes as exact; then, of each parameter, what 0.1 % of these inputs changes it by,
+/// the largest first. Empty where nothing is.
+[[nodiscard]] std::vector<std::string> exact_input_texts(const UpdateResult& result);
+
 /// Of each alternative but the first: what it says and why it weighs less.
 [[nodiscard]] std::vector<std::string> alternative_texts(const UpdateResult& result);
 

@@ -9,6 +9,7 @@
 #include "ident/update/assignment/contradicting_modes.h"
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/frfs/frf_segments.h"
+#include "ident/update/uncertainty/exact_inputs.h"
 #include "ident/update/uncertainty/update_intervals.h"
 #include "ident/update/uncertainty/update_misfit.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
@@ -247,9 +248,12 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   if (auto fine = with_resolving_segments(settled, options, answer, result)) {
     result.fit = fine->fit;
     state_answer(fine->problem, options, fine->answer, result, fine->by_segments);
+    state_exact_inputs(fine->problem, options, fine->answer.matches.matches, result);
     // What is reported is the model with the segments that its scene gives.
     state_values(settled, answer, result);
     state_prediction_uncertainty(settled, options, result, answer.q, -1, result.pairs);
+  } else {
+    state_exact_inputs(settled, options, answer.matches.matches, result);
   }
   // Of differences of the cost only: the segments of the beginning serve, at their own error.
   const UpdateProblem quick =

@@ -21,9 +21,12 @@ struct FreeParameter {
   std::vector<std::string> targets = {};
   /// What each target is of the value, such as -1 for the other end of a symmetric rig; empty: 1.
   std::vector<double> factors = {};
-  bool per_state = false;                                 ///< a value of its own in every state
-  std::optional<double> start = std::nullopt;             ///< else as the scene has it
-  std::optional<signal::Estimate> prior = std::nullopt;   ///< from a test before
+  bool per_state = false;                                ///< a value of its own in every state
+  std::optional<double> start = std::nullopt;            ///< else as the scene has it
+  std::optional<signal::Estimate> prior = std::nullopt;  ///< from a test before
+  /// Without `prior`: one at the scene's own value, in each state where it is `per_state`, such as
+  /// a load cell's reading; relative standard uncertainty, 0: none.
+  double prior_relative_std = 0;
   double low = -std::numeric_limits<double>::infinity();  ///< bounds; positive ones stay so anyway
   double high = std::numeric_limits<double>::infinity();
 

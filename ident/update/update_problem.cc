@@ -166,6 +166,11 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       const double start = parameter.start.value_or(
           parameter.prior ? parameter.prior->value
                           : model::parameter(*home, first) / parameter.factor(0));
+      auto prior = parameter.prior;
+      if (!prior && parameter.prior_relative_std > 0) {
+        const double own = model::parameter(*home, first) / parameter.factor(0);
+        prior = signal::Estimate{own, parameter.prior_relative_std * std::abs(own)};
+      }
       UpdateCoordinate q;
       q.parameter = static_cast<int>(p);
       q.state = parameter.per_state ? copy : -1;
@@ -181,10 +186,9 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
                : q.logarithmic               ? std::log(start) + std::log(1e6)
                                              : std::numeric_limits<double>::infinity();
       q.start = std::clamp(q.coordinate(start), q.low, q.high);
-      if (parameter.prior && known(parameter.prior->std)) {
-        q.prior = q.coordinate(parameter.prior->value);
-        q.prior_std = q.logarithmic ? parameter.prior->std / parameter.prior->value
-                                    : parameter.prior->std / q.scale;
+      if (prior && known(prior->std)) {
+        q.prior = q.coordinate(prior->value);
+        q.prior_std = q.logarithmic ? prior->std / prior->value : prior->std / q.scale;
         ++priors_;
       }
       if (!std::isfinite(q.start) || !(q.low < q.high)) {

@@ -120,6 +120,11 @@ class UpdateProblem {
   /// Whether an input is the place of hits, which their error bars hold as well.
   [[nodiscard]] bool in_error_bars(Eigen::Index input) const { return input >= stated_inputs_; }
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
+  /// Whether a scene parameter is fitted or moved by an input in that state.
+  [[nodiscard]] bool is_stated(int state, const std::string& target) const;
+  /// The same with further coordinates, ln(value) of parameters of one state each.
+  [[nodiscard]] UpdateProblem with_scaled(
+      const std::vector<std::pair<int, FreeParameter>>& further) const;
   /// By how many standard uncertainties each input is off.
   [[nodiscard]] Eigen::VectorXd inputs_off() const;
   /// The same with further inputs, the mean places of hits that nothing is said of.
@@ -234,8 +239,7 @@ class UpdateProblem {
                                        Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
   [[nodiscard]] std::vector<FrfRows> frf_rows_of(int state) const;  // `first` left 0
-  [[nodiscard]] bool place_is_stated(int state, const std::string& target) const;
-  void whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const;  // columns times L
+  void whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const;         // columns times L
   [[nodiscard]] bool frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
                                    Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
 

@@ -133,6 +133,31 @@ Eigen::VectorXd UpdateProblem::inputs_off() const {
   return off;
 }
 
+bool UpdateProblem::is_stated(int state, const std::string& target) const {
+  for (const auto& parameter : free_) {
+    if (std::count(parameter.targets.begin(), parameter.targets.end(), target) > 0) return true;
+  }
+  for (const auto& input : options_.inputs) {
+    for (const auto& effect : input.effects) {
+      if (effect.state == state && effect.target == target) return true;
+    }
+  }
+  return false;
+}
+
+UpdateProblem UpdateProblem::with_scaled(
+    const std::vector<std::pair<int, FreeParameter>>& further) const {
+  UpdateProblem other = *this;
+  for (const auto& [state, parameter] : further) {
+    UpdateCoordinate coordinate;
+    coordinate.parameter = static_cast<int>(other.free_.size());
+    coordinate.state = state;
+    other.free_.push_back(parameter);
+    other.coordinates_.push_back(coordinate);
+  }
+  return other;
+}
+
 UpdateProblem UpdateProblem::with_sources(std::shared_ptr<const Sources> sources) const {
   UpdateProblem other = *this;
   other.sources_ = std::move(sources);

@@ -39,6 +39,13 @@ struct UpdatedParameter {
   double segments_taken_off = 0;  ///< by how much it would be larger, had nothing been taken off
 };
 
+/// A number of the scenes that is taken as exact: neither fitted nor given with an uncertainty.
+struct ExactInput {
+  std::string name;            ///< a scene parameter, or "lengths": coordinates of all nodes
+  double relative_change = 0;  ///< of it in all states, for `shift`
+  Eigen::VectorXd shift;       ///< of each parameter's value, to first order; NaN: not known
+};
+
 struct UpdatedPair {
   int state = 0, measured = 0;
   model::ModePlane plane = model::ModePlane::in;
@@ -115,6 +122,7 @@ struct UpdateResult {
   double history_error = std::numeric_limits<double>::quiet_NaN();
   double history_error_before = std::numeric_limits<double>::quiet_NaN();
   UpdateFit fit;
+  std::vector<ExactInput> exact_inputs;  ///< what no interval holds
   /// Heaviest first, of weight 0.001 or more; the first is this result. Of fits to modes.
   std::vector<UpdateAlternative> alternatives;
   double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< of the model, all answers

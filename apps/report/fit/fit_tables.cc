@@ -129,9 +129,10 @@ std::string percent_words(double ratio) {
 }
 
 void add_parameters(ReportPart& part, const FitOutcome& of) {
-  const bool priors =
-      std::any_of(of.fit.parameters.begin(), of.fit.parameters.end(),
-                  [](const FitParameter& parameter) { return parameter.free.prior.has_value(); });
+  const bool priors = std::any_of(
+      of.fit.parameters.begin(), of.fit.parameters.end(), [](const FitParameter& parameter) {
+        return parameter.free.prior.has_value() || parameter.free.prior_relative_std > 0;
+      });
   ReportTable table = parameter_table(of, priors);
   std::size_t list_index = 0;
   for (const auto& parameter : of.result.parameters) {
@@ -175,6 +176,14 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
   part.blocks.push_back(
       Paragraph{"Fit: " + ident::fit_text(of.result.fit) + ".",
                 of.result.fit.ruled_out() ? Paragraph::Kind::note : Paragraph::Kind::plain});
+  std::string exact;
+  for (const auto& text : ident::exact_input_texts(of.result)) {
+    exact += (exact.empty() ? "T" + text.substr(1) : text) + ". ";
+  }
+  if (!exact.empty()) {
+    exact.pop_back();
+    part.blocks.push_back(Paragraph{exact, Paragraph::Kind::plain});
+  }
   if (of.result.alternatives.size() > 1) add_alternatives(part, of);
   if (of.result.starts > 1 && of.result.alternatives.empty()) {
     part.blocks.push_back(Paragraph{

@@ -31,6 +31,7 @@ UpdateProblem::FrfLines UpdateProblem::lines_of(const MeasuredFrf& frf) const {
       if (!std::isfinite(own)) continue;
     }
     if (own > options_.frf_max_relative_std) continue;
+    own *= std::sqrt(1 + own * own);  // of ln(1 + n), n complex noise of variance own^2 a part
     const double relative = std::hypot(own, options_.frf_model_relative_std, frf_model_std_);
     if (!(relative > 0)) continue;  // exact lines have no weight beside others
     lines.line.push_back(k);
@@ -176,18 +177,6 @@ UpdateProblem UpdateProblem::with_frf_model_std(double relative) const {
   return other;
 }
 
-bool UpdateProblem::place_is_stated(int state, const std::string& target) const {
-  for (const auto& parameter : free_) {
-    if (std::count(parameter.targets.begin(), parameter.targets.end(), target) > 0) return true;
-  }
-  for (const auto& input : options_.inputs) {
-    for (const auto& effect : input.effects) {
-      if (effect.state == state && effect.target == target) return true;
-    }
-  }
-  return false;
-}
-
 UpdateProblem UpdateProblem::with_places_of_hits(const Eigen::VectorXd& q) const {
   constexpr double kQuantile = 0.05;
   UpdateProblem other = *this;
@@ -200,7 +189,7 @@ UpdateProblem UpdateProblem::with_places_of_hits(const Eigen::VectorXd& q) const
       const std::string target = load.name + ".position";
       model::Scene scene;
       std::string failure;
-      if (!load.place.node.empty() || place_is_stated(s, target)) continue;
+      if (!load.place.node.empty() || is_stated(s, target)) continue;
       if (!fixed_scene(s, q, scene, failure)) continue;
       std::vector<double> largest;  // standard uncertainty that each line allows
       for (const auto& frf : state.frfs) {

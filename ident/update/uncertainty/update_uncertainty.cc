@@ -19,17 +19,6 @@ using signal::kNaN;
 // Residuals or frequencies of a problem; false when there is no model there.
 using Changed = std::function<bool(const UpdateProblem&, Eigen::VectorXd&)>;
 
-// Huber's weights of the data's residuals, as factors of their rows; one for priors.
-Eigen::VectorXd weights_of(const UpdateProblem& problem, const UpdateOptions& options,
-                           const Eigen::VectorXd& r) {
-  Eigen::VectorXd weights = Eigen::VectorXd::Ones(r.size());
-  for (Eigen::Index i = 0; i < r.size() - problem.prior_count(); ++i) {
-    weights[i] =
-        std::min(1.0, std::sqrt(options.huber_threshold / std::max(std::abs(r[i]), 1e-300)));
-  }
-  return weights;
-}
-
 // `correlated`: what lines that err together make of a coordinate's variance, over that of
 // independent lines with the stated uncertainties; 0: no such lines.
 void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& options,
@@ -122,6 +111,16 @@ ModelPart model_part(const UpdateProblem& problem, const std::vector<UpdateMatch
 
 }  // namespace
 
+Eigen::VectorXd huber_weights(const UpdateProblem& problem, const UpdateOptions& options,
+                              const Eigen::VectorXd& r) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(r.size());
+  for (Eigen::Index i = 0; i < r.size() - problem.prior_count(); ++i) {
+    weights[i] =
+        std::min(1.0, std::sqrt(options.huber_threshold / std::max(std::abs(r[i]), 1e-300)));
+  }
+  return weights;
+}
+
 void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
                        const std::vector<UpdateMatch>& matches, UpdateResult& result,
                        const Eigen::VectorXd& by_segments) {
@@ -131,7 +130,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   Eigen::VectorXd r;
   Eigen::MatrixXd J;
   if (!problem.residuals(q, matches, UpdateStage::full, r, &J)) return;
-  const Eigen::VectorXd weights = weights_of(problem, options, r);
+  const Eigen::VectorXd weights = huber_weights(problem, options, r);
   r = r.cwiseProduct(weights).eval();
   J = weights.asDiagonal() * J;
   result.chi_squared = r.squaredNorm();
@@ -146,7 +145,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
     }
   }
   IdentifiabilityOptions limits;
-  limits.relative_rank_tolerance = 1e-8;
+  limits.relative_rank_tolerance = kRankTolerance;
   limits.variance_factor = std::max(result.variance_factor, 1e-12);
   const auto names = problem.names();
   result.identifiability = identifiability(J, scales, names, limits);

@@ -3,11 +3,19 @@
 // For the update and its checks, not for users.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "ident/update/update_problem.h"
 
 namespace rigfit::ident {
+
+/// Of singular values, below which a direction counts as not determined.
+inline constexpr double kRankTolerance = 1e-8;
+
+/// Huber's weights of the data's residuals, as factors of their rows; one for priors.
+[[nodiscard]] Eigen::VectorXd huber_weights(const UpdateProblem& problem,
+                                            const UpdateOptions& options, const Eigen::VectorXd& r);
 
 /// Fills everything in `result` that is uncertain, from its coordinates. `by_segments`: how far the
 /// segments move the coordinates, where that is known better than by a linear estimate; empty: by
