@@ -352,6 +352,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   const std::vector<ModeOfHits> hits = modes_of_hits(frfs, model);
   allow_for_hits(frfs, hits, model);
   allow_for_amplitude(frfs, band, hits, model);
+  judge_damping(model);
   return result;
 }
 

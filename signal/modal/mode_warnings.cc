@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "signal/modal/combination_tones.h"
+#include "signal/modal/mode_changes.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
@@ -54,6 +55,16 @@ void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>&
 }
 
 namespace {
+
+bool damping_is_uncertain(const IdentifiedMode& mode) {
+  return !(mode.damping_ratio.std < 0.25 * std::abs(mode.damping_ratio.value));
+}
+
+std::string damping_known_to(const IdentifiedMode& mode) {
+  return fmt::format(
+      "damping known to {:.0f} % only",
+      100 * mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300));
+}
 
 /// Amplitude left at the end of a record, of that at its beginning.
 double left_at_the_end(const IdentifiedMode& mode, const ModalBand& band) {
@@ -107,10 +118,8 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
       doubts.push_back(fmt::format(
           "the window gives {:.0f} % of the measured decay rate: damping refused, frequency kept",
           100 * band.window / measured));
-    } else if (!(mode.damping_ratio.std < 0.25 * std::abs(mode.damping_ratio.value))) {
-      doubts.push_back(fmt::format(
-          "damping known to {:.0f} % only",
-          100 * mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300)));
+    } else if (damping_is_uncertain(mode)) {
+      doubts.push_back(damping_known_to(mode));
     }
     // 5 % of variance: residues less than some 4 times what the test of presence asks for.
     if (mode.significance < 4) {
@@ -190,6 +199,14 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
                                          100 * left),
                              fmt::format("{:.4g} Hz", f)});
     }
+  }
+}
+
+void judge_damping(ModalModel& model) {
+  for (IdentifiedMode& mode : model.modes) {
+    const bool said = mode.doubt.find("damping known to") != std::string::npos;
+    if (said || mode.damping_dominated_by_window || !damping_is_uncertain(mode)) continue;
+    add_doubt(mode, damping_known_to(mode) + " by its change from hit to hit");
   }
 }
 

@@ -27,4 +27,8 @@ void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>&
 /// noted.
 void judge_modes(ModalResult& result, const ModalBand& band);
 
+/// Doubts the modes whose damping is known to 25 % or worse after hits have widened it: a ratio as
+/// uncertain as that does not scatter symmetrically, and its interval holds less than it says.
+void judge_damping(ModalModel& model);
+
 }  // namespace rigfit::signal
