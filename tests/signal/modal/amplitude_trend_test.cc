@@ -1,5 +1,4 @@
 #include "signal/modal/amplitude_trend.h"
-#include "signal/modal/amplitude_limit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
