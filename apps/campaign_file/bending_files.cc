@@ -66,15 +66,16 @@ class Columns {
     if (const auto* EI = find(recording_, "", {"ei"})) {
       source.values = values(*EI);
     } else {
-      source.record.deflection_m =
+      auto& record = source.record;
+      if (!names_.without_tension) {
+        record.tension_N = column("tension", names_.tension, {"tension", "preload"}, "N").samples;
+      }
+      record.load_N = load();
+      if (names_.without_tension) record.tension_N.setZero(record.load_N.size());
+      record.deflection_m =
           column("deflection", names_.deflection,
                  {"deflection", "displacement", "lvdt", "extension", "crosshead", "d"}, "m")
               .samples;
-      source.record.load_N = load();
-      source.record.tension_N =
-          names_.without_tension
-              ? Eigen::VectorXd::Zero(source.record.load_N.size())
-              : column("tension", names_.tension, {"tension", "preload"}, "N").samples;
     }
     return source;
   }
@@ -107,7 +108,9 @@ class Columns {
                                 const std::vector<std::string>& beginnings,
                                 const std::string& si) const {
     const auto* found = find(recording_, asked, beginnings);
-    if (found == nullptr && asked.empty() && what != "tension") found = only_in(recording_, si);
+    if (found == nullptr && asked.empty() && names_.without_tension) {
+      found = only_in(recording_, si);
+    }
     const std::string remedy = fmt::format(fmt::runtime(names_.remedy), what);
     if (found == nullptr) {
       std::string known;

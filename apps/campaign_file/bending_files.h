@@ -13,8 +13,8 @@
 namespace rigfit::apps {
 
 /// Names of columns; empty: the first whose name begins in one of the usual ways, such as
-/// "tension", "preload"; "load", "force", "Q"; "deflection", "displacement", "lvdt", "d"; else, for
-/// load and deflection, the only column in newtons or metres.
+/// "tension", "preload"; "load", "force", "Q"; "deflection", "displacement", "lvdt", "d"; without
+/// tension else the only column in newtons or metres.
 struct BendingColumns {
   std::string tension, load, deflection;
   /// How a person names one, with {} for tension, load or deflection.

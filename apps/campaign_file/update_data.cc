@@ -30,8 +30,15 @@ class StateReader {
     if (data.planes.size() > 1 && data.planes.size() != files_) {
       throw UsageError("--plane: one for all, or one for each file");
     }
-    if (!data.tensions.empty() && data.tensions.size() != files_ - data.modes.size()) {
-      throw UsageError("--tension: one for each --frf, --decay and --response, in their order");
+    const std::size_t tests = files_ - data.modes.size();
+    const auto universal = static_cast<std::size_t>(
+        std::count_if(data.modes.begin(), data.modes.end(),
+                      [](const auto& path) { return is_universal_file(path); }));
+    modes_have_tensions_ = universal > 0 && data.tensions.size() == universal + tests;
+    if (!data.tensions.empty() && data.tensions.size() != tests && !modes_have_tensions_) {
+      throw UsageError(
+          "--tension: one for each --frf, --decay and --response, in their order; where --measured "
+          "has universal files, one for each of them before these");
     }
     if (!data.stiffness.empty()) {
       context.input(data.stiffness);
@@ -44,7 +51,7 @@ class StateReader {
   UpdateStates read() {
     std::size_t file = 0;
     for (const auto& path : data_.modes) read_table(path, file++);
-    std::size_t test = 0;
+    std::size_t& test = next_tension_;
     for (const auto& path : data_.frfs) read_frf(path, file++, tension_of(test++));
     for (const auto& path : data_.decays) read_decay(path, file++, tension_of(test++));
     for (const auto& path : data_.responses) read_response(path, file++, tension_of(test++));
@@ -166,10 +173,11 @@ class StateReader {
     const auto rows = read_uff_measured_modes(path, plane_of(file), scene, nodes, remarks);
     for (const auto& remark : remarks) context_.warn("universal_file", remark, path);
     const std::size_t before = taken_;
+    const auto tension = modes_have_tensions_ ? tension_of(next_tension_++) : std::nullopt;
     for (const auto& row : rows) {
       const double f = row.mode.frequency_hz.value;
       if (data_.band_hz && (f < data_.band_hz->first || f > data_.band_hz->second)) continue;
-      add(state_at(scene_of(file), scene, std::nullopt), row.mode, {});
+      add(state_at(scene_of(file), scene, tension), row.mode, {});
       ++taken_;
     }
     if (taken_ == before) throw UsageError(path + " has no mode within --band");
@@ -363,8 +371,10 @@ class StateReader {
   const UpdateData& data_;
   VerbContext& context_;
   std::size_t files_ = 0;
-  std::size_t taken_ = 0;  // modes of universal files
-  bool several_ = false;   // scenes
+  std::size_t next_tension_ = 0;      ///< of data_.tensions
+  bool modes_have_tensions_ = false;  ///< those of universal files, before the others
+  std::size_t taken_ = 0;             // modes of universal files
+  bool several_ = false;              // scenes
   UpdateStates result_;
 };
 

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
-#include <algorithm>
 #include <cmath>
 
+#include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
 #include "ident/statistics/probability_text.h"
 
@@ -85,17 +85,8 @@ Json budget_json(const ident::AxialTestResult& r) {
   return budget;
 }
 
-// To the place of the second digit of `std`.
-std::string digits(double value, double std) {
-  if (!(std > 0) || !std::isfinite(std)) return fmt::format("{:.6g}", value);
-  const double place = std::floor(std::log10(std)) - 1;
-  const double unit = std::pow(10.0, place);
-  return fmt::format("{:.{}f}", std::round(value / unit) * unit,
-                     std::clamp(static_cast<int>(-place), 0, 12));
-}
-
 std::string rounded(const signal::Estimate& e, const char* unit = "") {
-  return fmt::format("{}{}, std {}", digits(e.value, e.std), unit, digits(e.std, e.std));
+  return fmt::format("{}{}, std {}", value_digits(e.value, e.std), unit, std_digits(e.std));
 }
 
 }  // namespace
@@ -139,11 +130,11 @@ Json axial_json(const ident::AxialInputs& inputs, const ident::AxialCampaignResu
 
 void print_axial(std::ostream& out, const ident::AxialTestResult& r) {
   fmt::print(out, "EA            {} ({} to {} with 95 %){}\n", rounded(r.EA_N, " N"),
-             digits(r.EA_low_N, r.EA_N.std), digits(r.EA_high_N, r.EA_N.std),
+             value_digits(r.EA_low_N, r.EA_N.std), value_digits(r.EA_high_N, r.EA_N.std),
              r.conditional ? ", if nothing but the cable gives way" : "");
   fmt::print(out, "damping ratio {} ({} to {} with 95 %)\n", rounded(r.damping_ratio),
-             digits(r.damping_low, r.damping_ratio.std),
-             digits(r.damping_high, r.damping_ratio.std));
+             value_digits(r.damping_low, r.damping_ratio.std),
+             value_digits(r.damping_high, r.damping_ratio.std));
   fmt::print(out, "damper        {} (at {:.4g} m)\n\n", rounded(r.damping_Ns_m, " Ns/m"),
              r.reference_length_m);
   fmt::print(out, "{:>9} {:>8} {:>22} {:>22} {:>12}\n", "length m", "records", "EA N, cable alone",
@@ -174,8 +165,8 @@ void print_axial(std::ostream& out, const ident::AxialTestResult& r) {
   }
   if (r.draws > 0) {
     fmt::print(out, "Monte Carlo by closed forms, {} draws: {} ({} to {} with 95 %)\n", r.draws,
-               rounded(r.monte_carlo_EA_N, " N"), digits(r.monte_carlo_low_N, r.EA_N.std),
-               digits(r.monte_carlo_high_N, r.EA_N.std));
+               rounded(r.monte_carlo_EA_N, " N"), value_digits(r.monte_carlo_low_N, r.EA_N.std),
+               value_digits(r.monte_carlo_high_N, r.EA_N.std));
   }
   if (!r.plausibility.empty()) fmt::print(out, "\n{}\n", r.plausibility);
 }

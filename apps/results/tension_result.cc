@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
 #include "ident/statistics/probability_text.h"
 
@@ -92,12 +93,16 @@ Json tension_json(const ident::TensionResult& result) {
 
 void print_tension(std::ostream& out, const ident::TensionResult& result) {
   const auto& best = result.candidates.front();
-  out << fmt::format(
-      "tension {:.6g} N at mid-span, std {:.2g} N, 95 % interval {:.6g} to {:.6g} N\n",
-      result.tension_N.value, result.tension_N.std, result.low, result.high);
-  out << fmt::format("        {:.6g} N at the first end, {:.6g} N at the second; sag {:.3g} m\n",
-                     result.start_N, result.end_N, result.sag_m);
-  out << fmt::format("EI      {:.4g} N m2, std {:.2g}\n\n", result.EI_Nm2.value, result.EI_Nm2.std);
+  const double std = result.tension_N.std;
+  const auto known = [std](double value) { return value_digits(value, std); };
+  out << fmt::format("tension {} N at mid-span, std {} N, 95 % interval {} to {} N\n",
+                     known(result.tension_N.value), std_digits(std), known(result.low),
+                     known(result.high));
+  out << fmt::format("        {} N at the first end, {} N at the second; sag {:.3g} m\n",
+                     known(result.start_N), known(result.end_N), result.sag_m);
+  out << fmt::format("EI      {} N m2, std {}\n\n",
+                     value_digits(result.EI_Nm2.value, result.EI_Nm2.std),
+                     std_digits(result.EI_Nm2.std));
   out << fmt::format("{:<10} {:>8} {:>14} {:>10} {:>10} {:>5} {:>10}\n", "ends", "weight",
                      "tension, N", "std", "chi2", "dof", "p");
   for (const auto& one : result.candidates) {
@@ -105,9 +110,10 @@ void print_tension(std::ostream& out, const ident::TensionResult& result) {
       out << fmt::format("{:<10} {}\n", ident::name_of(one.ends), one.message);
       continue;
     }
-    out << fmt::format("{:<10} {:>8.3f} {:>14.6g} {:>10.2g} {:>10.3g} {:>5.3g} {:>10}\n",
-                       ident::name_of(one.ends), one.weight, one.tension_N.value, one.tension_N.std,
-                       one.fit.chi2, one.fit.degrees_of_freedom,
+    out << fmt::format("{:<10} {:>8.3f} {:>14} {:>10} {:>10.3g} {:>5.3g} {:>10}\n",
+                       ident::name_of(one.ends), one.weight,
+                       value_digits(one.tension_N.value, one.tension_N.std),
+                       std_digits(one.tension_N.std), one.fit.chi2, one.fit.degrees_of_freedom,
                        ident::probability_text(one.fit.p_value));
   }
   out << fmt::format("\n{:>5} {:>6} {:>13} {:>13} {:>10}\n", "order", "plane", "measured, Hz",

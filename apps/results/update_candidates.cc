@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "apps/cli/digits.h"
 #include "apps/results/update_result.h"
 #include "document/toml_table.h"
 #include "ident/campaign/fit_campaign.h"
@@ -198,9 +199,9 @@ Json candidates_json(const ident::CandidateComparison& comparison, VerbContext& 
                        fitted ? ident::fit_text(fit) : one.result.message);
     if (!fitted) continue;
     for (const auto& p : one.result.parameters) {
-      out << fmt::format("  {:<32} {:>12.5g} {:>10}   {} .. {}\n", p.name, p.value,
-                         p.identifiable ? fmt::format("{:.2g}", p.std) : "not known", end(p.low),
-                         end(p.high));
+      out << fmt::format("  {:<32} {:>12} {:>10}   {} .. {}\n", p.name,
+                         value_digits(p.value, p.identifiable ? p.std : 0),
+                         p.identifiable ? std_digits(p.std) : "not known", end(p.low), end(p.high));
     }
   }
   Json averaged = Json::array();
@@ -211,8 +212,8 @@ Json candidates_json(const ident::CandidateComparison& comparison, VerbContext& 
                         {"std", json_number(p.std)},
                         {"low", json_number(p.low)},
                         {"high", json_number(p.high)}});
-    out << fmt::format("  {:<32} {:>12.5g} {:>10.2g}   {} .. {}\n", p.name, p.value, p.std,
-                       end(p.low), end(p.high));
+    out << fmt::format("  {:<32} {:>12} {:>10}   {} .. {}\n", p.name, value_digits(p.value, p.std),
+                       std_digits(p.std), end(p.low), end(p.high));
   }
   const auto& best = comparison.candidates[static_cast<std::size_t>(comparison.heaviest)];
   if (best.weight < 0.9) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
 #include "ident/campaign/fit_campaign.h"
 
@@ -224,15 +225,17 @@ std::string percent(double ratio) {
 void print_update(std::ostream& out, const ident::UpdateResult& result, const States& states) {
   if (result.fit.ruled_out())
     out << "the data rule this model out: " << ident::fit_text(result.fit) << '\n';
-  const auto end = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:.5g}", value) : std::string("open");
+  const auto end = [](double value, double std) {
+    return std::isfinite(value) ? value_digits(value, std) : std::string("open");
   };
   out << fmt::format("{:<34} {:>12} {:>12} {:>10}   {}\n", "parameter", "start", "value", "std",
                      "95 % interval");
   for (const auto& p : result.parameters) {
-    out << fmt::format("{:<34} {:>12.5g} {:>12.5g} {:>10}   {} .. {}{}\n", p.name, p.start, p.value,
-                       p.identifiable ? fmt::format("{:.2g}", p.std) : "not known", end(p.low),
-                       end(p.high), p.interval_by_profile ? " (profile)" : "");
+    const double std = p.identifiable ? p.std : 0;
+    out << fmt::format("{:<34} {:>12.5g} {:>12} {:>10}   {} .. {}{}\n", p.name, p.start,
+                       value_digits(p.value, std), p.identifiable ? std_digits(std) : "not known",
+                       end(p.low, std), end(p.high, std),
+                       p.interval_by_profile ? " (profile)" : "");
   }
   print_budget(out, result);
   for (const auto& text : ident::exact_input_texts(result)) out << "  " << text << '\n';

@@ -188,7 +188,11 @@ class Judgement {
                               "left out",
                               100 * t.toe_share));
     }
-    if (t.top_share > 0) note_top();
+    // Rows at a hard stop have no share of the deflection.
+    const bool rows_above =
+        std::any_of(result_.strokes.begin(), result_.strokes.end(),
+                    [](const BendingStroke& s) { return s.loading && s.used_last < s.last; });
+    if (t.top_share > 0 || (rows_above && t.spikes.empty())) note_top();
     if (t.hysteresis_N > 0) {
       note("friction", fmt::format("loading and unloading lie {:.2g} N apart: wire friction, which "
                                    "stiffens the strand after every turn; the rows after the turns "

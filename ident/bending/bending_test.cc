@@ -293,6 +293,15 @@ class Analysis {
     if (10 * in_runs < 7 * d_.size()) {  // weights in any order
       runs = {{0, d_.size() - 1, 1}};
     }
+    // Weights that are added at a stop move nothing any more; they belong to the loading.
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      Eigen::Index& last = runs[k].last;
+      while (runs[k].direction > 0 && last + 1 < d_.size() && d_[last + 1] == d_[last] &&
+             Q_[last + 1] > Q_[last]) {
+        ++last;
+      }
+      if (k + 1 < runs.size()) runs[k + 1].first = std::max(runs[k + 1].first, last);
+    }
     const double digits =
         std::hypot(resolution_of(Q_, 1), resolution_of(d_, 1) * range_Q_ / range_d_);
     double EI = 0, before = -1;

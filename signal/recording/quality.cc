@@ -315,9 +315,11 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel,
     left = std::sqrt(left / static_cast<double>(n));
     if (std::abs(q.drift) > options.drift_ratio * left && std::abs(q.drift) > 2 * q.quantum) {
       add("drift",
-          fmt::format("drifts by {} over the record, {:.2g} times what is left of its standard "
-                      "deviation",
-                      with_unit(q.drift, channel), std::abs(q.drift) / left),
+          fmt::format("drifts by {} over the record, {}", with_unit(q.drift, channel),
+                      std::abs(q.drift) < 1000 * left
+                          ? fmt::format("{:.2g} times what is left of its standard deviation",
+                                        std::abs(q.drift) / left)
+                          : std::string("and does hardly anything else: a ramp")),
           0, -1);
     }
   }

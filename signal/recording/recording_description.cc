@@ -1,11 +1,13 @@
 #include "signal/recording/recording_description.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "document/toml_table.h"
+#include "signal/recording/plausibility.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 
@@ -115,6 +117,24 @@ void apply_channel(const ChannelDescription& given, Recording& recording) {
   if (!given.name.empty()) channel.name = given.name;
 }
 
+/// `described`: with a sensitivity, by which it was scaled just now; null: as it was.
+void judge_values(const Channel& channel, const ChannelDescription* described,
+                  Recording& recording) {
+  const auto known =
+      std::find_if(recording.notes.begin(), recording.notes.end(), [&](const Note& note) {
+        return note.code == "unit_suspected" && note.where == channel.name;
+      });
+  if (known != recording.notes.end()) {
+    if (described == nullptr) return;
+    recording.notes.erase(known);
+  }
+  const bool by_voltage = described != nullptr && described->sensitivity.has_value() &&
+                          described->sensitivity_unit.find("V/") != std::string::npos;
+  if (auto message = implausible_values(channel, by_voltage)) {
+    recording.notes.push_back({"unit_suspected", std::move(*message), channel.name});
+  }
+}
+
 }  // namespace
 
 RecordingDescription read_description(document::TomlTable& table) {
@@ -190,7 +210,10 @@ void apply_description(const RecordingDescription& description, Recording& recor
       }
     }
     apply_channel(channel, recording);
+    judge_values(recording.channel(channel.name.empty() ? channel.source : channel.name), &channel,
+                 recording);
   }
+  for (const auto& channel : recording.channels) judge_values(channel, nullptr, recording);
   if (!absent.empty()) {
     recording.notes.push_back(
         {"described_channel_absent",

@@ -116,6 +116,30 @@ const signal::Channel* hammer_of(const signal::Recording& recording, const Guess
   return found;
 }
 
+/// One force and one displacement that rise and fall together, a few times at most.
+bool is_load_deflection(const signal::Recording& recording) {
+  const signal::Channel *load = nullptr, *way = nullptr;
+  for (const auto& channel : recording.channels) {
+    const signal::Channel** slot = channel.quantity == signal::Quantity::force          ? &load
+                                   : channel.quantity == signal::Quantity::displacement ? &way
+                                                                                        : nullptr;
+    if (slot == nullptr) continue;
+    if (*slot != nullptr) return false;
+    *slot = &channel;
+  }
+  if (load == nullptr || way == nullptr || !load->samples.allFinite() ||
+      !way->samples.allFinite()) {
+    return false;
+  }
+  const Eigen::ArrayXd q = load->samples.array() - load->samples.mean(),
+                       d = way->samples.array() - way->samples.mean();
+  constexpr int kMostTurns = 20;  // of a bending test; a vibration has more
+  int crossings = 0;
+  for (Eigen::Index i = 1; i < d.size(); ++i) crossings += (d[i - 1] < 0) != (d[i] < 0) ? 1 : 0;
+  return crossings < kMostTurns &&
+         std::abs((q * d).sum()) > 0.8 * std::sqrt(q.square().sum() * d.square().sum());
+}
+
 Guess guess_of(const signal::Recording& recording, const GuessOptions& options) {
   Guess guess;
   guess.kind = options.kind;
@@ -134,6 +158,12 @@ Guess guess_of(const signal::Recording& recording, const GuessOptions& options) 
           !options.sensitivities.contains(hammer->name)) {
         guess.why += fmt::format(", in V: say --sensitivity \"{}=X mV/N\"", hammer->name);
       }
+    } else if (hammer == nullptr && tension == nullptr && is_load_deflection(recording)) {
+      throw UsageError(
+          recording.path.string() +
+          ": load over deflection without a tension, no test of a campaign: rigfit bending \"" +
+          recording.path.string() +
+          "\" --tension 0 --span M gives its EI; where it is something else say so with --kind");
     } else {
       guess.kind = "decay";
       guess.why = "no hammer and no load-deflection pair: taken as free vibration";

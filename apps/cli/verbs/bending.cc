@@ -8,11 +8,11 @@
 #include <optional>
 
 #include "apps/campaign_file/bending_files.h"
+#include "apps/cli/digits.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
-#include "apps/report/page/html_text.h"
 #include "apps/results/bending_json.h"
 #include "ident/campaign/bending_campaign.h"
 
@@ -38,10 +38,15 @@ void print_points(std::ostream& out, const BendingCommand& command,
       continue;
     }
     const bool interval = std::isfinite(p.low) && std::isfinite(p.high);
-    out << fmt::format("{:>10.5g} {:>10.4g} {:>10}  {:<22}  {}\n", p.tension_N, p.EI_Nm2,
-                       std::isfinite(p.std) ? fmt::format("{:.2g}", p.std) : "-",
-                       interval ? fmt::format("{:.4g} .. {:.4g}", p.low, p.high) : "-", file);
+    out << fmt::format(
+        "{:>10.5g} {:>10} {:>10}  {:<22}  {}\n", p.tension_N, value_digits(p.EI_Nm2, p.std),
+        std_digits(p.std),
+        interval ? value_digits(p.low, p.std) + " .. " + value_digits(p.high, p.std) : "-", file);
   }
+}
+
+std::string value_and_std(double value, double std) {
+  return value_digits(value, std) + " +- " + std_digits(std);
 }
 
 // Beams without tension.
@@ -61,10 +66,11 @@ void print_beams(std::ostream& out, const ident::BendingCampaign& campaign,
     const auto modulus = ident::bending_modulus(campaign, one);
     const auto& p = one.point;
     out << fmt::format(
-        "{:>20} {:>20}  {:<22} {}{}\n", shown_estimate(1 / s.value, s.std / s.value / s.value),
-        shown_estimate(p.EI_Nm2, p.std),
-        std::isfinite(p.low) ? fmt::format("{:.4g} .. {:.4g}", p.low, p.high) : "-",
-        section ? fmt::format("{:>19}  ", shown_estimate(1e-9 * modulus.value, 1e-9 * modulus.std))
+        "{:>20} {:>20}  {:<22} {}{}\n", value_and_std(1 / s.value, s.std / s.value / s.value),
+        value_and_std(p.EI_Nm2, p.std),
+        std::isfinite(p.low) ? value_digits(p.low, p.std) + " .. " + value_digits(p.high, p.std)
+                             : "-",
+        section ? fmt::format("{:>19}  ", value_and_std(1e-9 * modulus.value, 1e-9 * modulus.std))
                 : "",
         file);
   }
@@ -97,6 +103,7 @@ void print_tension_cell(std::ostream& out, const ident::BendingTestOptions& opti
 /// Ends and section of a beam without tension.
 void take_beam(BendingCommand& command) {
   auto& campaign = command.campaign;
+  command.columns.without_tension = command.columns.tension == "0";
   const bool section =
       !command.rectangle.empty() || command.diameter > 0 || command.second_moment > 0;
   if (!command.columns.without_tension) {
@@ -118,6 +125,7 @@ void take_beam(BendingCommand& command) {
 }
 
 Json run_bending(VerbContext& context, BendingCommand command) {
+  take_beam(command);  // before files are read
   read_sources(command, context);
   return bending_result(std::move(command), context);
 }

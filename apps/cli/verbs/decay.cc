@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "apps/campaign_file/recording_description.h"
+#include "apps/cli/digits.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
@@ -78,6 +79,9 @@ Json json_of(const signal::EnvelopeResult& envelope, double start_s) {
   return out;
 }
 
+std::string value_of(const signal::Estimate& e) { return value_digits(e.value, e.std); }
+std::string std_of(const signal::Estimate& e) { return std_digits(e.std); }
+
 void print(const DecayCommand& command, const signal::Channel& channel, double start_s,
            double end_s, const signal::DecayResult& r, std::ostream& out) {
   const std::string unit = channel.unit.empty() ? "" : " " + channel.unit;
@@ -90,22 +94,22 @@ void print(const DecayCommand& command, const signal::Channel& channel, double s
              "damping", "std", "damping (log decrement)", "cycles", "R2", "amplitude");
   for (const auto& m : r.modes) {
     const double ruler = m.damping_ratio_log_decrement.value;
-    fmt::print(out, "{:>14.7g} {:>10.2g} {:>12.5g} {:>10.2g} {:>23} {:>8.1f} {:>8.4f} {:>11.4g}\n",
-               m.frequency_hz.value, m.frequency_hz.std, m.damping_ratio.value, m.damping_ratio.std,
-               std::isfinite(ruler) ? fmt::format("{:.5g}", ruler) : "-", m.cycles, m.r_squared,
-               m.amplitude);
+    fmt::print(out, "{:>14} {:>10} {:>12} {:>10} {:>23} {:>8.1f} {:>8.4f} {:>11.4g}\n",
+               value_of(m.frequency_hz), std_of(m.frequency_hz), value_of(m.damping_ratio),
+               std_of(m.damping_ratio), std::isfinite(ruler) ? fmt::format("{:.5g}", ruler) : "-",
+               m.cycles, m.r_squared, m.amplitude);
   }
   if (r.envelope.points.size() < 2) return;
   fmt::print(
       out, "\nalong the decay of the first ({}):\n{:>10} {:>12} {:>14} {:>10} {:>12} {:>10}\n",
       signal::name_of(r.envelope.law), "time s", "amplitude", "damped Hz", "std", "damping", "std");
   for (const auto& p : r.envelope.points) {
-    fmt::print(out, "{:>10.4g} {:>12.4g} {:>14.7g} {:>10.2g} {:>12.5g} {:>10.2g}\n",
-               start_s + p.time_s, p.amplitude, p.frequency_hz.value, p.frequency_hz.std,
-               p.damping_ratio.value, p.damping_ratio.std);
+    fmt::print(out, "{:>10.4g} {:>12.4g} {:>14} {:>10} {:>12} {:>10}\n", start_s + p.time_s,
+               p.amplitude, value_of(p.frequency_hz), std_of(p.frequency_hz),
+               value_of(p.damping_ratio), std_of(p.damping_ratio));
   }
-  fmt::print(out, "frequency drift {:+.3g} Hz (std {:.2g})\n", r.envelope.frequency_drift_hz.value,
-             r.envelope.frequency_drift_hz.std);
+  fmt::print(out, "frequency drift {} Hz (std {})\n", value_of(r.envelope.frequency_drift_hz),
+             std_of(r.envelope.frequency_drift_hz));
 }
 
 Json decays_json(const ident::ChannelDecays& found) {
@@ -148,17 +152,17 @@ void print(const ident::ChannelDecays& found, std::ostream& out) {
       continue;
     }
     const auto& m = decay.result->modes.front();
-    fmt::print(out, "{:>12.6g} {:>12.6g}  {:>14.7g} {:>10.2g} {:>12.5g} {:>10.2g}\n", decay.start_s,
-               decay.end_s, m.frequency_hz.value, m.frequency_hz.std, m.damping_ratio.value,
-               m.damping_ratio.std);
+    fmt::print(out, "{:>12.6g} {:>12.6g}  {:>14} {:>10} {:>12} {:>10}\n", decay.start_s,
+               decay.end_s, value_of(m.frequency_hz), std_of(m.frequency_hz),
+               value_of(m.damping_ratio), std_of(m.damping_ratio));
   }
   fmt::print(out,
              "\npooled over decays (mean, its standard uncertainty, scatter between decays):\n");
   for (const auto& m : found.pooled) {
-    fmt::print(out,
-               "{:>14.7g} Hz {:>9.2g} {:>9.2g}   damping {:>10.5g} {:>9.2g} {:>9.2g}   {} decays\n",
-               m.frequency_hz.value, m.frequency_hz.std, m.frequency_scatter_hz,
-               m.damping_ratio.value, m.damping_ratio.std, m.damping_ratio_scatter, m.decays);
+    fmt::print(out, "{:>14} Hz {:>9} {:>9}   damping {:>10} {:>9} {:>9}   {} decays\n",
+               value_of(m.frequency_hz), std_of(m.frequency_hz), std_digits(m.frequency_scatter_hz),
+               value_of(m.damping_ratio), std_of(m.damping_ratio),
+               std_digits(m.damping_ratio_scatter), m.decays);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "apps/cli/digits.h"
 #include "apps/cli/impact_command.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
@@ -108,21 +109,24 @@ void print(std::ostream& out, const signal::ModalResult& result) {
                      "damping, %", "+-", "MPC", "misfit");
   for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
     const auto& mode = result.model.modes[r];
-    const std::string damping = mode.damping_dominated_by_window
-                                    ? "refused"
-                                    : fmt::format("{:.4f}", 100 * mode.damping_ratio.value);
+    const std::string damping =
+        mode.damping_dominated_by_window
+            ? "refused"
+            : value_digits(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std);
     const std::string std =
-        mode.damping_dominated_by_window ? "" : fmt::format("{:.2g}", 100 * mode.damping_ratio.std);
-    out << fmt::format("{:>4} {:>12.6g} {:>10.2g} {:>11} {:>10} {:>6.3f} {:>7.2f}%  {}\n", r + 1,
-                       mode.frequency_hz.value, mode.frequency_hz.std, damping, std,
+        mode.damping_dominated_by_window ? "" : std_digits(100 * mode.damping_ratio.std);
+    out << fmt::format("{:>4} {:>12} {:>10} {:>11} {:>10} {:>6.3f} {:>7.2f}%  {}\n", r + 1,
+                       value_digits(mode.frequency_hz.value, mode.frequency_hz.std),
+                       std_digits(mode.frequency_hz.std), damping, std,
                        mode.modal_phase_collinearity, 100 * mode.reconstruction_error,
                        mode.doubtful ? "doubtful: " + mode.doubt : "");
   }
   for (const auto& mode : result.model.modes) {
     if (mode.refinement == "global" || mode.points.size() < 2) continue;
     out << fmt::format(
-        "{:.6g} Hz is the mean of {} points; scatter between them {:.2g} Hz{}\n",
-        mode.frequency_hz.value, mode.points.size(), mode.between_points_std_hz,
+        "{} Hz is the mean of {} points; scatter between them {} Hz{}\n",
+        value_digits(mode.frequency_hz.value, mode.frequency_hz.std), mode.points.size(),
+        std_digits(mode.between_points_std_hz),
         mode.has_trend ? fmt::format(", {:+.2g} Hz from point to point", mode.trend_hz.value) : "");
   }
   out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", result.low_hz,

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "apps/campaign_file/measured_modes.h"
+#include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
@@ -139,9 +140,19 @@ Json compared_json(const PredictCommand& command, const ident::ModePrediction& p
   if (command.plane == "in") plane = model::ModePlane::in;
   if (command.plane == "out") plane = model::ModePlane::out;
   std::vector<ident::MeasuredMode> measured;
-  for (auto& row : read_measured_modes(command.measured, command.column, plane, {})) {
-    measured.push_back(std::move(row.mode));
+  std::vector<MeasuredTableRow> rows;
+  if (is_universal_file(command.measured)) {
+    if (!command.column.empty()) {
+      throw UsageError(command.measured + " is a universal file: --column is of tables");
+    }
+    std::vector<std::string> remarks;
+    rows = read_uff_measured_modes(command.measured, plane, prediction.scene, {}, remarks);
+    for (const auto& remark : remarks) context.warn("universal_file", remark, command.measured);
+  } else {
+    rows = read_measured_modes(command.measured, command.column, plane, {});
   }
+  measured.reserve(rows.size());
+  for (auto& row : rows) measured.push_back(std::move(row.mode));
   Json list = Json::array();
   context.out << fmt::format("\n{:>13} {:>13} {:>10} {:>10}  in 95 %\n", "measured, Hz",
                              "predicted, Hz", "error", "over std");
@@ -210,9 +221,11 @@ void print(std::ostream& out, const ident::ModePrediction& prediction) {
                      "95 % interval", "plane", "family");
   for (std::size_t i = 0; i < prediction.modes.size(); ++i) {
     const auto& one = prediction.modes[i];
-    out << fmt::format("{:>4} {:>14.6g} {:>10.2g} {:>24}  {:<6} {}\n", i + 1,
-                       one.frequency_hz.value, one.frequency_hz.std,
-                       fmt::format("{:.6g} to {:.6g}", one.low_hz, one.high_hz),
+    out << fmt::format("{:>4} {:>14} {:>10} {:>24}  {:<6} {}\n", i + 1,
+                       value_digits(one.frequency_hz.value, one.frequency_hz.std),
+                       std_digits(one.frequency_hz.std),
+                       value_digits(one.low_hz, one.frequency_hz.std) + " to " +
+                           value_digits(one.high_hz, one.frequency_hz.std),
                        model::name_of(one.mode.plane), model::name_of(one.mode.family));
   }
 }
@@ -367,7 +380,9 @@ void add_predict(CLI::App& program, Verbs& verbs) {
       ->capture_default_str();
   app->add_option("--segments", c->segments, "Segments of every member, instead of the scene's")
       ->check(CLI::Range(2, 100000));
-  app->add_option("--measured", c->measured, "Table of measured frequencies to compare with")
+  app->add_option(
+         "--measured", c->measured,
+         "Table of measured frequencies, or universal file of modes (UFF 55), to compare with")
       ->type_name("F");
   app->add_option("--column", c->column, "Column of the frequencies in the table")
       ->type_name("NAME");

@@ -8,6 +8,7 @@
 #include "apps/campaign_file/cable_table.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_description.h"
+#include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
@@ -149,9 +150,11 @@ Json tension_table_result(const TensionTableCommand& command, VerbContext& conte
     json.update(tension_json(one.tension));
     const auto& T = one.tension.tension_N;
     const char* ends = ident::name_of(one.tension.candidates.front().ends);
-    context.out << fmt::format("{:<20} {:>14.6g} {:>10.2g} {:>28}  {}\n", one.name, T.value, T.std,
-                               fmt::format("{:.6g} to {:.6g}", one.tension.low, one.tension.high),
-                               ends);
+    context.out << fmt::format(
+        "{:<20} {:>14} {:>10} {:>28}  {}\n", one.name, value_digits(T.value, T.std),
+        std_digits(T.std),
+        value_digits(one.tension.low, T.std) + " to " + value_digits(one.tension.high, T.std),
+        ends);
     out += fmt::format("\"{}\",{:.8g},{:.4g},{:.8g},{:.8g},{:.8g},{:.8g},{:.6g},{},{}\n", one.name,
                        T.value, T.std, one.tension.low, one.tension.high, one.tension.start_N,
                        one.tension.end_N, one.tension.EI_Nm2.value, ends,

@@ -322,8 +322,10 @@ void add_update(CLI::App& program, Verbs& verbs) {
           "by sample; channels are called like the scene's sensors")
       ->check(CLI::ExistingFile);
   verb->add_option("--channel", options->data.decay_channel, "Channel of the decays");
-  verb->add_option("--tension", options->data.tensions,
-                   "Of each --frf, --decay and --response, N: the cables' tension in that state")
+  verb->add_option(
+          "--tension", options->data.tensions,
+          "N, of each universal file of --measured (or of none of them), then of each --frf, "
+          "--decay and --response: the cables' tension in that state")
       ->check(positive_number());
   verb->add_option("--band", options->band,
                    "Lines and modes of FRFs, decays and UFF 55 that count, Hz")

@@ -77,6 +77,27 @@ TEST(DecayTest, EachIsFittedAndTheirScatterIsToldFromTheUncertaintyOfTheMean) {
   EXPECT_NEAR(mode.damping_ratio.value, 0.01, 5 * mode.damping_ratio.std);
 }
 
+TEST(DecayTest, ARoundedRateIsInTheUncertaintyOfFrequenciesAndNotOfDamping) {
+  auto recording = taps({{1, 1}, {13, 0.6}, {25, 0.8}}, 37, 0.003, 4);
+  DecayTestOptions options;
+  options.each = true;
+  const auto exact = run_decay_test(recording, options);
+  recording.sample_rate_relative_std = 3e-4;
+  const auto rounded = run_decay_test(recording, options);
+  const auto &before = exact.channels.at(0), &after = rounded.channels.at(0);
+  const auto &a = before.strongest.modes.at(0), &b = after.strongest.modes.at(0);
+  const double common = 3e-4 * a.frequency_hz.value;
+  EXPECT_EQ(b.frequency_hz.value, a.frequency_hz.value);
+  EXPECT_DOUBLE_EQ(b.frequency_hz.std, std::hypot(a.frequency_hz.std, common));
+  EXPECT_EQ(b.damping_ratio.std, a.damping_ratio.std);
+  EXPECT_LT(b.frequency_interval_95_hz.low, b.frequency_hz.value - 1.95 * common);
+  // Three decays do not average it away.
+  EXPECT_GT(after.pooled.at(0).frequency_hz.std, common);
+  EXPECT_LT(before.pooled.at(0).frequency_hz.std, 0.5 * common);
+  ASSERT_EQ(after.findings.size(), before.findings.size() + 1);
+  EXPECT_EQ(after.findings.back().code, "rate_uncertainty");
+}
+
 TEST(DecayTest, TakesStartAndEndInTheFilesTime) {
   const auto recording = taps({{0, 1}}, 10, 0.002, 3);
   DecayTestOptions options;

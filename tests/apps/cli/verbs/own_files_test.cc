@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <nlohmann/json.hpp>
@@ -117,6 +118,49 @@ TEST(OwnFiles, HammerIsFoundByItsPulses) {
     const auto& mode = test.at("states").at(0).at("modes").at(0);
     EXPECT_NEAR(mode.at("frequency_hz").at("value").get<double>(), 25, 0.05);
   }
+}
+
+// A testing machine's export: titles of the machine's language, decimal commas, toe and yield.
+TEST(OwnFiles, BendingMachineWithoutTension) {
+  const TemporaryFolder folder;
+  constexpr double kStiffness = 8.4;  // N/mm
+  std::string text = "Datum;07.05.2024\n\nPrüfzeit;Standardweg;Standardkraft\ns;mm;N\n";
+  for (int i = 0; i < 300; ++i) {
+    const double d = 0.01 * i, x = std::max(0.0, d - 0.25);
+    const double load = kStiffness * (std::min(x, 2.0) + 0.3 * std::max(0.0, x - 2.0));
+    std::string line = fmt::format("{:.2f};{:.4f};{:.4f}\n", 0.1 * i, d, load);
+    std::replace(line.begin(), line.end(), '.', ',');
+    text += line;
+  }
+  const auto file = folder.write("Probe 1.csv", text);
+  const auto run = run_program({"bending", file, "--tension", "0", "--ends", "pinned", "--span",
+                                "0.1", "--rectangle", "0.01", "0.004", "--json", "-"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto test = parsed(run.out)["tests"][0];
+  EXPECT_EQ(test["ends"], "pinned");
+  EXPECT_EQ(test["tension_N"], 0);
+  // Four decimals of newtons: 1e-5 of the load; the break of the elastic part is left out.
+  EXPECT_NEAR(test["stiffness_N_m"]["value"].get<double>(), 1e3 * kStiffness, 1e-3 * 8400);
+  const double EI = 1e3 * kStiffness * 1e-3 / 48, I = 0.01 * std::pow(0.004, 3) / 12;
+  EXPECT_NEAR(test["EI_Nm2"]["value"].get<double>(), EI, 1e-3 * EI);
+  EXPECT_NEAR(test["modulus_Pa"]["value"].get<double>(), EI / I, 1e-3 * EI / I);
+
+  const auto without = run_program({"bending", file, "--span", "0.1"});
+  EXPECT_EQ(without.exit_code, 3);
+  EXPECT_THAT(without.err, HasSubstr("--tension 0"));
+  const auto campaign = run_program({"new", (folder.path() / "c").string(), "--from", file});
+  EXPECT_EQ(campaign.exit_code, 2);
+  EXPECT_THAT(campaign.err, HasSubstr("--tension 0"));
+  EXPECT_EQ(run_program({"bending", file, "--span", "0.1", "--ends", "pinned"}).exit_code, 2);
+
+  // Dead weights in grams: 0.5 N/mm.
+  std::string weights = "mass (g);deflection (mm)\n";
+  for (int i = 0; i < 8; ++i)
+    weights += fmt::format("{};{:.4f}\n", 50 * i, i * 0.05 * 9.80665 / 0.5);
+  const auto dead = run_program({"bending", folder.write("weights.csv", weights), "--tension", "0",
+                                 "--ends", "cantilever", "--span", "0.3", "--json", "-"});
+  ASSERT_EQ(dead.exit_code, 0) << dead.err;
+  EXPECT_NEAR(parsed(dead.out)["tests"][0]["stiffness_N_m"]["value"].get<double>(), 500, 0.1);
 }
 
 TEST(OwnFiles, AtAnotherRate) {
