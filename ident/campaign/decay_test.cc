@@ -93,9 +93,8 @@ void widen(signal::DecayResult& decay, double relative_std) {
 
 /// The uncertainty of the rate, common to all frequencies of a recording.
 void add_rate_uncertainty(double relative_std, ChannelDecays& found) {
-  const double own = found.strongest.modes.empty()
-                         ? std::numeric_limits<double>::infinity()
-                         : found.strongest.modes.front().frequency_hz.std;
+  const double own = found.strongest.modes.empty() ? std::numeric_limits<double>::infinity()
+                                                   : found.strongest.modes.front().frequency_hz.std;
   widen(found.strongest, relative_std);
   for (auto& decay : found.decays) {
     if (decay.result) widen(*decay.result, relative_std);
