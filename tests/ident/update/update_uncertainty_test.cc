@@ -265,5 +265,26 @@ TEST(ExactInputs, AreNamedWithWhatTheyChange) {
   EXPECT_NEAR(found(stated, "lengths"), 4 * 2.1, 0.01 * 4 * 2.1);
 }
 
+// A load cell's reading of each state with its uncertainty: readings to 1e-4 beside frequencies
+// that are known to 10 % keep the tensions where they were read, to that.
+TEST(Priors, AtEachStatesOwnValue) {
+  std::vector<UpdateState> states;
+  for (const double tension : {150.0, 250.0}) {
+    states.push_back({"", cable(tension, 0.6, 20),
+                      exact(cable(1.05 * tension, 0.6, 20), ModePlane::out, 3, 0.1)});
+  }
+  UpdateOptions options;
+  options.segment_uncertainty = false;
+  options.starts = 1;
+  FreeParameter tension{.name = "cable.tension"};
+  tension.per_state = true;
+  tension.prior_relative_std = 1e-4;
+  const auto result = update_model(states, {tension}, options);
+  ASSERT_EQ(result.parameters.size(), 2u);
+  EXPECT_NEAR(result.parameters[0].value, 150, 4e-4 * 150);
+  EXPECT_NEAR(result.parameters[1].value, 250, 4e-4 * 250);
+  EXPECT_NEAR(result.parameters[1].std, 250e-4, 0.05 * 250e-4);
+}
+
 }  // namespace
 }  // namespace rigfit::ident::update_uncertainty_test
