@@ -29,9 +29,6 @@ constexpr Index kLines = 8;        // and at least so many lines on either side
 constexpr double kOverlap = 4.5;
 /// Decay rate over the line spacing, of a half left at the end of a record.
 constexpr double kSteady = 0.693;
-/// Poles of a hit that are this part of their distance uncertain are told apart, near enough to
-/// where they are that the fit is linear in them.
-constexpr double kToldApart = 0.25;
 /// Least peak of a neighbour in hits, of its peak in the average, both over the mode's.
 constexpr double kLeastPeak = 1.0 / 3;
 
