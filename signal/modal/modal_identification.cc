@@ -7,7 +7,7 @@
 #include <complex>
 #include <utility>
 
-#include "signal/modal/amplitude_limit.h"
+#include "signal/amplitude/amplitude_limit.h"
 #include "signal/modal/hit_scatter.h"
 #include "signal/modal/local_modes.h"
 #include "signal/modal/mac.h"

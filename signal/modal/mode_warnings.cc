@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/modal/combination_tones.h"
+#include "signal/amplitude/combination_tones.h"
 #include "signal/modal/mode_changes.h"
 #include "signal/numerics/numbers.h"
 

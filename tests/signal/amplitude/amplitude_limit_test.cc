@@ -1,4 +1,4 @@
-#include "signal/modal/amplitude_limit.h"
+#include "signal/amplitude/amplitude_limit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "signal/modal/combination_tones.h"
+#include "signal/amplitude/combination_tones.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "signal/modal/amplitude_limit.h"
+#include "signal/amplitude/amplitude_limit.h"
 
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "signal/modal/amplitude_trend.h"
+#include "signal/amplitude/amplitude_trend.h"
 #include "signal/modal/mode_changes.h"
 #include "signal/modal/point_poles.h"
 #include "signal/numerics/numbers.h"

@@ -1,4 +1,4 @@
-#include "signal/modal/amplitude_trend.h"
+#include "signal/amplitude/amplitude_trend.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
