@@ -17,8 +17,8 @@ namespace rigfit::ident {
 namespace {
 
 constexpr int kMostSegments = 5;
-constexpr int kLeastBins = 3;      // of a segment
-constexpr double kToeLoad = 0.25;  // share of the load range
+constexpr std::size_t kLeastBins = 3;  // of a segment
+constexpr double kToeLoad = 0.25;      // share of the load range
 constexpr double kStopSlope = 3;
 
 struct CurveBin {
