@@ -68,7 +68,8 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
 
         Here ``{"cable.EI": (0.6, 0.02)}``.
     tension : float or list of float, optional
-        Of each `frf`, `decay` and `response`, N: the cables' tension in that state.
+        N, of each universal file of `measured` (or of none of them), then of each `frf`, `decay` and `response`: the
+        cables' tension in that state.
     plane : str or list of str, optional
         Plane of each file: in, out or any.
     column : str, optional
@@ -240,7 +241,7 @@ def predict(scene, fit, *, map=None, count=None, segments=None, measured=None, c
     segments : int, optional
         Segments of every member, instead of the scene's (2 to 100000).
     measured : path, ModalResult, array of frequencies or list of dict, optional
-        Table of measured frequencies to compare with.
+        Table of measured frequencies, or universal file of modes (UFF 55), to compare with.
     column : str, optional
         Column of the frequencies in the table.
     plane : {"any", "in", "out"}
