@@ -96,6 +96,7 @@ Json fit_json(const ident::UpdateFit& fit) {
   return {{"chi2", fit.chi2},
           {"degrees_of_freedom", fit.degrees_of_freedom},
           {"p_value", json_number(fit.p_value)},
+          {"chi2_by_inputs", fit.by_inputs},
           {"uncertainties", fit.stated ? "stated" : "assumed"},
           {"model_std", fit.model_std},
           {"frf_model_std", fit.frf_model_std},

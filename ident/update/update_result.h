@@ -71,6 +71,7 @@ struct UpdatedUnpaired {
 /// the states of a mode and by the modes of a state where that makes more of it.
 struct UpdateFit {
   double chi2 = 0, degrees_of_freedom = 0;
+  double by_inputs = 0;  ///< so much larger chi2 were, had the inputs no uncertainty; 0: not needed
   double p_value = std::numeric_limits<double>::quiet_NaN();  ///< NaN: no degree of freedom
   bool stated = false;   ///< the uncertainties came with the data; else they are assumed
   double model_std = 0;  ///< relative in frequency, of that random effect

@@ -10,9 +10,6 @@
 
 namespace rigfit::ident {
 
-/// Probability of a misfit below which the model errs.
-inline constexpr double kUnlikelyMisfit = 0.05;
-
 /// Fits of FRFs: moves `answer` to the minimum with the inputs that lines share, then, where the
 /// misfit asks for it, with an error of the model in every line (`result.fit`). `settled` becomes
 /// the problem of that minimum. Nothing without FRFs.

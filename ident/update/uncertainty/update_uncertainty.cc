@@ -21,10 +21,10 @@ using Changed = std::function<bool(const UpdateProblem&, Eigen::VectorXd&)>;
 
 // `correlated`: what lines that err together make of a coordinate's variance, over that of
 // independent lines with the stated uncertainties; 0: no such lines.
+// `chi2`: with what the inputs explain.
 void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& options,
-                           double correlated, UpdateResult& result) {
-  const double reduced =
-      result.degrees_of_freedom > 0 ? result.chi_squared / result.degrees_of_freedom : kNaN;
+                           double correlated, double chi2, UpdateResult& result) {
+  const double reduced = result.degrees_of_freedom > 0 ? chi2 / result.degrees_of_freedom : kNaN;
   // Stated uncertainties are trusted unless the scatter contradicts them; assumed ones are not.
   // Priors and a stated error of the model do not shrink because assumed ones were too large.
   const bool stated = problem.uncertainties_known();
@@ -135,8 +135,12 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   J = weights.asDiagonal() * J;
   result.chi_squared = r.squaredNorm();
   result.degrees_of_freedom = static_cast<double>(r.size() - n) - problem.shared_residuals();
+  double chi2 = result.chi_squared;
+  if (result.fit.by_inputs > 0) {
+    chi2 = std::min(chi2, chi2_with_inputs(problem, matches, q).value_or(chi2));
+  }
   state_variance_factor(problem, options, correlated_variance_factor(problem, matches, q, r, J),
-                        result);
+                        chi2, result);
 
   Eigen::VectorXd scales = Eigen::VectorXd::Ones(n);
   for (Eigen::Index j = 0; j < n; ++j) {

@@ -286,5 +286,35 @@ TEST(Priors, AtEachStatesOwnValue) {
   EXPECT_NEAR(result.parameters[1].std, 250e-4, 0.05 * 250e-4);
 }
 
+// Frequencies of a cable of another EI than the model's: a misfit that grows with the mode.
+UpdateResult tension_beside_uncertain_stiffness(double EI_std) {
+  UpdateState state;
+  state.scene = cable(200, 0.6, 60);
+  state.measured = exact(cable(201, 0.6072, 60), ModePlane::in, 6, 1e-4);
+  UpdateOptions options;
+  options.segment_uncertainty = false;
+  options.inputs = {{"EI", {{0, "cable.EI", EI_std}}}};
+  return update_model({state}, {FreeParameter{"cable.tension"}}, options);
+}
+
+TEST(UpdateUncertainty, AMisfitThatAnInputExplainsIsNoErrorOfTheModel) {
+  const auto fit = tension_beside_uncertain_stiffness(0.006);  // off by 1.2 of it
+  EXPECT_FALSE(fit.fit.ruled_out());
+  EXPECT_GT(fit.fit.by_inputs, 20);
+  EXPECT_EQ(fit.fit.model_std, 0);
+  // 1.2^2 of the input, nothing else: the data are exact. The second order of a change of 1.2 % is
+  // 2e-5 in frequency, a fifth of a standard deviation.
+  EXPECT_NEAR(fit.fit.chi2, 1.44, 0.15);
+  const auto& tension = fit.parameters.at(0);
+  EXPECT_NEAR(tension.value, 201, 2 * tension.std);
+  EXPECT_EQ(fit.variance_factor, 1);
+}
+
+TEST(UpdateUncertainty, AMisfitThatAnInputCannotExplainStillRulesTheModelOut) {
+  const auto fit = tension_beside_uncertain_stiffness(0.0006);
+  EXPECT_TRUE(fit.fit.ruled_out());
+  EXPECT_GT(fit.fit.model_std, 0);
+}
+
 }  // namespace
 }  // namespace rigfit::ident::update_uncertainty_test
