@@ -124,8 +124,9 @@ struct CampaignResult {
 };
 
 /// Works through tests and fits on `threads` threads; the numbers do not depend on how many. Throws
-/// std::invalid_argument for options that make no sense, model::SceneError for parameters that a
-/// scene does not have; what recordings hold is refused in the findings.
+/// std::invalid_argument for options that make no sense, std::out_of_range for a test or fit that
+/// is named and not there, model::SceneError for parameters that a scene does not have; what
+/// recordings hold is refused in the findings.
 [[nodiscard]] CampaignResult run_campaign(CampaignInputs inputs);
 
 }  // namespace rigfit::ident

@@ -102,7 +102,7 @@ TEST(Campaign, IsTheFitAndTheModelThatItsPartsGiveByThemselves) {
   EXPECT_EQ(alone.result.parameters[0].std, result.fits[0].outcome.result.parameters[0].std);
 }
 
-TEST(Campaign, DecaysAreThoseOfTheDecayTestAndTheFitAnswersBesideTheScene) {
+TEST(Campaign, DecaysAreThoseOfTheDecayTestAndAMissingChannelIsRefused) {
   auto inputs = campaign(0.05);
   DecayInputs decays;
   const std::string file = kData + "/virtual_laboratory/cable-in-plane/rig/T200N-release.uff";
