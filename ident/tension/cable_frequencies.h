@@ -36,8 +36,14 @@ struct CableFrequencies {
   std::vector<double> in_hz, out_hz;
 };
 
+/// Roots of the last call, from which those of a neighbouring beam are found in two or three steps.
+struct CableRoots {
+  std::vector<double> straight, sagging;  ///< wave numbers times L / 2; 0: not known
+};
+
 /// The first `count` of each plane, or those up to and including the first at `limit_hz` or above.
+/// `near` is read and rewritten.
 [[nodiscard]] CableFrequencies cable_frequencies(const SaggingBeam& cable, int count,
-                                                 double limit_hz);
+                                                 double limit_hz, CableRoots* near = nullptr);
 
 }  // namespace rigfit::ident

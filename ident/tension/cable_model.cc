@@ -126,8 +126,8 @@ SaggingBeam CableModel::beam(const CableState& state, bool sags) const {
 }
 
 CableFrequencies CableModel::frequencies(const CableState& state, int count,
-                                         double limit_hz) const {
-  auto found = cable_frequencies(beam(state, true), count, limit_hz);
+                                         double limit_hz, CableRoots* near) const {
+  auto found = cable_frequencies(beam(state, true), count, limit_hz, near);
   apply(correction_.in, found.in_hz);
   apply(correction_.out, found.out_hz);
   return found;

@@ -53,7 +53,7 @@ CableState TensionFit::at(const Eigen::VectorXd& unknowns) const {
 CableState TensionFit::state() const { return at(unknowns_); }
 
 void TensionFit::residuals(const Eigen::VectorXd& unknowns, Eigen::VectorXd& values) {
-  const auto modelled = model_.frequencies(at(unknowns), count_, kFar);
+  const auto modelled = model_.frequencies(at(unknowns), count_, kFar, &roots_);
   values.resize(pairs_);
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < modes_.size(); ++i) {

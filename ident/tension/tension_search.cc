@@ -108,11 +108,12 @@ class Search {
     const double limit = 1.3 * data_.highest_hz;
     for (double ln_upper = ln_high; ln_upper > ln_low;) {
       const double ln_lower = std::max(ln_low, ln_upper - step);
-      const auto lower = model_.frequencies(state_at(ln_lower), kMaxOrder, limit);
+      const auto lower = model_.frequencies(state_at(ln_lower), kMaxOrder, limit, &roots_);
       // As many modes of the upper tension as of the lower one.
       const auto count = static_cast<int>(std::max(lower.in_hz.size(), lower.out_hz.size()));
       const auto upper =
-          model_.frequencies(state_at(ln_upper), count, std::numeric_limits<double>::infinity());
+          model_.frequencies(state_at(ln_upper), count, std::numeric_limits<double>::infinity(),
+                             &roots_);
       hypotheses(lower, upper, ln_lower, ln_upper);
       data_.list(lower, listed_);
       if (bound() < best_score_ - 30) return;  // and below there are only more modes not seen
@@ -187,6 +188,7 @@ class Search {
   const CableModel& model_;
   const TensionData& data_;
   std::vector<Listed> listed_;
+  CableRoots roots_;
   std::map<std::vector<int>, Assignment> found_;
   double EA_ = 1;
   double best_score_ = -std::numeric_limits<double>::infinity();
