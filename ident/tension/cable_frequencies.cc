@@ -26,7 +26,7 @@ class HalfBeam {
   /// Root n of the beam without sag: n = 0 the first symmetric one, 1 the first antisymmetric one.
   /// Newton from `near` (0: unknown); where that does not end, a fixed point, the right side
   /// positive, with Aitken's extrapolation.
-  [[nodiscard]] double straight(int n, double near) const {
+  [[nodiscard]] double straight(int n, double near, double last_step) const {
     const double base = (n + 1) * kPi / 2;
     const bool symmetric = n % 2 == 0;
     if (near > base && near < base + kPi / 2) {
@@ -37,7 +37,7 @@ class HalfBeam {
                             (1 - right.slope / (1 + right.value * right.value));
         b -= step;
         if (!(b >= base && b <= base + kPi / 2)) break;
-        if (std::abs(step) < kNewtonEnd * b) return b;
+        if (std::abs(step) < last_step * b) return b;
       }
     }
     const auto next = [&](double b) { return base + std::atan(right_side(b, symmetric).value); };
@@ -53,14 +53,14 @@ class HalfBeam {
 
   /// Root between two neighbouring symmetric ones without sag, the only one there. Newton from
   /// `near` (0: unknown), else a bracketed search.
-  [[nodiscard]] double sagging(double low, double high, double near) const {
+  [[nodiscard]] double sagging(double low, double high, double near, double last_step) const {
     double b = near > low && near < high ? near : low;
     for (int i = 0; i < kNewtonSteps; ++i) {
       const auto here = misfit(b);
       const double step = here.value / here.slope;
       b -= step;
-      if (!(b > low * (1 - kNewtonEnd) && b < high)) break;
-      if (std::abs(step) < kNewtonEnd * b) return std::max(b, low);
+      if (!(b > low * (1 - kRounding) && b < high)) break;
+      if (std::abs(step) < last_step * b) return std::max(b, low);
     }
     return bracketed(low, high);
   }
@@ -107,9 +107,8 @@ class HalfBeam {
     const double a = std::sqrt(b * b + ratio_);
     const auto t = hyperbolic_tangent(a);
     const double H = symmetric ? a * t.value : a / t.value;
-    const double dH = symmetric
-                          ? b / a * (t.value + a * t.slope)
-                          : b / a * (1 - a * t.slope / t.value) / t.value;
+    const double dH =
+        symmetric ? b / a * (t.value + a * t.slope) : b / a * (1 - a * t.slope / t.value) / t.value;
     if (std::isinf(spring_)) return {b / H, (H - b * dH) / (H * H)};
     const double D = a * a + b * b + spring_ * H, dD = 4 * b + spring_ * dH;
     return {spring_ * b / D, spring_ * (D - b * dD) / (D * D)};
@@ -124,7 +123,8 @@ class HalfBeam {
                  dN = clamped ? s + b * c : 2 * b * c - b * b * s + spring_ * (s + b * c),
                  M = clamped ? H : a * a + spring_ * H, dM = clamped ? dH : 2 * b + spring_ * dH;
     const double share = N / M, dshare = (dN - share * dM) / M;
-    const double inertia = b * b * (1 + b * b / ratio_), dinertia = 2 * b * (1 + 2 * b * b / ratio_);
+    const double inertia = b * b * (1 + b * b / ratio_),
+                 dinertia = 2 * b * (1 + 2 * b * b / ratio_);
     const double t_a = t.value / a, dt_a = b / (a * a) * (t.slope - t_a);
     return {(share + c) * (inertia - sag_) + sag_ * (share * t_a + s / b),
             (dshare - s) * (inertia - sag_) + (share + c) * dinertia +
@@ -132,8 +132,7 @@ class HalfBeam {
   }
 
   static constexpr int kNewtonSteps = 6;
-  /// Relative step after which the next one is below rounding: Newton's error is squared.
-  static constexpr double kNewtonEnd = 1e-8;
+  static constexpr double kRounding = 1e-12;  ///< of a root that sag does not move
 
   double half_, ratio_, spring_, sag_, scale_;
 };
@@ -151,13 +150,13 @@ CableFrequencies cable_frequencies(const SaggingBeam& cable, int count, double l
     if (roots.straight.size() <= i) roots.straight.resize(i + 1, 0);
     double& b = roots.straight[i];
     if (b == 0 && n > 0) b = roots.straight[i - 1] + kPi / 2;
-    return b = beam.straight(n, b);
+    return b = beam.straight(n, b, roots.last_step);
   };
   std::size_t sagging_count = 0;
   const auto sagging = [&](double low, double high) {
     if (roots.sagging.size() <= sagging_count) roots.sagging.push_back(0);
     double& b = roots.sagging[sagging_count++];
-    return b = beam.sagging(low, high, b);
+    return b = beam.sagging(low, high, b, roots.last_step);
   };
   double symmetric = 0;  // the last symmetric root
   for (int n = 0; n < count; ++n) {

@@ -39,6 +39,9 @@ struct CableFrequencies {
 /// Roots of the last call, from which those of a neighbouring beam are found in two or three steps.
 struct CableRoots {
   std::vector<double> straight, sagging;  ///< wave numbers times L / 2; 0: not known
+  /// Relative step after which a root counts as found, its error of the order of the square; 1: one
+  /// step, for difference quotients over 1e-4 or less.
+  double last_step = 1e-8;
 };
 
 /// The first `count` of each plane, or those up to and including the first at `limit_hz` or above.

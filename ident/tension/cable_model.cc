@@ -125,8 +125,8 @@ SaggingBeam CableModel::beam(const CableState& state, bool sags) const {
           sags ? lambda_squared(state) : 0};
 }
 
-CableFrequencies CableModel::frequencies(const CableState& state, int count,
-                                         double limit_hz, CableRoots* near) const {
+CableFrequencies CableModel::frequencies(const CableState& state, int count, double limit_hz,
+                                         CableRoots* near) const {
   auto found = cable_frequencies(beam(state, true), count, limit_hz, near);
   apply(correction_.in, found.in_hz);
   apply(correction_.out, found.out_hz);

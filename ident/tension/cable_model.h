@@ -48,8 +48,8 @@ class CableModel {
   explicit CableModel(const CableDescription& cable, CableCorrection correction = {});
 
   /// As cable_frequencies, the correction applied.
-  [[nodiscard]] CableFrequencies frequencies(const CableState& state, int count,
-                                             double limit_hz, CableRoots* near = nullptr) const;
+  [[nodiscard]] CableFrequencies frequencies(const CableState& state, int count, double limit_hz,
+                                             CableRoots* near = nullptr) const;
   [[nodiscard]] const CableDescription& cable() const { return cable_; }
   [[nodiscard]] const CableCorrection& correction() const { return correction_; }
   [[nodiscard]] double axial_rigidity(double tension_N) const;

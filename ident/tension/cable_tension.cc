@@ -15,6 +15,7 @@
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
+
 namespace {
 
 using signal::Estimate;
@@ -22,30 +23,49 @@ using signal::kNaN;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-constexpr double kSettled = 3e-5;  // of ln f
+constexpr double kSettled = 3e-5;   // of ln f
+constexpr double kSameCell = 1e-3;  // of ln T, ln EI, ln k: fits of one cell from two starts
 
-/// `best`: ln of the evidence of the best answer with other ends.
-void evaluate(EndsPosterior& one, const TensionData& data,
-              const std::vector<Assignment>& assignments, double best) {
+/// Whether the heaviest cell of an answer is one of another answer: two starts have led to one.
+bool contained(const TensionAnswer& answer, const TensionAnswer& other) {
+  if (answer.modes != other.modes) return false;
+  const auto& cell = answer.cells[answer.best];
+  const auto near = [](double a, double b) {
+    return a == b || std::abs(std::log(a / b)) < kSameCell;
+  };
+  return std::any_of(other.cells.begin(), other.cells.end(), [&](const auto& one) {
+    return std::abs(one.ln_tension - cell.ln_tension) < kSameCell &&
+           one.model_std == cell.model_std && near(one.state.EI_Nm2, cell.state.EI_Nm2) &&
+           near(one.state.spring_Nm_rad, cell.state.spring_Nm_rad);
+  });
+}
+
+/// `best`: ln of the evidence of the best answer with other ends. Returns for each assignment
+/// whether it led to an answer that none before it did.
+std::vector<bool> evaluate(EndsPosterior& one, const TensionData& data,
+                           const std::vector<Assignment>& assignments, double best) {
   one.answers.clear();
-  for (const auto& assignment : assignments) {
+  std::vector<bool> led(assignments.size(), false);
+  for (std::size_t i = 0; i < assignments.size(); ++i) {
+    const auto& assignment = assignments[i];
     auto answer = tension_answer(one.model, data, one.ends, assignment, best);
     if (answer.cells.empty() || !std::isfinite(answer.ln_evidence)) continue;
     best = std::max(best, answer.ln_evidence);
-    // Two starts can end in one answer.
-    const bool known = std::any_of(one.answers.begin(), one.answers.end(), [&](const auto& other) {
-      return other.modes == answer.modes && std::abs(other.cells[other.best].ln_tension -
-                                                     answer.cells[answer.best].ln_tension) < 0.03;
-    });
-    if (!known) one.answers.push_back(std::move(answer));
+    const bool known = std::any_of(one.answers.begin(), one.answers.end(),
+                                   [&](const auto& other) { return contained(answer, other); });
+    if (known) continue;
+    led[i] = true;
+    std::erase_if(one.answers, [&](const auto& other) { return contained(other, answer); });
+    one.answers.push_back(std::move(answer));
   }
   std::stable_sort(one.answers.begin(), one.answers.end(),
                    [](const auto& a, const auto& b) { return a.ln_evidence > b.ln_evidence; });
-  if (one.answers.empty()) return;
+  if (one.answers.empty()) return led;
   const double top = one.answers.front().ln_evidence;
   double sum = 0;
   for (const auto& answer : one.answers) sum += std::exp(answer.ln_evidence - top);
   one.ln_evidence = top + std::log(sum);
+  return led;
 }
 
 /// The correction at a state of the heaviest answer; returns by how much it changes ln f of a
@@ -184,17 +204,21 @@ void describe(const CableModel& model, TensionResult& result) {
                      zui_tension(input)};
 }
 
-/// Those of the assignments that are within exp(-20) of the best with pinned or clamped ends, which
-/// springs lie between; all where neither has been evaluated.
+/// Those of the assignments that `led` to answers of their own with pinned or clamped ends, which
+/// springs lie between, and are there within exp(-20) of the best; all where neither has been
+/// evaluated.
 std::vector<Assignment> likely(const std::vector<EndsPosterior>& all,
-                               const std::vector<Assignment>& assignments) {
+                               const std::vector<Assignment>& assignments,
+                               const std::vector<bool>& led) {
   double best = -kInf;
   for (const auto& one : all) {
     if (one.ends != CableEnds::springs) best = std::max(best, one.ln_evidence);
   }
   if (!std::isfinite(best)) return assignments;
   std::vector<Assignment> kept;
-  for (const auto& assignment : assignments) {
+  for (std::size_t i = 0; i < assignments.size(); ++i) {
+    const auto& assignment = assignments[i];
+    if (!led[i]) continue;
     const bool good = std::any_of(all.begin(), all.end(), [&](const auto& one) {
       return one.ends != CableEnds::springs &&
              std::any_of(one.answers.begin(), one.answers.end(), [&](const auto& answer) {
@@ -212,7 +236,7 @@ std::vector<Assignment> surviving(const EndsPosterior& one) {
   for (const auto& answer : one.answers) {
     if (answer.ln_evidence < one.answers.front().ln_evidence - 30) break;
     const auto state = answer.state();
-    kept.push_back({answer.modes, 0, std::log(state.tension_N), state.EA});
+    kept.push_back({answer.modes, 0, std::log(state.tension_N), state.EA, answer.ln_prior});
   }
   return kept;
 }
@@ -230,7 +254,7 @@ double settle(EndsPosterior& one, const TensionData& data, double best) {
       state = refitted(one.model, data, one.answers.front().modes, state);
       change = correct(one, state);
     }
-    evaluate(one, data, surviving(one), best);
+    (void)evaluate(one, data, surviving(one), best);
   }
   return first;
 }
@@ -250,10 +274,15 @@ std::vector<EndsPosterior> posteriors(const CableDescription& cable, const Tensi
     const auto assignments = search_assignments(searched, data);
     double change = 0;
     const EndsPosterior* heaviest = nullptr;
+    std::vector<bool> led(assignments.size(), false);
     for (auto& one : all) {
       const double best = heaviest != nullptr ? heaviest->ln_evidence : -kInf;
-      const auto tried = one.ends == CableEnds::springs ? likely(all, assignments) : assignments;
-      evaluate(one, data, tried, best);
+      if (one.ends == CableEnds::springs) {
+        (void)evaluate(one, data, likely(all, assignments, led), best);
+      } else {
+        const auto new_ones = evaluate(one, data, assignments, best);
+        for (std::size_t i = 0; i < led.size(); ++i) led[i] = led[i] || new_ones[i];
+      }
       if (one.answers.empty()) continue;
       change = std::max(change, settle(one, data, best));
       if (!one.answers.empty() && (heaviest == nullptr || one.ln_evidence > heaviest->ln_evidence))

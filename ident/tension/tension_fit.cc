@@ -5,13 +5,14 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace rigfit::ident {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kFloor = 1e-14;      // of a variance of ln f: frequencies without an uncertainty
-constexpr double kSlopeStep = 1e-4;   // in ln of an unknown
+constexpr double kSlopeStep = 1e-5;   // in ln of an unknown
 constexpr double kSlopeReach = 0.02;  // in ln T: how far slopes serve
 constexpr double kLongWay = 2.5;      // in ln T
 
@@ -75,6 +76,7 @@ void TensionFit::slopes() {
   }
   slope_.resize(pairs_, unknowns_.size());
   Eigen::VectorXd moved = unknowns_, stepped;
+  const double last_step = std::exchange(roots_.last_step, 1);
   for (Eigen::Index j = 0; j < unknowns_.size(); ++j) {
     const double scale = j == 0 ? 1 : inputs_[static_cast<std::size_t>(j) - 1].std;
     moved[j] += kSlopeStep / scale;
@@ -82,6 +84,7 @@ void TensionFit::slopes() {
     moved[j] = unknowns_[j];
     slope_.col(j) = (residual_ - stepped) / (kSlopeStep / scale);
   }
+  roots_.last_step = last_step;
   slope_at_ = unknowns_;
   slope_state_ = here;
 }

@@ -49,9 +49,12 @@ struct GridPoint {
   }
 };
 
-constexpr double kMatters = 10;       // below the top, in ln
-constexpr double kMattersAtAll = 14;  // below the best answer, in ln
-constexpr double kSmoothStep = 1;     // of ln between neighbours that resolve a density
+constexpr double kMatters = 10;  // below the top, in ln
+// Below the best answer, in ln: where a peak is still looked for, its flanks being seen first, and
+// where weights must be right: all below together has less than a thousandth of the weight.
+constexpr double kMattersAtAll = 18, kCounts = 10;
+constexpr double kClimb = 3;       // below the top of a peak that is looked for, in ln
+constexpr double kSmoothStep = 1;  // of ln between neighbours that resolve a density
 
 /// Whether the interval after point i needs a point between. A peak between coarse points is seen
 /// by the parabola through three of them. Nothing below `matters` does.
@@ -83,8 +86,8 @@ bool needs_point(const std::vector<GridPoint>& points, std::size_t i, double mat
 }
 
 /// Cells of a density over a range: points are added until it is resolved for every value of t
-/// that matters, within exp(-kMatters) of the top and above `floor`; weights of the trapezoidal
-/// rule.
+/// that matters, within exp(-kMatters) of the top; where the top is far below the best answer, only
+/// as near to it as finds a higher one, and nothing below `floor`. Weights of the trapezoidal rule.
 template <class Evaluate>
 std::vector<TensionCell> resolved(const Range& range, int count, double floor,
                                   const Evaluate& evaluate) {
@@ -105,9 +108,11 @@ std::vector<TensionCell> resolved(const Range& range, int count, double floor,
     for (const auto& one : points)
       top = std::max(top, *std::max_element(one.ln.begin(), one.ln.end()));
     if (!std::isfinite(top)) break;
+    const double matters =
+        std::max({top - kMatters, floor, std::min(top - kClimb, floor + kMattersAtAll - kCounts)});
     std::vector<GridPoint> added;
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-      if (needs_point(points, i, std::max(top - kMatters, floor)))
+      if (needs_point(points, i, matters))
         added.push_back(point((points[i].at + points[i + 1].at) / 2));
     }
     if (added.empty()) break;
@@ -133,33 +138,6 @@ double spring_of(double q, double EI, double tension, double L) {
   return q * EI * (L * std::sqrt(tension / EI) + 4) / L;
 }
 
-/// ln of the part of the likelihood that the assignment alone has, at a state.
-double ln_of_assignment(const CableModel& model, const TensionData& data,
-                        const std::vector<AssignedMode>& modes, const CableState& state) {
-  std::vector<TensionData::Listed> listed;
-  data.list(model.frequencies(state, 200, 1.05 * data.highest_hz), listed);
-  double ln = 0;
-  std::vector<bool> taken(listed.size(), false);
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    if (modes[i].order < 0) {
-      ln += data.ln_false;
-      continue;
-    }
-    const auto found = std::find_if(listed.begin(), listed.end(),
-                                    [&](const auto& one) { return one.mode == modes[i]; });
-    if (found == listed.end()) {  // beyond the list: as the last of it
-      ln += data.ln_pair(i, listed.back());
-      continue;
-    }
-    taken[static_cast<std::size_t>(found - listed.begin())] = true;
-    ln += data.ln_pair(i, *found);
-  }
-  for (std::size_t j = 0; j < listed.size(); ++j) {
-    if (!taken[j] && listed[j].ln_hz < std::log(data.highest_hz)) ln += listed[j].ln_unseen;
-  }
-  return ln;
-}
-
 }  // namespace
 
 bool EI_is_exact(const CableDescription& cable) {
@@ -183,10 +161,8 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
   // Without a grid of its own: exact, or one of the inputs that the fit moves.
   const bool exact =
       EI_is_exact(cable) || (given && cable.EI_Nm2->std <= kNormalEI * cable.EI_Nm2->value);
-  // What is a millionth of the best answer needs no fine grid. An unpaired frequency costs
-  // ln_false.
-  const auto unpaired = static_cast<int>(answer.modes.size()) - local.pairs();
-  const double floor = ln_evidence_of_best - kMattersAtAll - unpaired * data.ln_false;
+  // What is far below the best answer needs no fine grid.
+  const double floor = ln_evidence_of_best - kMattersAtAll - assignment.ln_prior;
   CableState start{std::exp(assignment.ln_tension)};
   start.EA = assignment.EA;
   const CableState first = start;
@@ -248,8 +224,10 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
       std::max_element(answer.cells.begin(), answer.cells.end(),
                        [](const auto& a, const auto& b) { return a.ln_weight < b.ln_weight; }) -
       answer.cells.begin());
-  const double ln_a = ln_of_assignment(model, data, answer.modes, answer.state());
-  for (auto& cell : answer.cells) cell.ln_weight += ln_a;
+  std::vector<TensionData::Listed> listed;
+  data.list(model.frequencies(answer.state(), 200, 1.05 * data.highest_hz), listed);
+  answer.ln_prior = data.ln_assigned(answer.modes, listed);
+  for (auto& cell : answer.cells) cell.ln_weight += answer.ln_prior;
   answer.ln_evidence = ln_sum(answer.cells);
   return answer;
 }

@@ -39,6 +39,7 @@ struct Assignment {
   double score = 0;                 ///< of the search
   double ln_tension = 0;            ///< there
   double EA = 1;                    ///< factor there
+  double ln_prior = 0;              ///< there: TensionData::ln_assigned
 };
 
 /// One value of (EI, k, t): ln T and the uncertain inputs are normal (tension_fit.h).
@@ -59,6 +60,7 @@ struct TensionCell {
 struct TensionAnswer {
   std::vector<AssignedMode> modes;
   double ln_evidence = -std::numeric_limits<double>::infinity();
+  double ln_prior = 0;             ///< TensionData::ln_assigned at the heaviest cell
   std::vector<TensionCell> cells;  ///< those within exp(-18) of the heaviest
   std::size_t best = 0;            ///< the heaviest
   [[nodiscard]] CableState state() const { return cells[best].state; }  ///< of the heaviest
@@ -79,6 +81,9 @@ class TensionData {
   void list(const CableFrequencies& frequencies, std::vector<Listed>& listed) const;
   /// ln of the probability density factor of pairing measured i with a mode, without the normal.
   [[nodiscard]] double ln_pair(std::size_t i, const Listed& listed) const;
+  /// ln of the part of the likelihood that an assignment has whatever the frequencies' misfit.
+  [[nodiscard]] double ln_assigned(const std::vector<AssignedMode>& assigned,
+                                   const std::vector<Listed>& listed) const;
 
   std::vector<MeasuredMode> modes;
   std::vector<double> ln_hz, variance;  ///< 0 where not stated

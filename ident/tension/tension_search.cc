@@ -111,9 +111,8 @@ class Search {
       const auto lower = model_.frequencies(state_at(ln_lower), kMaxOrder, limit, &roots_);
       // As many modes of the upper tension as of the lower one.
       const auto count = static_cast<int>(std::max(lower.in_hz.size(), lower.out_hz.size()));
-      const auto upper =
-          model_.frequencies(state_at(ln_upper), count, std::numeric_limits<double>::infinity(),
-                             &roots_);
+      const auto upper = model_.frequencies(state_at(ln_upper), count,
+                                            std::numeric_limits<double>::infinity(), &roots_);
       hypotheses(lower, upper, ln_lower, ln_upper);
       data_.list(lower, listed_);
       if (bound() < best_score_ - 30) return;  // and below there are only more modes not seen
@@ -182,7 +181,8 @@ class Search {
                                                  : 0);
     auto& kept = found_[key];
     if (!kept.modes.empty() && kept.score >= alignment.score()) return;
-    kept = {std::move(modes), alignment.score(), ln_tension, EA_};
+    const double ln_prior = data_.ln_assigned(modes, listed_);
+    kept = {std::move(modes), alignment.score(), ln_tension, EA_, ln_prior};
   }
 
   const CableModel& model_;
@@ -249,6 +249,30 @@ double TensionData::ln_pair(std::size_t i, const Listed& listed) const {
   const bool crossed = plane && *plane != listed.mode.plane && ((in_ && out_) || any_);
   return std::log(1 - options_.false_mode) + listed.ln_seen +
          (crossed ? std::log(options_.leaked) : 0);
+}
+
+double TensionData::ln_assigned(const std::vector<AssignedMode>& assigned,
+                                const std::vector<Listed>& listed) const {
+  double ln = 0;
+  std::vector<bool> taken(listed.size(), false);
+  for (std::size_t i = 0; i < assigned.size(); ++i) {
+    if (assigned[i].order < 0) {
+      ln += ln_false;
+      continue;
+    }
+    const auto found = std::find_if(listed.begin(), listed.end(),
+                                    [&](const auto& one) { return one.mode == assigned[i]; });
+    if (found == listed.end()) {  // beyond the list: as the last of it
+      ln += ln_pair(i, listed.back());
+      continue;
+    }
+    taken[static_cast<std::size_t>(found - listed.begin())] = true;
+    ln += ln_pair(i, *found);
+  }
+  for (std::size_t j = 0; j < listed.size(); ++j) {
+    if (!taken[j] && listed[j].ln_hz < std::log(highest_hz)) ln += listed[j].ln_unseen;
+  }
+  return ln;
 }
 
 namespace {
