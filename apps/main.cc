@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <streambuf>
 #include <string_view>
 #include <system_error>
@@ -21,6 +22,7 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/plots/plot_option.h"
+#include "apps/cli/progress.h"
 #include "apps/cli/terminal.h"
 #include "apps/cli/usage.h"
 #include "apps/cli/verb.h"
@@ -186,7 +188,9 @@ int run(int argc, char** argv) {
       std::find_if(verbs.begin(), verbs.end(), [](const Verb& verb) { return verb.app->parsed(); });
   NullBuffer nothing;
   std::ostream sink(&nothing);
-  VerbContext context(common.quiet || common.json == "-" ? sink : std::cout);
+  ResultBuffer result_buffer(std::cout.rdbuf());
+  std::ostream results(&result_buffer);
+  VerbContext context(common.quiet || common.json == "-" ? sink : results);
   context.quiet = common.quiet;
   context.threads = common.threads;
   context.seed = common.seed;
@@ -194,6 +198,7 @@ int run(int argc, char** argv) {
   context.command.assign(argv, argv + argc);
 
   prepare_plots(context, plots);
+  std::optional<ProgressClock> clock(std::in_place, chosen->app->get_name(), context.quiet);
   Json result = Json::object();
   try {
     result = chosen->run(context);
@@ -203,6 +208,7 @@ int run(int argc, char** argv) {
     context.fail(error.what());
   }
   write_plots(context, plots, chosen->app->get_name());
+  clock.reset();
   const Json document = json_document(context, chosen->app->get_name(), std::move(result));
   if (common.json == "-") {
     std::cout << document.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';

@@ -11,7 +11,11 @@
 //                        span_std (m), tension_zero_std (N), tension_calibration_std,
 //                        load_calibration_std, deflection_calibration_std (relative),
 //                        channels = { tension, load, deflection } (default: as
-//                        `rigfit bending` finds them); a table may hold several tensions
+//                        `rigfit bending` finds them); a table may hold several tensions;
+//                        tension = 0: a beam without tension, by dead weights or a testing
+//                        machine, with ends ("clamped", "pinned", "cantilever"), and for its
+//                        modulus rectangle = [width, height], diameter (m) or second_moment (m4)
+//                        with section_std (relative)
 //     kind = "axial"     mass (kg, hung), mass_std, mass_per_length (kg/m), mass_per_length_std,
 //                        length_std (m), adapter_stiffness (N/m), adapter_stiffness_std,
 //                        compliance_std (m/N, of what else gives way in series; 0: rigid),
@@ -64,7 +68,9 @@
 #include "apps/campaign_file/report_details.h"
 #include "apps/results/result_table.h"
 #include "ident/axial/axial_test.h"
+#include "ident/bending/beam_ends.h"
 #include "ident/bending/strand.h"
+#include "ident/campaign/beam_section.h"
 #include "ident/campaign/tension_campaign.h"
 #include "ident/update/model_update.h"
 #include "model/scene/scene.h"
@@ -106,6 +112,12 @@ struct HammerTest {
   int max_order = 0;                 ///< of the stabilisation diagram; 0: the method's own
 };
 
+/// A beam that is bent without tension.
+struct BentBeam {
+  ident::BeamEnds ends = ident::BeamEnds::clamped;
+  ident::BeamSection section;
+};
+
 struct CampaignTest {
   enum class Kind { bending, axial, decay, modal, tension };
   std::string name;
@@ -118,6 +130,7 @@ struct CampaignTest {
   double tension_calibration_std = 0, load_calibration_std = 0, deflection_calibration_std = 0;
   /// Bending: names of the channels; empty: as `rigfit bending` finds them.
   std::string tension_channel, load_channel, deflection_channel;
+  std::optional<BentBeam> beam;  ///< bending without tension
   ident::AxialSetup axial;
   std::vector<std::string> channels;  ///< axial: one or none; decay
   std::optional<std::pair<double, double>> band_hz;

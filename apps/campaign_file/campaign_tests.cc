@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "model/linear/modal_analysis.h"
 
@@ -140,9 +141,58 @@ void CampaignTestReader::read_recordings(TomlTable& table, CampaignTest& test) {
   }
 }
 
+namespace {
+
+/// A beam without tension; empty: the test has one.
+std::optional<BentBeam> bent_beam(TomlTable& table) {
+  constexpr std::array<const char*, 5> kKeys = {"ends", "rectangle", "diameter", "second_moment",
+                                                "section_std"};
+  if (!table.has("tension")) {
+    for (const char* key : kKeys) {
+      if (!table.has(key)) continue;
+      throw table.error(key, "belongs to a beam without tension",
+                        "add tension = 0, or leave " + std::string(key) + " out");
+    }
+    return std::nullopt;
+  }
+  if (table.number("tension", Bound::not_negative, "N") > 0) {
+    throw table.error("tension", "is not 0",
+                      "recordings of a cable under tension hold a channel of it; tension = 0 is "
+                      "for a beam without");
+  }
+  BentBeam beam;
+  const std::string ends = table.choice_or("ends", {"clamped", "pinned", "cantilever"}, "clamped");
+  beam.ends = ends == "pinned"       ? ident::BeamEnds::pinned
+              : ends == "cantilever" ? ident::BeamEnds::cantilever
+                                     : ident::BeamEnds::clamped;
+  int given = 0;
+  if (table.has("rectangle")) {
+    const auto sides = table.numbers("rectangle", 2, 2, Bound::positive, "m");
+    beam.section.rectangle_m = {sides[0], sides[1]};
+    ++given;
+  }
+  if (table.has("diameter")) {
+    beam.section.diameter_m = table.number("diameter", Bound::positive, "m");
+    ++given;
+  }
+  if (table.has("second_moment")) {
+    beam.section.second_moment_m4 = table.number("second_moment", Bound::positive, "m4");
+    ++given;
+  }
+  if (given > 1) {
+    throw table.error("tension", "a beam with more than one cross-section",
+                      "keep one of rectangle, diameter and second_moment");
+  }
+  beam.section.relative_std = table.number_or("section_std", Bound::not_negative, "", 0);
+  return beam;
+}
+
+}  // namespace
+
 void CampaignTestReader::read_bending(TomlTable& table, CampaignTest& test) {
   test.span_m = table.number("span", Bound::positive, "m");
-  if (!table.has("recording")) {
+  test.beam = bent_beam(table);
+  if (!table.has("recording") && !test.beam) {
     TomlTable results = table.table("table");
     ResultColumns columns = open_table(results);
     columns.tension = column(results, columns, "tension");

@@ -1,7 +1,9 @@
 #include "apps/campaign_file/recording_description.h"
 
+#include <system_error>
 #include <vector>
 
+#include "apps/cli/progress.h"
 #include "signal/readers/read_recording.h"
 
 namespace rigfit::apps {
@@ -18,11 +20,21 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
     descriptions.push_back(signal::read_description(*file));
   }
   descriptions.push_back(given);
+  std::error_code no_size;
   signal::ReadOptions used = merged(options, context.reading);
   for (auto one = descriptions.rbegin(); one != descriptions.rend(); ++one) {
     used = merged(used, one->reading);
   }
-  signal::Recording recording = signal::read_recording(path, used);
+  signal::Recording recording;
+  {
+    const auto size = static_cast<long>(fs::file_size(path, no_size));
+    Progress progress("reading " + path.filename().string(), no_size ? 0 : size, context.quiet);
+    long told = 0;
+    recording = signal::read_recording(path, used, [&](std::size_t bytes) {
+      progress.advance(static_cast<long>(bytes) - told);
+      told = static_cast<long>(bytes);
+    });
+  }
   for (const auto& description : descriptions) signal::apply_description(description, recording);
   for (const auto& note : recording.notes) {
     const std::string where =

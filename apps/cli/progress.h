@@ -1,12 +1,15 @@
-// A progress bar on standard error, shown only on a terminal and only once the work has taken a
-// second. Where it advances, long work can be stopped too.
+// Progress on standard error, shown only on a terminal and only once the work has taken a second: a
+// bar where the steps are known, else the seconds passed. Where it advances, long work can be
+// stopped too.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <exception>
 #include <mutex>
+#include <streambuf>
 #include <string>
+#include <thread>
 
 namespace rigfit::apps {
 
@@ -30,7 +33,11 @@ class Progress {
   /// May be called from any thread. Throws Stopped.
   void advance(long steps = 1);
 
+  /// Takes the line off the terminal before something else is written there.
+  static void erase();
+
  private:
+  friend class ProgressClock;
   void draw(long done);
 
   std::string label_;
@@ -39,8 +46,39 @@ class Progress {
   const std::atomic<bool>* stop_;
   bool drawn_ = false;
   std::atomic<long> done_{0};
-  std::mutex mutex_;
   std::chrono::steady_clock::time_point start_, last_;
+};
+
+/// While it lives, on a terminal: the seconds passed, beside the label of the newest Progress that
+/// has no bar yet, or beside `label` where there is none.
+class ProgressClock {
+ public:
+  ProgressClock(std::string label, bool quiet);
+  ~ProgressClock();
+  ProgressClock(const ProgressClock&) = delete;
+  ProgressClock& operator=(const ProgressClock&) = delete;
+
+  /// No more from now on: results are being written.
+  static void end();
+
+ private:
+  void run(const std::stop_token& stop);
+
+  Progress whole_;
+  std::jthread thread_;
+};
+
+/// Results on their way to a terminal: what progress shows is taken off before them.
+class ResultBuffer : public std::streambuf {
+ public:
+  explicit ResultBuffer(std::streambuf* to) : to_(to) {}
+
+ private:
+  int overflow(int c) override;
+  std::streamsize xsputn(const char* text, std::streamsize count) override;
+  int sync() override;
+
+  std::streambuf* to_;
 };
 
 }  // namespace rigfit::apps

@@ -92,7 +92,8 @@ std::string sha256(std::string_view bytes) {
   return hash.finish();
 }
 
-std::string sha256_of_file(const std::filesystem::path& path) {
+std::string sha256_of_file(const std::filesystem::path& path,
+                           const std::function<void(std::size_t)>& progress) {
   std::ifstream file(path, std::ios::binary);
   if (!file) {
     throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
@@ -102,6 +103,7 @@ std::string sha256_of_file(const std::filesystem::path& path) {
   while (file.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) ||
          file.gcount() > 0) {
     hash.add(buffer.data(), static_cast<std::size_t>(file.gcount()));
+    if (progress) progress(static_cast<std::size_t>(file.gcount()));
   }
   return hash.finish();
 }

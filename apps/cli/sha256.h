@@ -1,7 +1,9 @@
 // SHA-256 (FIPS 180-4) of inputs, for provenance.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -9,7 +11,9 @@ namespace rigfit::apps {
 
 /// 64 lower-case hexadecimal digits.
 [[nodiscard]] std::string sha256(std::string_view bytes);
-/// Throws std::system_error when the file cannot be read.
-[[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path);
+/// `progress`, when given, is told of the bytes taken since it was told last. Throws
+/// std::system_error when the file cannot be read.
+[[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path,
+                                         const std::function<void(std::size_t)>& progress = {});
 
 }  // namespace rigfit::apps

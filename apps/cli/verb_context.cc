@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "apps/cli/output_file.h"
+#include "apps/cli/progress.h"
 #include "apps/cli/sha256.h"
 #include "apps/cli/terminal.h"
 #include "apps/cli/warning_lines.h"
@@ -35,6 +36,7 @@ void VerbContext::warn(std::string code, std::string message, std::string where)
 
 void VerbContext::refuse(std::string code, std::string message, std::string where) {
   if (!silent) {
+    Progress::erase();
     std::cerr << on_terminal(Colour::red, "refused:") << ' ' << (where.empty() ? "" : where + ": ")
               << message << '\n';
   }
@@ -44,6 +46,7 @@ void VerbContext::refuse(std::string code, std::string message, std::string wher
 
 void VerbContext::fail(std::string message, std::string where) {
   if (!silent) {
+    Progress::erase();
     std::cerr << on_terminal(Colour::red, "error:") << ' ' << (where.empty() ? "" : where + ": ")
               << message << '\n';
   }
@@ -56,6 +59,7 @@ void VerbContext::say_warnings() const {
   std::vector<Warning> unsaid;
   unsaid.reserve(unsaid_.size());
   for (const std::size_t k : unsaid_) unsaid.push_back(warnings_[k]);
+  if (!unsaid.empty()) Progress::erase();
   for (const auto& line : warning_lines(unsaid)) {
     std::cerr << on_terminal(Colour::yellow, "warning:") << ' ' << line << '\n';
   }
@@ -78,7 +82,10 @@ void VerbContext::input(const std::string& path) {
   if (hashes_inputs) {
     input = stamp_of(path);
     try {
-      input.sha256 = sha256_of_file(path);
+      Progress progress("hashing " + std::filesystem::path(path).filename().string(),
+                        static_cast<long>(input.size), quiet || silent);
+      input.sha256 = sha256_of_file(
+          path, [&](std::size_t bytes) { progress.advance(static_cast<long>(bytes)); });
     } catch (const std::system_error&) {
       // Whoever reads it says why it cannot be read.
     }

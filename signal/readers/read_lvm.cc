@@ -45,7 +45,9 @@ struct Segment {
 
 class LvmReader {
  public:
-  LvmReader(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {
+  LvmReader(std::string_view bytes, const std::string& file,
+            const std::function<void(std::size_t)>& done_with)
+      : bytes_(bytes), file_(file), done_with_(done_with) {
     if (bytes_.substr(0, 3) == "\xEF\xBB\xBF") at_ = 3;
   }
 
@@ -179,7 +181,8 @@ class LvmReader {
     if (body >= body_end) {
       throw error(line_of(titles_at), "", "the table holds no numbers", "record again");
     }
-    segment.body = parse_csv_body(bytes_.substr(0, body_end), segment.layout, wanted, file_);
+    segment.body =
+        parse_csv_body(bytes_.substr(0, body_end), segment.layout, wanted, file_, done_with_);
     if (segment.body.rows == 0) {
       throw error(segment.layout.body_line, "", "the table holds no numbers", "record again");
     }
@@ -189,6 +192,7 @@ class LvmReader {
 
   std::string_view bytes_;
   const std::string& file_;
+  const std::function<void(std::size_t)>& done_with_;
   std::size_t at_ = 0;
   CsvDialect dialect_{'\t', '.'};
   bool decimal_known_ = false;
@@ -249,9 +253,9 @@ SegmentTimes times_of(const Segment& segment, std::size_t reference) {
 }  // namespace
 
 Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
-                   const ReadOptions& options) {
+                   const ReadOptions& options, const std::function<void(std::size_t)>& done_with) {
   const std::string file = path.string();
-  std::vector<Segment> segments = LvmReader(bytes, file).read();
+  std::vector<Segment> segments = LvmReader(bytes, file, done_with).read();
   Recording recording;
   recording.path = path;
   recording.format = "lvm";

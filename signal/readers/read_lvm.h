@@ -6,7 +6,9 @@
 // do not follow each other without a gap the times are kept.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 #include "signal/readers/read_options.h"
@@ -14,8 +16,9 @@
 
 namespace rigfit::signal {
 
-/// Throws RecordingError.
+/// `done_with` is told how far the file has been read. Throws RecordingError.
 [[nodiscard]] Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
-                                 const ReadOptions& options = {});
+                                 const ReadOptions& options = {},
+                                 const std::function<void(std::size_t)>& done_with = {});
 
 }  // namespace rigfit::signal

@@ -56,8 +56,13 @@ RecordingFormat format_of(std::string_view bytes) {
   return RecordingFormat::csv;
 }
 
-Recording read_recording(const std::filesystem::path& path, const ReadOptions& options) {
+Recording read_recording(const std::filesystem::path& path, const ReadOptions& options,
+                         const std::function<void(std::size_t)>& done_with) {
   const MappedFile file(path);
+  const auto read_to = [&](std::size_t offset) {
+    file.release_before(offset);
+    if (done_with) done_with(offset);
+  };
   if (options.format.empty()) {
     if (const auto foreign = foreign_format(file.bytes())) {
       throw RecordingError({path.string(), 0, 0, "", ""}, "is " + foreign->name, foreign->remedy);
@@ -66,20 +71,19 @@ Recording read_recording(const std::filesystem::path& path, const ReadOptions& o
   switch (options.format.empty() ? format_of(file.bytes())
                                  : format_named(options.format, path.string())) {
     case RecordingFormat::wav:
-      return read_wav(file.bytes(), path, options);
+      return read_wav(file.bytes(), path, options, read_to);
     case RecordingFormat::npy:
-      return read_npy(file.bytes(), path, options);
+      return read_npy(file.bytes(), path, options, read_to);
     case RecordingFormat::mat:
       return read_mat(path, options);
     case RecordingFormat::uff:
-      return read_uff(file.bytes(), path, options);
+      return read_uff(file.bytes(), path, options, read_to);
     case RecordingFormat::lvm:
-      return read_lvm(file.bytes(), path, options);
+      return read_lvm(file.bytes(), path, options, read_to);
     case RecordingFormat::csv:
       break;
   }
-  return read_csv(file.bytes(), path, options,
-                  [&](std::size_t offset) { file.release_before(offset); });
+  return read_csv(file.bytes(), path, options, read_to);
 }
 
 }  // namespace rigfit::signal

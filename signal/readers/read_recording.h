@@ -1,7 +1,9 @@
 // Any recording we know, whatever its name ends in: the format is found from the content.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 #include "signal/readers/read_options.h"
@@ -16,9 +18,12 @@ enum class RecordingFormat { csv, lvm, uff, wav, npy, mat };
 /// NumPy array, "MATLAB" with its version mark a .mat file; all else is taken as a table.
 [[nodiscard]] RecordingFormat format_of(std::string_view bytes);
 
-/// `options.format` is taken where it is given. Throws RecordingError with file, line, channel,
-/// value and remedy; files of formats that are not read (TDMS, MDF, HDF5, XLSX ...) are named.
+/// `options.format` is taken where it is given. `done_with`, when given, is told now and then how
+/// many bytes of the file are read (never in a MATLAB file, which a library reads whole). Throws
+/// RecordingError with file, line, channel, value and remedy; files of formats that are not read
+/// (TDMS, MDF, HDF5, XLSX ...) are named.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& path,
-                                       const ReadOptions& options = {});
+                                       const ReadOptions& options = {},
+                                       const std::function<void(std::size_t)>& done_with = {});
 
 }  // namespace rigfit::signal

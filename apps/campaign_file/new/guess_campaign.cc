@@ -87,6 +87,7 @@ struct Guess {
   std::string force;                   ///< modal
   std::vector<std::string> responses;  ///< modal, decay, axial
   std::string tension, load, deflection;
+  bool without_tension = false;
 };
 
 const signal::Channel* hammer_of(const signal::Recording& recording, const GuessOptions& options) {
@@ -120,9 +121,10 @@ const signal::Channel* hammer_of(const signal::Recording& recording, const Guess
 bool is_load_deflection(const signal::Recording& recording) {
   const signal::Channel *load = nullptr, *way = nullptr;
   for (const auto& channel : recording.channels) {
-    const signal::Channel** slot = channel.quantity == signal::Quantity::force          ? &load
-                                   : channel.quantity == signal::Quantity::displacement ? &way
-                                                                                        : nullptr;
+    const bool weights = lower_case(channel.name).starts_with("mass");
+    const signal::Channel** slot = weights || channel.quantity == signal::Quantity::force ? &load
+                                   : channel.quantity == signal::Quantity::displacement   ? &way
+                                                                                          : nullptr;
     if (slot == nullptr) continue;
     if (*slot != nullptr) return false;
     *slot = &channel;
@@ -159,11 +161,8 @@ Guess guess_of(const signal::Recording& recording, const GuessOptions& options) 
         guess.why += fmt::format(", in V: say --sensitivity \"{}=X mV/N\"", hammer->name);
       }
     } else if (hammer == nullptr && tension == nullptr && is_load_deflection(recording)) {
-      throw UsageError(
-          recording.path.string() +
-          ": load over deflection without a tension, no test of a campaign: rigfit bending \"" +
-          recording.path.string() +
-          "\" --tension 0 --span M gives its EI; where it is something else say so with --kind");
+      guess.kind = "bending";
+      guess.why = "load over deflection, no tension; how it is held is assumed";
     } else {
       guess.kind = "decay";
       guess.why = "no hammer and no load-deflection pair: taken as free vibration";
@@ -172,6 +171,7 @@ Guess guess_of(const signal::Recording& recording, const GuessOptions& options) 
     guess.why = "as said by --kind";
   }
   if (guess.kind == "bending") {
+    guess.without_tension = tension == nullptr && is_load_deflection(recording);
     guess.tension = tension == nullptr ? "" : tension->name;
     guess.load = load == nullptr ? "" : load->name;
     guess.deflection = deflection == nullptr ? "" : deflection->name;
@@ -206,7 +206,16 @@ std::string test_text(const std::string& name, const Guess& guess, const GuessOp
       throw UsageError(files.front() +
                        " is a bending test: give its span between the clamps, --span M");
     }
-    text += fmt::format("span = {}  # m, clamp to clamp\n", options.span_m);
+    text +=
+        fmt::format("span = {}  # m, {}\n", options.span_m,
+                    guess.without_tension ? "between clamps or supports; cantilever: to the load"
+                                          : "clamp to clamp");
+    if (guess.without_tension) {
+      text +=
+          "tension = 0\nends = \"clamped\"  # or \"pinned\" (on two supports), "
+          "\"cantilever\"\n"
+          "# rectangle = [0.02, 0.003]  # m, width and height: gives the modulus\n";
+    }
     if (!guess.tension.empty() && !guess.load.empty() && !guess.deflection.empty()) {
       text += fmt::format("channels = {{ tension = {}, load = {}, deflection = {} }}\n",
                           quoted(guess.tension), quoted(guess.load), quoted(guess.deflection));
@@ -307,6 +316,7 @@ GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::st
     const std::string name = error ? fs::absolute(file).string() : relative.string();
     const auto same = std::find_if(tests.begin(), tests.end(), [&](const Test& test) {
       return test.guess.kind == guess.kind && test.guess.force == guess.force &&
+             test.guess.without_tension == guess.without_tension &&
              test.guess.responses == guess.responses;
     });
     if (same != tests.end()) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <optional>
 
 #include "apps/campaign_file/bending_files.h"
@@ -14,6 +13,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "apps/results/bending_json.h"
+#include "ident/campaign/beam_section.h"
 #include "ident/campaign/bending_campaign.h"
 
 namespace rigfit::apps {
@@ -115,13 +115,11 @@ void take_beam(BendingCommand& command) {
   campaign.test.ends = command.ends == "pinned"       ? ident::BeamEnds::pinned
                        : command.ends == "cantilever" ? ident::BeamEnds::cantilever
                                                       : ident::BeamEnds::clamped;
-  double moment = command.second_moment;
+  ident::BeamSection shape{{}, command.diameter, command.second_moment, command.section_std};
   if (!command.rectangle.empty()) {
-    moment = command.rectangle[0] * std::pow(command.rectangle[1], 3) / 12;
-  } else if (command.diameter > 0) {
-    moment = std::numbers::pi * std::pow(command.diameter, 4) / 64;
+    shape.rectangle_m = {command.rectangle[0], command.rectangle[1]};
   }
-  if (moment > 0) campaign.second_moment_m4 = {moment, command.section_std * moment};
+  campaign.second_moment_m4 = ident::second_moment(shape);
 }
 
 Json run_bending(VerbContext& context, BendingCommand command) {

@@ -9,6 +9,7 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/report/figures/bending_plots.h"
 #include "apps/report/page/html_text.h"
+#include "apps/report/parts/beam_part.h"
 #include "apps/report/parts/bending_records.h"
 #include "apps/report/parts/recording_blocks.h"
 #include "apps/results/bending_json.h"
@@ -81,14 +82,8 @@ ReportTable published_table(const CampaignTest& test, const ident::BendingCampai
   return table;
 }
 
-/// What is analysed, and where each source comes from.
-struct Tests {
-  ident::BendingCampaign campaign;
-  std::vector<Origin> origins;  ///< of the sources
-};
-
-Tests published(const CampaignTest& test) {
-  Tests tests;
+BendingTests published(const CampaignTest& test) {
+  BendingTests tests;
   const auto& results = *test.results;
   ident::BendingSource source;
   source.name = results.table.file;
@@ -108,36 +103,8 @@ Tests published(const CampaignTest& test) {
   return tests;
 }
 
-Tests recorded(const CampaignTest& test, ReportPart& part) {
-  Tests tests;
-  auto loaded = load_recordings(test.recordings);
-  for (auto& entry : loaded) {
-    part.inputs.insert(part.inputs.end(), entry.inputs.begin(), entry.inputs.end());
-    if (entry.recording) drop_time_notes(*entry.recording);
-  }
-  add_recordings(part, test, loaded);
-  BendingColumns columns{test.tension_channel, test.load_channel, test.deflection_channel,
-                         "name it in the campaign, channels = {{ {} = \"...\" }}"};
-  for (const auto& entry : loaded) {
-    if (!entry.recording) continue;
-    std::vector<Warning> warnings;
-    try {
-      tests.campaign.sources.push_back(bending_source(*entry.recording, columns, warnings));
-    } catch (const signal::RecordingError& error) {
-      refuse(part, "channel", error.what(), entry.file);
-      continue;
-    }
-    tests.origins.push_back(test.recordings[entry.group].origin());
-    for (auto& one : warnings) {
-      part.warnings.push_back(
-          {std::move(one.code), std::move(one.message), std::move(one.where), false});
-    }
-  }
-  return tests;
-}
-
 /// Tests' JSON, tables and warnings; a line on the points for the summary.
-std::string show_points(const CampaignTest& test, const Tests& tests,
+std::string show_points(const CampaignTest& test, const BendingTests& tests,
                         const ident::BendingCampaignResult& result, ReportPart& part) {
   Json& list = part.json["tests"];
   std::size_t usable = 0;
@@ -147,18 +114,8 @@ std::string show_points(const CampaignTest& test, const Tests& tests,
     list[i]["origin"] = word_of(tests.origins[one.source]);
     if (!one.analysis) continue;
     list[i]["slope_m_N"] = list[i]["compliance_m_N"];
-    const auto& file = tests.campaign.sources[one.source].name;
-    const std::string where = std::isfinite(one.point.tension_N)
-                                  ? fmt::format("{} at {:.4g} N", file, one.point.tension_N)
-                                  : file;
-    for (const auto& finding : one.analysis->findings) {
-      if (finding.refuses) {
-        refuse(part, finding.code, finding.message, where);
-      } else {
-        part.warnings.push_back({finding.code, finding.message, where, false});
-      }
-    }
   }
+  add_findings(tests.campaign, result, part);
   if (!test.results) {
     if (!result.points.empty()) {
       part.blocks.push_back(load_deflection_plot(test.name + "-load-deflection", tests.campaign,
@@ -266,7 +223,7 @@ class BendingPart : public TestPart {
     }
     part_.blocks.push_back(Paragraph{std::move(words)});
     const auto strand = tests_.campaign.strand;
-    tests_ = test_.results ? published(test_) : recorded(test_, part_);
+    tests_ = test_.results ? published(test_) : recorded_tests(test_, part_);
     tests_.campaign.strand = strand;
     auto& options = tests_.campaign.test;
     options.span_m = {test_.span_m, test_.span_std_m};
@@ -307,7 +264,7 @@ class BendingPart : public TestPart {
 
  private:
   const CampaignTest& test_;
-  Tests tests_;
+  BendingTests tests_;
   std::size_t index_ = 0;
   ReportPart part_;
 };
@@ -315,6 +272,7 @@ class BendingPart : public TestPart {
 }  // namespace
 
 std::unique_ptr<TestPart> bending_part(const Campaign& campaign, const CampaignTest& test) {
+  if (test.beam) return beam_part(test);
   return std::make_unique<BendingPart>(campaign, test);
 }
 

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
+#include "apps/campaign_file/bending_files.h"
 #include "apps/report/page/html_text.h"
 #include "apps/report/parts/recording_blocks.h"
+#include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
 namespace {
@@ -19,6 +22,53 @@ std::string findings_of(const ident::BendingTestResult& result) {
 }
 
 }  // namespace
+
+BendingTests recorded_tests(const CampaignTest& test, ReportPart& part) {
+  BendingTests tests;
+  auto loaded = load_recordings(test.recordings);
+  for (auto& entry : loaded) {
+    part.inputs.insert(part.inputs.end(), entry.inputs.begin(), entry.inputs.end());
+    if (entry.recording) drop_time_notes(*entry.recording);
+  }
+  add_recordings(part, test, loaded);
+  BendingColumns columns{test.tension_channel, test.load_channel, test.deflection_channel,
+                         "name it in the campaign, channels = {{ {} = \"...\" }}",
+                         test.beam.has_value()};
+  for (const auto& entry : loaded) {
+    if (!entry.recording) continue;
+    std::vector<Warning> warnings;
+    try {
+      tests.campaign.sources.push_back(bending_source(*entry.recording, columns, warnings));
+    } catch (const signal::RecordingError& error) {
+      refuse(part, "channel", error.what(), entry.file);
+      continue;
+    }
+    tests.origins.push_back(test.recordings[entry.group].origin());
+    for (auto& one : warnings) {
+      part.warnings.push_back(
+          {std::move(one.code), std::move(one.message), std::move(one.where), false});
+    }
+  }
+  return tests;
+}
+
+void add_findings(const ident::BendingCampaign& campaign,
+                  const ident::BendingCampaignResult& result, ReportPart& part) {
+  for (const auto& one : result.points) {
+    if (!one.analysis) continue;
+    const auto& file = campaign.sources[one.source].name;
+    const std::string where = std::isfinite(one.point.tension_N) && one.point.tension_N > 0
+                                  ? fmt::format("{} at {:.4g} N", file, one.point.tension_N)
+                                  : file;
+    for (const auto& finding : one.analysis->findings) {
+      if (finding.refuses) {
+        refuse(part, finding.code, finding.message, where);
+      } else {
+        part.warnings.push_back({finding.code, finding.message, where, false});
+      }
+    }
+  }
+}
 
 ReportTable bending_records_table(const CampaignTest& test, const ident::BendingCampaign& campaign,
                                   const std::vector<Origin>& origins,

@@ -1,4 +1,4 @@
-// Load-deflection records of a bending test, listed.
+// Load-deflection records of a bending test: read, and listed.
 #pragma once
 
 #include <vector>
@@ -8,6 +8,19 @@
 #include "ident/campaign/bending_campaign.h"
 
 namespace rigfit::apps {
+
+/// What is analysed, and where each source comes from.
+struct BendingTests {
+  ident::BendingCampaign campaign;
+  std::vector<Origin> origins;  ///< of the sources
+};
+
+/// The recordings of a test; those that cannot be used are refused on the part.
+[[nodiscard]] BendingTests recorded_tests(const CampaignTest& test, ReportPart& part);
+
+/// What was found in the records of each point, as warnings and refusals.
+void add_findings(const ident::BendingCampaign& campaign,
+                  const ident::BendingCampaignResult& result, ReportPart& part);
 
 /// EI from each record with what was remarked. `origins`: of the campaign's sources.
 [[nodiscard]] ReportTable bending_records_table(const CampaignTest& test,

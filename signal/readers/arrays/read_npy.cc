@@ -193,7 +193,7 @@ std::string text_of(const std::vector<std::size_t>& shape) {
 }  // namespace
 
 Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
-                   const ReadOptions& options) {
+                   const ReadOptions& options, const std::function<void(std::size_t)>& done_with) {
   const std::string file = path.string();
   const auto refusal = [&](const std::string& problem, const std::string& remedy) {
     return RecordingError({file, 0, 0, "", ""}, problem, remedy);
@@ -248,7 +248,11 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
     const auto rows = static_cast<Eigen::Index>(header.shape[0]);
     const auto cols = static_cast<Eigen::Index>(header.shape.size() > 1 ? header.shape[1] : 1);
     Eigen::MatrixXd values(rows, cols);
+    constexpr Eigen::Index kRowsPerCall = Eigen::Index{1} << 18;
     for (Eigen::Index r = 0; r < rows; ++r) {
+      if (done_with && !header.fortran && r % kRowsPerCall == kRowsPerCall - 1) {
+        done_with(begin + length + static_cast<std::size_t>(r * cols) * item);
+      }
       for (Eigen::Index c = 0; c < cols; ++c) {
         const Eigen::Index at = header.fortran ? c * rows + r : r * cols + c;
         values(r, c) = value_at(data.data() + static_cast<std::size_t>(at) * item, field);

@@ -2,7 +2,9 @@
 // fields. Source: numpy.lib.format, "A simple format for saving numpy arrays".
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 #include "signal/readers/read_options.h"
@@ -10,10 +12,11 @@
 
 namespace rigfit::signal {
 
-/// The longer dimension is time; names of fields are names of channels. Throws RecordingError, also
-/// for complex numbers, Python objects, more than two dimensions and sizes that the file does not
-/// hold.
+/// The longer dimension is time; names of fields are names of channels. `done_with` is told how
+/// far the file has been read, where it stands row by row. Throws RecordingError, also for complex
+/// numbers, Python objects, more than two dimensions and sizes that the file does not hold.
 [[nodiscard]] Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
-                                 const ReadOptions& options = {});
+                                 const ReadOptions& options = {},
+                                 const std::function<void(std::size_t)>& done_with = {});
 
 }  // namespace rigfit::signal

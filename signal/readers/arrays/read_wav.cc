@@ -48,7 +48,7 @@ struct MemoryFile {
 }  // namespace
 
 Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
-                   const ReadOptions& options) {
+                   const ReadOptions& options, const std::function<void(std::size_t)>& done_with) {
   const auto refusal = [&](const std::string& problem, const std::string& remedy) {
     return RecordingError({path.string(), 0, 0, "", ""}, problem, remedy);
   };
@@ -82,6 +82,7 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
     const sf_count_t got = sf_readf_double(file.get(), samples.data(),
                                            static_cast<sf_count_t>(samples.size() / channels));
     if (got <= 0) break;
+    if (done_with) done_with(static_cast<std::size_t>(memory.at));
     for (std::size_t c = 0; c < channels; ++c) {
       for (std::size_t k = 0; k < static_cast<std::size_t>(got); ++k) {
         data[c].push_back(samples[k * channels + c]);

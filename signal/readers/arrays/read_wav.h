@@ -5,7 +5,9 @@
 // give `scale` and `unit` of each channel beside it.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 #include "signal/readers/read_options.h"
@@ -14,8 +16,10 @@
 namespace rigfit::signal {
 
 /// Channels are called "channel 1" and so on; their range is full scale where the file holds whole
-/// numbers. A file cut short is read as far as it goes, which is noted. Throws RecordingError.
+/// numbers. A file cut short is read as far as it goes, which is noted. `done_with` is
+/// told how far it has been read. Throws RecordingError.
 [[nodiscard]] Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
-                                 const ReadOptions& options = {});
+                                 const ReadOptions& options = {},
+                                 const std::function<void(std::size_t)>& done_with = {});
 
 }  // namespace rigfit::signal

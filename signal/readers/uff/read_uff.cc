@@ -210,9 +210,9 @@ void note_unitless(Recording& recording) {
 }  // namespace
 
 Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
-                   const ReadOptions& options) {
+                   const ReadOptions& options, const std::function<void(std::size_t)>& done_with) {
   const std::string name = path.string();
-  const Uff58File file = read_uff58(bytes, name);
+  const Uff58File file = read_uff58(bytes, name, done_with);
   Recording recording;
   recording.path = path;
   std::vector<const Uff58*> chosen;

@@ -6,7 +6,9 @@
 // identification line, else by label, else by node and direction ("5+Z").
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 #include "signal/readers/read_options.h"
@@ -15,9 +17,11 @@
 
 namespace rigfit::signal {
 
-/// Throws RecordingError; also when the file holds functions but no time history.
+/// `done_with` is told how far the file has been read. Throws RecordingError; also when the file
+/// holds functions but no time history.
 [[nodiscard]] Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
-                                 const ReadOptions& options = {});
+                                 const ReadOptions& options = {},
+                                 const std::function<void(std::size_t)>& done_with = {});
 
 /// Throws RecordingError; also when there is no FRF, when FRFs between some points are absent, or
 /// when they do not share their frequencies.

@@ -18,6 +18,7 @@
 namespace rigfit::signal {
 namespace {
 
+constexpr Eigen::Index kValuesPerCall = Eigen::Index{1} << 18;  // values between calls
 constexpr int kHeaderLines = 11;  // of text behind the dataset's number
 
 /// Fixed columns `from` .. `from + width` of a record, without blanks.
@@ -32,7 +33,9 @@ std::string text_field(std::string_view line, std::size_t from, std::size_t widt
 
 class Uff58Reader {
  public:
-  Uff58Reader(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+  Uff58Reader(std::string_view bytes, const std::string& file,
+              const std::function<void(std::size_t)>& done_with)
+      : bytes_(bytes), file_(file), done_with_(done_with) {}
 
   Uff58File read() {
     Uff58File out;
@@ -56,6 +59,7 @@ class Uff58Reader {
       }
       if (type == 58) {
         out.functions.push_back(read_function(out));
+        if (done_with_) done_with_(at_);
       } else {
         out.other_datasets.push_back(type);
         const auto end = next_mark(after_line(at));
@@ -332,6 +336,7 @@ class Uff58Reader {
     const auto n = f.real.size();
     const auto offset = [&](const char* q) { return from + static_cast<std::size_t>(q - begin); };
     for (Eigen::Index k = 0; k < n; ++k) {
+      if (done_with_ && k % kValuesPerCall == kValuesPerCall - 1) done_with_(offset(p));
       for (std::size_t part = 0; part < per_point; ++part) {
         while (p < end && std::isspace(static_cast<unsigned char>(*p))) ++p;
         double value = 0;
@@ -391,6 +396,7 @@ class Uff58Reader {
 
   std::string_view bytes_;
   const std::string& file_;
+  const std::function<void(std::size_t)>& done_with_;
   std::size_t at_ = 0;
   mutable std::size_t counted_to_ = 0;  // start of line `counted_`
   mutable long counted_ = 1;
@@ -431,8 +437,9 @@ const char* uff58_function_name(int type) {
   }
 }
 
-Uff58File read_uff58(std::string_view bytes, const std::string& file) {
-  return Uff58Reader(bytes, file).read();
+Uff58File read_uff58(std::string_view bytes, const std::string& file,
+                     const std::function<void(std::size_t)>& done_with) {
+  return Uff58Reader(bytes, file, done_with).read();
 }
 
 }  // namespace rigfit::signal

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -62,7 +64,9 @@ struct Uff58File {
   std::vector<std::string> remarks;  ///< such as a missing end mark, for a person
 };
 
-/// Throws RecordingError with the line for anything that cannot be read.
-[[nodiscard]] Uff58File read_uff58(std::string_view bytes, const std::string& file);
+/// `done_with` is told how far the file has been read. Throws RecordingError with the line for
+/// anything that cannot be read.
+[[nodiscard]] Uff58File read_uff58(std::string_view bytes, const std::string& file,
+                                   const std::function<void(std::size_t)>& done_with = {});
 
 }  // namespace rigfit::signal

@@ -150,7 +150,15 @@ TEST(OwnFiles, BendingMachineWithoutTension) {
   EXPECT_THAT(without.err, HasSubstr("--tension 0"));
   const auto campaign = run_program({"new", (folder.path() / "c").string(), "--from", file});
   EXPECT_EQ(campaign.exit_code, 2);
-  EXPECT_THAT(campaign.err, HasSubstr("--tension 0"));
+  EXPECT_THAT(campaign.err, HasSubstr("--span"));
+  const auto started = run_program(
+      {"new", (folder.path() / "c").string(), "--from", file, "--span", "0.1", "--quiet"});
+  ASSERT_EQ(started.exit_code, 0) << started.err;
+  EXPECT_THAT(folder.read("c/campaign.toml"), HasSubstr("tension = 0"));
+  const auto report = run_program({"report", (folder.path() / "c/campaign.toml").string(), "--out",
+                                   (folder.path() / "out").string(), "--json", "-"});
+  ASSERT_EQ(report.exit_code, 0) << report.err;
+  EXPECT_EQ(parsed(report.out)["bending"][0]["tests"][0]["ends"], "clamped");
   EXPECT_EQ(run_program({"bending", file, "--span", "0.1", "--ends", "pinned"}).exit_code, 2);
 
   // Dead weights in grams: 0.5 N/mm.

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -102,6 +103,74 @@ TEST(BendingPart, ATableOfSeveralTensionsGivesTheVerbsNumbers) {
                 0.02 * truth[i].second);
   }
   expect_same(verb, part);
+}
+
+// Coupons on two supports: a toe of 0.25 mm, an elastic part, and a slope that breaks. The modulus
+// is that of the cross-section; the second coupon is 5 % stiffer.
+TEST(BendingPart, BeamsWithoutTensionGiveTheVerbsNumbers) {
+  const TemporaryFolder folder;
+  std::vector<std::string> command;
+  for (const double slope : {8.4, 8.82}) {
+    std::string text = "displacement [mm];force [N]\n";
+    for (int i = 0; i < 300; ++i) {
+      const double d = 0.01 * i, x = std::max(0.0, d - 0.25);
+      text += fmt::format("{:.4f};{:.4f}\n", d,
+                          slope * (std::min(x, 2.0) + 0.3 * std::max(0.0, x - 2.0)));
+    }
+    command.push_back(folder.write(fmt::format("coupon{}.csv", command.size() + 1), text));
+  }
+  for (const char* word :
+       {"--span", "0.1", "--span-std", "0.0002", "--tension", "0", "--ends", "pinned",
+        "--rectangle", "0.01", "0.004", "--section-std", "0.01", "--load-calibration", "0.002"}) {
+    command.emplace_back(word);
+  }
+  const Json part = reported(
+      folder,
+      "span = 0.1\nspan_std = 0.0002\ntension = 0\nends = \"pinned\"\nrectangle = [0.01, 0.004]\n"
+      "section_std = 0.01\nload_calibration_std = 0.002\n[[test.recording]]\nsynthetic = true\n"
+      "files = [\"coupon*.csv\"]\n");
+  const Json verb = said(command);
+  ASSERT_EQ(verb["tests"].size(), 2U);
+  EXPECT_EQ(verb["tests"][0]["ends"], "pinned");
+  // Four decimals of newtons are 1e-5 of the load.
+  EXPECT_NEAR(verb["tests"][0]["stiffness_N_m"]["value"].get<double>(), 8400, 8.4);
+  EXPECT_NEAR(verb["specimens"]["relative_scatter"].get<double>(), 0.05 / std::sqrt(2.0), 2e-3);
+  EXPECT_EQ(verb["specimens"].dump(), part["specimens"].dump());
+  expect_same(verb, part);
+  EXPECT_EQ(part["tests"][0]["origin"], "synthetic");
+}
+
+// Dead weights on the shipped cantilever; the section by its second moment.
+TEST(BendingPart, DeadWeightsGiveTheVerbsNumbers) {
+  const TemporaryFolder folder;
+  const std::string file = RIGFIT_TESTDATA "/beam/dead_weights.csv";
+  const Json part =
+      reported(folder,
+               "span = 0.3\ntension = 0\nends = \"cantilever\"\nsecond_moment = 2.604e-11\n"
+               "[[test.recording]]\nsynthetic = true\nfiles = [\"" +
+                   file + "\"]\n");
+  const Json verb = said({file, "--span", "0.3", "--tension", "0", "--ends", "cantilever",
+                          "--second-moment", "2.604e-11"});
+  ASSERT_EQ(verb["tests"].size(), 1U);
+  EXPECT_GT(verb["tests"][0]["modulus_Pa"]["value"].get<double>(), 6e10);
+  expect_same(verb, part);
+}
+
+TEST(BendingPart, KeysOfABeamAreChecked) {
+  const TemporaryFolder folder;
+  folder.write("beam.csv", "force [N],displacement [mm]\n0,0\n1,1\n2,2\n3,3\n");
+  const auto refused = [&](const std::string& keys) {
+    const auto campaign = folder.write(
+        "c.toml", "title = \"b\"\n[[test]]\nname = \"b\"\nkind = \"bending\"\nspan = 0.1\n" + keys +
+                      "[[test.recording]]\nfiles = [\"beam.csv\"]\n");
+    const auto run = run_program({"report", campaign, "--out", folder.path() / "out"});
+    EXPECT_EQ(run.exit_code, 3) << run.err;
+    return run.err;
+  };
+  EXPECT_NE(refused("ends = \"pinned\"\n").find("add tension = 0"), std::string::npos);
+  EXPECT_NE(refused("tension = 20\n").find("is not 0"), std::string::npos);
+  EXPECT_NE(refused("tension = 0\ndiameter = 0.01\nrectangle = [1, 1]\n").find("keep one"),
+            std::string::npos);
 }
 
 TEST(BendingPart, PublishedValuesGiveTheVerbsNumbers) {
