@@ -196,6 +196,8 @@ ident::StiffnessCurve curve_of_result(const std::filesystem::path& path) {
       ident::StiffnessPoint point{number(test, "tension_N"), number(EI, "value"),
                                   number(EI, "std"),         number(EI, "low"),
                                   number(EI, "high"),        std::isfinite(shared) ? shared : 0};
+      const double spread = number(test, "tension_spread_N");
+      point.tension_std_N = std::isfinite(spread) ? spread : 0;
       if (point.tension_N > 0 && point.EI_Nm2 > 0) points.push_back(point);
     }
   }

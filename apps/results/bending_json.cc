@@ -102,6 +102,12 @@ Json curve_json(const ident::StiffnessCurve& curve, const std::vector<double>& t
                                 {"low", json_number(at.low)},
                                 {"high", json_number(at.high)}}}});
   }
+  json["budget"] = Json::array();
+  for (const auto& term : curve.uncertainty(tensions)) {
+    json["budget"].push_back(
+        {{"source", term.name},
+         {"change_Nm2", std::vector<double>(term.change_Nm2.begin(), term.change_Nm2.end())}});
+  }
   const Eigen::MatrixXd covariance = curve.covariance(tensions);
   json["covariance"] = Json::array();
   if (!covariance.allFinite()) return json;
@@ -129,6 +135,7 @@ Json bending_point_json(const ident::BendingCampaign& campaign, const ident::Ben
             {"refused", refused}};
   if (one.row > 0) json["row"] = one.row;
   json["shared_relative_std"] = point.shared_relative_std;
+  json["tension_spread_N"] = point.tension_std_N;
   if (one.analysis) json.update(analysis_json(*one.analysis));
   if (!one.analysis || one.analysis->ends == ident::BeamEnds::tensioned) return json;
   const auto& compliance = one.analysis->compliance_m_N;

@@ -14,6 +14,7 @@
 #include "ident/bending/bending_strokes.h"
 #include "ident/bending/friction_transient.h"
 #include "ident/bending/table_line.h"
+#include "ident/bending/tension_spread.h"
 #include "signal/numerics/robust.h"
 
 namespace rigfit::ident {
@@ -280,6 +281,14 @@ class Analysis {
       result_.tension_N = {mean_tension_,
                            std::hypot(options_.tension_calibration_std * mean_tension_,
                                       options_.tension_zero_std_N)};
+      Eigen::Index first = P_.size(), last = 0;
+      for (const auto& stroke : result_.strokes) {
+        first = std::min(first, stroke.first), last = std::max(last, stroke.last);
+      }
+      if (last >= first) {
+        result_.tension_spread_N =
+            tension_spread(P_.segment(first, last - first + 1), sample_noise(P_));
+      }
     }
     result_.stiffness =
         stiffness_from_compliance({result_.compliance_m_N, result_.tension_N, options_.span_m,

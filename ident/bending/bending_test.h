@@ -84,8 +84,10 @@ struct BendingTestResult {
   std::vector<BendingFinding> findings;
   signal::Estimate tension_N;  ///< mean over the samples used; std from calibration
   double tension_low_N = 0, tension_high_N = 0;  ///< over the samples used
-  signal::Estimate compliance_m_N;               ///< 1/K, calibration included
-  double degrees_of_freedom = 0;                 ///< of the compliance; 0: many
+  /// Standard uncertainty of the tension that EI belongs to (tension_spread.h), over the strokes.
+  double tension_spread_N = 0;
+  signal::Estimate compliance_m_N;  ///< 1/K, calibration included
+  double degrees_of_freedom = 0;    ///< of the compliance; 0: many
   std::vector<BendingStroke> strokes;
   signal::Estimate loading_stiffness_N_m, unloading_stiffness_N_m;  ///< NaN: no such stroke
   double hysteresis_N = 0;  ///< half the distance between loading and unloading lines

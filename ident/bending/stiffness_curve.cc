@@ -9,6 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "ident/bending/tension_spread.h"
 #include "ident/statistics/probability_text.h"
 #include "signal/numerics/numbers.h"
 
@@ -17,6 +18,7 @@ namespace {
 
 using signal::kNaN;
 constexpr double kNormal95 = 1.959964;
+constexpr const char* kByTension = "EI(T), tension within the bending tests";
 
 /// Standard deviation of a point without what it shares with others; NaN: not known.
 double own_std(const StiffnessPoint& point) {
@@ -115,6 +117,7 @@ void StiffnessCurve::choose() {
 }
 
 void StiffnessCurve::make_knots(double scale) {
+  const auto by_tension = change_by_tension(points_);
   for (std::size_t i = 0; i < points_.size();) {
     std::size_t k = i;
     bool known = true;
@@ -128,8 +131,9 @@ void StiffnessCurve::make_knots(double scale) {
       weight += w;
       knot.tension_N += w * points_[j].tension_N;
       knot.EI_Nm2 += w * points_[j].EI_Nm2;
+      knot.by_tension += w * by_tension[j];
     }
-    knot.tension_N /= weight, knot.EI_Nm2 /= weight;
+    knot.tension_N /= weight, knot.EI_Nm2 /= weight, knot.by_tension /= weight;
     for (std::size_t j = i; j < k; ++j) {
       const double difference = std::pow(points_[j].EI_Nm2 - knot.EI_Nm2, 2);
       chi += weight * difference / static_cast<double>(k - i);
@@ -235,6 +239,13 @@ std::vector<StiffnessTerm> StiffnessCurve::uncertainty(std::span<const double> t
       add(fmt::format("EI at {:g} N", knots_[k].tension_N),
           each([&](double T) { return knot_share(k, T) * knots_[k].own_std; }));
     }
+    add(kByTension, each([&](double T) {
+          double change = 0;
+          for (std::size_t k = 0; k < knots_.size(); ++k) {
+            change += knot_share(k, T) * knots_[k].by_tension;
+          }
+          return change;
+        }));
   } else {
     for (std::size_t k = 0; k < laws_.laws.size(); ++k) {
       const auto& law = laws_.laws[k];
@@ -245,8 +256,17 @@ std::vector<StiffnessTerm> StiffnessCurve::uncertainty(std::span<const double> t
             each([&](double T) { return std::sqrt(weight) * (law_value(law, T) - value(T)); }));
       }
       if (source_ == StiffnessSource::law && k > 0) continue;
-      const Eigen::MatrixXd factor = law.covariance.llt().matrixL();
       const double scale = std::sqrt(weight) * law.coverage_factor / kNormal95;
+      Eigen::MatrixXd own = law.covariance;
+      if (law.by_tension.size() > 0) {
+        own -= law.by_tension * law.by_tension.transpose();
+        const std::string which =
+            weights_.size() > 1 ? fmt::format(", {} law", name_of(law.kind)) : "";
+        add(kByTension + which, each([&](double T) {
+              return std::sqrt(weight) * law_gradient(law, clamped(T)).dot(law.by_tension);
+            }));
+      }
+      const Eigen::MatrixXd factor = own.llt().matrixL();
       for (Eigen::Index j = 0; j < factor.cols(); ++j) {
         add(fmt::format("EI(T), {} law, term {}", name_of(law.kind), j + 1), each([&](double T) {
               return scale * law_gradient(law, clamped(T)).dot(factor.col(j));

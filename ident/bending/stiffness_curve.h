@@ -10,6 +10,8 @@
 //   law            columns of the Cholesky factor of the covariance of its parameters
 //   other laws     sqrt(weight) (EI of that law - EI of the curve)
 //   interpolation  the standard uncertainty of each point times its share at the tension
+//   tension        what all points change by where EI belongs to another tension of their tests
+//                  (tension_spread.h)
 //   shared         what the tests share (span, calibrations), relative to EI
 // so that the covariance of EI between two tensions is the sum of products of their terms. Terms of
 // a law are scaled so that 1.96 of them span its Student's 95 % band. Outside the tested tensions
@@ -71,7 +73,8 @@ class StiffnessCurve {
  private:
   struct Knot {
     double tension_N = 0, EI_Nm2 = 0;
-    double own_std = 0;  ///< not shared with other tests; NaN: not known
+    double own_std = 0;     ///< not shared with other tests; NaN: not known
+    double by_tension = 0;  ///< change of EI by the spread of tension within the tests
   };
 
   void choose();

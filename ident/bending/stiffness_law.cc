@@ -8,6 +8,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "ident/bending/law_choice.h"
+#include "ident/bending/tension_spread.h"
 #include "ident/statistics/uncertainty.h"
 #include "signal/numerics/numbers.h"
 
@@ -49,6 +51,7 @@ struct Weights {
 struct Data {
   std::vector<StiffnessPoint> points;
   std::vector<Weights> weights;
+  Eigen::VectorXd by_tension;  // change of EI by the spread of tension, part of the weights
   double reference_tension = 1;
   bool weighted = false;
 };
@@ -112,6 +115,15 @@ Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOption
     data.weights.push_back(weights);
   }
   data.reference_tension = std::exp(log_sum / static_cast<double>(points.size()));
+  data.by_tension = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(points.size()));
+  if (data.weighted) {
+    const auto change = change_by_tension(points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      data.by_tension[static_cast<Eigen::Index>(i)] = change[i];
+      data.weights[i].below = std::hypot(data.weights[i].below, change[i]);
+      data.weights[i].above = std::hypot(data.weights[i].above, change[i]);
+    }
+  }
   if (!data.weighted) {  // one without an interval: none can be compared, all by their value
     for (std::size_t i = 0; i < points.size(); ++i) {
       data.weights[i].below = data.weights[i].above = points[i].EI_Nm2;
@@ -262,6 +274,7 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   const auto n = static_cast<Eigen::Index>(data.points.size());
   const auto p = static_cast<Eigen::Index>(free.size());
   Eigen::MatrixXd jacobian(n, p);
+  Eigen::VectorXd sigmas(n);
   Gradient gradient;
   double squares = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -270,6 +283,7 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
     const double EI =
         evaluate(kind, point.tension_N, data.reference_tension, best.data(), gradient);
     const double sigma = EI > point.EI_Nm2 ? data.weights[k].above : data.weights[k].below;
+    sigmas[i] = sigma;
     for (Eigen::Index j = 0; j < p; ++j) {
       jacobian(i, j) = gradient[free[static_cast<std::size_t>(j)]] / sigma;
     }
@@ -309,9 +323,16 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
         identifiability(jacobian, scales, names,
                         {.max_relative_std = limit, .variance_factor = std::max(variance, 1e-300)});
     law.covariance = known.covariance;
+    Eigen::VectorXd std = known.std;
+    if (law.covariance.allFinite() && !data.by_tension.isZero(0)) {
+      const auto effect =
+          abscissa_effect(known.covariance, variance, jacobian, sigmas, data.by_tension);
+      law.by_tension = effect.by_tension, law.covariance = effect.covariance;
+      std = effect.covariance.diagonal().cwiseSqrt();
+    }
     for (Eigen::Index j = 0; j < p; ++j) {
       const auto k = static_cast<std::size_t>(free[static_cast<std::size_t>(j)]);
-      law.parameters[k].std = known.std[j];
+      law.parameters[k].std = std[j];
     }
     for (const auto& open : known.open) {
       law.message += (law.message.empty() ? "" : "; ") + open.message;
@@ -341,69 +362,6 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
     law.aicc = misfit + 2 * k + 2 * k * (k + 1) / (count - k - 1);
   }
   return law;
-}
-
-std::string list_of(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
-  }
-  return text;
-}
-
-void judge(StiffnessLaws& result, std::size_t points, const std::vector<std::string>& left_out) {
-  auto& laws = result.laws;
-  std::stable_sort(laws.begin(), laws.end(), [](const FittedLaw& a, const FittedLaw& b) {
-    const bool first = std::isfinite(a.aicc), second = std::isfinite(b.aicc);
-    if (first != second) return first;
-    return first ? a.aicc < b.aicc : a.rms_relative_error < b.rms_relative_error;
-  });
-  double total = 0;
-  for (const auto& law : laws) {
-    if (std::isfinite(law.aicc)) total += std::exp(-0.5 * (law.aicc - laws[0].aicc));
-  }
-  std::vector<std::string> ranked, close, unranked;
-  for (auto& law : laws) {
-    if (std::isfinite(law.aicc)) {
-      law.akaike_weight = std::exp(-0.5 * (law.aicc - laws[0].aicc)) / total;
-      ranked.push_back(name_of(law.kind));
-      if (law.aicc - laws[0].aicc < 2) close.push_back(name_of(law.kind));
-    } else {
-      unranked.push_back(name_of(law.kind));
-    }
-  }
-  if (laws.empty()) {
-    result.sentence = fmt::format("{} points are too few for any law.", points);
-    return;
-  }
-  if (ranked.size() < 2) {
-    // One that could be ranked among several that could not says nothing about the choice.
-    std::stable_sort(laws.begin(), laws.end(), [](const FittedLaw& x, const FittedLaw& y) {
-      return x.rms_relative_error < y.rms_relative_error;
-    });
-    if (laws.size() > 1) {
-      for (auto& law : laws) law.akaike_weight = kNaN;
-    }
-    result.sentence = fmt::format(
-        "{} points{} are too few to choose between the laws (AICc needs more); they are listed by "
-        "their misfit, which always favours the law with the most parameters.",
-        points, result.weighted ? "" : " without stated uncertainty");
-  } else if (close.size() > 1) {
-    result.sentence =
-        fmt::format("The points cannot choose between {}: their AICc lie within 2 of each other.",
-                    list_of(close));
-  } else {
-    result.decided = true;
-    result.sentence = fmt::format("The points favour the {} law (AICc lower by {:.1f} than {}).",
-                                  ranked[0], laws[1].aicc - laws[0].aicc, ranked[1]);
-  }
-  if (ranked.size() > 1 && !unranked.empty()) {
-    result.sentence += fmt::format(" Too few points to rank {}.", list_of(unranked));
-  }
-  if (!left_out.empty()) {
-    result.sentence +=
-        fmt::format(" Left out, with more parameters than points: {}.", list_of(left_out));
-  }
 }
 
 }  // namespace
@@ -454,12 +412,16 @@ StiffnessPrediction predict(const FittedLaw& law, double tension_N) {
   Eigen::VectorXd by;
   prediction.EI_Nm2 = evaluate(law, tension_N, by);
   const double own = law.covariance.rows() == by.size() ? by.dot(law.covariance * by) : kNaN;
+  // The spread of tension is no estimate from the scatter: 1.96 of it, not Student's factor.
+  const double tension = law.by_tension.size() == by.size() ? by.dot(law.by_tension) : 0;
   const double common = law.common_relative_std * prediction.EI_Nm2;
   const double scatter = law.scatter_relative_std * prediction.EI_Nm2;
   prediction.std = std::sqrt(own + common * common);
-  const double half = law.coverage_factor * prediction.std;
+  const double rest =
+      (own > tension * tension ? own - tension * tension : 0 * own) + common * common;
+  const double half = std::hypot(law.coverage_factor * std::sqrt(rest), 1.959964 * tension);
   const double test_half =
-      law.coverage_factor * std::sqrt(own + common * common + scatter * scatter);
+      std::hypot(law.coverage_factor * std::sqrt(rest + scatter * scatter), 1.959964 * tension);
   prediction.low = prediction.EI_Nm2 - half;
   prediction.high = prediction.EI_Nm2 + half;
   prediction.test_low = prediction.EI_Nm2 - test_half;
@@ -483,7 +445,7 @@ StiffnessLaws fit_stiffness_laws(const std::vector<StiffnessPoint>& points,
       result.laws.push_back(fit(kind, data, options));
     }
   }
-  judge(result, points.size(), left_out);
+  rank_laws(result, points.size(), left_out);
   return result;
 }
 

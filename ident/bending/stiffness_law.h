@@ -7,10 +7,11 @@
 //                EImin and EImax are fixed where the strand's geometry gives them, else fitted
 //
 // Weighted least squares (Ceres, analytic derivatives). A point's weight comes from its 95 %
-// interval, each side by itself; without intervals all points are taken as equally good relative
-// to their value and the scatter itself gives the variance. Ranking: AICc (Burnham and Anderson,
-// Model Selection and Multimodel Inference, 2002, 2.4), chi^2 + 2 k + 2 k (k + 1) / (n - k - 1)
-// with known weights, n ln(RSS / n) + ... with one parameter more without.
+// interval, each side by itself, and the spread of tension within its test; without intervals all
+// points are taken as equally good relative to their value and the scatter itself gives the
+// variance. Ranking: AICc (Burnham and Anderson, Model Selection and Multimodel Inference,
+// 2002, 2.4), chi^2 + 2 k + 2 k (k + 1) / (n - k - 1) with known weights, n ln(RSS / n) + ... with
+// one parameter more without.
 #pragma once
 
 #include <Eigen/Core>
@@ -36,6 +37,9 @@ struct StiffnessPoint {
   /// Part of the uncertainty that it shares with the other points (span, calibration), relative to
   /// EI: no part of its weight, but of every band.
   double shared_relative_std = 0;
+  /// Standard uncertainty of the tension that EI belongs to: the spread within the test
+  /// (tension_spread.h).
+  double tension_std_N = 0;
 };
 
 struct StiffnessLawOptions {
@@ -61,7 +65,10 @@ struct FittedLaw {
   LawKind kind = LawKind::linear;
   std::string formula;  ///< with numbers
   std::vector<LawParameter> parameters;
-  Eigen::MatrixXd covariance;      ///< of the free parameters in their order
+  Eigen::MatrixXd covariance;  ///< of the free parameters in their order
+  /// Change of the free parameters where all points belong to a tension one standard uncertainty
+  /// off; part of the covariance. Empty: the points' tensions are taken as they are.
+  Eigen::VectorXd by_tension;
   double reference_tension_N = 1;  ///< T0 of the power law
   bool converged = false;
   std::string message;     ///< when it has not, or a parameter is not determined

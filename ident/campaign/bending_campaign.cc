@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "ident/bending/bending_equation.h"
+#include "ident/bending/tension_spread.h"
 
 namespace rigfit::ident {
 namespace {
@@ -42,7 +43,8 @@ void add_record(const BendingSource& source, std::size_t index, const BendingTes
                  EI.EI_Nm2.std,
                  EI.low,
                  EI.high,
-                 shared_relative_std(result, options)};
+                 shared_relative_std(result, options),
+                 result.tension_spread_N};
     points.push_back(std::move(one));
   }
 }
@@ -87,6 +89,28 @@ void name_exact_inputs(const BendingTestOptions& options, BendingCampaignResult&
            "0.1 N of tension; it is up to {:.2g} % higher where each clamp turns with 1000 N "
            "m/rad ({:.2g} % with 200)",
            exact, 100 * span, 100 * zero, 100 * clamps, 500 * clamps),
+       false});
+}
+
+/// Where the tension changes within a test by more than EI(T) is known to.
+void name_spread_of_tension(const std::vector<StiffnessPoint>& points,
+                            BendingCampaignResult& result) {
+  const auto change = change_by_tension(points);
+  std::size_t most = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (std::abs(change[i]) / points[i].EI_Nm2 > std::abs(change[most]) / points[most].EI_Nm2) {
+      most = i;
+    }
+  }
+  if (points.empty() || !(std::abs(change[most]) > points[most].std)) return;
+  const auto& point = points[most];
+  result.findings.push_back(
+      {"tension_within_test",
+       fmt::format("at {:.4g} N the tension changes while the cable is loaded: EI belongs to a "
+                   "tension known to {:.2g} N, which is {:.2g} % of EI(T) beside {:.2g} % of the "
+                   "test; a smaller load changes it less",
+                   point.tension_N, point.tension_std_N,
+                   100 * std::abs(change[most]) / point.EI_Nm2, 100 * point.std / point.EI_Nm2),
        false});
 }
 
@@ -198,6 +222,7 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
   for (const auto& one : result.points) {
     if (one.usable()) points.push_back(one.point);
   }
+  name_spread_of_tension(points, result);
   StiffnessLawOptions options;
   options.assumed_relative_std = campaign.assumed_relative_std;
   if (campaign.strand) {

@@ -1,7 +1,8 @@
 // Bending tests that do not share the estimator's assumptions (simulated_bending.h): how often the
 // 95 % interval of EI holds the truth, how often the test is refused, and what is warned of. Prints
-// a Markdown table; the first argument is the number of seeds a row (100), the second a part of the
-// rows' names.
+// Markdown tables, last that of EI(T) from tests at four tensions (simulated_curve.h); the first
+// argument is the number of seeds a row (100), the second a part of the rows' names ("EI(T)": only
+// the last).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -12,6 +13,7 @@
 
 #include "ident/bending/bending_test.h"
 #include "tests/ident/bending/simulated_bending.h"
+#include "tests/ident/bending/simulated_curve.h"
 
 namespace {
 
@@ -154,6 +156,22 @@ void print(const Row& row, int seeds) {
              kept > 0 ? fmt::format("{:.2f}", 100 * width / kept) : "", words);
 }
 
+void print_curves(int seeds) {
+  fmt::print(
+      "\n| EI(T) of four tests | tension, N | test's interval % | curve's % | bias % | std % |\n"
+      "|---|---|---|---|---|---|\n");
+  for (const bool of_the_moment : {false, true}) {
+    const auto coverage = simulated::curve_coverage(of_the_moment, seeds);
+    for (std::size_t i = 0; i < simulated::kCurveTensions.size(); ++i) {
+      fmt::print("| EI of the tension {} | {:g} | {:.0f} | {:.0f} | {:+.2f} | {:.2f} |\n",
+                 of_the_moment ? "of the moment" : "at rest", simulated::kCurveTensions[i],
+                 100.0 * coverage.tests_held[i] / coverage.curves,
+                 100.0 * coverage.held[i] / coverage.curves, 100 * coverage.bias[i],
+                 100 * coverage.relative_std[i]);
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -167,5 +185,6 @@ int main(int argc, char** argv) {
       if (row.name.find(part) != std::string::npos) print(row, seeds);
     }
   }
+  if (std::string("EI(T)").find(part) != std::string::npos) print_curves(seeds);
   return 0;
 }

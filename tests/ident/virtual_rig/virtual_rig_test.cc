@@ -94,6 +94,38 @@ TEST(VirtualRig, SameSeedSameRecordsOtherSeedOthers) {
   }
 }
 
+// One undamped mode of 1 kg at 3996 Hz, struck for 2 ms: after the pulse it rings at 50 N a / w0 2
+// |cos(w0 T / 2)| = 5 m/s^2 and more, far above the logger's 512 Hz. Sampled at four times the
+// logger's rate that would stand in the record as 100 Hz.
+TEST(VirtualRig, WhatIsAboveTheLoggersBandDoesNotFoldIntoIt) {
+  const double w0 = 2 * std::numbers::pi * 3996;
+  const auto ringing = [&](const model::Scene& struck, double duration_s, double rate_hz) {
+    const auto& load = struck.loads[0];
+    const double a = std::numbers::pi / load.duration, scale = load.peak / (w0 * w0 - a * a);
+    const auto forced = [&](double t) {
+      return t > 0 ? scale * (a * w0 * std::sin(w0 * t) - a * a * std::sin(a * t)) : 0.0;
+    };
+    const auto rows = static_cast<Eigen::Index>(std::lround(duration_s * rate_hz));
+    Eigen::MatrixXd response = Eigen::MatrixXd::Zero(rows, 2);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      // A half sine is a sine that begins at once and another half a period later.
+      const double t = static_cast<double>(i) / rate_hz - load.start;
+      response(i, 0) = forced(t) + forced(t - load.duration);
+    }
+    return response;
+  };
+  model::Scene one = scene();
+  one.loads.resize(1), one.sensors.resize(1);
+  one.loads[0].duration = 0.002;
+  VirtualRigOptions options;
+  options.hits = 1, options.double_hits = 0, options.record_s = 1;
+  const auto records = virtual_rig_records(one, options, ringing, 3);
+  const Eigen::VectorXd& y = records.at(0).recording.channels[1].samples;
+  // Beyond the pulse and the filter's length: offset, drift and noise of 0.003 m/s^2 a sample.
+  const Eigen::VectorXd after = y.segment(200, 700);
+  EXPECT_LT((after.array() - after.mean()).abs().maxCoeff(), 0.03);
+}
+
 TEST(VirtualRig, RefusesASceneWithNothingToTest) {
   model::Scene empty = scene();
   empty.sensors.clear();
