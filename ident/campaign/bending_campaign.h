@@ -62,8 +62,8 @@ struct BendingCampaignResult {
   StiffnessCurve curve;              ///< of the usable ones; empty: none
   std::optional<StiffnessBounds> bounds;
   std::optional<BeamSpecimens> specimens;  ///< two and more that gave an EI without tension
-  /// Of the points together: "taken_as_exact", "tension_within_test", "outside_bounds", "length_suspected",
-  /// "large_deflection".
+  /// Of the points together: "taken_as_exact", "tension_within_test", "outside_bounds",
+  /// "length_suspected", "large_deflection".
   std::vector<BendingFinding> findings;
 };
 
