@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "signal/amplitude/amplitude_limit.h"
+#include "signal/amplitude/resonance_distortion.h"
 #include "signal/modal/hit_scatter.h"
 #include "signal/modal/local_modes.h"
 #include "signal/modal/mac.h"
@@ -352,6 +353,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   const std::vector<ModeOfHits> hits = modes_of_hits(frfs, model);
   allow_for_hits(frfs, hits, model);
   allow_for_amplitude(frfs, band, hits, model);
+  allow_for_distortion(frfs, band, model);
   judge_damping(model);
   return result;
 }
