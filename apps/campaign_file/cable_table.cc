@@ -133,6 +133,7 @@ class CableRows {
       if (kind < 2) plane = kind == 0 ? model::ModePlane::in : model::ModePlane::out;
     }
     const double std = number(row, "frequency_std");
+    if (std < 0) throw std::invalid_argument("frequency_std is negative");
     const auto add = [&](double hz) {
       if (!std::isfinite(hz)) return;
       ident::MeasuredMode mode;

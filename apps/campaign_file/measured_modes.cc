@@ -88,7 +88,10 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
     MeasuredTableRow row;
     row.mode.frequency_hz.value = value(frequency, true);
     if (!std::isfinite(row.mode.frequency_hz.value)) continue;  // a dash: not measured
-    row.mode.frequency_hz.std = value("std", true);
+    row.mode.frequency_hz.std = kNaN;
+    for (const char* name : {"frequency_std", "frequency_std_hz", "std_hz", "std"}) {
+      if (const double std = value(name, true); !std::isnan(std)) row.mode.frequency_hz.std = std;
+    }
     row.mode.damping_ratio.value = value("damping_ratio", true);
     if (row.mode.damping_ratio.value >= 1) {
       table.fail(line.line, "damping_ratio", "is not below 1",

@@ -225,7 +225,7 @@ TextTable read_text_table(const std::filesystem::path& path, ShortRows short_row
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     throw model::SceneError({path.string(), 0, 0, ""}, "there is no such file",
-                            "check the path; it starts at the campaign's folder");
+                            "check the path (in a campaign it starts at its folder)");
   }
   if (std::filesystem::file_size(path, error) == 0) return parse_text_table("", path.string());
   try {

@@ -101,6 +101,7 @@ void list_modes(const EndsPosterior& one, const TensionData& data, TensionCandid
   const auto frequencies = one.model.frequencies(one.state(), 200, 1.05 * data.highest_hz);
   std::vector<TensionData::Listed> listed;
   data.list(frequencies, listed);
+  double last = -kInf;  // the highest paired frequency
   for (std::size_t i = 0; i < data.modes.size(); ++i) {
     TensionMode mode;
     mode.measured_hz = data.modes[i].frequency_hz.value;
@@ -111,6 +112,7 @@ void list_modes(const EndsPosterior& one, const TensionData& data, TensionCandid
       const auto& list =
           assigned.plane == model::ModePlane::in ? frequencies.in_hz : frequencies.out_hz;
       const auto order = static_cast<std::size_t>(assigned.order);
+      last = data.ln_hz[i];
       mode.order = assigned.order + 1;
       mode.plane = assigned.plane;
       if (order < list.size()) {
@@ -124,7 +126,7 @@ void list_modes(const EndsPosterior& one, const TensionData& data, TensionCandid
     const bool found =
         std::find(answer.modes.begin(), answer.modes.end(), mode.mode) != answer.modes.end();
     // One that is seen with a probability of more than a half.
-    candidate.missed += !found && mode.ln_hz < std::log(data.highest_hz) && mode.ln_unseen < -0.7;
+    candidate.missed += !found && mode.ln_hz < last && mode.ln_unseen < -0.7;
   }
 }
 

@@ -6,7 +6,8 @@
 //
 //   pairs      (1 - false) P_j N(ln f_i - ln f_j(T, EI, k); s_i^2 + t^2)
 //   unpaired   false / (width of the band in ln f) for each measured frequency
-//   unseen     1 - P_j for each mode up to the highest measured frequency
+//   unseen     1 - P_j for each mode up to the highest paired frequency: false ones (hum) may lie
+//              beyond the band that the cable was excited in
 //
 // Unknowns are ln T (flat), EI (given, given with an uncertainty, or x = L sqrt(T / EI) flat in
 // ln x over 2..2000), the end springs k = q EI (x + 4) / L (q flat in ln q over 0.03..30:

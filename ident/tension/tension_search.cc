@@ -24,7 +24,6 @@ class Alignment {
  public:
   Alignment(const TensionData& data, const std::vector<Listed>& listed) {
     const std::size_t n = data.modes.size(), m = listed.size();
-    const double top = std::log(data.highest_hz);
     width_ = m + 1;
     best_.assign((n + 1) * width_, 0);
     step_.assign((n + 1) * width_, Step::skip_listed);
@@ -34,8 +33,7 @@ class Alignment {
         double best = -std::numeric_limits<double>::infinity();
         Step step = Step::pair;
         if (j > 0) {
-          const double price = listed[j - 1].ln_hz < top ? listed[j - 1].ln_unseen : 0;
-          best = best_[i * width_ + j - 1] + price;
+          best = best_[i * width_ + j - 1] + listed[j - 1].ln_unseen;
           step = Step::skip_listed;
         }
         if (i > 0 && best_[(i - 1) * width_ + j] + data.ln_false > best) {
@@ -57,7 +55,16 @@ class Alignment {
         step_[i * width_ + j] = step;
       }
     }
-    score_ = best_[n * width_ + m];
+    score_ = static_cast<double>(n) * data.ln_false;
+    for (std::size_t i = 1; i <= n; ++i) {  // the last pair; what is measured beyond is false
+      for (std::size_t j = 1; j <= m; ++j) {
+        const double score = best_[i * width_ + j] + static_cast<double>(n - i) * data.ln_false;
+        if (step_[i * width_ + j] != Step::pair || score < score_) continue;
+        score_ = score;
+        last_measured_ = i;
+        last_listed_ = j;
+      }
+    }
   }
 
   [[nodiscard]] double score() const { return score_; }
@@ -65,7 +72,7 @@ class Alignment {
   [[nodiscard]] std::vector<AssignedMode> modes(std::size_t measured,
                                                 const std::vector<Listed>& listed) const {
     std::vector<AssignedMode> found(measured);
-    std::size_t i = measured, j = listed.size();
+    std::size_t i = last_measured_, j = last_listed_;
     while (i > 0 || j > 0) {
       const Step step = step_[i * width_ + j];
       if (step == Step::pair) found[i - 1] = listed[j - 1].mode;
@@ -81,6 +88,7 @@ class Alignment {
   std::vector<double> best_;
   std::vector<Step> step_;
   double score_ = 0;
+  std::size_t last_measured_ = 0, last_listed_ = 0;  // of the last pair, from 1
 };
 
 /// Frequencies at a tension between two others: ln f linear in ln T.
@@ -154,17 +162,21 @@ class Search {
 
   /// Of the score of any assignment to what is listed.
   [[nodiscard]] double bound() const {
-    const double top = std::log(data_.highest_hz);
-    double unseen = 0, least = 0, pairs = 0;
-    for (const auto& one : listed_) {
-      if (one.ln_hz >= top) break;
-      unseen += one.ln_unseen;
-      least = std::min(least, one.ln_unseen);
+    double unseen = 0, least = 0, pairs = 0, best = -std::numeric_limits<double>::infinity();
+    std::size_t j = 0;
+    for (std::size_t i = 0; i < data_.ln_hz.size(); ++i) {  // measured i is the last pair
+      for (; j < listed_.size() && listed_[j].ln_hz < data_.ln_hz[i]; ++j) {
+        unseen += listed_[j].ln_unseen;
+        least = std::min(least, listed_[j].ln_unseen);
+      }
+      const auto beyond = static_cast<double>(data_.ln_hz.size() - 1 - i);
+      best = std::max(best, std::min(0.0, unseen - static_cast<double>(i + 1) * least) +
+                                beyond * data_.ln_false);
     }
     for (const double variance : data_.variance) {
       pairs -= 0.5 * std::log(2 * std::numbers::pi * (variance + kSearchStd * kSearchStd));
     }
-    return pairs + std::min(0.0, unseen - static_cast<double>(data_.modes.size()) * least);
+    return pairs + best;
   }
 
   void keep(const Alignment& alignment, double ln_tension) {
@@ -253,13 +265,14 @@ double TensionData::ln_pair(std::size_t i, const Listed& listed) const {
 
 double TensionData::ln_assigned(const std::vector<AssignedMode>& assigned,
                                 const std::vector<Listed>& listed) const {
-  double ln = 0;
+  double ln = 0, last = -std::numeric_limits<double>::infinity();
   std::vector<bool> taken(listed.size(), false);
   for (std::size_t i = 0; i < assigned.size(); ++i) {
     if (assigned[i].order < 0) {
       ln += ln_false;
       continue;
     }
+    last = ln_hz[i];
     const auto found = std::find_if(listed.begin(), listed.end(),
                                     [&](const auto& one) { return one.mode == assigned[i]; });
     if (found == listed.end()) {  // beyond the list: as the last of it
@@ -270,7 +283,7 @@ double TensionData::ln_assigned(const std::vector<AssignedMode>& assigned,
     ln += ln_pair(i, *found);
   }
   for (std::size_t j = 0; j < listed.size(); ++j) {
-    if (!taken[j] && listed[j].ln_hz < std::log(highest_hz)) ln += listed[j].ln_unseen;
+    if (!taken[j] && listed[j].ln_hz < last) ln += listed[j].ln_unseen;
   }
   return ln;
 }

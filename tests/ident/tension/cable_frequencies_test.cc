@@ -72,5 +72,34 @@ TEST(CableFrequencies, StopsBeyondTheLimit) {
   EXPECT_NEAR(f.out_hz.back(), 5, 1e-5);
 }
 
+TEST(CableFrequencies, FromTheRootsOfANeighbourOrFromNone) {
+  // Roots to 1e-13: neighbours far and near, from no sag to deep sag, pinned to clamped.
+  CableRoots roots;
+  for (const double lambda2 : {0.0, 1e-9, 1e-3, 1.0, 39.0, 40.0, 700.0, 1e5}) {
+    for (const double spring : {0.0, 1.0, 1e4, kInf}) {
+      for (const double EI : {1e-4, 1.0, 1.01, 30.0}) {
+        const SaggingBeam cable{2, 3, 50, EI, spring, lambda2};
+        const auto cold = cable_frequencies(cable, 9, kInf);
+        const auto warm = cable_frequencies(cable, 9, kInf, &roots);
+        ASSERT_EQ(cold.in_hz.size(), warm.in_hz.size());
+        for (std::size_t i = 0; i < cold.in_hz.size(); ++i) {
+          EXPECT_NEAR(warm.in_hz[i] / cold.in_hz[i], 1, 1e-11) << lambda2 << ' ' << spring;
+        }
+        for (std::size_t i = 0; i < cold.out_hz.size(); ++i) {
+          EXPECT_NEAR(warm.out_hz[i] / cold.out_hz[i], 1, 1e-11) << lambda2 << ' ' << spring;
+        }
+      }
+    }
+  }
+}
+
+TEST(CableFrequencies, SagBelowRoundingMovesNoMode) {
+  // lambda^2 = 1.2e-9 of a stiff beam: the root lies nearer to its neighbour than the misfit's
+  // rounding tells.
+  const SaggingBeam cable{10, 2, 1e4, 1e6 / 3.1228, 77.3 * 1e5 / 3.1228, 1.17307e-9};
+  const auto f = cable_frequencies(cable, 12, kInf);
+  for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(f.in_hz[i] / f.out_hz[i], 1, 1e-9) << i;
+}
+
 }  // namespace
 }  // namespace rigfit::ident::cable_frequencies_test

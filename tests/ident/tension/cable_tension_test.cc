@@ -164,6 +164,48 @@ TEST(CableTension, SaggingCablesWithInputsThatAreOff) {
   EXPECT_GE(held, 6);
 }
 
+TEST(CableTension, MainsHumAboveTheBandIsNoMode) {
+  // Five harmonics of 2 Hz and mains hum: order 25 lies at 50.1 Hz, but then 19 modes are missed.
+  CableDescription cable;
+  cable.length_m = {100, 0.05};
+  cable.mass_per_length = {60, 0.1};
+  cable.EI_Nm2 = signal::Estimate{1e5, 1e4};
+  std::vector<MeasuredMode> modes;
+  for (const double hz : {2.0, 4.0, 6.0, 8.0, 10.0, 50.0}) {
+    MeasuredMode one;
+    one.frequency_hz = {hz, 0.003};
+    one.damping_ratio = {NAN, NAN};
+    modes.push_back(one);
+  }
+  const auto result = identify_tension(cable, modes);
+  ASSERT_TRUE(result.solved);
+  for (const auto& candidate : result.candidates) {
+    ASSERT_EQ(candidate.modes.size(), 6u);
+    EXPECT_EQ(candidate.modes[4].order, 5);
+    EXPECT_EQ(candidate.modes[5].order, 0);
+    EXPECT_EQ(candidate.missed, 0);
+    EXPECT_GT(candidate.fit.p_value, 0.01);
+  }
+}
+
+TEST(CableTension, SlightSagWithoutEI) {
+  // Irvine's parameter 2.0: w L / T = 0.0452, EA / T = 1000. EI and springs are unknown.
+  CableDescription cable;
+  cable.length_m = {50, 0.025};
+  cable.mass_per_length = {20, 0.04};
+  cable.mass_reference = MassReference::unstretched;
+  const double T = 20 * model::kStandardGravity * 50 / 0.0452, EI = T * 2500 / (40 * 40);
+  cable.EA_N = signal::Estimate{1000 * T, 20 * T};
+  const auto modes = frequencies(cable, CableEnds::clamped, T, EI, 6, 5e-4);
+  ASSERT_EQ(modes.size(), 6u);
+  const auto result = identify_tension(cable, modes);
+  ASSERT_TRUE(result.solved);
+  EXPECT_NEAR(result.irvine_parameter, 2, 0.2);
+  EXPECT_LT(result.low, T);
+  EXPECT_GT(result.high, T);
+  EXPECT_LT(result.tension_N.std, 0.03 * T);
+}
+
 TEST(CableTension, SpringsThatAreClamped) {
   // A stiff hanger, its ends open: the springs' posterior reaches their upper bound and must not
   // pull the tension. L sqrt(T / EI) = 16.
