@@ -8,6 +8,7 @@
 #include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
 #include "ident/campaign/fit_campaign.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::apps {
 namespace {
@@ -219,6 +220,21 @@ Json monte_carlo_json(const ident::UpdateResult& result, const States& states,
           {"pairs", std::move(pairs)}};
 }
 
+/// A frequency measured; NaN where it is not stated.
+double measured_std_hz(const ident::UpdatedPair& pair, const ident::UpdateState& state) {
+  const auto index = static_cast<std::size_t>(std::max(0, pair.measured));
+  return index < state.measured.size() ? state.measured[index].frequency_hz.std : signal::kNaN;
+}
+
+/// "-0.123" for a relative error known to the relative uncertainty of its two frequencies.
+std::string error_percent(double relative_error, double first_std_hz, double second_std_hz,
+                          double frequency_hz) {
+  const auto known = [](double std) { return std::isfinite(std) ? std : 0; };
+  const double std = std::hypot(known(first_std_hz), known(second_std_hz)) / frequency_hz;
+  return std > 0 ? value_digits(100 * relative_error, 100 * std)
+                 : fmt::format("{:.2f}", 100 * relative_error);
+}
+
 std::string percent(double ratio) {
   return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
 }
@@ -243,12 +259,15 @@ void print_update(std::ostream& out, const ident::UpdateResult& result, const St
   out << fmt::format("{:<24} {:>12} {:>12} {:>9} {:>9}  {}\n", "state", "measured, Hz", "model, Hz",
                      "std", "error", "mode");
   for (const auto& pair : result.pairs) {
-    out << fmt::format(
-        "{:<24} {:>12.4f} {:>12.4f} {:>9} {:>7.2f} %  {} {}{}\n",
-        states[static_cast<std::size_t>(pair.state)].name, pair.measured_hz, pair.model_hz,
-        std::isfinite(pair.model_std_hz) ? fmt::format("{:.2g}", pair.model_std_hz) : "-",
-        100 * pair.relative_error, model::name_of(pair.plane), pair.order + 1,
-        pair.cross_plane ? " (leakage, not fitted)" : "");
+    const auto& state = states[static_cast<std::size_t>(pair.state)];
+    const double std = measured_std_hz(pair, state);
+    out << fmt::format("{:<24} {:>12} {:>12} {:>9} {:>7} %  {} {}{}\n", state.name,
+                       value_digits(pair.measured_hz, std),
+                       value_digits(pair.model_hz, pair.model_std_hz),
+                       std_digits(pair.model_std_hz),
+                       error_percent(pair.relative_error, std, pair.model_std_hz, pair.measured_hz),
+                       model::name_of(pair.plane), pair.order + 1,
+                       pair.cross_plane ? " (leakage, not fitted)" : "");
   }
   for (const auto& lone : result.unpaired) {
     const auto& name = states[static_cast<std::size_t>(lone.state)].name;

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "ident/axial/rod_stiffness.h"
+#include "ident/campaign/rate_uncertainty.h"
 #include "ident/statistics/in_parallel.h"
 #include "model/linear/modal_analysis.h"
 #include "signal/decay/decay_modes.h"
@@ -170,6 +171,33 @@ void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
   }
 }
 
+/// The hung mass carries the uncertainty of the rate; the budget parts them again.
+void part_axial_budget(const signal::Estimate& mass, double rate_relative_std,
+                       AxialCampaignResult& result) {
+  auto& budget = result.test->budget;
+  const auto row = std::find_if(budget.begin(), budget.end(),
+                                [](const BudgetRow& one) { return one.source == "hung mass"; });
+  if (row == budget.end()) return;
+  const auto [own, rate] = parts_of_mass(row->contribution_N, mass, rate_relative_std);
+  const double squares = own * own + rate * rate;
+  BudgetRow of_rate = *row;
+  of_rate.source = kRateSource;
+  of_rate.unit = "1";
+  of_rate.value = 1;
+  of_rate.std = rate_relative_std;
+  of_rate.sensitivity = 2 * mass.value * row->sensitivity;
+  of_rate.contribution_N = rate;
+  row->contribution_N = own;
+  row->std = mass.std;
+  if (squares > 0) {
+    of_rate.share = row->share * rate * rate / squares;
+    row->share -= of_rate.share;
+  }
+  budget.push_back(std::move(of_rate));
+  std::stable_sort(budget.begin(), budget.end(),
+                   [](const BudgetRow& a, const BudgetRow& b) { return a.share > b.share; });
+}
+
 }  // namespace
 
 AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
@@ -182,10 +210,13 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
   }
   choose_modes(inputs, result);
   std::vector<AxialDecay> decays;
+  double rate_relative_std = 0, longest_m = 0;
   for (const auto& d : result.decays) {
     if (!d.mode) continue;
     const auto& mode = d.result.modes[*d.mode];
     const auto& recording = inputs.recordings[d.recording];
+    rate_relative_std = std::max(rate_relative_std, recording.recording.sample_rate_relative_std);
+    longest_m = std::max(longest_m, recording.length_m);
     decays.push_back({fmt::format("{} at {:.4g} s", recording.name, d.start_s), recording.length_m,
                       mode.damped_frequency_hz, mode.damping_ratio});
   }
@@ -195,7 +226,19 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
     return result;
   }
   try {
-    result.test = axial_test(decays, inputs.setup, inputs.options);
+    AxialSetup setup = inputs.setup;
+    // The cable's own mass, a third of it, is scaled along with the hung one.
+    const double moved = setup.mass_kg.value + setup.mass_per_length_kg_m.value * longest_m / 3;
+    const double rate = rate_relative_std * moved / setup.mass_kg.value;
+    if (rate > 0) setup.mass_kg = mass_with_rate(setup.mass_kg, rate);
+    result.test = axial_test(decays, setup, inputs.options);
+    if (rate > 0) {
+      part_axial_budget(inputs.setup.mass_kg, rate, result);
+      const auto& first = decays.front().damped_frequency_hz;
+      if (auto said = rate_finding(rate_relative_std, first.value, first.std, "")) {
+        result.findings.push_back(std::move(*said));
+      }
+    }
   } catch (const std::invalid_argument& error) {
     result.findings.push_back({"axial", error.what(), "", true});
     return result;

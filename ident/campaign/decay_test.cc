@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
+#include "ident/campaign/rate_uncertainty.h"
 #include "ident/statistics/random_effects.h"
 
 namespace rigfit::ident {
@@ -74,25 +76,15 @@ std::vector<PooledMode> pool(const ChannelDecays& channel) {
   return all;
 }
 
-/// Adds a relative standard uncertainty to a frequency, and to its interval half by half.
-void widen(signal::Estimate& frequency, signal::Interval* interval, double relative_std) {
-  const double more = relative_std * frequency.value;
-  frequency.std = std::hypot(frequency.std, more);
-  if (interval == nullptr) return;
-  const double half = gsl_cdf_ugaussian_Pinv(0.975) * more;
-  interval->low = frequency.value - std::hypot(frequency.value - interval->low, half);
-  interval->high = frequency.value + std::hypot(interval->high - frequency.value, half);
-}
-
 void widen(signal::DecayResult& decay, double relative_std) {
   for (auto& mode : decay.modes) {
-    widen(mode.frequency_hz, &mode.frequency_interval_95_hz, relative_std);
-    widen(mode.damped_frequency_hz, nullptr, relative_std);
+    add_rate_uncertainty(relative_std, mode.frequency_hz, &mode.frequency_interval_95_hz);
+    add_rate_uncertainty(relative_std, mode.damped_frequency_hz);
   }
 }
 
 /// The uncertainty of the rate, common to all frequencies of a recording.
-void add_rate_uncertainty(double relative_std, ChannelDecays& found) {
+void widen_by_rate(double relative_std, ChannelDecays& found) {
   const double own = found.strongest.modes.empty() ? std::numeric_limits<double>::infinity()
                                                    : found.strongest.modes.front().frequency_hz.std;
   widen(found.strongest, relative_std);
@@ -100,18 +92,13 @@ void add_rate_uncertainty(double relative_std, ChannelDecays& found) {
     if (decay.result) widen(*decay.result, relative_std);
   }
   for (auto& mode : found.pooled) {
-    widen(mode.frequency_hz, &mode.frequency_interval_95_hz, relative_std);
+    add_rate_uncertainty(relative_std, mode.frequency_hz, &mode.frequency_interval_95_hz);
   }
-  // Said where it adds half a percent and more to the first one's.
   if (found.strongest.modes.empty()) return;
   const double first = found.strongest.modes.front().frequency_hz.value;
-  if (!(relative_std * first > 0.1 * own)) return;
-  found.findings.push_back(
-      {"rate_uncertainty",
-       fmt::format("the sample rate is known to {:.2g} %: {:.2g} Hz of the first frequency; it is "
-                   "in the standard uncertainties of the frequencies",
-                   100 * relative_std, relative_std * first),
-       found.channel, false});
+  if (auto said = rate_finding(relative_std, first, own, found.channel)) {
+    found.findings.push_back(std::move(*said));
+  }
 }
 
 class ChannelAnalysis {
@@ -222,7 +209,7 @@ DecayTest run_decay_test(const signal::Recording& recording, const DecayTestOpti
   for (const auto* channel : channels) {
     test.channels.push_back(ChannelAnalysis(recording, *channel, options, from, to).run());
     if (recording.sample_rate_relative_std > 0) {
-      add_rate_uncertainty(recording.sample_rate_relative_std, test.channels.back());
+      widen_by_rate(recording.sample_rate_relative_std, test.channels.back());
     }
   }
   return test;

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
+
+#include "ident/campaign/rate_uncertainty.h"
 
 namespace rigfit::ident {
 namespace {
@@ -48,6 +52,23 @@ void add_peaks(const TensionInputs& inputs, std::size_t index, TensionCampaignRe
   }
 }
 
+/// The cable's mass carries the uncertainty of the rate; the budget parts them again.
+void part_tension_budget(const signal::Estimate& mass, double rate_relative_std,
+                         TensionResult& result) {
+  const auto part = [&](std::vector<UpdateBudgetTerm>& budget) {
+    for (auto& term : budget) {
+      if (term.source != "mass per length") continue;
+      const auto [own, rate] = parts_of_mass(term.std, mass, rate_relative_std);
+      term.std = own;
+      budget.push_back({std::string(kRateSource), rate});
+      break;
+    }
+    std::erase_if(budget, [](const auto& term) { return term.std == 0; });
+  };
+  part(result.budget);
+  for (auto& candidate : result.candidates) part(candidate.budget);
+}
+
 }  // namespace
 
 TensionCampaignResult tension_campaign(const TensionInputs& inputs) {
@@ -67,7 +88,22 @@ TensionCampaignResult tension_campaign(const TensionInputs& inputs) {
   } else {
     auto test = inputs.test;
     test.modes = campaign.modes;
+    double rate_relative_std = 0;
+    for (const auto& one : inputs.recordings) {
+      rate_relative_std = std::max(rate_relative_std, one.recording.sample_rate_relative_std);
+    }
+    const auto mass = test.cable.mass_per_length;
+    if (rate_relative_std > 0) {
+      test.cable.mass_per_length = mass_with_rate(mass, rate_relative_std);
+    }
     campaign.result = analyse_cable_test(test);
+    if (rate_relative_std > 0) {
+      part_tension_budget(mass, rate_relative_std, campaign.result.tension);
+      const auto& first = campaign.modes.front().frequency_hz;
+      if (auto said = rate_finding(rate_relative_std, first.value, first.std, inputs.test.name)) {
+        campaign.result.findings.push_back(std::move(*said));
+      }
+    }
   }
   auto& findings = campaign.result.findings;
   findings.insert(findings.begin(), before.begin(), before.end());

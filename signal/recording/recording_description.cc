@@ -135,6 +135,24 @@ void judge_values(const Channel& channel, const ChannelDescription* described,
   }
 }
 
+/// Channels that channels.toml of the folder describes and this recording lacks: other recordings
+/// of the folder have them, unless it describes none of this one's, or the name is misspelt.
+void note_absent(const std::vector<std::string>& absent, const std::vector<std::string>& left,
+                 bool none_described, Recording& recording) {
+  std::string names;
+  for (const auto& name : absent) {
+    const auto nearest = document::nearest_word(name, left);
+    if (!nearest && !none_described) continue;
+    names += (names.empty() ? "\"" : ", \"") + name + "\"" +
+             (nearest ? " (did you mean \"" + *nearest + "\"?)" : "");
+  }
+  if (names.empty()) return;
+  recording.notes.push_back(
+      {"described_channel_absent",
+       "channels.toml of the folder describes " + names + ", which this recording does not have",
+       ""});
+}
+
 }  // namespace
 
 RecordingDescription read_description(document::TomlTable& table) {
@@ -199,13 +217,16 @@ ReadOptions merged(ReadOptions first, const ReadOptions& second) {
 }
 
 void apply_description(const RecordingDescription& description, Recording& recording) {
-  std::string absent;
+  std::vector<std::string> absent, left;  // described and not there; there and not described
+  if (description.of_folder) {
+    for (const auto& channel : recording.channels) left.push_back(channel.name);
+  }
   for (const auto& channel : description.channels) {
     if (description.of_folder) {
       try {
-        (void)recording.channel_index(channel.source);
+        std::erase(left, recording.channel(channel.source).name);
       } catch (const RecordingError&) {
-        absent += (absent.empty() ? "\"" : ", \"") + channel.source + "\"";
+        absent.push_back(channel.source);
         continue;
       }
     }
@@ -214,12 +235,7 @@ void apply_description(const RecordingDescription& description, Recording& recor
                  recording);
   }
   for (const auto& channel : recording.channels) judge_values(channel, nullptr, recording);
-  if (!absent.empty()) {
-    recording.notes.push_back(
-        {"described_channel_absent",
-         "channels.toml of the folder describes " + absent + ", which this recording does not have",
-         ""});
-  }
+  note_absent(absent, left, absent.size() == description.channels.size(), recording);
   // What is described has its unit from the description; the reader's remark no longer holds.
   std::string unitless;
   for (const auto& channel : recording.channels) {

@@ -6,11 +6,13 @@
 #include <iterator>
 #include <memory>
 
+#include "apps/cli/digits.h"
 #include "apps/cli/impact_command.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "apps/results/modal_json.h"
+#include "signal/numerics/numbers.h"
 #include "signal/writers/write_uff.h"
 
 namespace rigfit::apps {
@@ -78,6 +80,19 @@ std::string csv_of(const signal::FrfSet& frfs) {
   return fmt::to_string(text);
 }
 
+/// Standard deviation of the force at rest before a hit; NaN where there is too little of it.
+double noise_before(const ImpactRun& run, std::size_t point, const signal::Hit& hit) {
+  constexpr Index kFewest = 8;
+  const Index first = std::max<Index>(0, hit.block_first), n = hit.pulse_first - first;
+  const auto& channels = run.places[point].recordings[hit.recording].channels;
+  const auto force = std::find_if(channels.begin(), channels.end(), [&](const auto& channel) {
+    return channel.name == run.test.force;
+  });
+  if (n < kFewest || force == channels.end()) return signal::kNaN;
+  const auto rest = force->samples.segment(first, n).array();
+  return std::sqrt((rest - rest.mean()).square().sum() / static_cast<double>(n - 1));
+}
+
 void print_hits(std::ostream& out, const ImpactRun& run, std::size_t point) {
   const signal::ImpactTest& test = run.test.tests[point];
   const std::string& unit = run.test.force_unit;
@@ -87,8 +102,12 @@ void print_hits(std::ostream& out, const ImpactRun& run, std::size_t point) {
                      unit.empty() ? "peak" : "peak, " + unit, "pulse, ms", "");
   for (std::size_t i = 0; i < test.search.hits.size(); ++i) {
     const signal::Hit& hit = test.search.hits[i];
-    out << fmt::format("{:>4} {:>12.4f} {:>14.5g} {:>10.3g}  {}\n", i + 1, hit.time_s, hit.peak,
-                       1e3 * hit.pulse_duration_s,
+    // A sample is known to lie within its step: a rectangle's standard uncertainty.
+    const double step_std = 1 / (std::sqrt(12.0) * test.search.sample_rate_hz);
+    out << fmt::format("{:>4} {:>12} {:>14} {:>10}  {}\n", i + 1,
+                       value_digits(hit.time_s, step_std),
+                       value_digits(hit.peak, noise_before(run, point, hit)),
+                       value_digits(1e3 * hit.pulse_duration_s, 1e3 * step_std),
                        hit.accepted ? (hit.reason.empty() ? "accepted" : "kept: " + hit.reason)
                                     : "rejected: " + hit.reason);
   }

@@ -161,7 +161,7 @@ Json compared_json(const PredictCommand& command, const ident::ModePrediction& p
     Json json{{"measured_hz", f.value}, {"measured_std_hz", json_number(f.std)}};
     if (one.mode < 0) {
       json["mode"] = nullptr;
-      context.out << fmt::format("{:>13.6g} {:>13}\n", f.value, "none");
+      context.out << fmt::format("{:>13} {:>13}\n", value_digits(f.value, f.std), "none");
     } else {
       const auto& mode = prediction.modes[static_cast<std::size_t>(one.mode)];
       json["mode"] = one.mode + 1;
@@ -169,8 +169,13 @@ Json compared_json(const PredictCommand& command, const ident::ModePrediction& p
       json["relative_error"] = one.relative_error;
       json["standard_units"] = json_number(one.standard_units);
       json["inside"] = one.inside;
-      context.out << fmt::format("{:>13.6g} {:>13.6g} {:>8.2f} % {:>10.2f}  {}\n", f.value,
-                                 mode.frequency_hz.value, 100 * one.relative_error,
+      const auto& model = mode.frequency_hz;
+      const double std = std::hypot(std::isfinite(f.std) ? f.std : 0, model.std);
+      context.out << fmt::format("{:>13} {:>13} {:>8} % {:>10.2f}  {}\n",
+                                 value_digits(f.value, f.std), value_digits(model.value, model.std),
+                                 std > 0
+                                     ? value_digits(100 * one.relative_error, 100 * std / f.value)
+                                     : fmt::format("{:.2f}", 100 * one.relative_error),
                                  one.standard_units, one.inside ? "yes" : "no");
     }
     list.push_back(std::move(json));

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <memory>
 
+#include "apps/cli/digits.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
@@ -250,10 +251,18 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
                              scene.title, options.duration_s, options.rate_hz,
                              name_of(response.solver), response.unknowns, response.motion,
                              response.steps, response.wall_s);
+  // As many digits as the model has: its resolution and what is left out of it.
+  double error = 0;
+  for (const model::LeftOut& what : response.left_out) {
+    if (what.of == "frequency") error = std::hypot(error, what.relative_error);
+  }
+  if (response.resolution_error > error) error = response.resolution_error;
+  if (!(error > 0)) error = scene.accuracy;
+  const auto hz = [error](double frequency) { return value_digits(frequency, error * frequency); };
   context.out << fmt::format(
-      "{}: {:.4f} Hz at rest, about {:.4f} Hz in motion (shift {:.2g}, accuracy asked {:.2g})\n",
-      response.nonlinear ? "non-linear" : "linear", response.frequency_at_rest_hz,
-      response.frequency_moving_hz, response.frequency_shift, scene.accuracy);
+      "{}: {} Hz at rest, about {} Hz in motion (shift {:.2g}, accuracy asked {:.2g})\n",
+      response.nonlinear ? "non-linear" : "linear", hz(response.frequency_at_rest_hz),
+      hz(response.frequency_moving_hz), response.frequency_shift, scene.accuracy);
   if (!response.energy.time_s.empty()) {
     context.out << fmt::format("energy: supplied {:.4g} J, dissipated {:.4g} J, drift {:.2g}\n",
                                response.energy.supplied.back(), response.energy.dissipated.back(),

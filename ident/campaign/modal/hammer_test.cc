@@ -7,6 +7,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "ident/campaign/rate_uncertainty.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::ident {
@@ -171,6 +172,11 @@ HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
                              first.path.string(), true});
     return test;
   }
+  for (const auto& place : places) {
+    for (const auto& recording : place.recordings) {
+      test.rate_relative_std = std::max(test.rate_relative_std, recording.sample_rate_relative_std);
+    }
+  }
   if (places.size() == 1 && places.front().name.empty()) {
     analyse_one(places.front(), options, test);
   } else {
@@ -203,7 +209,7 @@ bool IdentifiedModes::converged() const {
 
 IdentifiedModes identify(const signal::FrfSet& frfs,
                          const std::optional<std::pair<double, double>>& band_hz, double usable_hz,
-                         signal::ModalOptions options) {
+                         signal::ModalOptions options, double rate_relative_std) {
   IdentifiedModes found;
   options.low_hz = band_hz ? band_hz->first : 0;
   options.high_hz = band_hz ? band_hz->second : usable_hz;
@@ -213,7 +219,14 @@ IdentifiedModes identify(const signal::FrfSet& frfs,
     found.findings.push_back({"no_modes", error.what(), "", true});
     return found;
   }
-  const auto& result = *found.modal;
+  auto& result = *found.modal;
+  if (rate_relative_std > 0 && !result.model.modes.empty()) {
+    const auto first = result.model.modes.front().frequency_hz;
+    add_rate_uncertainty(rate_relative_std, result.model);
+    if (auto said = rate_finding(rate_relative_std, first.value, first.std, "")) {
+      found.findings.push_back(std::move(*said));
+    }
+  }
   for (const auto& note : result.model.notes) {
     const bool refused = note.code == "no_modes" || note.code == "rank_deficient";
     found.findings.push_back({note.code, note.message, note.where, refused});

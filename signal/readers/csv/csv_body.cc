@@ -283,6 +283,20 @@ void find_decimals(std::string_view bytes, const CsvLayout& layout, const std::v
   }
 }
 
+/// Whether the last line above the table (of titles or units) stands once more within some lines of
+/// `at`: a program that writes one table a cycle, each with its header.
+bool begins_anew(std::string_view bytes, std::size_t body, std::size_t at) {
+  constexpr std::size_t kHeader = 4096;
+  const std::string_view above = bytes.substr(0, body);
+  const std::size_t end = above.find_last_not_of("\r\n");
+  if (end == std::string_view::npos) return false;
+  const std::size_t begin = above.find_last_of("\r\n", end);
+  const auto line = above.substr(begin == std::string_view::npos ? 0 : begin + 1,
+                                 end - (begin == std::string_view::npos ? 0 : begin + 1) + 1);
+  return !trim_blanks(line).empty() &&
+         bytes.substr(at, kHeader).find(line) != std::string_view::npos;
+}
+
 }  // namespace
 
 CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
@@ -338,6 +352,11 @@ CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
         body.footer_line = line_number(bytes, at);
         ended = true;
         break;
+      }
+      if (is_text && begins_anew(bytes, layout.body, at)) {
+        throw RecordingError({file, line_number(bytes, at), 0, "", to_utf8(bytes.substr(at, 40))},
+                             "a second table begins here, with titles of its own",
+                             "split the file into one for each table");
       }
       throw refuse(at, p, parser.bad());
     }

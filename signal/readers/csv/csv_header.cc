@@ -425,7 +425,7 @@ void read_csv_header(const std::vector<std::string_view>& lines, const std::stri
             " titles: the comma seems to be both the separator and the decimal sign",
         "write it with semicolons between the columns, or with decimal points");
   }
-  if (!have_names && !have_numbers && have_units) {
+  if (!have_names && !have_numbers && have_units && layout.unmatched_titles.empty()) {
     // One row only, which reads as units: it may as well be names ("s", "N").
     names = units;
     have_names = true;

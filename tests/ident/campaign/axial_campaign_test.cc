@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "model/linear/modal_analysis.h"
 #include "tests/reference/axial_study.h"
@@ -61,6 +62,37 @@ TEST(AxialCampaign, OneLengthIsMarked) {
   EXPECT_FALSE(stated.test->conditional);
   EXPECT_NEAR(stated.test->EA_N.std / stated.test->EA_N.value,
               std::hypot(1e-7 * rig.EA_N, result.test->EA_N.std / rig.EA_N), 0.002);
+}
+
+TEST(AxialCampaign, ARoundedRateIsInEAOfAllLengthsAlike) {
+  const reference::AxialRig rig;
+  auto inputs = inputs_of(rig, {0.7, 1.0, 1.3}, 6);
+  inputs.setup.series_compliance_std_m_N = 0;  // one explanation: no mixture to move
+  const auto exact = axial_campaign(inputs);
+  constexpr double kRate = 5e-3;
+  for (auto& one : inputs.recordings) one.recording.sample_rate_relative_std = kRate;
+  const auto rounded = axial_campaign(inputs);
+  ASSERT_TRUE(exact.test && rounded.test);
+  const auto &a = *exact.test, &b = *rounded.test;
+  // EA goes with the square of the rate; three lengths do not average that away. To first order:
+  // the interval's shape moves by the square of 1 %.
+  const double expected = std::hypot(a.EA_N.std / a.EA_N.value, 2 * kRate);
+  EXPECT_NEAR(b.EA_N.std / b.EA_N.value, expected, 0.03 * expected);
+  EXPECT_EQ(b.damping_ratio.std, a.damping_ratio.std);
+  const auto row = [](const AxialTestResult& r, const std::string& source) {
+    for (const auto& one : r.budget) {
+      if (one.source == source) return one;
+    }
+    return BudgetRow{};
+  };
+  EXPECT_NEAR(row(b, "sample rate").contribution_N, 2 * kRate * b.EA_N.value,
+              0.03 * 2 * kRate * b.EA_N.value);
+  EXPECT_EQ(row(b, "hung mass").std, inputs.setup.mass_kg.std);
+  double shares = 0;
+  for (const auto& one : b.budget) shares += one.share;
+  EXPECT_NEAR(shares, 1, 1e-9);
+  EXPECT_TRUE(says(rounded, "rate_uncertainty"));
+  EXPECT_FALSE(says(exact, "rate_uncertainty"));
 }
 
 TEST(AxialCampaign, APendulumIsNotTheAxialMode) {

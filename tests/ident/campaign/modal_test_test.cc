@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -53,6 +54,31 @@ TEST(ModalTest, StatesByTensionAndTheSameNumbersWhateverTheyAreBeside) {
   for (std::size_t k = 0; k < modes.size(); ++k) {
     EXPECT_EQ(modes[k].pole_rad_s, state.modal->model.modes[k].pole_rad_s);
   }
+}
+
+TEST(ModalTest, ARoundedRateIsInTheFrequenciesAndNotInTheDamping) {
+  const auto exact = run_modal_test(hits("", {}), options());
+  auto recordings = hits("", {});
+  constexpr double kRate = 3e-4;
+  for (auto& one : recordings) one.recording.sample_rate_relative_std = kRate;
+  const auto rounded = run_modal_test(std::move(recordings), options());
+  const auto &a = exact.states.at(0).modal->model, &b = rounded.states.at(0).modal->model;
+  ASSERT_EQ(a.modes.size(), b.modes.size());
+  ASSERT_GT(a.modes.size(), 1u);
+  for (std::size_t k = 0; k < a.modes.size(); ++k) {
+    const double f = a.modes[k].frequency_hz.value;
+    EXPECT_EQ(b.modes[k].frequency_hz.value, f);
+    EXPECT_DOUBLE_EQ(b.modes[k].frequency_hz.std,
+                     std::hypot(a.modes[k].frequency_hz.std, kRate * f));
+    EXPECT_EQ(b.modes[k].damping_ratio.std, a.modes[k].damping_ratio.std);
+  }
+  // Common to all: the covariance of two frequencies gets the product of their parts.
+  const double together =
+      kRate * kRate * a.modes[0].frequency_hz.value * a.modes[1].frequency_hz.value;
+  EXPECT_NEAR(b.pole_covariance(0, 2) - a.pole_covariance(0, 2), together, 1e-9 * together);
+  const auto& findings = rounded.states[0].findings;
+  EXPECT_TRUE(std::any_of(findings.begin(), findings.end(),
+                          [](const auto& one) { return one.code == "rate_uncertainty"; }));
 }
 
 TEST(ModalTest, WhatCannotTakePartIsRefusedWithItsReason) {

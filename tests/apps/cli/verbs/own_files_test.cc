@@ -82,6 +82,33 @@ TEST(OwnFiles, ACampaignOfThemRuns) {
               HasSubstr("CH9"));
 }
 
+// One channels.toml for recordings of different channels: silent where each has its own, said where
+// a name is misspelt or nothing fits.
+TEST(OwnFiles, AFolderDescribesDifferentRecordings) {
+  const TemporaryFolder folder;
+  folder.write("channels.toml",
+               "[[channel]]\nsource = \"force 1\"\nunit = \"N\"\n"
+               "[[channel]]\nsource = \"wire gauge\"\nunit = \"mm\"\n");
+  const auto warning_of = [&](const std::string& channel) {
+    std::string text = "time [s];" + channel + "\n";
+    const bool two = channel.find(';') != std::string::npos;
+    for (int k = 0; k < 200; ++k) {
+      text += fmt::format("{:.3f};{:.3f}{}\n", 1e-3 * k, std::sin(0.1 * k), two ? ";1.5" : "");
+    }
+    for (const auto& warning :
+         parsed(run_program({"inspect", folder.write("a.csv", text), "--json", "-"})
+                    .out)["warnings"]) {
+      if (warning["code"] == "described_channel_absent")
+        return warning["message"].get<std::string>();
+    }
+    return std::string();
+  };
+  EXPECT_EQ(warning_of("force 1"), "");
+  EXPECT_EQ(warning_of("force 1;wire gauge"), "");
+  EXPECT_THAT(warning_of("force 1;wire guage [mm]"), HasSubstr("did you mean \"wire guage\""));
+  EXPECT_THAT(warning_of("temperature"), HasSubstr("does not have"));
+}
+
 // A logger's names say nothing: the hammer is the channel of short pulses to one side, also where
 // one file holds several hits.
 TEST(OwnFiles, HammerIsFoundByItsPulses) {
