@@ -28,7 +28,7 @@ constexpr double kReach = 6;      // half width of the window, half bandwidths o
 constexpr Index kLeastLines = 8;  // and at least so many lines on either side
 constexpr int kOrder = 2;         // of the polynomial
 /// Tested a hit; those with the largest residues, where noise is least and the amplitude largest.
-constexpr std::size_t kFrfs = 8;
+constexpr std::size_t kFrfs = 4;
 constexpr double kDistorted = 1e-4;
 /// Of the FRFs around a mode: measured structures are not linear to much better.
 constexpr double kLeastShare = 1e-3;
@@ -219,13 +219,14 @@ void reach_small_amplitude(const ResonanceDistortion& found, std::size_t r, Moda
           model.pole_covariance);
 }
 
+/// The lower one of two: at least half of the values are no larger.
 double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
-/// Medians over FRFs. Twice the median of chances is a chance, whatever the FRFs share.
+/// Medians over FRFs. Twice that of chances is a chance, whatever the FRFs share.
 ResonanceDistortion over_frfs(const std::vector<ResonanceDistortion>& all) {
   ResonanceDistortion result;
   if (all.empty()) return result;
