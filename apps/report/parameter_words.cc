@@ -59,6 +59,23 @@ std::string parameter_words(std::string_view name) {
   return capitalised(name);
 }
 
+std::string with_parameter_words(std::string sentence) {
+  const auto part_of_name = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+  };
+  for (std::size_t dot = 0; (dot = sentence.find('.', dot)) != std::string::npos; ++dot) {
+    std::size_t end = dot + 1;
+    while (end < sentence.size() && part_of_name(sentence[end])) ++end;
+    const auto quantity = std::string_view(sentence).substr(dot + 1, end - dot - 1);
+    for (const auto& [key, words] : kQuantities) {
+      if (key != quantity || dot == 0 || !part_of_name(sentence[dot - 1])) continue;
+      sentence.replace(dot, end - dot, " " + std::string(words));
+      break;
+    }
+  }
+  return sentence;
+}
+
 bool shown_in_percent(std::string_view name) { return name.ends_with("damping_ratio"); }
 
 }  // namespace rigfit::apps

@@ -10,6 +10,9 @@ namespace rigfit::apps {
 /// such as "cable span", stays as it is but for its first letter; so does one that is not known.
 [[nodiscard]] std::string parameter_words(std::string_view name);
 
+/// A sentence with the plain names of the parameters in it.
+[[nodiscard]] std::string with_parameter_words(std::string sentence);
+
 /// True for ratios that are shown in percent: damping ratios.
 [[nodiscard]] bool shown_in_percent(std::string_view name);
 

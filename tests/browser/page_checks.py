@@ -49,6 +49,19 @@ WIDER = """
 """
 
 
+# Tables and figures on paper that are wider than where they stand.
+CUT_ON_PAPER = """
+  const out = [];
+  for (const e of document.querySelectorAll('main table, main figure, main svg')) {
+    if (!e.getClientRects().length) continue;
+    const cell = e.closest('.table, .picture, .static') || e.parentElement;
+    const box = e.getBoundingClientRect(), room = cell.getBoundingClientRect();
+    if (box.right > room.right + 1.5) out.push((e.id || e.tagName) + ' ' + Math.round(box.right - room.right));
+  }
+  return out;
+"""
+
+
 class PageChecks:
     """Mixed into the tests of a report: `browser`, `url`, `folder`, `page` are theirs."""
 
@@ -74,6 +87,17 @@ class PageChecks:
                     if width != 1024 and not large:
                         self.assertEqual(self.browser.run(FAINT), [])
                     self.shot("%d-%s.png" % (width, "dark" if dark else "light"))
+
+    def test_nothing_is_cut_on_paper(self):
+        self.addCleanup(self.back_to_normal)
+        width = round((210 - 2 * 15) / 25.4 * 96)  # between the margins, px
+        self.browser.devtools("Emulation.setDeviceMetricsOverride", width=width, height=1000, deviceScaleFactor=1, mobile=False)
+        self.browser.open(self.url)
+        self.browser.devtools("Emulation.setEmulatedMedia", media="print")
+        try:
+            self.assertEqual(self.browser.run(CUT_ON_PAPER), [])
+        finally:
+            self.browser.devtools("Emulation.setEmulatedMedia", media="")
 
     def test_navigation_stays_in_view(self):
         self.addCleanup(self.back_to_normal)
@@ -149,6 +173,20 @@ class PageChecks:
             pages.append((size, words))
         return pages
 
+    def filled_of(self, pdf, dpi=30):
+        """By page: where its last row with ink is, above the foot, as a share of the height between the margins."""
+        raw = subprocess.run(["pdftoppm", "-r", str(dpi), "-gray", pdf], capture_output=True, check=True).stdout
+        filled, at = [], 0
+        while at < len(raw):
+            head = re.match(rb"P5\s+(\d+)\s+(\d+)\s+255\s", raw[at:at + 40])
+            width, height = int(head[1]), int(head[2])
+            at += head.end()
+            ink = [min(raw[at + row * width:at + (row + 1) * width]) < 200 for row in range(height)]
+            at += width * height
+            body = ink[round(height * 16 / 297):round(height * 280 / 297)]  # margins of 16 and 17 mm
+            filled.append((max([row for row, dark in enumerate(body) if dark], default=-1) + 1) / len(body))
+        return filled
+
     def test_paper_has_a_first_page_a_short_report_and_no_clipped_or_empty_pages(self):
         path = os.path.join(self.folder.name, "paper.pdf")
         self.browser.pdf(path)
@@ -166,10 +204,12 @@ class PageChecks:
         self.assertIn("Contents", [w[4] for w in pages[1][1]])
         self.assertIsNotNone(appendix)
         self.assertLessEqual(appendix - 1, 8)
-        # Where nothing forces a new page, one that ends in its upper half is a gap; figures carry no words at their foot.
-        short = [number for number, (size, words) in enumerate(pages, 1)
-                 if number not in (1, appendix - 1, len(pages))
-                 and max(w[3] for w in words if w[3] < size[1] - 45) < 0.5 * size[1]]
-        self.assertLessEqual(len(short), max(1, len(pages) // 12), short)
+        # Where nothing forces a new page, one with less than a third of its height used is a gap.
+        filled = self.filled_of(path)
+        self.assertEqual(len(filled), len(pages))
+        short = {number: round(share, 2) for number, share in enumerate(filled, 1)
+                 if number not in (appendix - 1, len(pages)) and share < 1 / 3}
+        self.assertEqual(short, {})
+        self.assertGreater(sum(filled) / len(filled), 0.75)
         last = [w[4] for w in pages[-1][1] if w[1] > pages[-1][0][1] - 45]
         self.assertIn(str(len(pages)), last, "page numbers")

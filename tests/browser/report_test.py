@@ -11,6 +11,7 @@ import sys
 import tempfile
 import unittest
 
+from figure_checks import FigureChecks
 from page_checks import PageChecks
 from webdriver import Browser
 
@@ -32,7 +33,7 @@ PAINTED = """
 """
 
 
-class ReportInBrowser(PageChecks, unittest.TestCase):
+class ReportInBrowser(PageChecks, FigureChecks, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory(prefix="rigfit-report-")

@@ -126,7 +126,9 @@ void draw_tension(PlotSheet& sheet, const ident::TensionResult& result) {
 
 void draw_modes(PlotSheet& sheet, const model::Scene& scene, const model::ModalAnalysis& analysis) {
   if (analysis.modes.empty()) return;
-  add(sheet, shapes_picture("shapes", scene, analysis));
+  for (auto& picture : shapes_pictures("shapes", "", scene, analysis)) {
+    sheet.add(Block(std::move(picture)));
+  }
   add_drawn(sheet, mode_frequencies_plot("frequencies", analysis));
 }
 

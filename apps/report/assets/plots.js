@@ -8,9 +8,9 @@
   function shade(s) {
     var base = colour(s.origin), other = s.shade === 1 ? colour("ink") : colour("paper");
     if (!s.shade || !/^#[0-9a-f]{6}$/i.test(base) || !/^#[0-9a-f]{6}$/i.test(other)) return base;
-    var mixed = "#";
+    var mixed = "#", share = Number(colour(s.shade === 1 ? "towards-ink" : "towards-paper"));
     for (var i = 1; i < 7; i += 2) {
-      var part = Math.round(0.6 * parseInt(base.substr(i, 2), 16) + 0.4 * parseInt(other.substr(i, 2), 16));
+      var part = Math.round(share * parseInt(base.substr(i, 2), 16) + (1 - share) * parseInt(other.substr(i, 2), 16));
       mixed += (part < 16 ? "0" : "") + part.toString(16);
     }
     return mixed;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <tuple>
+
 #include "apps/report/drawing/plot.h"
 
 namespace rigfit::apps {
@@ -12,11 +15,12 @@ std::string colour_of(ident::Origin origin, int shade) {
     if (one.origin == origin) base = one.on_light;
   }
   if (shade == 0) return base;
-  const int towards = shade == 1 ? 0x22 : 0xff;
+  constexpr std::array<int, 3> kInk{0x1d, 0x23, 0x28};
+  const double share = shade == 1 ? kTowardsInk : kTowardsPaper;
   std::string mixed = "#";
-  for (std::size_t i = 1; i < 7; i += 2) {
-    const int part = std::stoi(base.substr(i, 2), nullptr, 16);
-    mixed += fmt::format("{:02x}", (6 * part + 4 * towards + 5) / 10);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int part = std::stoi(base.substr(1 + 2 * k, 2), nullptr, 16);
+    mixed += fmt::format("{:02x}", std::lround(std::lerp(shade == 1 ? kInk[k] : 255, part, share)));
   }
   return mixed;
 }
@@ -27,11 +31,14 @@ std::string palette_css() {
     const char* word = word_of(one.origin);
     light += fmt::format("--{}:{};", word, one.on_light);
     dark += fmt::format("--{}:{};", word, one.on_dark);
-    for (const auto& [number, other] : {std::pair{1, "ink"}, std::pair{2, "paper"}}) {
-      shades += fmt::format(".o-{0}.v{1}{{color:color-mix(in srgb,var(--{0}) 60%,var(--{2}))}}\n",
-                            word, number, other);
+    for (const auto& [number, share, other] :
+         {std::tuple{1, kTowardsInk, "ink"}, std::tuple{2, kTowardsPaper, "paper"}}) {
+      shades +=
+          fmt::format(".o-{0}.v{1}{{color:color-mix(in srgb,var(--{0}) {2:g}%,var(--{3}))}}\n",
+                      word, number, 100 * share, other);
     }
   }
+  light += fmt::format("--towards-ink:{:g};--towards-paper:{:g};", kTowardsInk, kTowardsPaper);
   return fmt::format(
       ":root{{{0}}}\n@media (prefers-color-scheme:dark){{:root{{{1}}}}}\n@media "
       "print{{:root{{{0}}}}}\n{2}",

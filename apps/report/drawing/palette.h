@@ -25,6 +25,10 @@ inline constexpr std::array<OriginColour, 5> kPalette{
      {ident::Origin::synthetic, "#5c1a78", "#c06bff"},
      {ident::Origin::modelled, "#a31028", "#ff7043"}}};
 
+/// Shares of the origin's colour in its two shades: the rest is ink or paper. As light as a shade
+/// may be with a contrast of 3 : 1 against its paper (WCAG 2.1, 1.4.11).
+inline constexpr double kTowardsInk = 0.7, kTowardsPaper = 0.75;
+
 /// On white, "#rrggbb"; `shade` as in SeriesLook.
 [[nodiscard]] std::string colour_of(ident::Origin origin, int shade = 0);
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "apps/report/drawing/label_places.h"
 #include "apps/report/page/html_text.h"
 
 namespace rigfit::apps {
@@ -15,7 +16,8 @@ namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double kWidth = 560, kMargin = 52, kLine = 17;  // px
+constexpr double kWidth = 500, kMargin = 52, kLine = 17, kFont = 13;  // px
+constexpr double kScaleStrip = 26;  // px, with the scale bar, under the drawing
 
 std::string axis_words(const Vector3d& direction) {
   static constexpr std::array<const char*, 3> kNames{"x", "y", "z"};
@@ -70,13 +72,19 @@ class Drawing {
     for (const auto& load : scene_.loads) draw(load, ++number);
     number = 0;
     for (const auto& sensor : scene_.sensors) draw(sensor, ++number);
+    for (const auto& label : labels_) write(label);
+    // Copies of one member (`[[repeat]]`) are not named one by one.
+    if (scene_.members.size() <= 8) {
+      for (const auto& member : scene_.members) name(member);
+    }
     scale_bar();
     list();
     return fmt::format(
         "<svg class=\"rig\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:g} {:g}\" "
-        "width=\"{:g}\" height=\"{:g}\" font-family=\"sans-serif\" font-size=\"13\" role=\"img\" "
-        "aria-label=\"{}\">\n{}</svg>\n",
-        kWidth, bottom_, kWidth, bottom_, escaped("The rig to scale: " + scene_.title), svg_);
+        "width=\"{:g}\" height=\"{:g}\" font-family=\"sans-serif\" font-size=\"{:g}\" "
+        "role=\"img\" aria-label=\"{}\">\n{}</svg>\n",
+        kWidth, bottom_, kWidth, bottom_, kFont, escaped("The rig to scale: " + scene_.title),
+        svg_);
   }
 
  private:
@@ -98,7 +106,8 @@ class Drawing {
     height_ = scale_ * tall;
     origin_ = {kWidth / 2 - scale_ * (low[across_] + high[across_]) / 2,
                kMargin + height_ + scale_ * low[1]};
-    bottom_ = kMargin + height_ + kMargin - 8;
+    bottom_ = kMargin + height_ + kMargin + kScaleStrip;
+    places_ = LabelPlaces({2, 2, kWidth - 2, bottom_ - kScaleStrip});
   }
 
   [[nodiscard]] Vector2d at(const Vector3d& point) const {
@@ -133,6 +142,10 @@ class Drawing {
         from[0], from[1], to[0], to[1], width, more);
   }
 
+  void fill(const PaperBox& box, const std::string& words, const char* css) {
+    text({0.5 * (box.left + box.right), box.bottom - 4}, words, "middle", css);
+  }
+
   void text(const Vector2d& where, const std::string& words, const char* anchor = "middle",
             const char* css = "t") {
     svg_ +=
@@ -142,6 +155,7 @@ class Drawing {
 
   void hatch(const Vector2d& centre, const Vector2d& in) {
     const Vector2d side(-in[1], in[0]);
+    places_.add_mark(box_around(centre - 13 * side - 7 * in, centre + 13 * side, 1));
     line(centre - 13 * side, centre + 13 * side, 2);
     for (int k = -2; k <= 2; ++k) {
       const Vector2d foot = centre + 5.5 * k * side;
@@ -163,6 +177,7 @@ class Drawing {
             "<path class=\"rig-fill\" fill=\"#fff\" stroke=\"#1d2328\" stroke-width=\"1.5\" "
             "d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}Z\"/>\n",
             p[0], p[1], a[0], a[1], b[0], b[1]);
+        places_.add_mark(box_around(p - 8 * side, p - 13 * in + 8 * side, 1));
         hatch(p - 13 * in, in);
         return;
       }
@@ -177,6 +192,7 @@ class Drawing {
             "<path class=\"rig-line\" fill=\"none\" stroke=\"#1d2328\" stroke-width=\"1.5\" "
             "d=\"{}\"/>\n",
             path);
+        places_.add_mark(box_around(p - 5 * side, p - 22 * in + 5 * side, 1));
         hatch(p - 22 * in, in);
         return;
       }
@@ -188,47 +204,53 @@ class Drawing {
     const Vector2d a = at(from), b = at(to);
     const bool beam = member.kind == model::Member::Kind::beam;
     line(a, b, beam ? 5 : 2, beam ? " stroke-linecap=\"round\"" : "");
-    // Copies of one member (`[[repeat]]`) are not named one by one.
-    if (scene_.members.size() > 8) return;
-    const Vector2d along = b - a, middle = a + clear_place(a, along) * along;
-    const std::string words = fmt::format("{}, {} m", member.name, shown((to - from).norm(), 3));
-    if (std::abs(along[1]) > std::abs(along[0])) {
-      text(middle + Vector2d(12, 4), words, "start");
-    } else {
-      text(middle + Vector2d(0, 20), words);
-    }
+    places_.add_line(a, b);
     for (const auto& one : member.masses) {
-      disc(at(from + one.position * (to - from)), 2.5 + 1.5 * std::cbrt(one.mass * 100));
+      disc(at(from + one.position * (to - from)), one.mass);
+      added_mass(one.mass, member.name);
     }
   }
 
-  /// Where along a member its name is farthest from what is marked on paper.
-  [[nodiscard]] double clear_place(const Vector2d& from, const Vector2d& along) const {
-    double best = 0.3, farthest = -1;
-    for (const double place : {0.3, 0.7, 0.5}) {
-      double nearest = std::numeric_limits<double>::infinity();
-      const auto look = [&](const Vector2d& mark) {
-        nearest = std::min(nearest, (mark - (from + place * along)).norm());
-      };
-      for (const auto& sensor : scene_.sensors) look(at(position(sensor.place)));
-      for (const auto& load : scene_.loads) look(at(position(load.place)));
-      if (nearest > farthest * 1.01) {
-        farthest = nearest;
-        best = place;
-      }
+  void name(const model::Member& member) {
+    const Vector3d from = point(member.nodes[0]), to = point(member.nodes[1]);
+    const std::string words = fmt::format("{}, {} m", member.name, shown((to - from).norm(), 3));
+    const Vector2d size(text_width(words, kFont), kLine);
+    if (const auto box = places_.place(size, centres_beside(at(from), at(to), size))) {
+      fill(*box, words, "t");
     }
-    return best;
   }
 
-  void disc(const Vector2d& centre, double radius) {
+  /// A mark's short name, drawn when all marks are: none where there is no room.
+  struct Label {
+    Vector2d mark;
+    std::string words, css;
+  };
+
+  void write(const Label& label) {
+    const Vector2d size(text_width(label.words, kFont), kLine);
+    if (const auto box = places_.place(size, centres_around(label.mark, size), label.mark)) {
+      fill(*box, label.words, label.css.c_str());
+    }
+  }
+
+  void disc(const Vector2d& centre, double mass_kg) {
+    const double radius = std::clamp(2.5 + 1.5 * std::cbrt(mass_kg * 100), 3.0, 9.0);
+    places_.add_mark(box_around(centre, centre, radius));
     svg_ += fmt::format(
         "<circle class=\"rig-mass\" fill=\"#5b6670\" cx=\"{:.1f}\" cy=\"{:.1f}\" "
         "r=\"{:.1f}\"/>\n",
-        centre[0], centre[1], std::clamp(radius, 3.0, 9.0));
+        centre[0], centre[1], radius);
+  }
+
+  void added_mass(double kg, const std::string& place) {
+    masses_ +=
+        fmt::format("{} {} g {}", masses_.empty() ? "●  masses:" : ",", shown(1e3 * kg, 3), place);
   }
 
   void mass(const model::SceneNode& one) {
-    if (one.mass > 0) disc(at(one.position), 2.5 + 1.5 * std::cbrt(one.mass * 100));
+    if (!(one.mass > 0)) return;
+    disc(at(one.position), one.mass);
+    added_mass(one.mass, one.name);
   }
 
   /// Direction on paper; zero where it points at the reader.
@@ -240,6 +262,7 @@ class Drawing {
   void arrow(const Vector2d& tip, const Vector2d& direction, double length, const char* css,
              const char* colour) {
     if (direction.norm() == 0) {  // out of the paper
+      places_.add_mark(box_around(tip, tip, 8));
       svg_ += fmt::format(
           "<circle class=\"{0} hollow\" fill=\"#fff\" stroke=\"{1}\" stroke-width=\"1.6\" "
           "cx=\"{2:.1f}\" cy=\"{3:.1f}\" r=\"7\"/><circle class=\"{0}\" fill=\"{1}\" "
@@ -249,11 +272,23 @@ class Drawing {
       return;
     }
     const Vector2d side(-direction[1], direction[0]), tail = tip - length * direction;
+    places_.add_mark(box_around(tail, tip, 4));
     const Vector2d a = tip - 8 * direction + 4 * side, b = tip - 8 * direction - 4 * side;
     svg_ += fmt::format(
         "<path class=\"{0}\" fill=\"{1}\" stroke=\"{1}\" stroke-width=\"1.8\" d=\"M{2:.1f} "
         "{3:.1f}L{4:.1f} {5:.1f}M{4:.1f} {5:.1f}L{6:.1f} {7:.1f}L{8:.1f} {9:.1f}Z\"/>\n",
         css, colour, tail[0], tail[1], tip[0], tip[1], a[0], a[1], b[0], b[1]);
+  }
+
+  /// An arrow's tip, moved sideways from arrows and marks that are in its way.
+  [[nodiscard]] Vector2d beside_marks(const Vector2d& tip, const Vector2d& direction,
+                                      double length) const {
+    const Vector2d side(-direction[1], direction[0]);
+    for (const double shift : {0.0, 11.0, -11.0, 22.0, -22.0}) {
+      const Vector2d moved = tip + shift * side;
+      if (!places_.covers_mark(box_around(moved, moved - length * direction, 4))) return moved;
+    }
+    return tip;
   }
 
   void draw(const model::Load& load, int number) {
@@ -266,16 +301,17 @@ class Drawing {
           "<rect class=\"rig-hit\" fill=\"#b3261e\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"16\" "
           "height=\"12\"/>\n",
           foot[0] - 8, foot[1]);
-      text(foot + Vector2d(14, 11), label, "start", "t rig-hit");
+      places_.add_mark(box_around(foot - Vector2d(8, 0), foot + Vector2d(8, 12), 1));
+      places_.add_line(p, foot);
+      labels_.push_back({foot + Vector2d(0, 6), label, "t rig-hit"});
       keys_.push_back(fmt::format("{}  {}: {} kg hung and released", label,
                                   load.name.empty() ? "mass" : load.name, shown(load.mass, 3)));
       return;
     }
     const Vector2d direction = on_paper(load.direction);
-    arrow(p - 4 * direction, direction, 32, "rig-hit", "#b3261e");
-    const Vector2d tail = p - 42 * direction;
-    text(direction.norm() == 0 ? p + Vector2d(0, -12) : Vector2d(tail + Vector2d(0, -4)), label,
-         "middle", "t rig-hit");
+    const Vector2d tip = beside_marks(p - 4 * direction, direction, 32);
+    arrow(tip, direction, 32, "rig-hit", "#b3261e");
+    labels_.push_back({tip - 32 * direction, label, "t rig-hit"});
     keys_.push_back(fmt::format("{}  {}: struck along {}", label,
                                 load.name.empty() ? "hit" : load.name, axis_words(load.direction)));
   }
@@ -287,12 +323,12 @@ class Drawing {
         "height=\"10\"/>\n",
         p[0] - 5, p[1] - 5);
     if (direction.norm() > 0) {
-      arrow(p + 24 * direction, direction, 18, "rig-sensor", "#0072b2");
+      const Vector2d tip = beside_marks(p + 24 * direction, direction, 17);
+      arrow(tip, direction, 17, "rig-sensor", "#0072b2");
     }
-    const Vector2d where = std::abs(direction[1]) > 0.5 ? Vector2d(p + Vector2d(9, -9))
-                                                        : Vector2d(p + Vector2d(14, -9));
+    places_.add_mark(box_around(p, p, 6));
     const std::string label = fmt::format("S{}", number);
-    text(where, label, "start", "t rig-sensor");
+    labels_.push_back({p, label, "t rig-sensor"});
     keys_.push_back(fmt::format("{}  {}: {}, {}", label, sensor.name, words_of(sensor.quantity),
                                 axis_words(sensor.direction)));
   }
@@ -316,26 +352,40 @@ class Drawing {
 
   /// What the marks are, in two columns.
   void list() {
-    const std::size_t most = 16, shown_keys = std::min(keys_.size(), most);
-    const std::size_t rows = (shown_keys + 1) / 2;
-    for (std::size_t i = 0; i < shown_keys; ++i) {
-      text({16 + (i >= rows ? kWidth / 2 : 0),
-            bottom_ + kLine * static_cast<double>(1 + i % std::max<std::size_t>(rows, 1))},
-           keys_[i], "start");
+    constexpr std::size_t kMost = 16;
+    constexpr double kLeft = 16, kColumn = kWidth / 2;
+    if (!masses_.empty()) keys_.insert(keys_.begin(), masses_);
+    const std::size_t more = keys_.size() > kMost ? keys_.size() - kMost : 0;
+    keys_.resize(keys_.size() - more);
+    if (more > 0) keys_.push_back(fmt::format("and {} more", more));
+    std::vector<std::vector<std::string>> keys;
+    std::size_t lines = 0;
+    for (const auto& key : keys_) {
+      keys.push_back(broken_into_lines(key, kFont, kColumn - kLeft - 14));
+      lines += keys.back().size();
+    }
+    std::size_t used = 0, rows = 0;
+    double x = kLeft, y = bottom_;
+    for (const auto& key : keys) {
+      if (x == kLeft && used > 0 && 2 * used >= lines) x = kColumn, y = bottom_, used = 0;
+      for (std::size_t i = 0; i < key.size(); ++i) {
+        y += kLine;
+        text({x + (i > 0 ? 14 : 0), y}, key[i], "start");
+      }
+      used += key.size();
+      rows = std::max(rows, used);
     }
     bottom_ += kLine * static_cast<double>(rows) + (rows > 0 ? 8 : 0);
-    if (keys_.size() > most) {
-      text({16, bottom_ + 8}, fmt::format("and {} more", keys_.size() - most), "start");
-      bottom_ += kLine;
-    }
   }
 
   const model::Scene& scene_;
   int across_ = 0;
   double scale_ = 1, height_ = 0, bottom_ = 0;
   Vector2d origin_ = Vector2d::Zero();
+  LabelPlaces places_{{}};
+  std::vector<Label> labels_;
   std::vector<std::string> keys_;
-  std::string svg_;
+  std::string masses_, svg_;
 };
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-constexpr double kPanelWidth = 380, kPanelHeight = 250, kTitle = 40;
+constexpr double kPanelWidth = 280, kPanelHeight = 190, kTitle = 36;
 
 /// Parallel projection of space onto a panel.
 class View {
@@ -216,13 +216,13 @@ std::string mode_panel(const View& view, const model::Scene& scene,
     svg += fmt::format("<text class=\"{}\" x=\"12\" y=\"{:g}\"{}>{}</text>\n", css, y, more,
                        escaped(words));
   };
-  text(18,
+  text(14,
        fmt::format("{}  {} Hz, {}, {}", index + 1, shown(mode.frequency_hz, 5), name_of(mode.plane),
                    name_of(mode.family)),
        "t", " fill=\"#222\" font-weight=\"bold\"");
   if (measured) {
     text(
-        34,
+        30,
         fmt::format("{} {} Hz{}", name_of(measured->origin), shown(measured->frequency_hz, 5),
                     std::isfinite(measured->mac) ? fmt::format(", MAC {:.3f}", measured->mac) : ""),
         fmt::format("o-{}", word_of(measured->origin)),
@@ -246,49 +246,63 @@ void add_csv(std::string& csv, const model::ModalAnalysis& analysis, std::size_t
 
 }  // namespace
 
-std::optional<Picture> shapes_picture(const std::string& id, const model::Scene& scene,
-                                      const model::ModalAnalysis& analysis,
-                                      const std::vector<MeasuredShape>& measured,
-                                      std::size_t most) {
+std::vector<Picture> shapes_pictures(const std::string& id, const std::string& state,
+                                     const model::Scene& scene,
+                                     const model::ModalAnalysis& analysis,
+                                     const std::vector<MeasuredShape>& measured, std::size_t most) {
+  constexpr std::size_t kModes = 6, kColumns = 2;  // of a picture: a quarter of a page on paper
   std::vector<std::size_t> drawn;
   for (std::size_t i = 0; i < analysis.modes.size() && drawn.size() < most; ++i) {
     if (largest_of(analysis.modes[i]) > 0) drawn.push_back(i);
   }
-  if (drawn.empty() || analysis.equilibrium.members.empty()) return std::nullopt;
-  Picture picture;
-  picture.id = id;
-  picture.title = measured.empty() ? "Mode shapes" : "Mode shapes, test over model";
-  picture.caption =
-      "Line: the model, enlarged; broken: at rest. Triangles: pinned, squares filled: clamped, "
-      "squares open: sensors, circles open: where the shape does not move.";
-  if (!measured.empty()) picture.caption += " Points: measured, scaled to the model.";
-  if (drawn.size() < analysis.modes.size()) {
-    picture.caption +=
-        fmt::format(" The first {} of {} modes.", drawn.size(), analysis.modes.size());
-  }
-  picture.csv = "mode,frequency_hz,member,x_m,y_m,z_m,dx,dy,dz\n";
+  std::vector<Picture> pictures;
+  if (analysis.equilibrium.members.empty()) return pictures;
   const View view(analysis.equilibrium);
-  const std::size_t columns = std::min<std::size_t>(2, drawn.size());
-  std::string body;
-  for (std::size_t k = 0; k < drawn.size(); ++k) {
-    const auto at = std::find_if(measured.begin(), measured.end(),
-                                 [&](const MeasuredShape& one) { return one.mode == drawn[k]; });
-    body += fmt::format(
-        "<g transform=\"translate({:g} {:g})\">\n{}</g>\n",
-        kPanelWidth * static_cast<double>(k % columns),
-        kPanelHeight * static_cast<double>(k / columns),
-        mode_panel(view, scene, analysis, drawn[k], at == measured.end() ? nullptr : &*at));
-    add_csv(picture.csv, analysis, drawn[k]);
+  for (std::size_t from = 0; from < drawn.size(); from += kModes) {
+    const std::size_t count = std::min(kModes, drawn.size() - from);
+    Picture picture;
+    picture.id = from == 0 ? id : fmt::format("{}-{}", id, from / kModes + 1);
+    picture.title = measured.empty() ? "Mode shapes" : "Mode shapes, test over model";
+    if (!state.empty()) picture.title += ": " + state;
+    if (drawn.size() > kModes) {
+      picture.title += fmt::format(", {} to {}", drawn[from] + 1, drawn[from + count - 1] + 1);
+    }
+    if (from > 0) {
+      picture.caption = "As in the figure before.";
+    } else {
+      picture.caption =
+          "Line: the model, enlarged; broken: at rest. Triangles: pinned, filled squares: clamped, "
+          "open squares: sensors, open circles: nodes of the shape.";
+      if (!measured.empty()) picture.caption += " Points: measured, scaled to the model.";
+      if (drawn.size() < analysis.modes.size()) {
+        picture.caption +=
+            fmt::format(" The first {} of {} modes.", drawn.size(), analysis.modes.size());
+      }
+    }
+    picture.csv = "mode,frequency_hz,member,x_m,y_m,z_m,dx,dy,dz\n";
+    std::string body;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t mode = drawn[from + k];
+      const auto at = std::find_if(measured.begin(), measured.end(),
+                                   [&](const MeasuredShape& one) { return one.mode == mode; });
+      body += fmt::format(
+          "<g transform=\"translate({:g} {:g})\">\n{}</g>\n",
+          kPanelWidth * static_cast<double>(k % kColumns),
+          kPanelHeight * static_cast<double>(k / kColumns),
+          mode_panel(view, scene, analysis, mode, at == measured.end() ? nullptr : &*at));
+      add_csv(picture.csv, analysis, mode);
+    }
+    picture.width = kPanelWidth * static_cast<double>(std::min(kColumns, count));
+    picture.height = kPanelHeight * static_cast<double>((count + kColumns - 1) / kColumns);
+    picture.svg = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:g} {1:g}\" width=\"{0:g}\" "
+        "height=\"{1:g}\" role=\"img\" font-family=\"sans-serif\" "
+        "font-size=\"12\">\n<title>{2}</title>\n"
+        "<desc>{3}</desc>\n{4}</svg>\n",
+        picture.width, picture.height, escaped(picture.title), escaped(picture.caption), body);
+    pictures.push_back(std::move(picture));
   }
-  picture.width = kPanelWidth * static_cast<double>(columns);
-  picture.height = kPanelHeight * static_cast<double>((drawn.size() + columns - 1) / columns);
-  picture.svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:g} {1:g}\" width=\"{0:g}\" "
-      "height=\"{1:g}\" role=\"img\" font-family=\"sans-serif\" "
-      "font-size=\"12\">\n<title>{2}</title>\n"
-      "<desc>{3}</desc>\n{4}</svg>\n",
-      picture.width, picture.height, escaped(picture.title), escaped(picture.caption), body);
-  return picture;
+  return pictures;
 }
 
 Plot mode_frequencies_plot(const std::string& id, const model::ModalAnalysis& analysis) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,14 +21,15 @@ struct MeasuredShape {
   Origin origin = Origin::measured;
 };
 
-/// Every mode of the analysis (at most `most`) in a parallel projection: at rest (broken), moved,
-/// with supports, sensors and the nodes of the shape; measured shapes as points, scaled to the
-/// model's by least squares, with their MAC. None without shapes.
-[[nodiscard]] std::optional<Picture> shapes_picture(const std::string& id,
-                                                    const model::Scene& scene,
-                                                    const model::ModalAnalysis& analysis,
-                                                    const std::vector<MeasuredShape>& measured = {},
-                                                    std::size_t most = 16);
+/// The modes of the analysis (at most `most`) in a parallel projection, six a picture: at rest
+/// (broken), moved, with supports, sensors and the nodes of the shape; measured shapes as points,
+/// scaled to the model's by least squares, with their MAC. `state` stands in the titles where there
+/// is one. None without shapes.
+[[nodiscard]] std::vector<Picture> shapes_pictures(const std::string& id, const std::string& state,
+                                                   const model::Scene& scene,
+                                                   const model::ModalAnalysis& analysis,
+                                                   const std::vector<MeasuredShape>& measured = {},
+                                                   std::size_t most = 16);
 
 /// Natural frequencies over mode number, a series a plane.
 [[nodiscard]] Plot mode_frequencies_plot(const std::string& id,

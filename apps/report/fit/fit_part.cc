@@ -59,8 +59,12 @@ class Fit {
           {finding.code, finding.message,
            finding.where.empty() ? of_.fit.name : parameter_words(finding.where), false});
       if (finding.refused || finding.code == "model_ruled_out") {
-        part_.summary.push_back(
-            {SummaryItem::Kind::distrust, of_.fit.title, finding.message, {}, part_.id, 2});
+        part_.summary.push_back({SummaryItem::Kind::distrust,
+                                 of_.fit.title,
+                                 with_parameter_words(finding.message),
+                                 {},
+                                 part_.id,
+                                 2});
       }
     }
     add_parameters(part_, of_);

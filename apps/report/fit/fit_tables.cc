@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "apps/cli/json_document.h"
+#include "apps/report/drawing/share_bars.h"
 #include "apps/report/modal/modal_files.h"
 #include "apps/report/page/html_text.h"
 #include "apps/report/parameter_words.h"
@@ -182,7 +184,7 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
   }
   if (!exact.empty()) {
     exact.pop_back();
-    part.blocks.push_back(Paragraph{exact, Paragraph::Kind::plain});
+    part.blocks.push_back(Paragraph{with_parameter_words(exact)});
   }
   if (of.result.alternatives.size() > 1) add_alternatives(part, of);
   if (of.result.starts > 1 && of.result.alternatives.empty()) {
@@ -303,39 +305,42 @@ void add_shapes(ReportPart& part, const FitOutcome& of) {
     options.band_hz = {{0.0, 1.15 * highest}};
     options.error_estimate = false;
     const auto analysis = model::analyse_modes(of.result.scenes[s], options);
-    ReportTable table;
-    table.id = fmt::format("{}-mac-{}", of.fit.name, s + 1);
-    table.caption = fmt::format(
-        "{}: likeness of shapes (MAC, 1: the same) at the {} sensors, measured modes in rows, "
-        "fitted model's in columns. Few sensors cannot tell every shape from every other.",
-        of.updates[s].name, of.states[s].modal->rig.response.size());
-    table.columns = {{"test \\ model, Hz", {}, false}};
     std::vector<const model::NaturalMode*> columns;
+    std::vector<std::string> rows, names;
     const auto plane = of.test_of(s).plane();
     for (const auto& mode : analysis.modes) {
       if (!(mode.frequency_hz > 0) || (plane && mode.plane != *plane)) continue;
       columns.push_back(&mode);
-      table.columns.push_back({shown(mode.frequency_hz, 4), Origin::modelled});
+      names.push_back(shown(mode.frequency_hz, 4) + " Hz");
     }
     Json matrix = Json::array();
     for (const auto& mode : of.updates[s].measured) {
       if (mode.shape.size() == 0) continue;
-      std::vector<Cell> row{Cell(shown(mode.frequency_hz.value, 4), of.origin_of(s))};
+      rows.push_back(shown(mode.frequency_hz.value, 4) + " Hz");
       Json json = Json::array();
       for (const auto* natural : columns) {
-        const double value =
-            signal::mac(mode.shape, natural->sensor_shape.cast<std::complex<double>>());
-        Cell cell(fmt::format("{:.2f}", value));
-        cell.shade = value;
-        row.push_back(std::move(cell));
-        json.push_back(value);
+        json.push_back(signal::mac(mode.shape, natural->sensor_shape.cast<std::complex<double>>()));
       }
-      table.rows.push_back(std::move(row));
       matrix.push_back(std::move(json));
     }
-    if (table.rows.empty() || columns.empty()) continue;
+    if (rows.empty() || columns.empty()) continue;
+    Eigen::MatrixXd values(static_cast<Eigen::Index>(rows.size()),
+                           static_cast<Eigen::Index>(columns.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      for (std::size_t j = 0; j < columns.size(); ++j) {
+        values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+            matrix[i][j].get<double>();
+      }
+    }
+    part.blocks.push_back(matrix_picture(
+        fmt::format("{}-mac-{}", of.fit.name, s + 1),
+        fmt::format("MAC of shapes, test and fitted model: {}", of.updates[s].name),
+        fmt::format("Rows: measured modes; columns: modes of the fitted model. Compared at the {} "
+                    "sensors; 1: the same shape. Few sensors cannot tell every shape from every "
+                    "other.",
+                    of.states[s].modal->rig.response.size()),
+        values, rows, names));
     part.json["mac"].push_back({{"state", of.updates[s].name}, {"matrix", std::move(matrix)}});
-    part.blocks.push_back(std::move(table));
     part.files.push_back(
         {fmt::format("uff/{}-model-{}.uff", of.fit.name, file_word(of.updates[s].name)),
          model_mode_file(analysis)});

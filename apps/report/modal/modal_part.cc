@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/report/drawing/share_bars.h"
 #include "apps/report/figures/frequency_plots.h"
 #include "apps/report/figures/model_plots.h"
 #include "apps/report/modal/modal_files.h"
 #include "apps/report/modal/modal_states.h"
 #include "apps/report/modal/modal_tables.h"
 #include "apps/report/page/html_text.h"
+#include "signal/modal/mac.h"
 
 namespace rigfit::apps {
 namespace {
@@ -65,16 +67,52 @@ ShapeViewer shape_viewer(const CampaignTest& test, const std::vector<ModalState>
 }
 
 /// The shapes of one state with what was measured of them.
-std::optional<Picture> state_shapes(const CampaignTest& test, const ModalState& state) {
+std::vector<Picture> state_shapes(const CampaignTest& test, const ModalState& state) {
   std::vector<MeasuredShape> measured;
   for (const auto& row : state.rows) {
     if (!row.mode || !std::isfinite(row.measured_hz)) continue;
     measured.push_back({*row.mode, row.measured_hz, row.shape, row.mac, row.origin});
   }
-  auto picture = shapes_picture(fmt::format("{}-shapes-{}", test.name, file_word(label_of(state))),
-                                state.rig.scene, state.analysis, measured);
-  if (picture) picture->title += ": " + label_of(state);
-  return picture;
+  return shapes_pictures(fmt::format("{}-shapes-{}", test.name, file_word(label_of(state))),
+                         label_of(state), state.rig.scene, state.analysis, measured);
+}
+
+/// MAC of every measured shape with every mode of the model near the measured frequencies; none
+/// where fewer than two sensors measured.
+std::optional<Picture> state_mac(const CampaignTest& test, const ModalState& state) {
+  double highest = 0;
+  std::vector<const MeasuredRow*> measured;
+  for (const auto& row : state.rows) {
+    if (row.shape.size() < 2 || !std::isfinite(row.measured_hz)) continue;
+    measured.push_back(&row);
+    highest = std::max(highest, row.measured_hz);
+  }
+  std::vector<const model::NaturalMode*> modes;
+  for (const auto& mode : state.analysis.modes) {
+    if (mode.sensor_shape.size() < 2 || mode.frequency_hz > 1.15 * highest) continue;
+    modes.push_back(&mode);
+  }
+  if (measured.empty() || modes.empty()) return std::nullopt;
+  const auto name = [](double hz) { return shown(hz, 4) + " Hz"; };
+  std::vector<std::string> rows, columns;
+  for (const auto* row : measured) rows.push_back(name(row->measured_hz));
+  for (const auto* mode : modes) columns.push_back(name(mode->frequency_hz));
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(rows.size()),
+                         static_cast<Eigen::Index>(columns.size()));
+  for (Eigen::Index i = 0; i < values.rows(); ++i) {
+    const auto& shape = measured[static_cast<std::size_t>(i)]->shape;
+    for (Eigen::Index j = 0; j < values.cols(); ++j) {
+      const auto& other = modes[static_cast<std::size_t>(j)]->sensor_shape;
+      values(i, j) =
+          shape.size() == other.size() ? signal::mac(shape, other.cast<std::complex<double>>()) : 0;
+    }
+  }
+  return matrix_picture(
+      fmt::format("{}-mac-{}", test.name, file_word(label_of(state))),
+      "MAC of shapes, test and model: " + label_of(state),
+      "Rows: measured modes; columns: the model's. 1: the same shape at the sensors, 0: nothing in "
+      "common. Few sensors cannot tell every shape from every other.",
+      values, rows, columns);
 }
 
 Json state_json(const CampaignTest& test, const ModalState& state) {
@@ -249,9 +287,12 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
   part.brief = {test.name + "-frequency"};
   part.brief.push_back(pairs.rows.size() <= 14 ? pairs.id : test.name + "-errors");
   part.blocks.push_back(std::move(pairs));
+  for (const auto& state : states) {
+    if (auto mac = state_mac(test, state)) part.blocks.push_back(std::move(*mac));
+  }
   part.blocks.push_back(equilibrium_table(test, states));
   for (const auto& state : states) {
-    if (auto picture = state_shapes(test, state)) part.blocks.push_back(std::move(*picture));
+    for (auto& picture : state_shapes(test, state)) part.blocks.push_back(std::move(picture));
   }
   if (any) part.blocks.push_back(shape_viewer(test, states));
   add_summary(part, test, states);

@@ -18,6 +18,10 @@ namespace {
 constexpr std::size_t kLongestTable = 200;  // rows of a plot's table written into the page; of more
                                             // points the page makes one when it is opened
 
+// px of a figure drawn for paper, where it stands in one of two columns 8.8 cm wide: its letters of
+// 12 px are 6 pt high there.
+constexpr double kPaperWidth = 480, kPaperHeight = 290;
+
 /// Text inside a script element: nothing in it may end that element.
 std::string guarded(std::string text) {
   for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) {
@@ -186,6 +190,8 @@ void BlockHtml::add(const Plot& whole) {
   plots_ += (plots_.empty() ? "" : ",\n") + json_text(plot.id) + ":" + plot_data(plot);
   SvgOptions options;
   options.standalone = false;
+  options.width = kPaperWidth;
+  options.height = kPaperHeight;
   html_ += fmt::format(
       "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{4} id=\"{0}-title\">{1}</h{4}>\n"
       "<div class=\"plot-tools\" role=\"group\" aria-label=\"{1}: series shown and "
@@ -235,7 +241,7 @@ void BlockHtml::add(const ShapeViewer& viewer) {
   html_ += fmt::format(
       "<figure id=\"{0}\" class=\"shapes\" data-shapes=\"{0}-data\" "
       "aria-labelledby=\"{0}-title\">"
-      "<h{4} id=\"{0}-title\">Mode shapes</h{4}>\n"
+      "<h{3} id=\"{0}-title\">Mode shapes, moving</h{3}>\n"
       "<div class=\"plot-tools\"><label>State <select "
       "class=\"state\"></select></label><label>Mode "
       "<select class=\"mode\"></select></label><button type=\"button\" "
@@ -245,10 +251,9 @@ void BlockHtml::add(const ShapeViewer& viewer) {
       "style=\"color:var(--hybrid)\">hybrid</span></span></div>\n"
       "<div class=\"shapes-stage\"><canvas tabindex=\"0\" role=\"img\" aria-label=\"Moving mode "
       "shape; "
-      "arrow keys turn it\"></canvas></div>\n<figcaption>{3} {1}</figcaption>\n<script "
+      "arrow keys turn it\"></canvas></div>\n<figcaption>{1}</figcaption>\n<script "
       "type=\"application/json\" id=\"{0}-data\">{2}</script></figure>\n",
-      escaped(viewer.id), escaped(viewer.caption), embedded(states), number("Figure", ++figures_),
-      heading_);
+      escaped(viewer.id), escaped(viewer.caption), embedded(states), heading_);
 }
 
 }  // namespace rigfit::apps

@@ -10,6 +10,7 @@
 #include "apps/report/page/block_html.h"
 #include "apps/report/page/first_page.h"
 #include "apps/report/page/html_text.h"
+#include "apps/report/parameter_words.h"
 
 namespace rigfit::apps {
 namespace {
@@ -221,6 +222,21 @@ class PageWriter {
         escaped(frame_.title), contents(report, appendix));
   }
 
+  /// One figure in the short report with no figure and no narrow table at its side.
+  [[nodiscard]] bool lone_figure(const Section& section) const {
+    constexpr std::size_t kNarrow = 4;  // columns, as in page.css
+    std::size_t figures = 0, narrow = 0;
+    for (const auto* part : section.parts) {
+      for (const auto& block : part->blocks) {
+        if (!is_short(block)) continue;
+        const auto* table = std::get_if<ReportTable>(&block);
+        figures += table == nullptr ? 1 : 0;
+        narrow += table != nullptr && table->columns.size() <= kNarrow ? 1 : 0;
+      }
+    }
+    return figures == 1 && narrow == 0;
+  }
+
   /// What was found, with the figure and the table that say most.
   void short_section(const Section& section) {
     if (!has_short(section)) return;
@@ -248,7 +264,7 @@ class PageWriter {
       }
     }
     if (!items.empty()) html_ += "<ul class=\"lines\">\n" + items + "</ul>\n";
-    html_ += "<div class=\"pair\">\n";
+    html_ += lone_figure(section) ? "<div class=\"pair lone\">\n" : "<div class=\"pair\">\n";
     blocks_.heading(3);
     for (const auto* part : section.parts) {
       for (const auto& block : part->blocks) {
@@ -366,7 +382,8 @@ class PageWriter {
         "class=\"small\">\n",
         counted(list.size(), "warning"), escaped(part.title));
     for (const auto& one : list) {
-      html_ += fmt::format("<li>{}: {}", escaped(one.first->where), escaped(one.first->message));
+      html_ += fmt::format("<li>{}: {}", escaped(one.first->where),
+                           escaped(with_parameter_words(one.first->message)));
       constexpr std::size_t kMost = 12;
       for (std::size_t i = 0; i < std::min(one.places.size(), kMost); ++i) {
         html_ += (i == 0 ? ". Likewise: " : "; ") + escaped(one.places[i]);

@@ -1,0 +1,147 @@
+#include "apps/report/drawing/label_places.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rigfit::apps {
+
+using Eigen::Vector2d;
+
+bool overlap(const PaperBox& a, const PaperBox& b) {
+  return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+}
+
+PaperBox box_around(const Vector2d& a, const Vector2d& b, double margin) {
+  return {std::min(a[0], b[0]) - margin, std::min(a[1], b[1]) - margin,
+          std::max(a[0], b[0]) + margin, std::max(a[1], b[1]) + margin};
+}
+
+double text_width(std::string_view text, double font_size) {
+  constexpr std::string_view kNarrow = " iIjlftr.,:;'|!()[]/-", kWide = "mwMW%@";
+  double ems = 0;
+  for (const char c : text) {
+    if ((static_cast<unsigned char>(c) & 0xC0U) == 0x80U) continue;  // goes on with a character
+    if (static_cast<unsigned char>(c) >= 0x80) {
+      ems += 0.84;
+    } else if (kNarrow.find(c) != std::string_view::npos) {
+      ems += 0.41;
+    } else if (kWide.find(c) != std::string_view::npos) {
+      ems += 1.0;
+    } else {
+      ems += c >= 'A' && c <= 'Z' ? 0.79 : 0.64;
+    }
+  }
+  return ems * font_size;
+}
+
+std::vector<std::string> broken_into_lines(const std::string& text, double font_size,
+                                           double width) {
+  std::vector<std::string> lines(1);
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    std::string& line = lines.back();
+    if (line.empty()) {
+      line = word;
+    } else if (text_width(line + " " + word, font_size) <= width) {
+      line += " " + word;
+    } else {
+      lines.push_back(word);
+    }
+    at = end + 1;
+  }
+  return lines;
+}
+
+bool LabelPlaces::covers_mark(const PaperBox& box) const {
+  return std::any_of(marks_.begin(), marks_.end(),
+                     [&](const PaperBox& mark) { return overlap(mark, box); });
+}
+
+bool LabelPlaces::on_line(const PaperBox& box) const {
+  return std::any_of(lines_.begin(), lines_.end(), [&](const Line& line) {
+    // The part of the line within the box's four half planes (Liang and Barsky, 1984).
+    const Vector2d along = line.to - line.from;
+    double enters = 0, leaves = 1;
+    for (const auto& [slope, room] : {std::pair{-along[0], line.from[0] - box.left},
+                                      std::pair{along[0], box.right - line.from[0]},
+                                      std::pair{-along[1], line.from[1] - box.top},
+                                      std::pair{along[1], box.bottom - line.from[1]}}) {
+      if (slope < 0) {
+        enters = std::max(enters, room / slope);
+      } else if (slope > 0) {
+        leaves = std::min(leaves, room / slope);
+      } else if (room < 0) {
+        return false;
+      }
+    }
+    return enters < leaves;
+  });
+}
+
+bool LabelPlaces::parted(const Vector2d& mark, const Vector2d& centre) const {
+  constexpr double kOfMark = 7;  // px: a mark may stand on a line
+  const double distance = (centre - mark).norm();
+  if (distance <= kOfMark) return false;
+  const Vector2d from = mark + kOfMark / distance * (centre - mark);
+  const auto side = [](const Vector2d& a, const Vector2d& b, const Vector2d& point) {
+    return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0]);
+  };
+  return std::any_of(lines_.begin(), lines_.end(), [&](const Line& line) {
+    return side(line.from, line.to, from) * side(line.from, line.to, centre) < 0 &&
+           side(from, centre, line.from) * side(from, centre, line.to) < 0;
+  });
+}
+
+std::optional<PaperBox> LabelPlaces::place(const Vector2d& size, std::span<const Vector2d> centres,
+                                           const std::optional<Vector2d>& mark) {
+  for (const bool anywhere : {false, true}) {
+    for (const auto& centre : centres) {
+      const PaperBox box = box_around(centre - 0.5 * size, centre + 0.5 * size, 0);
+      if (box.left < paper_.left || box.right > paper_.right || box.top < paper_.top ||
+          box.bottom > paper_.bottom || covers_mark(box)) {
+        continue;
+      }
+      if (!anywhere && (on_line(box) || (mark && parted(*mark, centre)))) continue;
+      marks_.push_back(box);
+      return box;
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<Vector2d> centres_around(const Vector2d& point, const Vector2d& size) {
+  std::vector<Vector2d> centres;
+  for (const double distance : {8.0, 14.0, 20.0, 28.0, 38.0, 50.0}) {
+    for (const int eighth : {1, 3, 7, 5, 2, 6, 0, 4}) {
+      const double angle = eighth * std::numbers::pi / 4;
+      const Vector2d out(std::cos(angle), -std::sin(angle));
+      const Vector2d side(std::abs(out[0]) < 0.1 ? 0 : std::copysign(1, out[0]),
+                          std::abs(out[1]) < 0.1 ? 0 : std::copysign(1, out[1]));
+      centres.emplace_back(point + distance * out + 0.5 * side.cwiseProduct(size));
+    }
+  }
+  return centres;
+}
+
+std::vector<Vector2d> centres_beside(const Vector2d& from, const Vector2d& to,
+                                     const Vector2d& size) {
+  const Vector2d along = to - from;
+  const double length = along.norm();
+  if (!(length > 0)) return centres_around(from, size);
+  Vector2d out = Vector2d(-along[1], along[0]) / length;
+  if (out[1] < -0.1 || (std::abs(out[1]) <= 0.1 && out[0] < 0)) out = -out;  // below, right first
+  const double half = 0.5 * (std::abs(out[0]) * size[0] + std::abs(out[1]) * size[1]);
+  std::vector<Vector2d> centres;
+  for (const double distance : {8.0, 20.0, 34.0, 50.0}) {
+    for (const double place : {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9}) {
+      for (const double side : {1.0, -1.0}) {
+        centres.emplace_back(from + place * along + side * (distance + half) * out);
+      }
+    }
+  }
+  return centres;
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,188 @@
+"""Figures as rendered: labels that do not overlap, text and marks that stand out, origins told apart without red and green."""
+
+import itertools
+import math
+
+# Of every drawing shown: boxes of its texts, of its marks (sensors, masses, hits, supports) and its own, in page pixels.
+DRAWN = """
+  const box = e => { const b = e.getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom]; };
+  return [...document.querySelectorAll(arguments[0])].filter(s => s.getClientRects().length).map(s => ({
+    name: s.closest('figure') ? s.closest('figure').id : s.getAttribute('aria-label'), box: box(s),
+    texts: [...s.querySelectorAll('text')].map(t => [t.textContent, ...box(t)]),
+    marks: [...s.querySelectorAll('rect.rig-sensor, rect.rig-hit, circle, path.rig-fill')].map(box)}));
+"""
+
+# Texts of the n-th svg shown, with the colour that each is drawn in, then hides them.
+TEXTS = """
+  const svg = document.querySelectorAll(arguments[0])[arguments[1]];
+  svg.scrollIntoView({block: 'start', inline: 'start'});
+  const at = svg.getBoundingClientRect();
+  const texts = [...svg.querySelectorAll('text')].filter(t => t.textContent.trim()).map(t => {
+    const b = t.getBoundingClientRect(), style = getComputedStyle(t);
+    return [t.textContent, style.fill, b.left - at.left, b.top - at.top, b.right - at.left, b.bottom - at.top]; });
+  svg.querySelectorAll('text').forEach(t => { t.style.visibility = 'hidden'; });
+  return [[at.left + scrollX, at.top + scrollY, at.width, at.height], texts];
+"""
+
+# Contrast (WCAG 2) of each text with the colours that take a tenth of its box or more; the least of each text.
+BEHIND = """
+  const [data, texts] = arguments;
+  const image = new Image(); image.src = 'data:image/png;base64,' + data; await image.decode();
+  const canvas = document.createElement('canvas'); canvas.width = image.width; canvas.height = image.height;
+  const c = canvas.getContext('2d', {willReadFrequently: true}); c.drawImage(image, 0, 0);
+  const linear = v => (v /= 255) <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
+  const light = p => 0.2126 * linear(p[0]) + 0.7152 * linear(p[1]) + 0.0722 * linear(p[2]);
+  return texts.map(([words, colour, left, top, right, bottom]) => {
+    const x = Math.max(0, Math.floor(left)), y = Math.max(0, Math.floor(top));
+    const w = Math.min(image.width, Math.ceil(right)) - x, h = Math.min(image.height, Math.ceil(bottom)) - y;
+    if (w <= 0 || h <= 0) return [words, colour, 'outside of its picture', 0];
+    const d = c.getImageData(x, y, w, h).data, count = new Map();
+    for (let i = 0; i < d.length; i += 4) {
+      const key = d[i] + ',' + d[i + 1] + ',' + d[i + 2]; count.set(key, (count.get(key) || 0) + 1);
+    }
+    const own = light(colour.match(/[\\d.]+/g).map(Number));
+    let least = 99, worst = '';
+    for (const [key, n] of count) {
+      if (n < 0.1 * w * h) continue;
+      const other = light(key.split(',').map(Number));
+      const ratio = (Math.max(own, other) + 0.05) / (Math.min(own, other) + 0.05);
+      if (ratio < least) { least = ratio; worst = key; }
+    }
+    return [words, colour, worst, least];
+  });
+"""
+
+# Fill or stroke of every mark of the figures that stands for a value, with the paper's colour.
+MARKS = """
+  const seen = new Set();
+  for (const e of document.querySelectorAll('svg [class^="o-"], svg .rig-line, svg .rig-sensor, svg .rig-hit, svg .rig-mass, svg .support')) {
+    if (e.closest('text') || e.matches('.band, .hollow, text') || !e.getClientRects().length) continue;
+    const style = getComputedStyle(e);
+    seen.add(style.stroke !== 'none' ? style.stroke : style.fill);
+  }
+  for (const p of document.querySelectorAll('.plot')) if (p.dygraph) p.dygraph.getColors().forEach(c => seen.add(c));
+  const canvas = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
+  const rgb = c => { canvas.fillStyle = c; canvas.fillRect(0, 0, 1, 1); return [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3); };
+  return [rgb(getComputedStyle(document.body).backgroundColor), [...seen].map(rgb)];
+"""
+
+# By plot: origin, colour, dash and marker of every series that is drawn.
+SERIES = """
+  const data = JSON.parse(document.getElementById('plots').textContent);
+  const canvas = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
+  const rgb = c => { canvas.fillStyle = c; canvas.fillRect(0, 0, 1, 1); return [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3); };
+  const origins = {};
+  for (const e of document.querySelectorAll('.key li[class^="o-"]')) origins[e.className] = rgb(getComputedStyle(e).color);
+  return [origins, [...document.querySelectorAll('.plot')].filter(p => p.dygraph).map(p => {
+    const colours = p.dygraph.getColors(), series = data[p.dataset.plot].series;
+    return [p.dataset.plot, series.map((s, k) => [s.origin, rgb(colours[k]), JSON.stringify(s.dash), s.marker + (s.hollow ? ' hollow' : '')])];
+  })];
+"""
+
+# Deuteranopia on linear sRGB: Machado, Oliveira and Fernandes, IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291, severity 1.
+DEUTERANOPIA = ((0.367322, 0.860646, -0.227968), (0.280085, 0.672501, 0.047413), (-0.011820, 0.042940, 0.968881))
+XYZ = ((0.4124564, 0.3575761, 0.1804375), (0.2126729, 0.7151522, 0.0721750), (0.0193339, 0.1191920, 0.9503041))
+
+# The least difference that half of all readers see between marks 0.1 degree large, the size of a point of a figure (4 px
+# seen from 60 cm), along L*, a* and b*: (A + B / size) / 2 (Stone, Szafir and Setlur, Color and Imaging Conf. 22 (2014) 253).
+JUST_SEEN = tuple(0.5 * (a + b / 0.1) for a, b in ((10.16, 1.50), (10.68, 3.08), (10.70, 5.74)))
+
+
+def linear(rgb):
+    return [v / 255 / 12.92 if v / 255 <= 0.04045 else ((v / 255 + 0.055) / 1.055) ** 2.4 for v in rgb]
+
+
+def contrast(a, b):
+    light = [0.2126 * r + 0.7152 * g + 0.0722 * b for r, g, b in (linear(a), linear(b))]
+    return (max(light) + 0.05) / (min(light) + 0.05)
+
+
+def times(matrix, vector):
+    return [sum(m * v for m, v in zip(row, vector)) for row in matrix]
+
+
+def lab_of_deuteranope(rgb):
+    seen = [min(1, max(0, v)) for v in times(DEUTERANOPIA, linear(rgb))]
+    x, y, z = (t ** (1 / 3) if t > 216 / 24389 else (24389 / 27 * t + 16) / 116
+               for t in (v / w for v, w in zip(times(XYZ, seen), (0.95047, 1, 1.08883))))
+    return 116 * y - 16, 500 * (x - y), 200 * (y - z)
+
+
+def told_apart(a, b):
+    """Difference of two colours to a deuteranope, in just seen ones of small marks."""
+    return math.hypot(*((p - q) / just for p, q, just in zip(lab_of_deuteranope(a), lab_of_deuteranope(b), JUST_SEEN)))
+
+
+def overlap(a, b):
+    """Smaller side of what two boxes share, px."""
+    return min(min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1]))
+
+
+class FigureChecks:
+    """Mixed into the tests of a report, beside PageChecks."""
+
+    def overlaps(self, css):
+        found = []
+        for drawing in self.browser.run(DRAWN, css):
+            texts = drawing["texts"]
+            for (one, *a), (other, *b) in itertools.combinations(texts, 2):
+                if overlap(a, b) > 0.5:
+                    found.append("%s: '%s' over '%s'" % (drawing["name"], one, other))
+            for words, *a in texts:
+                if any(overlap(a, mark) > 0.5 for mark in drawing["marks"]):
+                    found.append("%s: '%s' over a mark" % (drawing["name"], words))
+                left, top, right, bottom = drawing["box"]
+                if a[0] < left - 0.5 or a[1] < top - 0.5 or a[2] > right + 0.5 or a[3] > bottom + 0.5:
+                    found.append("%s: '%s' is cut" % (drawing["name"], words))
+        return found
+
+    def test_labels_of_the_rig_do_not_overlap(self):
+        self.addCleanup(self.back_to_normal)
+        for width in (390, 1024, 1440):
+            with self.subTest(width=width):
+                self.at_width(width)
+                self.assertGreater(len(self.browser.run(DRAWN, "svg.rig")), 0)
+                self.assertEqual(self.overlaps("svg.rig"), [])
+
+    def test_text_of_figures_stands_out_from_what_is_behind_it(self):
+        self.addCleanup(self.back_to_normal)
+        for dark in (False, True):
+            with self.subTest(dark=dark):
+                self.at_width(1440, dark=dark)
+                css = ".picture svg"
+                faint = []
+                for k in range(self.browser.run("return document.querySelectorAll(arguments[0]).length;", css)):
+                    (x, y, width, height), texts = self.browser.run(TEXTS, css, k)
+                    if not texts or width == 0:
+                        continue
+                    picture = self.browser.devtools("Page.captureScreenshot", captureBeyondViewport=True, clip={
+                        "x": x, "y": y, "width": width, "height": height, "scale": 1})["data"]
+                    for words, colour, behind, ratio in self.browser.run(BEHIND, picture, texts):
+                        if ratio < 4.5:
+                            faint.append((words, colour, behind, round(ratio, 2)))
+                self.assertEqual(faint[:20], [])
+
+    def test_marks_stand_out_from_the_paper(self):
+        self.addCleanup(self.back_to_normal)
+        for dark in (False, True):
+            with self.subTest(dark=dark):
+                self.at_width(1440, dark=dark)
+                self.browser.run("rigfit_draw_all();")
+                paper, marks = self.browser.run(MARKS)
+                self.assertGreater(len(marks), 2)
+                self.assertEqual([(m, round(contrast(m, paper), 2)) for m in marks if contrast(m, paper) < 3], [])
+
+    def test_origins_are_told_apart_without_red_and_green(self):
+        self.addCleanup(self.back_to_normal)
+        for dark in (False, True):
+            with self.subTest(dark=dark):
+                self.at_width(1440, dark=dark)
+                origins, plots = self.browser.run("rigfit_draw_all();" + SERIES)
+                self.assertEqual(len(origins), 5)
+                for (a, one), (b, other) in itertools.combinations(origins.items(), 2):
+                    self.assertGreater(told_apart(one, other), 1, (a, b))
+                # In a plot: by colour, or by dash or marker where shades of two origins come near each other.
+                alike = {(name, str(a[:2]), str(b[:2])) for name, series in plots
+                         for a, b in itertools.combinations(series, 2)
+                         if a[0] != b[0] and a[2:] == b[2:] and told_apart(a[1], b[1]) < 1}
+                self.assertEqual(alike, set())
