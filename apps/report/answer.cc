@@ -114,7 +114,7 @@ std::string verdict_words(const Answer& answer) {
 }
 
 bool doubtful(const Answer& answer) {
-  if (!answer.verdict.empty()) return false;
+  if (!answer.verdict.empty()) return answer.verdict.starts_with("doubtful");
   if (!answer.determined) return true;
   const double half = relative_half_width(answer);
   return !(half < 0.5) || (answer.reference && !holds(answer, *answer.reference));
@@ -131,6 +131,7 @@ nlohmann::ordered_json answer_json(const Answer& answer) {
           {"determined", answer.determined},
           {"how", answer.how},
           {"verdict", verdict_words(answer)},
+          {"mode_hz", number(answer.mode_hz)},
           {"reference", answer.reference ? number(*answer.reference) : number(Answer::kNone)}};
 }
 

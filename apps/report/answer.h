@@ -29,6 +29,7 @@ struct Answer {
   std::string anchor = {};   ///< id of the part that says more
   std::string verdict = {};  ///< instead of that of the interval
   int rank = 0;              ///< 0: first page; 1: where there is room
+  double mode_hz = kNone;    ///< frequency of the mode that it belongs to, where it does
 };
 
 /// "2.1714 ± 0.0045", in the unit that is shown.

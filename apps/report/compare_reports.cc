@@ -18,12 +18,19 @@ double number(const Json& answer, const char* key) {
   return at != answer.end() && at->is_number() ? at->get<double>() : Answer::kNone;
 }
 
+/// What a value is recognised by among others of its key: the frequency of its mode, or itself.
+double mark_of(const Json& answer) {
+  const double mode = number(answer, "mode_hz");
+  return std::isfinite(mode) ? mode : number(answer, "value");
+}
+
 struct Pair {
   const Json* before = nullptr;
   const Json* after = nullptr;
 };
 
-/// Pairs of equal keys, nearest first where a key has several values; then the lonely ones.
+/// Pairs of equal keys, nearest first where a key has several values, such as the modes of a state;
+/// then the lonely ones.
 std::vector<Pair> pairs_of(const Json& before, const Json& after) {
   struct Candidate {
     double distance;
@@ -36,8 +43,7 @@ std::vector<Pair> pairs_of(const Json& before, const Json& after) {
     });
     for (std::size_t b = 0; b < after.size(); ++b) {
       if (before[a]["key"] != after[b]["key"]) continue;
-      const double distance =
-          std::abs(std::log(number(after[b], "value") / number(before[a], "value")));
+      const double distance = std::abs(std::log(mark_of(after[b]) / mark_of(before[a])));
       if (count > 1 && !(distance < kFarthest)) continue;
       candidates.push_back({std::isfinite(distance) ? distance : 0, a, b});
     }
@@ -71,6 +77,8 @@ Change change_of(const Pair& pair) {
   Change change;
   if (!pair.before || !pair.after) {
     change.verdict = pair.before ? "only before" : "only after";
+    const Json& one = pair.before ? *pair.before : *pair.after;
+    if (one["verdict"] == "doubtful mode") change.verdict += ", a doubtful mode";
     return change;
   }
   const bool known =
@@ -93,6 +101,15 @@ Change change_of(const Pair& pair) {
   return change;
 }
 
+/// The quantity; a mode by its frequency before, as its number depends on what else was found.
+std::string quantity_of(const Pair& pair) {
+  const Json& one = pair.before ? *pair.before : *pair.after;
+  const auto words = one["quantity"].get<std::string>();
+  const double mode = number(one, "mode_hz");
+  if (!std::isfinite(mode)) return words;
+  return fmt::format("{}, mode near {} Hz", words.substr(0, words.rfind(' ')), shown(mode, 3));
+}
+
 std::string shown_side(const Json* answer) {
   if (!answer) return "–";
   const double scale = (*answer)["unit"] == "1" ? 100 : 1;
@@ -111,7 +128,7 @@ Answer answer_of(const Pair& pair, const Change& change) {
   const Json& one = *pair.after;
   Answer answer;
   answer.key = one["key"].get<std::string>();
-  answer.quantity = one["quantity"].get<std::string>();
+  answer.quantity = quantity_of(pair);
   answer.how = fmt::format("{} before, {} after", shown_side(pair.before), shown_side(pair.after));
   answer.percent = one["unit"] == "1";
   if (!answer.percent) answer.unit = one["unit"].get<std::string>();
@@ -158,15 +175,14 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
     const double scale = one["unit"] == "1" ? 100 : 1;
     Cell verdict(change.verdict);
     verdict.doubtful = change.changed;
-    table.rows.push_back({one["quantity"].get<std::string>(),
-                          one["unit"] == "1" ? "%" : one["unit"].get<std::string>(),
-                          shown_side(pair.before), shown_side(pair.after),
-                          std::isfinite(change.value)
-                              ? shown_estimate(scale * change.value, scale * change.std)
-                              : std::string("–"),
-                          shown_percent(change.relative), std::move(verdict)});
+    table.rows.push_back(
+        {quantity_of(pair), one["unit"] == "1" ? "%" : one["unit"].get<std::string>(),
+         shown_side(pair.before), shown_side(pair.after),
+         std::isfinite(change.value) ? shown_estimate(scale * change.value, scale * change.std)
+                                     : std::string("–"),
+         shown_percent(change.relative), std::move(verdict)});
     list.push_back({{"key", one["key"]},
-                    {"quantity", one["quantity"]},
+                    {"quantity", quantity_of(pair)},
                     {"unit", one["unit"]},
                     {"before", side_json(pair.before)},
                     {"after", side_json(pair.after)},

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 
 # Of every drawing shown: boxes of its texts, of its marks (sensors, masses, hits, supports) and its own, in page pixels.
 DRAWN = """
@@ -16,6 +17,7 @@ DRAWN = """
 TEXTS = """
   const svg = document.querySelectorAll(arguments[0])[arguments[1]];
   svg.scrollIntoView({block: 'start', inline: 'start'});
+  await new Promise(r => requestAnimationFrame(() => requestAnimationFrame(r)));
   const at = svg.getBoundingClientRect();
   const texts = [...svg.querySelectorAll('text')].filter(t => t.textContent.trim()).map(t => {
     const b = t.getBoundingClientRect(), style = getComputedStyle(t);
@@ -150,8 +152,14 @@ class FigureChecks:
             with self.subTest(dark=dark):
                 self.at_width(1440, dark=dark)
                 css = ".picture svg"
-                faint = []
-                for k in range(self.browser.run("return document.querySelectorAll(arguments[0]).length;", css)):
+                self.browser.run("rigfit_draw_all();")  # so that nothing below moves when it comes into view
+                faint, seen = [], set()
+                names = self.browser.run("return [...document.querySelectorAll(arguments[0])].map(s => s.closest('figure').id);", css)
+                for k, name in enumerate(names):
+                    kind = re.sub(r"\d.*", "", name)  # one of several states
+                    if kind in seen:
+                        continue
+                    seen.add(kind)
                     (x, y, width, height), texts = self.browser.run(TEXTS, css, k)
                     if not texts or width == 0:
                         continue

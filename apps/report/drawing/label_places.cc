@@ -44,8 +44,10 @@ std::vector<std::string> broken_into_lines(const std::string& text, double font_
     std::string& line = lines.back();
     if (line.empty()) {
       line = word;
-    } else if (text_width(line + " " + word, font_size) <= width) {
-      line += " " + word;
+    } else if (text_width(line, font_size) + text_width(" ", font_size) +
+                   text_width(word, font_size) <=
+               width) {
+      line.append(" ").append(word);
     } else {
       lines.push_back(word);
     }

@@ -229,6 +229,9 @@ class HitsShown {
       answer.unit = "Hz";
       answer.value = mode.frequency_hz.value;
       answer.std = mode.frequency_hz.std;
+      answer.mode_hz = mode.frequency_hz.value;
+      // A refused damping is a doubt about the damping only.
+      if (mode.doubtful && !mode.damping_dominated_by_window) answer.verdict = "doubtful mode";
       answer.origin = found.origin;
       answer.anchor = part_.id;
       answer.rank = scene_ ? 2 : 0;

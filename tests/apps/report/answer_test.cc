@@ -103,6 +103,27 @@ TEST(CompareReports, SayWhatChangedBeyondItsUncertainty) {
   EXPECT_EQ(part.json[5]["verdict"], "only before");
 }
 
+// Damping belongs to its mode: that of a mode at 20 Hz, found in another place of the list, is not
+// compared with the nearer value of the mode at 10 Hz.
+TEST(CompareReports, PairDampingByTheFrequencyOfItsMode) {
+  const auto damping = [](double hz, double value) {
+    Answer answer;
+    answer.key = "beam/as built/damping";
+    answer.quantity = "damping ratio 1";
+    answer.value = value;
+    answer.std = 1e-5;
+    answer.mode_hz = hz;
+    return answer;
+  };
+  const auto part = compare_reports(report_of({damping(10, 0.010), damping(20, 0.012)}),
+                                    report_of({damping(20.1, 0.010), damping(10.1, 0.012)}));
+  ASSERT_EQ(part.json.size(), 2u);
+  EXPECT_EQ(part.json[0]["before"]["value"], 0.010);
+  EXPECT_EQ(part.json[0]["after"]["value"], 0.012);
+  EXPECT_THAT(part.json[0]["quantity"].get<std::string>(), HasSubstr("mode near 10"));
+  EXPECT_TRUE(part.json[0]["changed"].get<bool>());
+}
+
 // The worst first, and of messages that differ in their numbers one.
 TEST(SeriousWarnings, AreSortedAndSaidOnce) {
   std::vector<ReportPart> parts(1);

@@ -17,6 +17,7 @@ TEST(LabelPlaces, KeepOffMarksLinesAndEachOther) {
   places.add_line({10, 60}, {490, 60});
   std::vector<PaperBox> taken;
   std::vector<Vector2d> marks;
+  marks.reserve(20);
   for (int k = 0; k < 20; ++k) marks.emplace_back(20 + 24 * k, 60);
   for (const auto& mark : marks) {
     taken.push_back(box_around(mark, mark, 6));

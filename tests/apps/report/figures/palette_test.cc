@@ -81,6 +81,13 @@ TEST(Palette, EveryColourIsReadableOnItsPaper) {
   }
 }
 
+// Shades are of marks, not of text: 3 : 1 (WCAG 2.1, 1.4.11).
+TEST(Palette, EveryShadeStandsOutFromWhite) {
+  for (const auto& one : kPalette) {
+    for (const int shade : {1, 2}) EXPECT_GE(contrast(colour_of(one.origin, shade), "#ffffff"), 3);
+  }
+}
+
 TEST(Palette, IsWrittenForThePage) {
   const std::string css = palette_css();
   EXPECT_THAT(css, ::testing::HasSubstr("--modelled:" + std::string(kPalette[4].on_light)));
