@@ -95,7 +95,8 @@ std::map<std::string, bool> changed(const std::string& before, const std::string
       {"report", before, after, "--out", out.path().string(), "--quiet", "--seed", "1"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::map<std::string, bool> verdicts;
-  for (const auto& one : parsed(out.read("report.json"))["comparison"]) {
+  const auto document = parsed(out.read("report.json"));
+  for (const auto& one : document["comparison"]) {
     if (one["before"].is_null() || one["after"].is_null()) continue;
     auto& worst = verdicts[one["key"].get<std::string>()];
     worst = worst || one["changed"].get<bool>();
@@ -107,14 +108,15 @@ TEST(TwoCampaigns, NameWhatWasChangedAndNothingElse) {
   const TemporaryFolder first, again, stiffer;
   const std::string before = laboratory(first, 2.17, 1);
   const auto repeated = changed(before, laboratory(again, 2.17, 2));
-  const auto changes = changed(before, laboratory(stiffer, 1.05 * 2.17, 3));
+  const auto changes = changed(before, laboratory(stiffer, 1.2 * 2.17, 3));
   for (const char* key : {"fit/beam.EI_z", "fit/tip.mass", "fit/beam.damping_ratio",
                           "beam/as built/frequency", "beam/as built/damping"}) {
     ASSERT_TRUE(repeated.contains(key)) << key;
     ASSERT_TRUE(changes.contains(key)) << key;
     EXPECT_FALSE(repeated.at(key)) << key;
   }
-  // 5 % are some ten standard uncertainties of EI, and a hundred of a frequency.
+  // 20 % are six standard uncertainties of the difference or more, even where a doubtful mode
+  // widens the interval of EI to 0.05 N m2.
   EXPECT_TRUE(changes.at("fit/beam.EI_z"));
   EXPECT_TRUE(changes.at("beam/as built/frequency"));
   EXPECT_FALSE(changes.at("fit/tip.mass"));

@@ -224,11 +224,17 @@ class Drawing {
   struct Label {
     Vector2d mark;
     std::string words, css;
+    Vector2d ahead = Vector2d::Zero();  ///< where it stands first, as a direction
   };
 
   void write(const Label& label) {
     const Vector2d size(text_width(label.words, kFont), kLine);
-    if (const auto box = places_.place(size, centres_around(label.mark, size), label.mark)) {
+    auto centres = centres_around(label.mark, size);
+    if (label.ahead.norm() > 0) {
+      const double half = 0.5 * label.ahead.cwiseAbs().dot(size);
+      centres.insert(centres.begin(), label.mark + (7 + half) * label.ahead);
+    }
+    if (const auto box = places_.place(size, centres, label.mark)) {
       fill(*box, label.words, label.css.c_str());
     }
   }
@@ -311,7 +317,7 @@ class Drawing {
     const Vector2d direction = on_paper(load.direction);
     const Vector2d tip = beside_marks(p - 4 * direction, direction, 32);
     arrow(tip, direction, 32, "rig-hit", "#b3261e");
-    labels_.push_back({tip - 32 * direction, label, "t rig-hit"});
+    labels_.push_back({tip - 32 * direction, label, "t rig-hit", -direction});
     keys_.push_back(fmt::format("{}  {}: struck along {}", label,
                                 load.name.empty() ? "hit" : load.name, axis_words(load.direction)));
   }
@@ -322,13 +328,14 @@ class Drawing {
         "<rect class=\"rig-sensor\" fill=\"#0072b2\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"10\" "
         "height=\"10\"/>\n",
         p[0] - 5, p[1] - 5);
+    Vector2d named = p;
     if (direction.norm() > 0) {
-      const Vector2d tip = beside_marks(p + 24 * direction, direction, 17);
-      arrow(tip, direction, 17, "rig-sensor", "#0072b2");
+      named = beside_marks(p + 24 * direction, direction, 17);
+      arrow(named, direction, 17, "rig-sensor", "#0072b2");
     }
     places_.add_mark(box_around(p, p, 6));
     const std::string label = fmt::format("S{}", number);
-    labels_.push_back({p, label, "t rig-sensor"});
+    labels_.push_back({named, label, "t rig-sensor", direction});
     keys_.push_back(fmt::format("{}  {}: {}, {}", label, sensor.name, words_of(sensor.quantity),
                                 axis_words(sensor.direction)));
   }
