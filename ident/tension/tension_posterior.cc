@@ -50,9 +50,8 @@ struct GridPoint {
 };
 
 constexpr double kMatters = 10;  // below the top, in ln
-// Below the best answer, in ln: where a peak is still looked for, its flanks being seen first, and
-// where weights must be right: all below together has less than a thousandth of the weight.
-constexpr double kMattersAtAll = 18, kCounts = 10;
+// Below the best answer, in ln: all that is left coarse has less than a thousandth of the weight.
+constexpr double kCounts = 10;
 constexpr double kClimb = 3;       // below the top of a peak that is looked for, in ln
 constexpr double kSmoothStep = 1;  // of ln between neighbours that resolve a density
 
@@ -87,9 +86,9 @@ bool needs_point(const std::vector<GridPoint>& points, std::size_t i, double mat
 
 /// Cells of a density over a range: points are added until it is resolved for every value of t
 /// that matters, within exp(-kMatters) of the top; where the top is far below the best answer, only
-/// as near to it as finds a higher one, and nothing below `floor`. Weights of the trapezoidal rule.
+/// as near to it as finds a higher one. Weights of the trapezoidal rule.
 template <class Evaluate>
-std::vector<TensionCell> resolved(const Range& range, int count, double floor,
+std::vector<TensionCell> resolved(const Range& range, int count, double counts,
                                   const Evaluate& evaluate) {
   std::vector<GridPoint> points;
   const auto point = [&](double at) {
@@ -108,8 +107,7 @@ std::vector<TensionCell> resolved(const Range& range, int count, double floor,
     for (const auto& one : points)
       top = std::max(top, *std::max_element(one.ln.begin(), one.ln.end()));
     if (!std::isfinite(top)) break;
-    const double matters =
-        std::max({top - kMatters, floor, std::min(top - kClimb, floor + kMattersAtAll - kCounts)});
+    const double matters = std::max(top - kMatters, std::min(top - kClimb, counts));
     std::vector<GridPoint> added;
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
       if (needs_point(points, i, matters))
@@ -162,7 +160,7 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
   const bool exact =
       EI_is_exact(cable) || (given && cable.EI_Nm2->std <= kNormalEI * cable.EI_Nm2->value);
   // What is far below the best answer needs no fine grid.
-  const double floor = ln_evidence_of_best - kMattersAtAll - assignment.ln_prior;
+  const double counts = ln_evidence_of_best - kCounts - assignment.ln_prior;
   CableState start{std::exp(assignment.ln_tension)};
   start.EA = assignment.EA;
   const CableState first = start;
@@ -193,7 +191,7 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
     } else if (given) {
       const double s = cable.EI_Nm2->std / cable.EI_Nm2->value;
       const double middle = std::log(cable.EI_Nm2->value);
-      cells = resolved({middle - 4.5 * s, middle + 4.5 * s}, 13, floor, [&](double y, auto& into) {
+      cells = resolved({middle - 4.5 * s, middle + 4.5 * s}, 13, counts, [&](double y, auto& into) {
         const double ln_normal = -0.5 * (y - middle) * (y - middle) / (s * s) -
                                  0.5 * std::log(2 * std::numbers::pi * s * s);
         at_rigidity(q, y, ln_prior + ln_normal, into);
@@ -201,7 +199,7 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
     } else {
       const Range range{std::log(kLowX), std::log(kHighX)};
       const double ln_flat = -std::log(range.high - range.low);
-      cells = resolved(range, 15, floor,
+      cells = resolved(range, 15, counts,
                        [&](double y, auto& into) { at_rigidity(q, y, ln_prior + ln_flat, into); });
     }
     ++spring_index;
@@ -209,7 +207,7 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
   if (ends == CableEnds::springs) {
     const Range range{std::log(kLowSpring), std::log(kHighSpring)};
     const double ln_flat = -std::log(range.high - range.low);
-    answer.cells = resolved(range, 9, floor, [&](double ln_q, auto& cells) {
+    answer.cells = resolved(range, 9, counts, [&](double ln_q, auto& cells) {
       at_spring(std::exp(ln_q), ln_flat, cells);
     });
   } else {
