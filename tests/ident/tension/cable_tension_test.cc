@@ -206,6 +206,40 @@ TEST(CableTension, SlightSagWithoutEI) {
   EXPECT_LT(result.tension_N.std, 0.03 * T);
 }
 
+TEST(CableTension, PreciseFrequenciesOfAClampedCableWithoutEI) {
+  // Pinned ends explain them nearly as well with another EI and tension; the clamped answer is a
+  // narrow peak that must be found after it.
+  CableDescription cable;
+  cable.length_m = {20, 0};
+  cable.mass_per_length = {5, 0};
+  cable.mass_reference = MassReference::installed;
+  cable.gravity = 0.001;
+  TensionOptions options;
+  options.ends = {CableEnds::pinned, CableEnds::clamped};
+  for (const double x : {30.0, 60.0, 100.0}) {
+    const double T = 3e4, EI = T * 400 / (x * x);
+    std::vector<MeasuredMode> modes;
+    for (const double hz :
+         cable_frequencies({20, 5, T, EI, std::numeric_limits<double>::infinity(), 0}, 8, 1e9)
+             .out_hz) {
+      MeasuredMode one;
+      one.frequency_hz = {hz, 1.3e-4 * hz};
+      one.damping_ratio = {NAN, NAN};
+      one.plane = model::ModePlane::in;
+      modes.push_back(one);
+    }
+    const auto result = identify_tension(cable, modes, options);
+    ASSERT_TRUE(result.solved);
+    EXPECT_LT(result.low, T) << x;
+    EXPECT_GT(result.high, T) << x;
+    for (const auto& candidate : result.candidates) {
+      if (candidate.ends == CableEnds::clamped) {
+        EXPECT_GT(candidate.weight, 0.05) << x;
+      }
+    }
+  }
+}
+
 TEST(CableTension, SpringsThatAreClamped) {
   // A stiff hanger, its ends open: the springs' posterior reaches their upper bound and must not
   // pull the tension. L sqrt(T / EI) = 16.
