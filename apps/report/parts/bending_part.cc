@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/campaign_file/bending_files.h"
 #include "apps/report/figures/bending_plots.h"
 #include "apps/report/page/html_text.h"
 #include "apps/report/parts/beam_part.h"
@@ -15,7 +14,6 @@
 #include "apps/results/bending_json.h"
 #include "ident/bending/bending_equation.h"
 #include "signal/numerics/numbers.h"
-#include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
 namespace {
