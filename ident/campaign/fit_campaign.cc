@@ -67,6 +67,9 @@ std::vector<std::string> alternative_texts(const UpdateResult& result) {
 
 namespace {
 
+// Standard uncertainties from which a change by an exact input leaves the 95 % interval.
+constexpr double kExactMatters = 1.96;
+
 // An exact input and how far 0.1 % of it moves one parameter, in its standard uncertainties.
 struct ExactShift {
   const ExactInput* input = nullptr;
@@ -89,7 +92,6 @@ std::vector<ExactShift> exact_shifts(const UpdateResult& result, std::size_t par
 }  // namespace
 
 std::vector<std::string> exact_input_texts(const UpdateResult& result) {
-  constexpr double kSmall = 0.1;  // standard uncertainties, below which an input is not listed
   std::vector<std::string> texts;
   if (result.exact_inputs.empty()) return texts;
   std::string names;
@@ -99,7 +101,7 @@ std::vector<std::string> exact_input_texts(const UpdateResult& result) {
     std::string list;
     const auto shifts = exact_shifts(result, p);
     for (const auto& one : shifts) {
-      if (one.stds < kSmall) break;
+      if (one.stds < kExactMatters) break;
       list += list.empty() ? fmt::format("{:.3g} % of {} changes it by {:+.2g} ({:.2g} std)",
                                          100 * one.input->relative_change, one.input->name,
                                          one.shift, one.stds)
@@ -151,10 +153,10 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
   std::string exact;
   for (std::size_t p = 0; p < result.parameters.size(); ++p) {
     const auto shifts = exact_shifts(result, p);
-    if (shifts.empty() || !(shifts.front().stds > 1)) continue;
-    exact += fmt::format("{}0.1 % of {} changes {} by {:.2g} of its standard uncertainties",
+    if (shifts.empty() || shifts.front().stds < kExactMatters) continue;
+    exact += fmt::format("{}0.1 % of {} changes {} by {:.2g} times half its interval",
                          exact.empty() ? "" : "; ", shifts.front().input->name,
-                         result.parameters[p].name, shifts.front().stds);
+                         result.parameters[p].name, shifts.front().stds / kExactMatters);
   }
   if (!exact.empty()) {
     findings.push_back({"exact_inputs",

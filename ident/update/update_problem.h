@@ -131,6 +131,8 @@ class UpdateProblem {
   [[nodiscard]] UpdateProblem with_places_of_hits(const Eigen::VectorXd& q) const;
   /// The same with a further relative error of the model in FRFs.
   [[nodiscard]] UpdateProblem with_frf_model_std(double relative) const;
+  /// Noisy lines of FRFs by their difference instead of its logarithm (update_frfs.cc).
+  [[nodiscard]] UpdateProblem with_frf_differences() const;
   /// Residuals of FRFs in the order of their rows: first row, lines, relative uncertainties.
   struct FrfRows {
     Eigen::Index first = 0;
@@ -214,6 +216,7 @@ class UpdateProblem {
   struct FrfLines {
     std::vector<Eigen::Index> line;
     std::vector<double> relative_std;
+    std::vector<char> difference;  // 1: residual H / H_measured - 1, else their logarithm
   };
   struct Targets {
     std::vector<std::string> names;
@@ -254,6 +257,7 @@ class UpdateProblem {
   bool uncertainties_known_ = true, damping_ = false;
   double segment_factor_ = 1;
   double model_std_ = 0, frf_model_std_ = 0;
+  bool frf_differences_ = false;
   // Of ln f, by state; with as many segments as there are, and with twice as many.
   struct ModeError {
     model::ModePlane plane;

@@ -12,7 +12,7 @@ namespace rigfit::ident {
 void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
                       UpdateResult& result) {
   if (!settled.has_frfs()) return;
-  settled = settled.with_frf_model_std(0);
+  settled = settled.with_frf_model_std(0).with_frf_differences();
   const auto& matches = answer.matches.matches;
   const auto again = [&](const UpdateProblem& trial) {
     Eigen::VectorXd q = answer.q;

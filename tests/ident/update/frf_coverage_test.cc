@@ -50,6 +50,30 @@ TEST(FrfCoverage, IntervalsHoldUnderNoiseOfTheForce) {
   EXPECT_LT(EI_std, 1e-3);
 }
 
+// White noise of a stated size, up to the size of the FRF near antiresonances: chi-square of right
+// models is its degrees of freedom. Mean of 8 fits of 280 residuals and more: three standard
+// deviations of sqrt(2 / (8 x 280)). In the logarithm, lines of 0.3 to 0.5 of noise make it more.
+TEST(FrfCoverage, ChiSquareOfWhiteNoiseIsItsDegreesOfFreedom) {
+  constexpr int kSeeds = 8;
+  double reduced = 0;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    UpdateOptions options;
+    options.starts = 1;
+    options.segment_uncertainty = false;  // the data have the model's segments
+    const testing::HammerTestNoise noise{
+        .place_m = 0, .force = 0, .response = 0.08, .known_std = true};
+    const UpdateState state{"",
+                            testing::hammered_beam(1.02 * testing::kBeamEI, testing::kTipMass, 16),
+                            {},
+                            testing::hammered_frfs(lines(), noise, seed, 16)};
+    const auto result = update_model({state}, {{"beam.EI_z"}, {"beam.damping_ratio"}}, options);
+    ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+    EXPECT_EQ(result.fit.degrees_of_freedom, 282);  // every line counts
+    reduced += result.fit.chi2 / result.fit.degrees_of_freedom / kSeeds;
+  }
+  EXPECT_NEAR(reduced, 1, 3 * std::sqrt(2.0 / (kSeeds * 280)));
+}
+
 // 16 given segments move the third mode by a part of its width: the interval holds the truth, and
 // the verdict is not about the segments. "auto" gives the rig's own stiffness.
 TEST(FrfCoverage, GivenSegmentsAreUncertaintyAndNoMisfit) {
