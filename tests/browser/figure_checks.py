@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import re
 
 # Of every drawing shown: boxes of its texts, of its marks (sensors, masses, hits, supports) and its own, in page pixels.
 DRAWN = """
@@ -11,6 +10,17 @@ DRAWN = """
     name: s.closest('figure') ? s.closest('figure').id : s.getAttribute('aria-label'), box: box(s),
     texts: [...s.querySelectorAll('text')].map(t => [t.textContent, ...box(t)]),
     marks: [...s.querySelectorAll('rect.rig-sensor, rect.rig-hit, circle, path.rig-fill')].map(box)}));
+"""
+
+# Leaves one picture of each kind on the page (states and tests differ in a number): a long page takes seconds a picture.
+ONE_OF_EACH_KIND = """
+  const kinds = new Set();
+  const kept = [...document.querySelectorAll('figure')].filter(f => {
+    const kind = f.id.replace(/\\d.*/, '');
+    return f.querySelector('.picture svg') && !kinds.has(kind) && kinds.add(kind);
+  });
+  document.querySelector('main').replaceChildren(...kept);
+  return document.querySelectorAll('.picture svg').length;
 """
 
 # Texts of the n-th svg shown, with the colour that each is drawn in, then hides them.
@@ -152,14 +162,8 @@ class FigureChecks:
             with self.subTest(dark=dark):
                 self.at_width(1440, dark=dark)
                 css = ".picture svg"
-                self.browser.run("rigfit_draw_all();")  # so that nothing below moves when it comes into view
-                faint, seen = [], set()
-                names = self.browser.run("return [...document.querySelectorAll(arguments[0])].map(s => s.closest('figure').id);", css)
-                for k, name in enumerate(names):
-                    kind = re.sub(r"\d.*", "", name)  # one of several states
-                    if kind in seen:
-                        continue
-                    seen.add(kind)
+                faint = []
+                for k in range(self.browser.run(ONE_OF_EACH_KIND)):
                     (x, y, width, height), texts = self.browser.run(TEXTS, css, k)
                     if not texts or width == 0:
                         continue

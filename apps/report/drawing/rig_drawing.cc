@@ -291,7 +291,7 @@ class Drawing {
                                       double length) const {
     const Vector2d side(-direction[1], direction[0]);
     for (const double shift : {0.0, 11.0, -11.0, 22.0, -22.0}) {
-      const Vector2d moved = tip + shift * side;
+      Vector2d moved = tip + shift * side;
       if (!places_.covers_mark(box_around(moved, moved - length * direction, 4))) return moved;
     }
     return tip;

@@ -95,6 +95,8 @@ std::optional<Picture> state_mac(const CampaignTest& test, const ModalState& sta
   if (measured.empty() || modes.empty()) return std::nullopt;
   const auto name = [](double hz) { return shown(hz, 4) + " Hz"; };
   std::vector<std::string> rows, columns;
+  rows.reserve(measured.size());
+  columns.reserve(modes.size());
   for (const auto* row : measured) rows.push_back(name(row->measured_hz));
   for (const auto* mode : modes) columns.push_back(name(mode->frequency_hz));
   Eigen::MatrixXd values(static_cast<Eigen::Index>(rows.size()),
