@@ -4,15 +4,14 @@
 set -eu
 cd "$(dirname "$0")/.."
 preset="${1:-release}"
-# The Python package is tested as users have it: a sanitizer would have to be loaded into the interpreter.
-benchmarks=OFF python=OFF
-[ "$preset" = asan ] || benchmarks=ON python=ON
+benchmarks=ON
+[ "$preset" != asan ] || benchmarks=OFF  # not tested there
 
 sh apps/install_packages.sh test
 echo "Configuring ($preset) ..."
 mkdir -p build
 cmake --preset "$preset" -DRIGFIT_BUILD_TESTS=ON \
-  -DRIGFIT_BUILD_BENCHMARKS="$benchmarks" -DRIGFIT_BUILD_PYTHON="$python" \
+  -DRIGFIT_BUILD_BENCHMARKS="$benchmarks" -DRIGFIT_BUILD_PYTHON=ON \
   >"build/configure-$preset.log" 2>&1 || {
   cat "build/configure-$preset.log" >&2
   echo "error: configuring failed (above)" >&2

@@ -7,6 +7,9 @@ import sys
 
 import rigfit
 
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
+
 files, lengths = [], []
 for group in sys.argv[1:]:
     length, _, names = group.partition("=")

@@ -7,6 +7,9 @@ import sys
 
 import rigfit
 
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
+
 recordings = [rigfit.read(file) for file in sys.argv[1:]]
 frf = rigfit.frf(recordings, force="force", force_window=0.012, exponential_window=0.05, band=(1, 160))
 for i, hit in enumerate(frf.hits, 1):
