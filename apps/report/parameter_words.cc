@@ -7,7 +7,7 @@
 namespace rigfit::apps {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 29> kQuantities{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 30> kQuantities{{
     {"EI", "bending stiffness EI"},
     {"EI_z", "bending stiffness EI_z"},
     {"EI_y", "bending stiffness EI_y"},
@@ -36,6 +36,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 29> kQuantit
     {"peak", "peak force"},
     {"position", "position along the member"},
     {"direction_x", "direction x"},
+    {"thermal_expansion", "thermal expansion"},
     {"direction_y", "direction y"},
 }};
 
@@ -50,6 +51,9 @@ std::string capitalised(std::string_view text) {
 }  // namespace
 
 std::string parameter_words(std::string_view name) {
+  if (name == "load_cell.scale") return "Load cell scale";
+  if (name == "load_cell.zero") return "Load cell zero";
+  if (name == "temperature_change") return "Temperature change";
   const auto dot = name.rfind('.');
   if (dot == std::string_view::npos) return capitalised(name);
   const auto quantity = name.substr(dot + 1);

@@ -15,44 +15,7 @@ namespace {
 
 using signal::kNaN;
 
-// Coordinates of nodes may have any sign; everything else in a scene is positive or zero.
-bool is_coordinate(const std::string& name) {
-  const auto dot = name.rfind('.');
-  if (dot == std::string::npos) return false;
-  const std::string last = name.substr(dot + 1);
-  return last == "x" || last == "y" || last == "z" || last == "stretch" ||
-         last.starts_with("direction_");
-}
-
-bool is_joint_damper(const std::string& name) {
-  return name.ends_with(".damping_axial") || name.ends_with(".damping_bending") ||
-         name.ends_with(".damping_torsion");
-}
-
-// What a quantity that starts at zero is measured by: a hundredth of the scene's mass for masses.
-double scale_at_zero(const model::Scene& scene, const std::string& name) {
-  double mass = 0;
-  for (const auto& member : scene.members) {
-    double length = 0;
-    std::vector<Eigen::Vector3d> ends;
-    for (const auto& node : scene.nodes) {
-      if (node.name == member.nodes[0] || node.name == member.nodes[1]) {
-        ends.push_back(node.position);
-      }
-    }
-    if (ends.size() == 2) length = (ends[1] - ends[0]).norm();
-    mass += member.mass_per_length * length;
-  }
-  return name.ends_with(".mass") && mass > 0 ? 0.01 * mass : 1;
-}
-
 }  // namespace
-
-double UpdateCoordinate::value(double q) const { return logarithmic ? std::exp(q) : q * scale; }
-double UpdateCoordinate::derivative(double q) const { return logarithmic ? std::exp(q) : scale; }
-double UpdateCoordinate::coordinate(double v) const {
-  return logarithmic ? std::log(v) : v / scale;
-}
 
 const UpdateModelMode* UpdateStateModes::find(model::ModePlane plane, int order) const {
   for (const auto& mode : modes) {
@@ -174,12 +137,12 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       UpdateCoordinate q;
       q.parameter = static_cast<int>(p);
       q.state = parameter.per_state ? copy : -1;
-      q.logarithmic = !is_coordinate(parameter.targets[0]) && start > 0;
+      q.logarithmic = !may_be_negative(parameter.targets[0]) && start > 0;
       if (!q.logarithmic) {
         q.scale =
             std::abs(start) > 0 ? std::abs(start) : scale_at_zero(scene, parameter.targets[0]);
       }
-      const bool positive = !is_coordinate(parameter.targets[0]);
+      const bool positive = !may_be_negative(parameter.targets[0]);
       const double low = positive ? std::max(parameter.low, 0.0) : parameter.low;
       q.low = q.logarithmic && low <= 0 ? std::log(start) - std::log(1e6) : q.coordinate(low);
       q.high = std::isfinite(parameter.high) ? q.coordinate(parameter.high)

@@ -12,26 +12,12 @@
 #include <vector>
 
 #include "ident/update/model_update.h"
+#include "ident/update/update_coordinate.h"
 
 namespace rigfit::ident {
 
 /// A frequency, damping ratio or standard uncertainty that was given.
 [[nodiscard]] inline bool known(double value) { return std::isfinite(value) && value > 0; }
-
-/// One unknown as it is fitted: q = ln(value) where the value is positive by nature, else
-/// value / scale.
-struct UpdateCoordinate {
-  int parameter = 0;  ///< index into the free parameters
-  int state = -1;     ///< -1: shared
-  bool logarithmic = true;
-  double scale = 1;
-  double start = 0, low = 0, high = 0;  ///< q
-  double prior = 0, prior_std = 0;      ///< q; prior_std 0: none
-
-  [[nodiscard]] double value(double q) const;
-  [[nodiscard]] double derivative(double q) const;  ///< d value / d q
-  [[nodiscard]] double coordinate(double value) const;
-};
 
 struct UpdateModelMode {
   double frequency_hz = 0, damping_ratio = 0;

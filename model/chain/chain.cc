@@ -8,6 +8,7 @@
 
 #include "model/chain/segment_lumping.h"
 #include "model/response/model_reduction.h"
+#include "model/scene/actual_state.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::model {
@@ -136,6 +137,7 @@ Eigen::Matrix3d permute(const Eigen::Matrix3d& axes, const Eigen::Vector3d& diag
 }  // namespace
 
 Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
+  if (!is_actual(scene)) return from_scene(actual_state(scene), options);
   const auto ends = member_nodes(scene);
   const ModelReduction reduction = reduce_model(scene, options.torsion);
   Chain chain;

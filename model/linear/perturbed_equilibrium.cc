@@ -45,7 +45,16 @@ ParameterStep parameter_step(const ParameterAccess& access, const Scene& scene, 
   const bool along = place && (access.name.ends_with("stretch") || access.name.ends_with("length"));
   double size = step.value != 0 ? kStep * std::abs(step.value) : 1e-6;
   if (place) size = (along ? 1e-3 : 0.1) * kStep * extent;
-  step.low = !place && step.value == 0 ? 0 : step.value - size;
+  // What may have any sign at zero: by the tension that it changes, or the length.
+  const bool zero = access.name == "load_cell.zero", warmth = access.name == "temperature_change";
+  double tension = 0, expansion = 0;
+  for (const Member& member : scene.members) {
+    tension = std::max(tension, member.tension.value_or(0));
+    expansion = std::max(expansion, member.thermal_expansion);
+  }
+  if (zero) size = kStep * tension;
+  if (warmth) size = 1e-3 * kStep / expansion;
+  step.low = !place && !zero && !warmth && step.value == 0 ? 0 : step.value - size;
   step.high = step.value + size;
   return step;
 }

@@ -67,6 +67,10 @@ std::vector<ParameterAccess> scene_parameters(const Scene& scene) {
       all.push_back(
           access(n + ".stretch", "m", [m](Scene& s) -> double& { return *s.members[m].stretch; }));
     }
+    if (member.thermal_expansion != 0) {
+      all.push_back(access(n + ".thermal_expansion", "1/K",
+                           [m](Scene& s) -> double& { return s.members[m].thermal_expansion; }));
+    }
     if (member.damping_ratio) {
       all.push_back(access(n + ".damping_ratio", "",
                            [m](Scene& s) -> double& { return *s.members[m].damping_ratio; }));
@@ -138,6 +142,19 @@ std::vector<ParameterAccess> scene_parameters(const Scene& scene) {
                        if (direction.norm() > 0) direction.normalize();
                      }});
     }
+  }
+  const auto any = [&](auto holds) {
+    return std::any_of(scene.members.begin(), scene.members.end(), holds);
+  };
+  if (any([](const Member& m) { return m.tension.has_value(); })) {
+    all.push_back(
+        access("load_cell.scale", "", [](Scene& s) -> double& { return s.load_cell.scale; }));
+    all.push_back(
+        access("load_cell.zero", "N", [](Scene& s) -> double& { return s.load_cell.zero; }));
+  }
+  if (any([](const Member& m) { return m.thermal_expansion != 0; })) {
+    all.push_back(access("temperature_change", "K",
+                         [](Scene& s) -> double& { return s.temperature_change; }));
   }
   return all;
 }

@@ -13,7 +13,9 @@ namespace rigfit::model {
 /// ".mass_per_length", ".tension", ".unstretched_length", ".stretch", ".taper", ".damping_ratio",
 /// ".damping_axial", ".damping_bending", ".damping_torsion", "<node>.mass", "<node>.x|.y|.z",
 /// "<node>.translational_x|_y|_z", "<node>.rotational_x|_y|_z", "<load>.mass", "<load>.peak",
-/// "<load>.position" (0..1, on a member), "<load>.direction_x|_y|_z" (turns the unit vector).
+/// "<load>.position" (0..1, on a member), "<load>.direction_x|_y|_z" (turns the unit vector);
+/// "load_cell.scale", "load_cell.zero" where a cable has a tension; "<member>.thermal_expansion",
+/// "temperature_change" where a cable expands (actual_state.h).
 /// Both throw SceneError naming the parameters there are when the name is unknown.
 [[nodiscard]] double parameter(const Scene& scene, const std::string& name);
 /// Sets it; throws SceneError for an unknown name.

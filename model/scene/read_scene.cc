@@ -5,21 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
+#include "model/scene/read_member.h"
+#include "model/scene/scene_keys.h"
 #include "model/scene/scene_repeat.h"
 #include "model/scene/sensor_quantity.h"
 #include "model/scene/toml_table.h"
 
 namespace rigfit::model {
 namespace {
-
-constexpr int kMostSegments = 10000;
-
-Eigen::Vector3d vector3(TomlTable& table, const std::string& key, const std::string& unit) {
-  const auto v = table.numbers(key, 3, 3, Bound::any, unit);
-  return {v[0], v[1], v[2]};
-}
 
 Eigen::Vector3d unit_vector(TomlTable& table, const std::string& key,
                             const Eigen::Vector3d& fallback) {
@@ -31,13 +27,6 @@ Eigen::Vector3d unit_vector(TomlTable& table, const std::string& key,
   }
   // A unit vector stays as written, so that a scene reads back to the same numbers.
   return std::abs(length - 1) < 1e-14 ? direction : Eigen::Vector3d(direction / length);
-}
-
-std::string name_in(TomlTable& table, const std::string& fallback) {
-  if (!table.has("name") && !fallback.empty()) return fallback;
-  std::string name = table.string("name");
-  if (name.empty()) throw table.error("name", "is empty", "give each one a name of its own");
-  return name;
 }
 
 Support support_of(TomlTable& node) {
@@ -76,132 +65,6 @@ SceneNode read_node(TomlTable& table) {
   node.mass = table.number_or("mass", Bound::not_negative, "kg", 0);
   table.finish();
   return node;
-}
-
-int segments_of(TomlTable& table) {
-  if (!table.is_string("segments")) {
-    return table.has("segments") ? table.integer_or("segments", 2, kMostSegments, 0) : 0;
-  }
-  static_cast<void>(table.choice_or("segments", {"auto"}, "auto"));
-  return 0;
-}
-
-std::array<double, 2> bending_stiffness(TomlTable& table, Member::Kind kind) {
-  if (!table.is_array("EI")) {
-    const double EI = table.number("EI", Bound::not_negative, "N m2");
-    return {EI, EI};
-  }
-  const auto EI = table.numbers("EI", 2, 2, Bound::not_negative, "N m2");
-  if (kind == Member::Kind::cable && EI[0] != EI[1]) {
-    throw table.error("EI", "gives a cable two bending stiffnesses",
-                      "give one number, or make it kind = \"beam\"");
-  }
-  return {EI[0], EI[1]};
-}
-
-void read_initial_state(TomlTable& table, Member& member) {
-  member.tension = table.optional_number("tension", Bound::positive, "N");
-  member.unstretched_length = table.optional_number("unstretched_length", Bound::positive, "m");
-  member.stretch = table.optional_number("stretch", Bound::not_negative, "m");
-  const int given = member.tension.has_value() + member.unstretched_length.has_value() +
-                    member.stretch.has_value();
-  if (member.kind == Member::Kind::beam && given > 0) {
-    const char* key = member.tension              ? "tension"
-                      : member.unstretched_length ? "unstretched_length"
-                                                  : "stretch";
-    throw table.error(key, "is given for a beam, which is stress-free as drawn",
-                      "leave it out, or make the member kind = \"cable\"");
-  }
-  if (member.kind == Member::Kind::cable && given == 0) {
-    throw table.error("tension", "is missing",
-                      "a cable needs one of tension (N), unstretched_length (m) or stretch (m)");
-  }
-  if (given > 1) {
-    throw table.error(member.stretch ? "stretch" : "unstretched_length",
-                      "says a second time how the cable is tensioned",
-                      "keep only one of tension, unstretched_length and stretch");
-  }
-}
-
-void read_damping(TomlTable& table, Member& member) {
-  member.damping_ratio = table.optional_number("damping_ratio", Bound::not_negative, "");
-  if (member.damping_ratio && *member.damping_ratio >= 1) {
-    throw table.error("damping_ratio",
-                      fmt::format("must be below 1, got {}", *member.damping_ratio),
-                      "give the ratio to critical damping, such as 0.005 (not percent)");
-  }
-  if (!table.has("damping")) return;
-  if (member.damping_ratio) {
-    throw table.error("damping", "is given beside damping_ratio",
-                      "keep one: joint dampers or a modal ratio");
-  }
-  TomlTable damping = table.table("damping");
-  member.damping.axial = damping.number_or("axial", Bound::not_negative, "N s", 0);
-  member.damping.bending = damping.number_or("bending", Bound::not_negative, "N m2 s", 0);
-  member.damping.torsion = damping.number_or("torsion", Bound::not_negative, "N m2 s", 0);
-  damping.finish();
-}
-
-void read_joints(TomlTable& table, Member& member) {
-  if (!table.has("joint")) return;
-  auto words = table.string_or_strings("joint");
-  if (words.size() == 1) words.push_back(words[0]);
-  if (words.size() != 2) {
-    throw table.error("joint", fmt::format("has {} values", words.size()),
-                      "give one word for both ends, or two: [\"rigid\", \"pinned\"]");
-  }
-  for (std::size_t end = 0; end < 2; ++end) {
-    if (words[end] != "rigid" && words[end] != "pinned") {
-      throw table.error("joint", "does not know \"" + words[end] + "\"",
-                        "it must be \"rigid\" or \"pinned\"");
-    }
-    member.joint[end] = words[end] == "pinned" ? Member::Joint::pinned : Member::Joint::rigid;
-  }
-}
-
-double position_of(TomlTable& table) {
-  const double position = table.number("position", Bound::any, "");
-  if (position < 0 || position > 1) {
-    throw table.error("position", fmt::format("must be from 0 to 1, got {}", position),
-                      "give the fraction of the member's length from its first node");
-  }
-  return position;
-}
-
-Member read_member(TomlTable& table) {
-  Member member;
-  member.name = name_in(table, "");
-  static_cast<void>(table.string("kind"));
-  member.kind = table.choice_or("kind", {"cable", "beam"}, "") == "beam" ? Member::Kind::beam
-                                                                         : Member::Kind::cable;
-  const auto nodes = table.strings("nodes");
-  if (nodes.size() != 2) {
-    throw table.error("nodes", fmt::format("names {} nodes", nodes.size()),
-                      "name the two nodes it joins: [\"left\", \"right\"]");
-  }
-  member.nodes = {nodes[0], nodes[1]};
-  member.segments = segments_of(table);
-  member.mass_per_length = table.number("mass_per_length", Bound::positive, "kg/m");
-  member.EA = table.number("EA", Bound::positive, "N");
-  member.EI = bending_stiffness(table, member.kind);
-  member.GJ = table.number_or("GJ", Bound::not_negative, "N m2", 0);
-  member.polar_inertia = table.number_or("polar_inertia", Bound::not_negative, "kg m", 0);
-  member.taper = table.number_or("taper", Bound::positive, "", 1);
-  read_initial_state(table, member);
-  member.assembled = table.choice_or("assembled", {"hanging", "straight"}, "hanging") == "straight"
-                         ? Member::Assembled::straight
-                         : Member::Assembled::hanging;
-  read_damping(table, member);
-  read_joints(table, member);
-  for (TomlTable& mass : table.tables_or_empty("mass")) {
-    AttachedMass attached;
-    attached.position = position_of(mass);
-    attached.mass = mass.number("mass", Bound::positive, "kg");
-    mass.finish();
-    member.masses.push_back(attached);
-  }
-  table.finish();
-  return member;
 }
 
 Place read_place(TomlTable& table) {
@@ -314,6 +177,7 @@ class Reader {
       check_place(scene_.sensors[i].place, sensor_tables_[i], node_names, member_names);
     }
     check_connected();
+    check_conditions();
     return std::move(scene_);
   }
 
@@ -338,6 +202,7 @@ class Reader {
       throw root_.error("accuracy", fmt::format("must be at most 0.1, got {}", scene_.accuracy),
                         "give a relative error in frequency, such as 1e-4");
     }
+    read_conditions();
     std::set<std::string> taken, sensors_taken;
     for (TomlTable& table : root_.tables_or_empty("node")) {
       scene_.nodes.push_back(read_node(table));
@@ -375,6 +240,40 @@ class Reader {
       sensor_tables_.push_back(table);
     }
     root_.finish();
+  }
+
+  void read_conditions() {
+    scene_.temperature_change = root_.number_or("temperature_change", Bound::any, "K", 0);
+    if (!root_.has("load_cell")) return;
+    TomlTable cell = root_.table("load_cell");
+    scene_.load_cell.scale = cell.number_or("scale", Bound::positive, "", 1);
+    scene_.load_cell.zero = cell.number_or("zero", Bound::any, "N", 0);
+    cell.finish();
+    load_cell_table_ = cell;
+  }
+
+  /// Load cell and temperature find a cable, and leave a tension and a length.
+  void check_conditions() {
+    const auto& members = scene_.members;
+    const auto read = [](const Member& m) { return m.tension.has_value(); };
+    if (load_cell_table_ && std::none_of(members.begin(), members.end(), read)) {
+      throw root_.error("load_cell", "belongs to no cable: none is given by its tension",
+                        "delete it, or give the cables' tensions as read");
+    }
+    const auto expands = [](const Member& m) { return m.thermal_expansion != 0; };
+    if (scene_.temperature_change != 0 && std::none_of(members.begin(), members.end(), expands)) {
+      throw root_.error("temperature_change", "changes nothing: no cable has a thermal_expansion",
+                        "delete it, or give thermal_expansion of the cables (steel: 1.2e-5 1/K)");
+    }
+    for (std::size_t m = 0; load_cell_table_ && m < members.size(); ++m) {
+      if (!members[m].tension) continue;
+      const double tension = scene_.load_cell.tension(*members[m].tension);
+      if (tension > 0) continue;
+      throw load_cell_table_->error("zero",
+                                    fmt::format("makes {} N of the {} N of \"{}\"", tension,
+                                                *members[m].tension, members[m].name),
+                                    "tension = scale x reading + zero must be positive");
+    }
   }
 
   void check_members(const std::vector<std::string>& node_names) {
@@ -458,6 +357,7 @@ class Reader {
 
   TomlTable root_;
   Scene scene_;
+  std::optional<TomlTable> load_cell_table_;
   std::vector<TomlTable> node_tables_, member_tables_, load_tables_, sensor_tables_;
 };
 

@@ -75,6 +75,8 @@ struct Member {
   std::optional<double> unstretched_length;  ///< m
   std::optional<double> stretch;  ///< m, end displacement from the unstretched straight cable
 
+  double thermal_expansion = 0;  ///< 1/K, of a cable's unstretched length
+
   Assembled assembled = Assembled::hanging;
   std::array<Joint, 2> joint{Joint::rigid, Joint::rigid};  ///< at each end
   std::optional<double> damping_ratio;                     ///< modal; exclusive with joint dampers
@@ -114,6 +116,14 @@ struct Sensor {
   Quantity quantity = Quantity::acceleration;
 };
 
+/// The load cell on which the cables' tensions were read.
+struct LoadCell {
+  double scale = 1;
+  double zero = 0;  ///< N
+  /// N, that stands behind a reading.
+  [[nodiscard]] double tension(double reading) const { return scale * reading + zero; }
+};
+
 /// A rig: nodes, members, loads and sensors.
 struct Scene {
   std::string title;
@@ -121,6 +131,8 @@ struct Scene {
   Eigen::Vector3d gravity{0, -kStandardGravity, 0};  ///< m/s^2
   double accuracy =
       1e-4;  ///< relative error in frequency asked of "auto" and of the choice of solver
+  LoadCell load_cell;
+  double temperature_change = 0;  ///< K, against that at which the cables' lengths were stated
   std::vector<SceneNode> nodes;
   std::vector<Member> members;
   std::vector<Load> loads;

@@ -83,6 +83,7 @@ std::string member_text(const Member& member) {
   if (member.tension) line("tension", *member.tension, "N, horizontal, in the sagged equilibrium");
   if (member.unstretched_length) line("unstretched_length", *member.unstretched_length, "m");
   if (member.stretch) line("stretch", *member.stretch, "m");
+  if (member.thermal_expansion != 0) line("thermal_expansion", member.thermal_expansion, "1/K");
   if (member.assembled == Member::Assembled::straight) text += "assembled = \"straight\"\n";
   const auto joint = [](Member::Joint j) {
     return j == Member::Joint::pinned ? "\"pinned\"" : "\"rigid\"";
@@ -154,6 +155,14 @@ std::string scene_text(const Scene& scene) {
     text += fmt::format("gravity = {}  # m/s2\n", vector(scene.gravity));
   }
   text += fmt::format("accuracy = {}\n", number(scene.accuracy));
+  if (scene.temperature_change != 0) {
+    text += fmt::format("temperature_change = {}  # K\n", number(scene.temperature_change));
+  }
+  if (scene.load_cell.scale != 1 || scene.load_cell.zero != 0) {
+    text += fmt::format(
+        "\n[load_cell]  # tension = scale x reading + zero\nscale = {}\nzero = {}  # N\n",
+        number(scene.load_cell.scale), number(scene.load_cell.zero));
+  }
   for (const auto& node : scene.nodes) text += node_text(node);
   for (const auto& member : scene.members) text += member_text(member);
   for (const auto& load : scene.loads) text += load_text(load, scene.file);

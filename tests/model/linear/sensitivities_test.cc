@@ -97,6 +97,16 @@ TEST(ModeSensitivities, OfElasticSupportsAndStretch) {
       4);
 }
 
+TEST(ModeSensitivities, OfTheLoadCellAndOfTemperature) {
+  Scene scene = testing::paper_cable(25, 0.2549, 16);
+  expect_differences(scene, {"load_cell.scale", "load_cell.zero"}, 4);
+  scene.members[0].tension.reset();
+  scene.members[0].stretch = 0.002;
+  scene.members[0].thermal_expansion = 1.2e-5;
+  scene.temperature_change = 3;
+  expect_differences(scene, {"temperature_change", "cable.thermal_expansion"}, 4);
+}
+
 TEST(ModeSensitivities, OfNodesOutOfThePlane) {
   // A rig in space is like any other.
   Scene scene = testing::cable_beam_rig(100, 0.4948, 8);

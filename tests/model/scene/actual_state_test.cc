@@ -1,0 +1,94 @@
+#include "model/scene/actual_state.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "model/linear/modal_analysis.h"
+#include "model/scene/parameters.h"
+#include "model/scene/read_scene.h"
+#include "model/scene/scene_error.h"
+#include "tests/model/test_scenes.h"
+
+namespace rigfit::model::actual_state_test {
+namespace {
+
+std::vector<double> frequencies(const Scene& scene) {
+  ModesOptions options;
+  options.count = 6;
+  std::vector<double> found;
+  for (const auto& mode : analyse_modes(scene, options).modes) found.push_back(mode.frequency_hz);
+  return found;
+}
+
+TEST(ActualState, ACableIsAsTightAsItsLoadCellMeans) {
+  Scene read = testing::paper_cable(100, 0.5);
+  read.load_cell = {1.03, -2};
+  EXPECT_EQ(frequencies(read), frequencies(testing::paper_cable(1.03 * 100 - 2, 0.5)));
+}
+
+// A cable between fixed ends that warms by dT loses EA alpha dT of its tension; sag gives a little
+// of that back: 24 (T / w L)^2 EA / T compares the cable's stiffness with that of its sag, 1e5
+// here.
+TEST(ActualState, AWarmCableIsSlack) {
+  Scene cold = testing::paper_cable(200, 0.5);
+  cold.members[0].tension.reset();
+  cold.members[0].stretch = 2.4 * 200 / 221780.0;
+  cold.members[0].thermal_expansion = 1.2e-5;
+  Scene warm = cold;
+  warm.temperature_change = 20;
+  ModesOptions options;
+  options.count = 1;
+  const auto tension = [&](const Scene& scene) {
+    return analyse_modes(scene, options).equilibrium.members[0].tension_N;
+  };
+  EXPECT_NEAR(tension(cold) - tension(warm), 221780 * 1.2e-5 * 20, 0.01 * 53);
+  // Given by its length instead, it is the same cable.
+  Scene by_length = warm;
+  by_length.members[0].unstretched_length = 2.4 - *cold.members[0].stretch;
+  by_length.members[0].stretch.reset();
+  EXPECT_NEAR(tension(by_length), tension(warm), 1e-9 * 221780);
+}
+
+TEST(ActualState, IsWrittenAndReadBack) {
+  Scene scene = testing::paper_cable(100, 0.5);
+  scene.load_cell = {1.03, -2};
+  const Scene again = parse_scene(scene_text(scene), "again.toml");
+  EXPECT_EQ(again.load_cell.scale, 1.03);
+  EXPECT_EQ(again.load_cell.zero, -2);
+  scene.load_cell = {};
+  scene.members[0].tension.reset();
+  scene.members[0].stretch = 0.002;
+  scene.members[0].thermal_expansion = 1.2e-5;
+  scene.temperature_change = -7;
+  const Scene cold = parse_scene(scene_text(scene), "cold.toml");
+  EXPECT_EQ(cold.temperature_change, -7);
+  EXPECT_EQ(cold.members[0].thermal_expansion, 1.2e-5);
+}
+
+void expect_refused(Scene scene, const std::string& reason) {
+  try {
+    static_cast<void>(parse_scene(scene_text(scene), "bad.toml"));
+    ADD_FAILURE() << "accepted, instead of: " << reason;
+  } catch (const SceneError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(reason));
+  }
+}
+
+TEST(ActualState, WhatChangesNothingOrLeavesNoTensionIsRefused) {
+  Scene scene = testing::paper_cable(100, 0.5);
+  scene.load_cell = {1, -100};
+  expect_refused(scene, "must be positive");
+  EXPECT_THROW(static_cast<void>(analyse_modes(scene)), SceneError);
+  scene.load_cell = {};
+  scene.temperature_change = 10;
+  expect_refused(scene, "no cable has a thermal_expansion");
+  scene.members[0].thermal_expansion = 1.2e-5;
+  expect_refused(scene, "tension is given");
+  scene.members[0].tension.reset();
+  scene.members[0].stretch = 0.002;
+  scene.load_cell = {1.01, 0};
+  expect_refused(scene, "none is given by its tension");
+}
+
+}  // namespace
+}  // namespace rigfit::model::actual_state_test
