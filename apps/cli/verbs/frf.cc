@@ -58,10 +58,11 @@ std::string csv_of(const signal::FrfSet& frfs) {
   const std::string unit = frfs.unit.empty() ? "" : " (" + frfs.unit + ")";
   for (const auto& response : frfs.responses) {
     for (const auto& input : frfs.inputs) {
-      const std::string name =
-          frfs.inputs.size() > 1 ? response.name + " by " + input.name : response.name;
+      const std::string name = frfs.inputs.size() > 1
+                                   ? fmt::format("{} by {}", response.name, input.name)
+                                   : response.name;
       for (const char* what : {" real", " imag", " std"}) {
-        fmt::format_to(out, ",{}", csv_quoted(name + what + unit));
+        fmt::format_to(out, ",{}", csv_quoted(fmt::format("{}{}{}", name, what, unit)));
       }
       fmt::format_to(out, ",{}", csv_quoted(name + " coherence"));
     }
