@@ -69,9 +69,9 @@
 #include "apps/results/result_table.h"
 #include "ident/axial/axial_test.h"
 #include "ident/bending/beam_ends.h"
-#include "ident/bending/strand.h"
 #include "ident/campaign/beam_section.h"
 #include "ident/campaign/tension_campaign.h"
+#include "ident/stiffness/strand.h"
 #include "ident/update/model_update.h"
 #include "model/scene/scene.h"
 

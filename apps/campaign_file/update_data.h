@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/cli/verb.h"
-#include "ident/bending/stiffness_curve.h"
+#include "ident/stiffness/stiffness_curve.h"
 #include "ident/update/model_update.h"
 
 namespace rigfit::apps {

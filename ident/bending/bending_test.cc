@@ -14,7 +14,7 @@
 #include "ident/bending/bending_strokes.h"
 #include "ident/bending/friction_transient.h"
 #include "ident/bending/table_line.h"
-#include "ident/bending/tension_spread.h"
+#include "ident/stiffness/tension_spread.h"
 #include "signal/numerics/robust.h"
 
 namespace rigfit::ident {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "ident/bending/bending_equation.h"
-#include "ident/bending/tension_spread.h"
+#include "ident/stiffness/tension_spread.h"
 
 namespace rigfit::ident {
 namespace {

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "ident/bending/bending_test.h"
-#include "ident/bending/stiffness_curve.h"
-#include "ident/bending/strand.h"
+#include "ident/stiffness/stiffness_curve.h"
+#include "ident/stiffness/strand.h"
 
 namespace rigfit::ident {
 

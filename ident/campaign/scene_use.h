@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "ident/bending/stiffness_curve.h"
 #include "ident/campaign/axial_campaign.h"
+#include "ident/stiffness/stiffness_curve.h"
 #include "ident/update/update_data.h"
 #include "model/scene/scene.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/bending/stiffness_curve.h"
+#include "ident/stiffness/stiffness_curve.h"
 #include "ident/update/model_update.h"
 
 namespace rigfit::ident {

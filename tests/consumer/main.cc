@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ident/bending/strand.h"
+#include "ident/stiffness/strand.h"
 #include "model/scene/scene.h"
 #include "signal/recording/recording.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "ident/bending/bending_test.h"
-#include "ident/bending/stiffness_law.h"
+#include "ident/stiffness/stiffness_law.h"
 #include "tests/bench/hard_cases/hard_case.h"
 
 namespace rigfit::hard_cases {

@@ -68,10 +68,10 @@ TEST(LoadCell, ReadingsTakenForTrueAreRuledOut) {
   options.starts = 1;
   options.segment_uncertainty = false;
   const auto wrong = update_model(states(0.6, 1e-3, 1), {{"cable.EI"}}, options);
-  EXPECT_LT(wrong.misfit.p_value, 1e-6);
+  EXPECT_LT(wrong.fit.p_value, 1e-6);
   const auto right = update_model(states(0.6, 1e-3, 1),
                                   {{"cable.EI"}, {"load_cell.scale"}, {"load_cell.zero"}}, options);
-  EXPECT_GT(right.misfit.p_value, 1e-3);
+  EXPECT_GT(right.fit.p_value, 1e-3);
 }
 
 }  // namespace

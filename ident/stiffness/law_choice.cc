@@ -1,4 +1,4 @@
-#include "ident/bending/law_choice.h"
+#include "ident/stiffness/law_choice.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "ident/bending/stiffness_law.h"
+#include "ident/stiffness/stiffness_law.h"
 
 #include <ceres/ceres.h>
 #include <fmt/format.h>
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "ident/bending/law_choice.h"
-#include "ident/bending/tension_spread.h"
 #include "ident/statistics/uncertainty.h"
+#include "ident/stiffness/law_choice.h"
+#include "ident/stiffness/tension_spread.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

@@ -1,4 +1,4 @@
-#include "ident/bending/strand.h"
+#include "ident/stiffness/strand.h"
 
 #include <gtest/gtest.h>
 

@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/bending/stiffness_law.h"
+#include "ident/stiffness/stiffness_law.h"
 
 namespace rigfit::ident {
 

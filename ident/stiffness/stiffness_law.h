@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/bending/strand.h"
+#include "ident/stiffness/strand.h"
 
 namespace rigfit::ident {
 

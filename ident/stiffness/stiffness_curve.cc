@@ -1,4 +1,4 @@
-#include "ident/bending/stiffness_curve.h"
+#include "ident/stiffness/stiffness_curve.h"
 
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
@@ -9,8 +9,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "ident/bending/tension_spread.h"
 #include "ident/statistics/probability_text.h"
+#include "ident/stiffness/tension_spread.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

@@ -1,4 +1,4 @@
-#include "ident/bending/tension_spread.h"
+#include "ident/stiffness/tension_spread.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "ident/bending/stiffness_law.h"
+#include "ident/stiffness/stiffness_law.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>

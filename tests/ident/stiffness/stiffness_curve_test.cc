@@ -1,4 +1,4 @@
-#include "ident/bending/stiffness_curve.h"
+#include "ident/stiffness/stiffness_curve.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
