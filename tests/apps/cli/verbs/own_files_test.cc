@@ -95,9 +95,9 @@ TEST(OwnFiles, AFolderDescribesDifferentRecordings) {
     for (int k = 0; k < 200; ++k) {
       text += fmt::format("{:.3f};{:.3f}{}\n", 1e-3 * k, std::sin(0.1 * k), two ? ";1.5" : "");
     }
-    for (const auto& warning :
-         parsed(run_program({"inspect", folder.write("a.csv", text), "--json", "-"})
-                    .out)["warnings"]) {
+    const auto document =
+        parsed(run_program({"inspect", folder.write("a.csv", text), "--json", "-"}).out);
+    for (const auto& warning : document["warnings"]) {
       if (warning["code"] == "described_channel_absent")
         return warning["message"].get<std::string>();
     }
