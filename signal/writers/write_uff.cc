@@ -247,7 +247,7 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
       const std::string about =
           fmt::format("averages={} rate={} decay={} pre={:.6g}", frfs.averages, frfs.sample_rate_hz,
                       frfs.exponential_decay_rate_1_s, frfs.pre_trigger_s);
-      f.id[4] = fmt::format("rigfit x0={} dx={}", start, step);
+      f.id[4] = fmt::format("rigfit x0={} dx={} span={:.6g}", start, step, frfs.force_noise_span_s);
       f.abscissa = frequency_axis_record();
 
       f.function_type = uff58_function::kFrf;
