@@ -326,7 +326,8 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     model.notes.push_back(
         {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});
   }
-  measure_errors(model, frfs, result.low_hz, result.high_hz);
+  measure_errors(model, frfs, result.low_hz, result.high_hz,
+                 frfs.force_noise_span_s > 0 ? found.model : MatrixXcd());
   for (IdentifiedMode& mode : model.modes) {
     if (mode.refinement == "global" || mode.points.empty()) continue;
     // Each point with its own pole: what a mode that varies leaves unexplained.

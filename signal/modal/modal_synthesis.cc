@@ -67,7 +67,8 @@ FrfSet synthesised(const ModalModel& model, const Eigen::Ref<const Eigen::Vector
   return set;
 }
 
-void measure_errors(ModalModel& model, const FrfSet& measured, double low_hz, double high_hz) {
+void measure_errors(ModalModel& model, const FrfSet& measured, double low_hz, double high_hz,
+                    const Eigen::Ref<const Eigen::MatrixXcd>& fitted) {
   const auto responses = static_cast<Index>(model.responses.size());
   const auto inputs = static_cast<Index>(model.inputs.size());
   std::vector<Index> lines;
@@ -76,12 +77,14 @@ void measure_errors(ModalModel& model, const FrfSet& measured, double low_hz, do
     if (f > 0 && f >= low_hz && f <= high_hz && measured.H.row(k).allFinite()) lines.push_back(k);
   }
   const Eigen::VectorXd f = rows(measured.frequency_hz, lines);
-  const FrfSet again =
-      synthesised(model, f, model.fitted_form, measured.exponential_decay_rate_1_s);
+  const Eigen::MatrixXcd again =
+      fitted.rows() == f.size()
+          ? Eigen::MatrixXcd(fitted)
+          : synthesised(model, f, model.fitted_form, measured.exponential_decay_rate_1_s).H;
   Eigen::MatrixXd misfit(f.size(), responses * inputs), power(f.size(), responses * inputs);
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const auto i = static_cast<Index>(k);
-    misfit.row(i) = (again.H.row(i) - measured.H.row(lines[k])).cwiseAbs2();
+    misfit.row(i) = (again.row(i) - measured.H.row(lines[k])).cwiseAbs2();
     power.row(i) = measured.H.row(lines[k]).cwiseAbs2();
   }
   const auto ratio = [](double above, double below) {

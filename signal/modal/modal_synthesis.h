@@ -15,7 +15,9 @@ namespace rigfit::signal {
 
 /// Fills `frf_error` of the model and `reconstruction_error` of its modes (within half a bandwidth
 /// of 2 zeta f to either side, window included, and at least three lines) from measured FRFs of the
-/// lines low_hz <= f <= high_hz.
-void measure_errors(ModalModel& model, const FrfSet& measured, double low_hz, double high_hz);
+/// lines low_hz <= f <= high_hz. `fitted` are the FRFs of the fit at these lines where it has a
+/// smooth background besides (smooth_background.h); empty: those rebuilt from the model.
+void measure_errors(ModalModel& model, const FrfSet& measured, double low_hz, double high_hz,
+                    const Eigen::Ref<const Eigen::MatrixXcd>& fitted);
 
 }  // namespace rigfit::signal
