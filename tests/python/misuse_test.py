@@ -1,5 +1,5 @@
 """Misuse: every call either works or raises rigfit.Error (or what Python itself raises for unknown arguments) that names
-the argument and the reason; a thousand random misuses without a crash (RIGFIT_MISUSES: another number)."""
+the argument and the reason; a thousand random misuses without a crash."""
 
 import io
 import os
@@ -17,7 +17,7 @@ import rigfit
 SOURCE = pathlib.Path(os.environ["RIGFIT_SOURCE"])
 FOLDER = tempfile.TemporaryDirectory()
 CABLE = shutil.copy(SOURCE / "testdata/jalali2021/scenes/cable.toml", FOLDER.name)  # what is written over it is lost
-MISUSES = int(os.environ.get("RIGFIT_MISUSES", 1000))
+MISUSES = 1000
 CLOSED = io.StringIO("1,2\n")
 CLOSED.close()
 READ_ONLY = np.arange(64.0)
