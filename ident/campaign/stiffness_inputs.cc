@@ -5,6 +5,7 @@ namespace rigfit::ident {
 std::vector<UncertainInput> stiffness_inputs(const StiffnessCurve& curve,
                                              const std::vector<StiffnessUse>& uses) {
   std::vector<double> tensions;
+  tensions.reserve(uses.size());
   for (const auto& use : uses) tensions.push_back(use.tension_N);
   std::vector<UncertainInput> inputs;
   for (const auto& term : curve.uncertainty(tensions)) {

@@ -93,7 +93,7 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
   const int values = (f.complex ? 2 : 1) + (f.even ? 0 : 1);
   const bool binary = encoding != UffEncoding::ascii;
   const bool single = encoding == UffEncoding::binary_single;
-  const int bytes = single ? 4 : 8;
+  const Eigen::Index bytes = single ? 4 : 8;
   out += kMark;
   if (binary) {
     // Byte order 1 (little endian), floating-point format 2 (IEEE 754), 11 lines of text.
