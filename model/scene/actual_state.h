@@ -19,7 +19,7 @@ namespace rigfit::model {
 /// Whether the scene's own numbers are those of its state: nothing to correct.
 [[nodiscard]] bool is_actual(const Scene& scene);
 /// The scene with corrected tensions and lengths, load cell and temperature at their defaults.
-/// Throws SceneError where a corrected tension or length is not positive.
+/// Throws SceneError where a corrected tension is not positive.
 [[nodiscard]] Scene actual_state(const Scene& scene);
 
 }  // namespace rigfit::model
