@@ -18,6 +18,7 @@
 //                        with section_std (relative)
 //     kind = "axial"     mass (kg, hung), mass_std, mass_per_length (kg/m), mass_per_length_std,
 //                        length_std (m), adapter_stiffness (N/m), adapter_stiffness_std,
+//                        frame_stiffness (N/m, or "rigid"), frame_stiffness_std,
 //                        compliance_std (m/N, of what else gives way in series; 0: rigid),
 //                        catalogue_EA (N), channel, band = [LO, HI] (Hz); recordings with length
 //     kind = "decay"     free decays: channels (default: all), band; with scene, tension_of, EI_of,

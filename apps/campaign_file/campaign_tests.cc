@@ -235,6 +235,14 @@ void CampaignTestReader::read_axial(TomlTable& table, CampaignTest& test) {
   setup.adapter_stiffness_N_m = {
       table.number_or("adapter_stiffness", Bound::not_negative, "N/m", 0),
       table.number_or("adapter_stiffness_std", Bound::not_negative, "N/m", 0)};
+  if (table.has("frame_stiffness")) {
+    setup.frame_stated = true;
+    if (!table.is_string("frame_stiffness") || table.string("frame_stiffness") != "rigid") {
+      setup.frame_stiffness_N_m.value = table.number("frame_stiffness", Bound::positive, "N/m");
+    }
+  }
+  setup.frame_stiffness_N_m.std =
+      table.number_or("frame_stiffness_std", Bound::not_negative, "N/m", 0);
   setup.series_compliance_std_m_N =
       table.optional_number("compliance_std", Bound::not_negative, "m/N");
   setup.catalogue_EA_N = table.number_or("catalogue_EA", Bound::not_negative, "N", 0);

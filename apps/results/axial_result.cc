@@ -99,8 +99,17 @@ Json axial_json(const ident::AxialInputs& inputs, const ident::AxialCampaignResu
   }
   const auto& r = *result.test;
   out["EA_N"] = estimate(r.EA_N);
-  out["EA_N"]["low"] = r.EA_low_N, out["EA_N"]["high"] = r.EA_high_N;
+  out["EA_N"]["low"] = r.EA_low_N, out["EA_N"]["high"] = json_number(r.EA_high_N);
   out["EA_N"]["conditional"] = r.conditional;
+  if (r.conditional) {
+    out["EA_N"]["bound"] = "lower";
+    out["EA_if_rigid_N"] = estimate(r.EA_if_rigid_N);
+    out["EA_if_rigid_N"]["low"] = r.EA_if_rigid_low_N;
+    out["EA_if_rigid_N"]["high"] = r.EA_if_rigid_high_N;
+  }
+  if (r.assembly_stiffness_N_m.value > 0) {
+    out["assembly_stiffness_N_m"] = estimate(r.assembly_stiffness_N_m);
+  }
   out["damping_ratio"] = estimate(r.damping_ratio);
   out["damping_ratio"]["low"] = r.damping_low, out["damping_ratio"]["high"] = r.damping_high;
   out["damping_Ns_m"] = estimate(r.damping_Ns_m);
@@ -128,10 +137,27 @@ Json axial_json(const ident::AxialInputs& inputs, const ident::AxialCampaignResu
   return out;
 }
 
+std::string axial_EA_text(const ident::AxialTestResult& r) {
+  if (!r.conditional) {
+    return fmt::format("{} ({} to {} with 95 %)", rounded(r.EA_N, " N"),
+                       value_digits(r.EA_low_N, r.EA_N.std), value_digits(r.EA_high_N, r.EA_N.std));
+  }
+  const auto& rigid = r.EA_if_rigid_N;
+  return fmt::format(
+      "{} N or more (95 %), {}; {} if nothing but the cable gives way",
+      value_digits(r.EA_low_N, rigid.std),
+      std::isfinite(r.EA_high_N)
+          ? fmt::format("at most {:.3g} N (solid metal of this mass)", r.EA_high_N)
+          : "no upper bound",
+      rounded(rigid, " N"));
+}
+
 void print_axial(std::ostream& out, const ident::AxialTestResult& r) {
-  fmt::print(out, "EA            {} ({} to {} with 95 %){}\n", rounded(r.EA_N, " N"),
-             value_digits(r.EA_low_N, r.EA_N.std), value_digits(r.EA_high_N, r.EA_N.std),
-             r.conditional ? ", if nothing but the cable gives way" : "");
+  if (r.assembly_stiffness_N_m.value > 0) {
+    fmt::print(out, "stiffness     {} of the whole chain at {:.4g} m\n",
+               rounded(r.assembly_stiffness_N_m, " N/m"), r.reference_length_m);
+  }
+  fmt::print(out, "EA            {}\n", axial_EA_text(r));
   fmt::print(out, "damping ratio {} ({} to {} with 95 %)\n", rounded(r.damping_ratio),
              value_digits(r.damping_low, r.damping_ratio.std),
              value_digits(r.damping_high, r.damping_ratio.std));
@@ -164,9 +190,11 @@ void print_axial(std::ostream& out, const ident::AxialTestResult& r) {
         b.contribution_N, 100 * b.share);
   }
   if (r.draws > 0) {
-    fmt::print(out, "Monte Carlo by closed forms, {} draws: {} ({} to {} with 95 %)\n", r.draws,
-               rounded(r.monte_carlo_EA_N, " N"), value_digits(r.monte_carlo_low_N, r.EA_N.std),
-               value_digits(r.monte_carlo_high_N, r.EA_N.std));
+    const double std = r.monte_carlo_EA_N.std;
+    fmt::print(out, "Monte Carlo by closed forms, {} draws{}: {} ({} to {} with 95 %)\n", r.draws,
+               r.conditional ? ", if nothing else gives way" : "",
+               rounded(r.monte_carlo_EA_N, " N"), value_digits(r.monte_carlo_low_N, std),
+               value_digits(r.monte_carlo_high_N, std));
   }
   if (!r.plausibility.empty()) fmt::print(out, "\n{}\n", r.plausibility);
 }

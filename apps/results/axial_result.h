@@ -3,6 +3,7 @@
 #pragma once
 
 #include <ostream>
+#include <string>
 
 #include "apps/cli/verb.h"
 #include "ident/campaign/axial_campaign.h"
@@ -13,6 +14,9 @@ namespace rigfit::apps {
 /// test without a result the samples only.
 [[nodiscard]] Json axial_json(const ident::AxialInputs& inputs,
                               const ident::AxialCampaignResult& result);
+
+/// EA with its interval, or the bound of it, in a line.
+[[nodiscard]] std::string axial_EA_text(const ident::AxialTestResult& result);
 
 void print_axial(std::ostream& out, const ident::AxialTestResult& result);
 

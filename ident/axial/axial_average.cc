@@ -56,8 +56,9 @@ std::vector<AxialCandidate> axial_candidates(std::span<const AxialLengthData> le
   slope_left_out = false;
   const auto& known = setup.series_compliance_std_m_N;
   double start = std::exp(lengths.front().log_omega_squared) * setup.mass_kg.value;
-  const double adapter = setup.adapter_stiffness_N_m.value;
-  if (adapter > start) start = 1 / (1 / start - 1 / adapter);
+  for (const double told : {setup.adapter_stiffness_N_m.value, setup.frame_stiffness_N_m.value}) {
+    if (told > start) start = 1 / (1 / start - 1 / told);
+  }
   start *= lengths.front().length_m;
   const auto add = [&](bool series) {
     const AxialFit plain = fit_axial(lengths, setup, series, 0, start);

@@ -17,7 +17,7 @@ using Eigen::Index;
 
 // What one length's frequency depends on; the columns of the fit in this order, then those that
 // each length has by itself.
-enum Shared { kLogEA, kSeries, kMass, kPerLength, kAdapter, kPlace, kSharedInputs };
+enum Shared { kLogEA, kSeries, kMass, kPerLength, kAdapter, kFrame, kPlace, kSharedInputs };
 enum Own { kLength = kSharedInputs, kBetween, kInputs };
 
 // Of the place of the compliance: most of it is either the adapter's or the frame's.
@@ -34,6 +34,7 @@ T tangent_ratio(const T& q) {  // tan(x) / x, x^2 = q
 struct Point {  // values of the inputs of one length
   double omega_squared = 0, compliance_unit = 0;
   double mass = 0, mass_rel = 0, per_length = 0, per_length_std = 0, adapter = 0, adapter_rel = 0;
+  double frame = 0, frame_rel = 0;
   double length = 0, length_rel = 0, between = 0;
 
   // ln(W M / K(W)): zero where W is the frequency squared. Nuisance inputs in standard deviations.
@@ -46,7 +47,10 @@ struct Point {  // values of the inputs of one length
     const T s = compliance_unit * z[kSeries];
     const T place = 0.5 + kPlaceStd * z[kPlace];
     const T q = W * (per_length + per_length_std * z[kPerLength]) * L / kc;
-    const T t = tangent_ratio(q), r = kc * (1.0 - place) * s;
+    const T t = tangent_ratio(q);
+    T above = (1.0 - place) * s;
+    if (frame > 0) above += exp(-frame_rel * z[kFrame]) / frame;
+    const T r = kc * above;
     T compliance = (t + r) / (kc * (1.0 - q * t * r)) + place * s;
     if (adapter > 0) compliance += exp(-adapter_rel * z[kAdapter]) / adapter;
     return log(W * mass * exp(mass_rel * z[kMass]) * compliance);
@@ -70,6 +74,8 @@ class Problem {
       p.per_length_std = setup.mass_per_length_kg_m.std;
       p.adapter = setup.adapter_stiffness_N_m.value;
       if (p.adapter > 0) p.adapter_rel = setup.adapter_stiffness_N_m.std / p.adapter;
+      p.frame = setup.frame_stiffness_N_m.value;
+      if (p.frame > 0) p.frame_rel = setup.frame_stiffness_N_m.std / p.frame;
       p.length = one.length_m, p.length_rel = setup.length_std_m / one.length_m;
       p.between = between;
       points_.push_back(p);
@@ -78,7 +84,8 @@ class Problem {
     }
     column(kLogEA, true), column(kSeries, series);
     column(kMass, points_[0].mass_rel > 0), column(kPerLength, points_[0].per_length_std > 0);
-    column(kAdapter, points_[0].adapter_rel > 0), column(kPlace, series);
+    column(kAdapter, points_[0].adapter_rel > 0), column(kFrame, points_[0].frame_rel > 0);
+    column(kPlace, series);
     columns_ = shared_columns_;
     if (setup.length_std_m > 0) own_[0] = columns_, columns_ += count();
     if (between > 0) own_[1] = columns_, columns_ += count();
@@ -206,6 +213,7 @@ void contributions(const Problem& problem, const Eigen::VectorXd& x, AxialFit& f
   add("cable mass per length", problem.shared(kPerLength), 1);
   add("length", problem.own(kLength), n);
   add("adapter stiffness", problem.shared(kAdapter), 1);
+  add("frame stiffness", problem.shared(kFrame), 1);
   add("place of the compliance", problem.shared(kPlace), 1);
   add("compliance in series", problem.free_series() ? -1 : problem.shared(kSeries), 1);
   add("between lengths", problem.own(kBetween), n);

@@ -4,8 +4,9 @@
 //   W M = K(W),   1/K = 1/km + q s + R,   R = (T + r) / (kc (1 - x^2 T r)),
 //   kc = EA_i / L_i,   x^2 = W m L_i / kc,   T = tan(x) / x,   r = kc (1 - q) s,   W = omega^2
 // (rod_stiffness.h; the rod's upper end rests on the part (1 - q) s of the compliance, which is the
-// frame's, the part q s lies below, where the adapter is). Least squares by Ceres over
-//   ln EA, s and, as normal priors, M, m, km, q, every L_i and, with scatter between lengths,
+// frame's, the part q s lies below, where the adapter is; a frame that is told adds kc / kf to r).
+// Least squares by Ceres over
+//   ln EA, s and, as normal priors, M, m, km, kf, q, every L_i and, with scatter between lengths,
 //   ln EA_i = ln EA + u_i, var u_i = tau^2,
 // so that what all lengths share (mass, adapter) is shared. Where the unknown compliance lies is
 // not known: q is 1/2 with the standard deviation of a uniform distribution, 0.29; for s EA / L =

@@ -30,11 +30,12 @@ void judge_lengths(AxialTestResult& result) {
     const bool one = result.lengths.size() < 2;
     add(result, one ? "one_length" : "lengths_too_close",
         fmt::format("{}: what else gives way in series with the cable (grips, load cell, adapter, "
-                    "frame) cannot be told from it, and EA and its interval hold only if nothing "
-                    "does; {:.2g} m/N of it would raise EA by 10 %. Test {} or state the "
-                    "compliance's uncertainty",
+                    "frame) cannot be told from it, so that EA is known from below only: {:.4g} N "
+                    "or more; {:.2g} m/N of compliance elsewhere would make EA 10 % higher. Test "
+                    "{}, or state the frame's stiffness (or that it is rigid)",
                     one ? "one length only" : "the lengths lie too close together",
-                    0.1 / 1.1 * L / EA, one ? "a second length" : "lengths further apart"));
+                    result.EA_low_N, 0.1 / 1.1 * L / EA,
+                    one ? "a second length" : "lengths further apart"));
     return;
   }
   if (result.lengths.size() < 2) return;
@@ -79,6 +80,8 @@ void judge_inputs(AxialTestResult& result, const AxialSetup& setup) {
        "mass per length");
   name(setup.adapter_stiffness_N_m.value > 0 && setup.adapter_stiffness_N_m.std == 0,
        "adapter stiffness");
+  name(setup.frame_stiffness_N_m.value > 0 && setup.frame_stiffness_N_m.std == 0,
+       "frame stiffness");
   if (exact.empty()) return;
   add(result, "exact_inputs",
       "taken as exact, as no standard uncertainty is given: " + exact +

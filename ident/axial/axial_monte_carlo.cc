@@ -29,15 +29,20 @@ Line weighted_line(std::span<const double> x, std::span<const double> y,
   return line;
 }
 
+// Of the frame and the adapter that are told, as compliances.
+double told_compliance(double stiffness) { return stiffness > 0 ? 1 / stiffness : 0; }
+
 // 1 / kc of a rod of which the part `place` of a compliance s lies below, the rest above: all of it
 // below by rod_stiffness, and the rest by the mass that moves, (m L / 3) (a^2 + a b + b^2), a and b
 // the motions of the cable's ends.
 double cable_compliance(RodOnMass rod, double s, double place) {
-  const double told = rod.adapter_N_m > 0 ? 1 / rod.adapter_N_m : 0;
-  rod.adapter_N_m = told + s > 0 ? 1 / (told + s) : 0;
+  const double told = told_compliance(rod.adapter_N_m), frame = told_compliance(rod.frame_N_m);
+  rod.adapter_N_m = told + frame + s > 0 ? 1 / (told + frame + s) : 0;
+  rod.frame_N_m = 0;
   const auto below = rod_stiffness(rod);
   const double k = below.series_N_m;
-  const double a = k * s * (1 - place), b = 1 - k * (told + s * place), c = 1 - k * (told + s);
+  const double a = k * (s * (1 - place) + frame), b = 1 - k * (told + s * place);
+  const double c = 1 - k * (told + frame + s);
   const double moved = (a * a + a * b + b * b - c * c) / 3;
   const double share = rod.mass_per_length_kg_m * rod.length_m / rod.mass_kg * moved;
   return 1 / below.cable_N_m - share / (k * (1 + share));
@@ -117,6 +122,8 @@ std::vector<double> axial_monte_carlo(std::span<const AxialLengthData> lengths,
       if (rod.adapter_N_m > 0) {
         rod.adapter_N_m += setup.adapter_stiffness_N_m.std * normal(generator);
       }
+      rod.frame_N_m = setup.frame_stiffness_N_m.value;
+      if (rod.frame_N_m > 0) rod.frame_N_m += setup.frame_stiffness_N_m.std * normal(generator);
       double s = fit.series ? fit.compliance_m_N : 0;
       if (fit.series && setup.series_compliance_std_m_N) {
         s = *setup.series_compliance_std_m_N * normal(generator);

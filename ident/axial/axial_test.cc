@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "ident/axial/axial_average.h"
+#include "ident/axial/axial_bound.h"
 #include "ident/axial/axial_judgement.h"
 #include "ident/axial/axial_monte_carlo.h"
 #include "ident/axial/rod_stiffness.h"
@@ -24,7 +25,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 RodOnMass rod_of(const AxialSetup& setup, double omega_squared, double length) {
   return {omega_squared, setup.mass_kg.value, setup.mass_per_length_kg_m.value, length,
-          setup.adapter_stiffness_N_m.value};
+          setup.adapter_stiffness_N_m.value, setup.frame_stiffness_N_m.value};
 }
 
 double omega_squared(double damped_frequency_hz, double zeta) {
@@ -76,6 +77,9 @@ void check(std::span<const AxialDecay> decays, const AxialSetup& setup) {
   require(not_negative(setup.adapter_stiffness_N_m.value) &&
               not_negative(setup.adapter_stiffness_N_m.std),
           "the adapter's stiffness must not be negative (0: rigid)");
+  require(not_negative(setup.frame_stiffness_N_m.value) &&
+              not_negative(setup.frame_stiffness_N_m.std),
+          "the frame's stiffness must not be negative (0: rigid)");
   require(not_negative(setup.series_compliance_std_m_N.value_or(0)),
           "the compliance's uncertainty must not be negative");
   require(not_negative(setup.catalogue_EA_N), "the catalogue's EA must not be negative");
@@ -88,10 +92,18 @@ void check(std::span<const AxialDecay> decays, const AxialSetup& setup) {
             d.name + ": the damping ratio must lie below 1");
     const double k =
         setup.mass_kg.value * omega_squared(d.damped_frequency_hz.value, d.damping_ratio.value);
-    require(setup.adapter_stiffness_N_m.value == 0 || setup.adapter_stiffness_N_m.value > k,
-            fmt::format("{}: the adapter ({:.4g} N/m) is softer than cable and adapter together "
-                        "({:.4g} N/m): check mass and adapter",
-                        d.name, setup.adapter_stiffness_N_m.value, k));
+    double told = 0;  // compliance
+    for (const auto& [what, stiffness] : {std::pair("adapter", setup.adapter_stiffness_N_m.value),
+                                          std::pair("frame", setup.frame_stiffness_N_m.value)}) {
+      require(stiffness == 0 || stiffness > k,
+              fmt::format("{}: the {} ({:.4g} N/m) is softer than cable and {} together "
+                          "({:.4g} N/m): check mass and {}",
+                          d.name, what, stiffness, what, k, what));
+      told += stiffness > 0 ? 1 / stiffness : 0;
+    }
+    require(told * k < 1, fmt::format("{}: adapter and frame are together softer ({:.4g} N/m) than "
+                                      "what was measured ({:.4g} N/m): check mass and both",
+                                      d.name, 1 / told, k));
   }
 }
 
@@ -179,6 +191,8 @@ void budget_of(AxialTestResult& result, const AxialSetup& setup, const Pieces& p
       variance["length"], 'B', 0);
   input("adapter stiffness", "N/m", &AxialSetup::adapter_stiffness_N_m,
         1e-4 * setup.adapter_stiffness_N_m.value);
+  input("frame stiffness", "N/m", &AxialSetup::frame_stiffness_N_m,
+        1e-4 * setup.frame_stiffness_N_m.value);
   if (series) {
     if (setup.series_compliance_std_m_N) {
       add("compliance in series", "m/N", 0, *setup.series_compliance_std_m_N,
@@ -253,11 +267,13 @@ void average(AxialTestResult& result, const AxialSetup& setup, const AxialOption
 
 // c = 2 zeta sqrt(k M) at the mean length.
 void damper_of(AxialTestResult& result, const AxialSetup& setup) {
-  const double told = setup.adapter_stiffness_N_m.value;
   double s = 0;
+  for (const double told : {setup.adapter_stiffness_N_m.value, setup.frame_stiffness_N_m.value}) {
+    s += told > 0 ? 1 / told : 0;
+  }
   for (const auto& a : result.alternatives) s += a.weight * a.series_compliance_m_N.value;
   const double own = result.reference_length_m / result.EA_N.value;
-  const double k = 1 / std::max(own + s + (told > 0 ? 1 / told : 0), 1e-6 * own);
+  const double k = 1 / std::max(own + s, 1e-6 * own);
   const double zeta = result.damping_ratio.value;
   const double by_zeta = 2 * std::sqrt(k * setup.mass_kg.value);
   const double c = by_zeta * zeta;
@@ -356,9 +372,16 @@ AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup&
   pieces.candidates =
       axial_candidates(pieces.lengths, setup, pieces.repeat_degrees, options.coverage, too_close);
   require(!pieces.candidates.empty(), "no EA fits these frequencies: check mass and lengths");
-  result.conditional = !setup.series_compliance_std_m_N && (result.lengths.size() < 2 || too_close);
+  result.conditional = !setup.series_compliance_std_m_N && !setup.frame_stated &&
+                       (result.lengths.size() < 2 || too_close);
   average(result, setup, options, pieces);
   damper_of(result, setup);
+  if (pieces.lengths.size() == 1) {
+    result.assembly_stiffness_N_m = assembly_stiffness(pieces.lengths.front(), setup);
+  }
+  if (result.conditional) {
+    bound_axial(axial_quantile(pieces.candidates, 1 - options.coverage), setup, options, result);
+  }
   judge_axial(result, setup, options);
   return result;
 }

@@ -11,7 +11,8 @@
 // slope of 1/kc over length is 1/EA whatever it is, the plain fit is 1/EA only without it. Both are
 // fitted and averaged by their likelihoods (axial_average.h). Lengths which disagree beyond their
 // own uncertainty widen the answer; Cochran's Q tests whether EA is the same. One length cannot
-// tell: EA then holds for a rig in which nothing else gives way, and `conditional` says so.
+// tell: unless the frame is told, it gives the stiffness of the whole chain, and of EA a lower bound
+// (axial_bound.h); `conditional` says so.
 // Uncertainty by the GUM (JCGM 100), with a budget, and by Monte Carlo (JCGM 101) on closed forms,
 // a second way through (axial_monte_carlo.h).
 //
@@ -42,7 +43,10 @@ struct AxialSetup {
   /// Standard uncertainty of a length, m; independent from length to length (cut and measured
   /// anew).
   double length_std_m = 0;
-  signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series; 0: rigid
+  signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series, below; 0: rigid
+  signal::Estimate frame_stiffness_N_m{0, 0};    ///< in series, above; 0: rigid
+  /// The frame is what is stated above, or rigid: one length then gives EA. Several lengths test it.
+  bool frame_stated = false;
   /// Standard uncertainty of what else gives way in series, m/N, about none. 0: known to be rigid;
   /// not given: nothing is known of it, and only several lengths can tell.
   std::optional<double> series_compliance_std_m_N;
@@ -54,6 +58,8 @@ struct AxialOptions {
   double steel_density_kg_m3 = 7850;
   /// Of a stranded rope on its metallic area; makers give 60 to 100 GPa for 7x19.
   double rope_modulus_Pa = 80e9;
+  /// Of solid steel: no steel cable is stiffer for its mass, and no aluminium one.
+  double solid_modulus_Pa = 210e9;
   double coverage = 0.95;
   int draws = 20000;  ///< of the Monte Carlo; 0: none
   std::uint64_t seed = 1;
@@ -102,12 +108,18 @@ struct BudgetRow {
 
 struct AxialTestResult {
   signal::Estimate EA_N;
-  double EA_low_N = 0, EA_high_N = 0;  ///< `coverage` interval
+  /// `coverage` interval; of a bound (`conditional`) the high end is infinite where no mass per
+  /// length says what solid metal has, and the std of EA is then infinite too.
+  double EA_low_N = 0, EA_high_N = 0;
   double coverage_factor = 0;          ///< half the interval over the standard uncertainty
   double degrees_of_freedom = 0;       ///< effective (Welch and Satterthwaite); 0: normal
-  /// EA holds only if nothing but the cable (and the adapter told) gives way: the lengths cannot
-  /// tell. The true value is then rather higher.
+  /// The lengths cannot tell what else gives way: `EA_N` is the value if nothing does, the least
+  /// that EA can be; its std and interval are those of a bound (axial_bound.h).
   bool conditional = false;
+  signal::Estimate EA_if_rigid_N;  ///< where `conditional`: if nothing else gives way
+  double EA_if_rigid_low_N = 0, EA_if_rigid_high_N = 0;
+  /// Static stiffness of the whole chain (cable, adapter, frame) at the one length; 0 for several.
+  signal::Estimate assembly_stiffness_N_m;
   std::vector<AxialAlternative> alternatives;  ///< heaviest first; weights sum to 1
   signal::Estimate damping_ratio;
   double damping_low = 0, damping_high = 0;

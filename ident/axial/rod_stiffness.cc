@@ -23,9 +23,65 @@ double argument_of(double y) {
   return x;
 }
 
+// ln(omega^2 M / K(omega)) of a rod of stiffness kc: rises with omega, falls with kc.
+double misfit(double kc, const RodOnMass& rod) {
+  const double q = rod.omega_squared * rod.mass_per_length_kg_m * rod.length_m / kc;
+  const double x = std::sqrt(q);
+  const double t = q < 1e-4 ? 1 + q / 3 + q * q * (2.0 / 15) : std::tan(x) / x;
+  const double r = kc / rod.frame_N_m;
+  double compliance = (t + r) / (kc * (1 - q * t * r));
+  if (rod.adapter_N_m > 0) compliance += 1 / rod.adapter_N_m;
+  return std::log(rod.omega_squared * rod.mass_kg * compliance);
+}
+
+// Under a frame of finite stiffness, below the frequency at which the rod alone swings under it.
+RodStiffness under_frame(const RodOnMass& rod) {
+  RodStiffness result;
+  RodOnMass without = rod;
+  without.frame_N_m = 0;
+  const double least = rod_stiffness(without).cable_N_m;
+  const double seen = rod.omega_squared * rod.mass_kg;
+  double rest = 1 / seen - 1 / rod.frame_N_m;
+  if (rod.adapter_N_m > 0) rest -= 1 / rod.adapter_N_m;
+  if (!(rest > 0) || !(least > 0)) {
+    result.cable_N_m = result.series_N_m = std::numeric_limits<double>::quiet_NaN();
+    return result;
+  }
+  // The frame only makes the cable stiffer; doubled until the model is stiffer than what was seen.
+  double low = std::log(least), high = low;
+  for (int i = 0; i < 60 && !(misfit(std::exp(high), rod) < 0); ++i) high += 0.7;
+  for (int i = 0; i < 100 && high - low > 1e-16; ++i) {
+    const double middle = 0.5 * (low + high);
+    const double value = misfit(std::exp(middle), rod);
+    (value < 0 ? high : low) = middle;  // NaN and beyond the pole of the rod: softer still
+    if (!std::isfinite(value)) low = middle;
+  }
+  result.cable_N_m = std::exp(0.5 * (low + high));
+  const auto slope = [&](double RodOnMass::*input) {  // of the misfit, by ln of the input
+    constexpr double h = 1e-5;
+    RodOnMass up = rod, down = rod;
+    up.*input *= 1 + h, down.*input *= 1 - h;
+    return (misfit(result.cable_N_m, up) - misfit(result.cable_N_m, down)) / (2 * h);
+  };
+  constexpr double h = 1e-5;
+  const double by_kc = (misfit(result.cable_N_m * (1 + h), rod) -
+                        misfit(result.cable_N_m * (1 - h), rod)) /
+                       (2 * h);
+  result.by_omega_squared = -slope(&RodOnMass::omega_squared) / by_kc;
+  result.by_mass = -slope(&RodOnMass::mass_kg) / by_kc;
+  result.by_mass_per_length = -slope(&RodOnMass::mass_per_length_kg_m) / by_kc;
+  result.by_length = -slope(&RodOnMass::length_m) / by_kc;
+  result.by_adapter = rod.adapter_N_m > 0 ? -slope(&RodOnMass::adapter_N_m) / by_kc : 0;
+  double compliance = 1 / result.cable_N_m + 1 / rod.frame_N_m;
+  if (rod.adapter_N_m > 0) compliance += 1 / rod.adapter_N_m;
+  result.series_N_m = 1 / compliance;
+  return result;
+}
+
 }  // namespace
 
 RodStiffness rod_stiffness(const RodOnMass& rod) {
+  if (rod.frame_N_m > 0) return under_frame(rod);
   RodStiffness result;
   const double seen = rod.omega_squared * rod.mass_kg;
   const bool adapter = rod.adapter_N_m > 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -250,7 +251,10 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
 }
 
 AxialKnowledge knowledge_of(const AxialTestResult& result) {
-  return {result.EA_N, result.damping_ratio};
+  auto EA = result.EA_N;
+  // A bound without an upper end is no value for a scene.
+  if (!std::isfinite(EA.std)) EA.value = EA.std = std::numeric_limits<double>::quiet_NaN();
+  return {EA, result.damping_ratio};
 }
 
 void apply_axial(const AxialKnowledge& known, const std::vector<std::string>& EA_of,

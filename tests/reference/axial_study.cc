@@ -21,6 +21,12 @@ AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned se
     inputs.options.draws = 0;
     if (study.with_band) inputs.band_low_hz = 20, inputs.band_high_hz = 100;
     AxialRig rig = study.rig;
+    if (study.frame_told_relative_std > 0) {
+      const double off = 1 + study.frame_told_relative_std * normal(random);
+      inputs.setup.frame_stated = true;
+      inputs.setup.frame_stiffness_N_m = {rig.frame_N_m * off,
+                                          study.frame_told_relative_std * rig.frame_N_m * off};
+    }
     rig.mass_kg += study.mass_std_kg * normal(random);
     rig.mass_per_length_kg_m += study.per_length_std * normal(random);
     for (const double length : study.lengths_m) {

@@ -15,6 +15,7 @@ struct AxialStudy {
   int taps = 3;
   double mass_std_kg = 0.003, length_std_m = 0.001, per_length_std = 0.001;
   bool with_band = false;
+  double frame_told_relative_std = 0;  ///< the rig's frame is told, drawn off by this; 0: not told
 };
 
 struct AxialCoverage {

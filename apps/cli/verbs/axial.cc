@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <memory>
 
 #include "apps/campaign_file/recording_description.h"
@@ -22,7 +24,29 @@ constexpr const char* kAxialExample = R"(Example:
 One length: for all files. As many lengths as files: one for each, in order. Otherwise the files are
 taken in equal groups, one a length: six files with --length 0.7 1.0 are three of 0.7 m, then three
 of 1.0 m. A file may hold several impulses; each is a sample. From two lengths on, a compliance in
-series (frame, adapter) is told from the slope of 1/k over length; one length cannot tell.)";
+series (frame, adapter) is told from the slope of 1/k over length. One length cannot tell: it gives
+the stiffness of the whole chain and EA from below, unless --frame-stiffness says what the frame has
+(rigid is a statement too).)";
+
+// What --frame-stiffness says, into the setup.
+void state_frame(const AxialCommand& command, ident::AxialSetup& setup) {
+  if (command.frame.empty()) return;
+  setup.frame_stated = true;
+  if (command.frame == "rigid") {
+    if (command.frame_std > 0) {
+      throw UsageError("--frame-stiffness rigid has no --frame-stiffness-std");
+    }
+    return;
+  }
+  double value = 0;
+  const auto* end = command.frame.data() + command.frame.size();
+  const auto [stop, error] = std::from_chars(command.frame.data(), end, value);
+  if (error != std::errc() || stop != end || !std::isfinite(value) || !(value > 0)) {
+    throw UsageError("--frame-stiffness: \"" + command.frame +
+                     "\" is neither a positive number (N/m) nor rigid");
+  }
+  setup.frame_stiffness_N_m = {value, command.frame_std};
+}
 
 std::vector<double> length_of_each_file(const AxialCommand& c) {
   const std::size_t files = c.files.size(), lengths = c.lengths.size();
@@ -59,6 +83,7 @@ Json axial_result(const AxialCommand& command, std::vector<signal::Recording> re
   setup.mass_per_length_kg_m = {command.mass_per_length, command.mass_per_length_std};
   setup.length_std_m = command.length_std;
   setup.adapter_stiffness_N_m = {command.adapter, command.adapter_std};
+  state_frame(command, setup);
   if (command.compliance_std >= 0) setup.series_compliance_std_m_N = command.compliance_std;
   if (!command.adapter_bar.empty()) {
     if (command.adapter > 0)
@@ -131,6 +156,12 @@ void add_axial(CLI::App& program, Verbs& verbs) {
                   "In series with the cable, N/m (default: rigid)")
       ->check(not_negative_number());
   app->add_option("--adapter-stiffness-std", c->adapter_std, "Standard uncertainty, N/m")
+      ->check(not_negative_number());
+  app->add_option("--frame-stiffness", c->frame,
+                  "What gives way above the cable, N/m, or rigid (default: not known; one length "
+                  "then gives a lower bound of EA)")
+      ->type_name("K|rigid");
+  app->add_option("--frame-stiffness-std", c->frame_std, "Standard uncertainty, N/m")
       ->check(not_negative_number());
   app->add_option("--adapter-bar", c->adapter_bar,
                   "Adapter as a bar: modulus Pa, area m2, length m")

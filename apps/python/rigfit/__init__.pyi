@@ -58,7 +58,8 @@ def axial(
     mass_per_length_std: float | None = None, adapter_stiffness: float | None = None,
     adapter_stiffness_std: float | None = None, adapter_bar: Sequence[float] | None = None,
     compliance_std: float | None = None, catalogue_EA: float | None = None, band: tuple[float, float] | None = None,
-    sample_rate: float | None = None, draws: int | None = None, threads: int | None = None, seed: int | None = None
+    sample_rate: float | None = None, draws: int | None = None, threads: int | None = None, seed: int | None = None,
+    frame_stiffness: float | Literal["rigid"] | None = None, frame_stiffness_std: float | None = None
 ) -> AxialResult: ...
 
 def tension(

@@ -124,7 +124,8 @@ def _table(one):
 
 def axial(recordings, *, mass, length, channel=None, mass_per_length=None, mass_std=None, length_std=None,
           mass_per_length_std=None, adapter_stiffness=None, adapter_stiffness_std=None, adapter_bar=None,
-          compliance_std=None, catalogue_EA=None, band=None, sample_rate=None, draws=None, threads=None, seed=None):
+          compliance_std=None, catalogue_EA=None, band=None, sample_rate=None, draws=None, threads=None, seed=None,
+          frame_stiffness=None, frame_stiffness_std=None):
     """EA, damping ratio and damper of a cable from hanging-mass records.
 
     Parameters
@@ -166,6 +167,10 @@ def axial(recordings, *, mass, length, channel=None, mass_per_length=None, mass_
         Threads to use (all processors); the numbers do not depend on it (1 to 1024).
     seed : int, optional
         Seed of every random number (default 1).
+    frame_stiffness : float or "rigid", optional
+        What gives way above the cable, N/m (default: not known; one length then gives a lower bound of EA).
+    frame_stiffness_std : float, optional
+        Standard uncertainty, N/m.
 
     Returns
     -------
@@ -183,7 +188,12 @@ def axial(recordings, *, mass, length, channel=None, mass_per_length=None, mass_
         options["channel"] = checks.text("channel", channel)
     not_negative(options, mass_per_length=mass_per_length, mass_std=mass_std, length_std=length_std,
                  mass_per_length_std=mass_per_length_std, adapter_stiffness=adapter_stiffness,
-                 adapter_stiffness_std=adapter_stiffness_std, compliance_std=compliance_std, catalogue_EA=catalogue_EA)
+                 adapter_stiffness_std=adapter_stiffness_std, compliance_std=compliance_std, catalogue_EA=catalogue_EA,
+                 frame_stiffness_std=frame_stiffness_std)
+    if frame_stiffness == "rigid":
+        options["frame_stiffness"] = frame_stiffness
+    elif frame_stiffness is not None:
+        options["frame_stiffness"] = repr(float(checks.number("frame_stiffness", frame_stiffness, positive=True)))
     positives(options, sample_rate=sample_rate)
     if adapter_bar is not None:
         options["adapter_bar"] = checks.numbers("adapter_bar", adapter_bar, positive=True)

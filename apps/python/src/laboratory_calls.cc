@@ -94,6 +94,8 @@ py::tuple axial(const py::list& given, const py::dict& options_given) {
   options.take("adapter_stiffness_std", command.adapter_std);
   options.take("adapter_bar", command.adapter_bar);
   options.take("compliance_std", command.compliance_std);
+  options.take("frame_stiffness", command.frame);
+  options.take("frame_stiffness_std", command.frame_std);
   options.take("catalogue_EA", command.catalogue);
   options.take("band", command.band);
   options.take("sample_rate", command.sample_rate_hz);

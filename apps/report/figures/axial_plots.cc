@@ -44,12 +44,12 @@ Plot axial_length_plot(const std::string& id, const ident::AxialTestResult& r, O
     each.high.push_back(1e-3 * (length.EA_N.value + k95 * length.EA_N.std));
   }
   const double margin = high > low ? 0.1 * (high - low) : 0.1 * high;
-  all.name = "EA, all lengths";
+  all.name = r.conditional ? "EA, if nothing else gives way" : "EA, all lengths";
   all.origin = Origin::modelled;
   all.x = {low - margin, high + margin};
   all.y.assign(2, 1e-3 * r.EA_N.value);
-  all.low.assign(2, 1e-3 * r.EA_low_N);
-  all.high.assign(2, 1e-3 * r.EA_high_N);
+  all.low.assign(2, 1e-3 * (r.conditional ? r.EA_if_rigid_low_N : r.EA_low_N));
+  all.high.assign(2, 1e-3 * (r.conditional ? r.EA_if_rigid_high_N : r.EA_high_N));
   plot.series = {std::move(all), std::move(records), std::move(each)};
   if (reference) {
     PlotSeries line;

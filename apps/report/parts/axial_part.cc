@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "apps/report/figures/axial_plots.h"
 #include "apps/report/page/html_text.h"
@@ -133,7 +134,9 @@ class AxialPart : public TestPart {
     }
     table.rows.push_back(
         {"all", fmt::format("{}", r.samples.size()),
-         Cell(shown_estimate(r.EA_N.value, r.EA_N.std), origin_),
+         Cell(r.conditional ? "≥ " + shown_bound(r.EA_low_N, r.EA_if_rigid_N.std)
+                            : shown_estimate(r.EA_N.value, r.EA_N.std),
+              origin_),
          Cell(shown_estimate(100 * r.damping_ratio.value, 100 * r.damping_ratio.std), origin_),
          shown_estimate(r.damping_Ns_m.value, r.damping_Ns_m.std)});
     return table;
@@ -194,6 +197,11 @@ class AxialPart : public TestPart {
     answer.std = value.std;
     answer.low = interval.low;
     answer.high = interval.high;
+    if (r.conditional && answer.key.ends_with("/EA")) {
+      answer.how += ": a lower bound, as one length cannot tell what else gives way";
+      const double none = std::numeric_limits<double>::quiet_NaN();
+      if (!std::isfinite(answer.high)) answer.high = answer.std = none;
+    }
     answer.percent = answer.unit.empty();
     if (const auto at = test_.reference.find(reference); at != test_.reference.end()) {
       answer.reference = at->second;
@@ -210,8 +218,11 @@ class AxialPart : public TestPart {
                "damping_ratio");
     part_.brief = {test_.name + "-EA", test_.name + "-lengths"};
     std::string text =
-        fmt::format("{} N (95 %: {} to {})", shown_estimate(r.EA_N.value, r.EA_N.std),
-                    shown_bound(r.EA_low_N, r.EA_N.std), shown_bound(r.EA_high_N, r.EA_N.std));
+        r.conditional
+            ? axial_EA_text(r)
+            : fmt::format("{} N (95 %: {} to {})", shown_estimate(r.EA_N.value, r.EA_N.std),
+                          shown_bound(r.EA_low_N, r.EA_N.std),
+                          shown_bound(r.EA_high_N, r.EA_N.std));
     const auto& reference = test_.reference;
     if (const auto at = reference.find("EA"); at != reference.end()) {
       text += fmt::format("; {} {} ({})", test_.reference_name, shown(at->second, 5),

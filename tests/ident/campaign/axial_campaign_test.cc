@@ -61,7 +61,7 @@ TEST(AxialCampaign, OneLengthIsMarked) {
   ASSERT_TRUE(stated.test);
   EXPECT_FALSE(stated.test->conditional);
   EXPECT_NEAR(stated.test->EA_N.std / stated.test->EA_N.value,
-              std::hypot(1e-7 * rig.EA_N, result.test->EA_N.std / rig.EA_N), 0.002);
+              std::hypot(1e-7 * rig.EA_N, result.test->EA_if_rigid_N.std / rig.EA_N), 0.002);
 }
 
 TEST(AxialCampaign, ARoundedRateIsInEAOfAllLengthsAlike) {

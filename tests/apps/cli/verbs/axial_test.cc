@@ -107,9 +107,56 @@ TEST(AxialVerb, GivesTheNumbersOfTheReport) {
   }
 }
 
+TEST(AxialVerb, OneLengthIsABoundUnlessTheFrameIsStated) {
+  TemporaryFolder folder;
+  const auto files = records(folder);
+  const auto run_with = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"axial", files[2], files[3], "--mass", "2.2", "--length", "1.0",
+                                 "--mass-per-length", "0.16667", "--json", "-"};
+    all.insert(all.end(), more.begin(), more.end());
+    const auto run = run_program(all);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return parsed(run.out);
+  };
+  const auto bound = run_with({});
+  EXPECT_EQ(bound["EA_N"]["bound"], "lower");
+  EXPECT_LT(bound["EA_N"]["low"].get<double>(), 221780);
+  EXPECT_GT(bound["EA_N"]["high"].get<double>(), 4e6);
+  EXPECT_GT(bound["EA_N"]["std"].get<double>(), 1e6);
+  EXPECT_NEAR(bound["assembly_stiffness_N_m"]["value"].get<double>(), 221780, 2000);
+  EXPECT_EQ(bound["warnings"][0]["code"], "one_length");
+  const auto rigid = run_with({"--frame-stiffness", "rigid"});
+  EXPECT_EQ(rigid["EA_N"]["value"], bound["EA_if_rigid_N"]["value"]);
+  EXPECT_EQ(rigid["EA_N"]["high"], bound["EA_if_rigid_N"]["high"]);
+  EXPECT_FALSE(rigid["EA_N"].contains("bound"));
+  const auto soft = run_with({"--frame-stiffness", "5e6", "--frame-stiffness-std", "5e5"});
+  EXPECT_GT(soft["EA_N"]["value"].get<double>(), 1.04 * 221780);
+  EXPECT_GT(soft["EA_N"]["std"].get<double>(), 0.003 * 221780);
+
+  // The report says the same to the last digit.
+  const auto campaign = [&](const std::string& frame) {
+    folder.write("campaign.toml",
+                 "title = \"axial\"\n[[test]]\nname = \"axial\"\nkind = \"axial\"\nmass = 2.2\n"
+                 "mass_per_length = 0.16667\n" +
+                     frame + "[[test.recording]]\nfiles = [\"tap2.csv\", \"tap3.csv\"]\n"
+                             "length = 1.0\n");
+    const auto report = run_program({"report", (folder.path() / "campaign.toml").string(), "--out",
+                                     (folder.path() / "out").string(), "--json", "-"});
+    EXPECT_EQ(report.exit_code, 0) << report.err;
+    return parsed(report.out)["axial"][0];
+  };
+  EXPECT_EQ(campaign("")["EA_N"], bound["EA_N"]);
+  EXPECT_EQ(campaign("frame_stiffness = \"rigid\"\n")["EA_N"], rigid["EA_N"]);
+  EXPECT_EQ(campaign("frame_stiffness = 5e6\nframe_stiffness_std = 5e5\n")["EA_N"], soft["EA_N"]);
+}
+
 TEST(AxialVerb, ExitCodesSayWhoseFaultItIs) {
   TemporaryFolder folder;
   const auto files = records(folder);
+  EXPECT_EQ(run_program({"axial", files[0], "--mass", "2.2", "--length", "0.7",
+                         "--frame-stiffness", "soft"})
+                .exit_code,
+            2);
   EXPECT_EQ(run_program({"axial", files[0], "--length", "0.7"}).exit_code, 2);
   const auto uneven = run_program(
       {"axial", files[0], files[1], files[2], "--mass", "2.2", "--length", "0.7", "1.0"});
