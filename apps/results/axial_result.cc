@@ -143,13 +143,12 @@ std::string axial_EA_text(const ident::AxialTestResult& r) {
                        value_digits(r.EA_low_N, r.EA_N.std), value_digits(r.EA_high_N, r.EA_N.std));
   }
   const auto& rigid = r.EA_if_rigid_N;
-  return fmt::format(
-      "{} N or more (95 %), {}; {} if nothing but the cable gives way",
-      value_digits(r.EA_low_N, rigid.std),
-      std::isfinite(r.EA_high_N)
-          ? fmt::format("at most {:.3g} N (solid metal of this mass)", r.EA_high_N)
-          : "no upper bound",
-      rounded(rigid, " N"));
+  return fmt::format("{} N or more (95 %), {}; {} if nothing but the cable gives way",
+                     value_digits(r.EA_low_N, rigid.std),
+                     std::isfinite(r.EA_high_N)
+                         ? fmt::format("at most {:.3g} N (solid metal of this mass)", r.EA_high_N)
+                         : "no upper bound",
+                     rounded(rigid, " N"));
 }
 
 void print_axial(std::ostream& out, const ident::AxialTestResult& r) {

@@ -6,7 +6,8 @@
 // cable's mass per length has,
 //   EA <= m E / rho,
 // steel's E / rho, which aluminium's equals and no strand exceeds. Between two bounds the standard
-// uncertainty is that of a rectangular density, (high - low) / sqrt(12) (GUM, JCGM 100:2008, 4.3.7).
+// uncertainty is that of a rectangular density, (high - low) / sqrt(12) (GUM, JCGM
+// 100:2008, 4.3.7).
 #pragma once
 
 #include "ident/axial/axial_fit.h"

@@ -33,9 +33,8 @@ void judge_lengths(AxialTestResult& result) {
                     "frame) cannot be told from it, so that EA is known from below only: {:.4g} N "
                     "or more; {:.2g} m/N of compliance elsewhere would make EA 10 % higher. Test "
                     "{}, or state the frame's stiffness (or that it is rigid)",
-                    one ? "one length only" : "the lengths lie too close together",
-                    result.EA_low_N, 0.1 / 1.1 * L / EA,
-                    one ? "a second length" : "lengths further apart"));
+                    one ? "one length only" : "the lengths lie too close together", result.EA_low_N,
+                    0.1 / 1.1 * L / EA, one ? "a second length" : "lengths further apart"));
     return;
   }
   if (result.lengths.size() < 2) return;

@@ -24,8 +24,12 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 RodOnMass rod_of(const AxialSetup& setup, double omega_squared, double length) {
-  return {omega_squared, setup.mass_kg.value, setup.mass_per_length_kg_m.value, length,
-          setup.adapter_stiffness_N_m.value, setup.frame_stiffness_N_m.value};
+  return {omega_squared,
+          setup.mass_kg.value,
+          setup.mass_per_length_kg_m.value,
+          length,
+          setup.adapter_stiffness_N_m.value,
+          setup.frame_stiffness_N_m.value};
 }
 
 double omega_squared(double damped_frequency_hz, double zeta) {
@@ -77,9 +81,9 @@ void check(std::span<const AxialDecay> decays, const AxialSetup& setup) {
   require(not_negative(setup.adapter_stiffness_N_m.value) &&
               not_negative(setup.adapter_stiffness_N_m.std),
           "the adapter's stiffness must not be negative (0: rigid)");
-  require(not_negative(setup.frame_stiffness_N_m.value) &&
-              not_negative(setup.frame_stiffness_N_m.std),
-          "the frame's stiffness must not be negative (0: rigid)");
+  require(
+      not_negative(setup.frame_stiffness_N_m.value) && not_negative(setup.frame_stiffness_N_m.std),
+      "the frame's stiffness must not be negative (0: rigid)");
   require(not_negative(setup.series_compliance_std_m_N.value_or(0)),
           "the compliance's uncertainty must not be negative");
   require(not_negative(setup.catalogue_EA_N), "the catalogue's EA must not be negative");

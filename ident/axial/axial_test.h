@@ -11,10 +11,9 @@
 // slope of 1/kc over length is 1/EA whatever it is, the plain fit is 1/EA only without it. Both are
 // fitted and averaged by their likelihoods (axial_average.h). Lengths which disagree beyond their
 // own uncertainty widen the answer; Cochran's Q tests whether EA is the same. One length cannot
-// tell: unless the frame is told, it gives the stiffness of the whole chain, and of EA a lower bound
-// (axial_bound.h); `conditional` says so.
-// Uncertainty by the GUM (JCGM 100), with a budget, and by Monte Carlo (JCGM 101) on closed forms,
-// a second way through (axial_monte_carlo.h).
+// tell: unless the frame is told, it gives the stiffness of the whole chain, and of EA a lower
+// bound (axial_bound.h); `conditional` says so. Uncertainty by the GUM (JCGM 100), with a budget,
+// and by Monte Carlo (JCGM 101) on closed forms, a second way through (axial_monte_carlo.h).
 //
 // Damping ratios are averaged over records and lengths (random_effects.h): the weighted mean is the
 // least-squares solution of a model linear in its one unknown, and needs no iteration.
@@ -45,7 +44,8 @@ struct AxialSetup {
   double length_std_m = 0;
   signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series, below; 0: rigid
   signal::Estimate frame_stiffness_N_m{0, 0};    ///< in series, above; 0: rigid
-  /// The frame is what is stated above, or rigid: one length then gives EA. Several lengths test it.
+  /// The frame is what is stated above, or rigid: one length then gives EA. Several lengths test
+  /// it.
   bool frame_stated = false;
   /// Standard uncertainty of what else gives way in series, m/N, about none. 0: known to be rigid;
   /// not given: nothing is known of it, and only several lengths can tell.
@@ -111,8 +111,8 @@ struct AxialTestResult {
   /// `coverage` interval; of a bound (`conditional`) the high end is infinite where no mass per
   /// length says what solid metal has, and the std of EA is then infinite too.
   double EA_low_N = 0, EA_high_N = 0;
-  double coverage_factor = 0;          ///< half the interval over the standard uncertainty
-  double degrees_of_freedom = 0;       ///< effective (Welch and Satterthwaite); 0: normal
+  double coverage_factor = 0;     ///< half the interval over the standard uncertainty
+  double degrees_of_freedom = 0;  ///< effective (Welch and Satterthwaite); 0: normal
   /// The lengths cannot tell what else gives way: `EA_N` is the value if nothing does, the least
   /// that EA can be; its std and interval are those of a bound (axial_bound.h).
   bool conditional = false;

@@ -64,9 +64,8 @@ RodStiffness under_frame(const RodOnMass& rod) {
     return (misfit(result.cable_N_m, up) - misfit(result.cable_N_m, down)) / (2 * h);
   };
   constexpr double h = 1e-5;
-  const double by_kc = (misfit(result.cable_N_m * (1 + h), rod) -
-                        misfit(result.cable_N_m * (1 - h), rod)) /
-                       (2 * h);
+  const double by_kc =
+      (misfit(result.cable_N_m * (1 + h), rod) - misfit(result.cable_N_m * (1 - h), rod)) / (2 * h);
   result.by_omega_squared = -slope(&RodOnMass::omega_squared) / by_kc;
   result.by_mass = -slope(&RodOnMass::mass_kg) / by_kc;
   result.by_mass_per_length = -slope(&RodOnMass::mass_per_length_kg_m) / by_kc;

@@ -1,7 +1,8 @@
 // How often 95 % intervals of EA and of the damping ratio hold the truth, over hanging-mass rigs
 // whose records come from finite elements with frame, adapter, mains hum and pendulum that nobody
-// told the estimator of (but where the row says so; tests/reference/axial_rig.h). Prints a Markdown table; the first argument
-// is the number of campaigns a cell (100), the second a part of the cases' names.
+// told the estimator of (but where the row says so; tests/reference/axial_rig.h). Prints a Markdown
+// table; the first argument is the number of campaigns a cell (100), the second a part of the
+// cases' names.
 #include <cstdio>
 #include <cstdlib>
 #include <string>

@@ -217,12 +217,11 @@ class AxialPart : public TestPart {
     add_answer(r, "Axial damping ratio ζ", "", r.damping_ratio, {r.damping_low, r.damping_high},
                "damping_ratio");
     part_.brief = {test_.name + "-EA", test_.name + "-lengths"};
-    std::string text =
-        r.conditional
-            ? axial_EA_text(r)
-            : fmt::format("{} N (95 %: {} to {})", shown_estimate(r.EA_N.value, r.EA_N.std),
-                          shown_bound(r.EA_low_N, r.EA_N.std),
-                          shown_bound(r.EA_high_N, r.EA_N.std));
+    std::string text = r.conditional ? axial_EA_text(r)
+                                     : fmt::format("{} N (95 %: {} to {})",
+                                                   shown_estimate(r.EA_N.value, r.EA_N.std),
+                                                   shown_bound(r.EA_low_N, r.EA_N.std),
+                                                   shown_bound(r.EA_high_N, r.EA_N.std));
     const auto& reference = test_.reference;
     if (const auto at = reference.find("EA"); at != reference.end()) {
       text += fmt::format("; {} {} ({})", test_.reference_name, shown(at->second, 5),

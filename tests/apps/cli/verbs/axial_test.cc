@@ -111,8 +111,9 @@ TEST(AxialVerb, OneLengthIsABoundUnlessTheFrameIsStated) {
   TemporaryFolder folder;
   const auto files = records(folder);
   const auto run_with = [&](std::vector<std::string> more) {
-    std::vector<std::string> all{"axial", files[2], files[3], "--mass", "2.2", "--length", "1.0",
-                                 "--mass-per-length", "0.16667", "--json", "-"};
+    std::vector<std::string> all{"axial",   files[2],   files[3], "--mass",
+                                 "2.2",     "--length", "1.0",    "--mass-per-length",
+                                 "0.16667", "--json",   "-"};
     all.insert(all.end(), more.begin(), more.end());
     const auto run = run_program(all);
     EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -138,8 +139,9 @@ TEST(AxialVerb, OneLengthIsABoundUnlessTheFrameIsStated) {
     folder.write("campaign.toml",
                  "title = \"axial\"\n[[test]]\nname = \"axial\"\nkind = \"axial\"\nmass = 2.2\n"
                  "mass_per_length = 0.16667\n" +
-                     frame + "[[test.recording]]\nfiles = [\"tap2.csv\", \"tap3.csv\"]\n"
-                             "length = 1.0\n");
+                     frame +
+                     "[[test.recording]]\nfiles = [\"tap2.csv\", \"tap3.csv\"]\n"
+                     "length = 1.0\n");
     const auto report = run_program({"report", (folder.path() / "campaign.toml").string(), "--out",
                                      (folder.path() / "out").string(), "--json", "-"});
     EXPECT_EQ(report.exit_code, 0) << report.err;
@@ -153,8 +155,8 @@ TEST(AxialVerb, OneLengthIsABoundUnlessTheFrameIsStated) {
 TEST(AxialVerb, ExitCodesSayWhoseFaultItIs) {
   TemporaryFolder folder;
   const auto files = records(folder);
-  EXPECT_EQ(run_program({"axial", files[0], "--mass", "2.2", "--length", "0.7",
-                         "--frame-stiffness", "soft"})
+  EXPECT_EQ(run_program({"axial", files[0], "--mass", "2.2", "--length", "0.7", "--frame-stiffness",
+                         "soft"})
                 .exit_code,
             2);
   EXPECT_EQ(run_program({"axial", files[0], "--length", "0.7"}).exit_code, 2);
