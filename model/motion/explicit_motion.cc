@@ -5,8 +5,8 @@
 
 #include "model/motion/motion_damper.h"
 #include "model/motion/motion_kernel.h"
-#include "model/motion/segment_loops.h"
 #include "model/motion/step_forces.h"
+#include "model/motion/vector_loops.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
@@ -35,16 +35,14 @@ class ExplicitRun {
         h_(step),
         substeps_(substeps),
         piece_(substeps / damping_pieces(substeps, step * static_cast<double>(substeps), options)),
-        damped_(damper_.active()) {
-    const int n = kernel_.size();
+        damped_(damper_.active()),
+        memory_(kArrays * static_cast<std::size_t>(kernel_.size()), 0.0) {
     q_ = kernel_.positions(problem.start);
     rest_ = kernel_.positions(problem.rest);
     if (kappa > 0) kernel_.slow_axial(kappa, rest_);
     v_ = problem.start_velocity.size() > 0
              ? kernel_.entry_values(problem.start_velocity, assembly_.numbering())
-             : Eigen::VectorXd::Zero(n);
-    a_ = first_ = ahead_ = vp_ = rate_ = other_ = scratch_ = v_before_ = Eigen::VectorXd::Zero(n);
-    external_ = Eigen::VectorXd::Zero(n);
+             : Eigen::VectorXd::Zero(kernel_.size());
     const Chain& chain = *problem.chain;
     for (std::size_t l = 0; l < chain.loads.size(); ++l) {
       load_rows_.push_back(kernel_.row(chain.loads[l], chain.load_direction[l]));
@@ -220,7 +218,7 @@ class ExplicitRun {
     dissipated_ -= kernel_.mass().slowed_product(change_.data(), sum_.data()) / 2;
   }
   // w - h^2/12 (da/dq) w, by a difference from a(q) of the last step; loads do not change with q.
-  void processed(Eigen::VectorXd& w) {
+  void processed(Eigen::Ref<Eigen::VectorXd> w) {
     const double* external = loaded_ ? external_.data() : nullptr;
     const int n = kernel_.size();
     add_multiple(n, q_.data(), h_, w.data(), scratch_.data());
@@ -258,6 +256,11 @@ class ExplicitRun {
     out.energy.dissipated.push_back(dissipated_);
   }
 
+  Eigen::Map<Eigen::VectorXd> take() {
+    const auto n = static_cast<std::size_t>(kernel_.size());
+    return {memory_.data() + n * taken_++, kernel_.size()};
+  }
+
   const MotionProblem& problem_;
   const ExplicitOptions& options_;
   MotionKernel<D> kernel_;
@@ -268,8 +271,14 @@ class ExplicitRun {
   long evaluations_ = 0;
   double supplied_ = 0, dissipated_ = 0;
   bool loaded_ = false, damped_ = false, velocity_wanted_ = false;
-  Eigen::VectorXd q_, v_, a_, first_, ahead_, external_, rest_, vp_, rate_, other_, scratch_,
-      v_before_, change_, sum_;
+  // Arrays of entries, each on the boundary of a cache line.
+  static constexpr std::size_t kArrays = 14;
+  LaneVector memory_;
+  std::size_t taken_ = 0;
+  Eigen::Map<Eigen::VectorXd> q_ = take(), v_ = take(), a_ = take(), first_ = take(),
+                              ahead_ = take(), external_ = take(), rest_ = take(), vp_ = take(),
+                              rate_ = take(), other_ = take(), scratch_ = take(),
+                              v_before_ = take(), change_ = take(), sum_ = take();
   std::vector<typename MotionKernel<D>::Row> load_rows_, sensor_rows_;
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "model/motion/vector_loops.h"
+
 namespace rigfit::model {
 namespace {
 
@@ -47,7 +49,7 @@ MotionDamper<D>::MotionDamper(const MotionProblem& problem, const MotionKernel<D
 }
 
 template <int D>
-void MotionDamper<D>::gather(const Eigen::VectorXd& entries) {
+void MotionDamper<D>::gather(const Entries& entries) {
   for (Eigen::Index k = 0; k < u_.size(); ++k) {
     const int entry = entry_of_unknown_[static_cast<std::size_t>(k)];
     u_(k) = entry >= 0 ? entries(entry) : 0;
@@ -55,7 +57,8 @@ void MotionDamper<D>::gather(const Eigen::VectorXd& entries) {
 }
 
 template <int D>
-void MotionDamper<D>::scatter(const Eigen::VectorXd& unknowns, Eigen::VectorXd& entries) const {
+void MotionDamper<D>::scatter(const Eigen::VectorXd& unknowns,
+                              Eigen::Ref<Eigen::VectorXd> entries) const {
   for (Eigen::Index s = 0; s < entries.size(); ++s) {
     const int unknown = unknown_of_entry_[static_cast<std::size_t>(s)];
     if (unknown >= 0) entries(s) = unknowns(unknown);
@@ -75,8 +78,8 @@ const Eigen::MatrixXd& MotionDamper<D>::decay(double time) {
 }
 
 template <int D>
-void MotionDamper<D>::apply(double time, const Eigen::VectorXd& positions,
-                            Eigen::VectorXd& velocities) {
+void MotionDamper<D>::apply(double time, const Entries& positions,
+                            Eigen::Ref<Eigen::VectorXd> velocities) {
   if (modal_) {
     gather(velocities);
     const Eigen::MatrixXd& matrix = decay(time);
@@ -91,14 +94,14 @@ void MotionDamper<D>::apply(double time, const Eigen::VectorXd& positions,
 // Largest angle between a segment's directions in two places of the chain: the difference of its
 // nodes' moves over its length.
 template <int D>
-double MotionDamper<D>::turn(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+double MotionDamper<D>::turn(const Entries& from, const Entries& to) const {
   const int entries = kernel_.entries();
   double largest = 0;
-  for (int i = 0; i + 1 < entries; ++i) {
+  for (const auto& [a, b] : kernel_.segment_entries()) {
     double length = 0, moved = 0;
     for (int c = 0; c < D; ++c) {
-      const int k = c * entries + i;
-      const double now = to(k + 1) - to(k), then = from(k + 1) - from(k);
+      const int i = c * entries + a, j = c * entries + b;
+      const double now = to(j) - to(i), then = from(j) - from(i);
       length += now * now;
       moved += (now - then) * (now - then);
     }
@@ -108,8 +111,8 @@ double MotionDamper<D>::turn(const Eigen::VectorXd& from, const Eigen::VectorXd&
 }
 
 template <int D>
-void MotionDamper<D>::damp_joints(double time, const Eigen::VectorXd& positions,
-                                  Eigen::VectorXd& velocities) {
+void MotionDamper<D>::damp_joints(double time, const Entries& positions,
+                                  Eigen::Ref<Eigen::VectorXd> velocities) {
   if (damped_at_.size() == 0 || turn(damped_at_, positions) > kTurn) {
     // In the middle of the way that it will be used on: its errors before and after cancel.
     damped_at_ = positions + time * velocities;

@@ -22,14 +22,14 @@ class MotionDamper {
   [[nodiscard]] bool active() const { return joints_ || modal_; }
   /// Velocities after `time` (s) of the dampers alone, at these positions. Allocates nothing after
   /// the first call with each time, and as long as joint dampers need not be renewed.
-  void apply(double time, const Eigen::VectorXd& positions, Eigen::VectorXd& velocities);
+  void apply(double time, const Entries& positions, Eigen::Ref<Eigen::VectorXd> velocities);
 
  private:
-  void gather(const Eigen::VectorXd& entries);
-  void scatter(const Eigen::VectorXd& unknowns, Eigen::VectorXd& entries) const;
+  void gather(const Entries& entries);
+  void scatter(const Eigen::VectorXd& unknowns, Eigen::Ref<Eigen::VectorXd> entries) const;
   const Eigen::MatrixXd& decay(double time);
-  void damp_joints(double time, const Eigen::VectorXd& positions, Eigen::VectorXd& velocities);
-  [[nodiscard]] double turn(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
+  void damp_joints(double time, const Entries& positions, Eigen::Ref<Eigen::VectorXd> velocities);
+  [[nodiscard]] double turn(const Entries& from, const Entries& to) const;
 
   const MotionProblem& problem_;
   const MotionKernel<D>& kernel_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/chain/index.h"
+#include "model/motion/vector_loops.h"
 
 namespace rigfit::model {
 namespace {
@@ -27,7 +28,7 @@ template <int D>
 MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
   assert(kernel_supports(chain, D));
   entry_of_node_.assign(at(chain.nodes), -1);
-  entry_of_segment_.assign(chain.segments.size(), -1);
+  segment_entries_.resize(chain.segments.size());
   turning_.resize(chain.rotating_node.size());
   if constexpr (D == 2) {
     for (std::size_t r = 0; r < turning_.size(); ++r) {
@@ -41,6 +42,7 @@ MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
     for (SharedNode& node : shared_) {
       if (node.node != support.node) continue;
       node.spring += support.translational;
+      springs_ = true;
       node.anchor = chain.drawn.col(support.node);
     }
     if (support.rotation >= 0) turning_[at(support.rotation)].spring += support.rotational(2);
@@ -57,20 +59,19 @@ template <int D>
 void MotionKernel<D>::make_members(std::vector<typename NodeMass<D>::Member>& masses) {
   const Chain& chain = *chain_;
   std::vector<int> shared_of_node(at(chain.nodes), -1);
-  int scratch = 0;
   for (const ChainMember& member : chain.members) {
     MemberPlan plan;
     typename NodeMass<D>::Member mass;
     plan.offset = mass.offset = entries_;
     plan.segments = mass.segments = member.segments;
-    plan.scratch = scratch;
-    scratch += plan.segments + 2;
+    plan.rows = lane_rows(plan.segments);
     mass.diagonal.assign(at(plan.segments + 1), 0);
     mass.off.assign(at(plan.segments), 0);
     plan.joint.assign(at(plan.segments + 1), 0);
     plan.end_direction.setZero();
     for (int i = 0; i <= plan.segments; ++i) {
-      const int node = member.nodes[at(i)], entry = entries_ + i;
+      const int node = member.nodes[at(i)], entry = entries_ + lane_slot(i, plan.rows);
+      plan.entry.push_back(entry);
       if (entry_of_node_[at(node)] < 0) entry_of_node_[at(node)] = entry;
       if (i > 0 && i < plan.segments) continue;
       if (shared_of_node[at(node)] < 0) {
@@ -79,14 +80,13 @@ void MotionKernel<D>::make_members(std::vector<typename NodeMass<D>::Member>& ma
         shared_.back().node = node;
         for (int c = 0; c < 3; ++c) shared_.back().held[c] = chain.fixed(c, node);
       }
-      plan.shared[i == 0 ? 0 : 1] = mass.shared[i == 0 ? 0 : 1] = shared_of_node[at(node)];
+      mass.shared[i == 0 ? 0 : 1] = shared_of_node[at(node)];
       shared_[at(shared_of_node[at(node)])].entries.push_back(entry);
     }
     for (int i = 0; i < plan.segments; ++i) {
       const Segment& segment = chain.segments[at(member.first_segment + i)];
-      entry_of_segment_[at(member.first_segment + i)] = entries_ + i;
+      segment_entries_[at(member.first_segment + i)] = {plan.entry[at(i)], plan.entry[at(i + 1)]};
       plan.axial.push_back(segment.EA / segment.length);
-      plan.length.push_back(segment.length);
       const double own = segment.mass * (0.5 - segment.coupling);
       mass.diagonal[at(i)] += own;
       mass.diagonal[at(i + 1)] += own;
@@ -104,22 +104,49 @@ void MotionKernel<D>::make_members(std::vector<typename NodeMass<D>::Member>& ma
       const double stiffness = in_plane_stiffness(chain, joint.springs, joint.segment);
       plan.joint[at(end == 0 ? 0 : plan.segments)] = stiffness;
       plan.end_direction.col(end) = joint.directors.col(0);
-      plan.rotation[end] = joint.rotation;
       if (joint.rotation >= 0) {
         turning_[at(joint.rotation)].ends.push_back(
             {static_cast<int>(members_.size()), end, stiffness});
       }
     }
-    entries_ += plan.segments + 1;
+    set_lanes(plan);
+    for (int i = 0; i < plan.segments; ++i) {
+      const Segment& segment = chain.segments[at(member.first_segment + i)];
+      const std::size_t slot = at(plan.entry[at(i)] - plan.offset);
+      plan.lane_axial[slot] = segment.EA;
+      plan.inverse_length[slot] = 1 / segment.length;
+      plan.inverse_square[slot] = 1 / (segment.length * segment.length);
+    }
+    entries_ += kLanes * plan.rows;
     members_.push_back(std::move(plan));
     masses.push_back(std::move(mass));
   }
-  for (int c = 0; c < D; ++c) {
-    direction_[c].assign(at(scratch), 0);
-    force_[c].assign(at(scratch), 0);
+  for (int c = 0; c < D; ++c) direction_[c].assign(at(entries_), 0);
+  inverse_length_.assign(at(entries_), 0);
+  axial_force_.assign(at(entries_), 0);
+}
+
+// A member's joints and padding in lane order, room for what else its segments have.
+template <int D>
+void MotionKernel<D>::set_lanes(MemberPlan& plan) const {
+  const std::size_t slots = at(kLanes * plan.rows);
+  for (LaneVector* all : {&plan.lane_axial, &plan.inverse_length, &plan.inverse_square,
+                          &plan.joint_before, &plan.joint_behind}) {
+    all->assign(slots, 0);
   }
-  inverse_length_.assign(at(scratch), 0);
-  axial_force_.assign(at(scratch), 0);
+  plan.pad.assign(slots, 1);
+  for (int i = 0; i < plan.segments; ++i) {
+    const std::size_t slot = at(plan.entry[at(i)] - plan.offset);
+    plan.pad[slot] = 0;
+    plan.joint_before[slot] = plan.joint[at(i)];
+    plan.joint_behind[slot] = plan.joint[at(i + 1)];
+  }
+  for (int c = 0; c < D; ++c) {
+    plan.fill[c].assign(slots, 0);
+    for (int end = 0; end < 2; ++end) {
+      plan.fill[c][at(plan.end_side(end) - plan.offset)] = plan.end_direction(c, end);
+    }
+  }
 }
 
 // Point masses, in the mass and in gravity (each node's share of what lies beside it).
@@ -132,7 +159,7 @@ void MotionKernel<D>::add_masses(std::vector<typename NodeMass<D>::Member>& mass
       double sum = member.diagonal[at(i)];
       if (i > 0) sum += member.off[at(i - 1)];
       if (i < member.segments) sum += member.off[at(i)];
-      weight[at(member.offset + i)] = sum;
+      weight[at(member.entry(i))] = sum;
     }
   }
   for (const PointMass& mass : chain.masses) {
@@ -142,8 +169,8 @@ void MotionKernel<D>::add_masses(std::vector<typename NodeMass<D>::Member>& mass
       if (entry < 0) continue;
       weight[at(entry)] += mass.mass;
       for (auto& member : masses) {
-        if (entry >= member.offset && entry <= member.offset + member.segments) {
-          member.diagonal[at(entry - member.offset)] += mass.mass;
+        for (int i = 0; i <= member.segments; ++i) {
+          if (entry == member.entry(i)) member.diagonal[at(i)] += mass.mass;
         }
       }
       continue;
@@ -156,45 +183,43 @@ void MotionKernel<D>::add_masses(std::vector<typename NodeMass<D>::Member>& mass
         member.diagonal[at(i)] += (1 - f) * (1 - f) * mass.mass;
         member.diagonal[at(i + 1)] += f * f * mass.mass;
         member.off[at(i)] += f * (1 - f) * mass.mass;
-        weight[at(member.offset + i)] += (1 - f) * mass.mass;
-        weight[at(member.offset + i + 1)] += f * mass.mass;
+        weight[at(member.entry(i))] += (1 - f) * mass.mass;
+        weight[at(member.entry(i + 1))] += f * mass.mass;
       }
     }
   }
   gravity_.assign(at(size()), 0);
   for (const MemberPlan& plan : members_) {
-    for (int i = 1; i < plan.segments; ++i) {
+    for (const int entry : plan.entry) {
       for (int c = 0; c < D; ++c) {
-        gravity_[at(c * entries_ + plan.offset + i)] =
-            weight[at(plan.offset + i)] * chain.gravity(c);
+        gravity_[at(c * entries_ + entry)] = weight[at(entry)] * chain.gravity(c);
       }
     }
-    for (const auto& [end, entry] : {std::pair{0, 0}, std::pair{1, plan.segments}}) {
-      shared_[at(plan.shared[end])].gravity += weight[at(plan.offset + entry)] * chain.gravity;
+  }
+  for (const SharedNode& node : shared_) {
+    for (std::size_t k = 1; k < node.entries.size(); ++k) {
+      for (int c = 0; c < D; ++c) {
+        double& own = gravity_[at(c * entries_ + node.entries[k])];
+        gravity_[at(c * entries_ + node.entries[0])] += own;
+        own = 0;
+      }
     }
   }
 }
 
 template <int D>
+LaneScratch MotionKernel<D>::scratch(const MemberPlan& plan) {
+  LaneScratch out;
+  for (int c = 0; c < D; ++c) out.direction[c] = direction_[c].data() + plan.offset;
+  out.inverse = inverse_length_.data() + plan.offset;
+  out.tension = axial_force_.data() + plan.offset;
+  return out;
+}
+
+template <int D>
 void MotionKernel<D>::tangents(const double* positions) {
   for (const MemberPlan& plan : members_) {
-    const int n = plan.segments;
-    double* inverse = inverse_length_.data() + plan.scratch;
-    double* tension = axial_force_.data() + plan.scratch;
-    const double* x = positions + plan.offset;
-    double* t[D];
-    for (int c = 0; c < D; ++c) {
-      t[c] = direction_[c].data() + plan.scratch;
-      t[c][0] = plan.end_direction(c, 0);
-      t[c][n + 1] = plan.end_direction(c, 1);
-    }
-    if constexpr (D == 2) {
-      segment_tangents(n, x, x + entries_, plan.axial.data(), plan.length.data(), t[0], t[1],
-                       inverse, tension);
-    } else {
-      segment_tangents(n, x, x + entries_, x + 2 * entries_, plan.axial.data(), plan.length.data(),
-                       t[0], t[1], t[2], inverse, tension);
-    }
+    loops_->tangents(plan.lanes(), entries_, positions + plan.offset, scratch(plan));
   }
 }
 
@@ -206,7 +231,7 @@ void MotionKernel<D>::turn_nodes() {
       double cosine = node.spring, sine = 0;
       for (const auto& end : node.ends) {
         const MemberPlan& plan = members_[at(end.member)];
-        const int s = plan.scratch + (end.end == 0 ? 1 : plan.segments);
+        const int s = plan.end_segment(end.end);
         const double tx = direction_[0][at(s)], ty = direction_[1][at(s)];
         const double dx = plan.end_direction(0, end.end), dy = plan.end_direction(1, end.end);
         cosine += end.stiffness * (tx * dx + ty * dy);
@@ -219,7 +244,7 @@ void MotionKernel<D>::turn_nodes() {
       node.sine = s;
       for (const auto& end : node.ends) {
         const MemberPlan& plan = members_[at(end.member)];
-        const int entry = plan.scratch + (end.end == 0 ? 0 : plan.segments + 1);
+        const int entry = plan.end_side(end.end);
         const double dx = plan.end_direction(0, end.end), dy = plan.end_direction(1, end.end);
         direction_[0][at(entry)] = c * dx - s * dy;
         direction_[1][at(entry)] = s * dx + c * dy;
@@ -234,92 +259,50 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
   tangents(positions);
   if (!turning_.empty()) turn_nodes();
 
-  // Forces on the inner nodes.
   for (const MemberPlan& plan : members_) {
-    const int n = plan.segments;
-    const double* joint = plan.joint.data();
-    const double* inverse = inverse_length_.data() + plan.scratch;
-    const double* tension = axial_force_.data() + plan.scratch;
-    const double* t[D];
-    double* f[D];
-    for (int c = 0; c < D; ++c) {
-      t[c] = direction_[c].data() + plan.scratch;
-      f[c] = force_[c].data() + plan.scratch;
-    }
-    if constexpr (D == 2) {
-      segment_forces(n, joint, inverse, tension, t[0], t[1], f[0], f[1]);
-    } else {
-      segment_forces(n, joint, inverse, tension, t[0], t[1], t[2], f[0], f[1], f[2]);
-    }
-    for (int c = 0; c < D; ++c) {
-      const int first = c * entries_ + plan.offset;
-      node_forces(n, f[c], gravity_.data() + first, acceleration + first);
-      if (!external) continue;
-      for (int i = 1; i < n; ++i) acceleration[first + i] += external[first + i];
-    }
+    loops_->forces(plan.lanes(), entries_, scratch(plan), gravity_.data() + plan.offset,
+                   acceleration + plan.offset);
   }
-  // And on the nodes at members' ends, in the first entry of each.
-  for (const SharedNode& node : shared_) {
-    if (!node.free) continue;
-    for (int c = 0; c < D; ++c) {
-      double sum = node.gravity(c);
-      for (int d = 0; d < D; ++d) {
-        const double spring = node.spring(c, d);
-        if (spring != 0) {
-          sum -= spring * (positions[d * entries_ + node.entries[0]] - node.anchor(d));
+  if (external) add_multiple(size(), acceleration, 1, external, acceleration);
+  if (springs_) {
+    for (const SharedNode& node : shared_) {
+      const int entry = node.entries[0];
+      for (int c = 0; c < D; ++c) {
+        for (int d = 0; d < D; ++d) {
+          acceleration[c * entries_ + entry] -=
+              node.spring(c, d) * (positions[d * entries_ + entry] - node.anchor(d));
         }
       }
-      if (external) {
-        for (int entry : node.entries) sum += external[c * entries_ + entry];
-      }
-      acceleration[c * entries_ + node.entries[0]] = sum;
-    }
-  }
-  for (const MemberPlan& plan : members_) {
-    const SharedNode& first = shared_[at(plan.shared[0])];
-    const SharedNode& last = shared_[at(plan.shared[1])];
-    for (int c = 0; c < D; ++c) {
-      const double* f = force_[c].data() + plan.scratch;
-      if (first.free) acceleration[c * entries_ + first.entries[0]] += f[0];
-      if (last.free) acceleration[c * entries_ + last.entries[0]] -= f[plan.segments - 1];
     }
   }
   mass_.solve(acceleration);
 }
 
 template <int D>
-double MotionKernel<D>::potential(const Eigen::VectorXd& positions) {
+double MotionKernel<D>::potential(const Entries& positions) {
   tangents(positions.data());
   turn_nodes();
   double sum = 0;
   for (const MemberPlan& plan : members_) {
     for (int i = 0; i < plan.segments; ++i) {
-      const double N = axial_force_[at(plan.scratch + i)];
+      const double N = axial_force_[at(plan.entry[at(i)])];
       if (plan.axial[at(i)] > 0) sum += N * N / (2 * plan.axial[at(i)]);
     }
     for (int i = 0; i <= plan.segments; ++i) {
-      double square = 0;  // 1 - t.u = |t - u|^2 / 2, without cancellation
+      const int before = i > 0 ? plan.entry[at(i - 1)] : plan.end_side(0);
+      const int behind = plan.entry[at(i)];  // that of the last node: the end's side
+      double square = 0;                     // 1 - t.u = |t - u|^2 / 2, without cancellation
       for (int c = 0; c < D; ++c) {
-        const double difference =
-            direction_[c][at(plan.scratch + i + 1)] - direction_[c][at(plan.scratch + i)];
+        const double difference = direction_[c][at(behind)] - direction_[c][at(before)];
         square += difference * difference;
       }
       sum += plan.joint[at(i)] * square / 2;
     }
-    for (int i = 1; i < plan.segments; ++i) {
-      for (int c = 0; c < D; ++c) {
-        const int k = c * entries_ + plan.offset + i;
-        sum -= gravity_[at(k)] * positions(k);
-      }
-    }
   }
+  for (int i = 0; i < size(); ++i) sum -= gravity_[at(i)] * positions(i);
   for (const SharedNode& node : shared_) {
     Eigen::Vector3d away = -node.anchor;
-    for (int c = 0; c < D; ++c) {
-      const double x = positions(c * entries_ + node.entries[0]);
-      sum -= node.gravity(c) * x;
-      away(c) += x;
-    }
+    for (int c = 0; c < D; ++c) away(c) += positions(c * entries_ + node.entries[0]);
     if constexpr (D == 2) away(2) = 0;
     sum += away.dot(node.spring * away) / 2;
   }
@@ -331,10 +314,14 @@ template <int D>
 Eigen::VectorXd MotionKernel<D>::positions(const ChainState& state) const {
   Eigen::VectorXd result(size());
   for (std::size_t m = 0; m < members_.size(); ++m) {
-    for (int i = 0; i <= members_[m].segments; ++i) {
-      const int node = chain_->members[m].nodes[at(i)];
-      for (int c = 0; c < D; ++c) {
-        result(c * entries_ + members_[m].offset + i) = state.position(c, node);
+    const MemberPlan& plan = members_[m];
+    const std::vector<int>& nodes = chain_->members[m].nodes;
+    for (int c = 0; c < D; ++c) {
+      // Padding stays where the last node begins.
+      result.segment(c * entries_ + plan.offset, kLanes * plan.rows)
+          .setConstant(state.position(c, nodes[at(plan.segments)]));
+      for (int i = 0; i <= plan.segments; ++i) {
+        result(c * entries_ + plan.entry[at(i)]) = state.position(c, nodes[at(i)]);
       }
     }
   }
@@ -342,13 +329,13 @@ Eigen::VectorXd MotionKernel<D>::positions(const ChainState& state) const {
 }
 
 template <int D>
-ChainState MotionKernel<D>::state(const Eigen::VectorXd& positions) const {
+ChainState MotionKernel<D>::state(const Entries& positions) const {
   ChainState result = drawn_state(*chain_);
   for (std::size_t m = 0; m < members_.size(); ++m) {
     for (int i = 0; i <= members_[m].segments; ++i) {
       const int node = chain_->members[m].nodes[at(i)];
       for (int c = 0; c < D; ++c) {
-        result.position(c, node) = positions(c * entries_ + members_[m].offset + i);
+        result.position(c, node) = positions(c * entries_ + members_[m].entry[at(i)]);
       }
     }
   }
@@ -378,7 +365,7 @@ ChainState MotionKernel<D>::state(const Eigen::VectorXd& positions) const {
 }
 
 template <int D>
-Eigen::VectorXd MotionKernel<D>::unknowns(const Eigen::VectorXd& entries,
+Eigen::VectorXd MotionKernel<D>::unknowns(const Entries& entries,
                                           const Numbering& numbering) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(numbering.size);
   for (int node = 0; node < chain_->nodes; ++node) {
@@ -401,7 +388,7 @@ Eigen::VectorXd MotionKernel<D>::entry_values(const Eigen::VectorXd& unknowns,
       const int node = chain_->members[m].nodes[at(i)];
       for (int c = 0; c < D; ++c) {
         const int k = numbering.displacement(c, node);
-        if (k >= 0) result(c * entries_ + members_[m].offset + i) = unknowns(k);
+        if (k >= 0) result(c * entries_ + members_[m].entry[at(i)]) = unknowns(k);
       }
     }
   }
@@ -427,10 +414,10 @@ typename MotionKernel<D>::Row MotionKernel<D>::row(const ChainPoint& point,
 
 template <int D>
 double MotionKernel<D>::axial_force(int segment, const double* positions) const {
-  const int entry = entry_of_segment_[at(segment)];
+  const std::array<int, 2>& entry = segment_entries_[at(segment)];
   double square = 0;
   for (int c = 0; c < D; ++c) {
-    const double e = positions[c * entries_ + entry + 1] - positions[c * entries_ + entry];
+    const double e = positions[c * entries_ + entry[1]] - positions[c * entries_ + entry[0]];
     square += e * e;
   }
   const Segment& s = chain_->segments[at(segment)];

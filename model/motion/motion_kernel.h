@@ -2,9 +2,9 @@
 // evaluations a second: what explicit time integration spends its time on.
 //
 // The same energies as Assembly's (chain.h), written for two or three components (D) over arrays in
-// which every member's nodes lie one after the other ("entries"; a node that members share has an
-// entry in each). A joint between directions t_i, t_j stores K (1 - t_i . t_j), so with e_i the
-// segment's vector and L its length
+// which every member's nodes lie in lane order (lane_loops.h: "entries", padding included; a node
+// that members share has an entry in each). A joint between directions t_i, t_j stores K (1 - t_i .
+// t_j), so with e_i the segment's vector and L its length
 //   dV/de_i = EA/l (L - l) t_i - (I - t_i t_i') g_i / L,   g_i = sum over its joints of K t_other
 // without any angle. A node's rotation has no inertia and follows: in the plane it is the argument
 // of sum K t conj(d) over the members (and the ground's spring) joined there. The mass is constant
@@ -12,14 +12,19 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "model/chain/assembly.h"
 #include "model/chain/chain.h"
+#include "model/motion/lane_loops.h"
 #include "model/motion/node_mass.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
+
+/// Values of all entries, read.
+using Entries = Eigen::Ref<const Eigen::VectorXd>;
 
 /// In the plane (2) always, unless the plane is not one of symmetry; in space (3) for chains
 /// without torsion and without turning nodes.
@@ -34,13 +39,16 @@ class MotionKernel {
   /// Length of the arrays below: D times the entries, component after component.
   [[nodiscard]] int size() const { return D * entries_; }
   [[nodiscard]] int entries() const { return entries_; }
+  /// Entries of the nodes of every segment of the chain, in its order.
+  [[nodiscard]] const std::vector<std::array<int, 2>>& segment_entries() const {
+    return segment_entries_;
+  }
 
   [[nodiscard]] Eigen::VectorXd positions(const ChainState& state) const;
   /// The state with these positions; rotations as they follow.
-  [[nodiscard]] ChainState state(const Eigen::VectorXd& positions) const;
+  [[nodiscard]] ChainState state(const Entries& positions) const;
   /// Rates of Assembly's unknowns for velocities of the entries (those of turning nodes zero).
-  [[nodiscard]] Eigen::VectorXd unknowns(const Eigen::VectorXd& entries,
-                                         const Numbering& numbering) const;
+  [[nodiscard]] Eigen::VectorXd unknowns(const Entries& entries, const Numbering& numbering) const;
   /// The way back: entries from Assembly's unknowns.
   [[nodiscard]] Eigen::VectorXd entry_values(const Eigen::VectorXd& unknowns,
                                              const Numbering& numbering) const;
@@ -51,17 +59,17 @@ class MotionKernel {
   void acceleration(const double* positions, const double* external, double* acceleration);
 
   /// x . (M y) for two arrays of entries (momentum, kinetic energy).
-  [[nodiscard]] double mass_product(const Eigen::VectorXd& x, const Eigen::VectorXd& y) const {
+  [[nodiscard]] double mass_product(const Entries& x, const Entries& y) const {
     return mass_.product(x.data(), y.data());
   }
   /// From here on accelerations are those of a mass that slows axial waves (node_mass.h) along the
   /// members' chords in the given positions; zero gives all waves their own speed again.
-  void slow_axial(double kappa, const Eigen::VectorXd& positions) {
+  void slow_axial(double kappa, const Entries& positions) {
     mass_.slow_axial(kappa, positions.data());
   }
   [[nodiscard]] const NodeMass<D>& mass() const { return mass_; }
   /// Potential energy, J; its zero is that of Assembly.
-  [[nodiscard]] double potential(const Eigen::VectorXd& positions);
+  [[nodiscard]] double potential(const Entries& positions);
 
   /// Sparse weights of a point's motion along a direction: displacement = sum weight * x[index].
   struct Row {
@@ -87,13 +95,28 @@ class MotionKernel {
 
  private:
   struct MemberPlan {
-    int offset = 0, segments = 0, scratch = 0;
-    int shared[2] = {-1, -1};    // index of the end nodes in shared_
-    std::vector<double> axial;   // EA / l, N/m
-    std::vector<double> length;  // m
-    std::vector<double> joint;   // segments + 1: N m / rad, the first and last are end joints
+    int offset = 0, segments = 0, rows = 0;
+    std::vector<int> entry;     // of each node
+    std::vector<double> axial;  // EA / l, N/m
+    std::vector<double> joint;  // segments + 1: N m / rad, the first and last are end joints
     Eigen::Matrix<double, 3, 2> end_direction;  // the node's side of the end joints, unturned
-    int rotation[2] = {-1, -1};
+    // The same in lane order.
+    LaneVector lane_axial, inverse_length, inverse_square, pad, joint_before, joint_behind, fill[3];
+    [[nodiscard]] LaneMember lanes() const {
+      return {rows,
+              lane_axial.data(),
+              inverse_length.data(),
+              inverse_square.data(),
+              pad.data(),
+              joint_before.data(),
+              joint_behind.data(),
+              {fill[0].data(), fill[1].data(), fill[2].data()}};
+    }
+    // Where the directions of an end's segment and of its joint's other side stand.
+    [[nodiscard]] int end_segment(int end) const { return entry[end == 0 ? 0 : entry.size() - 2]; }
+    [[nodiscard]] int end_side(int end) const {
+      return end == 0 ? offset + kLanes * rows - 1 : entry.back();
+    }
   };
   struct SharedNode {
     int node = 0;
@@ -117,7 +140,9 @@ class MotionKernel {
 
   void make_members(std::vector<typename NodeMass<D>::Member>& masses);
   void add_masses(std::vector<typename NodeMass<D>::Member>& masses);
+  void set_lanes(MemberPlan& plan) const;
   void tangents(const double* positions);
+  [[nodiscard]] LaneScratch scratch(const MemberPlan& plan);
   void turn_nodes();
 
   const Chain* chain_;
@@ -126,11 +151,13 @@ class MotionKernel {
   std::vector<SharedNode> shared_;
   std::vector<Turning> turning_;
   std::vector<int> entry_of_node_;
-  std::vector<int> entry_of_segment_;
-  std::vector<double> gravity_;  // D x entries, inner entries only
+  std::vector<std::array<int, 2>> segment_entries_;
+  LaneVector gravity_;  // D x entries, that of a shared node in its first
   NodeMass<D> mass_;
-  // Scratch: directions with room for the node's side before and behind, 1/L, axial force.
-  std::vector<double> direction_[D], inverse_length_, axial_force_, force_[D];
+  bool springs_ = false;
+  const LaneLoops<D>* loops_ = &lane_loops<D>();
+  // Scratch: directions, 1/L, axial force.
+  LaneVector direction_[D], inverse_length_, axial_force_;
 };
 
 extern template class MotionKernel<2>;

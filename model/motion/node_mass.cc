@@ -2,16 +2,23 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "model/chain/index.h"
+#include "model/motion/vector_loops.h"
 
 namespace rigfit::model {
 template <int D>
 NodeMass<D>::NodeMass(std::vector<Member> members, std::vector<Shared> shared, int entries)
     : members_(std::move(members)), shared_(std::move(shared)), entries_(entries) {
   plans_.resize(members_.size());
-  for (std::size_t m = 0; m < members_.size(); ++m) plans_[m].plain = factor(members_[m], 0);
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    plans_[m].plain = factor(members_[m], 0);
+    for (int i = 0; i <= members_[m].segments; ++i) {
+      plans_[m].entry.push_back(members_[m].entry(i));
+    }
+  }
   first_free_.assign(shared_.size(), -1);
   for (std::size_t k = 0; k < shared_.size(); ++k) {
     for (int c = 0; c < D; ++c) {
@@ -40,42 +47,36 @@ typename NodeMass<D>::Inner NodeMass<D>::factor(const Member& member, double kap
   out.last_off = off.back();
   out.own_first = diagonal.front();
   out.own_last = diagonal.back();
-  out.toward.assign(at(n + 1), 0);
-  out.inverse.assign(at(n + 1), 0);
-  out.from_first.assign(at(n + 1), 0);
-  out.from_last.assign(at(n + 1), 0);
+  const int rows = member.rows();
+  out.factors = lane_factors(diagonal, off, 1, n - 1, rows);
+  out.from_first.assign(at(kLanes * rows), 0);
+  out.from_last.assign(at(kLanes * rows), 0);
+  const std::size_t first = at(lane_slot(0, rows)), last = at(lane_slot(n, rows));
   if (n == 1) {
     out.both = off[0];
-    return out;
+  } else {
+    const std::size_t second = at(lane_slot(1, rows)), before_last = at(lane_slot(n - 1, rows));
+    // Two right-hand sides, as components.
+    LaneVector both(at(2 * kLanes * rows), 0);
+    both[second] = out.first_off;
+    both[at(kLanes * rows) + before_last] = out.last_off;
+    const LaneFactors* const factors[2] = {&out.factors, &out.factors};
+    lane_loops<2>().solve(factors, kLanes * rows, both.data());
+    std::copy_n(both.begin(), kLanes * rows, out.from_first.begin());
+    std::copy_n(both.begin() + kLanes * rows, kLanes * rows, out.from_last.begin());
+    out.own_first -= out.first_off * out.from_first[second];
+    out.own_last -= out.last_off * out.from_last[before_last];
+    out.both = -out.first_off * out.from_last[second];
   }
-  const int k = out.middle = n / 2;
-  for (int i = 1; i < k; ++i) {
-    const double before = i > 1 ? off[at(i - 1)] * out.toward[at(i - 1)] : 0;
-    out.inverse[at(i)] = 1 / (diagonal[at(i)] - before);
-    out.toward[at(i)] = off[at(i)] * out.inverse[at(i)];
-  }
-  for (int i = n - 1; i > k; --i) {
-    const double before = i < n - 1 ? off[at(i)] * out.toward[at(i)] : 0;
-    out.inverse[at(i)] = 1 / (diagonal[at(i)] - before);
-    out.toward[at(i - 1)] = off[at(i - 1)] * out.inverse[at(i)];
-  }
-  double pivot = diagonal[at(k)];
-  if (k > 1) pivot -= off[at(k - 1)] * out.toward[at(k - 1)];
-  if (k < n - 1) pivot -= off[at(k)] * out.toward[at(k)];
-  out.inverse[at(k)] = 1 / pivot;
-  out.from_first[1] = out.first_off;
-  out.from_last[at(n - 1)] = out.last_off;
-  solve_twisted(out.factors(n), out.from_first.data());
-  solve_twisted(out.factors(n), out.from_last.data());
-  out.own_first -= out.first_off * out.from_first[1];
-  out.own_last -= out.last_off * out.from_last[at(n - 1)];
-  out.both = -out.first_off * out.from_last[1];
+  out.from_first[first] = -1;
+  out.from_last[last] = -1;
   return out;
 }
 
 template <int D>
 void NodeMass<D>::slow_axial(double kappa, const double* positions) {
   kappa_ = kappa;
+  any_rotated_ = false;
   for (std::size_t m = 0; m < members_.size(); ++m) {
     Plan& plan = plans_[m];
     const Member& member = members_[m];
@@ -85,8 +86,8 @@ void NodeMass<D>::slow_axial(double kappa, const double* positions) {
     plan.slowed = factor(member, kappa);
     Eigen::Matrix<double, D, 1> chord;
     for (int c = 0; c < D; ++c) {
-      const double* x = positions + c * entries_ + member.offset;
-      chord(c) = x[member.segments] - x[0];
+      const double* x = positions + c * entries_;
+      chord(c) = x[plan.entry.back()] - x[plan.entry.front()];
     }
     chord.normalize();
     for (int c = 0; c < D; ++c) {
@@ -94,7 +95,7 @@ void NodeMass<D>::slow_axial(double kappa, const double* positions) {
     }
     if (plan.along >= 0) continue;
     plan.along = 0;
-    plan.rotated = true;
+    plan.rotated = any_rotated_ = true;
     if constexpr (D == 2) {
       plan.axes << chord(0), -chord(1), chord(1), chord(0);
     } else {
@@ -150,9 +151,10 @@ template <int D>
 void NodeMass<D>::rotate(const Plan& plan, const Member& member, bool back, double* values) const {
   Eigen::Matrix<double, D, D> turn = plan.axes;
   if (!back) turn.transposeInPlace();
+  const int slots = kLanes * member.rows();
   double* a[D];
   for (int c = 0; c < D; ++c) a[c] = values + c * entries_ + member.offset;
-  for (int i = 1; i < member.segments; ++i) {
+  for (int i = 0; i < slots; ++i) {
     Eigen::Matrix<double, D, 1> value;
     for (int c = 0; c < D; ++c) value(c) = a[c][i];
     value = turn * value;
@@ -162,106 +164,102 @@ void NodeMass<D>::rotate(const Plan& plan, const Member& member, bool back, doub
 
 template <int D>
 void NodeMass<D>::solve(double* values) {
+  // Forces on the free end nodes, before the solution of inner nodes puts zeros there.
+  for (std::size_t i = 0; i < free_.size(); ++i) {
+    const Shared& node = shared_[at(free_[i].node)];
+    double sum = 0;
+    for (const int entry : node.entries) sum += values[free_[i].component * entries_ + entry];
+    force_[i] = sum;
+  }
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    const Plan& plan = plans_[m];
+    const Member& member = members_[m];
+    if (plan.rotated) rotate(plan, member, false, values);
+    const LaneFactors* factors[D];
+    for (int c = 0; c < D; ++c) {
+      factors[c] = c == plan.along ? &plan.slowed.factors : &plan.plain.factors;
+    }
+    loops_->solve(factors, entries_, values + member.offset);
+  }
+  if (!free_.empty()) solve_ends(values);
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    if (plans_[m].rotated) rotate(plans_[m], members_[m], true, values);
+  }
+  if (!any_rotated_) return;
+  // Without the rounding of their members' turns: a node's entries stay the same.
+  for (std::size_t i = 0; i < free_.size(); ++i) {
+    for (const int entry : shared_[at(free_[i].node)].entries) {
+      values[free_[i].component * entries_ + entry] = motion_[i];
+    }
+  }
+}
+
+// The free end nodes' accelerations, and what the inner nodes follow of them; in members' axes.
+template <int D>
+void NodeMass<D>::solve_ends(double* values) {
+  // Forces on the free end nodes less what the inner nodes' accelerations take.
+  const auto count = static_cast<int>(free_.size());
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const Plan& plan = plans_[m];
     const Member& member = members_[m];
     if (member.segments < 2) continue;
-    if (plan.rotated) rotate(plan, member, false, values);
-    const TwistedFactors plain = plan.plain.factors(member.segments);
-    const TwistedFactors slowed =
-        plan.along >= 0 ? plan.slowed.factors(member.segments) : TwistedFactors{};
-    const auto of = [&](int c) -> const TwistedFactors& {
-      return c == plan.along ? slowed : plain;
-    };
-    double* x = values + member.offset;
-    if constexpr (D == 2) {
-      solve_twisted(of(0), of(1), x, x + entries_);
-    } else {
-      solve_twisted(of(0), of(1), of(2), x, x + entries_, x + 2 * entries_);
-    }
-  }
-
-  // Forces on the free end nodes less what the inner nodes' accelerations take.
-  for (std::size_t i = 0; i < free_.size(); ++i) {
-    const Shared& node = shared_[at(free_[i].node)];
-    force_[i] = values[free_[i].component * entries_ + node.entries[0]];
-  }
-  const auto count = static_cast<int>(free_.size());
-  if (count > 0) {
-    const auto coupling = [&](std::size_t m, int end) {
-      const Plan& plan = plans_[m];
-      const Member& member = members_[m];
+    for (int end = 0; end < 2; ++end) {
+      const int node = member.shared[end], first = first_free_[at(node)];
+      if (first < 0) continue;
+      const int entry = plan.entry[end == 0 ? 1 : at(member.segments - 1)];
       Eigen::Matrix<double, D, 1> pull;
       for (int c = 0; c < D; ++c) {
         const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
-        pull(c) = end == 0 ? inner.first_off : inner.last_off;
-        pull(c) *= values[c * entries_ + member.offset + (end == 0 ? 1 : member.segments - 1)];
+        pull(c) = (end == 0 ? inner.first_off : inner.last_off) * values[c * entries_ + entry];
       }
       if (plan.rotated) pull = plan.axes * pull;
-      return pull;
-    };
-    // The rows of a node follow each other by component, where they are free.
-    for (std::size_t m = 0; m < members_.size(); ++m) {
-      if (members_[m].segments < 2) continue;
-      for (int end = 0; end < 2; ++end) {
-        const int node = members_[m].shared[end];
-        const int first = first_free_[at(node)];
-        if (first < 0) continue;
-        const Eigen::Matrix<double, D, 1> pull = coupling(m, end);
-        for (int i = first; i < count && free_[at(i)].node == node; ++i) {
-          force_[at(i)] -= pull(free_[at(i)].component);
-        }
+      // The rows of a node follow each other by component, where they are free.
+      for (int i = first; i < count && free_[at(i)].node == node; ++i) {
+        force_[at(i)] -= pull(free_[at(i)].component);
       }
     }
-    for (int i = 0; i < count; ++i) motion_[at(i)] = 0;
-    for (int j = 0; j < count; ++j) {
-      add_multiple(count, motion_.data(), force_[at(j)],
-                   inverse_.data() + static_cast<std::ptrdiff_t>(j) * count, motion_.data());
-    }
   }
-  for (const Shared& node : shared_) {
-    for (int entry : node.entries) {
-      for (int c = 0; c < D; ++c) values[c * entries_ + entry] = 0;
-    }
+  for (int i = 0; i < count; ++i) motion_[at(i)] = 0;
+  for (int j = 0; j < count; ++j) {
+    add_multiple(count, motion_.data(), force_[at(j)],
+                 inverse_.data() + static_cast<std::ptrdiff_t>(j) * count, motion_.data());
   }
-  for (int i = 0; i < count; ++i) {
-    for (int entry : shared_[at(free_[at(i)].node)].entries) {
-      values[free_[at(i)].component * entries_ + entry] = motion_[at(i)];
-    }
-  }
-
   // The inner nodes follow their ends.
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const Plan& plan = plans_[m];
     const Member& member = members_[m];
-    if (member.segments < 2) continue;
-    for (int end = 0; count > 0 && end < 2; ++end) {
-      if (first_free_[at(member.shared[end])] < 0) continue;
-      Eigen::Matrix<double, D, 1> own;
-      const int entry = member.offset + (end == 0 ? 0 : member.segments);
-      for (int c = 0; c < D; ++c) own(c) = values[c * entries_ + entry];
+    for (int end = 0; end < 2; ++end) {
+      const int node = member.shared[end], first = first_free_[at(node)];
+      if (first < 0) continue;
+      Eigen::Matrix<double, D, 1> own = Eigen::Matrix<double, D, 1>::Zero();
+      for (int i = first; i < count && free_[at(i)].node == node; ++i) {
+        own(free_[at(i)].component) = motion_[at(i)];
+      }
       if (plan.rotated) own = plan.axes.transpose() * own;
       for (int c = 0; c < D; ++c) {
         const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
-        const std::vector<double>& from = end == 0 ? inner.from_first : inner.from_last;
-        double* a = values + c * entries_ + member.offset + 1;
-        add_multiple(member.segments - 1, a, -own(c), from.data() + 1, a);
+        const LaneVector& from = end == 0 ? inner.from_first : inner.from_last;
+        double* a = values + c * entries_ + member.offset;
+        add_multiple(kLanes * member.rows(), a, -own(c), from.data(), a);
       }
     }
-    if (plan.rotated) rotate(plan, member, true, values);
   }
 }
 
 template <int D>
 double NodeMass<D>::product(const double* x, const double* y) const {
   double sum = 0;
-  for (const Member& member : members_) {
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    const Member& member = members_[m];
+    const int* entry = plans_[m].entry.data();
     for (int c = 0; c < D; ++c) {
-      const double* a = x + c * entries_ + member.offset;
-      const double* b = y + c * entries_ + member.offset;
-      for (int i = 0; i <= member.segments; ++i) sum += member.diagonal[at(i)] * a[i] * b[i];
+      const double* a = x + c * entries_;
+      const double* b = y + c * entries_;
+      for (int i = 0; i <= member.segments; ++i) {
+        sum += member.diagonal[at(i)] * a[entry[i]] * b[entry[i]];
+      }
       for (int i = 0; i < member.segments; ++i) {
-        sum += member.off[at(i)] * (a[i] * b[i + 1] + a[i + 1] * b[i]);
+        sum += member.off[at(i)] * (a[entry[i]] * b[entry[i + 1]] + a[entry[i + 1]] * b[entry[i]]);
       }
     }
   }
@@ -277,11 +275,11 @@ double NodeMass<D>::slowed_product(const double* x, const double* y) const {
     Eigen::Matrix<double, D, 1> axis = Eigen::Matrix<double, D, 1>::Unit(plan.along);
     if (plan.rotated) axis = plan.axes.col(0);
     for (int i = 0; i < member.segments; ++i) {
+      const int a = plan.entry[at(i)], b = plan.entry[at(i + 1)];
       double dx = 0, dy = 0;
       for (int c = 0; c < D; ++c) {
-        const int k = c * entries_ + member.offset + i;
-        dx += axis(c) * (x[k + 1] - x[k]);
-        dy += axis(c) * (y[k + 1] - y[k]);
+        dx += axis(c) * (x[c * entries_ + b] - x[c * entries_ + a]);
+        dy += axis(c) * (y[c * entries_ + b] - y[c * entries_ + a]);
       }
       sum += kappa_ * member.axial[at(i)] * dx * dy;
     }

@@ -15,7 +15,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "model/motion/segment_loops.h"
+#include "model/motion/lane_loops.h"
 
 namespace rigfit::model {
 
@@ -27,6 +27,8 @@ class NodeMass {
     int shared[2] = {-1, -1};           ///< index of the end nodes
     std::vector<double> diagonal, off;  ///< of segments + 1 nodes, between them, kg
     std::vector<double> axial;          ///< EA / l of the segments, N / m
+    [[nodiscard]] int rows() const { return lane_rows(segments); }
+    [[nodiscard]] int entry(int node) const { return offset + lane_slot(node, rows()); }
   };
   struct Shared {
     std::vector<int> entries;
@@ -40,7 +42,7 @@ class NodeMass {
   void slow_axial(double kappa, const double* positions);
   [[nodiscard]] double kappa() const { return kappa_; }
 
-  /// Forces to accelerations, in place. A shared node's force stands in its first entry; its
+  /// Forces to accelerations, in place. A shared node's force is the sum of its entries'; its
   /// acceleration is put in all of them, zero where held. Not thread-safe (own scratch space).
   void solve(double* values);
 
@@ -52,20 +54,18 @@ class NodeMass {
  private:
   // Factors of a member's inner nodes, and what they take from and give to the end nodes.
   struct Inner {
-    std::vector<double> toward, inverse;
-    std::vector<double> from_first, from_last;     // M_ii^-1 times the coupling to the end nodes
+    LaneFactors factors;
+    LaneVector from_first,
+        from_last;  // M_ii^-1 times the coupling to the end nodes, whose own is -1
     double first_off = 0, last_off = 0;            // coupling to the inner neighbours
     double own_first = 0, own_last = 0, both = 0;  // reduced mass of the end nodes
-    int middle = 0;
-    [[nodiscard]] TwistedFactors factors(int segments) const {
-      return {segments - 1, middle, toward.data(), inverse.data()};
-    }
   };
   struct Plan {
     Inner plain, slowed;
     int along = -1;        // component that takes the slowed mass; -1: none
     bool rotated = false;  // solved in `axes`, whose first column is the chord
     Eigen::Matrix<double, D, D> axes;
+    std::vector<int> entry;  // of each node
   };
   struct Free {
     int node, component;
@@ -74,16 +74,19 @@ class NodeMass {
   static Inner factor(const Member& member, double kappa);
   void reduce();
   void rotate(const Plan& plan, const Member& member, bool back, double* values) const;
+  void solve_ends(double* values);
 
   std::vector<Member> members_;
   std::vector<Shared> shared_;
   std::vector<Plan> plans_;
   int entries_ = 0;
   double kappa_ = 0;
+  bool any_rotated_ = false;
   std::vector<Free> free_;       // components of shared nodes that move, node by node
   std::vector<int> first_free_;  // of each shared node; -1: held altogether
   Eigen::MatrixXd inverse_;      // of their reduced mass
   std::vector<double> force_, motion_;
+  const LaneLoops<D>* loops_ = &lane_loops<D>();
 };
 
 extern template class NodeMass<2>;
