@@ -143,8 +143,8 @@ class ImplicitRun {
       residual_ += average_ + drag_ - external_;
       const double size = residual_.cwiseAbs().maxCoeff();
       if (!std::isfinite(size)) return false;
-      largest_force_ = scale;
       if (size <= std::max(options_.tolerance * scale, rounding_)) {
+        largest_force_ = scale;  // of steps taken only: iterations that diverge have any forces
         finish(h, loaded);
         return true;
       }

@@ -9,7 +9,8 @@
 #define RIGFIT_AVX2 __attribute__((target("avx2")))
 #define RIGFIT_AVX512 __attribute__((target("avx512f")))
 #endif
-#define RIGFIT_INLINE inline __attribute__((always_inline))
+#define RIGFIT_ALWAYS __attribute__((always_inline))
+#define RIGFIT_INLINE inline RIGFIT_ALWAYS
 #ifdef __clang__
 #define RIGFIT_PARTS _Pragma("unroll")
 #else
@@ -131,7 +132,8 @@ RIGFIT_INLINE void tangents(const LaneMember& member, std::ptrdiff_t stride,
     }
     const L q = square * L::load(member.inverse_square + at) + L::load(member.pad + at);
     const L u = one - q;
-    const auto pair = [&](int k) { return L::load(kRoot[k]) + L::load(kRoot[k + 1]) * u; };
+    const auto pair = [&](int k)
+                          RIGFIT_ALWAYS { return L::load(kRoot[k]) + L::load(kRoot[k + 1]) * u; };
     const L u2 = u * u, u4 = u2 * u2;
     largest = largest + u4;
     const L g = (pair(0) + u2 * pair(2)) + u4 * (pair(4) + u2 * L::load(kRoot[6]));
@@ -211,7 +213,7 @@ template <int W>
 RIGFIT_INLINE Lanes<W> separated(const LaneFactors& f, const Lanes<W>& z) {
   using L = Lanes<W>;
   const double* inverse = f.separators.data();
-  const auto row = [&](int k) { return L::load(inverse + k * kLanes); };
+  const auto row = [&](int k) RIGFIT_ALWAYS { return L::load(inverse + k * kLanes); };
   return ((row(0) * z + row(1) * left<1, W>(z)) +
           (row(2) * left<2, W>(z) + row(3) * left<3, W>(z))) +
          ((row(4) * left<4, W>(z) + row(5) * left<5, W>(z)) +
@@ -286,10 +288,10 @@ RIGFIT_LANE_LOOPS(avx512, RIGFIT_AVX512, 8)
 #undef RIGFIT_LANE_LOOPS
 
 template <int D>
-const LaneLoops<D>& chosen() {
+const LaneLoops<D>& chosen([[maybe_unused]] int widest) {
 #ifdef RIGFIT_LANES_WIDER
-  if (__builtin_cpu_supports("avx512f")) return k_avx512<D>;
-  if (__builtin_cpu_supports("avx2")) return k_avx2<D>;
+  if (widest >= 8 && __builtin_cpu_supports("avx512f")) return k_avx512<D>;
+  if (widest >= 4 && __builtin_cpu_supports("avx2")) return k_avx2<D>;
 #endif
   return k_plain<D>;
 }
@@ -297,12 +299,12 @@ const LaneLoops<D>& chosen() {
 }  // namespace
 
 template <>
-const LaneLoops<2>& lane_loops<2>() {
-  return chosen<2>();
+const LaneLoops<2>& lane_loops<2>(int widest) {
+  return chosen<2>(widest);
 }
 template <>
-const LaneLoops<3>& lane_loops<3>() {
-  return chosen<3>();
+const LaneLoops<3>& lane_loops<3>(int widest) {
+  return chosen<3>(widest);
 }
 
 }  // namespace rigfit::model
