@@ -299,12 +299,14 @@ FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const 
   found.covariance.residue_std_im = found.covariance.residue_std_re;
   const MatrixXcd without = synthesise(band.lines.s, band.lines.power, fit.poles, fit.residues,
                                        VectorXcd::Zero(H.cols()), VectorXcd::Zero(H.cols()));
-  const ResidueResult rest =
-      fit_residues(band.lines.s, band.lines.power, H - without, VectorXcd(0));
+  FrfLines beside = band.lines;
+  beside.H -= without;
+  const ModalRefineResult rest = refine_modes(
+      beside, noise_unknown(beside.H, beside.inputs, band.correlation_lines), VectorXcd(0));
   fit.lower = rest.lower;
   fit.upper = rest.upper;
-  found.model =
-      synthesise(band.lines.s, band.lines.power, fit.poles, fit.residues, fit.lower, fit.upper);
+  fit.background = rest.background;
+  found.model = fitted_frfs(band.lines, fit);
   found.noise = noise_from_residuals(found.model, H - found.model, VectorXd::Zero(H.rows()),
                                      band.lines.inputs, band.correlation_lines);
   found.noise.lead = noise.lead;

@@ -9,6 +9,7 @@
 
 #include "signal/amplitude/amplitude_limit.h"
 #include "signal/amplitude/resonance_distortion.h"
+#include "signal/modal/cut_off_records.h"
 #include "signal/modal/hit_scatter.h"
 #include "signal/modal/local_modes.h"
 #include "signal/modal/mac.h"
@@ -31,6 +32,7 @@ using Eigen::VectorXd;
 /// Modes of a band, and how they came about.
 struct Search {
   FoundModes found;
+  bool exhausted = false;         ///< all FRFs together took too much work
   bool local = false;             ///< modes of local fits; else maximum likelihood of all FRFs
   std::vector<LocalMode> points;  ///< of each mode
   std::vector<WeakTrack> weak;    ///< of the local fits
@@ -69,6 +71,7 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
   Search search;
   search.found = search_modes(band, clusters, noise, options);
   const FoundModes& found = search.found;
+  search.exhausted = found.exhausted;
   const bool solved = !found.exhausted && found.fit.residues.cols() > 0;
   bool holds = false;
   if (solved && found.covariance.full_rank) {
@@ -276,7 +279,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   model.inputs = frfs.inputs;
   model.fitted_form = frfs.form;
   model.exponential_decay_rate_1_s = frfs.exponential_decay_rate_1_s;
-  const ModalBand band = select_band(frfs, options.low_hz, options.high_hz, model.notes);
+  ModalBand band = select_band(frfs, options.low_hz, options.high_hz, model.notes);
   const MatrixXcd& H = band.lines.H;
   const Index inputs = band.lines.inputs;
   result.lines_used = band.frequency_hz.size();
@@ -307,7 +310,11 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
 
   result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
   result.clusters = cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
-  const Search search = search_of(band, result.clusters, first, options);
+  Search search = search_of(band, result.clusters, first, options);
+  if (!search.exhausted &&
+      allow_for_cut_off(frfs, search.found.fit.poles, options.max_work, band)) {
+    search = search_of(band, result.clusters, first, options);
+  }
   const FoundModes& found = search.found;
   result.end = found.fit.end;
   result.iterations = found.iterations;
@@ -327,7 +334,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
         {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});
   }
   measure_errors(model, frfs, result.low_hz, result.high_hz,
-                 frfs.force_noise_span_s > 0 ? found.model : MatrixXcd());
+                 band.lines.background.size() > 0 ? found.model : MatrixXcd());
   for (IdentifiedMode& mode : model.modes) {
     if (mode.refinement == "global" || mode.points.empty()) continue;
     // Each point with its own pole: what a mode that varies leaves unexplained.
@@ -350,7 +357,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     result.misfit_over_error_bars = std::sqrt(sum / static_cast<double>(count));
   }
   check_misfit(result, H - found.model);
-  judge_modes(result, band);
+  judge_modes(result, band, H - found.model);
   const std::vector<ModeOfHits> hits = modes_of_hits(frfs, model);
   allow_for_hits(frfs, hits, model);
   allow_for_amplitude(frfs, band, hits, model);

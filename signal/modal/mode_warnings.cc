@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "signal/amplitude/combination_tones.h"
+#include "signal/modal/cut_off_records.h"
 #include "signal/modal/mode_changes.h"
 #include "signal/numerics/numbers.h"
 
@@ -66,14 +67,9 @@ std::string damping_known_to(const IdentifiedMode& mode) {
       100 * mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300));
 }
 
-/// Amplitude left at the end of a record, of that at its beginning.
-double left_at_the_end(const IdentifiedMode& mode, const ModalBand& band) {
-  return std::exp((mode.pole_rad_s.real() - band.window) / band.spacing_hz);
-}
-
 /// A line narrower than the record can show, without a window: as likely a steady tone as a mode.
 bool steady(const IdentifiedMode& mode, const ModalBand& band) {
-  return left_at_the_end(mode, band) > 0.5;
+  return left_at_the_end(band, mode.pole_rad_s - band.window) > 0.5;
 }
 
 /// The steady tone within four half bandwidths of a mode that is none itself; 0: there is none.
@@ -108,7 +104,42 @@ double part_of_frfs(const IdentifiedMode& mode, const ModalBand& band, double me
 
 }  // namespace
 
-void judge_modes(ModalResult& result, const ModalBand& band) {
+double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const IdentifiedMode& mode,
+                           const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  const double centre = mode.pole_rad_s.imag() / kTwoPi;
+  const double half =
+      std::max((band.window - mode.pole_rad_s.real()) / kTwoPi, 2.5 * band.spacing_hz);
+  const Eigen::VectorXd& f = band.frequency_hz;
+  const Index first = std::lower_bound(f.begin(), f.end(), centre - half) - f.begin();
+  const Index count = (std::upper_bound(f.begin(), f.end(), centre + half) - f.begin()) - first;
+  if (count < 2) return 0;
+  const auto left = misfit.middleRows(first, count);
+  const double around = band.lines.H.middleRows(first, count).squaredNorm();
+  const double power = left.squaredNorm();
+  if (!(around > 0) || !(power > 0)) return 0;
+  const auto values = static_cast<double>(left.size());
+  double beyond = 0, chance = 0;  // of `power`
+  if (band.H_std.size() > 0) {
+    const double expected = 2 * band.H_std.middleRows(first, count).squaredNorm();
+    beyond = power - expected;
+    chance = expected / std::sqrt(values);
+  } else {
+    const double known = line_correlation(noise, 1).real();
+    const double pairs = values * static_cast<double>(count - 1) / static_cast<double>(count);
+    const double product =
+        (left.topRows(count - 1).conjugate().cwiseProduct(left.bottomRows(count - 1)))
+            .sum()
+            .real() *
+        values / pairs;
+    if (known > 0.9) return 0;  // a window as short as this makes all misfit alike
+    beyond = (product - known * power) / (1 - known);
+    chance = power / std::sqrt(2 * pairs) / (1 - known);
+  }
+  return beyond > 4 * chance ? std::sqrt(beyond / around) : 0;
+}
+
+void judge_modes(ModalResult& result, const ModalBand& band,
+                 const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   ModalModel& model = result.model;
   for (std::size_t r = 0; r < model.modes.size(); ++r) {
     IdentifiedMode& mode = model.modes[r];
@@ -130,7 +161,7 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
       doubts.push_back(fmt::format(
           "{:.0f} % of it are left at the end of the records: a steady tone such as mains "
           "hum, or a mode that needs longer records",
-          100 * left_at_the_end(mode, band)));
+          100 * left_at_the_end(band, mode.pole_rad_s - band.window)));
     } else if (const double tone = tone_beside(model, r, band); tone > 0) {
       doubts.push_back(fmt::format(
           "a steady tone at {:.4g} Hz lies within its resonance: it is no noise, error bars do not "
@@ -159,9 +190,13 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
                       "do not show one and the same rig",
                       mode.between_points_std_hz, mode.between_points_std_hz * kTwoPi / measured));
     }
-    if (mode.reconstruction_error > 0.3 && mode.refinement != "global") {
-      doubts.push_back(fmt::format("{:.0f} % of the FRFs around it are not explained by it",
-                                   100 * mode.reconstruction_error));
+    const double unexplained = mode.refinement == "global"
+                                   ? misfit_beyond_noise(band, result.noise, mode, misfit)
+                                   : mode.reconstruction_error;
+    if (unexplained > 0.3) {
+      doubts.push_back(fmt::format("{:.0f} % of the FRFs around it are not explained by it{}",
+                                   100 * unexplained,
+                                   mode.refinement == "global" ? ", nor by noise" : ""));
     }
     if (mode.presence < 0.6) {
       doubts.push_back(
@@ -191,7 +226,7 @@ void judge_modes(ModalResult& result, const ModalBand& band) {
     mode.doubt = fmt::format("{}", fmt::join(doubts, "; "));
     // Records that end before the mode has decayed scale its residue by 1 - exp(-decay * length),
     // whose phase the record does not tell; poles stay right.
-    const double left = left_at_the_end(mode, band);
+    const double left = left_at_the_end(band, mode.pole_rad_s - band.window);
     if (left > 0.01) {
       model.notes.push_back({"decay_cut_off",
                              fmt::format("{:.1f} % of the amplitude are left at the end of the "

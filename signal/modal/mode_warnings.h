@@ -23,9 +23,20 @@ struct MisfitCorrelation {
 /// FRFs.
 void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
+/// Rms of what a model leaves of the FRFs around a mode beyond noise, over the rms of the FRFs.
+///
+/// Lines within its half bandwidth, two on either side at least. What noise leaves: the error bars'
+/// power where there are some, else what does not correlate between neighbouring lines beyond the
+/// noise's own correlation (line_correlation(), under a window). 0 where chance may give as
+/// much (four standard deviations). `misfit`: lines x FRFs.
+[[nodiscard]] double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise,
+                                         const IdentifiedMode& mode,
+                                         const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+
 /// Fills `doubtful` and `doubt` of every mode; what the record's length costs the residues is
-/// noted.
-void judge_modes(ModalResult& result, const ModalBand& band);
+/// noted. `misfit`: lines x FRFs.
+void judge_modes(ModalResult& result, const ModalBand& band,
+                 const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
 /// Doubts the modes whose damping is known to 25 % or worse after hits have widened it: a ratio as
 /// uncertain as that does not scatter symmetrically, and its interval holds less than it says.

@@ -8,6 +8,13 @@
 // lies within T of the hit as well (an impulse response convolved with a signal of that length is a
 // sum of the same damped sinusoids outside of it). B is spanned by exp(-i w t), |t| <= T, of which
 // a band of width b needs about 2 T b + some (Slepian, Bell Syst. Tech. J. 57 (1978) 1371).
+//
+// Records that end a time T - t0 after the hit, T their length, lack of each mode what follows,
+//   p^n R exp(p (T - t0)) exp(s t0) / (s - p) + conj   (n derivatives of the motion recorded),
+// since exp(-s (T - t0)) = exp(s t0) at their lines. exp(s t0) - exp(p t0), over s - p, is the
+// integral of exp(s t) exp(p (t0 - t)) over 0 <= t <= t0: no pole, spanned by exp(i w t) with
+// these t. What remains is a mode of residue R (1 - exp(p T)) and polynomials in s up to
+// s^(n-1), whose sum over modes is no longer zero: for an accelerance a line in s.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,5 +27,11 @@ namespace rigfit::signal {
 /// noise does.
 [[nodiscard]] Eigen::MatrixXcd smooth_background(const Eigen::Ref<const Eigen::VectorXcd>& s,
                                                  int power, double span_s);
+
+/// The same with t between -`before_s` and `after_s` (t0 and 0, or the span of noise on the force
+/// where that is more) and with s^(power - 1), for records that end before modes have decayed. The
+/// latter alone where t spans nothing or too much.
+[[nodiscard]] Eigen::MatrixXcd cut_off_background(const Eigen::Ref<const Eigen::VectorXcd>& s,
+                                                  int power, double before_s, double after_s);
 
 }  // namespace rigfit::signal

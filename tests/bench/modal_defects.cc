@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,19 @@ struct Case {
   std::string name;
   testing::DefectiveFrfOptions options;
 };
+
+/// A beam's accelerances from records of 8 s that end with `left` of its first mode's amplitude.
+void beam(testing::DefectiveFrfOptions& options, double left, double before) {
+  options.frequency_hz.resize(4);
+  options.frequency_hz << 2.0924, 13.11, 36.71, 47.3;
+  options.record_s = 8;
+  options.before_hit_s = before * options.record_s;
+  options.spacing_hz = 1 / options.record_s;
+  options.low_hz = options.spacing_hz, options.high_hz = 60;
+  options.damping_ratio = -std::log(left) / (2 * std::numbers::pi * 2.0924 * options.record_s);
+  options.points = 3, options.points_are_inputs = false;
+  options.noise = 1e-3;
+}
 
 std::vector<Case> cases() {
   const testing::DefectiveFrfOptions bar;
@@ -57,6 +71,16 @@ std::vector<Case> cases() {
       [&](auto& o) { plate(o), o.noise = 0.002, o.softening = 0.3, o.hit_sizes = false; });
   add("leakage, 0.05 %, 1 s records", [&](auto& o) {
     plate(o), o.damping_ratio = 5e-4, o.spacing_hz = 1, o.record_s = 1, o.noise = 0.005;
+  });
+  for (const double left : {0.02, 0.1, 0.3, 0.53}) {
+    for (const double before : {0.0, 0.01, 0.05}) {
+      add(fmt::format("{} % left at the end, {} % before the hit", 100 * left, 100 * before),
+          [&](auto& o) { beam(o, left, before); });
+    }
+  }
+  add("30 % left at the end under an exponential window, 1 % before the hit", [&](auto& o) {
+    beam(o, 0.6, 0.01);
+    o.window_decay_1_s = std::log(2.0) / o.record_s;
   });
   return list;
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 
 namespace rigfit::testing {
 namespace {
@@ -31,6 +32,21 @@ VectorXcd ring_down(const VectorXcd& s, Complex pole, double shift) {
   return sum;
 }
 
+/// Transform of R p^2 exp(p t) + conj from the end of the record on, at s = i w + window.
+VectorXcd after_the_record(const VectorXcd& s, Complex pole, Complex residue,
+                           const DefectiveFrfOptions& options) {
+  const double end = options.record_s - options.before_hit_s;
+  // exp(-i w end) = exp(i w before_hit) at the lines of a record.
+  const VectorXcd turn = (Complex(0, options.before_hit_s) * s.imag().array()).exp();
+  VectorXcd sum = VectorXcd::Zero(s.size());
+  for (const auto& [p, R] :
+       {std::pair(pole, residue), std::pair(std::conj(pole), std::conj(residue))}) {
+    const Complex left = R * p * p * std::exp((p - options.window_decay_1_s) * end);
+    sum.array() += left * turn.array() / (s.array() - p);
+  }
+  return sum;
+}
+
 }  // namespace
 
 signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
@@ -42,7 +58,9 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
       static_cast<Index>((options.high_hz - options.low_hz) / options.spacing_hz) + 1;
   set.frequency_hz = Eigen::VectorXd::LinSpaced(
       lines, options.low_hz, options.low_hz + options.spacing_hz * static_cast<double>(lines - 1));
-  const VectorXcd s = Complex(0, 2 * std::numbers::pi) * set.frequency_hz.cast<Complex>();
+  set.exponential_decay_rate_1_s = options.window_decay_1_s;
+  VectorXcd s = Complex(0, 2 * std::numbers::pi) * set.frequency_hz.cast<Complex>();
+  s.array() += options.window_decay_1_s;
   set.H.resize(lines, options.points);
   const Index modes = options.frequency_hz.size();
   const double reference = 0.37;  // of the length: where the fixed end of each FRF is
@@ -52,7 +70,7 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
         options.points > 1 ? static_cast<double>(c) / static_cast<double>(options.points - 1) - 0.5
                            : 0;
     const double size_of_hit = 1 + 0.3 * normal(random);
-    VectorXcd sum = VectorXcd::Zero(lines);
+    VectorXcd sum = VectorXcd::Zero(lines), cut_off = sum;
     for (Index r = 0; r < modes; ++r) {
       const double zeta = options.damping_ratio,
                    number = std::numbers::pi * static_cast<double>(r + 1);
@@ -60,14 +78,14 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
       const double w = 2 * std::numbers::pi * options.frequency_hz[r] * (1 + 2 * zeta * shift);
       const double size = std::sin(number * x), own = std::sin(number * reference);
       const Complex pole(-zeta * w, w * std::sqrt(1 - zeta * zeta));
-      Complex residue = size * own / Complex(0, 2 * pole.imag());
-      if (options.record_s > 0) residue *= 1.0 - std::exp(pole * options.record_s);
+      const Complex residue = size * own / Complex(0, 2 * pole.imag());
+      if (options.record_s > 0) cut_off += after_the_record(s, pole, residue, options);
       const double softening = -2 * zeta * options.softening * std::pow(size_of_hit * size, 2);
       VectorXcd part = ring_down(s, pole, softening);
       sum += residue * part + std::conj(residue) * (s.array() - std::conj(pole)).inverse().matrix();
     }
     if (options.hit_sizes && options.points_are_inputs) set.hit_impulse.push_back({size_of_hit});
-    set.H.col(c) = s.cwiseProduct(s).cwiseProduct(sum);
+    set.H.col(c) = s.cwiseProduct(s).cwiseProduct(sum) - cut_off;
   }
   const double rms = std::sqrt(set.H.squaredNorm() / static_cast<double>(set.H.size()));
   for (Index k = 0; k < lines; ++k) {

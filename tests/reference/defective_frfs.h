@@ -1,8 +1,9 @@
 // FRFs of a roving test with the defects that measured ones have, from a truth that is known.
 //
 // Accelerances of a bar with sine shapes, H = sum_r s^2 phi_ro phi_ri [1/(2 i w_d (s - p_r)) +
-// conj], each point under poles of its own: f_r (1 + 2 zeta_r (drift x_c + scatter n_c)), x_c from
-// -1/2 to 1/2 over the points, n_c normal. A mean rig has the nominal poles.
+// conj], less what a record of accelerations that ends early lacks, each point under poles of its
+// own: f_r (1 + 2 zeta_r (drift x_c + scatter n_c)), x_c from -1/2 to 1/2 over the points, n_c
+// normal. A mean rig has the nominal poles.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,10 +23,12 @@ struct DefectiveFrfOptions {
   double drift = 0;               ///< first to last point, half-power bandwidths
   double scatter = 0;             ///< standard deviation between points, half-power bandwidths
   double common = 0;              ///< noise on the force: relative, the same for all FRFs of a line
-  double softening = 0;   ///< cubic spring: the backbone's shift over a ring-down, half-power
-                          ///< bandwidths at the strongest point; goes with amplitude squared
-  bool hit_sizes = true;  ///< the set keeps the hits' impulses
-  double record_s = 0;    ///< cut of the records; 0: whole decay
+  double softening = 0;         ///< cubic spring: the backbone's shift over a ring-down, half-power
+                                ///< bandwidths at the strongest point; goes with amplitude squared
+  bool hit_sizes = true;        ///< the set keeps the hits' impulses
+  double record_s = 0;          ///< length of the records, cut off; 0: whole decay
+  double before_hit_s = 0;      ///< of `record_s`, before the hit
+  double window_decay_1_s = 0;  ///< exponential window on force and response, from the hit on
   std::uint64_t seed = 1;
 };
 

@@ -1,0 +1,49 @@
+#include "signal/modal/cut_off_records.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "signal/refinement/smooth_background.h"
+
+namespace rigfit::signal {
+namespace {
+/// As in signal/impact: less does not show beside noise.
+constexpr double kLeft = 1e-3, kTone = 0.9;
+/// Of a record, before the hit: analysers are set to some percent.
+constexpr double kLongestLead = 0.125;
+/// Iterations of a search, as counted by its work.
+constexpr double kIterations = 40;
+
+/// Background terms, at most 60, with which so many iterations stay within `max_work`.
+double affordable_terms(const ModalBand& band, Eigen::Index poles, double max_work) {
+  const auto frfs = static_cast<double>(band.lines.H.cols());
+  const double product =
+      max_work / (4 * kIterations * static_cast<double>(band.frequency_hz.size()));
+  // x (x + FRFs) = product, x columns.
+  const double columns = std::sqrt(product + 0.25 * frfs * frfs) - 0.5 * frfs;
+  return std::clamp(0.5 * columns - static_cast<double>(poles) - 2, 0.0, 60.0);
+}
+}  // namespace
+
+double left_at_the_end(const ModalBand& band, std::complex<double> raw) {
+  return std::exp(raw.real() / band.spacing_hz);
+}
+
+bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const Eigen::VectorXcd>& poles,
+                       double max_work, ModalBand& band) {
+  const bool cut_off = std::any_of(poles.begin(), poles.end(), [&](std::complex<double> pole) {
+    const double left = left_at_the_end(band, pole - band.window);
+    return left > kLeft && left < kTone;
+  });
+  if (!cut_off) return false;
+  const double width = band.frequency_hz[band.frequency_hz.size() - 1] - band.frequency_hz[0];
+  const double terms = affordable_terms(band, poles.size(), max_work);
+  const double unknown = std::min(kLongestLead / band.spacing_hz, terms / width);
+  const double before = frfs.pre_trigger_s > 0 ? frfs.pre_trigger_s : unknown;
+  const double noise = frfs.force_noise_span_s;
+  band.lines.background =
+      cut_off_background(band.lines.s, band.lines.power, std::max(before, noise), noise);
+  return true;
+}
+
+}  // namespace rigfit::signal
