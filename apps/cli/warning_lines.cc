@@ -17,10 +17,11 @@ constexpr std::array<std::string_view, 22> kAnswerMayBeWrong = {
     "unit_suspected",  "length_suspected",  "time_gaps",     "at_bound",        "extrapolated",
     "curved",          "systematic_misfit",
 };
-constexpr std::array<std::string_view, 20> kAllowedFor = {
+constexpr std::array<std::string_view, 21> kAllowedFor = {
     "taken_as_exact",
     "exact_inputs",
     "start_chosen",
+    "fitted_in_band",
     "friction",
     "footer_skipped",
     "comments_skipped",

@@ -13,6 +13,7 @@
 #include "signal/decay/decay_modes.h"
 #include "signal/decay/decay_start.h"
 #include "signal/decay/decay_tones.h"
+#include "signal/decay/narrow_record.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/sinusoids/decay_search.h"
@@ -36,14 +37,22 @@ DecayBand band_of(const DecayOptions& options, double rate) {
   return {low / rate, (high > 0 ? std::min(high, nyquist) : nyquist) / rate, !banded};
 }
 
+/// How the samples of an estimate stand in the record they were taken from.
+struct Taken {
+  Index first = 0, step = 1;  // samples of the record
+  double shift = 0;           // that frequencies were lowered by, cycles per sample
+};
+
 /// One estimate, step by step.
 class Estimation {
  public:
-  Estimation(const Eigen::Ref<const Eigen::VectorXd>& y, double rate, const DecayOptions& options)
+  Estimation(const Eigen::Ref<const Eigen::VectorXd>& y, double rate, const DecayOptions& options,
+             const DecayBand& band, const Taken& taken = {})
       : y_(y),
         rate_(rate),
         options_(options),
-        band_(band_of(options, rate)),
+        band_(band),
+        taken_(taken),
         search_{options.max_modes, options.false_alarm} {
     result_.end = y.size();
   }
@@ -56,7 +65,8 @@ class Estimation {
     if (!options_.choose_window) warn_of_rails();
     if (moved_start_) {
       note(result_, "start_chosen",
-           fmt::format("the fit starts at sample {}, after the impact or release", result_.start));
+           fmt::format("the fit starts at sample {}, after the impact or release",
+                       in_record(result_.start)));
     }
     stretches_.start = result_.start, stretches_.end = result_.end;
     if (!tones_.empty()) {
@@ -68,10 +78,11 @@ class Estimation {
              "modes and steady tones cannot be told apart in so short a record");
       return result_;
     }
-    describe_decay(result_, samples_, *fit_, band_, rate_, options_);
+    describe_decay(result_, samples_, *fit_, band_, {rate_, taken_.shift}, options_);
     for (const SteadyTone& tone : tones_) {
       DecayMode steady;
-      steady.frequency_hz.value = steady.damped_frequency_hz.value = tone.w * rate_ / kTwoPi;
+      steady.frequency_hz.value = steady.damped_frequency_hz.value =
+          (tone.w / kTwoPi + taken_.shift) * rate_;
       steady.amplitude = std::abs(tone.amplitude);
       result_.steady_tones.push_back(steady);
     }
@@ -134,9 +145,8 @@ class Estimation {
     if (result_.decays.size() > 1) {
       std::string where;
       for (const auto& w : result_.decays) {
-        where += fmt::format("{}{:.4g} to {:.4g} s", where.empty() ? "" : ", ",
-                             options_.start_time_s + static_cast<double>(w.start) / rate_,
-                             options_.start_time_s + static_cast<double>(w.end - 1) / rate_);
+        where += fmt::format("{}{:.4g} to {:.4g} s", where.empty() ? "" : ", ", time_of(w.start),
+                             time_of(w.end - 1));
       }
       note(result_, "several_decays",
            fmt::format("{} decays in the record: {}; the strongest is fitted",
@@ -145,7 +155,7 @@ class Estimation {
     if (chosen.clipped_until > 0) {
       note(result_, "clipped",
            fmt::format("the signal sits on its rail until sample {}; the fit starts after it",
-                       chosen.clipped_until));
+                       in_record(chosen.clipped_until)));
     }
     return true;
   }
@@ -182,7 +192,7 @@ class Estimation {
         note(result_, "clipped",
              fmt::format("the signal is cut off at its rail until sample {}; the fit starts after "
                          "it",
-                         result_.start + clip));
+                         in_record(result_.start + clip)));
         result_.start += clip;
         samples_ = decay_samples(y_, result_.start, result_.end);
         if (!enough()) return false;
@@ -247,13 +257,20 @@ class Estimation {
     note(result_, "clipped",
          fmt::format("the signal sits on its rail until sample {}, within what was fitted: damping "
                      "and amplitudes are wrong; start the fit after it",
-                     result_.start + clip));
+                     in_record(result_.start + clip)));
+  }
+
+  [[nodiscard]] Index in_record(Index sample) const { return taken_.first + sample * taken_.step; }
+  [[nodiscard]] double time_of(Index sample) const {
+    return options_.start_time_s +
+           static_cast<double>(in_record(sample)) / (rate_ * static_cast<double>(taken_.step));
   }
 
   Eigen::VectorXd y_;  // without the tones, once they are known
   double rate_;
   const DecayOptions& options_;
   DecayBand band_;
+  Taken taken_;
   DecayModesOptions search_;
   DecayResult result_;
   DecaySamples samples_;
@@ -271,7 +288,56 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   if (!(sample_rate_hz > 0) || !std::isfinite(sample_rate_hz)) {
     throw std::invalid_argument("decay: the sample rate must be positive");
   }
-  return Estimation(y, sample_rate_hz, options).run();
+  const DecayBand band = band_of(options, sample_rate_hz);
+  if (const auto narrow = narrow_record(y, band)) {
+    DecayResult result = estimate_narrow_decay(*narrow, sample_rate_hz, options);
+    // A refusal is for the whole record to give.
+    if (result.refusal_code.empty()) return result;
+  }
+  return Estimation(y, sample_rate_hz, options, band).run();
+}
+
+DecayResult estimate_narrow_decay(const NarrowRecord& record, double sample_rate_hz,
+                                  const DecayOptions& options) {
+  const auto step = static_cast<double>(record.step);
+  const double shift = record.shift(), rate = sample_rate_hz / step;
+  DecayBand band = band_of(options, sample_rate_hz);
+  band.low = std::clamp(band.low * step - shift, 0.0, 0.5);
+  band.high = std::clamp(band.high * step - shift, 0.0, 0.5);
+  DecayResult result =
+      Estimation(record.samples, rate, options, band, {record.first, record.step, shift}).run();
+
+  const auto end_in_record = [&](Index end) { return record.record_sample(end - 1) + 1; };
+  const double phase =
+      kTwoPi *
+      static_cast<double>(record.shift_line * (record.record_sample(result.start) % record.length) %
+                          record.length) /
+      static_cast<double>(record.length);
+  for (auto* modes : {&result.modes, &result.steady_tones}) {
+    for (DecayMode& mode : *modes) {
+      mode.energy *= step;
+      mode.phase_rad = std::remainder(mode.phase_rad + phase, kTwoPi);
+    }
+  }
+  for (DecayWindow& window : result.decays) {
+    window.start = record.record_sample(window.start);
+    window.end = end_in_record(window.end);
+    if (window.clipped_until > 0) window.clipped_until = end_in_record(window.clipped_until);
+  }
+  result.start = record.record_sample(result.start);
+  result.end = end_in_record(result.end);
+  // Beside frequencies that were shifted there is no background.
+  if (shift > 0) result.offset = result.drift_per_s = 0;
+  result.offset += record.offset + record.slope * static_cast<double>(result.start);
+  result.drift_per_s += record.slope * sample_rate_hz;
+  result.noise_std *= std::sqrt(step);
+  result.signal_to_noise_db -= 10 * std::log10(step);
+  result.residual.resize(0);
+  note(result, "fitted_in_band",
+       fmt::format("the record is long: fitted from {:.6g} to {:.6g} Hz, which hold all that "
+                   "stands out of its noise, by one in {} samples behind a filter",
+                   record.low * sample_rate_hz, record.high * sample_rate_hz, record.step));
+  return result;
 }
 
 }  // namespace rigfit::signal

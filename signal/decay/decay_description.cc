@@ -23,12 +23,18 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
+/// A pole of the fit at the frequency it has in the record.
+Complex pole_in_record(Complex pole, const DecaySampling& sampling) {
+  return {pole.real(), pole.imag() + kTwoPi * sampling.shift};
+}
+
 // Frequency and damping of every mode and their joint covariance, from the fit's.
-Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, double rate) {
+Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, const DecaySampling& sampling) {
+  const double rate = sampling.rate_hz;
   const auto modes = static_cast<Index>(fit.poles.size());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 * modes, 4 * modes + 2);
   for (Index m = 0; m < modes; ++m) {
-    const Complex p = fit.poles[static_cast<std::size_t>(m)];
+    const Complex p = pole_in_record(fit.poles[static_cast<std::size_t>(m)], sampling);
     const double s = p.real(), w = p.imag(), r = std::abs(p);
     jacobian(2 * m, 4 * m + 2) = rate / kTwoPi * s / r;
     jacobian(2 * m, 4 * m + 3) = rate / kTwoPi * w / r;
@@ -118,16 +124,18 @@ void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
 class Description {
  public:
   Description(DecayResult& result, const DecaySamples& samples, const DampedSinusoidsFit& fit,
-              const DecayBand& band, double rate, const DecayOptions& options)
+              const DecayBand& band, const DecaySampling& sampling, const DecayOptions& options)
       : result_(result),
         samples_(samples),
         fit_(fit),
         band_(band),
-        rate_(rate),
+        sampling_(sampling),
+        rate_(sampling.rate_hz),
         options_(options),
         noise_(residual_noise(fit.residual, fit.degrees)),
         covariance_(fit_covariance(fit, noise_)),
-        of_modes_(mode_jacobian(fit, rate) * covariance_ * mode_jacobian(fit, rate).transpose()),
+        of_modes_(mode_jacobian(fit, sampling) * covariance_ *
+                  mode_jacobian(fit, sampling).transpose()),
         spectrum_(line_spectrum(fit.residual)),
         all_(fit.poles.size()) {}
 
@@ -154,6 +162,7 @@ class Description {
         10 * std::log10(0.5 * std::norm(fit_.amplitudes[main]) / std::max(noise_.variance, 1e-300));
     result_.envelope =
         mode_envelope(fit_, main, rate_, noise_beside(fit_.poles[main].imag()), options_.envelope);
+    if (sampling_.shift > 0) shift_envelope(fit_.poles[main]);
   }
 
  private:
@@ -170,7 +179,7 @@ class Description {
   void describe_mode(std::size_t m) {
     DecayMode& mode = all_[m];
     const auto k = static_cast<Index>(2 * m), w = static_cast<Index>(4 * m + 3);
-    const Complex p = fit_.poles[m];
+    const Complex p = pole_in_record(fit_.poles[m], sampling_);
     mode.frequency_hz = {std::abs(p) * rate_ / kTwoPi, std::sqrt(of_modes_(k, k))};
     mode.damping_ratio = {damping_ratio_of(p), std::sqrt(of_modes_(k + 1, k + 1))};
     mode.correlation = of_modes_(k, k + 1) / std::sqrt(of_modes_(k, k) * of_modes_(k + 1, k + 1));
@@ -181,7 +190,8 @@ class Description {
     mode.energy = mode_energy(fit_, m);
     const double threshold = detection_threshold(fit_.samples, options_.false_alarm);
     mode.detection =
-        mode.energy / std::max(threshold * noise_.white_equivalent(p.imag() / kTwoPi), 1e-300);
+        mode.energy /
+        std::max(threshold * noise_.white_equivalent(fit_.poles[m].imag() / kTwoPi), 1e-300);
     mode.cycles = mode.damped_frequency_hz.value * static_cast<double>(fit_.samples) / rate_;
   }
 
@@ -327,8 +337,17 @@ class Description {
     mode.r_squared = spread > 0 ? 1 - fit_.residual_sum_squares / spread : 0;
     LogDecrementOptions ruler;
     ruler.noise_std = result_.noise_std;
-    const auto decrement = log_decrement(alone, rate_, mode.damped_frequency_hz.value, ruler);
+    const double lowered = sampling_.shift * rate_;
+    const auto decrement =
+        log_decrement(alone, rate_, mode.damped_frequency_hz.value - lowered, ruler);
     mode.damping_ratio_log_decrement = decrement.damping_ratio;
+    if (lowered > 0) {
+      // The same decay over more cycles.
+      const double ratio =
+          std::abs(fit_.poles[m]) / std::abs(pole_in_record(fit_.poles[m], sampling_));
+      mode.damping_ratio_log_decrement.value *= ratio;
+      mode.damping_ratio_log_decrement.std *= ratio;
+    }
     mode.log_decrement_refusal = decrement.refusal;
     if (decrement.refusal.empty() && !(decrement.damping_ratio.value >= 0)) {
       mode.damping_ratio_log_decrement = {};
@@ -336,6 +355,17 @@ class Description {
     }
     doubt_of(mode, alone, fit_.residual, result_.residual_order, options_.false_alarm);
     mode.company = leaves_company(spectrum_, fit_.poles[m], options_.false_alarm);
+  }
+
+  /// From the frequencies of the samples to those of the record.
+  void shift_envelope(Complex pole) {
+    const double ratio = std::abs(pole) / std::abs(pole_in_record(pole, sampling_));
+    const auto smaller = [&](Estimate& damping) { damping.value *= ratio, damping.std *= ratio; };
+    for (EnvelopePoint& point : result_.envelope.points) {
+      point.frequency_hz.value += sampling_.shift * rate_;
+      smaller(point.damping_ratio);
+    }
+    smaller(result_.envelope.damping_per_log_amplitude);
   }
 
   static DecayMode finished(DecayMode mode) {
@@ -376,6 +406,7 @@ class Description {
   const DecaySamples& samples_;
   const DampedSinusoidsFit& fit_;
   const DecayBand& band_;
+  DecaySampling sampling_;
   double rate_;
   const DecayOptions& options_;
   ResidualNoise noise_;
@@ -388,8 +419,9 @@ class Description {
 }  // namespace
 
 void describe_decay(DecayResult& result, const DecaySamples& samples, const DampedSinusoidsFit& fit,
-                    const DecayBand& band, double sample_rate_hz, const DecayOptions& options) {
-  Description(result, samples, fit, band, sample_rate_hz, options).run();
+                    const DecayBand& band, const DecaySampling& sampling,
+                    const DecayOptions& options) {
+  Description(result, samples, fit, band, sampling, options).run();
 }
 
 }  // namespace rigfit::signal

@@ -8,8 +8,15 @@
 
 namespace rigfit::signal {
 
+/// How the samples of a fit were taken.
+struct DecaySampling {
+  double rate_hz = 0;
+  double shift = 0;  ///< that frequencies were lowered by, cycles per sample (narrow_record.h)
+};
+
 /// Fills `result` from the fit to `samples`; refuses where nothing in the band decays.
 void describe_decay(DecayResult& result, const DecaySamples& samples, const DampedSinusoidsFit& fit,
-                    const DecayBand& band, double sample_rate_hz, const DecayOptions& options);
+                    const DecayBand& band, const DecaySampling& sampling,
+                    const DecayOptions& options);
 
 }  // namespace rigfit::signal

@@ -15,6 +15,7 @@ constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kStride = std::size_t{1} << 24;  // bytes between calls of `progress`
 constexpr std::size_t kLongestFooter = 1 << 16;
 constexpr int kNoDecimals = -400;  // below those of any number
+constexpr char kRagged[] = "ragged";
 
 /// A line that is no row of the table.
 struct BadLine {
@@ -27,8 +28,9 @@ struct BadLine {
 
 class BodyParser {
  public:
-  BodyParser(const CsvLayout& layout, const std::vector<bool>& wanted, CsvBody& body)
-      : layout_(layout), body_(body), decimal_(layout.dialect.decimal) {
+  BodyParser(const CsvLayout& layout, const std::vector<bool>& wanted, CsvBody& body,
+             Eigen::Index most_rows)
+      : layout_(layout), body_(body), decimal_(layout.dialect.decimal), most_rows_(most_rows) {
     const std::size_t n = layout.columns.size();
     target_.resize(n, nullptr);
     wanted_ = wanted;
@@ -36,6 +38,7 @@ class BodyParser {
   }
 
   void reserve(Eigen::Index rows) {
+    rows = std::min(rows, most_rows_);
     for (std::size_t c = 0; c < wanted_.size(); ++c) {
       if (!wanted_[c]) continue;
       body_.columns[c].conservativeResize(rows);
@@ -60,7 +63,13 @@ class BodyParser {
       ++body_.comment_lines;
       return after_end(p, end);
     }
-    if (body_.rows == capacity_) reserve(capacity_ + capacity_ / 2 + 16);
+    if (body_.rows == capacity_) {
+      if (capacity_ == most_rows_) {
+        bad_ = {p, n, field_at(p), kRagged, ""};
+        return nullptr;
+      }
+      reserve(capacity_ + capacity_ / 2 + 16);
+    }
     const Eigen::Index row = body_.rows;
     for (std::size_t c = 0;; ++c) {
       if (c >= n) {
@@ -205,6 +214,7 @@ class BodyParser {
   std::vector<double*> target_;
   std::vector<bool> wanted_;
   Eigen::Index capacity_ = 0;
+  Eigen::Index most_rows_;
   Eigen::Index first_short_row_ = -1;
   long last_fields_ = 0;
   BadLine bad_;
@@ -233,6 +243,15 @@ bool holds_rows(std::string_view rest, const CsvLayout& layout, const std::vecto
 long bound_of_rows(std::string_view body) {
   const auto lf = std::count(body.begin(), body.end(), '\n');
   return (lf > 0 ? lf : std::count(body.begin(), body.end(), '\r')) + 1;
+}
+
+/// Rows to make room for: of a long table by its beginning, so that its pages are looked at once.
+long likely_rows(std::string_view body) {
+  constexpr std::size_t kHead = std::size_t{1} << 20;
+  const long rows = bound_of_rows(body.substr(0, kHead));
+  if (body.size() <= kHead) return rows;
+  return static_cast<long>(1.02 * static_cast<double>(rows) * static_cast<double>(body.size()) /
+                           static_cast<double>(kHead));
 }
 
 /// Most decimals printed in the lines from `at` to `end`, where it is more than before.
@@ -308,18 +327,20 @@ CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
   body.missing.assign(n, 0);
   body.decimals.assign(n, kNoDecimals);
   const std::string_view text = bytes.substr(layout.body);
-  const long rows = bound_of_rows(text);
+  const long rows = likely_rows(text);
   const auto stored = static_cast<long>(std::count(wanted.begin(), wanted.end(), true));
-  // Every field but the last of a line costs at least its separator.
-  if (static_cast<double>(rows) * static_cast<double>(stored) >
-      2.0 * static_cast<double>(text.size()) + 4096) {
-    throw RecordingError(
+  const auto ragged = [&] {
+    return RecordingError(
         {file, layout.body_line, 0, "", ""},
         "the lines hold far fewer fields than the widest has columns (" + std::to_string(n) + ")",
         "give a table whose lines all have the same columns");
-  }
+  };
+  // Every field but the last of a line costs at least its separator.
+  const long most_rows = static_cast<long>((2 * text.size() + 4096) /
+                                           static_cast<std::size_t>(std::max<long>(stored, 1)));
+  if (rows > most_rows) throw ragged();
   find_decimals(bytes, layout, wanted, body);
-  BodyParser parser(layout, wanted, body);
+  BodyParser parser(layout, wanted, body, most_rows);
   parser.reserve(rows);
 
   const auto refuse = [&](std::size_t line_at, const char* line, const BadLine& bad) {
@@ -343,6 +364,7 @@ CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
     const Eigen::Index rows_before = body.rows;
     const char* const next = parser.parse_line(p, end);
     if (next == nullptr) {
+      if (parser.bad().problem == kRagged) throw ragged();
       body.rows = rows_before;
       const std::size_t at = layout.body + static_cast<std::size_t>(p - text.data());
       const std::size_t behind = next_line(bytes, line_end(bytes, at));
