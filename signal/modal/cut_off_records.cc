@@ -9,6 +9,8 @@ namespace rigfit::signal {
 namespace {
 /// As in signal/impact: less does not show beside noise.
 constexpr double kLeft = 1e-3, kTone = 0.9;
+/// What depends on the place of the hit is smaller by its part of the record.
+constexpr double kLeftWhereHitMatters = 1e-2;
 /// Of a record, before the hit: analysers are set to some percent.
 constexpr double kLongestLead = 0.125;
 /// Iterations of a search, as counted by its work.
@@ -31,15 +33,18 @@ double left_at_the_end(const ModalBand& band, std::complex<double> raw) {
 
 bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const Eigen::VectorXcd>& poles,
                        double max_work, ModalBand& band) {
-  const bool cut_off = std::any_of(poles.begin(), poles.end(), [&](std::complex<double> pole) {
+  double most = 0;
+  for (const std::complex<double> pole : poles) {
     const double left = left_at_the_end(band, pole - band.window);
-    return left > kLeft && left < kTone;
-  });
-  if (!cut_off) return false;
+    if (left < kTone) most = std::max(most, left);
+  }
+  if (!(most > kLeft)) return false;
   const double width = band.frequency_hz[band.frequency_hz.size() - 1] - band.frequency_hz[0];
   const double terms = affordable_terms(band, poles.size(), max_work);
   const double unknown = std::min(kLongestLead / band.spacing_hz, terms / width);
-  const double before = frfs.pre_trigger_s > 0 ? frfs.pre_trigger_s : unknown;
+  const double before = frfs.pre_trigger_s > 0        ? frfs.pre_trigger_s
+                        : most > kLeftWhereHitMatters ? unknown
+                                                      : 0;
   const double noise = frfs.force_noise_span_s;
   band.lines.background =
       cut_off_background(band.lines.s, band.lines.power, std::max(before, noise), noise);

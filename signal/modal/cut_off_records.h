@@ -19,9 +19,9 @@ namespace rigfit::signal {
 [[nodiscard]] double left_at_the_end(const ModalBand& band, std::complex<double> raw);
 
 /// Sets `band.lines.background` where one of `poles` (window removed) leaves 0.1 to 90 %; more is a
-/// steady tone. Where the set does not say how long before the hit its records begin, an eighth of
-/// their length is allowed for, or what can be fitted within `max_work` multiplications. Whether it
-/// was set.
+/// steady tone. Where the set does not say how long before the hit its records begin and more than
+/// 1 % is left, an eighth of their length is allowed for, or what can be fitted within `max_work`
+/// multiplications. Whether it was set.
 [[nodiscard]] bool allow_for_cut_off(const FrfSet& frfs,
                                      const Eigen::Ref<const Eigen::VectorXcd>& poles,
                                      double max_work, ModalBand& band);
