@@ -61,7 +61,8 @@ std::vector<RecordingGroup> read_recording_groups(model::TomlTable& test, const 
   return groups;
 }
 
-std::vector<LoadedRecording> load_recordings(const std::vector<RecordingGroup>& groups) {
+std::vector<LoadedRecording> load_recordings(const std::vector<RecordingGroup>& groups,
+                                             const std::function<void()>& file_read) {
   std::vector<LoadedRecording> loaded;
   NullBuffer nothing;
   std::ostream sink(&nothing);
@@ -89,6 +90,7 @@ std::vector<LoadedRecording> load_recordings(const std::vector<RecordingGroup>& 
         entry.inputs = {file};
       }
       loaded.push_back(std::move(entry));
+      if (file_read) file_read();
     }
   }
   return loaded;

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,8 +48,9 @@ struct LoadedRecording {
   std::vector<std::string> inputs;             ///< files read for it
 };
 
-/// Reads every file of the groups; never throws for a bad recording.
+/// Reads every file of the groups, with a call of `file_read` after each; never throws for a bad
+/// recording.
 [[nodiscard]] std::vector<LoadedRecording> load_recordings(
-    const std::vector<RecordingGroup>& groups);
+    const std::vector<RecordingGroup>& groups, const std::function<void()>& file_read = {});
 
 }  // namespace rigfit::apps

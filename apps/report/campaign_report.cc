@@ -97,24 +97,23 @@ bool comes_first(const CampaignTest& test) {
 /// the page.
 std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context) {
   const std::size_t tests = campaign.tests.size(), fits = campaign.fits.size();
-  Progress progress("report", static_cast<long>(3 * tests + 2 * fits), context.quiet);
-  const auto each = [&](std::size_t count, const std::function<void(std::size_t)>& work) {
-    ident::in_parallel(count, context.threads, [&](std::size_t i) {
-      work(i);
-      progress.advance();
-    });
-  };
+  std::size_t files = 0;
+  for (const auto& test : campaign.tests) {
+    for (const auto& group : test.recordings) files += group.files.size();
+  }
+  Progress progress("report", static_cast<long>(files + 2 * (tests + fits)), context.quiet);
+  const auto advance = [&] { progress.advance(); };
   std::vector<std::unique_ptr<TestPart>> shown;
   std::vector<std::size_t> modal_tests;
   for (std::size_t i = 0; i < tests; ++i) {
     shown.push_back(part_of(campaign, campaign.tests[i], context));
     if (campaign.tests[i].kind == CampaignTest::Kind::modal) modal_tests.push_back(i);
   }
-  each(tests, [&](std::size_t i) { shown[i]->read(); });
+  ident::in_parallel(tests, context.threads, [&](std::size_t i) { shown[i]->read(advance); });
 
   ident::CampaignInputs inputs;
   inputs.threads = context.threads;
-  inputs.advance = [&] { progress.advance(); };
+  inputs.advance = advance;
   for (auto& part : shown) part->add_to(inputs);
   for (const auto& fit : campaign.fits) {
     inputs.fits.push_back(fit_inputs(fit, modal_tests, context.seed, context.threads));
@@ -123,9 +122,14 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
 
   std::vector<std::vector<ReportPart>> of_tests(tests);
   std::vector<ReportPart> of_fits(fits);
-  each(tests, [&](std::size_t i) { of_tests[i] = shown[i]->show(result); });
-  each(fits, [&](std::size_t f) {
-    of_fits[f] = fit_part(campaign, campaign.fits[f], modal_tests, result.fits[f]);
+  ident::in_parallel(tests + fits, context.threads, [&](std::size_t i) {
+    if (i < tests) {
+      of_tests[i] = shown[i]->show(result);
+    } else {
+      const std::size_t f = i - tests;
+      of_fits[f] = fit_part(campaign, campaign.fits[f], modal_tests, result.fits[f]);
+    }
+    advance();
   });
 
   std::vector<ReportPart> parts;

@@ -2,6 +2,7 @@
 // (ident/campaign/campaign.h), and what came of the test is shown.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -18,8 +19,10 @@ class TestPart {
   TestPart& operator=(const TestPart&) = delete;
   virtual ~TestPart() = default;
 
+  /// Called after each recording that was read.
+  using FileRead = std::function<void()>;
   /// Reads files; may run beside that of other tests.
-  virtual void read() {}
+  virtual void read(const FileRead& /*file_read*/) {}
   /// Hands over what was read; tests are added in the order of the campaign.
   virtual void add_to(ident::CampaignInputs& inputs) = 0;
   /// What is on the page; may run beside that of other tests. Called once, last.

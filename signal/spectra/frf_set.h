@@ -54,6 +54,9 @@ struct FrfSet {
   double force_noise_span_s = 0;
   int averages = 0;
   double sample_rate_hz = 0;
+  /// Standard uncertainty of the rate, relative: all frequencies are off by it alike
+  /// (Recording::sample_rate_relative_std).
+  double sample_rate_relative_std = 0;
   std::vector<Note> notes;
 
   [[nodiscard]] Eigen::Index column(Eigen::Index response, Eigen::Index input) const {

@@ -78,7 +78,6 @@ struct ModalCommand {
 struct MeasuredFrfs {
   signal::FrfSet frfs;
   double usable_hz = 0;                  ///< 0: to the last line
-  double rate_relative_std = 0;          ///< of the recordings' sample rate
   bool amplitudes = true;                ///< false: only frequencies and damping mean something
   Json hits, force_window;               ///< null when the FRFs came from a file
   std::shared_ptr<const ImpactRun> run;  ///< for figures; null: none wanted, FRFs from a file

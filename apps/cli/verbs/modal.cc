@@ -143,8 +143,7 @@ ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand
   if (!options.impact.band.empty()) band = {options.impact.band[0], options.impact.band[1]};
   modal.lscf.max_order = options.order;
   modal.lscf.max_damping_ratio = options.max_damping;
-  auto found =
-      ident::identify(measured.frfs, band, measured.usable_hz, modal, measured.rate_relative_std);
+  auto found = ident::identify(measured.frfs, band, measured.usable_hz, modal);
   if (!found.modal) throw Refused(found.findings.front().message, found.findings.front().code);
   return found;
 }
@@ -168,7 +167,6 @@ MeasuredFrfs measured_frfs(const ImpactRun& run) {
   measured.hits = hits_json(run);
   measured.force_window = force_window_json(run.test);
   measured.usable_hz = run.test.usable_hz;
-  measured.rate_relative_std = run.test.rate_relative_std;
   measured.amplitudes = run.test.amplitudes;
   measured.frfs = run.test.frfs;
   return measured;

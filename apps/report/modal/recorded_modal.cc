@@ -329,9 +329,9 @@ class ModalTestPart : public TestPart {
     part_.json["test"] = test.name;
   }
 
-  void read() override {
+  void read(const FileRead& file_read) override {
     if (test_.recordings.empty()) return;
-    auto loaded = load_recordings(test_.recordings);
+    auto loaded = load_recordings(test_.recordings, file_read);
     for (const auto& entry : loaded) {
       part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
     }

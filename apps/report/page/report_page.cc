@@ -145,6 +145,16 @@ class PageWriter {
     });
   }
 
+  /// Something of it is left for the appendix, or it has no other place.
+  [[nodiscard]] bool has_details(const Section& section) const {
+    return !has_short(section) ||
+           std::any_of(section.parts.begin(), section.parts.end(), [&](const ReportPart* part) {
+             return !part->warnings.empty() ||
+                    std::any_of(part->blocks.begin(), part->blocks.end(),
+                                [&](const Block& block) { return !is_short(block); });
+           });
+  }
+
   /// What is on paper at the foot of each page.
   [[nodiscard]] std::string footer_style() const {
     std::string line = frame_.title;
@@ -197,6 +207,7 @@ class PageWriter {
     if (appendix) {
       html += "<li class=\"part\"><a href=\"#appendix\">Appendix</a>\n<ol>\n";
       for (const auto& section : sections_) {
+        if (!has_details(section)) continue;
         html += fmt::format("<li><a href=\"#{}-details\">{}</a></li>\n", escaped(section.id),
                             escaped(section.title));
       }
@@ -272,10 +283,12 @@ class PageWriter {
       }
     }
     html_ += blocks_.taken() + "</div>\n";
-    html_ +=
-        fmt::format("<p class=\"small more\"><a href=\"{}#{}-details\">Details{}</a></p>\n",
-                    frame_.style == ReportStyle::client ? "appendix.html" : "", escaped(section.id),
-                    warnings > 0 ? " and " + counted(warnings, "warning") : std::string());
+    if (has_details(section)) {
+      html_ += fmt::format("<p class=\"small more\"><a href=\"{}#{}-details\">Details{}</a></p>\n",
+                           frame_.style == ReportStyle::client ? "appendix.html" : "",
+                           escaped(section.id),
+                           warnings > 0 ? " and " + counted(warnings, "warning") : std::string());
+    }
     html_ += "</section>\n";
   }
 
@@ -317,7 +330,9 @@ class PageWriter {
                            name_of(origin), what);
     }
     html_ += "</ul>\n</section>\n";
-    for (const auto& section : sections_) details(section);
+    for (const auto& section : sections_) {
+      if (has_details(section)) details(section);
+    }
   }
 
   /// Everything of a test that the short report has no room for: recordings, FRFs, modes, model.

@@ -26,8 +26,8 @@ class AxialPart : public TestPart {
     inputs_.threads = threads;
   }
 
-  void read() override {
-    auto loaded = load_recordings(test_.recordings);
+  void read(const FileRead& file_read) override {
+    auto loaded = load_recordings(test_.recordings, file_read);
     for (const auto& entry : loaded) {
       part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
     }

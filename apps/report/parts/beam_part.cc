@@ -87,9 +87,9 @@ class BeamPart : public TestPart {
     part_.json["span_m"] = test.span_m;
   }
 
-  void read() override {
+  void read(const FileRead& file_read) override {
     part_.blocks.push_back(Paragraph{setup_of_beam(test_)});
-    tests_ = recorded_tests(test_, part_);
+    tests_ = recorded_tests(test_, file_read, part_);
     auto& campaign = tests_.campaign;
     campaign.second_moment_m4 = ident::second_moment(test_.beam->section);
     campaign.test.ends = test_.beam->ends;

@@ -209,7 +209,7 @@ class BendingPart : public TestPart {
     tests_.campaign.strand = campaign.strand;
   }
 
-  void read() override {
+  void read(const FileRead& file_read) override {
     std::string words =
         "A length of cable is clamped at both ends, pulled to a tension and pressed sideways at "
         "mid-span. From the slope of deflection over load follows its bending stiffness EI.";
@@ -221,7 +221,7 @@ class BendingPart : public TestPart {
     }
     part_.blocks.push_back(Paragraph{std::move(words)});
     const auto strand = tests_.campaign.strand;
-    tests_ = test_.results ? published(test_) : recorded_tests(test_, part_);
+    tests_ = test_.results ? published(test_) : recorded_tests(test_, file_read, part_);
     tests_.campaign.strand = strand;
     auto& options = tests_.campaign.test;
     options.span_m = {test_.span_m, test_.span_std_m};

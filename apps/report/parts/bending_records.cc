@@ -23,9 +23,10 @@ std::string findings_of(const ident::BendingTestResult& result) {
 
 }  // namespace
 
-BendingTests recorded_tests(const CampaignTest& test, ReportPart& part) {
+BendingTests recorded_tests(const CampaignTest& test, const std::function<void()>& file_read,
+                            ReportPart& part) {
   BendingTests tests;
-  auto loaded = load_recordings(test.recordings);
+  auto loaded = load_recordings(test.recordings, file_read);
   for (auto& entry : loaded) {
     part.inputs.insert(part.inputs.end(), entry.inputs.begin(), entry.inputs.end());
     if (entry.recording) drop_time_notes(*entry.recording);

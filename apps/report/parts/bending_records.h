@@ -1,6 +1,7 @@
 // Load-deflection records of a bending test: read, and listed.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "apps/campaign_file/campaign.h"
@@ -15,8 +16,10 @@ struct BendingTests {
   std::vector<Origin> origins;  ///< of the sources
 };
 
-/// The recordings of a test; those that cannot be used are refused on the part.
-[[nodiscard]] BendingTests recorded_tests(const CampaignTest& test, ReportPart& part);
+/// The recordings of a test, with a call of `file_read` after each; those that cannot be used are
+/// refused on the part.
+[[nodiscard]] BendingTests recorded_tests(const CampaignTest& test,
+                                          const std::function<void()>& file_read, ReportPart& part);
 
 /// What was found in the records of each point, as warnings and refusals.
 void add_findings(const ident::BendingCampaign& campaign,

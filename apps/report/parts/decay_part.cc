@@ -46,8 +46,8 @@ class DecayPart : public TestPart {
                          {"model decay rate, 1/s", Origin::modelled}};
   }
 
-  void read() override {
-    auto loaded = load_recordings(test_.recordings);
+  void read(const FileRead& file_read) override {
+    auto loaded = load_recordings(test_.recordings, file_read);
     for (const auto& entry : loaded) {
       part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
     }

@@ -156,12 +156,12 @@ class TensionPart : public TestPart {
     part_.json["test"] = test.name;
   }
 
-  void read() override {
+  void read(const FileRead& file_read) override {
     part_.blocks.push_back(Paragraph{
         "The natural frequencies of a cable give its tension. Which mode each frequency is, "
         "bending stiffness, ends and sag are found with it."});
     if (test_.recordings.empty()) return;
-    auto loaded = load_recordings(test_.recordings);
+    auto loaded = load_recordings(test_.recordings, file_read);
     for (const auto& entry : loaded) {
       part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
     }

@@ -172,11 +172,6 @@ HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
                              first.path.string(), true});
     return test;
   }
-  for (const auto& place : places) {
-    for (const auto& recording : place.recordings) {
-      test.rate_relative_std = std::max(test.rate_relative_std, recording.sample_rate_relative_std);
-    }
-  }
   if (places.size() == 1 && places.front().name.empty()) {
     analyse_one(places.front(), options, test);
   } else {
@@ -189,6 +184,12 @@ HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
                                          test.force),
                              first.path.string(), true});
     return test;
+  }
+  double& rate_std = test.frfs.sample_rate_relative_std;
+  for (const auto& place : places) {
+    for (const auto& recording : place.recordings) {
+      rate_std = std::max(rate_std, recording.sample_rate_relative_std);
+    }
   }
   add_notes(test.frfs.notes, test.findings);
   if (test.accepted_hits() == 0) {
@@ -209,7 +210,7 @@ bool IdentifiedModes::converged() const {
 
 IdentifiedModes identify(const signal::FrfSet& frfs,
                          const std::optional<std::pair<double, double>>& band_hz, double usable_hz,
-                         signal::ModalOptions options, double rate_relative_std) {
+                         signal::ModalOptions options) {
   IdentifiedModes found;
   options.low_hz = band_hz ? band_hz->first : 0;
   options.high_hz = band_hz ? band_hz->second : usable_hz;
@@ -220,6 +221,7 @@ IdentifiedModes identify(const signal::FrfSet& frfs,
     return found;
   }
   auto& result = *found.modal;
+  const double rate_relative_std = frfs.sample_rate_relative_std;
   if (rate_relative_std > 0 && !result.model.modes.empty()) {
     const auto first = result.model.modes.front().frequency_hz;
     add_rate_uncertainty(rate_relative_std, result.model);

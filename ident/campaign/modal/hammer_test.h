@@ -41,7 +41,6 @@ struct HammerTest {
   signal::FrfSet frfs;     ///< of all places with an accepted hit; no lines when there is none
   bool amplitudes = true;  ///< false: pulses were not resolved; only frequencies mean something
   double usable_hz = 0;    ///< least of the accepted hits'; 0 when there is none
-  double rate_relative_std = 0;  ///< of the recordings' sample rate, the largest
   std::vector<signal::DrivingPoint> driving_points;
   std::vector<signal::ReciprocityCheck> reciprocity;
   /// Refused: "no_response", "no_hit", "no_hit_accepted", "pulse_not_resolved" (then there are no
@@ -67,11 +66,10 @@ struct IdentifiedModes {
 };
 
 /// Modes of FRFs. The band is `band_hz`, or else up to `usable_hz` (0: to the last line);
-/// `options.low_hz` and `high_hz` are not used. `rate_relative_std`, of the recordings' sample
-/// rate, goes into the frequencies' uncertainty and their covariance (rate_uncertainty.h).
+/// `options.low_hz` and `high_hz` are not used. The uncertainty of the FRFs' sample rate goes into
+/// the frequencies' uncertainty and their covariance (rate_uncertainty.h).
 [[nodiscard]] IdentifiedModes identify(const signal::FrfSet& frfs,
                                        const std::optional<std::pair<double, double>>& band_hz,
-                                       double usable_hz, signal::ModalOptions options = {},
-                                       double rate_relative_std = 0);
+                                       double usable_hz, signal::ModalOptions options = {});
 
 }  // namespace rigfit::ident

@@ -157,7 +157,7 @@ void analyse(ModalTestState& state, const ModalTestOptions& options) {
     state.hits.push_back(first_hit(place, state.hammer.tests[p], options.hammer.force));
   }
   auto modes = identify(state.hammer.frfs, options.hammer.impact.hits.band_hz,
-                        state.hammer.usable_hz, options.modal, state.hammer.rate_relative_std);
+                        state.hammer.usable_hz, options.modal);
   state.modal = std::move(modes.modal);
   state.findings.insert(state.findings.end(), modes.findings.begin(), modes.findings.end());
 }
