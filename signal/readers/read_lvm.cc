@@ -13,6 +13,7 @@
 #include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/number_text.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 #include "signal/recording/time_axis.h"
 #include "signal/recording/units.h"
 
@@ -360,12 +361,7 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
                              "record again, or delete the X columns");
       }
       recording.time_s = time;
-      recording.notes.push_back({"time_not_uniform",
-                                 "sampling is not uniform: times go back " +
-                                     std::to_string(axis.backward) + " times, repeat " +
-                                     std::to_string(axis.repeated) + " times, " +
-                                     std::to_string(axis.gaps) + " gaps",
-                                 ""});
+      recording.notes.push_back(not_uniform_note(axis));
     }
   } else {
     recording.start_time_s = first_times.start_s;
@@ -374,7 +370,7 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
     recording.sample_rate_hz = first_times.stated_rate_hz;
     recording.sample_rate_relative_std = first_times.rate_relative_std;
   }
-  if (options.sample_rate_hz > 0) recording.sample_rate_relative_std = 0;
+  take_stated_rate(options.sample_rate_hz, recording);
   // 20 ppm: what ordinary loggers' clocks are off by anyhow.
   if (recording.sample_rate_relative_std > 2e-5) {
     recording.notes.push_back(
@@ -384,18 +380,6 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
                      first.header.at("Delta_X", reference), recording.sample_rate_hz,
                      recording.sample_rate_relative_std * recording.sample_rate_hz),
          ""});
-  }
-  if (options.sample_rate_hz > 0) {
-    if (recording.sample_rate_hz > 0 &&
-        std::abs(recording.sample_rate_hz / options.sample_rate_hz - 1) > 1e-4) {
-      recording.notes.push_back(
-          {"rate_overridden",
-           fmt::format("the file gives {:.9g} Hz; the rate asked for is taken",
-                       recording.sample_rate_hz),
-           ""});
-      recording.time_s.resize(0);
-    }
-    recording.sample_rate_hz = options.sample_rate_hz;
   }
   if (recording.sample_rate_hz == 0) {
     recording.notes.push_back(

@@ -1,6 +1,7 @@
 // Two campaigns side by side: virtual laboratories of one beam, recorded twice, and of a beam that
 // is 5 % stiffer. What was changed is named, what was not is not.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -95,6 +96,10 @@ std::map<std::string, bool> changed(const std::string& before, const std::string
       {"report", before, after, "--out", out.path().string(), "--quiet", "--seed", "1"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::map<std::string, bool> verdicts;
+  // All of the comparison is in the short report: no empty section in the appendix, no link to one.
+  const std::string page = out.read("report.html");
+  EXPECT_THAT(page, testing::HasSubstr("id=\"comparison\""));
+  EXPECT_THAT(page, testing::Not(testing::HasSubstr("comparison-details")));
   const auto document = parsed(out.read("report.json"));
   for (const auto& one : document["comparison"]) {
     if (one["before"].is_null() || one["after"].is_null()) continue;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
 namespace {
@@ -94,13 +95,8 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
   Recording recording;
   recording.path = path;
   recording.format = "wav";
-  recording.sample_rate_hz = options.sample_rate_hz > 0 ? options.sample_rate_hz : info.samplerate;
-  if (options.sample_rate_hz > 0 && std::abs(options.sample_rate_hz / info.samplerate - 1) > 1e-4) {
-    recording.notes.push_back({"rate_overridden",
-                               fmt::format("the file gives {} Hz; {:.9g} Hz is taken as asked",
-                                           info.samplerate, options.sample_rate_hz),
-                               ""});
-  }
+  recording.sample_rate_hz = info.samplerate;
+  take_stated_rate(options.sample_rate_hz, recording);
   // The size that the file states of its data, chunk "data" behind "fmt ".
   const std::size_t chunk = bytes.substr(0, 1 << 16).find("data");
   if (chunk != std::string_view::npos && chunk + 8 <= bytes.size() &&

@@ -1,15 +1,13 @@
 #include "signal/readers/csv/table_recording.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "signal/readers/csv/csv_time.h"
 #include "signal/readers/frequency/frequency_table.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
 namespace {
@@ -52,18 +50,7 @@ Recording recording_of_table(CsvTable csv, const std::filesystem::path& path,
 
   const std::vector<std::size_t> left_out = take_csv_times(csv, file, recording, options);
   if (recording.sample_rate_hz == 0) recording.sample_rate_hz = layout.stated_rate_hz;
-  if (options.sample_rate_hz > 0) {
-    const double had = recording.sample_rate_hz;
-    if (had > 0 && std::abs(had / options.sample_rate_hz - 1) > 1e-4) {
-      recording.notes.push_back({"rate_overridden",
-                                 "the file gives " + fmt::format("{:.9g}", had) + " Hz; " +
-                                     fmt::format("{:.9g}", options.sample_rate_hz) +
-                                     " Hz is taken as asked",
-                                 ""});
-      recording.time_s.resize(0);
-    }
-    recording.sample_rate_hz = options.sample_rate_hz;
-  }
+  take_stated_rate(options.sample_rate_hz, recording);
   if (recording.sample_rate_hz == 0) {
     recording.notes.push_back({"no_sample_rate",
                                "neither times nor a sample rate in the file: give the rate (option "

@@ -14,6 +14,7 @@
 #include "signal/readers/uff/uff58.h"
 #include "signal/readers/uff/uff58_remark.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 #include "signal/recording/time_axis.h"
 #include "signal/recording/units.h"
 
@@ -303,26 +304,10 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
     }
     if (!axis.uniform) {
       recording.time_s = time;
-      recording.notes.push_back({"time_not_uniform",
-                                 "sampling is not uniform: times go back " +
-                                     std::to_string(axis.backward) + " times, repeat " +
-                                     std::to_string(axis.repeated) + " times, " +
-                                     std::to_string(axis.gaps) + " gaps",
-                                 ""});
+      recording.notes.push_back(not_uniform_note(axis));
     }
   }
-  if (options.sample_rate_hz > 0) {
-    if (recording.sample_rate_hz > 0 &&
-        std::abs(recording.sample_rate_hz / options.sample_rate_hz - 1) > 1e-4) {
-      recording.notes.push_back(
-          {"rate_overridden",
-           fmt::format("the file gives {:.9g} Hz; the rate asked for is taken",
-                       recording.sample_rate_hz),
-           ""});
-      recording.time_s.resize(0);
-    }
-    recording.sample_rate_hz = options.sample_rate_hz;
-  }
+  take_stated_rate(options.sample_rate_hz, recording);
   if (!(recording.sample_rate_hz > 0) || !std::isfinite(recording.sample_rate_hz)) {
     recording.sample_rate_hz = 0;
     recording.notes.push_back(
