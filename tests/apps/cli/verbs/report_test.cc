@@ -64,6 +64,26 @@ TEST_F(PublishedTables, WritesPageDocumentDataAndFigures) {
   EXPECT_THAT(run_->out, HasSubstr("report.html"));
 }
 
+// The load cell's errors, or tensions known to 2 %, leave nearly all of the cable's disagreement;
+// free tensions explain more than half of it. States are held out.
+TEST_F(PublishedTables, FitsOfTheCableShowWhatTensionsExplain) {
+  const auto fit = [&](const std::string& name) -> const Json& {
+    for (const auto& one : document_->at("fits")) {
+      if (one.at("fit") == name) return one;
+    }
+    throw std::out_of_range(name);
+  };
+  const auto rms = [](const Json& one) { return one.at("rms_relative_error").get<double>(); };
+  const double published = fit("fit-cable-tension-free")["rms_relative_error_before"];
+  EXPECT_GT(rms(fit("fit-cable-load-cell")), 0.8 * published);
+  EXPECT_GT(rms(fit("fit-cable-tension-known")), 0.9 * published);
+  EXPECT_LT(rms(fit("fit-cable-tension-free")), 0.5 * published);
+  for (const char* name : {"fit-cable-load-cell", "fit-cable-tension-known"}) {
+    EXPECT_EQ(fit(name)["hold_out"].size(), 8u) << name;
+    EXPECT_GE(fit(name)["rms_relative_error_held_out"].get<double>(), rms(fit(name))) << name;
+  }
+}
+
 // Equation (19) solved for EI from the slope that each published EI means gives that EI back; the
 // inversion is good to some units in the last place times the sensitivity of EI (below 10 here).
 TEST_F(PublishedTables, BendingEquationGivesTableOneBack) {
