@@ -58,8 +58,10 @@ Json parameters_json(const std::vector<ident::UpdatedParameter>& parameters) {
   Json list = Json::array();
   for (const auto& p : parameters) {
     Json budget = Json::array();
-    for (const auto& term : p.budget)
+    for (const auto& term : p.budget) {
       budget.push_back({{"source", term.source}, {"std", term.std}});
+      if (std::isfinite(term.change)) budget.back()["change"] = term.change;
+    }
     list.push_back({{"name", p.name},
                     {"start", p.start},
                     {"value", p.value},

@@ -221,6 +221,17 @@ void sample(const model::Scene& scene, const Selection& selection,
 
 }  // namespace
 
+void add_effect(const std::string& input, Eigen::Index parameter, double change,
+                FittedParameters& fitted) {
+  const auto size = static_cast<Eigen::Index>(fitted.parameters.size());
+  auto at = std::find_if(fitted.inputs.begin(), fitted.inputs.end(),
+                         [&](const InputEffect& one) { return one.name == input; });
+  if (at == fitted.inputs.end()) {
+    at = fitted.inputs.insert(at, {input, Eigen::VectorXd::Zero(size)});
+  }
+  at->change[parameter] = change;
+}
+
 FittedParameters fitted_parameters(const UpdateResult& fit,
                                    const std::vector<FreeParameter>& free) {
   FittedParameters fitted;
@@ -244,6 +255,12 @@ FittedParameters fitted_parameters(const UpdateResult& fit,
       const double value =
           fit.covariance(kept[static_cast<std::size_t>(i)], kept[static_cast<std::size_t>(j)]);
       fitted.covariance(i, j) = std::isfinite(value) ? value : 0;
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (const auto& term :
+         fit.parameters[static_cast<std::size_t>(kept[static_cast<std::size_t>(i)])].budget) {
+      if (std::isfinite(term.change)) add_effect(term.source, i, term.change, fitted);
     }
   }
   return fitted;

@@ -12,8 +12,9 @@
 // of its std, the modes are sampled instead (positive parameters lognormal), and the interval is
 // that of the samples.
 //
-// The uncertainty is that of the parameters handed over. What else the scene takes as known counts
-// as exact. Sources: GUM (JCGM 100:2008), 5; JCGM 101:2008 (sampling).
+// The uncertainty is that of the parameters handed over, and of the scene's own inputs that
+// scene_inputs.h adds to them. What else the scene takes as known counts as exact. Sources: GUM
+// (JCGM 100:2008), 5; JCGM 101:2008 (sampling).
 #pragma once
 
 #include <Eigen/Core>
@@ -41,10 +42,22 @@ struct KnownParameter {
   std::vector<double> factors = {};  ///< of each target; empty: 1
 };
 
+/// By how much each parameter of a fit changes when an input of the fit is larger by one of its
+/// standard uncertainties.
+struct InputEffect {
+  std::string name;
+  Eigen::VectorXd change;  ///< one a parameter
+};
+
 struct FittedParameters {
   std::vector<KnownParameter> parameters;
   Eigen::MatrixXd covariance;  ///< parameters x parameters, finite
+  std::vector<InputEffect> inputs = {};
 };
+
+/// Sets the effect of an input on a parameter, which is counted from 0.
+void add_effect(const std::string& input, Eigen::Index parameter, double change,
+                FittedParameters& fitted);
 
 /// Values and covariance of what a fit identified; the others are left out.
 [[nodiscard]] FittedParameters fitted_parameters(const UpdateResult& fit,

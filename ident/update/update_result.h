@@ -19,6 +19,9 @@ enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
 struct UpdateBudgetTerm {
   std::string source;  ///< "data", "model", "prior of ...", "segments", or an input's name
   double std = 0;
+  /// Of an input: by how much the value changes when the input is larger by one standard
+  /// uncertainty; NaN for other sources and those of several parts.
+  double change = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct UpdatedParameter {

@@ -67,7 +67,7 @@ FUNCTIONS = {
                     "aim", "candidates", "ends", "profile", "assumed_std", "model_std", "frf_model_std", "shape_std",
                     "segments", "starts", "start_spread", "hold_out", "threads", "seed"],
     rigfit.predict: ["scene", "fit", "map", "count", "segments", "measured", "column", "plane", "damage", "frf", "band",
-                     "lines", "response", "duration", "rate", "sample", "threads", "seed"],
+                     "lines", "response", "duration", "rate", "sample", "threads", "seed", "input"],
     rigfit.synthesize: ["scene", "out", "hits", "double_hits", "record", "rate", "finer", "tension", "tension_std",
                         "stiffness", "format", "accelerometer_mass", "bending_span", "bending_load", "axial_length",
                         "axial_length_std", "axial_mass", "axial_damping", "taps", "threads", "seed"],

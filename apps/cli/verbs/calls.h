@@ -198,7 +198,7 @@ struct PredictCommand {
   std::string scene;  ///< name in messages
   std::string from, measured, column, plane = "any", frf, response;
   double duration_s = 2, rate_hz = 500;  ///< of the response
-  std::vector<std::string> maps, damage;
+  std::vector<std::string> maps, damage, inputs;
   std::vector<double> band;
   int count = 6, segments = 0, lines = 400;
   bool sample = false;

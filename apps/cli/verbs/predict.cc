@@ -1,6 +1,7 @@
 // rigfit predict: parameters of a fit, with their covariance, in another scene.
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +16,7 @@
 #include "apps/cli/verbs/calls.h"
 #include "ident/predict/damage_estimate.h"
 #include "ident/predict/response_prediction.h"
+#include "ident/predict/scene_inputs.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
@@ -31,6 +33,76 @@ constexpr const char* kPredictExample =
 [[noreturn]] void refuse_file(const std::string& path, const std::string& what) {
   throw model::SceneError({path, 0, 0, ""}, what,
                           "give the JSON result of `rigfit update SCENE ... --json FIT.json`");
+}
+
+/// What the fit's own inputs do to its parameters, from their budgets.
+void read_input_effects(const Json& rows, const std::vector<std::size_t>& kept,
+                        ident::FittedParameters& fitted) {
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const auto& row = rows[kept[k]];
+    if (!row.contains("budget") || !row["budget"].is_array()) continue;
+    for (const auto& term : row["budget"]) {
+      if (!term.is_object() || !term.contains("source") || !term["source"].is_string() ||
+          !term.contains("change") || !term["change"].is_number()) {
+        continue;
+      }
+      ident::add_effect(term["source"].get<std::string>(), static_cast<Eigen::Index>(k),
+                        term["change"].get<double>(), fitted);
+    }
+  }
+}
+
+/// "NAME=STD", "NAME=0.5%" or "NAME=VALUE,STD": inputs of the scene with their uncertainty.
+std::vector<ident::SceneInput> scene_inputs(const std::vector<std::string>& texts) {
+  std::vector<ident::SceneInput> inputs;
+  inputs.reserve(texts.size());
+  for (const auto& text : texts) {
+    const auto number = [&](std::string part) {
+      double value = 0;
+      const auto* end = part.data() + part.size();
+      const auto [stop, error] = std::from_chars(part.data(), end, value);
+      if (error != std::errc() || stop != end || !std::isfinite(value)) {
+        throw UsageError("--input \"" + text +
+                         "\": write NAME=STD, NAME=0.5% or NAME=VALUE,STD with numbers");
+      }
+      return value;
+    };
+    const auto equals = text.rfind('=');
+    if (equals == std::string::npos || equals == 0) (void)number("");
+    ident::SceneInput input;
+    input.name = text.substr(0, equals);
+    std::string rest = text.substr(equals + 1);
+    if (const auto comma = rest.find(','); comma != std::string::npos) {
+      input.value = number(rest.substr(0, comma));
+      rest.erase(0, comma + 1);
+    }
+    input.relative = rest.ends_with("%");
+    if (input.relative) rest.pop_back();
+    input.std = number(rest) / (input.relative ? 100 : 1);
+    if (!(input.std > 0))
+      throw UsageError("--input \"" + text + "\": the uncertainty is not positive");
+    inputs.push_back(std::move(input));
+  }
+  return inputs;
+}
+
+/// Adds the inputs of `--input` and says what became of each.
+Json add_inputs(const model::Scene& scene, const PredictCommand& command, VerbContext& context,
+                ident::FittedParameters& fitted) {
+  Json list = Json::array();
+  for (const auto& one : ident::add_scene_inputs(scene, scene_inputs(command.inputs), fitted)) {
+    if (one.fitted) {
+      context.warn("input_is_fitted",
+                   one.name + " is a parameter of the fit, whose value and uncertainty are used",
+                   command.scene);
+      continue;
+    }
+    list.push_back({{"name", one.name},
+                    {"value", one.value},
+                    {"std", one.std},
+                    {"shared_with_fit", one.of_fit}});
+  }
+  return list;
 }
 
 /// Values and covariance of the parameters that a result of `rigfit update` identifies.
@@ -70,6 +142,7 @@ ident::FittedParameters read_fit(const std::string& path, VerbContext& context) 
     std.push_back(row["std"].get<double>());
     kept.push_back(i);
   }
+  read_input_effects(rows, kept, fitted);
   const auto n = static_cast<Eigen::Index>(kept.size());
   fitted.covariance.resize(n, n);
   for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -330,6 +403,8 @@ Json predict_result(const model::Scene& scene, const PredictCommand& command,
   auto fitted = read_fit(command.from, context);
   apply_maps(command.maps, fitted);
   if (fitted.parameters.empty()) throw Refused("the fit identifies no parameter", "no_parameter");
+  const ident::FittedParameters of_fit = fitted;
+  const Json inputs = add_inputs(scene, command, context, fitted);
   ident::PredictionOptions options;
   options.count = command.count;
   if (command.segments > 0) options.segments = command.segments;
@@ -342,9 +417,17 @@ Json predict_result(const model::Scene& scene, const PredictCommand& command,
     throw Refused(std::string(error.what()) + "; --map NAME=TARGET says what one is called here",
                   "parameter_not_in_scene");
   }
+  for (const auto& one : inputs) std::erase(prediction.used, one["name"].get<std::string>());
+  if (prediction.used.empty()) {
+    throw Refused(
+        "no parameter of the fit is one of this scene's; --map NAME=TARGET says what one "
+        "is called here",
+        "parameter_not_in_scene");
+  }
   Json json{{"title", scene.title},
             {"parameters_used", prediction.used},
             {"parameters_not_used", prediction.not_used}};
+  if (!inputs.empty()) json["uncertain_inputs"] = inputs;
   json["modes"] = modes_json(prediction);
   if (prediction.modes.empty()) {
     context.fail(prediction.equilibrium.reason, command.scene);
@@ -359,7 +442,7 @@ Json predict_result(const model::Scene& scene, const PredictCommand& command,
   print(context.out, prediction);
   if (!command.measured.empty()) json["measured"] = compared_json(command, prediction, context);
   for (const auto& text : command.damage)
-    json["damage"].push_back(damage_json(text, fitted, context));
+    json["damage"].push_back(damage_json(text, of_fit, context));
   if (!command.frf.empty()) write_frfs(command, scene, fitted, prediction, context);
   if (!command.response.empty()) {
     json["response"] = write_response(command, scene, fitted, context);
@@ -380,6 +463,11 @@ void add_predict(CLI::App& program, Verbs& verbs) {
   app->add_option("--map", c->maps,
                   "What a parameter of the fit is called here: NAME=TARGET[,-TARGET...]")
       ->type_name("MAP");
+  app->add_option("--input", c->inputs,
+                  "A number of this scene that is known to a standard uncertainty: NAME=STD, "
+                  "NAME=0.5% or NAME=VALUE,STD; one of the same name in the fit is the same "
+                  "quantity and counts once")
+      ->type_name("INPUT");
   app->add_option("--count", c->count, "The first N modes")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

@@ -120,7 +120,8 @@ def predict(
     column: str | None = None, plane: Literal["any", "in", "out"] = 'any',
     damage: str | Sequence[str] | None = None, frf: _Path | None = None, band: tuple[float, float] | None = None,
     lines: int | None = None, response: _Path | None = None, duration: float | None = None, rate: float | None = None,
-    sample: bool = False, threads: int | None = None, seed: int | None = None
+    sample: bool = False, threads: int | None = None, seed: int | None = None,
+    input: str | Sequence[str] | None = None
 ) -> PredictResult: ...
 
 def synthesize(

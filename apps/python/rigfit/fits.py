@@ -221,7 +221,7 @@ def _scene_file(scene, index, folder):
 
 def predict(scene, fit, *, map=None, count=None, segments=None, measured=None, column=None, plane="any", damage=None,
             frf=None, band=None, lines=None, response=None, duration=None, rate=None, sample=False, threads=None,
-            seed=None):
+            seed=None, input=None):
     """Modes of another scene with the parameters of a fit, with intervals from their covariance.
 
     Parameters
@@ -266,6 +266,9 @@ def predict(scene, fit, *, map=None, count=None, segments=None, measured=None, c
         Threads to use (all processors); the numbers do not depend on it (1 to 1024).
     seed : int, optional
         Seed of every random number (default 1).
+    input : str or list of str, optional
+        A number of this scene that is known to a standard uncertainty: NAME=STD, NAME=0.5% or NAME=VALUE,STD; one of
+        the same name in the fit is the same quantity and counts once.
 
     Returns
     -------
@@ -287,6 +290,8 @@ def predict(scene, fit, *, map=None, count=None, segments=None, measured=None, c
     options["plane"] = checks.choice("plane", plane, ("any", "in", "out"))
     if damage is not None:
         options["damage"] = checks.texts("damage", damage)
+    if input is not None:
+        options["input"] = checks.texts("input", input)
     for name, value in (("frf", frf), ("response", response)):
         if value is not None:
             options[name] = checks.new_file(name, value)

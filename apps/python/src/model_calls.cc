@@ -247,6 +247,7 @@ py::tuple predict(const py::object& given, const py::dict& options_given) {
   options.take("column", command.column);
   options.take("plane", command.plane);
   options.take("damage", command.damage);
+  options.take("input", command.inputs);
   options.take("frf", command.frf);
   options.take("band", command.band);
   options.take("lines", command.lines);

@@ -222,8 +222,9 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
       const double by_source = std::abs(by[i] * result.shifts(i, k));
       if (parameter.budget.back().source == source) {  // a source of several columns
         parameter.budget.back().std = std::hypot(parameter.budget.back().std, by_source);
+        parameter.budget.back().change = kNaN;
       } else {
-        parameter.budget.push_back({source, by_source});
+        parameter.budget.push_back({source, by_source, by[i] * result.shifts(i, k)});
       }
       if (k == 0 && options.segment_uncertainty && source == "segments") {
         parameter.segment_shift = by[i] * result.shifts(i, k);
