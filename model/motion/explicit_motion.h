@@ -17,7 +17,10 @@
 //
 // Forces enter as averages over a step that keep the impulse exact. Dampers act between steps
 // (Strang splitting, motion_damper.h); what they take is counted in processed velocities, so that
-// the account closes for the fastest waves too.
+// the account closes for the fastest waves too. Joint dampers that overdamp waves (joints_overdamp)
+// are in balance with the elastic forces that they are split from: the response then errs in
+// proportion to the interval between two actions, by 1e-3 to 6e-2 for axial dampers of 30 to 30,000
+// N s on a steel cable, which is why such scenes take the implicit scheme unless told otherwise.
 #pragma once
 
 #include <optional>

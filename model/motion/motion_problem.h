@@ -48,4 +48,11 @@ struct MotionOutput {
 /// Whether any segment or joint has a damper.
 [[nodiscard]] bool any_joint_damping(const Chain& chain);
 
+/// Whether joint dampers overdamp some wave of a chain of such segments: d omega / (2 k) > 1 for
+/// the fastest axial wave, omega^2 = 4 k / m, or bending wave, omega^2 = 16 k / (m l^2), of
+/// stiffness k, damper d and mass m = (1 - 4 coupling) of a segment's. Such dampers do not split
+/// from the elastic forces that they are in balance with: splitting errs in proportion to its
+/// interval.
+[[nodiscard]] bool joints_overdamp(const Chain& chain);
+
 }  // namespace rigfit::model

@@ -81,9 +81,11 @@ ModalDamping modal_damping(const ChainModes& modes, const LinearAnswer& answer,
 
 // Forces an explicit run evaluates a second, against what an implicit one does in the same units: a
 // Newton iteration (three forces, at times a tangent and its factors) costs some twenty of them.
+// The explicit scheme splits dampers off, which those that overdamp waves do not allow.
 ResponseSolver cheaper(const MotionProblem& problem, double upper_frequency_hz, double accuracy,
                        double rate_hz) {
-  if (!kernel_supports(*problem.chain, problem.motion == Motion::in_plane ? 2 : 3)) {
+  if (!kernel_supports(*problem.chain, problem.motion == Motion::in_plane ? 2 : 3) ||
+      (problem.joint_damping && joints_overdamp(*problem.chain))) {
     return ResponseSolver::implicit_motion;
   }
   const double highest = highest_frequency(*problem.chain, problem.motion, problem.start);

@@ -4,10 +4,11 @@
 // estimated (nonlinearity.h). Within the scene's accuracy the exact
 // modal response is the answer; beyond it the equations are integrated as they are, in the plane
 // when nothing pushes the scene out of it, explicitly unless that would take many times the work of
-// the implicit scheme. Only the motions that a load drives are looked at; axial waves are slowed
-// (explicit_motion.h) where the estimate of what that costs allows it; members that say "auto" get
-// the segments that bring the error of frequencies below the scene's accuracy. Every choice can be
-// forced, and what was left out is listed with its estimated cost (response_estimates.h).
+// the implicit scheme or joint dampers overdamp waves. Only the motions that a load drives are
+// looked at; axial waves are slowed (explicit_motion.h) where the estimate of what that costs
+// allows it; members that say "auto" get the segments that bring the error of frequencies below the
+// scene's accuracy. Every choice can be forced, and what was left out is listed with its estimated
+// cost (response_estimates.h).
 //
 // A hung mass acts as mass x |gravity| along the load's direction, and is gone at t = 0. Sensors:
 // displacements from the unloaded equilibrium, force the axial force (static part included).

@@ -179,6 +179,31 @@ TEST(Response, DampedReleaseAgreesBetweenIntegratorsAndItsAccountCloses) {
   }
 }
 
+TEST(Response, OverdampedJointsGoTheImplicitWay) {
+  // The fastest waves' damping: d omega / (2 EA) = 0.8 and 80, of bending d omega / (2 EI) = 6.7.
+  Scene scene = testing::released_cable(10);
+  scene.sensors[1].quantity = Sensor::Quantity::force;
+  ResponseOptions options;
+  options.sampling = {.duration_s = 0.2, .rate_hz = 1000, .energy_samples = 20};
+  for (const double axial : {30.0, 3000.0}) {
+    scene.members[0].damping = {.axial = axial, .bending = 0.05, .torsion = 0};
+    options.solver = ResponseSolver::cvode_banded;
+    options.relative_tolerance = 1e-9;
+    const ResponseResult truth = simulate_response(scene, options);
+    ASSERT_TRUE(truth.completed) << truth.reason;
+    options.solver = ResponseSolver::automatic;
+    const ResponseResult own = simulate_response(scene, options);
+    ASSERT_TRUE(own.completed) << own.reason;
+    EXPECT_EQ(own.solver, ResponseSolver::implicit_motion);
+    EXPECT_LT(relative_difference(own.samples, truth.samples, 0), 1e-4);
+    EXPECT_LT(changes_apart(own.samples, truth.samples, 1), 1e-4);
+    EXPECT_LT(own.energy_drift, 1e-5);
+  }
+  // d omega / (2 EA) = 0.03, of bending 0.007.
+  scene.members[0].damping = {.axial = 1, .bending = 5e-5, .torsion = 0};
+  EXPECT_EQ(simulate_response(scene, options).solver, ResponseSolver::explicit_motion);
+}
+
 TEST(Response, DampedMotionNeedsNoAccount) {
   // What dampers take is only counted for an account: without one the run must not be taken for
   // unstable, and goes the same way but for rounding (a damper in two halves or in one).
