@@ -112,24 +112,32 @@ alignas(64) constexpr double kRoot[7][kLanes] = {RIGFIT_ALL(0.5),          RIGFI
 
 // With q = (L/l)^2, u = 1 - q: 1/L = (1/l) (1 + u g(u)), (L - l)/l = u (g (1 - u) - 1), without a
 // square root and without cancellation; q = 1 in padding slots.
+// Differences of a row's positions to the next nodes', and their square.
+template <int D, int W>
+RIGFIT_INLINE Lanes<W> edges(int r, int rows, std::ptrdiff_t stride, const double* positions,
+                             Lanes<W>* e) {
+  using L = Lanes<W>;
+  L square = L::zero();
+  for (int c = 0; c < D; ++c) {
+    const double* x = positions + c * stride + static_cast<std::ptrdiff_t>(r) * kLanes;
+    const L next = r + 1 < rows ? L::load(x + kLanes) : left<1, W>(L::load(positions + c * stride));
+    e[c] = next - L::load(x);
+    square = c == 0 ? e[c] * e[c] : square + e[c] * e[c];
+  }
+  return square;
+}
+
 template <int D, int W>
 RIGFIT_INLINE void tangents(const LaneMember& member, std::ptrdiff_t stride,
                             const double* positions, const LaneScratch& scratch) {
   using L = Lanes<W>;
   const int rows = member.rows;
   const L one = L::load(kOne);
-  L now[D], first[D], largest = L::zero();
-  for (int c = 0; c < D; ++c) now[c] = first[c] = L::load(positions + c * stride);
+  L largest = L::zero();
   for (int r = 0; r < rows; ++r) {
     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(r) * kLanes;
-    L e[D], square;
-    for (int c = 0; c < D; ++c) {
-      const L next =
-          r + 1 < rows ? L::load(positions + c * stride + at + kLanes) : left<1, W>(first[c]);
-      e[c] = next - now[c];
-      now[c] = next;
-      square = c == 0 ? e[c] * e[c] : square + e[c] * e[c];
-    }
+    L e[D];
+    const L square = edges<D, W>(r, rows, stride, positions, e);
     const L q = square * L::load(member.inverse_square + at) + L::load(member.pad + at);
     const L u = one - q;
     const auto pair = [&](int k)
@@ -150,17 +158,10 @@ RIGFIT_INLINE void tangents(const LaneMember& member, std::ptrdiff_t stride,
   for (const double value : sum) all += value;
   if (all <= kSeries * kSeries * kSeries * kSeries) return;
   // Stretched further than that: by square roots.
-  for (int c = 0; c < D; ++c) now[c] = first[c];
   for (int r = 0; r < rows; ++r) {
     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(r) * kLanes;
-    L e[D], square;
-    for (int c = 0; c < D; ++c) {
-      const L next =
-          r + 1 < rows ? L::load(positions + c * stride + at + kLanes) : left<1, W>(first[c]);
-      e[c] = next - now[c];
-      now[c] = next;
-      square = c == 0 ? e[c] * e[c] : square + e[c] * e[c];
-    }
+    L e[D];
+    const L square = edges<D, W>(r, rows, stride, positions, e);
     const L ratio =
         root<W>(square * L::load(member.inverse_square + at) + L::load(member.pad + at));
     const L inverse = L::load(member.inverse_length + at) / ratio;
@@ -178,29 +179,26 @@ RIGFIT_INLINE void forces(const LaneMember& member, std::ptrdiff_t stride,
   using L = Lanes<W>;
   const int rows = member.rows;
   const std::ptrdiff_t end = static_cast<std::ptrdiff_t>(rows - 1) * kLanes;
-  L before[D], now[D], first[D], last[D];
-  for (int c = 0; c < D; ++c) {
-    now[c] = first[c] = L::load(scratch.direction[c]);
-    before[c] = left<7, W>(L::load(scratch.direction[c] + end));
-    last[c] = L::zero();
-  }
+  L last[D];
+  for (int c = 0; c < D; ++c) last[c] = L::zero();
   for (int r = 0; r < rows; ++r) {
     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(r) * kLanes;
     const L in = L::load(member.joint_before + at), out = L::load(member.joint_behind + at);
     const L inverse = L::load(scratch.inverse + at);
-    L next[D], g[D], along;
+    L g[D], along;
     for (int c = 0; c < D; ++c) {
-      next[c] = r + 1 < rows ? L::load(scratch.direction[c] + at + kLanes) : left<1, W>(first[c]);
-      g[c] = (in * before[c] + out * next[c]) * inverse;
-      along = c == 0 ? g[c] * now[c] : along + g[c] * now[c];
+      const double* t = scratch.direction[c];
+      const L before = r > 0 ? L::load(t + at - kLanes) : left<7, W>(L::load(t + end));
+      const L next = r + 1 < rows ? L::load(t + at + kLanes) : left<1, W>(L::load(t));
+      g[c] = (in * before + out * next) * inverse;
+      const L own = g[c] * L::load(t + at);
+      along = c == 0 ? own : along + own;
     }
     along = along + L::load(scratch.tension + at);
     for (int c = 0; c < D; ++c) {
-      const L f = along * now[c] - g[c];
+      const L f = along * L::load(scratch.direction[c] + at) - g[c];
       (f - last[c] + L::load(weight + c * stride + at)).store(force + c * stride + at);
       last[c] = f;
-      before[c] = now[c];
-      now[c] = next[c];
     }
   }
   // The first row lacks what the lane before has in its last.
