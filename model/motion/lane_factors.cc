@@ -78,7 +78,7 @@ LaneFactors lane_factors(const std::vector<double>& diagonal, const std::vector<
   }
   const Eigen::Matrix<double, kLanes, kLanes> inverse =
       schur.llt().solve(Eigen::Matrix<double, kLanes, kLanes>::Identity());
-  out.separators.assign(kLanes * kLanes, 0);
+  out.separators.assign(at(kLanes * kLanes), 0);
   for (int lane = 0; lane < kLanes; ++lane) {
     for (int k = 0; k < kLanes; ++k) {
       const int other = (lane + k) % kLanes;

@@ -36,14 +36,14 @@ struct Lanes {
   static RIGFIT_INLINE Lanes load(const double* p) {
     Lanes out;
     RIGFIT_PARTS
-    for (int k = 0; k < kParts; ++k) {
+    for (std::ptrdiff_t k = 0; k < kParts; ++k) {
       out.part[k] = *reinterpret_cast<const typename Native<W>::memory*>(p + k * W);
     }
     return out;
   }
   RIGFIT_INLINE void store(double* p) const {
     RIGFIT_PARTS
-    for (int k = 0; k < kParts; ++k) {
+    for (std::ptrdiff_t k = 0; k < kParts; ++k) {
       *reinterpret_cast<typename Native<W>::memory*>(p + k * W) = part[k];
     }
   }
@@ -211,7 +211,7 @@ template <int W>
 RIGFIT_INLINE Lanes<W> separated(const LaneFactors& f, const Lanes<W>& z) {
   using L = Lanes<W>;
   const double* inverse = f.separators.data();
-  const auto row = [&](int k) RIGFIT_ALWAYS { return L::load(inverse + k * kLanes); };
+  const auto row = [&](std::ptrdiff_t k) RIGFIT_ALWAYS { return L::load(inverse + k * kLanes); };
   return ((row(0) * z + row(1) * left<1, W>(z)) +
           (row(2) * left<2, W>(z) + row(3) * left<3, W>(z))) +
          ((row(4) * left<4, W>(z) + row(5) * left<5, W>(z)) +
@@ -260,6 +260,7 @@ RIGFIT_INLINE void solve(const LaneFactors* const* factors, std::ptrdiff_t strid
 }
 
 // One set of functions for every width.
+// NOLINTBEGIN(bugprone-macro-parentheses): an attribute in parentheses is none.
 #define RIGFIT_LANE_LOOPS(name, attribute, W)                                                     \
   template <int D>                                                                                \
   attribute void tangents_##name(const LaneMember& member, std::ptrdiff_t stride,                 \
@@ -284,6 +285,7 @@ RIGFIT_LANE_LOOPS(avx2, RIGFIT_AVX2, 4)
 RIGFIT_LANE_LOOPS(avx512, RIGFIT_AVX512, 8)
 #endif
 #undef RIGFIT_LANE_LOOPS
+// NOLINTEND(bugprone-macro-parentheses)
 
 template <int D>
 const LaneLoops<D>& chosen([[maybe_unused]] int widest) {

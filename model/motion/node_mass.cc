@@ -61,9 +61,10 @@ typename NodeMass<D>::Inner NodeMass<D>::factor(const Member& member, double kap
     both[second] = out.first_off;
     both[at(kLanes * rows) + before_last] = out.last_off;
     const LaneFactors* const factors[2] = {&out.factors, &out.factors};
-    lane_loops<2>().solve(factors, kLanes * rows, both.data());
-    std::copy_n(both.begin(), kLanes * rows, out.from_first.begin());
-    std::copy_n(both.begin() + kLanes * rows, kLanes * rows, out.from_last.begin());
+    lane_loops<2>().solve(factors, std::ptrdiff_t{kLanes} * rows, both.data());
+    const std::ptrdiff_t slots = std::ptrdiff_t{kLanes} * rows;
+    std::copy_n(both.begin(), slots, out.from_first.begin());
+    std::copy_n(both.begin() + slots, slots, out.from_last.begin());
     out.own_first -= out.first_off * out.from_first[second];
     out.own_last -= out.last_off * out.from_last[before_last];
     out.both = -out.first_off * out.from_last[second];
@@ -86,7 +87,7 @@ void NodeMass<D>::slow_axial(double kappa, const double* positions) {
     plan.slowed = factor(member, kappa);
     Eigen::Matrix<double, D, 1> chord;
     for (int c = 0; c < D; ++c) {
-      const double* x = positions + c * entries_;
+      const double* x = positions + std::ptrdiff_t{c} * entries_;
       chord(c) = x[plan.entry.back()] - x[plan.entry.front()];
     }
     chord.normalize();
@@ -153,7 +154,7 @@ void NodeMass<D>::rotate(const Plan& plan, const Member& member, bool back, doub
   if (!back) turn.transposeInPlace();
   const int slots = kLanes * member.rows();
   double* a[D];
-  for (int c = 0; c < D; ++c) a[c] = values + c * entries_ + member.offset;
+  for (int c = 0; c < D; ++c) a[c] = values + std::ptrdiff_t{c} * entries_ + member.offset;
   for (int i = 0; i < slots; ++i) {
     Eigen::Matrix<double, D, 1> value;
     for (int c = 0; c < D; ++c) value(c) = a[c][i];
@@ -239,7 +240,7 @@ void NodeMass<D>::solve_ends(double* values) {
       for (int c = 0; c < D; ++c) {
         const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
         const LaneVector& from = end == 0 ? inner.from_first : inner.from_last;
-        double* a = values + c * entries_ + member.offset;
+        double* a = values + std::ptrdiff_t{c} * entries_ + member.offset;
         add_multiple(kLanes * member.rows(), a, -own(c), from.data(), a);
       }
     }
@@ -253,8 +254,8 @@ double NodeMass<D>::product(const double* x, const double* y) const {
     const Member& member = members_[m];
     const int* entry = plans_[m].entry.data();
     for (int c = 0; c < D; ++c) {
-      const double* a = x + c * entries_;
-      const double* b = y + c * entries_;
+      const double* a = x + std::ptrdiff_t{c} * entries_;
+      const double* b = y + std::ptrdiff_t{c} * entries_;
       for (int i = 0; i <= member.segments; ++i) {
         sum += member.diagonal[at(i)] * a[entry[i]] * b[entry[i]];
       }

@@ -3,6 +3,7 @@
 // error is that against a sixth, over 15 (fourth order).
 //
 //   response_table [DURATION_S [SEGMENTS]]
+//   response_table cost: nanoseconds a segment and step of the explicit scheme against segments
 //
 // Times are the processor's, one core (the median of repeated runs). Errors are root-mean-square
 // differences over the root-mean-square of the truth (about its mean), for the displacement and the
@@ -14,6 +15,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <string>
 #include <vector>
 
 #include "model/response/response.h"
@@ -54,9 +56,44 @@ double adams_time(const std::vector<Row>& adams, double wanted) {
   return adams[best].time_s;
 }
 
+// The least of seven runs of 24,000 steps, less what a run without steps takes.
+void cost_of_a_step() {
+  std::printf("| segments | in the plane, ns a segment and step | in space |\n|---|---|---|\n");
+  for (const int segments : {6, 14, 30, 60, 120, 240}) {
+    const Scene scene = testing::released_cable(segments);
+    std::printf("| %d |", segments);
+    for (const bool plane : {true, false}) {
+      ResponseOptions options;
+      options.solver = ResponseSolver::explicit_motion;
+      options.plane = plane;
+      options.axial = true;
+      options.step_s = 0.0005 / 6 * 30 / segments;
+      const double rate = 1 / (6 * *options.step_s);
+      double least[2] = {1e9, 1e9};
+      for (int part = 0; part < 2; ++part) {
+        const int rows = part == 0 ? 1 : 4001;
+        options.sampling = {.duration_s = rows / rate, .rate_hz = rate, .energy_samples = 0};
+        for (int i = 0; i < 7; ++i) {
+          const std::clock_t begin = std::clock();
+          const ResponseResult result = simulate_response(scene, options);
+          if (!result.completed) std::printf(" failed: %s", result.reason.c_str());
+          least[part] =
+              std::min(least[part], static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+        }
+      }
+      std::printf(" %.1f |", (least[1] - least[0]) / 24000 / segments * 1e9);
+    }
+    std::printf("\n");
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "cost") {
+    cost_of_a_step();
+    return 0;
+  }
   const double duration = argc > 1 ? std::atof(argv[1]) : 10;
   const Scene scene = testing::released_cable(argc > 2 ? std::atoi(argv[2]) : 30);
   ResponseOptions options;

@@ -67,7 +67,7 @@ Loops run(const Zigzag<D>& chain, int widest) {
   scratch.tension = out.tension.data();
   loops.tangents(chain.member(), chain.slots, chain.positions.data(), scratch);
   loops.forces(chain.member(), chain.slots, scratch, chain.weight.data(), out.force.data());
-  const std::vector<double> diagonal(static_cast<std::size_t>(chain.segments + 1), 10.0 / 12);
+  const std::vector<double> diagonal(static_cast<std::size_t>(chain.segments) + 1, 10.0 / 12);
   const std::vector<double> off(static_cast<std::size_t>(chain.segments), 1.0 / 12);
   const LaneFactors factors = lane_factors(diagonal, off, 1, chain.segments - 1, chain.rows);
   const LaneFactors* const each[3] = {&factors, &factors, &factors};
@@ -126,16 +126,16 @@ TEST(LaneLoops, SolvesTridiagonalSystems) {
   for (const double dominance : {0.2, 0.9999}) {
     for (int n = 2; n <= 60; n += n < 18 ? 1 : 7) {
       const int rows = lane_rows(n), slots = kLanes * rows;
-      std::vector<double> diagonal(static_cast<std::size_t>(n + 1)), off(diagonal.size() - 1);
+      std::vector<double> diagonal(static_cast<std::size_t>(n) + 1), off(diagonal.size() - 1);
       for (double& d : diagonal) d = 2 + 0.1 * uniform(random);
       for (std::size_t i = 0; i < off.size(); ++i) {
         off[i] = dominance * std::sqrt(diagonal[i] * diagonal[i + 1]) / 2;
       }
       Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n - 1, n - 1);
       Eigen::VectorXd right(n - 1), found(n - 1);
-      LaneVector values(static_cast<std::size_t>(2 * slots), 0);
+      LaneVector values(2 * static_cast<std::size_t>(slots), 0);
       for (int i = 0; i < n - 1; ++i) {
-        const auto k = static_cast<std::size_t>(i + 1);
+        const auto k = static_cast<std::size_t>(i) + 1;
         A(i, i) = diagonal[k];
         if (i > 0) A(i, i - 1) = A(i - 1, i) = off[k - 1];
         right(i) = uniform(random);
