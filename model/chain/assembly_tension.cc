@@ -78,7 +78,9 @@ void Assembly::add_tension_gradient(const ChainState& state, int index, Eigen::V
                                     double& by_length, double* value) const {
   const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
   const Eigen::Vector3d h = member.tension_direction;
-  const int middle = member.segments / 2;
+  int middle = member.segments / 2;
+  while (middle > 0 && member.places[std::size_t(middle)] > 0.5) --middle;
+  while (member.places[std::size_t(middle) + 1] <= 0.5) ++middle;
   const int k = member.first_segment + middle;
   const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
   const Directed here = directed(*chain_, state, k);

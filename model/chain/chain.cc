@@ -17,31 +17,44 @@ namespace {
 constexpr int kDefaultSegments = 30;        // the paper's
 constexpr double kClampedAxial = 14.0 / 9;  // (1/12 + 5/108) / (1/12), segment_lumping.h
 
+/// Share of a segment's mass that couples its nodes.
+double mass_coupling(RotaryInertia lumping, bool cable) {
+  if (!cable || lumping == RotaryInertia::rigid_rod) return 1.0 / 6;
+  return lumping == RotaryInertia::accurate ? 1.0 / 12 : 0;
+}
+
 double power(double x, int n) {
   double y = 1;
   for (int k = 0; k < n; ++k) y *= x;
   return y;
 }
 
-/// The segment-wise numbers of a member of unstretched length L, tapered.
+/// The segment-wise numbers of a member of unstretched length L, tapered, cut at `places`.
 class Sections {
  public:
-  Sections(const Member& member, int n, double length) : member_(member), n_(n), l_(length / n) {}
+  Sections(const Member& member, const std::vector<double>& places, double length)
+      : member_(member), places_(places), length_(length) {}
 
+  [[nodiscard]] std::size_t segments() const { return places_.size() - 1; }
   double diameter(double s) const { return 1 + (member_.taper - 1) * s; }  // over the first
-  double segment_mass(int i) const {
-    const double d0 = diameter(double(i) / n_), d1 = diameter(double(i + 1) / n_);
-    return member_.mass_per_length * l_ * (d0 * d0 + d0 * d1 + d1 * d1) / 3;
+  double segment_length(std::size_t i) const { return length_ * (places_[i + 1] - places_[i]); }
+  double segment_mass(std::size_t i) const {
+    const double d0 = diameter(places_[i]), d1 = diameter(places_[i + 1]);
+    return member_.mass_per_length * segment_length(i) * (d0 * d0 + d0 * d1 + d1 * d1) / 3;
   }
-  double EA(int i) const { return member_.EA * power(diameter((i + 0.5) / n_), 2); }
-  double polar(int i) const {
-    return member_.polar_inertia * l_ * power(diameter((i + 0.5) / n_), 4);
+  double EA(std::size_t i) const { return member_.EA * power(diameter(middle(i)), 2); }
+  double polar(std::size_t i) const {
+    return member_.polar_inertia * segment_length(i) * power(diameter(middle(i)), 4);
   }
-  /// Of a joint at s (0..1) of a flexibility in l / EI there; torsion over `share` segments.
-  /// `axial` N, of a beam (segment_lumping.h).
-  JointSprings springs(double s, double flexibility, double share, bool framed,
+  /// Of the joint before segment i, or at the far end, at s (0..1), of a flexibility in l / EI
+  /// there; torsion over `share` segments. `axial` N, of a beam (segment_lumping.h).
+  JointSprings springs(std::size_t i, double s, double flexibility, double share, bool framed,
                        double axial) const {
-    const double f = power(diameter(s), 4) / l_, stiffened = -axial * l_ / 12;
+    const double before = segment_length(i > 0 ? i - 1 : 0);
+    const double after = segment_length(std::min(i, segments() - 1));
+    const double l = 0.5 * (before + after);
+    const double f = power(diameter(s), 4) / l;
+    const double stiffened = -axial * (before * before + after * after) / (24 * l);
     const auto bent = [&](double EI) {
       return EI > 0 ? std::max(EI * f + stiffened, 0.5 * EI * f) / flexibility : 0;
     };
@@ -49,38 +62,42 @@ class Sections {
     springs.about_1 = bent(member_.EI[0]);
     springs.about_2 = bent(member_.EI[1]);
     springs.torsion = framed ? member_.GJ * f / share : 0;
-    springs.bending_damping = member_.damping.bending / (flexibility * l_);
-    springs.torsion_damping = framed ? member_.damping.torsion / (share * l_) : 0;
+    springs.bending_damping = member_.damping.bending / (flexibility * l);
+    springs.torsion_damping = framed ? member_.damping.torsion / (share * l) : 0;
     return springs;
   }
-  /// T l^2 / EI of the softer bending at s.
-  double layers(double tension, double s) const {
-    const double EI = std::min(member_.EI[0], member_.EI[1]) * power(diameter(s), 4);
+  /// T l^2 / EI of the softer bending at an end.
+  double layers(double tension, std::size_t end) const {
+    const double EI = std::min(member_.EI[0], member_.EI[1]) * power(diameter(double(end)), 4);
+    const double l = segment_length(end == 0 ? 0 : segments() - 1);
     if (!(tension > 0)) return 0;
-    return EI > 0 ? tension * l_ * l_ / EI : std::numeric_limits<double>::infinity();
+    return EI > 0 ? tension * l * l / EI : std::numeric_limits<double>::infinity();
   }
 
  private:
+  double middle(std::size_t i) const { return 0.5 * (places_[i] + places_[i + 1]); }
+
   const Member& member_;
-  int n_;
-  double l_;
+  const std::vector<double>& places_;
+  double length_;
 };
 
 /// Of every joint of a member, ends included, in l / EI (segment_lumping.h).
-std::vector<double> joint_flexibilities(const Sections& sections, int n, double tension,
-                                        bool accurate, const std::array<bool, 2>& bent) {
-  std::vector<double> out(static_cast<std::size_t>(n) + 1, 1.0);
+std::vector<double> joint_flexibilities(const Sections& sections, double tension,
+                                        RotaryInertia lumping, const std::array<bool, 2>& bent) {
+  const std::size_t n = sections.segments();
+  std::vector<double> out(n + 1, 1.0);
   out.front() = out.back() = ClampFlexibility{}.end;
-  if (!accurate) return out;
+  if (lumping != RotaryInertia::accurate) return out;
   std::array<ClampFlexibility, 2> clamp;
   for (std::size_t e = 0; e < 2; ++e) {
-    clamp[e] = clamp_flexibility(sections.layers(tension, double(e)));
-    out[e == 0 ? 0 : std::size_t(n)] = clamp[e].end;
+    clamp[e] = clamp_flexibility(sections.layers(tension, e));
+    out[e == 0 ? 0 : n] = clamp[e].end;
   }
   for (std::size_t e = 0; e < 2; ++e) {
     if (!bent[e]) continue;
-    out[std::size_t(e == 0 ? 1 : n - 1)] += clamp[e].next;
-    out[std::size_t(e == 0 ? 2 : n - 2)] += clamp[e].second;
+    out[e == 0 ? 1 : n - 1] += clamp[e].next;
+    out[e == 0 ? 2 : n - 2] += clamp[e].second;
   }
   return out;
 }
@@ -95,32 +112,62 @@ double tension_about(const Chain& chain, const ChainMember& out, const Member& m
                          member.mass_per_length * across);
 }
 
-ChainPoint point_on(const ChainMember& member, double s) {
+/// Where the segments of `n` end: as asked, or evenly.
+std::vector<double> places_of(const std::vector<double>& asked, int n) {
+  if (!asked.empty()) return asked;
+  std::vector<double> places(static_cast<std::size_t>(n) + 1);
+  for (int i = 0; i <= n; ++i) places[static_cast<std::size_t>(i)] = double(i) / n;
+  return places;
+}
+
+/// The segment that a place lies in.
+std::size_t segment_at(const std::vector<double>& places, double s) {
+  const auto after = std::upper_bound(places.begin(), places.end(), s) - places.begin();
+  return static_cast<std::size_t>(
+      std::clamp<std::ptrdiff_t>(after - 1, 0, static_cast<std::ptrdiff_t>(places.size()) - 2));
+}
+
+ChainPoint point_on(const ChainMember& member, double position) {
   ChainPoint point;
   const int n = member.segments;
-  const double x = std::clamp(s, 0.0, 1.0) * n;
-  const int segment = std::min(static_cast<int>(x), n - 1);
-  point.segment = member.first_segment + segment;
-  const double nearest = std::round(x);
-  if (std::abs(x - nearest) < 1e-9) {
-    point.node[0] = member.nodes[static_cast<std::size_t>(nearest)];
+  const std::vector<double>& places = member.places;
+  const double s = std::clamp(position, 0.0, 1.0);
+  const std::size_t segment = segment_at(places, s);
+  point.segment = member.first_segment + static_cast<int>(segment);
+  const double length = places[segment + 1] - places[segment];
+  for (const std::size_t node : {segment, segment + 1}) {
+    if (std::abs(s - places[node]) >= 1e-9 * length) continue;
+    point.node[0] = member.nodes[node];
     point.weight[0] = 1;
     point.count = 1;
     return point;
   }
   const int count = n >= 3 ? 4 : 2;
-  const int begin = count == 2 ? segment : std::clamp(segment - 1, 0, n - 3);
+  const int begin =
+      count == 2 ? static_cast<int>(segment) : std::clamp(static_cast<int>(segment) - 1, 0, n - 3);
   point.count = count;
+  const auto place = [&](int i) { return places[static_cast<std::size_t>(begin + i)]; };
   for (int i = 0; i < count; ++i) {  // Lagrange's weights
     double weight = 1;
     for (int j = 0; j < count; ++j) {
-      if (j != i) weight *= (x - (begin + j)) / double(i - j);
+      if (j != i) weight *= (s - place(j)) / (place(i) - place(j));
     }
     const auto k = static_cast<std::size_t>(i);
     point.node[k] = member.nodes[static_cast<std::size_t>(begin + i)];
     point.weight[k] = weight;
   }
   return point;
+}
+
+/// Between the nodes of the segment that it stands in, or at one of them.
+PointMass point_mass_on(const ChainMember& member, const AttachedMass& mass) {
+  const double s = std::clamp(mass.position, 0.0, 1.0);
+  const std::size_t i = segment_at(member.places, s);
+  const double length = member.places[i + 1] - member.places[i];
+  return {{member.nodes[i], member.nodes[i + 1]},
+          (s - member.places[i]) / length,
+          mass.mass,
+          member.scene_member};
 }
 
 Eigen::Matrix3d permute(const Eigen::Matrix3d& axes, const Eigen::Vector3d& diagonal) {
@@ -154,6 +201,9 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     const int asked = m < options.segments.size() ? options.segments[m] : 0;
     const int own = scene.members[m].segments > 0 ? scene.members[m].segments : kDefaultSegments;
     counts[m] = std::max(2, asked > 0 ? asked : own);
+    if (m < options.places.size() && !options.places[m].empty()) {
+      counts[m] = static_cast<int>(options.places[m].size()) - 1;
+    }
     nodes += counts[m] - 1;
     segment_count += counts[m];
   }
@@ -235,20 +285,25 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
 
     const bool framed = reduction.torsion[m];
     const Eigen::Matrix3d axes = chain.axes * material_axes(chain.axes.transpose() * chord);
-    const Sections sections(member, n, out.unstretched_length);
+    out.places =
+        places_of(m < options.places.size() ? options.places[m] : std::vector<double>{}, n);
+    const std::vector<double>& places = out.places;
+    const Sections sections(member, places, out.unstretched_length);
     const bool accurate = options.rotary_inertia == RotaryInertia::accurate;
     const double tension = accurate ? tension_about(chain, out, member, chord) : 0;
-    const AxialForce axial = accurate ? nominal_axial_force(scene, ends, m) : AxialForce{};
+    const AxialForce axial = options.rotary_inertia == RotaryInertia::rigid_rod
+                                 ? AxialForce{}
+                                 : nominal_axial_force(scene, ends, m);
     std::array<bool, 2> bent{false, false};  // ends that bear a moment
     for (std::size_t e = 0; e < 2; ++e) {
       bent[e] = member.joint[e] == Member::Joint::rigid &&
                 reduction.attitude[static_cast<std::size_t>(ends[m][e])] != NodeAttitude::released;
     }
     const std::vector<double> flexibility =
-        joint_flexibilities(sections, n, tension, accurate, bent);
+        joint_flexibilities(sections, tension, options.rotary_inertia, bent);
     out.nodes.push_back(ends[m][0]);
     for (int i = 1; i < n; ++i) {
-      chain.drawn.col(next_node) = from + chord * (double(i) / n);
+      chain.drawn.col(next_node) = from + chord * places[static_cast<std::size_t>(i)];
       out.nodes.push_back(next_node++);
     }
     out.nodes.push_back(ends[m][1]);
@@ -259,18 +314,18 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       segment.b = out.nodes[k + 1];
       segment.member = static_cast<int>(m);
       segment.frame = framed ? chain.frames++ : -1;
-      segment.length = out.unstretched_length / n;
-      segment.EA = sections.EA(i);
-      segment.mass = sections.segment_mass(i);
-      segment.polar = framed ? sections.polar(i) : 0;
-      segment.coupling = accurate && out.cable ? 1.0 / 12 : 1.0 / 6;
+      segment.length = sections.segment_length(k);
+      segment.EA = sections.EA(k);
+      segment.mass = sections.segment_mass(k);
+      segment.polar = framed ? sections.polar(k) : 0;
+      segment.coupling = mass_coupling(options.rotary_inertia, out.cable);
       segment.axial_damping = member.damping.axial / segment.length;
       chain.segments.push_back(segment);
       if (i > 0) {
         const int here = out.first_segment + i;
         chain.inner_joints.push_back(
             {{here - 1, here},
-             sections.springs(double(i) / n, flexibility[k], 1, framed, axial.at(double(i) / n))});
+             sections.springs(k, places[k], flexibility[k], 1, framed, axial.at(places[k]))});
       }
     }
     chain.drawn_director.conservativeResize(3, chain.frames);
@@ -285,10 +340,11 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       joint.end = end;
       joint.segment = end == 0 ? out.first_segment : out.first_segment + n - 1;
       // The paper's joint is in the middle of its half segment.
-      const double place = accurate ? 0 : 0.25 / n;
+      const double place = options.rotary_inertia == RotaryInertia::rigid_rod ? 0.25 / n : 0;
+      const std::size_t joint_index = end == 0 ? 0 : std::size_t(n);
       joint.springs =
-          sections.springs(end == 0 ? place : 1 - place, flexibility[end == 0 ? 0 : std::size_t(n)],
-                           0.5, framed, axial.at(end) * kClampedAxial);
+          sections.springs(joint_index, end == 0 ? place : 1 - place, flexibility[joint_index], 0.5,
+                           framed, axial.at(end) * (accurate ? kClampedAxial : 1));
       joint.directors = axes;
       joint.stress_free_at_equilibrium =
           out.cable && member.assembled == Member::Assembled::hanging;
@@ -304,11 +360,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       chain.end_joints.push_back(joint);
     }
     for (const AttachedMass& mass : member.masses) {
-      const double x = std::clamp(mass.position, 0.0, 1.0) * n;
-      const int i = std::min(static_cast<int>(x), n - 1);
-      const auto k = static_cast<std::size_t>(i);
-      chain.masses.push_back(
-          {{out.nodes[k], out.nodes[k + 1]}, x - i, mass.mass, static_cast<int>(m)});
+      chain.masses.push_back(point_mass_on(out, mass));
     }
     chain.members.push_back(std::move(out));
   }
@@ -410,7 +462,7 @@ void Chain::set_unstretched_length(int index, double length) {
   member.unstretched_length = length;
   for (int i = 0; i < member.segments; ++i) {
     Segment& segment = segments[static_cast<std::size_t>(member.first_segment + i)];
-    segment.length = length / member.segments;
+    segment.length *= ratio;
     segment.mass *= ratio;
     segment.polar *= ratio;
     segment.axial_damping /= ratio;

@@ -31,6 +31,9 @@ struct ChainOptions {
   std::vector<int> segments;  ///< by member; empty or zero: the member's own number (30 if "auto")
   RotaryInertia rotary_inertia = RotaryInertia::accurate;
   std::optional<bool> torsion;  ///< else where torque can enter (model_reduction.h)
+  /// By member: where its segments end, rising from 0 to 1 of the unstretched length; empty: all
+  /// segments are of one length. Goes before `segments`.
+  std::vector<std::vector<double>> places;
 };
 
 struct Segment {
@@ -101,6 +104,7 @@ struct ChainMember {
   int first_joint = 0;                         ///< of segments - 1 inner joints
   std::array<int, 2> end_joint{-1, -1};        ///< at each end; -1: moment-free
   std::vector<int> nodes;                      ///< segments + 1, from the first node to the second
+  std::vector<double> places;                  ///< of the nodes, 0..1 of the unstretched length
   double unstretched_length = 0;               ///< m
   std::optional<double> target_tension;        ///< N: the unstretched length is to be found
   Eigen::Vector3d tension_direction{1, 0, 0};  ///< unit: horizontal, or the chord if that is steep

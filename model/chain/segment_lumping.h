@@ -22,7 +22,9 @@
 //           a clamp by -1/8 and 1/24 of l M / EI too far, with which N works: the sum of their
 //           squares, 5/288 N l^2 / EI, goes into the end's flexibility of 3/8, as 5/108 N l^2 into
 //           its EI. A column then buckles where it should, to the fourth order.
-// The paper's lumping is c = 1/6, plain joints, and half a segment (1/2, 0, 0) at a clamp.
+// The paper's lumping is c = 1/6, plain joints, and half a segment (1/2, 0, 0) at a clamp. The same
+// with c = 0 for cables leaves errors in even powers of l alone, whose coefficients fall fast
+// (those of sin(kl/2) / (kl/2)): such short chains are extrapolated to l = 0.
 #pragma once
 
 #include <array>
@@ -35,8 +37,9 @@ namespace rigfit::model {
 
 /// How segments are lumped. rigid_rod is the paper's: rotary inertia m l^2/12 about a transverse
 /// axis, joints of EI / l, half a segment at a clamp; frequencies err by l^2. Accurate takes the
-/// inertia and the joints for which they err by l^4, tension and clamps included.
-enum class RotaryInertia { accurate, rigid_rod };
+/// inertia and the joints for which they err by l^4, tension and clamps included. even_powers is
+/// for extrapolation: errors are a series in l^2.
+enum class RotaryInertia { accurate, rigid_rod, even_powers };
 
 /// A clamp's joint, and what it adds to the joints one and two segments away, in l / EI.
 struct ClampFlexibility {

@@ -1,10 +1,12 @@
 #include "model/linear/mode_batch.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "model/linear/modal_analysis.h"
@@ -14,17 +16,23 @@
 namespace rigfit::model {
 namespace {
 
-constexpr std::size_t kMostPilots = 12, kScenesPerPilot = 25, kFewestPilots = 6;
+constexpr std::size_t kMostPilots = 16, kScenesPerPilot = 14, kFewestPilots = 6;
 constexpr int kBeside = 2;           // modes found above those asked for
-constexpr int kMostDegree = 3;       // of the polynomials
+constexpr int kMostComponents = 3;   // principal ones of ln f
 constexpr int kCoarse = 12;          // segments of a chain that shows the phases
 constexpr double kPilotShare = 0.2;  // of the error asked for, given to the pilots
 
 /// Chains of these times the first numbers of a sequence, taken to no length by Neville's value of
 /// them all; by rising cost. 0: none.
-using ChainSet = std::array<int, 3>;
-constexpr int kCommon = 8;  // in all
-constexpr std::array<ChainSet, 5> kSets{{{8, 0, 0}, {4, 8, 0}, {4, 6, 8}, {6, 8, 12}, {8, 16, 24}}};
+using ChainSet = std::array<int, 4>;
+constexpr int kCommon = 4;  // in all
+constexpr std::array<ChainSet, 7> kSets{{{4, 0, 0, 0},
+                                         {2, 4, 0, 0},
+                                         {3, 4, 0, 0},
+                                         {2, 3, 4, 0},
+                                         {3, 4, 6, 0},
+                                         {2, 3, 4, 6},
+                                         {4, 6, 8, 12}}};
 
 /// Weight of one chain's value in Neville's (Lagrange at h = 0 in h^2).
 double weight(const ChainSet& set, int factor) {
@@ -39,9 +47,9 @@ double weight(const ChainSet& set, int factor) {
 /// ln f of the modes of each motion; empty: no equilibrium.
 using Logs = std::vector<Eigen::VectorXd>;
 
-Logs logs_of(const Scene& scene, const ModesOptions& options, const std::vector<int>& segments) {
+Logs logs_of(const Scene& scene, const ModesOptions& options, const ChainOptions& chain) {
   Logs out;
-  const ChainModes modes = find_modes(scene, options, segments);
+  const ChainModes modes = find_chain_modes(scene, options, chain);
   if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
   for (const MotionModes& motion : modes.motions) {
     out.emplace_back((motion.omega2.array().sqrt() / (2 * M_PI)).log());
@@ -64,56 +72,102 @@ bool add(Logs& sum, double factor, const Logs& logs) {
   return true;
 }
 
-double lowest(const Logs& logs) {
-  double out = std::numeric_limits<double>::infinity();
-  for (const auto& motion : logs) {
-    if (motion.size() > 0) out = std::min(out, motion[0]);
+/// Scenes by their first principal components of ln f, each of unit largest size.
+struct Components {
+  std::vector<std::size_t> scenes;
+  Eigen::MatrixXd at;  // scenes x components
+};
+
+/// Of the scenes that have the first one's motions; `least`: standard deviation of ln f from which
+/// a component counts.
+Components components_of(const std::vector<Logs>& logs, double least) {
+  Components out;
+  std::vector<Eigen::Index> sizes;
+  for (const auto& motion : logs[0]) sizes.push_back(motion.size());
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    if (logs[i].empty() || logs[i].size() != sizes.size()) continue;
+    out.scenes.push_back(i);
+    for (std::size_t k = 0; k < sizes.size(); ++k) {
+      sizes[k] = std::min(sizes[k], logs[i][k].size());
+    }
+  }
+  const auto rows = static_cast<Eigen::Index>(out.scenes.size());
+  Eigen::MatrixXd all(rows, std::accumulate(sizes.begin(), sizes.end(), Eigen::Index{0}));
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    Eigen::Index column = 0;
+    for (std::size_t k = 0; k < sizes.size(); ++k) {
+      all.row(row).segment(column, sizes[k]) =
+          logs[out.scenes[std::size_t(row)]][k].head(sizes[k]).transpose();
+      column += sizes[k];
+    }
+  }
+  all.rowwise() -= all.colwise().mean().eval();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      all.transpose() * all / double(std::max<Eigen::Index>(rows, 1)));
+  const Eigen::Index most = std::min<Eigen::Index>(kMostComponents, all.cols());
+  Eigen::Index count = std::min<Eigen::Index>(1, most);
+  while (count < most && eigen.eigenvalues()[all.cols() - 1 - count] > least * least) {
+    ++count;
+  }
+  out.at = all * eigen.eigenvectors().rightCols(count).rowwise().reverse();
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const double largest = out.at.col(k).cwiseAbs().maxCoeff();
+    if (largest > 0) out.at.col(k) /= largest;
   }
   return out;
 }
 
-/// A polynomial in ln f of one mode's correction, and how well it predicts what it has not seen.
+/// Products of powers up to `degree` of the first `components`, 1 first.
+Eigen::VectorXd monomials(const Eigen::VectorXd& x, int components, int degree) {
+  std::vector<double> out{1};
+  std::size_t begin = 0;
+  std::vector<int> highest{0};  // component of each product's last factor
+  for (int d = 1; d <= degree; ++d) {
+    const std::size_t end = out.size();
+    for (std::size_t i = begin; i < end; ++i) {
+      for (int c = highest[i]; c < components; ++c) {
+        out.push_back(out[i] * x[c]);
+        highest.push_back(c);
+      }
+    }
+    begin = end;
+  }
+  return Eigen::Map<Eigen::VectorXd>(out.data(), static_cast<Eigen::Index>(out.size()));
+}
+
+/// A polynomial in the components of one mode's correction, and how well it predicts what it has
+/// not seen.
 struct Correction {
   Eigen::VectorXd coefficients;
-  double centre = 0, scale = 1;
+  int components = 1, degree = 0;
   double error = std::numeric_limits<double>::infinity();
 
-  [[nodiscard]] double at(double log_hz) const {
-    const double u = (log_hz - centre) / scale;
-    double sum = 0;
-    for (Eigen::Index k = coefficients.size(); k-- > 0;) sum = sum * u + coefficients[k];
-    return sum;
+  [[nodiscard]] double at(const Eigen::VectorXd& x) const {
+    return coefficients.dot(monomials(x, components, degree));
   }
 };
 
-Eigen::VectorXd fitted(const Eigen::MatrixXd& powers, const Eigen::VectorXd& y) {
-  return powers.colPivHouseholderQr().solve(y);
-}
-
-Correction correction_of(const Eigen::VectorXd& log_hz, const Eigen::VectorXd& y) {
+/// `x`: points x components. The error of leaving one out is the residual over 1 - its leverage.
+Correction correction_of(const Eigen::MatrixXd& x, const Eigen::VectorXd& y) {
   Correction best;
   const Eigen::Index points = y.size();
-  best.centre = log_hz.mean();
-  best.scale = std::max((log_hz.array() - best.centre).abs().maxCoeff(), 1e-12);
-  const Eigen::VectorXd u = (log_hz.array() - best.centre) / best.scale;
-  Eigen::MatrixXd powers(points, kMostDegree + 1);
-  for (Eigen::Index k = 0; k <= kMostDegree; ++k) powers.col(k) = u.array().pow(double(k));
-  for (Eigen::Index terms = 1; terms <= kMostDegree + 1 && terms + 2 <= points; ++terms) {
-    double error = 0;
-    for (Eigen::Index out = 0; out < points; ++out) {
-      Eigen::MatrixXd rest(points - 1, terms);
-      Eigen::VectorXd right(points - 1);
-      for (Eigen::Index i = 0, row = 0; i < points; ++i) {
-        if (i == out) continue;
-        rest.row(row) = powers.row(i).head(terms);
-        right[row++] = y[i];
+  for (int components = 1; components <= x.cols(); ++components) {
+    for (int degree = 0; degree <= 3; ++degree) {
+      const Eigen::Index terms = monomials(x.row(0).transpose(), components, degree).size();
+      if (terms + 2 > points) break;
+      Eigen::MatrixXd powers(points, terms);
+      for (Eigen::Index i = 0; i < points; ++i) {
+        powers.row(i) = monomials(x.row(i).transpose(), components, degree).transpose();
       }
-      error =
-          std::max(error, std::abs(powers.row(out).head(terms).dot(fitted(rest, right)) - y[out]));
+      const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(powers);
+      if (qr.rank() < terms) continue;
+      const Eigen::VectorXd coefficients = qr.solve(y);
+      const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(points, terms);
+      const Eigen::VectorXd room = (1 - q.rowwise().squaredNorm().array()).max(1e-12);
+      const double error = ((powers * coefficients - y).array() / room.array()).abs().maxCoeff();
+      if (error >= best.error) continue;
+      best = {coefficients, components, degree, error};
     }
-    if (error >= best.error) continue;
-    best.error = error;
-    best.coefficients = fitted(powers.leftCols(terms), y);
   }
   return best;
 }
@@ -167,30 +221,29 @@ class Batch {
     }
   }
 
-  /// Scenes at even ranks of the first frequency, both ends among them.
-  [[nodiscard]] std::vector<std::size_t> pilots(const std::vector<Logs>& logs) const {
-    std::vector<std::size_t> alike;
-    for (std::size_t i = 0; i < logs.size(); ++i) {
-      if (!logs[i].empty() && logs[i].size() == logs[0].size()) alike.push_back(i);
-    }
-    std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) {
-      return lowest(logs[a]) < lowest(logs[b]);
-    });
+  /// Rows of `components_` that lie farthest apart, the outermost first.
+  [[nodiscard]] std::vector<Eigen::Index> pilots() const {
+    const Eigen::Index rows = components_.at.rows();
     const std::size_t wanted =
         std::clamp(scenes_.size() / kScenesPerPilot, kFewestPilots, kMostPilots);
-    if (alike.size() < wanted) return {};
-    std::vector<std::size_t> out;
-    for (std::size_t k = 0; k < wanted; ++k) {
-      out.push_back(alike[k * (alike.size() - 1) / (wanted - 1)]);
+    if (rows < static_cast<Eigen::Index>(2 * wanted)) return {};
+    std::vector<Eigen::Index> out(1);
+    Eigen::VectorXd distance = components_.at.rowwise().squaredNorm();
+    distance.maxCoeff(&out[0]);
+    distance.setConstant(std::numeric_limits<double>::infinity());
+    while (out.size() < wanted) {
+      const Eigen::RowVectorXd last = components_.at.row(out.back());
+      distance = distance.cwiseMin((components_.at.rowwise() - last).rowwise().squaredNorm());
+      out.push_back(0);
+      distance.maxCoeff(&out.back());
     }
     return out;
   }
 
   Logs chain_logs(std::size_t i, int factor) const {
-    std::vector<int> segments = start_.first;
-    for (int& n : segments) n *= factor;
-    return scenes_[i].members.size() == segments.size() ? logs_of(scenes_[i], wide_, segments)
-                                                        : Logs{};
+    return scenes_[i].members.size() == start_.stretches.size()
+               ? logs_of(scenes_[i], wide_, start_.chain(factor, wide_))
+               : Logs{};
   }
 
   /// All scenes as the cheapest set of chains that meets the accuracy; false: there is none.
@@ -198,8 +251,15 @@ class Batch {
     std::vector<Logs> common;
     common.reserve(scenes_.size());
     for (std::size_t i = 0; i < scenes_.size(); ++i) common.push_back(chain_logs(i, kCommon));
-    const std::vector<std::size_t> chosen = pilots(common);
-    if (chosen.empty() || common[0].empty() || !extrapolate_pilots(chosen)) return false;
+    if (common[0].empty()) return false;
+    components_ = components_of(common, accuracy_);
+    std::vector<std::size_t> chosen;
+    for (const Eigen::Index row : pilots()) {
+      chosen.push_back(components_.scenes[std::size_t(row)]);
+      pilot_at_.conservativeResize(pilot_at_.rows() + 1, components_.at.cols());
+      pilot_at_.bottomRows<1>() = components_.at.row(row);
+    }
+    if (chosen.empty() || !extrapolate_pilots(chosen)) return false;
     const auto value_of = [&](std::size_t i, const ChainSet& set) {
       Logs out = scaled(common[i], weight(set, kCommon));
       for (const int factor : set) {
@@ -215,12 +275,13 @@ class Batch {
       double error = pilot_error_;
       const auto corrections = corrections_of(logs, error);
       if (!(error <= accuracy_)) continue;
-      out_.segments = start_.first;
-      for (int& n : out_.segments) n *= *std::max_element(set.begin(), set.end());
+      out_.segments = start_.segments(*std::max_element(set.begin(), set.end()));
       out_.relative_error_estimate = error;
-      for (std::size_t i = 0; i < scenes_.size(); ++i) {
-        const Logs own = common[i].empty() ? Logs{} : value_of(i, set);
-        if (own.size() == corrections.size()) left[i] = !take(i, own, corrections);
+      for (std::size_t row = 0; row < components_.scenes.size(); ++row) {
+        const std::size_t i = components_.scenes[row];
+        const Logs own = value_of(i, set);
+        if (own.size() != corrections.size()) continue;
+        left[i] = !take(i, own, corrections, components_.at.row(Eigen::Index(row)).transpose());
       }
       return true;
     }
@@ -235,18 +296,17 @@ class Batch {
     double worst = 0;
     for (std::size_t motion = 0; motion < out.size(); ++motion) {
       for (Eigen::Index mode = 0; mode < needed_[motion]; ++mode) {
-        Eigen::VectorXd x(static_cast<Eigen::Index>(logs.size())), y(x.size());
+        Eigen::VectorXd y(static_cast<Eigen::Index>(logs.size()));
         bool all = true;
         for (std::size_t p = 0; p < logs.size() && all; ++p) {
           const Logs& limit = pilots_[p];
           all = motion < logs[p].size() && mode < logs[p][motion].size() && motion < limit.size() &&
                 mode < limit[motion].size() && limit[motion][mode] != 0;
           if (!all) break;
-          x[static_cast<Eigen::Index>(p)] = logs[p][motion][mode];
           y[static_cast<Eigen::Index>(p)] = limit[motion][mode] - logs[p][motion][mode];
         }
         if (!all) break;
-        out[motion].push_back(correction_of(x, y));
+        out[motion].push_back(correction_of(pilot_at_, y));
         worst = std::max(worst, out[motion].back().error);
       }
     }
@@ -285,7 +345,7 @@ class Batch {
 
   /// The corrected frequencies of one scene; false: a mode among the first has no correction.
   bool take(std::size_t i, const Logs& logs,
-            const std::vector<std::vector<Correction>>& corrections) {
+            const std::vector<std::vector<Correction>>& corrections, const Eigen::VectorXd& at) {
     std::vector<std::pair<double, bool>> hz;
     for (std::size_t motion = 0; motion < logs.size(); ++motion) {
       const auto& own = corrections[motion];
@@ -293,7 +353,7 @@ class Batch {
         const auto k = static_cast<std::size_t>(mode);
         const bool corrected = k < own.size();
         const double log_hz = logs[motion][mode];
-        hz.emplace_back(std::exp(log_hz + (corrected ? own[k].at(log_hz) : 0.0)), corrected);
+        hz.emplace_back(std::exp(log_hz + (corrected ? own[k].at(at) : 0.0)), corrected);
       }
     }
     std::sort(hz.begin(), hz.end());
@@ -311,6 +371,8 @@ class Batch {
   ModesOptions options_, wide_;
   double accuracy_;
   SequenceStart start_;
+  Components components_;     // of the common chain's ln f
+  Eigen::MatrixXd pilot_at_;  // pilots x components
   std::vector<Logs> pilots_;  // their limits
   std::vector<int> needed_;   // modes of each motion
   double pilot_error_ = 0;

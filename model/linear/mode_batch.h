@@ -1,11 +1,12 @@
 // Natural frequencies of many scenes of one topology: Monte Carlo draws, sweeps, starts of a fit.
 //
-// Every scene is solved as one to three chains of few segments, taken to no length by Neville's
+// Every scene is solved as one to four chains of few segments, taken to no length by Neville's
 // value. What is left of the segments' error, a correction of ln f, changes little from scene to
-// scene: it is found for a few scenes spread over the range of the first frequency
-// (segment_extrapolation.h) and fitted by a polynomial in ln f, mode by mode. The error is that of
-// predicting each of those scenes from the others. The cheapest set of chains that meets the
-// accuracy is taken; where none does, every scene is extrapolated by itself.
+// scene: it is found for a few scenes (segment_extrapolation.h) and fitted, mode by mode, by a
+// polynomial in the first principal components of all scenes' ln f. Those few lie farthest apart in
+// these components, so that the others lie between them. The error is that of predicting each of
+// them from the others. The cheapest set of chains that meets the accuracy is taken; where none
+// does, every scene is extrapolated by itself.
 #pragma once
 
 #include <Eigen/Core>

@@ -39,13 +39,18 @@ bool ChainModes::complete() const {
                                          [](const MotionModes& m) { return m.complete; });
 }
 
-ChainModes prepare_motions(const Scene& scene, const ModesOptions& options,
-                           const std::vector<int>& segments) {
+namespace {
+
+ChainOptions chain_options_of(const ModesOptions& options, const std::vector<int>& segments) {
+  ChainOptions out;
+  out.segments = segments;
+  out.rotary_inertia = options.rotary_inertia;
+  out.torsion = options.torsion;
+  return out;
+}
+
+ChainModes prepare(const Scene& scene, const ChainOptions& chain_options) {
   ChainModes out;
-  ChainOptions chain_options;
-  chain_options.segments = segments;
-  chain_options.rotary_inertia = options.rotary_inertia;
-  chain_options.torsion = options.torsion;
   out.chain = std::make_unique<Chain>(Chain::from_scene(scene, chain_options));
   out.equilibrium = find_equilibrium(*out.chain, scene);
   if (out.equilibrium.status != EquilibriumStatus::converged) return out;
@@ -68,9 +73,21 @@ ChainModes prepare_motions(const Scene& scene, const ModesOptions& options,
   return out;
 }
 
+}  // namespace
+
+ChainModes prepare_motions(const Scene& scene, const ModesOptions& options,
+                           const std::vector<int>& segments) {
+  return prepare(scene, chain_options_of(options, segments));
+}
+
 ChainModes find_modes(const Scene& scene, const ModesOptions& options,
                       const std::vector<int>& segments) {
-  ChainModes out = prepare_motions(scene, options, segments);
+  return find_chain_modes(scene, options, chain_options_of(options, segments));
+}
+
+ChainModes find_chain_modes(const Scene& scene, const ModesOptions& options,
+                            const ChainOptions& chain) {
+  ChainModes out = prepare(scene, chain);
   if (out.equilibrium.status != EquilibriumStatus::converged) return out;
   if (options.band_hz) {
     for (MotionModes& motion : out.motions) {

@@ -42,6 +42,10 @@ struct ChainModes {
 [[nodiscard]] ChainModes find_modes(const Scene& scene, const ModesOptions& options,
                                     const std::vector<int>& segments = {});
 
+/// The same of a chain cut and lumped as `chain` says.
+[[nodiscard]] ChainModes find_chain_modes(const Scene& scene, const ModesOptions& options,
+                                          const ChainOptions& chain);
+
 /// Row of a sensor's quantity in a motion's unknowns: displacement along its direction, or for a
 /// force sensor the change of axial force, N per m.
 [[nodiscard]] Eigen::VectorXd sensor_row(const Assembly& assembly, const ChainState& state,

@@ -1,18 +1,19 @@
 // Natural frequencies for vanishing segments, from a few short chains.
 //
-// A chain's frequency errs by a h^2 + b h^4 + ... in the segments' length h. Chains of 2 m, 3 m,
-// 4 m, 6 m, 8 m, 12 m, ... segments a member (Bulirsch's sequence) are solved one after the other,
-// modes are followed from chain to chain by their shapes, and Neville's table of the last w chains
-// takes out the powers of h^2. The value given is that of w chains; its error is estimated from
-// that of w + 1 chains and, as the powers are not pure where a boundary layer of bending is shorter
-// than the segments, from the decrease of the last two changes: the larger counts. w is the one
-// with the smallest largest error. Where the last chain changed the values by more than the
-// estimate before it had said, the estimate is raised by that ratio. Source: Stoer and Bulirsch,
-// Introduction to Numerical Analysis, 2.1 and 3.4.
+// A chain lumped by RotaryInertia::even_powers errs by a h^2 + b h^4 + ... in the segments' length
+// h. Chains of 2 m, 3 m, 4 m, 6 m, 8 m, 12 m, ... segments (Bulirsch's sequence) are solved one
+// after the other, modes are followed from chain to chain by their shapes, and Neville's table of
+// the last w chains takes out the powers of h^2. Source: Stoer and Bulirsch, Introduction to
+// Numerical Analysis, 2.1 and 3.4.
 //
-// A mass clamped between two nodes of a chain breaks the series. m is chosen such that masses stand
-// at nodes of every chain where their positions are multiples of 1/25 or less; where one does not,
-// values are of two chains, and their error that of first order in h.
+// A member is cut into stretches of even segments, whose numbers all grow alike from chain to
+// chain, so that the series stays one in h^2: stretches end where masses are attached, and where a
+// layer of bending, sqrt(EI / T) deep, has decayed that a clamp or a mass makes.
+//
+// The value given is that of w chains, v_w. Its error is e = |v_w - v_(w+1)| and what v_(w+1) errs
+// itself, taken as the rest of a geometric series of ratio r = |v_(w+1) - v_(w+2)| / e: e / (1 - r).
+// As long as r <= 1/3 that lies between one and three times the error. w is the one of the smallest
+// such estimate.
 #pragma once
 
 #include <vector>
@@ -23,11 +24,12 @@ namespace rigfit::model {
 
 /// A quantity found at several segment lengths, taken to h -> 0.
 struct SequenceLimit {
-  double value = 0;  ///< Neville's value of the last `window` points
-  double limit = 0;  ///< of one point more
-  double error = 0;  ///< estimated error of `value`, same unit
+  double value = 0;      ///< Neville's value of the last `window` points, v_w above
+  double limit = 0;      ///< of one point more
+  double error = 0;      ///< estimated, of `value`, same unit
+  bool certain = false;  ///< r <= 1/3
 };
-/// `h` falling, `f` at each; at least `window` + 1 points, `window` from 1.
+/// `h` falling, `f` at each; at least `window` + 2 points, `window` from 1.
 [[nodiscard]] SequenceLimit sequence_limit(const std::vector<double>& h,
                                            const std::vector<double>& f, std::size_t window);
 
@@ -41,19 +43,29 @@ struct ExtrapolatedModes {
   bool known = false;  ///< false: a chain found no equilibrium or a mode could not be followed
 };
 
+/// Even segments up to a place on a member.
+struct Stretch {
+  double end = 1;    ///< 0..1 of the unstretched length
+  int segments = 1;  ///< m above
+};
+
 /// What `extrapolate_modes` starts from.
 struct SequenceStart {
-  std::vector<int> first;  ///< m above, by member
-  bool regular = true;     ///< all masses stand at nodes
-  bool resolved = true;    ///< layers of bending by the first chain; no compression near buckling
+  std::vector<std::vector<Stretch>> stretches;  ///< by member, from its first node on
+  std::vector<int> samples;                     ///< places by member at which shapes are compared
+  bool resolved = true;                         ///< false: a member in compression near buckling
+  /// The chain of `factor` times the segments.
+  [[nodiscard]] ChainOptions chain(int factor, const ModesOptions& options) const;
+  /// Its segments, by member.
+  [[nodiscard]] std::vector<int> segments(int factor) const;
 };
-/// By the phases of the highest mode's wave, by the bending at clamps and masses, whose layer of
-/// length sqrt(EI / T) the first chain's segments are to resolve, and by the masses' places.
-/// `modes`: of any chain.
+/// By the phases of the highest mode's wave, the layers of bending at clamps and masses and the
+/// masses' places. `modes`: of any chain.
 [[nodiscard]] SequenceStart sequence_start(const Scene& scene, const ChainModes& modes);
 
 /// Chains are added until the estimate meets `accuracy` (relative) or a member has 2000 segments;
-/// the chain with the smallest estimate is kept. Uses of `options`: those of find_modes.
+/// the finest is kept: where shapes or damping are asked for, of a fifth of a radian a segment at
+/// most. Uses of `options`: those of find_modes but `rotary_inertia`.
 [[nodiscard]] ExtrapolatedModes extrapolate_modes(const Scene& scene, const ModesOptions& options,
                                                   const SequenceStart& start, double accuracy);
 

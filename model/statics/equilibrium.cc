@@ -499,7 +499,7 @@ Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium, co
       const Segment& s = chain.segments[static_cast<std::size_t>(member.first_segment + i)];
       const double length = (at.positions.col(i + 1) - at.positions.col(i)).norm();
       const double force = s.EA * (length / s.length - 1);
-      mean += force / member.segments;
+      mean += force * s.length / member.unstretched_length;
       at.tension_max_N = std::max(at.tension_max_N, force);
     }
     at.tension_N = member.cable ? assembly.tension(equilibrium.state, static_cast<int>(m)) : mean;

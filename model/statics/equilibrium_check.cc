@@ -56,7 +56,7 @@ void judge_rest(const Chain& chain, const Scene& scene, ChainEquilibrium& result
       const double length =
           (result.state.position.col(s.b) - result.state.position.col(s.a)).norm();
       const double force = s.EA * (length / s.length - 1);
-      mean += force / member.segments;
+      mean += force * s.length / member.unstretched_length;
       least = std::min(least, force);
     }
     const bool limp = given.EI[0] == 0 && given.EI[1] == 0;

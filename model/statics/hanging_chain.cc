@@ -12,6 +12,7 @@ constexpr double kLongest = 50;  // cable lengths over the chord beyond which it
 struct Problem {
   double across = 0, up = 0;      // chord
   std::vector<double> EA;         // by segment
+  std::vector<double> share;      // of the length, by segment
   std::vector<double> by_length;  // weight of segments on each inner node over the length, N/m
   std::vector<double> fixed;      // weight of attached masses on each inner node, N
   double total_by_length = 0;     // N/m of unstretched length
@@ -26,9 +27,9 @@ struct Sums {
 Sums add_up(const Problem& p, double h, double v0, double length) {
   Sums s;
   const auto n = p.EA.size();
-  const double l = length / double(n);
   double v = v0, v_length = 0;
   for (std::size_t i = 0; i < n; ++i) {
+    const double l = length * p.share[i];
     const double f2 = h * h + v * v, f = std::sqrt(f2);
     const double compliance = 1 / f + 1 / p.EA[i];
     s.across += l * compliance * h;
@@ -36,8 +37,8 @@ Sums add_up(const Problem& p, double h, double v0, double length) {
     const double across_v = -l * h * v / (f2 * f), up_v = l * (compliance - v * v / (f2 * f));
     s.across_v += across_v;
     s.up_v += up_v;
-    s.across_length += compliance * h / double(n) + across_v * v_length;
-    s.up_length += compliance * v / double(n) + up_v * v_length;
+    s.across_length += compliance * h * p.share[i] + across_v * v_length;
+    s.up_length += compliance * v * p.share[i] + up_v * v_length;
     if (i + 1 < n) {
       v += p.by_length[i] * length + p.fixed[i];
       v_length += p.by_length[i];
@@ -113,10 +114,12 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
 
   Problem p;
   p.EA.resize(n);
+  p.share.resize(n);
   p.by_length.assign(n - 1, 0);
   p.fixed.assign(n - 1, 0);
   for (std::size_t i = 0; i < n; ++i) {
     p.EA[i] = segment(i).EA;
+    p.share[i] = member.places[i + 1] - member.places[i];
     const double weight = segment(i).mass * g / member.unstretched_length;
     p.total_by_length += weight;
     if (i > 0) p.by_length[i - 1] += weight / 2;
@@ -138,7 +141,7 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
     if (member.target_tension) {
       tension = *member.target_tension + extra;
       double compliance = 0;
-      for (const double EA : p.EA) compliance += 1 / EA / double(n);
+      for (std::size_t i = 0; i < n; ++i) compliance += p.share[i] / p.EA[i];
       length = chord.norm() / (1 + tension * compliance);
     } else {
       tension = p.EA[n / 2] * (chord.norm() / length - 1);
@@ -152,7 +155,7 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
     out.horizontal = tension;
     out.unstretched_length = length;
     for (std::size_t i = 0; i <= n; ++i)
-      out.positions.push_back(from + t * (chord.norm() * double(i) / double(n)));
+      out.positions.push_back(from + t * (chord.norm() * member.places[i]));
     return out;
   }
 
@@ -214,14 +217,13 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
   out.found = true;
   out.horizontal = horizontal;
   out.unstretched_length = length;
-  const double l = length / double(n);
   double v = v0;
   Eigen::Vector3d x = from;
   out.positions.reserve(n + 1);
   out.positions.push_back(x);
   for (std::size_t i = 0; i < n; ++i) {
     const double f = std::hypot(horizontal, v);
-    x += l * (1 / f + 1 / p.EA[i]) * (horizontal * h + v * up);
+    x += length * p.share[i] * (1 / f + 1 / p.EA[i]) * (horizontal * h + v * up);
     out.positions.push_back(x);
     if (i + 1 < n) v += p.by_length[i] * length + p.fixed[i];
   }
