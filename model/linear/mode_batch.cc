@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "model/linear/modal_analysis.h"
+#include "model/linear/mode_following.h"
 #include "model/linear/modes.h"
 #include "model/linear/segment_extrapolation.h"
 
@@ -26,10 +27,11 @@ constexpr double kPilotShare = 0.2;  // of the error asked for, given to the pil
 /// them all; by rising cost. 0: none.
 using ChainSet = std::array<int, 4>;
 constexpr int kCommon = 4;  // in all
-constexpr std::array<ChainSet, 7> kSets{{{4, 0, 0, 0},
+constexpr std::array<ChainSet, 8> kSets{{{4, 0, 0, 0},
                                          {2, 4, 0, 0},
                                          {3, 4, 0, 0},
                                          {2, 3, 4, 0},
+                                         {2, 4, 6, 0},
                                          {3, 4, 6, 0},
                                          {2, 3, 4, 6},
                                          {4, 6, 8, 12}}};
@@ -44,15 +46,26 @@ double weight(const ChainSet& set, int factor) {
   return out;
 }
 
-/// ln f of the modes of each motion; empty: no equilibrium.
+/// ln f of the modes of each motion, in the reference's order; empty: no equilibrium.
 using Logs = std::vector<Eigen::VectorXd>;
 
-Logs logs_of(const Scene& scene, const ModesOptions& options, const ChainOptions& chain) {
-  Logs out;
-  const ChainModes modes = find_chain_modes(scene, options, chain);
-  if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
-  for (const MotionModes& motion : modes.motions) {
-    out.emplace_back((motion.omega2.array().sqrt() / (2 * M_PI)).log());
+/// The shapes of the scene that all others' modes are ordered by.
+struct Reference {
+  std::vector<Eigen::MatrixXd> shapes;  // by motion
+  std::vector<Eigen::VectorXd> omega2;
+};
+
+/// By motion, where each of the reference's modes is among `modes`; up to the first that is not.
+std::vector<std::vector<int>> order_by(const Reference& reference, const ChainModes& modes,
+                                       const std::vector<int>& samples) {
+  std::vector<std::vector<int>> out;
+  if (modes.motions.size() != reference.shapes.size()) return out;
+  for (std::size_t k = 0; k < modes.motions.size(); ++k) {
+    const MotionModes& motion = modes.motions[k];
+    std::vector<int>& found = out.emplace_back(
+        following_modes(reference.shapes[k], sampled_shapes(modes, motion, samples),
+                        reference.omega2[k], motion.omega2));
+    found.erase(std::find(found.begin(), found.end(), -1), found.end());
   }
   return out;
 }
@@ -241,13 +254,24 @@ class Batch {
   }
 
   Logs chain_logs(std::size_t i, int factor) const {
-    return scenes_[i].members.size() == start_.stretches.size()
-               ? logs_of(scenes_[i], wide_, start_.chain(factor, wide_))
-               : Logs{};
+    Logs out;
+    if (scenes_[i].members.size() != start_.stretches.size()) return out;
+    const ChainModes modes = find_chain_modes(scenes_[i], wide_, start_.chain(factor, wide_));
+    const auto order = order_by(reference_, modes, start_.samples);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      const Eigen::VectorXd log_hz = (modes.motions[k].omega2.array().sqrt() / (2 * M_PI)).log();
+      out.emplace_back(log_hz(order[k]));
+    }
+    return out;
   }
 
   /// All scenes as the cheapest set of chains that meets the accuracy; false: there is none.
   bool solve(std::vector<bool>& left) {
+    const ChainModes first = find_chain_modes(scenes_[0], wide_, start_.chain(kCommon, wide_));
+    for (const MotionModes& motion : first.motions) {
+      reference_.shapes.push_back(sampled_shapes(first, motion, start_.samples));
+      reference_.omega2.push_back(motion.omega2);
+    }
     std::vector<Logs> common;
     common.reserve(scenes_.size());
     for (std::size_t i = 0; i < scenes_.size(); ++i) common.push_back(chain_logs(i, kCommon));
@@ -320,22 +344,30 @@ class Batch {
       const ExtrapolatedModes found =
           extrapolate_modes(scenes_[i], wide_, start_, kPilotShare * accuracy_);
       if (!found.known) return false;
-      Logs limit;
+      Logs sorted;
       for (const MotionModes& motion : found.modes.motions) {
-        limit.emplace_back(Eigen::VectorXd::Zero(motion.omega2.size()));
+        sorted.emplace_back(Eigen::VectorXd::Zero(motion.omega2.size()));
       }
       for (std::size_t k = 0; k < found.modes.order.size(); ++k) {
         const auto& which = found.modes.order[k];
-        limit[static_cast<std::size_t>(which.motion)][which.mode] = std::log(found.frequency_hz[k]);
+        sorted[static_cast<std::size_t>(which.motion)][which.mode] =
+            std::log(found.frequency_hz[k]);
       }
+      const auto order = order_by(reference_, found.modes, start_.samples);
+      if (order.empty()) return false;
+      Logs limit;
+      for (std::size_t k = 0; k < order.size(); ++k) limit.emplace_back(sorted[k](order[k]));
       // Those among the first asked for, in any pilot.
       needed_.resize(std::max(needed_.size(), limit.size()), 0);
       const std::size_t asked =
           std::min(found.modes.order.size(), static_cast<std::size_t>(options_.count));
       for (std::size_t k = 0; k < asked; ++k) {
         const auto& which = found.modes.order[k];
-        int& needed = needed_[static_cast<std::size_t>(which.motion)];
-        needed = std::max(needed, which.mode + 1);
+        const auto motion = static_cast<std::size_t>(which.motion);
+        const auto place = std::find(order[motion].begin(), order[motion].end(), which.mode);
+        if (place == order[motion].end()) return false;
+        needed_[motion] =
+            std::max(needed_[motion], static_cast<int>(place - order[motion].begin()) + 1);
       }
       pilot_error_ = std::max(pilot_error_, found.relative_error);
       pilots_.push_back(std::move(limit));
@@ -371,6 +403,7 @@ class Batch {
   ModesOptions options_, wide_;
   double accuracy_;
   SequenceStart start_;
+  Reference reference_;
   Components components_;     // of the common chain's ln f
   Eigen::MatrixXd pilot_at_;  // pilots x components
   std::vector<Logs> pilots_;  // their limits

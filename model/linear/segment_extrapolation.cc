@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "model/linear/mode_following.h"
+
 namespace rigfit::model {
 namespace {
 
@@ -37,68 +39,6 @@ struct Track {
   int mode = 0;  // in the finest chain's motion
   std::vector<double> h, hz;
 };
-
-/// Displacements of a motion's modes at `samples` places of each member, columns of unit length
-/// (zero where nothing but twist moves).
-Eigen::MatrixXd sampled_shapes(const ChainModes& modes, const MotionModes& motion,
-                               const std::vector<int>& samples) {
-  const Chain& chain = *modes.chain;
-  const auto& numbering = motion.assembly->numbering();
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(
-      3 * std::accumulate(samples.begin(), samples.end(), Eigen::Index{0}), motion.omega2.size());
-  Eigen::Index row = 0;
-  for (std::size_t m = 0; m < chain.members.size(); ++m) {
-    const ChainMember& member = chain.members[m];
-    std::size_t i = 0;
-    for (int k = 0; k < samples[m]; ++k) {
-      const double place = (k + 0.5) / samples[m];
-      while (member.places[i + 1] < place) ++i;
-      const double f = (place - member.places[i]) / (member.places[i + 1] - member.places[i]);
-      for (int axis = 0; axis < 3; ++axis, ++row) {
-        const int a = numbering.displacement(axis, member.nodes[i]);
-        const int b = numbering.displacement(axis, member.nodes[i + 1]);
-        if (a >= 0) out.row(row) += (1 - f) * motion.shapes.row(a);
-        if (b >= 0) out.row(row) += f * motion.shapes.row(b);
-      }
-    }
-  }
-  for (Eigen::Index k = 0; k < out.cols(); ++k) {
-    const double size = out.col(k).norm();
-    if (size > 0) out.col(k) /= size;
-  }
-  return out;
-}
-
-/// The new chain's mode of each of the old chain's: by shape, then by order and frequency; -1:
-/// none.
-std::vector<int> followers(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after,
-                           const Eigen::VectorXd& omega2_before,
-                           const Eigen::VectorXd& omega2_after) {
-  Eigen::MatrixXd overlap = (before.transpose() * after).cwiseAbs2();
-  std::vector<int> next(static_cast<std::size_t>(overlap.rows()), -1);
-  std::vector<bool> taken(static_cast<std::size_t>(overlap.cols()), false);
-  for (Eigen::Index round = 0; round < std::min(overlap.rows(), overlap.cols()); ++round) {
-    Eigen::Index i = 0, j = 0;
-    if (overlap.maxCoeff(&i, &j) < 0.5) break;
-    next[static_cast<std::size_t>(i)] = static_cast<int>(j);
-    taken[static_cast<std::size_t>(j)] = true;
-    overlap.row(i).setZero();
-    overlap.col(j).setZero();
-  }
-  // Equal frequencies share their shapes in any mixture; twist alone has none here.
-  std::size_t j = 0;
-  for (std::size_t i = 0; i < next.size(); ++i) {
-    if (next[i] >= 0) continue;
-    while (j < taken.size() && taken[j]) ++j;
-    if (j == taken.size()) break;
-    const double ratio =
-        omega2_after[static_cast<Eigen::Index>(j)] / omega2_before[static_cast<Eigen::Index>(i)];
-    if (std::abs(ratio - 1) > 0.2) continue;
-    next[i] = static_cast<int>(j);
-    taken[j] = true;
-  }
-  return next;
-}
 
 class Extrapolation {
  public:
@@ -218,7 +158,7 @@ class Extrapolation {
       omega2.push_back(motion.omega2);
       std::vector<Track> now(static_cast<std::size_t>(motion.omega2.size()));
       if (k < shapes_.size()) {
-        const std::vector<int> next = followers(shapes_[k], shapes[k], omega2_[k], omega2[k]);
+        const std::vector<int> next = following_modes(shapes_[k], shapes[k], omega2_[k], omega2[k]);
         for (const Track& track : tracks_) {
           if (track.motion != static_cast<int>(k)) continue;
           const int to = next[static_cast<std::size_t>(track.mode)];
@@ -263,7 +203,7 @@ SequenceLimit sequence_limit(const std::vector<double>& h, const std::vector<dou
   const double change = std::abs(out.value - out.limit);
   const double next = std::abs(out.limit - of(window + 2));
   out.certain = change > 0 && 3 * next <= change;
-  out.error = out.certain ? change / (1 - next / change) : change + next;
+  out.error = change + 2 * next;
   return out;
 }
 

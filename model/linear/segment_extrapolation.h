@@ -11,9 +11,9 @@
 // layer of bending, sqrt(EI / T) deep, has decayed that a clamp or a mass makes.
 //
 // The value given is that of w chains, v_w. Its error is e = |v_w - v_(w+1)| and what v_(w+1) errs
-// itself, taken as the rest of a geometric series of ratio r = |v_(w+1) - v_(w+2)| / e: e / (1 - r).
-// As long as r <= 1/3 that lies between one and three times the error. w is the one of the smallest
-// such estimate.
+// itself, taken as twice u = |v_(w+1) - v_(w+2)|. With u <= e / 3, and as long as v_(w+1) errs by no
+// more than that, e + 2 u lies between one and five times the error, between one and 2.5 times where
+// v_(w+1) errs by u at most. w is the one of the smallest such estimate.
 #pragma once
 
 #include <vector>
@@ -27,7 +27,7 @@ struct SequenceLimit {
   double value = 0;      ///< Neville's value of the last `window` points, v_w above
   double limit = 0;      ///< of one point more
   double error = 0;      ///< estimated, of `value`, same unit
-  bool certain = false;  ///< r <= 1/3
+  bool certain = false;  ///< u <= e / 3
 };
 /// `h` falling, `f` at each; at least `window` + 2 points, `window` from 1.
 [[nodiscard]] SequenceLimit sequence_limit(const std::vector<double>& h,

@@ -81,7 +81,7 @@ void honesty(int scenes) {
   for (const double accuracy : {1e-4, 1e-5, 1e-6}) {
     for (int kind = 0; kind < kKinds; ++kind) {
       std::vector<double> ratios, times;
-      int near = 0, above = 0, vague = 0;
+      int near = 0, above = 0;
       for (int i = 0; i < scenes / kKinds; ++i) {
         const Scene scene = random_scene(kind, static_cast<unsigned>(i * kKinds + kind));
         const ModesOptions options = modes_of(kind);
@@ -102,10 +102,7 @@ void honesty(int scenes) {
         for (std::size_t k = 0; k < found.frequency_hz.size(); ++k) {
           worst = std::max(worst, std::abs(found.frequency_hz[k] / truth.limit_hz[k] - 1));
         }
-        if (!(truth.relative_error <= 0.1 * worst)) ++vague;
         ratios.push_back(found.relative_error / worst);
-        if (std::getenv("RIGFIT_SHOW") && (ratios.back() > 3 || ratios.back() < 1.0 / 3))
-          std::printf("kind %d i %d est %.2e err %.2e truth %.1e segs %d\n", kind, i, found.relative_error, worst, truth.relative_error, found.segments[0]);
         near += ratios.back() > 1.0 / 3 && ratios.back() < 3;
         above += worst > accuracy;
       }
