@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include "apps/bench/bench_plot.h"
 #include "apps/bench/bench_scenes.h"
 #include "apps/bench/bench_study.h"
 #include "apps/bench/ident_studies.h"
@@ -14,6 +15,7 @@
 #include "apps/bench/size_study.h"
 #include "apps/cli/number_checks.h"
 #include "apps/cli/output_file.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
 #include "model/scene/read_scene.h"
@@ -287,6 +289,10 @@ Json run_bench(VerbContext& context, const BenchCommand& options) {
         context.warn("not_done", study.task + ": " + study.skipped, options.scene);
       }
       result["studies"].push_back(std::move(about));
+      if (context.plots) {
+        Plot plot = bench_plot(study);
+        if (!plot.series.empty()) context.plots->add(Block(std::move(plot)));
+      }
       studies.push_back(std::move(study));
     }
     progress.advance();
@@ -331,8 +337,10 @@ void add_bench(CLI::App& program, Verbs& verbs) {
       "Examples:\n"
       "  rigfit bench --quick --task modes bending\n"
       "  rigfit bench testdata/jalali2021/scenes/rig.toml --task modes --json bench.json\n"
+      "  rigfit bench --task nonlinear-response --plot time-error.svg\n"
       "  rigfit bench --size --task poles");
-  verbs.push_back({verb, [options](VerbContext& context) { return run_bench(context, *options); }});
+  verbs.push_back(
+      {verb, [options](VerbContext& context) { return run_bench(context, *options); }, true});
 }
 
 }  // namespace rigfit::apps
