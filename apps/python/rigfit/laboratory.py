@@ -168,7 +168,7 @@ def axial(recordings, *, mass, length, channel=None, mass_per_length=None, mass_
     seed : int, optional
         Seed of every random number (default 1).
     frame_stiffness : float or "rigid", optional
-        What gives way above the cable, N/m (default: not known; one length then gives a lower bound of EA).
+        What gives way above the cable, N/m, or rigid (default: not known; one length then gives a lower bound of EA).
     frame_stiffness_std : float, optional
         Standard uncertainty, N/m.
 
