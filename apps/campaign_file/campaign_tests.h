@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/campaign_file/campaign.h"
+#include "apps/campaign_file/campaign_types.h"
 #include "model/scene/toml_table.h"
 
 namespace rigfit::apps {

@@ -10,7 +10,6 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/sha256.h"
 #include "apps/cli/terminal.h"
-#include "apps/cli/warning_lines.h"
 
 namespace rigfit::apps {
 namespace {

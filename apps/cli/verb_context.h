@@ -12,19 +12,13 @@
 #include <vector>
 
 #include "apps/cli/exit_code.h"
+#include "apps/cli/warning_lines.h"
 #include "ident/campaign/finding.h"
 #include "signal/readers/read_options.h"
 
 namespace rigfit::apps {
 
 struct PlotSheet;  // apps/cli/plots/plot_option.h
-
-struct Warning {
-  std::string code;  ///< stable, for programs
-  std::string message;
-  std::string where;     ///< file, channel, member ...
-  bool refused = false;  ///< the run ends with exit code 4 for it
-};
 
 /// A file read by a run, as it was when the run met it.
 struct Input {

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 
-#include "apps/cli/verb_context.h"
-
 namespace rigfit::apps {
 namespace {
 

@@ -11,7 +11,12 @@
 
 namespace rigfit::apps {
 
-struct Warning;  // apps/cli/verb_context.h
+struct Warning {
+  std::string code;  ///< stable, for programs
+  std::string message;
+  std::string where;     ///< file, channel, member ...
+  bool refused = false;  ///< the run ends with exit code 4 for it
+};
 
 /// 0: the answer may be wrong or is missing; 1: what a person should look at; 2: what is allowed
 /// for in the values or taken as said.

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_result.h"
 #include "ident/statistics/uncertainty.h"
 
 namespace rigfit::ident {

@@ -11,7 +11,7 @@
 #pragma once
 
 #include "ident/axial/axial_fit.h"
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_result.h"
 
 namespace rigfit::ident {
 

@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_result.h"
 
 namespace rigfit::ident {
 namespace {

@@ -2,7 +2,7 @@
 // as exact, EA against a catalogue's.
 #pragma once
 
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_result.h"
 
 namespace rigfit::ident {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "ident/axial/axial_average.h"
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_result.h"
 
 namespace rigfit::ident {
 

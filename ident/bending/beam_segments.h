@@ -21,8 +21,8 @@
 
 #include <vector>
 
+#include "ident/bending/bending_result.h"
 #include "ident/bending/bending_strokes.h"
-#include "ident/bending/bending_test.h"
 
 namespace rigfit::ident {
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_result.h"
 #include "ident/bending/table_line.h"
 
 namespace rigfit::ident {

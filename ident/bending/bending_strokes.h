@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_result.h"
 
 namespace rigfit::ident {
 

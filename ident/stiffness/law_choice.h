@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/stiffness/stiffness_law.h"
+#include "ident/stiffness/fitted_law.h"
 
 namespace rigfit::ident {
 

@@ -15,94 +15,16 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <limits>
-#include <optional>
-#include <string>
 #include <vector>
 
-#include "ident/stiffness/strand.h"
+#include "ident/stiffness/fitted_law.h"
 
 namespace rigfit::ident {
-
-enum class LawKind { linear, square_root, power, saturating };
-[[nodiscard]] const char* name_of(LawKind kind);
-
-/// One bending test's result. Without an interval: `std`, `low` and `high` NaN.
-struct StiffnessPoint {
-  double tension_N = 0;
-  double EI_Nm2 = 0;
-  double std = std::numeric_limits<double>::quiet_NaN();
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
-  /// Part of the uncertainty that it shares with the other points (span, calibration), relative to
-  /// EI: no part of its weight, but of every band.
-  double shared_relative_std = 0;
-  /// Standard uncertainty of the tension that EI belongs to: the spread within the test
-  /// (tension_spread.h).
-  double tension_std_N = 0;
-};
-
-struct StiffnessLawOptions {
-  std::vector<LawKind> laws{LawKind::linear, LawKind::square_root, LawKind::power,
-                            LawKind::saturating};
-  std::optional<StiffnessBounds> bounds =
-      std::nullopt;  ///< of the strand; fixes the saturating law's ends
-  /// As the points' shared_relative_std, of all of them; the largest counts.
-  double common_relative_std = 0;
-  /// Used for points without an interval instead of their scatter; 0: the scatter is used.
-  double assumed_relative_std = 0;
-};
-
-struct LawParameter {
-  std::string name;
-  double value = 0;
-  double std = 0;  ///< NaN when the points do not determine it
-  std::string unit;
-  bool fixed = false;  ///< by the strand's geometry
-};
-
-struct FittedLaw {
-  LawKind kind = LawKind::linear;
-  std::string formula;  ///< with numbers
-  std::vector<LawParameter> parameters;
-  Eigen::MatrixXd covariance;  ///< of the free parameters in their order
-  /// Change of the free parameters where all points belong to a tension one standard uncertainty
-  /// off; part of the covariance. Empty: the points' tensions are taken as they are.
-  Eigen::VectorXd by_tension;
-  double reference_tension_N = 1;  ///< T0 of the power law
-  bool converged = false;
-  std::string message;     ///< when it has not, or a parameter is not determined
-  double chi_squared = 0;  ///< weighted sum of squares (of relative errors without weights)
-  double degrees_of_freedom = 0;
-  double rms_relative_error = 0;  ///< of the points about the law
-  /// NaN when there are too few points for it (n <= k + 1).
-  double aicc = std::numeric_limits<double>::quiet_NaN();
-  /// Among the laws that AICc ranks; NaN when it ranks fewer than two of several.
-  double akaike_weight = std::numeric_limits<double>::quiet_NaN();
-
-  double scatter_relative_std = 0;  ///< of a new test about the law, relative
-  double common_relative_std = 0;
-  double coverage_factor = 1.96;  ///< for 95 %
-};
-
-struct StiffnessPrediction {
-  double EI_Nm2 = 0;
-  double std = 0;                      ///< of the law
-  double low = 0, high = 0;            ///< 95 % band of the law
-  double test_low = 0, test_high = 0;  ///< 95 % band of a new test
-};
 
 /// EI by a law at a tension > 0, with its bands. NaN bands where a parameter is not determined.
 [[nodiscard]] StiffnessPrediction predict(const FittedLaw& law, double tension_N);
 /// d EI / d (free parameter), in the order of the covariance, at a tension > 0.
 [[nodiscard]] Eigen::VectorXd law_gradient(const FittedLaw& law, double tension_N);
-
-struct StiffnessLaws {
-  std::vector<FittedLaw> laws;  ///< best first
-  bool decided = false;         ///< the points favour the first one clearly
-  std::string sentence;         ///< what the points say about the choice, for a person
-  bool weighted = false;        ///< the points' own intervals were used
-};
 
 /// Throws std::invalid_argument for fewer than two points, or values that are not positive and
 /// finite. A law with more parameters than points is left out and named in the sentence.

@@ -15,7 +15,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "ident/stiffness/stiffness_law.h"
+#include "ident/stiffness/fitted_law.h"
 
 namespace rigfit::ident {
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "ident/tension/cable_frequencies.h"
-#include "ident/tension/cable_tension.h"
+#include "ident/tension/tension_result.h"
 
 namespace rigfit::ident {
 

@@ -13,7 +13,7 @@
 #include <functional>
 #include <vector>
 
-#include "ident/tension/tension_posterior.h"
+#include "ident/tension/tension_data.h"
 
 namespace rigfit::ident {
 

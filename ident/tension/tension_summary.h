@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/tension/tension_posterior.h"
+#include "ident/tension/tension_data.h"
 
 namespace rigfit::ident {
 

@@ -11,8 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/model_update.h"
 #include "ident/update/update_coordinate.h"
+#include "ident/update/update_data.h"
+#include "ident/update/update_options.h"
+#include "ident/update/update_result.h"
 
 namespace rigfit::ident {
 

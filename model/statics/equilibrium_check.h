@@ -3,7 +3,7 @@
 // change.
 #pragma once
 
-#include "model/statics/equilibrium.h"
+#include "model/statics/chain_equilibrium.h"
 
 namespace rigfit::model {
 

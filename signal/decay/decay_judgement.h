@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "signal/decay/decay.h"
+#include "signal/decay/decay_result.h"
 
 namespace rigfit::signal {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <complex>
 
-#include "signal/decay/decay.h"
+#include "signal/decay/decay_result.h"
 #include "signal/sinusoids/decay_search.h"
 
 namespace rigfit::signal {

@@ -20,8 +20,8 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "signal/decay/decay.h"
 #include "signal/decay/decay_modes.h"
+#include "signal/decay/decay_result.h"
 
 namespace rigfit::signal {
 

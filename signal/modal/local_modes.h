@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "signal/modal/modal_band.h"
-#include "signal/modal/modal_identification.h"
+#include "signal/modal/modal_result.h"
 #include "signal/modal/mode_search.h"
 #include "signal/modal/point_poles.h"
 #include "signal/modal/point_tracks.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "signal/modal/modal_band.h"
-#include "signal/modal/modal_identification.h"
 #include "signal/modal/modal_noise.h"
+#include "signal/modal/modal_result.h"
 #include "signal/poles/lscf.h"
 #include "signal/poles/pole_clusters.h"
 #include "signal/refinement/modal_covariance.h"

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "signal/modal/modal_band.h"
-#include "signal/modal/modal_identification.h"
+#include "signal/modal/modal_result.h"
 
 namespace rigfit::signal {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "signal/recording/quality.h"
+#include "signal/recording/quality_result.h"
 
 namespace rigfit::signal {
 

@@ -11,28 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "signal/recording/quantity.h"
+
 namespace rigfit::signal {
-
-/// The physical quantity of a channel.
-enum class Quantity {
-  unknown,
-  time,
-  force,
-  acceleration,
-  velocity,
-  displacement,
-  angle,
-  angular_velocity,
-  angular_acceleration,
-  torque,
-  strain,
-  pressure,
-  temperature,
-  voltage,
-};
-
-/// The word used in JSON and messages, such as "acceleration".
-[[nodiscard]] const char* name_of(Quantity quantity);
 
 /// One channel of a recording, in SI units.
 struct Channel {

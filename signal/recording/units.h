@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "signal/recording/recording.h"
+#include "signal/recording/quantity.h"
 
 namespace rigfit::signal {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/report/page/block_html.h"
-#include "apps/report/page/report_page.h"
+#include "apps/report/page/page_frame.h"
 
 namespace rigfit::apps {
 

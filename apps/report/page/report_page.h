@@ -6,28 +6,11 @@
 
 #include <span>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include "apps/campaign_file/report_details.h"
+#include "apps/report/page/page_frame.h"
 #include "apps/report/report_part.h"
 
 namespace rigfit::apps {
-
-/// Whom the report is for: a client gets the short report and the appendix as a page of its own,
-/// a laboratory one page of both.
-enum class ReportStyle { lab, client };
-
-struct PageFrame {
-  std::string title, source, description;
-  ReportDetails details;
-  ReportStyle style = ReportStyle::lab;
-  std::string version;  ///< of rigfit
-  std::string repeat;   ///< command line that makes the report again
-  std::vector<std::pair<std::string, std::string>> inputs;  ///< path, SHA-256
-  std::vector<PartWarning> warnings;
-  std::vector<std::pair<std::string, std::string>> links;  ///< other pages: file, title
-};
 
 /// report.html. `overview` (parts/overview_part.h) stands on the first page.
 [[nodiscard]] std::string report_page(const PageFrame& frame, const ReportPart& overview,

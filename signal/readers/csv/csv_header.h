@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "signal/readers/csv/csv_layout.h"
+#include "signal/readers/csv/csv_column.h"
 
 namespace rigfit::signal {
 

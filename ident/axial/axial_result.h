@@ -1,0 +1,134 @@
+// Decays of a hanging mass, what is asked of them and what they give (axial_test.h).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "signal/numerics/estimate.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::ident {
+
+struct AxialDecay {
+  std::string name;  ///< of the record, for messages
+  double length_m = 0;
+  signal::Estimate damped_frequency_hz, damping_ratio;
+};
+
+struct AxialSetup {
+  signal::Estimate mass_kg{0, 0};               ///< hung, adapter and clamp included; one for all
+  signal::Estimate mass_per_length_kg_m{0, 0};  ///< of cable; 0: massless
+  /// Standard uncertainty of a length, m; independent from length to length (cut and measured
+  /// anew).
+  double length_std_m = 0;
+  signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series, below; 0: rigid
+  signal::Estimate frame_stiffness_N_m{0, 0};    ///< in series, above; 0: rigid
+  /// The frame is what is stated above, or rigid: one length then gives EA. Several lengths test
+  /// it.
+  bool frame_stated = false;
+  /// Standard uncertainty of what else gives way in series, m/N, about none. 0: known to be rigid;
+  /// not given: nothing is known of it, and only several lengths can tell.
+  std::optional<double> series_compliance_std_m_N;
+  /// What EA should about be; 0: metallic area from the mass per length times the modulus below.
+  double catalogue_EA_N = 0;
+};
+
+struct AxialOptions {
+  double steel_density_kg_m3 = 7850;
+  /// Of a stranded rope on its metallic area; makers give 60 to 100 GPa for 7x19.
+  double rope_modulus_Pa = 80e9;
+  /// Of solid steel: no steel cable is stiffer for its mass, and no aluminium one.
+  double solid_modulus_Pa = 210e9;
+  double coverage = 0.95;
+  int draws = 20000;  ///< of the Monte Carlo; 0: none
+  std::uint64_t seed = 1;
+};
+
+struct AxialSample {
+  std::string name;
+  double length_m = 0;
+  double stiffness_N_m = 0;        ///< k, static, adapter included
+  double cable_stiffness_N_m = 0;  ///< kc
+  signal::Estimate EA_N;           ///< its std: of the record alone
+  signal::Estimate damping_ratio;
+  double damping_Ns_m = 0;
+};
+
+struct AxialLength {
+  double length_m = 0;
+  int records = 0;
+  signal::Estimate EA_N;  ///< std: repeats and this length's own uncertainty, not what all share
+  signal::Estimate damping_ratio;
+  double damping_Ns_m = 0;
+};
+
+/// A way to explain the lengths, and its share in the answer.
+struct AxialAlternative {
+  std::string name;  ///< "cable alone", "compliance in series", each also with ", lengths scatter"
+  double weight = 0;
+  signal::Estimate EA_N;
+  double EA_low_N = 0, EA_high_N = 0;
+  signal::Estimate series_compliance_m_N{0, 0};
+  double between_lengths_std_N = 0;
+  double chi2 = 0;
+  int degrees_of_freedom = 0;
+};
+
+struct BudgetRow {
+  std::string source;
+  std::string unit;
+  double value = 0, std = 0;      ///< of the input; NaN where it is no single number
+  double sensitivity = 0;         ///< d EA / d input, N per unit
+  double contribution_N = 0;      ///< |sensitivity| std
+  double share = 0;               ///< of the variance of EA
+  double degrees_of_freedom = 0;  ///< 0: taken as known (type B)
+  char type = 'B';
+};
+
+struct AxialTestResult {
+  signal::Estimate EA_N;
+  /// `coverage` interval; of a bound (`conditional`) the high end is infinite where no mass per
+  /// length says what solid metal has, and the std of EA is then infinite too.
+  double EA_low_N = 0, EA_high_N = 0;
+  double coverage_factor = 0;     ///< half the interval over the standard uncertainty
+  double degrees_of_freedom = 0;  ///< effective (Welch and Satterthwaite); 0: normal
+  /// The lengths cannot tell what else gives way: `EA_N` is the value if nothing does, the least
+  /// that EA can be; its std and interval are those of a bound (axial_bound.h).
+  bool conditional = false;
+  signal::Estimate EA_if_rigid_N;  ///< where `conditional`: if nothing else gives way
+  double EA_if_rigid_low_N = 0, EA_if_rigid_high_N = 0;
+  /// Static stiffness of the whole chain (cable, adapter, frame) at the one length; 0 for several.
+  signal::Estimate assembly_stiffness_N_m;
+  std::vector<AxialAlternative> alternatives;  ///< heaviest first; weights sum to 1
+  signal::Estimate damping_ratio;
+  double damping_low = 0, damping_high = 0;
+  signal::Estimate damping_Ns_m;  ///< at `reference_length_m`
+  double reference_length_m = 0;  ///< mean of the lengths
+  std::vector<AxialSample> samples;
+  std::vector<AxialLength> lengths;
+  std::vector<BudgetRow> budget;  ///< of EA, largest first
+
+  double between_lengths_std_N = 0;  ///< tau, of the heaviest alternative
+  double cochran_Q = 0;
+  /// Chance of such disagreement when EA is the same and the cable alone gives way; 1 for one
+  /// length.
+  double homogeneity_p = 1;
+
+  int draws = 0;
+  signal::Estimate monte_carlo_EA_N;  ///< median, half the middle 68.27 %
+  double monte_carlo_low_N = 0, monte_carlo_high_N = 0;
+
+  /// Compliance in series that the lengths show: 1/kc = L / EA + s. NaN under two lengths.
+  signal::Estimate series_compliance_m_N;
+  double EA_without_series_N = 0;  ///< EA of that line; NaN under two lengths
+  double plain_EA_N = 0;           ///< EA when the cable alone gives way
+  double catalogue_EA_N = 0;       ///< given or from the mass per length; 0: neither
+  double share_of_catalogue = 0;   ///< EA over it
+  std::string plausibility;        ///< a sentence, empty without a catalogue value
+  std::vector<signal::Note> notes;
+};
+
+}  // namespace rigfit::ident

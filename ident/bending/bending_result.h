@@ -1,0 +1,89 @@
+// Records of a bending test, what is asked of them and what they give (bending_test.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "ident/bending/beam_ends.h"
+#include "ident/bending/bending_equation.h"
+
+namespace rigfit::ident {
+
+/// One record at one tension, SI, samples in the order of time. NaN rows are left out and counted.
+/// Without tension `tension_N` may be empty.
+struct BendingRecord {
+  Eigen::VectorXd tension_N, load_N, deflection_m;
+};
+
+struct BendingTestOptions {
+  signal::Estimate span_m;
+  BeamEnds ends = BeamEnds::tensioned;
+  // Relative standard uncertainties of calibration, common to all samples of a channel.
+  double load_calibration_std = 0;
+  double deflection_calibration_std = 0;
+  double tension_calibration_std = 0;
+  double tension_zero_std_N = 0;  ///< of the tension cell's zero, N
+  // Noise of one sample; 0: estimated from the record (second differences; residuals of a short
+  // table).
+  double load_noise_N = 0;
+  double deflection_noise_m = 0;
+  /// After every turn friction first changes sign: this share of a stroke's travel is not used
+  /// (strokes of 20 samples and more).
+  double turn_share = 0.15;
+  /// Where the local median over a twentieth of a stroke leaves the line by more than this share of
+  /// the load range (and four times its noise), toe, stop or slip begin.
+  double straightness = 0.005;
+  /// Relative change of slope over the straight part: above the first it is warned of, above the
+  /// second there is no one EI and the test is refused.
+  double curvature_warning = 0.05, curvature_refusal = 0.25;
+  /// Part of a stroke's deflection that must remain straight.
+  double least_straight_share = 0.4;
+};
+
+struct BendingStroke {
+  bool loading = true;
+  Eigen::Index first = 0, last = 0;  ///< samples of the record (after NaN rows), whole stroke
+  Eigen::Index used_first = 0, used_last = 0;  ///< the straight part
+  signal::Estimate stiffness_N_m;              ///< K of this stroke, at the mean tension
+  double offset_N = 0;                         ///< c
+  double residual_rms_N = 0;
+  double curvature = 0;  ///< relative change of slope over the straight part
+  double curvature_std = 0;
+  int load_drops = 0;  ///< stick-slip: sudden losses of load against the stroke
+};
+
+struct BendingFinding {
+  std::string code;  ///< "toe", "stop", "stick_slip", "clamp_slip", "curved", "set", "missing" ...
+  std::string message;
+  bool refuses = false;  ///< there is no EI because of it
+};
+
+struct BendingTestResult {
+  bool refused = false;
+  BeamEnds ends = BeamEnds::tensioned;  ///< as asked; otherwise the tensions are zero
+  std::vector<BendingFinding> findings;
+  signal::Estimate tension_N;  ///< mean over the samples used; std from calibration
+  double tension_low_N = 0, tension_high_N = 0;  ///< over the samples used
+  /// Standard uncertainty of the tension that EI belongs to (tension_spread.h), over the strokes.
+  double tension_spread_N = 0;
+  signal::Estimate compliance_m_N;  ///< 1/K, calibration included
+  double degrees_of_freedom = 0;    ///< of the compliance; 0: many
+  std::vector<BendingStroke> strokes;
+  signal::Estimate loading_stiffness_N_m, unloading_stiffness_N_m;  ///< NaN: no such stroke
+  double hysteresis_N = 0;  ///< half the distance between loading and unloading lines
+  double load_noise_N = 0, deflection_noise_m = 0;  ///< as used
+  /// Relative standard uncertainty of K from the strokes, friction included, calibrations left out.
+  double relative_std_strokes = 0;
+  // Wire friction after the turns, averaged over its laws; zero where strokes are too short to
+  // tell.
+  double friction_probability = 0;          ///< Akaike weight of the laws with friction
+  double friction_travel_m = 0;             ///< over which it turns round; 0: none is seen
+  double friction_load_N = 0;               ///< half of what it adds after a turn
+  double relative_std_friction = 0;         ///< of K: what the laws differ by
+  double relative_friction_correction = 0;  ///< of K, against straight lines
+  StiffnessFromBending stiffness;           ///< solved only when not refused
+};
+
+}  // namespace rigfit::ident

@@ -1,0 +1,29 @@
+// Options and state of an equilibrium that is sought (equilibrium.h).
+#pragma once
+
+#include <string>
+
+#include "model/chain/assembly.h"
+#include "model/chain/chain.h"
+#include "model/scene/scene.h"
+#include "model/statics/equilibrium_result.h"
+
+namespace rigfit::model {
+
+struct EquilibriumOptions {
+  int max_iterations = 40;  ///< of each continuation step
+  double residual = 1e-9;   ///< largest unbalanced force over the largest member force
+  double step = 1e-9;       ///< largest last displacement over the rig's extent
+  int max_continuation_steps = 60;
+};
+
+struct ChainEquilibrium {
+  EquilibriumStatus status = EquilibriumStatus::not_converged;
+  std::string reason;
+  double residual = 0;  ///< largest unbalanced force over the largest member force
+  int iterations = 0;
+  bool continued = false;  ///< continuation was needed
+  ChainState state;
+};
+
+}  // namespace rigfit::model

@@ -1,0 +1,26 @@
+// The physical quantity of a channel, of a unit, of a sensor.
+#pragma once
+
+namespace rigfit::signal {
+
+enum class Quantity {
+  unknown,
+  time,
+  force,
+  acceleration,
+  velocity,
+  displacement,
+  angle,
+  angular_velocity,
+  angular_acceleration,
+  torque,
+  strain,
+  pressure,
+  temperature,
+  voltage,
+};
+
+/// The word used in JSON and messages, such as "acceleration".
+[[nodiscard]] const char* name_of(Quantity quantity);
+
+}  // namespace rigfit::signal
