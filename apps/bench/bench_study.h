@@ -41,6 +41,7 @@ struct BenchStudy {
   std::string default_does;
   std::vector<BenchRow> rows;
   std::string skipped;  ///< why there are no rows
+  std::string beside;   ///< of another program's rows: what they are, or why there are none
 };
 
 /// How much a run may take.

@@ -6,6 +6,7 @@
 #include <complex>
 #include <numeric>
 
+#include "apps/bench/calculix_rows.h"
 #include "model/algebra/eigenpairs.h"
 #include "model/chain/assembly.h"
 #include "model/linear/frf_synthesis.h"
@@ -304,6 +305,9 @@ BenchStudy modes_study(const model::Scene& scene, const BenchBudget& budget) {
     row.wall_s = median_time(budget, [&] { (void)model::analyse_modes(free, options); });
     study.rows.push_back(std::move(row));
   }
+  CalculixRows other = calculix_rows(scene, limit.value, budget);
+  for (BenchRow& row : other.rows) study.rows.push_back(std::move(row));
+  study.beside = std::move(other.note);
   mark_front(study);
   return study;
 }

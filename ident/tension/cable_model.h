@@ -16,6 +16,7 @@
 
 #include "ident/tension/cable_frequencies.h"
 #include "ident/tension/tension_result.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::ident {
 
@@ -73,5 +74,9 @@ class CableModel {
 [[nodiscard]] CableCorrection segment_correction(const CableModel& model, CableEnds ends,
                                                  const CableState& state, int count,
                                                  std::string& why);
+
+/// The cable as a scene, its ends as asked for; springs start at 10 EI / length.
+[[nodiscard]] model::Scene cable_scene(const CableDescription& cable, CableEnds ends,
+                                       double tension_N, double EI_Nm2);
 
 }  // namespace rigfit::ident

@@ -18,13 +18,8 @@
 
 #include "ident/tension/tension_result.h"
 #include "ident/update/update_data.h"
-#include "model/scene/scene.h"
 
 namespace rigfit::ident {
-
-/// The cable as a scene, its ends as asked for; springs start at EI / length.
-[[nodiscard]] model::Scene cable_scene(const CableDescription& cable, CableEnds ends,
-                                       double tension_N, double EI_Nm2);
 
 /// Modes found in several recordings or channels as one list by rising frequency: those that agree
 /// within three standard uncertainties are one, its mean weighted, its uncertainty not below what

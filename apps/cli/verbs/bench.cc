@@ -125,6 +125,7 @@ void print(std::ostream& out, const BenchStudy& study) {
                          row.method, row.note);
     }
   }
+  if (!study.beside.empty()) out << fmt::format("  {}\n", study.beside);
   out << '\n';
 }
 
@@ -284,6 +285,7 @@ Json run_bench(VerbContext& context, const BenchCommand& options) {
         if (!study.reference_values.empty()) about["reference_values"] = study.reference_values;
         about["rows"] = study.rows.size();
         about["on_front"] = front;
+        if (!study.beside.empty()) about["beside"] = study.beside;
       } else {
         about["skipped"] = study.skipped;
         context.warn("not_done", study.task + ": " + study.skipped, options.scene);

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "ident/tension/cable_frequencies.h"
+#include "ident/tension/cable_model.h"
 #include "model/linear/modal_analysis.h"
 
 namespace rigfit::ident::cable_tension_test {

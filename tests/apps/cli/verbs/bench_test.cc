@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/bench/bench_plot.h"
 #include "apps/bench/size_study.h"
 #include "tests/apps/run_program.h"
 #include "tests/reference/closed_forms.h"
@@ -225,6 +226,35 @@ TEST(BenchVerb, ReferenceOfASceneIsTheClosedForm) {
   EXPECT_THAT(skipped["linear-response"], HasSubstr("no load"));
   EXPECT_EQ(json["warnings"].size(), 4u);
   for (const auto& row : json["rows"]) EXPECT_EQ(row["task"], "modes");
+}
+
+// Methods in order of time, the front joined, the default marked; what failed is not drawn.
+TEST(BenchPlot, TimeAgainstError) {
+  BenchStudy study;
+  study.task = "statics", study.study = "steps";
+  const auto add = [&](const char* method, double time, double error, bool front, bool standard) {
+    BenchRow row;
+    row.method = method, row.wall_s = time, row.relative_error = error;
+    row.on_front = front, row.is_default = standard;
+    study.rows.push_back(row);
+  };
+  add("own", 0.02, 1e-5, true, true);
+  add("own", 0.01, 1e-3, true, false);
+  add("theirs (paper)", 5, 1e-4, false, false);
+  add("fails", 1, 1, false, false);
+  const Plot plot = bench_plot(study);
+  EXPECT_TRUE(plot.log_x && plot.log_y);
+  ASSERT_EQ(plot.series.size(), 4U);
+  EXPECT_EQ(plot.series[0].name, "own");
+  EXPECT_EQ(plot.series[0].x, (std::vector<double>{0.01, 0.02}));
+  EXPECT_EQ(plot.series[0].y, (std::vector<double>{1e-3, 1e-5}));
+  EXPECT_EQ(plot.series[1].origin, Origin::published_model);
+  EXPECT_EQ(plot.series[2].name, "Pareto-optimal");
+  EXPECT_EQ(plot.series[2].x.size(), 2U);
+  EXPECT_EQ(plot.series[3].name, "default");
+  EXPECT_EQ(plot.series[3].x, std::vector<double>{0.02});
+  study.rows.resize(0);
+  EXPECT_TRUE(bench_plot(study).series.empty());
 }
 
 TEST(BenchVerb, CostAgainstSize) {
