@@ -12,7 +12,7 @@ namespace {
 // Segments of the first number m: by the phase of the highest wave (rad), in a layer of bending,
 // which is followed down to e^-6, and of a member at least.
 constexpr double kPhaseShare = 0.3, kLayerReach = 6, kLayerShare = 2 / kLayerReach;
-constexpr int kFewest = 3;
+constexpr int kFewestInStretch = 3;
 constexpr double kApart = 1e-6;   // of a member: places nearer than this are one
 constexpr double kWorthIt = 1.5;  // a layer's own stretches, where its reach times this fits
 constexpr int kFewestSamples = 8;
@@ -67,11 +67,11 @@ std::vector<Stretch> stretches_of(const Member& member, const Demand& demand) {
   }
   int all = 0;
   for (const Stretch& stretch : out) all += stretch.segments;
-  if (all < kFewest) {
+  if (all < kFewestInStretch) {
     const auto longest =
         std::max_element(out.begin(), out.end(),
                          [&](const auto& a, const auto& b) { return a.segments < b.segments; });
-    longest->segments += kFewest - all;
+    longest->segments += kFewestInStretch - all;
   }
   return out;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -121,6 +122,21 @@ TEST_F(BenchRun, ErrorsFallWithSegmentsByTheirOrder) {
       EXPECT_NEAR(error_of(row) / accurate[n], 1, 1e-3) << n;
     }
   }
+}
+
+TEST_F(BenchRun, CalculixStandsBesideTheModesWhereItIsInstalled) {
+  for (const auto& study : (*json_)["studies"]) {
+    if (study["task"] != "modes") continue;
+    EXPECT_THAT(study["beside"].get<std::string>(), HasSubstr("CalculiX"));
+  }
+  std::map<int, double> errors;
+  for (const auto& row : rows_of("modes")) {
+    if (row["method"] == "CalculiX, elements a member") errors[row["segments"]] = error_of(row);
+  }
+  if (std::system("command -v ccx >/dev/null") != 0) GTEST_SKIP() << "no ccx";
+  // Quadratic elements: from 5 to 20 of them by far more than the 16 of second order.
+  ASSERT_TRUE(errors.contains(5) && errors.contains(20));
+  EXPECT_GT(errors[5] / errors[20], 16);
 }
 
 TEST_F(BenchRun, DefaultsKeepWhatTheyPromise) {
