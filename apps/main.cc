@@ -149,6 +149,8 @@ int run(int argc, char** argv) {
   program.require_subcommand(1);
   program.option_defaults()->always_capture_default(false);
 
+  program.formatter(help_formatter());
+
   Verbs verbs;
   add_all_verbs(program, verbs);
   CommonOptions common;

@@ -60,7 +60,38 @@ std::string roff(const std::string& text) {
   return out;
 }
 
+/// "NUMBER in [0 - 1]" for CLI11's "FLOAT:FLOAT in [0 - 1]", "FILE" for "TEXT:FILE".
+std::string plain_type(const std::string& type) {
+  const auto colon = type.find(':');
+  std::string word = type.substr(0, colon);
+  const std::string check = colon == std::string::npos ? "" : type.substr(colon + 1);
+  if (word == "FLOAT") word = "NUMBER";
+  if (word == "INT" || word == "UINT") word = "INTEGER";
+  if (const auto range = check.find(" in ["); range != std::string::npos) {
+    return word + check.substr(range);
+  }
+  if (check == "POSITIVE" || check == "NONNEGATIVE") return check + " " + word;
+  return word == "TEXT" && !check.empty() ? check : word;
+}
+
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override {
+    std::string text = CLI::Formatter::make_option_opts(option);
+    const std::string type = option->get_type_name();
+    const auto at = type.empty() ? std::string::npos : text.find(type);
+    if (at != std::string::npos) text.replace(at, type.size(), plain_type(type));
+    return text;
+  }
+  std::string make_option_usage(const CLI::Option* option) const override {
+    const std::string name = option->get_name(true) + (option->get_expected_max() > 1 ? "..." : "");
+    return option->get_required() ? name : "[" + name + "]";
+  }
+};
+
 }  // namespace
+
+std::shared_ptr<CLI::FormatterBase> help_formatter() { return std::make_shared<HelpFormatter>(); }
 
 int help(CLI::App& program, const Verbs& verbs, const std::vector<std::string>& arguments,
          std::ostream& out) {
@@ -71,7 +102,7 @@ int help(CLI::App& program, const Verbs& verbs, const std::vector<std::string>& 
   }
   const std::string& word = arguments.front();
   if (const Verb* verb = verb_named(verbs, word)) {
-    out << verb->app->help();
+    out << verb->app->help(program.get_name());
     return 0;
   }
   if (const auto text = key_reference(word); !text.empty()) {

@@ -2,6 +2,7 @@
 // or option, completion of bash and zsh, man pages. All of it from the options that CLI11 parses.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -14,6 +15,10 @@ namespace rigfit::apps {
 /// Answers `rigfit help ...` (`arguments`: what stands behind "help"). Returns the exit code.
 [[nodiscard]] int help(CLI::App& program, const Verbs& verbs,
                        const std::vector<std::string>& arguments, std::ostream& out);
+
+/// Help with types in words ("NUMBER in [0 - 1]"). Verbs added to a program after it was set have
+/// it too.
+[[nodiscard]] std::shared_ptr<CLI::FormatterBase> help_formatter();
 
 /// What is wrong with a command line that CLI11 refused, with the nearest word where a verb or an
 /// option is misspelt; `message`: CLI11's own.

@@ -31,7 +31,13 @@ TEST(Usage, HelpIsThereForEveryVerbAndFile) {
   const auto bare = run_program({});
   EXPECT_EQ(bare.exit_code, 2);
   EXPECT_THAT(bare.err, HasSubstr("inspect"));
-  EXPECT_THAT(run_program({"help", "modal"}).out, HasSubstr("--band"));
+  const std::string modal = run_program({"help", "modal"}).out;
+  EXPECT_THAT(modal, HasSubstr("Usage: rigfit modal [OPTIONS] "));
+  EXPECT_THAT(modal, HasSubstr("--band"));
+  // Types in words.
+  for (const char* internal : {"FLOAT", "TEXT:", "(1x)"}) {
+    EXPECT_THAT(modal + run_program({"help", "report"}).out, Not(HasSubstr(internal)));
+  }
   EXPECT_THAT(run_program({"help", "scene"}).out, HasSubstr("mass_per_length"));
   EXPECT_THAT(run_program({"help", "man", "decay"}).out, StartsWith(".TH \"rigfit\\-decay\" 1"));
   EXPECT_THAT(run_program({"help", "completion", "bash"}).out, HasSubstr("--channel"));

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <random>
 
+#include "signal/decay/decay.h"
+
 namespace rigfit::signal::narrow_record_test {
 namespace {
 
