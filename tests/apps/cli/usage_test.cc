@@ -14,6 +14,7 @@ namespace rigfit::apps::usage_test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 TEST(Usage, MisspeltWordsAreNamedWithTheNearest) {
