@@ -32,12 +32,16 @@ double power(double x, int n) {
 /// The segment-wise numbers of a member of unstretched length L, tapered, cut at `places`.
 class Sections {
  public:
-  Sections(const Member& member, const std::vector<double>& places, double length)
-      : member_(member), places_(places), length_(length) {}
+  /// `even`: segments alike, to the last digit.
+  Sections(const Member& member, const std::vector<double>& places, bool even, double length)
+      : member_(member), places_(places), even_(even), length_(length) {}
 
   [[nodiscard]] std::size_t segments() const { return places_.size() - 1; }
   double diameter(double s) const { return 1 + (member_.taper - 1) * s; }  // over the first
-  double segment_length(std::size_t i) const { return length_ * (places_[i + 1] - places_[i]); }
+  double segment_length(std::size_t i) const {
+    return even_ ? length_ / static_cast<double>(segments())
+                 : length_ * (places_[i + 1] - places_[i]);
+  }
   double segment_mass(std::size_t i) const {
     const double d0 = diameter(places_[i]), d1 = diameter(places_[i + 1]);
     return member_.mass_per_length * segment_length(i) * (d0 * d0 + d0 * d1 + d1 * d1) / 3;
@@ -79,6 +83,7 @@ class Sections {
 
   const Member& member_;
   const std::vector<double>& places_;
+  bool even_;
   double length_;
 };
 
@@ -285,10 +290,10 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
 
     const bool framed = reduction.torsion[m];
     const Eigen::Matrix3d axes = chain.axes * material_axes(chain.axes.transpose() * chord);
-    out.places =
-        places_of(m < options.places.size() ? options.places[m] : std::vector<double>{}, n);
+    out.even = m >= options.places.size() || options.places[m].empty();
+    out.places = places_of(out.even ? std::vector<double>{} : options.places[m], n);
     const std::vector<double>& places = out.places;
-    const Sections sections(member, places, out.unstretched_length);
+    const Sections sections(member, places, out.even, out.unstretched_length);
     const bool accurate = options.rotary_inertia == RotaryInertia::accurate;
     const double tension = accurate ? tension_about(chain, out, member, chord) : 0;
     const AxialForce axial = options.rotary_inertia == RotaryInertia::rigid_rod
@@ -462,7 +467,7 @@ void Chain::set_unstretched_length(int index, double length) {
   member.unstretched_length = length;
   for (int i = 0; i < member.segments; ++i) {
     Segment& segment = segments[static_cast<std::size_t>(member.first_segment + i)];
-    segment.length *= ratio;
+    segment.length = member.even ? length / member.segments : segment.length * ratio;
     segment.mass *= ratio;
     segment.polar *= ratio;
     segment.axial_damping /= ratio;

@@ -105,6 +105,7 @@ struct ChainMember {
   std::array<int, 2> end_joint{-1, -1};        ///< at each end; -1: moment-free
   std::vector<int> nodes;                      ///< segments + 1, from the first node to the second
   std::vector<double> places;                  ///< of the nodes, 0..1 of the unstretched length
+  bool even = true;                            ///< segments alike, to the last digit
   double unstretched_length = 0;               ///< m
   std::optional<double> target_tension;        ///< N: the unstretched length is to be found
   Eigen::Vector3d tension_direction{1, 0, 0};  ///< unit: horizontal, or the chord if that is steep

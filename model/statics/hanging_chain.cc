@@ -119,7 +119,7 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
   p.fixed.assign(n - 1, 0);
   for (std::size_t i = 0; i < n; ++i) {
     p.EA[i] = segment(i).EA;
-    p.share[i] = member.places[i + 1] - member.places[i];
+    p.share[i] = member.even ? 1 / double(n) : member.places[i + 1] - member.places[i];
     const double weight = segment(i).mass * g / member.unstretched_length;
     p.total_by_length += weight;
     if (i > 0) p.by_length[i - 1] += weight / 2;
