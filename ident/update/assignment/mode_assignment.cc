@@ -7,6 +7,7 @@ namespace rigfit::ident {
 namespace {
 
 constexpr double kFarthest = 6;  // standard deviations: beyond, a pair is none
+constexpr double kTwin = 0.999;  // of a probability; far above rounding, far below what data say
 
 bool transverse(model::ModePlane plane) {
   return plane == model::ModePlane::in || plane == model::ModePlane::out;
@@ -67,7 +68,10 @@ Sight sight_of(const Test& test, const std::vector<PairingMode>& measured,
       const double ratio = mode.visibility / strongest / options.visible_ratio;
       visible = ratio * ratio / (1 + ratio * ratio);
     }
-    const double seen = (1 - options.missed) * (options.leaked + (1 - options.leaked) * visible);
+    double seen = (1 - options.missed) * (options.leaked + (1 - options.leaked) * visible);
+    // Where the planes agree, a mode with its node at the sensor and its twin of the other plane
+    // would be seen alike, and rounding would choose.
+    if (other_plane(test.plane, mode)) seen *= kTwin;
     const double f = factor * mode.frequency_hz;
     // The band's ends are as soft as frequencies are uncertain, or the likelihood would jump.
     double within = 0.5 * std::erfc(-std::log(high / f) / soft / std::sqrt(2.0));
