@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "signal/refinement/smooth_background.h"
 
@@ -31,7 +32,22 @@ double left_at_the_end(const ModalBand& band, std::complex<double> raw) {
   return std::exp(raw.real() / band.spacing_hz);
 }
 
+bool misfit_shows(const Eigen::Ref<const Eigen::MatrixXcd>& background,
+                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
+                  const Eigen::Ref<const Eigen::VectorXd>& line) {
+  const double mean = background.rowwise().squaredNorm().dot(line);  // of noise of variance `line`
+  double found = 0, frfs = 0;
+  for (const auto& column : misfit.colwise()) {
+    const double variance = (column.cwiseAbs2().array() / line.array()).mean();
+    if (!(variance > 0)) continue;
+    found += (background.adjoint() * column).squaredNorm() / variance;
+    ++frfs;
+  }
+  return found > mean * (frfs + 4 * std::sqrt(frfs / static_cast<double>(background.cols())));
+}
+
 bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const Eigen::VectorXcd>& poles,
+                       const Eigen::Ref<const Eigen::MatrixXcd>& misfit, const FrfNoise& noise,
                        double max_work, ModalBand& band) {
   double most = 0;
   for (const std::complex<double> pole : poles) {
@@ -45,9 +61,14 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const Eigen::VectorX
   const double before = frfs.pre_trigger_s > 0        ? frfs.pre_trigger_s
                         : most > kLeftWhereHitMatters ? unknown
                                                       : 0;
-  const double noise = frfs.force_noise_span_s;
-  band.lines.background =
-      cut_off_background(band.lines.s, band.lines.power, std::max(before, noise), noise);
+  const double span = frfs.force_noise_span_s;
+  Eigen::MatrixXcd background =
+      cut_off_background(band.lines.s, band.lines.power, std::max(before, span), span);
+  if (band.lines.background.size() == 0 && misfit.size() > 0 &&
+      !misfit_shows(background, misfit, noise.line)) {
+    return false;
+  }
+  band.lines.background = std::move(background);
   return true;
 }
 

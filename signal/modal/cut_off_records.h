@@ -10,6 +10,7 @@
 #include <complex>
 
 #include "signal/modal/modal_band.h"
+#include "signal/modal/modal_noise.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
@@ -22,8 +23,21 @@ namespace rigfit::signal {
 /// steady tone. Where the set does not say how long before the hit its records begin and more than
 /// 1 % is left, an eighth of their length is allowed for, or what can be fitted within `max_work`
 /// multiplications. Whether it was set.
+///
+/// A band without a background gets one only where the misfit of the fit without it shows it
+/// (`misfit_shows`), as FRFs that are no transform of cut-off records (computed ones, stepped
+/// sines) do not: it would cost accuracy for nothing.
 [[nodiscard]] bool allow_for_cut_off(const FrfSet& frfs,
                                      const Eigen::Ref<const Eigen::VectorXcd>& poles,
-                                     double max_work, ModalBand& band);
+                                     const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
+                                     const FrfNoise& noise, double max_work, ModalBand& band);
+
+/// Whether `misfit` (lines x FRFs) has more of the span of the orthonormal columns `background`
+/// than noise of variance `line` (lines, any scale), uncorrelated between lines: its squares in
+/// that span over their mean, which scatters by 1 / sqrt(columns x FRFs), exceed it by four times
+/// that.
+[[nodiscard]] bool misfit_shows(const Eigen::Ref<const Eigen::MatrixXcd>& background,
+                                const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
+                                const Eigen::Ref<const Eigen::VectorXd>& line);
 
 }  // namespace rigfit::signal

@@ -32,6 +32,10 @@ using Eigen::VectorXd;
 /// Modes of a band, and how they came about.
 struct Search {
   FoundModes found;
+  /// Of all FRFs; empty without a fit.
+  [[nodiscard]] MatrixXcd misfit_of(const MatrixXcd& H) const {
+    return found.model.size() > 0 ? MatrixXcd(H - found.model) : MatrixXcd();
+  }
   bool exhausted = false;         ///< all FRFs together took too much work
   bool local = false;             ///< modes of local fits; else maximum likelihood of all FRFs
   std::vector<LocalMode> points;  ///< of each mode
@@ -311,8 +315,8 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
   result.clusters = cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
   Search search = search_of(band, result.clusters, first, options);
-  if (!search.exhausted &&
-      allow_for_cut_off(frfs, search.found.fit.poles, options.max_work, band)) {
+  if (!search.exhausted && allow_for_cut_off(frfs, search.found.fit.poles, search.misfit_of(H),
+                                             search.found.noise, options.max_work, band)) {
     search = search_of(band, result.clusters, first, options);
   }
   const FoundModes& found = search.found;

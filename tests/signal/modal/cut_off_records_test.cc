@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <complex>
+#include <random>
 
 #include "signal/modal/modal_identification.h"
 #include "signal/numerics/numbers.h"
+#include "signal/refinement/smooth_background.h"
 #include "tests/reference/defective_frfs.h"
 
 namespace rigfit::signal::cut_off_records_test {
@@ -62,7 +64,8 @@ TEST(CutOffRecords, NoBackgroundForModesThatHaveDecayedOrSteadyTones) {
   band.lines.H = Eigen::MatrixXcd::Zero(160, 1);
   const auto allow = [&](double left) {
     const Complex pole(0.125 * std::log(left), 13);
-    return allow_for_cut_off(set, Eigen::VectorXcd::Constant(1, pole), 4e9, band);
+    return allow_for_cut_off(set, Eigen::VectorXcd::Constant(1, pole), Eigen::MatrixXcd(),
+                             FrfNoise(), 4e9, band);
   };
   EXPECT_FALSE(allow(0.9e-3));
   EXPECT_FALSE(allow(0.95));
@@ -77,6 +80,34 @@ TEST(CutOffRecords, NoBackgroundForModesThatHaveDecayedOrSteadyTones) {
   set.pre_trigger_s = 0.08;
   EXPECT_TRUE(allow(0.02));
   EXPECT_LT(band.lines.background.cols(), unknown);
+}
+
+// 400 sets of noise, whose variance rises sixteenfold along the lines: chance is below 1 in 1e4
+// each.
+TEST(CutOffRecords, TheMisfitShowsABackgroundAndNoiseShowsNone) {
+  constexpr Eigen::Index kLines = 160, kFrfs = 3;
+  const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(kLines, 0.125, 20);
+  const Eigen::VectorXcd s = Complex(0, kTwoPi) * f.cast<Complex>();
+  const Eigen::MatrixXcd background = cut_off_background(s, 2, 0.4, 0);
+  const Eigen::VectorXd line = Eigen::VectorXd::LinSpaced(kLines, 1, 16);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  int shown = 0;
+  for (int set = 0; set < 400; ++set) {
+    Eigen::MatrixXcd misfit(kLines, kFrfs);
+    for (Eigen::Index k = 0; k < kLines; ++k) {
+      for (Complex& one : misfit.row(k)) {
+        one = std::sqrt(line[k]) * Complex(normal(random), normal(random));
+      }
+    }
+    shown += misfit_shows(background, misfit, line);
+    // As much again in the span as the noise has there.
+    for (Eigen::Index c = 0; c < kFrfs; ++c) {
+      misfit.col(c) += background * (background.adjoint() * misfit.col(c)) * 0.6;
+    }
+    EXPECT_TRUE(misfit_shows(background, misfit, line));
+  }
+  EXPECT_LE(shown, 2);
 }
 
 }  // namespace
