@@ -101,9 +101,9 @@ TEST(CutOffRecords, TheMisfitShowsABackgroundAndNoiseShowsNone) {
       }
     }
     shown += misfit_shows(background, misfit, line);
-    // As much again in the span as the noise has there.
+    // Two and a half times as much in the span as the noise alone.
     for (Eigen::Index c = 0; c < kFrfs; ++c) {
-      misfit.col(c) += background * (background.adjoint() * misfit.col(c)) * 0.6;
+      misfit.col(c) += background * (background.adjoint() * misfit.col(c)) * 1.5;
     }
     EXPECT_TRUE(misfit_shows(background, misfit, line));
   }
