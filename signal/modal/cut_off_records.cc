@@ -66,7 +66,7 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const Eigen::VectorX
       cut_off_background(band.lines.s, band.lines.power, std::max(before, span), span);
   if (band.lines.background.size() == 0 && misfit.size() > 0 &&
       !misfit_shows(background, misfit, noise.line)) {
-    return false;
+    background = cut_off_background(band.lines.s, band.lines.power, 0, 0);
   }
   band.lines.background = std::move(background);
   return true;

@@ -24,9 +24,9 @@ namespace rigfit::signal {
 /// 1 % is left, an eighth of their length is allowed for, or what can be fitted within `max_work`
 /// multiplications. Whether it was set.
 ///
-/// A band without a background gets one only where the misfit of the fit without it shows it
-/// (`misfit_shows`), as FRFs that are no transform of cut-off records (computed ones, stepped
-/// sines) do not: it would cost accuracy for nothing.
+/// A band without a background gets s^(n-1) alone where the misfit of the fit without it shows no
+/// more (`misfit_shows`), as that of FRFs that are no transform of cut-off records (computed ones,
+/// stepped sines) does not: the many functions of an unknown place would cost accuracy for nothing.
 [[nodiscard]] bool allow_for_cut_off(const FrfSet& frfs,
                                      const Eigen::Ref<const Eigen::VectorXcd>& poles,
                                      const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
