@@ -16,6 +16,9 @@ constexpr double kLeftWhereHitMatters = 1e-2;
 constexpr double kLongestLead = 0.125;
 /// Iterations of a search, as counted by its work.
 constexpr double kIterations = 40;
+/// Standard deviations of noise that a misfit exceeds: for the functions of an unknown place, and
+/// for the one in s, which costs little where it is not needed.
+constexpr double kSure = 4, kLikely = 2;
 
 /// Background terms, at most 60, with which so many iterations stay within `max_work`.
 double affordable_terms(const ModalBand& band, Eigen::Index poles, double max_work) {
@@ -34,7 +37,7 @@ double left_at_the_end(const ModalBand& band, std::complex<double> raw) {
 
 bool misfit_shows(const Eigen::Ref<const Eigen::MatrixXcd>& background,
                   const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
-                  const Eigen::Ref<const Eigen::VectorXd>& line) {
+                  const Eigen::Ref<const Eigen::VectorXd>& line, double deviations) {
   const double mean = background.rowwise().squaredNorm().dot(line);  // of noise of variance `line`
   double found = 0, frfs = 0;
   for (const auto& column : misfit.colwise()) {
@@ -43,7 +46,8 @@ bool misfit_shows(const Eigen::Ref<const Eigen::MatrixXcd>& background,
     found += (background.adjoint() * column).squaredNorm() / variance;
     ++frfs;
   }
-  return found > mean * (frfs + 4 * std::sqrt(frfs / static_cast<double>(background.cols())));
+  return found >
+         mean * (frfs + deviations * std::sqrt(frfs / static_cast<double>(background.cols())));
 }
 
 bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const Eigen::VectorXcd>& poles,
@@ -65,8 +69,9 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const Eigen::VectorX
   Eigen::MatrixXcd background =
       cut_off_background(band.lines.s, band.lines.power, std::max(before, span), span);
   if (band.lines.background.size() == 0 && misfit.size() > 0 &&
-      !misfit_shows(background, misfit, noise.line)) {
+      !misfit_shows(background, misfit, noise.line, kSure)) {
     background = cut_off_background(band.lines.s, band.lines.power, 0, 0);
+    if (!misfit_shows(background, misfit, noise.line, kLikely)) return false;
   }
   band.lines.background = std::move(background);
   return true;

@@ -24,9 +24,9 @@ namespace rigfit::signal {
 /// 1 % is left, an eighth of their length is allowed for, or what can be fitted within `max_work`
 /// multiplications. Whether it was set.
 ///
-/// A band without a background gets s^(n-1) alone where the misfit of the fit without it shows no
-/// more (`misfit_shows`), as that of FRFs that are no transform of cut-off records (computed ones,
-/// stepped sines) does not: the many functions of an unknown place would cost accuracy for nothing.
+/// A band without a background gets what the misfit of the fit without it shows (`misfit_shows`):
+/// all of it, s^(n-1) alone, or none, as where FRFs are no transform of cut-off records (computed
+/// ones, stepped sines), whose poles it would make less certain.
 [[nodiscard]] bool allow_for_cut_off(const FrfSet& frfs,
                                      const Eigen::Ref<const Eigen::VectorXcd>& poles,
                                      const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
@@ -34,10 +34,10 @@ namespace rigfit::signal {
 
 /// Whether `misfit` (lines x FRFs) has more of the span of the orthonormal columns `background`
 /// than noise of variance `line` (lines, any scale), uncorrelated between lines: its squares in
-/// that span over their mean, which scatters by 1 / sqrt(columns x FRFs), exceed it by four times
-/// that.
+/// that span over their mean, which scatters by 1 / sqrt(columns x FRFs), exceed it by so many
+/// deviations of that.
 [[nodiscard]] bool misfit_shows(const Eigen::Ref<const Eigen::MatrixXcd>& background,
                                 const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
-                                const Eigen::Ref<const Eigen::VectorXd>& line);
+                                const Eigen::Ref<const Eigen::VectorXd>& line, double deviations);
 
 }  // namespace rigfit::signal

@@ -100,12 +100,12 @@ TEST(CutOffRecords, TheMisfitShowsABackgroundAndNoiseShowsNone) {
         one = std::sqrt(line[k]) * Complex(normal(random), normal(random));
       }
     }
-    shown += misfit_shows(background, misfit, line);
+    shown += misfit_shows(background, misfit, line, 4);
     // Two and a half times as much in the span as the noise alone.
     for (Eigen::Index c = 0; c < kFrfs; ++c) {
       misfit.col(c) += background * (background.adjoint() * misfit.col(c)) * 1.5;
     }
-    EXPECT_TRUE(misfit_shows(background, misfit, line));
+    EXPECT_TRUE(misfit_shows(background, misfit, line, 4));
   }
   EXPECT_LE(shown, 2);
 }
