@@ -151,14 +151,16 @@ ChainPoint point_on(const ChainMember& member, double position) {
   const int begin =
       count == 2 ? static_cast<int>(segment) : std::clamp(static_cast<int>(segment) - 1, 0, n - 3);
   point.count = count;
-  const auto place = [&](int i) { return places[static_cast<std::size_t>(begin + i)]; };
+  const auto place = [&](int i) {
+    return places[static_cast<std::size_t>(begin) + static_cast<std::size_t>(i)];
+  };
   for (int i = 0; i < count; ++i) {  // Lagrange's weights
     double weight = 1;
     for (int j = 0; j < count; ++j) {
       if (j != i) weight *= (s - place(j)) / (place(i) - place(j));
     }
     const auto k = static_cast<std::size_t>(i);
-    point.node[k] = member.nodes[static_cast<std::size_t>(begin + i)];
+    point.node[k] = member.nodes[static_cast<std::size_t>(begin) + static_cast<std::size_t>(i)];
     point.weight[k] = weight;
   }
   return point;
@@ -466,7 +468,8 @@ void Chain::set_unstretched_length(int index, double length) {
   if (ratio == 1) return;
   member.unstretched_length = length;
   for (int i = 0; i < member.segments; ++i) {
-    Segment& segment = segments[static_cast<std::size_t>(member.first_segment + i)];
+    Segment& segment =
+        segments[static_cast<std::size_t>(member.first_segment) + static_cast<std::size_t>(i)];
     segment.length = member.even ? length / member.segments : segment.length * ratio;
     segment.mass *= ratio;
     segment.polar *= ratio;
@@ -480,7 +483,8 @@ void Chain::set_unstretched_length(int index, double length) {
     springs.torsion_damping /= ratio;
   };
   for (int i = 0; i + 1 < member.segments; ++i) {
-    rescale(inner_joints[static_cast<std::size_t>(member.first_joint + i)].springs);
+    rescale(inner_joints[static_cast<std::size_t>(member.first_joint) + static_cast<std::size_t>(i)]
+                .springs);
   }
   for (const int joint : member.end_joint) {
     if (joint >= 0) rescale(end_joints[static_cast<std::size_t>(joint)].springs);
