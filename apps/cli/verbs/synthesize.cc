@@ -26,6 +26,8 @@
 
 namespace rigfit::apps {
 namespace {
+
+constexpr double kMostSamples = 5e6;  // of a record: some minutes of simulation
 namespace fs = std::filesystem;
 
 using Header = std::vector<std::pair<std::string, std::string>>;
@@ -244,6 +246,9 @@ Json synthesize_result(const model::Scene& scene, const SynthesizeOptions& optio
   }
   if (!options.stiffness.empty() && options.tensions.empty()) {
     throw UsageError("--stiffness goes by tension: give --tension");
+  }
+  if (!(options.rig.record_s * options.rig.sample_rate_hz <= kMostSamples)) {
+    throw UsageError("more than 5 million samples a record: lower --rate or --record");
   }
   const auto states = states_of(options, scene, context);
   make_output_folder(options.out);

@@ -155,6 +155,10 @@ GJ = 1.0
   const auto nothing = run_program({"synthesize", bare, "--out", folder.path() / "x"});
   EXPECT_EQ(nothing.exit_code, 2);
   EXPECT_THAT(nothing.err, HasSubstr("nothing to test"));
+  const auto endless =
+      run_program({"synthesize", kScene, "--out", folder.path() / "endless", "--rate", "1e300"});
+  EXPECT_EQ(endless.exit_code, 2);
+  EXPECT_THAT(endless.err, HasSubstr("lower --rate"));
   const auto no_cable =
       run_program({"synthesize", bare, "--out", folder.path() / "x", "--bending-span", "1"});
   EXPECT_EQ(no_cable.exit_code, 3);
