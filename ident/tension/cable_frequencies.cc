@@ -9,6 +9,22 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+/// A number and its derivative with respect to the wave number.
+struct Slope {
+  double value = 0, slope = 0;
+  friend Slope operator+(Slope a, Slope b) { return {a.value + b.value, a.slope + b.slope}; }
+  friend Slope operator-(Slope a, Slope b) { return {a.value - b.value, a.slope - b.slope}; }
+  friend Slope operator*(Slope a, Slope b) {
+    return {a.value * b.value, a.slope * b.value + a.value * b.slope};
+  }
+  friend Slope operator/(Slope a, Slope b) {
+    const double q = a.value / b.value;
+    return {q, (a.slope - q * b.slope) / b.value};
+  }
+  friend Slope operator*(double a, Slope b) { return {a * b.value, a * b.slope}; }
+  friend Slope operator+(Slope a, double b) { return {a.value + b, a.slope}; }
+};
+
 /// The beam in half its length: wave numbers times L / 2.
 class HalfBeam {
  public:
@@ -17,7 +33,9 @@ class HalfBeam {
         ratio_(cable.tension_N * half_ * half_ / cable.EI_Nm2),
         spring_(cable.spring_Nm_rad * half_ / cable.EI_Nm2),
         sag_(cable.lambda_squared / 4),
-        scale_(std::sqrt(cable.tension_N / cable.mass_per_length) / (2 * kPi * half_)) {}
+        scale_(std::sqrt(cable.tension_N / cable.mass_per_length) / (2 * kPi * half_)) {
+    if (sag_ > 0) shape();
+  }
 
   [[nodiscard]] double frequency_hz(double b) const {
     return scale_ * b * std::sqrt(1 + b * b / ratio_);
@@ -68,14 +86,19 @@ class HalfBeam {
   [[nodiscard]] bool sags() const { return sag_ > 0; }
 
  private:
-  struct Value {
-    double value = 0, slope = 0;  ///< slope: d / d b
-  };
-  /// tanh a and 1 - tanh^2 a. a >= pi / 2: no cancellation.
-  static Value hyperbolic_tangent(double a) {
-    if (a > 20) return {1, 0};
-    const double e = std::exp(2 * a) + 1;
-    return {1 - 2 / e, 4 * (e - 1) / (e * e)};
+  /// tanh a, a >= pi / 2: no cancellation.
+  static Slope hyperbolic_tangent(Slope a) {
+    if (a.value > 20) return {1, 0};
+    const double e = std::exp(2 * a.value) + 1;
+    return {1 - 2 / e, 4 * (e - 1) / (e * e) * a.slope};
+  }
+
+  /// Of the static curve: p = 1 - cosh(kappa x) / cosh(kappa), half the span 1.
+  void shape() {
+    kappa_ = std::sqrt(ratio_);
+    tanh_kappa_ = std::tanh(kappa_);
+    const double sech2 = kappa_ > 20 ? 0 : 1 - tanh_kappa_ * tanh_kappa_;
+    squared_ = 1 - 1.5 * tanh_kappa_ / kappa_ + sech2 / 2;
   }
 
   [[nodiscard]] double bracketed(double low, double high) const {
@@ -103,38 +126,51 @@ class HalfBeam {
     return (low + high) / 2;
   }
 
-  [[nodiscard]] Value right_side(double b, bool symmetric) const {
-    const double a = std::sqrt(b * b + ratio_);
-    const auto t = hyperbolic_tangent(a);
-    const double H = symmetric ? a * t.value : a / t.value;
-    const double dH =
-        symmetric ? b / a * (t.value + a * t.slope) : b / a * (1 - a * t.slope / t.value) / t.value;
-    if (std::isinf(spring_)) return {b / H, (H - b * dH) / (H * H)};
-    const double D = a * a + b * b + spring_ * H, dD = 4 * b + spring_ * dH;
-    return {spring_ * b / D, spring_ * (D - b * dD) / (D * D)};
+  [[nodiscard]] Slope right_side(double at, bool symmetric) const {
+    const Slope b{at, 1}, a = root(b);
+    const Slope t = hyperbolic_tangent(a), H = symmetric ? a * t : a / t;
+    if (std::isinf(spring_)) return b / H;
+    return spring_ * b / (a * a + b * b + spring_ * H);
   }
 
-  [[nodiscard]] Value misfit(double b) const {
-    const double a = std::sqrt(b * b + ratio_), c = std::cos(b), s = std::sin(b);
-    const auto t = hyperbolic_tangent(a);
-    const double H = a * t.value, dH = b / a * (t.value + a * t.slope);
-    const bool clamped = std::isinf(spring_);
-    const double N = clamped ? b * s : b * (b * c + spring_ * s),
-                 dN = clamped ? s + b * c : 2 * b * c - b * b * s + spring_ * (s + b * c),
-                 M = clamped ? H : a * a + spring_ * H, dM = clamped ? dH : 2 * b + spring_ * dH;
-    const double share = N / M, dshare = (dN - share * dM) / M;
-    const double inertia = b * b * (1 + b * b / ratio_),
-                 dinertia = 2 * b * (1 + 2 * b * b / ratio_);
-    const double t_a = t.value / a, dt_a = b / (a * a) * (t.slope - t_a);
-    return {(share + c) * (inertia - sag_) + sag_ * (share * t_a + s / b),
-            (dshare - s) * (inertia - sag_) + (share + c) * dinertia +
-                sag_ * (dshare * t_a + share * dt_a + (c - s / b) / b)};
+  [[nodiscard]] Slope root(Slope b) const {
+    const double a = std::sqrt(b.value * b.value + ratio_);
+    return {a, b.value / a};
+  }
+
+  /// The determinant of the header.
+  [[nodiscard]] Slope misfit(double at) const {
+    const Slope b{at, 1}, a = root(b), t = hyperbolic_tangent(a);
+    const Slope c{std::cos(at), -std::sin(at)}, s{std::sin(at), std::cos(at)};
+    Slope S, R;
+    if (std::isinf(spring_)) {
+      S = c + b * s / (a * t);
+      R = Slope{kappa_ * tanh_kappa_, 0} / (a * t);
+    } else {
+      const Slope M = a * a + spring_ * a * t;
+      S = c + b * (b * c + spring_ * s) / M;
+      R = Slope{kappa_ * (kappa_ + spring_ * tanh_kappa_), 0} / M;
+    }
+    const Slope of_cos = s / b - (kappa_ * tanh_kappa_ * c + b * s) / (b * b + ratio_);
+    // (a tanh a - kappa tanh kappa) / (a^2 - kappa^2), tanh a - tanh kappa without cancellation.
+    const Slope apart = b * b / (a + kappa_);  // a - kappa
+    Slope both = t;
+    if (const double differ = 1 - t.value * tanh_kappa_; differ > 1e-15) {
+      const double tanh_apart = std::tanh(apart.value);
+      const Slope difference = Slope{tanh_apart, (1 - tanh_apart * tanh_apart) * apart.slope} *
+                               Slope{differ, -tanh_kappa_ * t.slope};
+      both = both + kappa_ * (difference / apart);
+    }
+    const Slope of_cosh = t / a - both / (a + kappa_);
+    const Slope inertia = b * b * ((1 / ratio_) * b * b + 1);
+    return S * (inertia + -sag_ * squared_) + sag_ * (R * (of_cos - c * of_cosh));
   }
 
   static constexpr int kNewtonSteps = 6;
   static constexpr double kRounding = 1e-12;  ///< of a root that sag does not move
 
   double half_, ratio_, spring_, sag_, scale_;
+  double kappa_ = 0, tanh_kappa_ = 0, squared_ = 0;  ///< shape(); squared_: mean of p^2
 };
 
 }  // namespace
@@ -162,18 +198,19 @@ CableFrequencies cable_frequencies(const SaggingBeam& cable, int count, double l
   for (int n = 0; n < count; ++n) {
     const double b = straight(n), frequency = beam.frequency_hz(b);
     found.out_hz.push_back(frequency);
-    if (!beam.sags() || n % 2 == 1) found.in_hz.push_back(frequency);
-    if (n % 2 == 0) {
-      if (beam.sags() && n > 0) found.in_hz.push_back(beam.frequency_hz(sagging(symmetric, b)));
+    if (beam.sags() && n % 2 == 0) {
+      if (n > 0)
+        found.in_hz[static_cast<std::size_t>(n) - 2] = beam.frequency_hz(sagging(symmetric, b));
       symmetric = b;
     }
+    found.in_hz.push_back(frequency);
     if (frequency >= limit_hz) break;
   }
-  const auto modes = static_cast<int>(found.out_hz.size());
   if (beam.sags()) {  // the last symmetric root's own upper neighbour
+    const auto modes = static_cast<int>(found.out_hz.size());
     const int next = modes % 2 == 1 ? modes + 1 : modes;
-    found.in_hz.push_back(beam.frequency_hz(sagging(symmetric, straight(next))));
-    std::sort(found.in_hz.begin(), found.in_hz.end());
+    found.in_hz[static_cast<std::size_t>(next) - 2] =
+        beam.frequency_hz(sagging(symmetric, straight(next)));
   }
   return found;
 }

@@ -32,20 +32,41 @@ void apply(const std::vector<double>& correction, std::vector<double>& frequenci
   }
 }
 
-/// Frequencies of the segment model in one plane; empty without an equilibrium.
+/// Frequencies of the segment model in one plane in the order of CableFrequencies; empty without an
+/// equilibrium.
 std::vector<double> segment_frequencies(const model::Scene& scene, model::ModePlane plane,
                                         int count, std::string& why) {
+  const bool in = plane == model::ModePlane::in;
   model::ModesOptions options;
-  options.count = count;
-  // Ten or more a half wave: 1e-5 of the frequency before the ratio is taken.
+  options.count =
+      in ? count + 4 : count;  // so that each family is complete, axial modes among them
+  // Eight or more a half wave: 1e-5 of the frequency before the ratio is taken. The same number in
+  // both planes, so that its error cancels.
   options.segments = std::max(100, 10 * count);
   options.plane = plane;
-  options.damped = options.shapes = options.error_estimate = false;
+  options.damped = options.error_estimate = false;
+  options.shapes = in;
   options.torsion = false;
   const auto analysis = model::analyse_modes(scene, options);
   if (analysis.modes.size() < static_cast<std::size_t>(count)) why = analysis.equilibrium.reason;
-  std::vector<double> frequencies;
-  for (const auto& mode : analysis.modes) frequencies.push_back(mode.frequency_hz);
+  std::vector<double> frequencies, symmetric, antisymmetric;
+  const Eigen::Vector3d chord = (scene.nodes[1].position - scene.nodes[0].position).normalized();
+  const Eigen::Vector3d across(-chord[1], chord[0], 0);
+  for (const auto& mode : analysis.modes) {
+    if (!in) {
+      frequencies.push_back(mode.frequency_hz);
+      continue;
+    }
+    const auto& displacement = mode.shape.front().displacement;
+    const Eigen::RowVectorXd moved = across.transpose() * displacement;
+    if (moved.squaredNorm() < (chord.transpose() * displacement).squaredNorm()) continue;  // axial
+    (moved.dot(moved.reverse()) > 0 ? symmetric : antisymmetric).push_back(mode.frequency_hz);
+  }
+  for (std::size_t k = 0; k < symmetric.size(); ++k) {
+    frequencies.push_back(symmetric[k]);
+    if (k == antisymmetric.size()) break;
+    frequencies.push_back(antisymmetric[k]);
+  }
   return frequencies;
 }
 
@@ -153,7 +174,8 @@ CableCorrection segment_correction(const CableModel& model, CableEnds ends, cons
   const double all = std::numeric_limits<double>::infinity();
   const auto closed = cable_frequencies(model.beam(state, true), count, all);
   const auto closed_straight = cable_frequencies(model.beam(state, false), count, all);
-  const auto reference = segment_frequencies(level_scene, model::ModePlane::in, count, why);
+  // Out of plane: without axial modes.
+  const auto reference = segment_frequencies(level_scene, model::ModePlane::out, count, why);
   CableCorrection correction;
   correction.in =
       logarithms_of_ratio(segment_frequencies(hanging, model::ModePlane::in, count, why), reference,

@@ -20,7 +20,7 @@
 
 namespace rigfit::ident {
 
-/// ln c by order in each plane; beyond the end the last.
+/// ln c in the order of CableFrequencies; beyond the end the last.
 struct CableCorrection {
   std::vector<double> in, out;
 };

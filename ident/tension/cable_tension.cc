@@ -40,6 +40,27 @@ bool contained(const TensionAnswer& answer, const TensionAnswer& other) {
   });
 }
 
+/// Whether an assignment's start leads to an answer that is known: at the answer's own EI and
+/// springs both end at one tension.
+bool leads_to(const EndsPosterior& one, const TensionData& data, const Assignment& assignment,
+              const TensionAnswer& answer) {
+  if (answer.modes != assignment.modes) return false;
+  const auto there = answer.state();
+  auto start = there;
+  start.tension_N = std::exp(assignment.ln_tension);
+  start.EA = assignment.EA;
+  start.length = start.mass = start.EI = 1;
+  start.EI_Nm2 = there.EI_Nm2 / there.EI;
+  if (!one.model.cable().EI_Nm2) {  // at the same x and q
+    const double scale = start.tension_N / there.tension_N;
+    start.EI_Nm2 *= scale;
+    start.spring_Nm_rad *= scale;
+  }
+  const auto a = refitted(one.model, data, answer.modes, there),
+             b = refitted(one.model, data, answer.modes, start);
+  return std::abs(std::log(a.tension_N / b.tension_N)) < kSameCell;
+}
+
 /// `best`: ln of the evidence of the best answer with other ends. Returns for each assignment
 /// whether it led to an answer that none before it did.
 std::vector<bool> evaluate(EndsPosterior& one, const TensionData& data,
@@ -48,6 +69,10 @@ std::vector<bool> evaluate(EndsPosterior& one, const TensionData& data,
   std::vector<bool> led(assignments.size(), false);
   for (std::size_t i = 0; i < assignments.size(); ++i) {
     const auto& assignment = assignments[i];
+    if (std::any_of(one.answers.begin(), one.answers.end(),
+                    [&](const auto& other) { return leads_to(one, data, assignment, other); })) {
+      continue;
+    }
     auto answer = tension_answer(one.model, data, one.ends, assignment, best);
     if (answer.cells.empty() || !std::isfinite(answer.ln_evidence)) continue;
     best = std::max(best, answer.ln_evidence);
@@ -74,31 +99,64 @@ double correct(EndsPosterior& one, const CableState& state) {
   if (!one.model.needs_correction(state.tension_N)) return 0;
   int count = 2;
   for (const auto& mode : one.answers.front().modes) count = std::max(count, mode.order + 1);
+  const auto uses = [&](model::ModePlane plane) {
+    const auto& modes = one.answers.front().modes;
+    return std::any_of(modes.begin(), modes.end(), [plane](const auto& mode) {
+      return mode.order >= 0 && mode.plane == plane;
+    });
+  };
   std::string why;
   auto correction = segment_correction(one.model, one.ends, state, count, why);
   if (correction.in.empty() || correction.out.empty()) {
     one.corrected = false;
     return 0;
   }
-  const auto value = [](const std::vector<double>& list, int order) {
-    return list.empty() ? 0 : list[std::min(static_cast<std::size_t>(order), list.size() - 1)];
+  const auto change_of = [](const std::vector<double>& now, const std::vector<double>& before) {
+    double change = 0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      const double old = before.empty() ? 0 : before[std::min(i, before.size() - 1)];
+      change = std::max(change, std::abs(now[i] - old));
+    }
+    return change;
   };
   const auto& before = one.model.correction();
-  double change = 0;
-  for (const auto& mode : one.answers.front().modes) {
-    if (mode.order < 0) continue;
-    const bool in = mode.plane == model::ModePlane::in;
-    change = std::max(change, std::abs(value(in ? correction.in : correction.out, mode.order) -
-                                       value(in ? before.in : before.out, mode.order)));
-  }
+  const bool in = uses(model::ModePlane::in), out = uses(model::ModePlane::out);
+  const double change = std::max(in ? change_of(correction.in, before.in) : 0,
+                                 out ? change_of(correction.out, before.out) : 0);
   one.model = CableModel(one.model.cable(), std::move(correction));
   return change;
 }
 
-/// Order of each measured mode among those of its plane, and how well it agrees.
+/// Order of each measured mode among those of its plane by rising frequency, from 1; 0: none.
+std::vector<int> orders(const TensionAnswer& answer, const CableFrequencies& frequencies) {
+  std::vector<int> found;
+  found.reserve(answer.modes.size());
+  for (const auto& mode : answer.modes) {
+    const auto& list = mode.plane == model::ModePlane::in ? frequencies.in_hz : frequencies.out_hz;
+    const auto place = static_cast<std::size_t>(std::max(0, mode.order));
+    if (mode.order < 0) {
+      found.push_back(0);
+    } else if (place >= list.size()) {
+      found.push_back(mode.order + 1);
+    } else {
+      const auto below =
+          std::count_if(list.begin(), list.end(), [&](double hz) { return hz < list[place]; });
+      found.push_back(1 + static_cast<int>(below));
+    }
+  }
+  return found;
+}
+
+std::vector<int> orders(const EndsPosterior& one, const TensionAnswer& answer,
+                        const TensionData& data) {
+  return orders(answer, one.model.frequencies(answer.state(), 200, 1.05 * data.highest_hz));
+}
+
+/// Order of each measured mode, and how well it agrees.
 void list_modes(const EndsPosterior& one, const TensionData& data, TensionCandidate& candidate) {
   const auto& answer = one.answers.front();
   const auto frequencies = one.model.frequencies(one.state(), 200, 1.05 * data.highest_hz);
+  const auto order_of = orders(answer, frequencies);
   std::vector<TensionData::Listed> listed;
   data.list(frequencies, listed);
   double last = -kInf;  // the highest paired frequency
@@ -111,13 +169,13 @@ void list_modes(const EndsPosterior& one, const TensionData& data, TensionCandid
     if (assigned.order >= 0) {
       const auto& list =
           assigned.plane == model::ModePlane::in ? frequencies.in_hz : frequencies.out_hz;
-      const auto order = static_cast<std::size_t>(assigned.order);
+      const auto place = static_cast<std::size_t>(assigned.order);
       last = data.ln_hz[i];
-      mode.order = assigned.order + 1;
+      mode.order = order_of[i];
       mode.plane = assigned.plane;
-      if (order < list.size()) {
-        mode.model_hz = list[order];
-        mode.relative_error = list[order] / mode.measured_hz - 1;
+      if (place < list.size()) {
+        mode.model_hz = list[place];
+        mode.relative_error = list[place] / mode.measured_hz - 1;
       }
     }
     candidate.modes.push_back(mode);
@@ -128,11 +186,6 @@ void list_modes(const EndsPosterior& one, const TensionData& data, TensionCandid
     // One that is seen with a probability of more than a half.
     candidate.missed += !found && mode.ln_hz < last && mode.ln_unseen < -0.7;
   }
-}
-
-bool same_orders(const std::vector<AssignedMode>& a, const std::vector<AssignedMode>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const auto& x, const auto& y) { return x.order == y.order; });
 }
 
 TensionCandidate candidate_of(const EndsPosterior& one, const TensionData& data) {
@@ -161,9 +214,9 @@ TensionCandidate candidate_of(const EndsPosterior& one, const TensionData& data)
   int pairs = 0;
   double same = 0;
   for (const auto& mode : answer.modes) pairs += mode.order >= 0;
+  const auto of_best = orders(one, answer, data);
   for (const auto& other : one.answers) {
-    if (same_orders(other.modes, answer.modes))
-      same += std::exp(other.ln_evidence - one.ln_evidence);
+    if (orders(one, other, data) == of_best) same += std::exp(other.ln_evidence - one.ln_evidence);
   }
   candidate.weight_of_orders = same;
   // What the frequencies have to explain: T, EI unless given, springs.
@@ -238,7 +291,10 @@ std::vector<Assignment> surviving(const EndsPosterior& one) {
   for (const auto& answer : one.answers) {
     if (answer.ln_evidence < one.answers.front().ln_evidence - 30) break;
     const auto state = answer.state();
-    kept.push_back({answer.modes, 0, std::log(state.tension_N), state.EA, answer.ln_prior});
+    const double EI = state.EI_Nm2 / state.EI, L = one.model.cable().length_m.value,
+                 x = L * std::sqrt(state.tension_N / EI);
+    kept.push_back({answer.modes, 0, std::log(state.tension_N), state.EA, x,
+                    state.spring_Nm_rad * L / (EI * (x + 4)), answer.ln_prior});
   }
   return kept;
 }
@@ -378,11 +434,12 @@ TensionResult identify_tension(const CableDescription& cable,
   }
   double sum = 0, decided = 0;
   for (const auto* one : solved) sum += std::exp(one->ln_evidence - solved.front()->ln_evidence);
+  const auto of_best = orders(*solved.front(), solved.front()->answers.front(), data);
   for (std::size_t i = 0; i < solved.size(); ++i) {
     result.candidates[i].weight =
         std::exp(solved[i]->ln_evidence - solved.front()->ln_evidence) / sum;
     for (const auto& answer : solved[i]->answers) {
-      if (same_orders(answer.modes, solved.front()->answers.front().modes)) {
+      if (orders(*solved[i], answer, data) == of_best) {
         decided +=
             result.candidates[i].weight * std::exp(answer.ln_evidence - solved[i]->ln_evidence);
       }

@@ -12,7 +12,7 @@ namespace rigfit::ident {
 /// A mode of the cable, or none (order -1).
 struct AssignedMode {
   model::ModePlane plane = model::ModePlane::in;
-  int order = -1;  ///< in its plane, from 0
+  int order = -1;  ///< its place in CableFrequencies, from 0
   [[nodiscard]] bool operator==(const AssignedMode&) const = default;
 };
 
@@ -21,6 +21,8 @@ struct Assignment {
   double score = 0;                 ///< of the search
   double ln_tension = 0;            ///< there
   double EA = 1;                    ///< factor there
+  double x = 1;                     ///< L sqrt(T / EI) there
+  double q = 0;                     ///< springs there: 0 pinned, infinity clamped
   double ln_prior = 0;              ///< there: TensionData::ln_assigned
 };
 

@@ -34,6 +34,13 @@ struct GridPoint {
   std::vector<TensionCell> cells;
   std::array<double, kModelStd.size()> ln{};
 
+  [[nodiscard]] const TensionCell* heaviest() const {
+    const auto found =
+        std::max_element(cells.begin(), cells.end(),
+                         [](const auto& a, const auto& b) { return a.ln_weight < b.ln_weight; });
+    return found == cells.end() ? nullptr : &*found;
+  }
+
   void sum_up() {
     for (std::size_t t = 0; t < ln.size(); ++t) {
       double top = -kUnbounded, sum = 0;
@@ -86,22 +93,25 @@ bool needs_point(const std::vector<GridPoint>& points, std::size_t i, double mat
 
 /// Cells of a density over a range: points are added until it is resolved for every value of t
 /// that matters, within exp(-kMatters) of the top; where the top is far below the best answer, only
-/// as near to it as finds a higher one. Weights of the trapezoidal rule.
+/// as near to it as finds a higher one. Weights of the trapezoidal rule. `evaluate` gets the place,
+/// the heaviest cell of a neighbour (null: none) and where cells go; it is called from `origin`
+/// outward, so that one branch of the tension is followed.
 template <class Evaluate>
-std::vector<TensionCell> resolved(const Range& range, int count, double counts,
+std::vector<TensionCell> resolved(const Range& range, int count, double origin, double counts,
                                   const Evaluate& evaluate) {
-  std::vector<GridPoint> points;
-  const auto point = [&](double at) {
-    GridPoint made;
-    made.at = at;
-    evaluate(at, made.cells);
-    made.sum_up();
-    return made;
+  std::vector<GridPoint> points(static_cast<std::size_t>(count));
+  const auto fill = [&](GridPoint& point, double at, const TensionCell* near) {
+    point.at = at;
+    evaluate(at, near, point.cells);
+    point.sum_up();
   };
-  points.reserve(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    points.push_back(point(range.low + (range.high - range.low) * i / (count - 1)));
-  }
+  const auto place = [&](int i) { return range.low + (range.high - range.low) * i / (count - 1); };
+  const double share = std::clamp((origin - range.low) / (range.high - range.low), 0.0, 1.0);
+  const int first = static_cast<int>(std::lround(share * (count - 1)));
+  const auto at = [&](int i) -> GridPoint& { return points[static_cast<std::size_t>(i)]; };
+  fill(at(first), place(first), nullptr);
+  for (int i = first + 1; i < count; ++i) fill(at(i), place(i), at(i - 1).heaviest());
+  for (int i = first - 1; i >= 0; --i) fill(at(i), place(i), at(i + 1).heaviest());
   for (int pass = 0; pass < 14 && points.size() < 150; ++pass) {
     double top = -kUnbounded;
     for (const auto& one : points)
@@ -110,8 +120,11 @@ std::vector<TensionCell> resolved(const Range& range, int count, double counts,
     const double matters = std::max(top - kMatters, std::min(top - kClimb, counts));
     std::vector<GridPoint> added;
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-      if (needs_point(points, i, matters))
-        added.push_back(point((points[i].at + points[i + 1].at) / 2));
+      if (!needs_point(points, i, matters)) continue;
+      const TensionCell *left = points[i].heaviest(), *right = points[i + 1].heaviest();
+      const bool from_left =
+          left != nullptr && (right == nullptr || left->ln_weight > right->ln_weight);
+      fill(added.emplace_back(), (points[i].at + points[i + 1].at) / 2, from_left ? left : right);
     }
     if (added.empty()) break;
     for (auto& one : added) points.push_back(std::move(one));
@@ -161,11 +174,10 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
       EI_is_exact(cable) || (given && cable.EI_Nm2->std <= kNormalEI * cable.EI_Nm2->value);
   // What is far below the best answer needs no fine grid.
   const double counts = ln_evidence_of_best - kCounts - assignment.ln_prior;
-  CableState start{std::exp(assignment.ln_tension)};
-  start.EA = assignment.EA;
-  const CableState first = start;
+  CableState first{std::exp(assignment.ln_tension)};
+  first.EA = assignment.EA;
   int spring_index = 0, rigidity_index = 0;
-  const auto at_rigidity = [&](double q, double y, double ln_prior,
+  const auto at_rigidity = [&](double q, double y, double ln_prior, const TensionCell* near,
                                std::vector<TensionCell>& cells) {
     const auto state_at = [&](double ln_tension) {
       const double T = std::exp(ln_tension);
@@ -174,44 +186,51 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
                                 : T * L * L * std::exp(-2 * y);
       return CableState{T, EI, spring_of(q, EI, T, L)};
     };
-    if (!local.fit(start, state_at)) {
-      start = first;
+    if (!(near != nullptr && local.fit(near->state, state_at)) && !local.fit(first, state_at)) {
       return;
     }
-    start = local.state();
     TensionCell cell;
     cell.spring = spring_index;
     cell.rigidity = rigidity_index++;
     local.add_cells(ln_prior, cell, cells);
   };
-  const auto at_spring = [&](double q, double ln_prior, std::vector<TensionCell>& cells) {
+  const auto at_spring = [&](double q, double ln_prior, const TensionCell* near,
+                             std::vector<TensionCell>& cells) {
     rigidity_index = 0;
     if (exact) {
-      at_rigidity(q, 0, ln_prior, cells);
+      at_rigidity(q, 0, ln_prior, near, cells);
     } else if (given) {
       const double s = cable.EI_Nm2->std / cable.EI_Nm2->value;
       const double middle = std::log(cable.EI_Nm2->value);
-      cells = resolved({middle - 4.5 * s, middle + 4.5 * s}, 13, counts, [&](double y, auto& into) {
-        const double ln_normal = -0.5 * (y - middle) * (y - middle) / (s * s) -
-                                 0.5 * std::log(2 * std::numbers::pi * s * s);
-        at_rigidity(q, y, ln_prior + ln_normal, into);
-      });
+      const double origin = near != nullptr ? std::log(near->state.EI_Nm2) : middle;
+      cells = resolved({middle - 4.5 * s, middle + 4.5 * s}, 13, origin, counts,
+                       [&](double y, const TensionCell* beside, auto& into) {
+                         const double ln_normal = -0.5 * (y - middle) * (y - middle) / (s * s) -
+                                                  0.5 * std::log(2 * std::numbers::pi * s * s);
+                         at_rigidity(q, y, ln_prior + ln_normal, beside ? beside : near, into);
+                       });
     } else {
       const Range range{std::log(kLowX), std::log(kHighX)};
       const double ln_flat = -std::log(range.high - range.low);
-      cells = resolved(range, 15, counts,
-                       [&](double y, auto& into) { at_rigidity(q, y, ln_prior + ln_flat, into); });
+      const double x = near != nullptr ? L * std::sqrt(near->state.tension_N / near->state.EI_Nm2)
+                                       : assignment.x;
+      cells = resolved(range, 15, std::log(x), counts,
+                       [&](double y, const TensionCell* beside, auto& into) {
+                         at_rigidity(q, y, ln_prior + ln_flat, beside ? beside : near, into);
+                       });
     }
     ++spring_index;
   };
   if (ends == CableEnds::springs) {
     const Range range{std::log(kLowSpring), std::log(kHighSpring)};
     const double ln_flat = -std::log(range.high - range.low);
-    answer.cells = resolved(range, 9, counts, [&](double ln_q, auto& cells) {
-      at_spring(std::exp(ln_q), ln_flat, cells);
-    });
+    const double origin = std::log(std::clamp(assignment.q, kLowSpring, kHighSpring));
+    answer.cells =
+        resolved(range, 9, origin, counts, [&](double ln_q, const TensionCell* near, auto& cells) {
+          at_spring(std::exp(ln_q), ln_flat, near, cells);
+        });
   } else {
-    at_spring(ends == CableEnds::clamped ? kUnbounded : 0, 0, answer.cells);
+    at_spring(ends == CableEnds::clamped ? kUnbounded : 0, 0, nullptr, answer.cells);
   }
   double top = -kUnbounded;
   for (const auto& cell : answer.cells) top = std::max(top, cell.ln_weight);

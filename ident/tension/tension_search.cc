@@ -107,8 +107,11 @@ class Search {
  public:
   Search(const CableModel& model, const TensionData& data) : model_(model), data_(data) {}
 
-  /// Factor of EA in the states that follow.
-  void set_EA(double factor) { EA_ = factor; }
+  /// Factor of EA and springs in the states that follow.
+  void set(double EA, double q) {
+    EA_ = EA;
+    q_ = q;
+  }
 
   /// One course of the tension from `high` down to `low` with EI and springs by `state_at`.
   template <class StateAt>
@@ -121,7 +124,7 @@ class Search {
       const auto count = static_cast<int>(std::max(lower.in_hz.size(), lower.out_hz.size()));
       const auto upper = model_.frequencies(state_at(ln_upper), count,
                                             std::numeric_limits<double>::infinity(), &roots_);
-      hypotheses(lower, upper, ln_lower, ln_upper);
+      hypotheses(lower, upper, ln_lower, ln_upper, state_at);
       data_.list(lower, listed_);
       if (bound() < best_score_ - 30) return;  // and below there are only more modes not seen
       ln_upper = ln_lower;
@@ -140,8 +143,9 @@ class Search {
   }
 
  private:
+  template <class StateAt>
   void hypotheses(const CableFrequencies& lower, const CableFrequencies& upper, double ln_lower,
-                  double ln_upper) {
+                  double ln_upper, const StateAt& state_at) {
     for (const bool in : {true, false}) {
       const auto& from = in ? lower.in_hz : lower.out_hz;
       const auto& to = in ? upper.in_hz : upper.out_hz;
@@ -154,7 +158,7 @@ class Search {
           if (!(share >= 0 && share <= 1)) continue;
           data_.list(between(lower, upper, share), listed_);
           if (bound() < best_score_ - 30) continue;
-          keep(Alignment(data_, listed_), ln_lower + share * (ln_upper - ln_lower));
+          keep(Alignment(data_, listed_), ln_lower + share * (ln_upper - ln_lower), state_at);
         }
       }
     }
@@ -179,7 +183,8 @@ class Search {
     return pairs + best;
   }
 
-  void keep(const Alignment& alignment, double ln_tension) {
+  template <class StateAt>
+  void keep(const Alignment& alignment, double ln_tension, const StateAt& state_at) {
     if (alignment.score() < best_score_ - 30) return;
     best_score_ = std::max(best_score_, alignment.score());
     auto modes = alignment.modes(data_.modes.size(), listed_);
@@ -194,7 +199,8 @@ class Search {
     auto& kept = found_[key];
     if (!kept.modes.empty() && kept.score >= alignment.score()) return;
     const double ln_prior = data_.ln_assigned(modes, listed_);
-    kept = {std::move(modes), alignment.score(), ln_tension, EA_, ln_prior};
+    const double x = model_.cable().length_m.value * std::sqrt(T / state_at(ln_tension).EI_Nm2);
+    kept = {std::move(modes), alignment.score(), ln_tension, EA_, x, q_, ln_prior};
   }
 
   const CableModel& model_;
@@ -202,7 +208,7 @@ class Search {
   std::vector<Listed> listed_;
   CableRoots roots_;
   std::map<std::vector<int>, Assignment> found_;
-  double EA_ = 1;
+  double EA_ = 1, q_ = 0;
   double best_score_ = -std::numeric_limits<double>::infinity();
 };
 
@@ -315,8 +321,8 @@ std::vector<Assignment> search_assignments(const CableModel& model, const Tensio
   constexpr std::array<double, 3> kSprings = {0, 1, std::numeric_limits<double>::infinity()};
   Search search(model, data);
   for (const double EA : searched_EA(cable, model, slack)) {
-    search.set_EA(EA);
     for (const double q : kSprings) {
+      search.set(EA, q);
       const auto spring = [&](double EI, double x) { return q > 0 ? q * EI * (x + 4) / L : 0; };
       if (cable.EI_Nm2) {
         const double high = 1.2 * string(top_hz);

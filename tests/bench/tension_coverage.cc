@@ -34,6 +34,9 @@ struct Kind {
 struct Case {
   ident::CableDescription cable;
   double tension = 0;
+  ident::CableEnds ends = ident::CableEnds::pinned;
+  ident::CableState truth;
+  int missing = -1;  ///< order, from 0
   std::vector<ident::MeasuredMode> modes;
   bool drawn = false;
 };
@@ -90,7 +93,9 @@ Case draw(std::uint64_t seed, const Kind& kind) {
   double spring = 0;
   if (ends == ident::CableEnds::clamped) spring = std::numeric_limits<double>::infinity();
   if (ends == ident::CableEnds::springs) spring = decades(0.05, 20) * EI * (x + 4) / L;
-  const auto f = true_frequencies(cable, ends, {T, EI, spring}, kind.sags);
+  one.ends = ends;
+  one.truth = {T, EI, spring};
+  const auto f = true_frequencies(cable, ends, one.truth, kind.sags);
   if (f.size() < 9) return one;
   const double std = decades(1e-4, 3e-3);
   const auto count = 4 + random() % 5;
@@ -102,6 +107,7 @@ Case draw(std::uint64_t seed, const Kind& kind) {
     one.modes.push_back(mode);
   };
   const auto missing = kind.missing ? random() % count : 99;
+  if (missing < count) one.missing = static_cast<int>(missing);
   for (std::size_t i = 0; i < count; ++i) {
     if (i != missing) add(f[i]);
   }
