@@ -5,8 +5,10 @@
 #include <cmath>
 #include <complex>
 #include <random>
+#include <span>
 #include <stdexcept>
 
+#include "ident/predict/drawn_frequencies.h"
 #include "ident/update/assignment/mode_pairing.h"
 #include "model/linear/frf_sensitivities.h"
 #include "model/scene/parameters.h"
@@ -122,27 +124,6 @@ model::ModesOptions modes_options(const PredictionOptions& options, bool shapes)
   return modes;
 }
 
-/// Frequencies by plane and order as in `reference`; empty without an equilibrium.
-Eigen::VectorXd frequencies_like(const std::vector<PredictedMode>& reference,
-                                 const model::ModalAnalysis& analysis) {
-  Eigen::VectorXd found(static_cast<Eigen::Index>(reference.size()));
-  for (std::size_t i = 0; i < reference.size(); ++i) {
-    const auto plane = reference[i].mode.plane;
-    const auto same = [&](const auto& mode) { return mode.plane == plane; };
-    const auto order =
-        std::count_if(reference.begin(), reference.begin() + static_cast<std::ptrdiff_t>(i),
-                      [&](const auto& one) { return same(one.mode); });
-    std::ptrdiff_t seen = 0;
-    double value = std::numeric_limits<double>::quiet_NaN();
-    for (const auto& mode : analysis.modes) {
-      if (same(mode) && seen++ == order) value = mode.frequency_hz;
-    }
-    if (!std::isfinite(value)) return {};
-    found[static_cast<Eigen::Index>(i)] = value;
-  }
-  return found;
-}
-
 /// A move of the parameters; those that are positive stay so.
 Eigen::VectorXd moved(const Selection& selection, const Eigen::VectorXd& change) {
   Eigen::VectorXd values = selection.value;
@@ -152,26 +133,57 @@ Eigen::VectorXd moved(const Selection& selection, const Eigen::VectorXd& change)
   return values;
 }
 
+/// What moved scenes are compared with, and how well their frequencies must be known.
+struct Draws {
+  std::vector<model::NaturalMode> reference;
+  model::ModesOptions options;
+  double accuracy = 0;
+
+  /// Scenes that leave their segments to the program: a fiftieth of the least std of a frequency,
+  /// by the linear answer, or the scene's accuracy where that is less.
+  Draws(const model::Scene& scene, const ModePrediction& prediction, const PredictionOptions& asked)
+      : options(modes_options(asked, false)), accuracy(scene.accuracy) {
+    constexpr double kShare = 0.02, kLeast = 1e-7;
+    options.damped = false;
+    reference.reserve(prediction.modes.size());
+    for (const auto& mode : prediction.modes) {
+      reference.push_back(mode.mode);
+      const double relative = mode.frequency_hz.std / mode.frequency_hz.value;
+      if (relative > 0) accuracy = std::min(accuracy, std::max(kShare * relative, kLeast));
+    }
+  }
+  [[nodiscard]] std::vector<Eigen::VectorXd> of(std::span<const model::Scene> scenes) const {
+    return drawn_frequencies(scenes, reference, options, accuracy);
+  }
+};
+
 /// Largest departure of a frequency from ln f + g' dp / f, over its std.
 double nonlinearity(const model::Scene& scene, const Selection& selection,
                     const Eigen::MatrixXd& directions, const Eigen::MatrixXd& gradient,
-                    const ModePrediction& prediction, const model::ModesOptions& options) {
-  double worst = 0;
+                    const ModePrediction& prediction, const Draws& draws) {
+  std::vector<Eigen::VectorXd> changes{Eigen::VectorXd::Zero(selection.value.size())};
   for (Eigen::Index k = 0; k < directions.cols(); ++k) {
     if (!(directions.col(k).norm() > 0)) continue;
     for (const double size : {-kCoverage, -1.0, 1.0, kCoverage}) {
-      const Eigen::VectorXd change = size * directions.col(k);
-      const auto there = frequencies_like(
-          prediction.modes,
-          model::analyse_modes(selection.scene(scene, moved(selection, change)), options));
-      if (there.size() == 0) return std::numeric_limits<double>::infinity();
-      for (Eigen::Index i = 0; i < there.size(); ++i) {
-        const auto& mode = prediction.modes[static_cast<std::size_t>(i)];
-        if (!(mode.frequency_hz.std > 0)) continue;
-        const double f = mode.frequency_hz.value;
-        const double linear = std::log(f) + gradient.row(i).dot(change) / f;
-        worst = std::max(worst, std::abs(std::log(there[i]) - linear) * f / mode.frequency_hz.std);
-      }
+      changes.emplace_back(size * directions.col(k));
+    }
+  }
+  std::vector<model::Scene> scenes;
+  scenes.reserve(changes.size());
+  for (const auto& change : changes) {
+    scenes.push_back(selection.scene(scene, moved(selection, change)));
+  }
+  const auto found = draws.of(scenes);
+  double worst = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (found[k].size() == 0) return std::numeric_limits<double>::infinity();
+    for (Eigen::Index i = 0; i < found[k].size(); ++i) {
+      const auto& mode = prediction.modes[static_cast<std::size_t>(i)];
+      if (!(mode.frequency_hz.std > 0)) continue;
+      const double f = mode.frequency_hz.value;
+      const double linear = gradient.row(i).dot(changes[k]) / f;
+      const double change = std::log(found[k][i] / found[0][i]);
+      worst = std::max(worst, std::abs(change - linear) * f / mode.frequency_hz.std);
     }
   }
   return worst;
@@ -179,22 +191,22 @@ double nonlinearity(const model::Scene& scene, const Selection& selection,
 
 /// Std and interval of each frequency from samples.
 void sample(const model::Scene& scene, const Selection& selection,
-            const Eigen::MatrixXd& directions, const PredictionOptions& options,
+            const Eigen::MatrixXd& directions, const PredictionOptions& options, const Draws& draws,
             ModePrediction& prediction) {
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal;
-  auto modes = modes_options(options, false);
-  modes.damped = false;
-  std::vector<std::vector<double>> drawn(prediction.modes.size());
+  std::vector<model::Scene> scenes{prediction.scene};
+  scenes.reserve(static_cast<std::size_t>(options.samples) + 1);
   for (int s = 0; s < options.samples; ++s) {
     Eigen::VectorXd unit(directions.cols());
     for (auto& value : unit) value = normal(random);
-    const Eigen::VectorXd change = directions * unit;
-    const auto found = frequencies_like(
-        prediction.modes,
-        model::analyse_modes(selection.scene(scene, moved(selection, change)), modes));
-    for (Eigen::Index i = 0; i < found.size(); ++i) {
-      drawn[static_cast<std::size_t>(i)].push_back(found[i]);
+    scenes.push_back(selection.scene(scene, moved(selection, directions * unit)));
+  }
+  const auto found = draws.of(scenes);
+  std::vector<std::vector<double>> drawn(prediction.modes.size());
+  for (std::size_t s = 1; s < found.size(); ++s) {
+    for (Eigen::Index i = 0; i < found[s].size(); ++i) {
+      drawn[static_cast<std::size_t>(i)].push_back(found[s][i]);
     }
   }
   prediction.sampled = true;
@@ -308,11 +320,10 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(selection.covariance);
   const Eigen::MatrixXd directions =
       eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
-  auto plain = modes_options(options, false);
-  plain.damped = false;
-  prediction.nonlinearity = nonlinearity(scene, selection, directions, gradient, prediction, plain);
+  const Draws draws(scene, prediction, options);
+  prediction.nonlinearity = nonlinearity(scene, selection, directions, gradient, prediction, draws);
   if (options.always_sample || prediction.nonlinearity > kLinear) {
-    sample(scene, selection, directions, options, prediction);
+    sample(scene, selection, directions, options, draws, prediction);
   }
   return prediction;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "model/linear/modal_analysis.h"
+#include "model/linear/mode_description.h"
 #include "model/linear/mode_following.h"
 #include "model/linear/modes.h"
 #include "model/linear/segment_extrapolation.h"
@@ -53,6 +54,7 @@ using Logs = std::vector<Eigen::VectorXd>;
 struct Reference {
   std::vector<Eigen::MatrixXd> shapes;  // by motion
   std::vector<Eigen::VectorXd> omega2;
+  std::vector<std::vector<ModePlane>> planes;
 };
 
 /// By motion, where each of the reference's modes is among `modes`; up to the first that is not.
@@ -194,6 +196,7 @@ class Batch {
     wide_ = options_;
     wide_.count += kBeside;
     out_.frequency_hz.setZero(static_cast<Eigen::Index>(scenes.size()), options.count);
+    out_.plane.resize(scenes.size());
     out_.solved.assign(scenes.size(), false);
   }
 
@@ -212,7 +215,7 @@ class Batch {
     const ChainModes coarse =
         find_modes(scenes_[0], options_, std::vector<int>(scenes_[0].members.size(), kCoarse));
     if (coarse.order.empty()) return false;
-    start_ = sequence_start(scenes_[0], coarse);
+    start_ = sequence_start(scenes_[0], coarse, accuracy_);
     return true;
   }
 
@@ -231,6 +234,7 @@ class Batch {
         std::max(out_.relative_error_estimate, found.relative_error_estimate);
     for (std::size_t k = 0; k < count; ++k) {
       out_.frequency_hz(Eigen::Index(i), Eigen::Index(k)) = found.modes[k].frequency_hz;
+      out_.plane[i].push_back(found.modes[k].plane);
     }
   }
 
@@ -265,13 +269,30 @@ class Batch {
     return out;
   }
 
-  /// All scenes as the cheapest set of chains that meets the accuracy; false: there is none.
-  bool solve(std::vector<bool>& left) {
-    const ChainModes first = find_chain_modes(scenes_[0], wide_, start_.chain(kCommon, wide_));
-    for (const MotionModes& motion : first.motions) {
+  void set_reference() {
+    ChainModes first = find_chain_modes(scenes_[0], wide_, start_.chain(kCommon, wide_));
+    first.order.clear();
+    for (std::size_t k = 0; k < first.motions.size(); ++k) {
+      const MotionModes& motion = first.motions[k];
       reference_.shapes.push_back(sampled_shapes(first, motion, start_.samples));
       reference_.omega2.push_back(motion.omega2);
+      for (int mode = 0; mode < int(motion.omega2.size()); ++mode) {
+        first.order.push_back({int(k), mode});
+      }
     }
+    ModesOptions bare = wide_;
+    bare.damped = bare.shapes = false;
+    const auto described = natural_modes(first, scenes_[0], bare);
+    reference_.planes.resize(first.motions.size());
+    for (std::size_t i = 0; i < described.size(); ++i) {
+      const auto motion = std::size_t(first.order[i].motion);
+      reference_.planes[motion].push_back(described[i].plane);
+    }
+  }
+
+  /// All scenes as the cheapest set of chains that meets the accuracy; false: there is none.
+  bool solve(std::vector<bool>& left) {
+    set_reference();
     std::vector<Logs> common;
     common.reserve(scenes_.size());
     for (std::size_t i = 0; i < scenes_.size(); ++i) common.push_back(chain_logs(i, kCommon));
@@ -378,22 +399,32 @@ class Batch {
   /// The corrected frequencies of one scene; false: a mode among the first has no correction.
   bool take(std::size_t i, const Logs& logs,
             const std::vector<std::vector<Correction>>& corrections, const Eigen::VectorXd& at) {
-    std::vector<std::pair<double, bool>> hz;
+    struct Found {
+      double hz;
+      bool corrected;
+      ModePlane plane;
+    };
+    std::vector<Found> hz;
     for (std::size_t motion = 0; motion < logs.size(); ++motion) {
       const auto& own = corrections[motion];
       for (Eigen::Index mode = 0; mode < logs[motion].size(); ++mode) {
         const auto k = static_cast<std::size_t>(mode);
         const bool corrected = k < own.size();
         const double log_hz = logs[motion][mode];
-        hz.emplace_back(std::exp(log_hz + (corrected ? own[k].at(at) : 0.0)), corrected);
+        hz.push_back({std::exp(log_hz + (corrected ? own[k].at(at) : 0.0)), corrected,
+                      reference_.planes[motion][k]});
       }
     }
-    std::sort(hz.begin(), hz.end());
+    std::sort(hz.begin(), hz.end(),
+              [](const Found& one, const Found& other) { return one.hz < other.hz; });
     const auto count = static_cast<std::size_t>(options_.count);
     if (hz.size() < count) return false;
     for (std::size_t k = 0; k < count; ++k) {
-      if (!hz[k].second) return false;
-      out_.frequency_hz(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = hz[k].first;
+      if (!hz[k].corrected) return false;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      out_.frequency_hz(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = hz[k].hz;
+      out_.plane[i].push_back(hz[k].plane);
     }
     out_.solved[i] = true;
     return true;

@@ -20,7 +20,8 @@ namespace rigfit::model {
 
 /// Frequencies of all scenes, and how they were found.
 struct ModeBatch {
-  Eigen::MatrixXd frequency_hz;        ///< scenes x modes asked for, rising; zero where not solved
+  Eigen::MatrixXd frequency_hz;  ///< scenes x modes asked for, rising; zero where not solved
+  std::vector<std::vector<ModePlane>> plane;  ///< likewise; empty where not solved
   std::vector<bool> solved;            ///< false: no equilibrium, or fewer modes than asked for
   double relative_error_estimate = 0;  ///< largest of all solved ones
   int extrapolated = 0;                ///< scenes extrapolated by themselves
