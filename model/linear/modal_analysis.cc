@@ -29,7 +29,7 @@ ExtrapolatedModes extrapolated_modes(const Scene& scene, const ModesOptions& opt
   const ChainModes coarse =
       find_modes(scene, options, std::vector<int>(scene.members.size(), kCoarse));
   if (coarse.order.empty()) return {};
-  const SequenceStart start = sequence_start(scene, coarse);
+  const SequenceStart start = sequence_start(scene, coarse, scene.accuracy);
   if (!start.resolved) return {};
   ExtrapolatedModes limit = extrapolate_modes(scene, options, start, scene.accuracy);
   if (!(limit.relative_error <= scene.accuracy)) return {};

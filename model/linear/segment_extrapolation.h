@@ -59,9 +59,11 @@ struct SequenceStart {
   /// Its segments, by member.
   [[nodiscard]] std::vector<int> segments(int factor) const;
 };
-/// By the phases of the highest mode's wave, the layers of bending at clamps and masses and the
+/// By the phases of the highest mode's wave, the layers of bending at clamps, masses and sagging
+/// pinned ends (where they change omega^2 by more than a tenth of `accuracy`, relative) and the
 /// masses' places. `modes`: of any chain.
-[[nodiscard]] SequenceStart sequence_start(const Scene& scene, const ChainModes& modes);
+[[nodiscard]] SequenceStart sequence_start(const Scene& scene, const ChainModes& modes,
+                                           double accuracy);
 
 /// Chains are added until the estimate meets `accuracy` (relative) or a member has 2000 segments;
 /// the finest is kept: where shapes or damping are asked for, of a fifth of a radian a segment at

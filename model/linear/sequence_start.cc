@@ -1,4 +1,5 @@
 // Into how many segments the chains of a sequence are cut, and where.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +14,9 @@ namespace {
 // which is followed down to e^-6, and of a member at least.
 constexpr double kPhaseShare = 0.3, kLayerReach = 6, kLayerShare = 2 / kLayerReach;
 constexpr int kFewestInStretch = 3;
-constexpr double kApart = 1e-6;   // of a member: places nearer than this are one
+constexpr double kLayerSeen =
+    0.1;                         // of the accuracy: layers at pinned ends that do less are left out
+constexpr double kApart = 1e-6;  // of a member: places nearer than this are one
 constexpr double kWorthIt = 1.5;  // a layer's own stretches, where its reach times this fits
 constexpr int kFewestSamples = 8;
 constexpr double kSampleShare = 1.2;  // by the phase
@@ -76,6 +79,22 @@ std::vector<Stretch> stretches_of(const Member& member, const Demand& demand) {
   return out;
 }
 
+/// What the layers at the pinned ends of a sagging cable take off omega^2, relative, in order of
+/// magnitude: lambda^4 (d / L)^3.
+double sag_layer(const Scene& scene, const Member& member, double tension, double length) {
+  if (!(tension > 0) || !(length > 0)) return 0;
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();
+  for (const SceneNode& node : scene.nodes) {
+    if (node.name == member.nodes[0]) along -= node.position;
+    if (node.name == member.nodes[1]) along += node.position;
+  }
+  const double across = scene.gravity.cross(along.normalized()).norm();
+  const double slope = member.mass_per_length * across * length / tension;
+  const double lambda2 = slope * slope * member.EA / tension;
+  const double depth = std::sqrt(std::max(member.EI[0], member.EI[1]) / tension) / length;
+  return lambda2 * lambda2 * depth * depth * depth;
+}
+
 }  // namespace
 
 ChainOptions SequenceStart::chain(int factor, const ModesOptions& options) const {
@@ -106,7 +125,7 @@ std::vector<int> SequenceStart::segments(int factor) const {
   return out;
 }
 
-SequenceStart sequence_start(const Scene& scene, const ChainModes& modes) {
+SequenceStart sequence_start(const Scene& scene, const ChainModes& modes, double accuracy) {
   SequenceStart out;
   const Equilibrium rest = describe(*modes.chain, modes.equilibrium, scene);
   const std::vector<double> phases = wave_phases(scene, modes);
@@ -126,7 +145,10 @@ SequenceStart sequence_start(const Scene& scene, const ChainModes& modes) {
     out.resolved = out.resolved && -tension <= critical;
     Demand demand;
     demand.by_phase = kPhaseShare * phases[m];
-    for (std::size_t e = 0; e < 2; ++e) demand.bent[e] = modes.chain->members[m].end_joint[e] >= 0;
+    const bool everywhere = sag_layer(scene, member, tension, length) > kLayerSeen * accuracy;
+    for (std::size_t e = 0; e < 2; ++e) {
+      demand.bent[e] = everywhere || modes.chain->members[m].end_joint[e] >= 0;
+    }
     if (tension > 0 && stiffest > 0) {
       demand.reach = kLayerReach * std::sqrt(stiffest / tension) / length;
       demand.by_layer = kLayerShare * length * std::sqrt(tension / softest);

@@ -73,7 +73,7 @@ TEST(ExtrapolatedModes, EstimateTheirErrorWithinAFactorOfThree) {
     options.shapes = options.damped = false;
     const ChainModes coarse =
         find_modes(scene, options, std::vector<int>(scene.members.size(), 12));
-    const SequenceStart start = sequence_start(scene, coarse);
+    const SequenceStart start = sequence_start(scene, coarse, accuracy);
     const ExtrapolatedModes found = extrapolate_modes(scene, options, start, accuracy);
     const ExtrapolatedModes truth = truth_of(scene, options, start);
     ASSERT_TRUE(found.known && truth.known) << seed;
@@ -96,7 +96,7 @@ TEST(ExtrapolatedModes, HaveNodesWhereMassesStand) {
   scene.members[0].masses = {{0.3701, 0.02}, {0.003, 0.01}, {0.3723, 0.03}};
   ModesOptions options;
   const ChainModes coarse = find_modes(scene, options, {12});
-  const SequenceStart start = sequence_start(scene, coarse);
+  const SequenceStart start = sequence_start(scene, coarse, scene.accuracy);
   for (const int factor : {2, 3}) {
     const Chain chain = Chain::from_scene(scene, start.chain(factor, options));
     ASSERT_EQ(chain.masses.size(), 3U);
