@@ -64,6 +64,7 @@ struct ResponseResult {
   bool completed = false;
   bool impossible = false;  ///< what was asked for cannot be had of this scene
   std::string reason;       ///< for a person, when not completed
+  std::string warning;  ///< for a person: why the samples err by more than is estimated; or empty
 
   double rate_hz = 0;
   std::vector<std::string> sensors;  ///< names

@@ -208,6 +208,11 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
         fmt::format("{}: {}: {}", options.scene, name_of(response.solver), response.reason));
   }
 
+  if (!response.warning.empty()) {
+    context.warn("overdamped_joints_split", response.warning + " (--solver implicit)",
+                 options.scene);
+  }
+
   Json left_out = Json::array();
   for (const model::LeftOut& what : response.left_out) {
     left_out.push_back(
