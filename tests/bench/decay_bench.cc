@@ -43,7 +43,7 @@ void decay(benchmark::State& state, Eigen::Index n, double samples_a_cycle, doub
   if (found.modes.size() != static_cast<std::size_t>(modes)) {
     return state.SkipWithError("another number of modes");
   }
-  double frequency = 0, damping = 0, damping_std = 0;
+  double frequency = 0, damping = 0, damping_std = 0, frequency_over_std = 0, damping_over_std = 0;
   for (int m = 0; m < modes; ++m) {
     const double hz = angular(samples_a_cycle, m) * kRate / (2 * std::numbers::pi);
     const auto& mode = *std::min_element(
@@ -53,15 +53,36 @@ void decay(benchmark::State& state, Eigen::Index n, double samples_a_cycle, doub
     frequency = std::max(frequency, std::abs(mode.frequency_hz.value / hz - 1));
     damping = std::max(damping, std::abs(mode.damping_ratio.value / zeta - 1));
     damping_std = std::max(damping_std, mode.damping_ratio.std / zeta);
+    frequency_over_std = std::max(frequency_over_std,
+                                  std::abs(mode.frequency_hz.value - hz) / mode.frequency_hz.std);
+    damping_over_std = std::max(damping_over_std,
+                                std::abs(mode.damping_ratio.value - zeta) / mode.damping_ratio.std);
   }
   state.counters["frequency_error"] = frequency;
   state.counters["damping_error"] = damping;
   state.counters["damping_std"] = damping_std;
+  state.counters["frequency_error_over_std"] = frequency_over_std;
+  state.counters["damping_error_over_std"] = damping_over_std;
 }
 BENCHMARK_CAPTURE(decay, axial_test_500_samples, 500, 10, 0.017, 1)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(decay, three_modes_4096_samples, 4096, 20, 0.005, 3)
     ->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(decay, million_samples, 1 << 20, 100, 1e-5, 1)->Unit(benchmark::kMillisecond);
+
+/// The amplitude falls by e^-6 over the record.
+void long_decay(benchmark::State& state, double samples_a_cycle, int modes) {
+  const auto n = static_cast<Eigen::Index>(state.range(0));
+  decay(state, n, samples_a_cycle, 6 / static_cast<double>(n) / angular(samples_a_cycle, 0), modes);
+}
+BENCHMARK_CAPTURE(long_decay, 20_samples_a_cycle, 20, 1)
+    ->Arg(10'000'000)
+    ->Arg(100'000'000)
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(long_decay, two_modes_0p16_of_the_rate_apart, 0.37 / 0.16, 2)
+    ->Arg(20'000'000)
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 
 void fit_only(benchmark::State& state) {
   const auto y = record(500, 10, 0.017, 1);
