@@ -226,7 +226,8 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// Medians over FRFs. Twice that of chances is a chance, whatever the FRFs share.
+/// Medians over FRFs. Twice that of chances is a chance, whatever the FRFs share. The shift is a
+/// mean, as the mode's value is one over points and hits of different amplitude.
 ResonanceDistortion over_frfs(const std::vector<ResonanceDistortion>& all) {
   ResonanceDistortion result;
   if (all.empty()) return result;
@@ -239,8 +240,9 @@ ResonanceDistortion over_frfs(const std::vector<ResonanceDistortion>& all) {
   result.chance = std::min(1.0, 2 * median([](const auto& one) { return one.chance; }));
   result.b = {median([](const auto& one) { return one.b.real(); }),
               median([](const auto& one) { return one.b.imag(); })};
-  result.shift = {median([](const auto& one) { return one.shift.real(); }),
-                  median([](const auto& one) { return one.shift.imag(); })};
+  for (const ResonanceDistortion& one : all) {
+    result.shift += one.shift / static_cast<double>(all.size());
+  }
   result.small_pole = {median([](const auto& one) { return one.small_pole.real(); }),
                        median([](const auto& one) { return one.small_pole.imag(); })};
   result.small_std = median([](const auto& one) { return one.small_std; });

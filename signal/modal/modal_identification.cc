@@ -332,6 +332,10 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     return result;
   }
   export_modes(frfs, band, search, result);
+  if (found.fit.background.size() > 0) {
+    result.background = band.lines.background * found.fit.background;
+    result.background_hz = band.frequency_hz;
+  }
   list_rejected(band, options, search, result);
   if (model.modes.empty()) {
     model.notes.push_back(

@@ -51,6 +51,11 @@ struct ModalResult {
   int iterations = 0;
   Eigen::Index lines_used = 0;
   double low_hz = 0, high_hz = 0;  ///< first and last line used
+  /// What the fit has besides modes and residuals (smooth_background.h): what records that end
+  /// early and noise on the force add. Lines used x FRFs, in the fitted form and window; empty:
+  /// nothing.
+  Eigen::MatrixXcd background;
+  Eigen::VectorXd background_hz;  ///< its lines
   /// Rms of the misfit over what the smoothed error bars H_std expect (1: the modes explain the
   /// FRFs within them); empty when the FRFs came without error bars.
   std::optional<double> misfit_over_error_bars;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
@@ -64,6 +65,26 @@ FrfSet synthesised(const ModalModel& model, const Eigen::Ref<const Eigen::Vector
   }
   set.H = synthesise(laplace_lines(set.frequency_hz, decay_rate_1_s), power_of_s(form), poles,
                      residues, lower, upper);
+  return set;
+}
+
+FrfSet synthesised(const ModalResult& fit, const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
+                   FrfForm form) {
+  const double window = fit.model.exponential_decay_rate_1_s;
+  FrfSet set = synthesised(fit.model, frequency_hz, form, window);
+  if (fit.background.size() == 0) return set;
+  const Eigen::VectorXd& known = fit.background_hz;
+  const int power = power_of_s(form) - power_of_s(fit.model.fitted_form);
+  const Eigen::VectorXcd s = laplace_lines(set.frequency_hz, window);
+  for (Index k = 0; k < set.frequency_hz.size(); ++k) {
+    const double f = set.frequency_hz[k];
+    if (f < known[0] || f > known[known.size() - 1]) continue;
+    const Index above =
+        std::max<Index>(1, std::lower_bound(known.begin(), known.end(), f) - known.begin());
+    const double part = (f - known[above - 1]) / (known[above] - known[above - 1]);
+    set.H.row(k) += std::pow(s[k], power) *
+                    ((1 - part) * fit.background.row(above - 1) + part * fit.background.row(above));
+  }
   return set;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "signal/modal/modal_model.h"
+#include "signal/modal/modal_result.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
@@ -12,6 +13,13 @@ namespace rigfit::signal {
 [[nodiscard]] FrfSet synthesised(const ModalModel& model,
                                  const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
                                  FrfForm form, double decay_rate_1_s = 0);
+
+/// The same of a whole fit, at the window that it was fitted under: with its background
+/// (`ModalResult::background`) at the lines from the first to the last one used, linear between
+/// them, 0 at others.
+[[nodiscard]] FrfSet synthesised(const ModalResult& fit,
+                                 const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
+                                 FrfForm form);
 
 /// Fills `frf_error` of the model and `reconstruction_error` of its modes (within half a bandwidth
 /// of 2 zeta f to either side, window included, and at least three lines) from measured FRFs of the

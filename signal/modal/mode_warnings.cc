@@ -62,9 +62,9 @@ bool damping_is_uncertain(const IdentifiedMode& mode) {
 }
 
 std::string damping_known_to(const IdentifiedMode& mode) {
-  return fmt::format(
-      "damping known to {:.0f} % only",
-      100 * mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300));
+  const double part = mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300);
+  if (!(part < 10)) return "damping known to 1000 % or worse";
+  return fmt::format("damping known to {:.0f} % only", 100 * part);
 }
 
 /// A line narrower than the record can show, without a window: as likely a steady tone as a mode.
@@ -83,6 +83,23 @@ double tone_beside(const ModalModel& model, std::size_t r, const ModalBand& band
     }
   }
   return 0;
+}
+
+/// Noise that goes with the FRFs and is common to those of an input, such as noise on its force,
+/// over the FRF at one line, and the lines within the half-power bandwidth.
+struct SharedNoise {
+  double part = 0, lines = 1;
+};
+
+SharedNoise shared_noise(const IdentifiedMode& mode, const ModalBand& band, const FrfNoise& noise) {
+  SharedNoise shared;
+  const double decay = band.window - mode.pole_rad_s.real();
+  shared.lines = std::max(1.0, decay / (0.5 * kTwoPi * band.spacing_hz));
+  if (noise.common.size() == 0 || noise.line.size() != band.frequency_hz.size()) return shared;
+  Index nearest = 0;
+  (band.frequency_hz.array() - mode.pole_rad_s.imag() / kTwoPi).abs().minCoeff(&nearest);
+  shared.part = std::sqrt(2 * noise.line[nearest] * noise.common.maxCoeff());
+  return shared;
 }
 
 /// Peak of a mode over the rms of the FRFs within its half bandwidth, all FRFs together.
@@ -197,6 +214,16 @@ void judge_modes(ModalResult& result, const ModalBand& band,
       doubts.push_back(fmt::format("{:.0f} % of the FRFs around it are not explained by it{}",
                                    100 * unexplained,
                                    mode.refinement == "global" ? ", nor by noise" : ""));
+    }
+    // Standard deviations are of first order in the noise. Noise that goes with the FRF and is the
+    // same for all of them weighs single lines of the peak by chance; beyond a tenth of the peak,
+    // all its lines together, that is no small change.
+    if (const SharedNoise shared = shared_noise(mode, band, result.noise);
+        mode.refinement == "global" && shared.part > 0.1 * std::sqrt(shared.lines)) {
+      doubts.push_back(fmt::format(
+          "noise that all FRFs share, as that on the force, has {:.0f} % of them at each of the "
+          "{:.1f} lines of its resonance: error bars do not allow for so much; use a force window",
+          100 * shared.part, shared.lines));
     }
     if (mode.presence < 0.6) {
       doubts.push_back(

@@ -104,6 +104,19 @@ Json stabilisation_json(const signal::LscfResult& diagram) {
   return {{"highest_order", diagram.orders_solved}, {"poles", std::move(poles)}};
 }
 
+/// What the fit has besides modes and residuals, over the FRFs, rms over the lines of the fit;
+/// null: nothing.
+Json background_json(const signal::ModalResult& found, const signal::FrfSet& frfs) {
+  if (found.background.size() == 0) return nullptr;
+  double power = 0;
+  for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
+    const double f = frfs.frequency_hz[k];
+    if (f < found.low_hz || f > found.high_hz || f == 0 || !frfs.H.row(k).allFinite()) continue;
+    power += frfs.H.row(k).squaredNorm();
+  }
+  return {{"part_of_frfs", power > 0 ? found.background.norm() / std::sqrt(power) : 0.0}};
+}
+
 void print(std::ostream& out, const signal::ModalResult& result) {
   out << fmt::format("{:>4} {:>12} {:>10} {:>11} {:>10} {:>6} {:>8}\n", "mode", "f, Hz", "+-",
                      "damping, %", "+-", "MPC", "misfit");
@@ -237,6 +250,7 @@ Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, Ver
   result["pole_covariance"] = matrix_json(model.pole_covariance);
   result["lower_residual"] = matrix_json(model.lower_residual);
   result["upper_residual"] = matrix_json(model.upper_residual);
+  result["background"] = background_json(found, measured.frfs);
   result["stabilisation"] = stabilisation_json(found.stabilisation);
 
   if (!options.out.empty()) {
@@ -245,8 +259,7 @@ Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, Ver
     context.out << "modes (UFF 55): " << options.out << '\n';
   }
   if (!options.synthesis.empty()) {
-    const signal::FrfSet again = synthesised(model, measured.frfs.frequency_hz, model.fitted_form,
-                                             model.exponential_decay_rate_1_s);
+    const signal::FrfSet again = synthesised(found, measured.frfs.frequency_hz, model.fitted_form);
     context.write(options.synthesis, signal::uff_text(again, signal::UffEncoding::binary));
     result["synthesis"] = options.synthesis;
     context.out << "FRFs rebuilt from the modes (UFF 58): " << options.synthesis << '\n';
@@ -270,8 +283,10 @@ void add_modal(CLI::App& program, Verbs& verbs) {
       ->check(number_within(1e-6, 0.99))
       ->capture_default_str();
   verb->add_option("--out", options->out, "Modes as UFF 55")->type_name("F.uff");
-  verb->add_option("--synthesis", options->synthesis,
-                   "FRFs rebuilt from the modes, at the measured lines, as UFF 58")
+  verb->add_option(
+          "--synthesis", options->synthesis,
+          "FRFs rebuilt from the modes and what else was fitted, at the measured lines, as "
+          "UFF 58")
       ->type_name("F.uff");
   verb->add_option("--averages", options->averages,
                    "Averages behind the coherence of FRFs from a file [as the file says]")

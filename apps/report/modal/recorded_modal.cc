@@ -145,8 +145,7 @@ class HitsShown {
     std::optional<signal::FrfSet> rebuilt;
     if (found.has_modes()) {
       rebuilt = signal::synthesised(
-          modal.model, frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
-          frfs.form, frfs.exponential_decay_rate_1_s);
+          modal, frfs.frequency_hz.segment(range.first, range.last - range.first + 1), frfs.form);
     }
     PlotTab tab{label, {}};
     tab.plots = frf_figures({test_.name, file_word(label), found.origin}, frfs, range, &modal,
