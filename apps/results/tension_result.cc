@@ -61,7 +61,15 @@ Json tension_json(const ident::TensionInputs& inputs,
          {"channel", one.channel},
          {"frequency_hz", json_estimate(peak.frequency_hz.value, peak.frequency_hz.std)},
          {"half_power_bandwidth_hz", json_number(peak.bandwidth_hz)},
-         {"signal_to_noise", json_number(peak.signal_to_noise)}});
+         {"signal_to_noise", json_number(peak.signal_to_noise)},
+         {"possible_tone", peak.undecided}});
+  }
+  for (const auto& one : campaign.tones) {
+    json["steady_tones"].push_back({{"file", inputs.recordings[one.recording].name},
+                                    {"channel", one.channel},
+                                    {"frequency_hz", json_number(one.tone.frequency_hz)},
+                                    {"amplitude", json_number(one.tone.amplitude)},
+                                    {"reach_hz", json_number(one.tone.reach_hz)}});
   }
   return json;
 }

@@ -1,5 +1,7 @@
 #include "ident/campaign/tension_campaign.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -11,6 +13,39 @@
 
 namespace rigfit::ident {
 namespace {
+
+/// What is said of the tones of a channel.
+void add_tones(const signal::SpectralPeaks& found, std::size_t index, const std::string& channel,
+               const std::string& where, TensionCampaignResult& campaign) {
+  std::string left_out, possible;
+  for (const auto& tone : found.tones) {
+    campaign.tones.push_back({index, channel, tone});
+    left_out += fmt::format("{}{:.5g}", left_out.empty() ? "" : ", ", tone.frequency_hz);
+    if (tone.reach_hz > 0) left_out += fmt::format(" (it wanders: +-{:.2g})", tone.reach_hz);
+  }
+  for (const auto& peak : found.peaks) {
+    if (!peak.undecided) continue;
+    possible += fmt::format("{}{:.5g}", possible.empty() ? "" : ", ", peak.frequency_hz.value);
+  }
+  auto& findings = campaign.result.findings;
+  if (!left_out.empty()) {
+    findings.push_back(
+        {"steady_tone",
+         fmt::format("{} Hz: the amplitude is constant as that of no resonance which "
+                     "noise drives (mains hum, a machine): left out",
+                     left_out),
+         where, false});
+  }
+  if (!possible.empty()) {
+    findings.push_back(
+        {"possible_tone",
+         fmt::format("{} Hz: a steady tone or a mode of little damping, which this "
+                     "record cannot tell apart: taken as a mode; a longer record, or "
+                     "--band, decides",
+                     possible),
+         where, false});
+  }
+}
 
 void add_peaks(const TensionInputs& inputs, std::size_t index, TensionCampaignResult& campaign) {
   const auto& [name, recording] = inputs.recordings[index];
@@ -45,6 +80,7 @@ void add_peaks(const TensionInputs& inputs, std::size_t index, TensionCampaignRe
       campaign.modes.push_back(std::move(mode));
       campaign.peaks.push_back({index, channel.name, peak});
     }
+    add_tones(found, index, channel.name, name + ": " + channel.name, campaign);
     if (found.peaks.empty()) {
       campaign.result.findings.push_back(
           {"no_peaks", found.reason, name + ": " + channel.name, false});

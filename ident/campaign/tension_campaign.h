@@ -35,10 +35,19 @@ struct TensionPeak {
   signal::SpectralPeak peak;
 };
 
+/// A tone of constant amplitude, left out of the peaks.
+struct TensionTone {
+  std::size_t recording = 0;  ///< index of the inputs' recordings
+  std::string channel;
+  signal::SteadyTone tone;
+};
+
 struct TensionCampaignResult {
   std::vector<TensionPeak> peaks;   ///< in the order of recordings and channels
+  std::vector<TensionTone> tones;   ///< in the order of recordings and channels
   std::vector<MeasuredMode> modes;  ///< what the tension is found from, merged
-  /// `tension.solved` false: see its message. Warnings: "no_peaks" and those of tension_findings.
+  /// `tension.solved` false: see its message. Warnings: "no_peaks",
+  /// "steady_tone", "possible_tone" and those of tension_findings.
   CableTestResult result;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "signal/numerics/numbers.h"
 #include "signal/spectra/fft.h"
@@ -155,18 +156,26 @@ std::vector<Index> candidates(const VectorXd& spectrum, const VectorXd& floor, I
   return found;
 }
 
+void sort_tones(std::vector<SteadyTone>& tones) {
+  std::sort(tones.begin(), tones.end(),
+            [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });
+}
+
 }  // namespace
 
-SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& samples, double rate_hz,
+SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& recorded, double rate_hz,
                              const SpectralPeakOptions& options) {
-  if (samples.size() < 256 || !(rate_hz > 0)) {
+  if (recorded.size() < 256 || !(rate_hz > 0)) {
     throw std::invalid_argument("spectral peaks need at least 256 samples and a sample rate");
   }
-  if (!samples.allFinite()) throw std::invalid_argument("a sample is missing or not finite");
+  if (!recorded.allFinite()) throw std::invalid_argument("a sample is missing or not finite");
   const double high = options.high_hz > 0 ? std::min(options.high_hz, rate_hz / 2) : rate_hz / 2;
   if (!(high > options.low_hz))
     throw std::invalid_argument("the band holds no line below half the sample rate");
   SpectralPeaks result;
+  auto removed = remove_steady_tones(recorded, rate_hz, options.low_hz, high);
+  result.tones = std::move(removed.tones);
+  const VectorXd& samples = removed.samples;
 
   // At least 8 averages of half-overlapping blocks: a block of 2 / 9 of the record.
   Index length = good_fft_length_below(std::max<Index>(64, samples.size() * 2 / 9));
@@ -179,7 +188,7 @@ SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& samples, double r
   Index averages = 0;
   result.spectrum = welch(samples, length, rate_hz, averages);
   result.frequency_hz = line_frequencies(length, rate_hz);
-  if (samples.minCoeff() == samples.maxCoeff()) {
+  if (recorded.minCoeff() == recorded.maxCoeff()) {
     result.reason = "every sample is the same: nothing moves, or the channel is not connected";
     return result;
   }
@@ -201,6 +210,7 @@ SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& samples, double r
     found.resize(static_cast<std::size_t>(options.max_peaks));
   std::sort(found.begin(), found.end());
   if (found.empty()) {
+    sort_tones(result.tones);
     result.reason =
         fmt::format("no peak stands {:.1f} times out of the floor of the averaged spectrum", limit);
     return result;
@@ -235,10 +245,29 @@ SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& samples, double r
     // A tone's frequency is known to a part of a line; the resonance's formula does not hold there.
     const double std = std::sqrt(kHannVariance * fit.covariance(0, 0));
     peak.frequency_hz = {center, peak.tone ? std::max(std, line / std::sqrt(12.0)) : std};
+    const auto within = [&](double reach, bool wanders) {
+      return std::any_of(result.tones.begin(), result.tones.end(), [&](const auto& tone) {
+        return (tone.reach_hz > 0) == wanders &&
+               std::abs(tone.frequency_hz - center) < std::max(reach, tone.reach_hz);
+      });
+    };
+    if (within(0, true)) continue;  // of a tone whose frequency wanders
+    SteadyTone tone;
+    const auto nature = nature_of_line(samples, rate_hz, center, tone);
+    if (nature == LineNature::steady) {
+      result.tones.push_back(tone);
+      continue;
+    }
+    const double near = tone_resolution_hz(static_cast<double>(samples.size()), rate_hz);
+    peak.undecided = nature == LineNature::undecided || within(near, false);
     result.peaks.push_back(peak);
   }
-  if (result.peaks.empty())
-    result.reason = "the peaks of the averaged spectrum have no shape of a resonance";
+  sort_tones(result.tones);
+  if (result.peaks.empty()) {
+    result.reason = result.tones.empty()
+                        ? "the peaks of the averaged spectrum have no shape of a resonance"
+                        : "the peaks of the averaged spectrum are tones of constant amplitude";
+  }
   return result;
 }
 

@@ -8,9 +8,10 @@
 //   -ln L = sum_lines ln S(f) + P(f) / S(f),   S(f) = A (B/2)^2 / ((f - f0)^2 + (B/2)^2) + C
 //
 // whose information gives the uncertainties: for a resonance driven by white noise var f0 = B / (4
-// pi T), the Cramer-Rao bound, T the record's length. Lines narrower than four lines of the record
-// are not resonances of a driven structure but tones, and are said to be so. Sources: Welch, IEEE
-// Trans. Audio Electroacoust. 15 (1967) 70; Whittle, Ark. Mat. 2 (1953) 423.
+// pi T), the Cramer-Rao bound, T the record's length. Tones of constant amplitude (mains hum, a
+// machine) are taken out first and listed apart (steady_tones.h); a line as steady as a tone that
+// may be a resonance of little damping stays a peak with a mark. Sources: Welch, IEEE Trans. Audio
+// Electroacoust. 15 (1967) 70; Whittle, Ark. Mat. 2 (1953) 423.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "signal/numerics/estimate.h"
+#include "signal/spectra/steady_tones.h"
 
 namespace rigfit::signal {
 
@@ -33,11 +35,13 @@ struct SpectralPeak {
   double bandwidth_hz = 0;     ///< half-power
   double signal_to_noise = 0;  ///< power at the peak over the floor beside it
   bool tone = false;           ///< as narrow as the record resolves
+  bool undecided = false;      ///< as steady as a tone, and as a resonance of little damping may be
 };
 
 struct SpectralPeaks {
   std::vector<SpectralPeak> peaks;         ///< by rising frequency
-  Eigen::VectorXd frequency_hz, spectrum;  ///< Welch's, one-sided, unit^2/Hz
+  std::vector<SteadyTone> tones;           ///< by rising frequency; none of the peaks
+  Eigen::VectorXd frequency_hz, spectrum;  ///< Welch's, one-sided, unit^2/Hz, without the tones
   std::string reason;                      ///< why there is no peak
 };
 
