@@ -132,6 +132,12 @@ class StateReader {
     result_.compared[state].push_back(std::move(compared));
   }
 
+  void add_clock(std::size_t state, double rate_hz, double relative_std) {
+    if (relative_std > 0) {
+      result_.clocks.push_back({static_cast<int>(state), rate_hz, relative_std});
+    }
+  }
+
   model::Scene scene_for(std::size_t file) {
     context_.input(scene_of(file));
     return model::read_scene(scene_of(file));
@@ -206,6 +212,7 @@ class StateReader {
       sensors.emplace_back(sensor, sign_of(response.direction, scene.sensors[sensor].direction));
     }
     const std::size_t at = state_at(scene_of(file), scene, tension);
+    add_clock(at, set.sample_rate_hz, set.sample_rate_relative_std);
     auto& state = result_.states[at];
     signal::ModalOptions options;
     if (data_.band_hz)
@@ -306,6 +313,7 @@ class StateReader {
     const auto decay = signal::estimate_decay(channel.samples, recording.sample_rate_hz, options);
     if (!decay.refusal.empty()) throw Refused(path + ": " + decay.refusal);
     const std::size_t at = state_at(scene_of(file), scene, tension);
+    add_clock(at, recording.sample_rate_hz, recording.sample_rate_relative_std);
     for (const auto& found : decay.modes) {
       if (found.doubtful) {
         context_.warn("doubtful", found.doubt, path);
@@ -344,6 +352,7 @@ class StateReader {
       }
     }
     const std::size_t at = state_at(scene_of(file), scene, tension);
+    add_clock(at, recording.sample_rate_hz, recording.sample_rate_relative_std);
     auto& state = result_.states[at];
     history.samples.resize(recording.samples(), static_cast<Eigen::Index>(channels.size()));
     signal::DecayOptions options;

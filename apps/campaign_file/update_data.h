@@ -9,6 +9,7 @@
 #include "apps/cli/verb.h"
 #include "ident/stiffness/stiffness_curve.h"
 #include "ident/update/model_update.h"
+#include "ident/update/uncertainty/sample_rate_input.h"
 
 namespace rigfit::apps {
 
@@ -35,6 +36,7 @@ struct UpdateStates {
   std::vector<std::vector<int>> segments;  ///< by state, of each member as its file says
   /// By state, measured mode, column of `compare`: what another model says; NaN where it is blank.
   std::vector<std::vector<std::vector<double>>> compared;
+  std::vector<ident::StateClock> clocks;  ///< of the states' recordings and FRFs
 };
 
 /// Throws UsageError, Refused, model::SceneError, signal::RecordingError.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ident/statistics/in_parallel.h"
+#include "ident/update/uncertainty/sample_rate_input.h"
 #include "model/scene/parameters.h"
 #include "signal/recording/recording_error.h"
 
@@ -19,7 +20,13 @@ void run_all(const Tasks& tasks, int threads) {
   in_parallel(tasks.size(), threads, [&](std::size_t i) { tasks[i](); });
 }
 
-/// The measured modes of a state as a fit takes them: of its recordings where it has any.
+/// Of the recordings' rate; 0: exact, or a published table.
+double rate_std_of(const ModalState& modal) {
+  return modal.recorded ? modal.recorded->hammer.frfs.sample_rate_relative_std : 0;
+}
+
+/// The measured modes of a state as a fit takes them: of its recordings where it has any. The part
+/// of their standard uncertainty that is the sample rate's is left to the input that states share.
 UpdateState fit_state(const ModalInputs& test, const ModalState& modal) {
   UpdateState state;
   state.name = test.name + ", " + state_label(modal.tension_N);
@@ -28,7 +35,9 @@ UpdateState fit_state(const ModalInputs& test, const ModalState& modal) {
   for (const auto& row : modal.rows) {
     if (!std::isfinite(row.measured_hz) || row.origin != origin) continue;
     MeasuredMode mode;
-    mode.frequency_hz = {row.measured_hz, row.std_hz};
+    const double by_rate = rate_std_of(modal) * row.measured_hz;
+    const double own = std::sqrt(std::max(0.0, row.std_hz * row.std_hz - by_rate * by_rate));
+    mode.frequency_hz = {row.measured_hz, by_rate > 0 && own > 0 ? own : row.std_hz};
     mode.damping_ratio = {row.damping, row.damping_std};
     mode.plane = test.setup.plane;
     mode.shape = row.shape;
@@ -40,12 +49,17 @@ UpdateState fit_state(const ModalInputs& test, const ModalState& modal) {
 CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
   CampaignFitOutcome result;
   std::vector<StateUse> uses;
+  std::vector<StateClock> clocks;
   for (const std::size_t t : fit.tests) {
     const auto& test = so_far.inputs.modal.at(t);
     for (const auto& modal : so_far.modal[t].model) {
       UpdateState state = fit_state(test, modal);
       if (state.measured.empty()) continue;
-      uses.push_back({static_cast<int>(result.states.size()), &*test.scene, modal.tension_N});
+      const int index = static_cast<int>(result.states.size());
+      uses.push_back({index, &*test.scene, modal.tension_N});
+      if (const double e = rate_std_of(modal); e > 0) {
+        clocks.push_back({index, modal.recorded->hammer.frfs.sample_rate_hz, e});
+      }
       result.states.push_back({t, &modal});
       result.task.states.push_back(std::move(state));
     }
@@ -54,6 +68,9 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
   result.task.options = fit.options;
   result.task.hold_out = fit.hold_out;
   for (auto& input : known_inputs(so_far.known, uses)) {
+    result.task.options.inputs.push_back(std::move(input));
+  }
+  for (auto& input : sample_rate_inputs(clocks)) {
     result.task.options.inputs.push_back(std::move(input));
   }
   if (result.states.empty()) return result;

@@ -11,10 +11,12 @@ namespace rigfit::ident {
 namespace {
 
 // Rows x sensors of the history; empty when the model has no response.
-Eigen::MatrixXd response_of(const model::Scene& scene, const MeasuredHistory& history) {
+Eigen::MatrixXd response_of(const model::Scene& scene, const MeasuredHistory& history,
+                            double rate_factor) {
   model::ResponseOptions options;
-  options.sampling.rate_hz = history.rate_hz;
-  options.sampling.duration_s = static_cast<double>(history.samples.rows() - 1) / history.rate_hz;
+  options.sampling.rate_hz = rate_factor * history.rate_hz;
+  options.sampling.duration_s =
+      static_cast<double>(history.samples.rows() - 1) / options.sampling.rate_hz;
   options.sampling.energy_samples = 0;
   options.axial = true;  // by need it may change from one set of parameters to the next
   options.records = history.records;
@@ -71,9 +73,10 @@ bool UpdateProblem::history_residuals(int state, const Eigen::VectorXd& q, Eigen
   model::Scene scene;
   std::string failure;
   if (!fixed_scene(state, q, scene, failure)) return false;
+  const double factor = measured_factor(state);
   for (const auto& history : histories) {
     ++shared_->evaluations;
-    const Eigen::MatrixXd here = response_of(scene, history);
+    const Eigen::MatrixXd here = response_of(scene, history, factor);
     if (here.size() == 0) return false;
     std::vector<Eigen::MatrixXd> rates;
     if (jacobian != nullptr) {
@@ -89,7 +92,7 @@ bool UpdateProblem::history_residuals(int state, const Eigen::VectorXd& q, Eigen
         if (!fixed_scene(state, up, above, failure) || !fixed_scene(state, down, below, failure)) {
           return false;
         }
-        const Eigen::MatrixXd high = response_of(above, history), low = response_of(below, history);
+        const Eigen::MatrixXd high = response_of(above, history, factor), low = response_of(below, history, factor);
         if (high.size() == 0 || low.size() == 0) return false;
         rates.back() = (high - low) / (2 * step);
       }
@@ -122,7 +125,7 @@ double UpdateProblem::history_error(const Eigen::VectorXd& q) const {
     std::string failure;
     if (!fixed_scene(s, q, scene, failure)) return std::numeric_limits<double>::quiet_NaN();
     for (const auto& history : states_[static_cast<std::size_t>(s)].histories) {
-      const Eigen::MatrixXd here = response_of(scene, history);
+      const Eigen::MatrixXd here = response_of(scene, history, measured_factor(s));
       if (here.size() == 0) return std::numeric_limits<double>::quiet_NaN();
       for (Eigen::Index k = 0; k < here.size(); ++k) {
         const double measured = history.samples(k);
@@ -144,7 +147,7 @@ bool UpdateProblem::redraw_histories(const Eigen::VectorXd& q, double spread,
     std::string failure;
     if (!fixed_scene(s, q, scene, failure)) return false;
     for (auto& history : histories) {
-      const Eigen::MatrixXd here = response_of(scene, history);
+      const Eigen::MatrixXd here = response_of(scene, history, measured_factor(s));
       if (here.size() == 0) return false;
       // What was assumed of the record's own rms stays what it was.
       Eigen::VectorXd std(here.cols());

@@ -7,6 +7,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "ident/update/uncertainty/sample_rate_input.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 
@@ -216,7 +217,7 @@ model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const 
   for (Eigen::Index i = 0; i < inputs_off_.size(); ++i) {
     if (inputs_off_[i] == 0) continue;
     for (const auto& effect : options_.inputs[static_cast<std::size_t>(i)].effects) {
-      if (effect.state != state) continue;
+      if (effect.state != state || effect.target == kSampleRateTarget) continue;
       model::set_parameter(scene, effect.target,
                            model::parameter(scene, effect.target) + inputs_off_[i] * effect.change);
     }
@@ -409,6 +410,10 @@ double UpdateProblem::relative_std(int state, int measured) const {
   const double own = known(mode.frequency_hz.std) ? mode.frequency_hz.std / mode.frequency_hz.value
                                                   : options_.assumed_relative_std;
   return std::hypot(std::hypot(own, options_.model_relative_std), model_std_);
+}
+
+double UpdateProblem::measured_factor(int state) const {
+  return sample_rate_factor(options_.inputs, inputs_off_, state);
 }
 
 std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,

@@ -95,9 +95,20 @@ class UpdateProblem {
     Eigen::ArrayXd less;
     Eigen::VectorXd off;    ///< C times the estimates of the sources that are in the residuals
     Eigen::VectorXd scale;  ///< of the rows, first: D^(-1/2)
+    Eigen::Array3d shares = {0, 0, 1};  ///< of the force, of the place, least own part: D
+    std::shared_ptr<const Sources> widest = nullptr;  ///< with all of the error bars in D and in C
   };
   /// The same with `off` subtracted from its residuals, then multiplied by L; null: as they are.
   [[nodiscard]] UpdateProblem with_sources(std::shared_ptr<const Sources> sources) const;
+  /// The same with its sources as large as the error bars allow, by which a model is judged.
+  [[nodiscard]] UpdateProblem with_widest_sources() const {
+    return sources_ && sources_->widest ? with_sources(sources_->widest) : *this;
+  }
+  [[nodiscard]] Eigen::Array3d shares() const {
+    return sources_ ? sources_->shares : Eigen::Array3d(0, 0, 1);
+  }
+  /// Covariance of plain residuals, D + C C', times `columns`.
+  [[nodiscard]] Eigen::MatrixXd covariance_times(Eigen::MatrixXd columns) const;
   /// Changes of plain residuals, as those of this problem change.
   [[nodiscard]] Eigen::VectorXd with_sources_of(Eigen::VectorXd change) const;
   [[nodiscard]] bool has_sources() const { return sources_ != nullptr; }
@@ -183,6 +194,8 @@ class UpdateProblem {
   [[nodiscard]] bool modes_only() const { return has_modes() && !has_frfs() && !has_histories(); }
 
   [[nodiscard]] double relative_std(int state, int measured) const;
+  /// Of a state's measured frequencies, where the inputs have its sample rate off.
+  [[nodiscard]] double measured_factor(int state) const;
   [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
   [[nodiscard]] int evaluations() const { return shared_->evaluations; }
 

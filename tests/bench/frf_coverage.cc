@@ -1,7 +1,7 @@
 // A beam's stiffness, tip mass and damping from FRFs: do the 95 % intervals hold, whatever segments
 // the scene gives? From white noise of known size to hits that scatter in place under noise that a
-// force window leaves, one step a row. Prints a table; PART picks rows by name.
-//   frf_coverage [SEEDS] [FIRST SEED] [PART]
+// force window leaves, one step a row. Prints a table; PART picks rows by name; SEGMENTS those of
+// the fitted scene, 0: "auto".   frf_coverage [SEEDS] [FIRST SEED] [PART] [SEGMENTS]
 #include <fmt/format.h>
 
 #include <cmath>
@@ -17,6 +17,8 @@ int main(int argc, char** argv) {
   const int seeds = argc > 1 ? std::atoi(argv[1]) : 40;
   const int first = argc > 2 ? std::atoi(argv[2]) : 0;
   const std::string part = argc > 3 ? argv[3] : "";
+  const std::vector<int> all_segments =
+      argc > 4 ? std::vector<int>{std::atoi(argv[4])} : std::vector<int>{20, 60, 0};
   struct Row {
     std::string name;
     testing::HammerTestNoise noise;
@@ -42,7 +44,7 @@ int main(int argc, char** argv) {
     for (int seed = first; seed < first + seeds; ++seed) {
       tests.push_back(testing::hammered_frfs(lines, row.noise, static_cast<std::uint64_t>(seed)));
     }
-    for (const int segments : {20, 60, 0}) {
+    for (const int segments : all_segments) {
       int held[3] = {0, 0, 0}, ruled_out = 0;
       double z = 0, bias = 0, std = 0, reduced = 0, seconds = 0;
       for (const auto& frfs : tests) {

@@ -157,6 +157,9 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
     update.inputs.push_back(std::move(input));
   }
   for (auto& input : aim_inputs(options.aims, states)) update.inputs.push_back(std::move(input));
+  for (auto& input : ident::sample_rate_inputs(states.clocks)) {
+    update.inputs.push_back(std::move(input));
+  }
   return update;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "ident/update/uncertainty/sample_rate_input.h"
 #include "ident/update/update_problem.h"
 
 namespace rigfit::ident {
@@ -33,12 +34,13 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
                                           double factor) const {
   const auto& state = states_[static_cast<std::size_t>(s)];
   std::vector<PairingMode> measured, model;
+  const double by_rate = sample_rate_std(options_.inputs, s);
   std::vector<double> stds;
   for (std::size_t m = 0; m < state.measured.size(); ++m) {
     const auto& mode = state.measured[m];
     measured.push_back(
         {.frequency_hz = mode.frequency_hz.value, .plane = mode.plane, .shape = mode.shape});
-    stds.push_back(relative_std(s, static_cast<int>(m)));
+    stds.push_back(std::hypot(relative_std(s, static_cast<int>(m)), by_rate));
   }
   for (const auto& mode : modelled.modes) {
     model.push_back({.frequency_hz = mode.frequency_hz,

@@ -141,8 +141,15 @@ double correlated_variance_factor(const UpdateProblem& problem,
   Eigen::MatrixXd plain_J;
   if (problem.has_sources() &&
       problem.with_sources(nullptr).residuals(q, matches, UpdateStage::full, plain_r, &plain_J)) {
-    const Eigen::VectorXd apart = plain_J.completeOrthogonalDecomposition().solve(plain_r);
-    sandwich = sandwich.cwiseMax(apart.cwiseAbs2());
+    constexpr double kFarApart = 3.84;  // chi-square of one, 5 %
+    const auto solve = plain_J.completeOrthogonalDecomposition();
+    const Eigen::VectorXd apart = solve.solve(plain_r).cwiseAbs2();
+    const Eigen::MatrixXd gain = solve.pseudoInverse();  // coordinates x residuals
+    const Eigen::MatrixXd spread = gain * problem.covariance_times(gain.transpose());
+    for (Eigen::Index j = 0; j < J.cols(); ++j) {
+      const double expected = std::max(0.0, spread(j, j) - bread(j, j)) * std::max(1.0, R[0]);
+      if (apart[j] > kFarApart * expected) sandwich[j] = std::max(sandwich[j], apart[j]);
+    }
   }
   for (Eigen::Index j = 0; j < J.cols(); ++j) {
     if (bread(j, j) > 0) factor = std::max(factor, sandwich[j] / bread(j, j));

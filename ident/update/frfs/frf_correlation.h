@@ -31,8 +31,8 @@ namespace rigfit::ident {
 
 /// The largest ratio of a coordinate's variance to that in B, at q with its residuals and
 /// derivatives: of B M B, of R_0 t B, and of the squared step to the estimate that takes no shared
-/// source out of its residuals. The two estimates agree within the uncertainty of the less exact
-/// one where the sources are what the lines share; where they do not, something else is shared
+/// source out of its residuals, where that is larger than its variance, that of the less exact
+/// estimate less that of this one, explains (5 %): then something else is shared than the sources
 /// (Hausman, Econometrica 46 (1978) 1251). 0 without FRFs.
 [[nodiscard]] double correlated_variance_factor(const UpdateProblem& problem,
                                                 const std::vector<UpdateMatch>& matches,

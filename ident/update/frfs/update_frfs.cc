@@ -89,8 +89,8 @@ bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::In
     for (std::size_t g = 0; g < f; ++g) before = before || solved_together(frfs[g], frfs[f]);
     if (before) continue;
     ++shared_->evaluations;
-    const auto solved =
-        options_.frf_solver(scene, frfs[f].frequency_hz, targets, frfs[f].decay_rate_1_s);
+    const auto solved = options_.frf_solver(scene, measured_factor(state) * frfs[f].frequency_hz,
+                                            targets, frfs[f].decay_rate_1_s);
     if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
     for (std::size_t g = f; g < frfs.size(); ++g) {
       const MeasuredFrf& frf = frfs[g];

@@ -71,13 +71,13 @@ UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
                     const Eigen::VectorXd& q) {
   UpdateFit fit;
   fit.stated = problem.uncertainties_known();
-  const UpdateProblem plain = problem.with_model_std(0);
+  const UpdateProblem plain = problem.with_model_std(0).with_widest_sources();
   Eigen::VectorXd r;
   if (!plain.residuals(q, matches, UpdateStage::full, r, nullptr)) return fit;
   fit.chi2 = r.squaredNorm();
   fit.degrees_of_freedom =
       static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
-  fit.correlated_lines = correlated_lines_of(problem, matches, r);
+  fit.correlated_lines = correlated_lines_of(plain, matches, r);
   if (!(fit.degrees_of_freedom > 0)) return fit;
   const auto probability = [&] {
     return gsl_cdf_chisq_Q(fit.chi2 / fit.correlated_lines,

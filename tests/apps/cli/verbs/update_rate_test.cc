@@ -1,0 +1,85 @@
+// Decays whose files state their step with few digits: one clock, whatever number of files.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/apps/run_program.h"
+
+namespace rigfit::apps::update_rate_test {
+namespace {
+
+using Json = nlohmann::json;
+
+// A taut string of 2.4 m: f = sqrt(T / m) / 4.8 m.
+const char* const kScene = R"(gravity = 0.0
+[[node]]
+name = "left"
+position = [0.0, 0.0, 0.0]
+support = "pinned"
+[[node]]
+name = "right"
+position = [2.4, 0.0, 0.0]
+support = "pinned"
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "right"]
+segments = 30
+mass_per_length = 0.16
+EA = 221780.0
+EI = 1e-4
+GJ = 0.1
+tension = 200.0
+)";
+
+// A decay of 4 s at 256 Hz, step printed as 0.00391 s: known to 5e-6 / 0.00391 / sqrt(3).
+constexpr double kRelative = 5e-6 / 0.00391 / 1.7320508075688772;
+
+std::string decay_file(double frequency_hz) {
+  std::string text =
+      "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+      "***End_of_Header***\t\n\nChannels\t1\nY_Unit_Label\tm/s^2\nX_Dimension\tTime\nX0\t0\n"
+      "Delta_X\t0.00391\n***End_of_Header***\t\nX_Value\ttip\n";
+  unsigned state = 12345;
+  for (int i = 0; i < 1024; ++i) {
+    const double t = i / 256.0;
+    state = state * 1664525u + 1013904223u;
+    const double noise = 1e-3 * (state / 4294967296.0 - 0.5);
+    char row[40];
+    std::snprintf(row, sizeof row, "\t%.6f\n",
+                  std::exp(-0.5 * t) * std::cos(2 * M_PI * frequency_hz * t) + noise);
+    text += row;
+  }
+  return text;
+}
+
+TEST(UpdateVerb, ARoundedSampleRateIsOneSourceOfAllDecays) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("scene.toml", kScene);
+  const auto a = folder.write("a.lvm", decay_file(std::sqrt(100 / 0.16) / 4.8));
+  const auto b = folder.write("b.lvm", decay_file(std::sqrt(200 / 0.16) / 4.8));
+  const auto fit = [&](std::vector<std::string> data) {
+    std::vector<std::string> words{"update", scene, "--free", "cable.mass_per_length", "--starts",
+                                   "1", "--out", (folder.path() / "new.toml").string()};
+    words.insert(words.end(), data.begin(), data.end());
+    words.insert(words.end(), {"--json", "-"});
+    const auto run = run_program(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    double part = 0;
+    for (const auto& term : parsed(run.out)["parameters"][0]["budget"]) {
+      if (term["source"] == "sample rate") part = term["std"];
+    }
+    return part;
+  };
+  const double one = fit({"--decay", b, "--tension", "200"});
+  const double two = fit({"--decay", a, b, "--tension", "100", "200"});
+  EXPECT_NEAR(one, 2 * kRelative * 0.16, 0.02 * one);
+  EXPECT_NEAR(two, one, 0.02 * one);
+}
+
+}  // namespace
+}  // namespace rigfit::apps::update_rate_test

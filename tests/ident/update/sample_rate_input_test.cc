@@ -1,0 +1,134 @@
+// A sample rate that files state rounded: common to all recordings at that rate.
+#include "ident/update/uncertainty/sample_rate_input.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "ident/update/model_update.h"
+#include "tests/ident/update/hammered_beam.h"
+#include "tests/model/test_scenes.h"
+
+namespace rigfit::ident::sample_rate_input_test {
+namespace {
+
+constexpr double kTension = 200, kRate = 3e-4, kNoise = 1e-4;
+
+// `count` tests of one cable, all frequencies measured by the part `off` too high.
+std::vector<UpdateState> tests(int count, double off) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  const auto truth = model::testing::paper_cable(kTension, 0.6, 12);
+  model::ModesOptions options;
+  options.count = 16;
+  const auto modes = model::analyse_modes(truth, options).modes;
+  std::vector<UpdateState> all;
+  for (int k = 0; k < count; ++k) {
+    UpdateState state{"test " + std::to_string(k + 1), truth, {}};
+    for (const auto& mode : modes) {
+      if (mode.plane != model::ModePlane::out || state.measured.size() == 5) continue;
+      MeasuredMode one;
+      const double f = mode.frequency_hz;
+      one.frequency_hz = {f * (1 + off) * (1 + kNoise * normal(random)), kNoise * f};
+      one.damping_ratio.value = std::nan("");
+      one.plane = model::ModePlane::out;
+      state.measured.push_back(one);
+    }
+    all.push_back(std::move(state));
+  }
+  return all;
+}
+
+UpdatedParameter tension(const std::vector<UpdateState>& states,
+                         const std::vector<StateClock>& clocks) {
+  UpdateOptions options;
+  options.starts = 1;
+  options.segment_uncertainty = false;  // the data have the model's segments
+  options.inputs = sample_rate_inputs(clocks);
+  const auto result = update_model(states, {{"cable.tension"}}, options);
+  EXPECT_EQ(result.status, UpdateStatus::converged) << result.message;
+  EXPECT_FALSE(result.fit.ruled_out());
+  return result.parameters[0];
+}
+
+double part_of(const UpdatedParameter& found, const std::string& source) {
+  double squares = 0;
+  for (const auto& term : found.budget) {
+    if (term.source.starts_with(source)) squares += term.std * term.std;
+  }
+  return std::sqrt(squares);
+}
+
+// f goes by sqrt(T) but for the part of EI, some percent of a frequency squared: 2 e of T.
+TEST(SampleRateInput, OneClockIsNotAveragedOverItsRecordings) {
+  const auto one = tension(tests(1, 0), {{0, 1000, kRate}});
+  EXPECT_NEAR(part_of(one, "sample rate"), 2 * kRate * kTension, 0.1 * 2 * kRate * kTension);
+  std::vector<StateClock> shared, apart;
+  for (int k = 0; k < 4; ++k) {
+    shared.push_back({k, 1000, kRate});
+    apart.push_back({k, 1000.0 + 24 * k, kRate});
+  }
+  const auto four = tension(tests(4, 0), shared);
+  EXPECT_NEAR(part_of(four, "sample rate"), part_of(one, "sample rate"),
+              0.01 * part_of(one, "sample rate"));
+  EXPECT_LT(part_of(four, "data"), 0.6 * part_of(one, "data"));  // of their own: a half
+  EXPECT_GT(four.std, part_of(one, "sample rate") * 0.99);
+  // Four stated rates are four roundings.
+  EXPECT_NEAR(part_of(tension(tests(4, 0), apart), "sample rate"),
+              0.5 * part_of(one, "sample rate"), 0.01 * part_of(one, "sample rate"));
+}
+
+TEST(SampleRateInput, TheIntervalHoldsWhereTheRateIsOff) {
+  std::vector<StateClock> clocks;
+  for (int k = 0; k < 4; ++k) clocks.push_back({k, 1000, kRate});
+  const auto states = tests(4, 1.2 * kRate);
+  const auto told = tension(states, clocks), untold = tension(states, {});
+  EXPECT_LE(told.low, kTension);
+  EXPECT_GE(told.high, kTension);
+  EXPECT_GT(untold.low, kTension);
+}
+
+// Frequencies of a beam go by sqrt(EI): lines of FRFs that are off by e make EI off by 2 e.
+TEST(SampleRateInput, LinesOfFrfsAreOffTogether) {
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(71, 30, 65);
+  const testing::HammerTestNoise quiet{
+      .place_m = 0, .force = 0, .response = 0.02, .known_std = true};
+  auto frfs = testing::hammered_frfs(lines, quiet, 3, 16);
+  constexpr double kOff = 1.5;
+  for (auto& frf : frfs) frf.frequency_hz *= 1 + kOff * kRate;
+  const UpdateState state{
+      "", testing::hammered_beam(1.01 * testing::kBeamEI, testing::kTipMass, 16), {}, frfs};
+  UpdateOptions options;
+  options.starts = 1;
+  options.segment_uncertainty = false;
+  options.inputs = sample_rate_inputs({{0, 2048, kRate}});
+  const auto result = update_model({state}, {{"beam.EI_z"}}, options);
+  ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
+  const auto& EI = result.parameters[0];
+  const double by_rate = 2 * kRate * testing::kBeamEI;
+  // Gravity on the tip takes some percent of the stiffness.
+  EXPECT_NEAR(part_of(EI, "sample rate"), by_rate, 0.1 * by_rate);
+  EXPECT_GT(std::abs(EI.value - testing::kBeamEI), by_rate);
+  EXPECT_LE(EI.low, testing::kBeamEI);
+  EXPECT_GE(EI.high, testing::kBeamEI);
+}
+
+TEST(SampleRateInput, ClocksByRate) {
+  const auto inputs =
+      sample_rate_inputs({{0, 1000, 1e-4}, {0, 1000, 3e-4}, {1, 1000, 2e-4}, {1, 1024, 0}});
+  ASSERT_EQ(inputs.size(), 1u);
+  EXPECT_EQ(inputs[0].name, "sample rate");
+  ASSERT_EQ(inputs[0].effects.size(), 2u);
+  EXPECT_EQ(inputs[0].effects[0].change, 3e-4);
+  EXPECT_EQ(inputs[0].effects[1].change, 2e-4);
+  EXPECT_EQ(sample_rate_factor(inputs, Eigen::VectorXd::Constant(1, 2), 1), 1 + 2 * 2e-4);
+  EXPECT_EQ(sample_rate_factor(inputs, {}, 1), 1);
+  EXPECT_EQ(sample_rate_std(inputs, 0), 3e-4);
+  EXPECT_EQ(sample_rate_inputs({{0, 1000, 1e-4}, {1, 1024, 1e-4}})[1].name,
+            "sample rate of 1024 Hz");
+}
+
+}  // namespace
+}  // namespace rigfit::ident::sample_rate_input_test
