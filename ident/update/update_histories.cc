@@ -92,7 +92,8 @@ bool UpdateProblem::history_residuals(int state, const Eigen::VectorXd& q, Eigen
         if (!fixed_scene(state, up, above, failure) || !fixed_scene(state, down, below, failure)) {
           return false;
         }
-        const Eigen::MatrixXd high = response_of(above, history, factor), low = response_of(below, history, factor);
+        const Eigen::MatrixXd high = response_of(above, history, factor),
+                              low = response_of(below, history, factor);
         if (high.size() == 0 || low.size() == 0) return false;
         rates.back() = (high - low) / (2 * step);
       }

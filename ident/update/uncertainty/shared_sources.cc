@@ -68,8 +68,10 @@ struct HeldInBars {
 HeldInBars held_in_bars(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                         const SharedChanges& shared) {
   const Eigen::Index residuals = shared.changes.rows();
-  HeldInBars held{Eigen::ArrayXd::Zero(residuals), Eigen::ArrayXd::Zero(residuals),
-                  Eigen::ArrayXd::Ones(residuals), {}};
+  HeldInBars held{Eigen::ArrayXd::Zero(residuals),
+                  Eigen::ArrayXd::Zero(residuals),
+                  Eigen::ArrayXd::Ones(residuals),
+                  {}};
   for (Eigen::Index k = 0; k < shared.changes.cols(); ++k) {
     const auto at = static_cast<std::size_t>(k);
     if (shared.in_error_bars[at] && shared.inputs[at] < 0) held.force_columns.push_back(k);
@@ -234,8 +236,7 @@ std::shared_ptr<UpdateProblem::Sources> sources_of(const Eigen::MatrixXd& change
                                                    SourceEstimate found,
                                                    const Eigen::VectorXd& off) {
   auto sources = std::make_shared<UpdateProblem::Sources>();
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(found.scale.asDiagonal() * changes,
-                                           Eigen::ComputeThinU);
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(found.scale.asDiagonal() * changes, Eigen::ComputeThinU);
   sources->U = svd.matrixU();
   sources->less = 1 - (1 + svd.singularValues().array().square()).rsqrt();
   sources->off = changes * off;
@@ -277,8 +278,7 @@ UpdateProblem with_shared_sources(const UpdateProblem& problem,
     shares = likely_shares(system, problem.shares());
   }
   const Eigen::MatrixXd changes = system.scaled_changes(shares[0]);
-  SourceEstimate found =
-      estimated(changes, r, before, system.held.own_variance(shares).matrix());
+  SourceEstimate found = estimated(changes, r, before, system.held.own_variance(shares).matrix());
   // The inputs move, what is linear in its source stays in the residuals.
   Eigen::VectorXd d = Eigen::VectorXd::Zero(before.size());
   for (Eigen::Index k = 0; k < d.size(); ++k) {
@@ -288,8 +288,7 @@ UpdateProblem with_shared_sources(const UpdateProblem& problem,
   auto sources = sources_of(changes, std::move(found), d);
   sources->shares = shares;
   if ((shares != none).any()) {
-    sources->widest = sources_of(shared.changes,
-                                 {Eigen::VectorXd::Ones(r.size()), {}, 0}, d);
+    sources->widest = sources_of(shared.changes, {Eigen::VectorXd::Ones(r.size()), {}, 0}, d);
   }
   return plain.with_inputs(off).with_sources(std::move(sources));
 }

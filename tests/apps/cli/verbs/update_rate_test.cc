@@ -63,8 +63,9 @@ TEST(UpdateVerb, ARoundedSampleRateIsOneSourceOfAllDecays) {
   const auto a = folder.write("a.lvm", decay_file(std::sqrt(100 / 0.16) / 4.8));
   const auto b = folder.write("b.lvm", decay_file(std::sqrt(200 / 0.16) / 4.8));
   const auto fit = [&](std::vector<std::string> data) {
-    std::vector<std::string> words{"update", scene, "--free", "cable.mass_per_length", "--starts",
-                                   "1", "--out", (folder.path() / "new.toml").string()};
+    std::vector<std::string> words{
+        "update",   scene, "--free", "cable.mass_per_length",
+        "--starts", "1",   "--out",  (folder.path() / "new.toml").string()};
     words.insert(words.end(), data.begin(), data.end());
     words.insert(words.end(), {"--json", "-"});
     const auto run = run_program(words);
