@@ -10,7 +10,7 @@ namespace {
 
 using model::ModePlane;
 
-constexpr int kBeside = 2;  // modes above those asked for, which a draw may bring below them
+constexpr int kBeside = 4;  // modes above those asked for among which a gap is sought
 
 /// Place of each mode among those before it of the same plane.
 std::vector<std::size_t> orders_of(const std::vector<model::NaturalMode>& reference) {
@@ -64,6 +64,24 @@ bool all_auto(std::span<const model::Scene> scenes, const model::ModesOptions& o
   });
 }
 
+/// At least so many modes, up to the widest gap between two frequencies that is near: what one draw
+/// has below it, the others have too.
+int up_to_a_gap(const model::Scene& scene, int count, const model::ModesOptions& options) {
+  model::ModesOptions more = options;
+  more.count = count + kBeside;
+  const auto modes = model::analyse_modes(scene, more).modes;
+  int best = count;
+  double widest = 0;
+  for (int k = count; k < static_cast<int>(modes.size()); ++k) {
+    const auto above = static_cast<std::size_t>(k);
+    const double ratio = modes[above].frequency_hz / modes[above - 1].frequency_hz;
+    if (ratio <= widest) continue;
+    widest = ratio;
+    best = k;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<Eigen::VectorXd> drawn_frequencies(std::span<const model::Scene> scenes,
@@ -73,9 +91,9 @@ std::vector<Eigen::VectorXd> drawn_frequencies(std::span<const model::Scene> sce
   const std::vector<std::size_t> orders = orders_of(reference);
   std::vector<Eigen::VectorXd> out(scenes.size());
   model::ModeBatch batch;
-  if (all_auto(scenes, options)) {
+  if (!scenes.empty() && !reference.empty() && all_auto(scenes, options)) {
     model::ModesOptions more = options;
-    more.count = static_cast<int>(reference.size()) + kBeside;
+    more.count = up_to_a_gap(scenes[0], static_cast<int>(reference.size()), options);
     batch = model::batch_modes(scenes, more, accuracy);
   }
   for (std::size_t s = 0; s < scenes.size(); ++s) {

@@ -139,11 +139,11 @@ struct Draws {
   model::ModesOptions options;
   double accuracy = 0;
 
-  /// Scenes that leave their segments to the program: a fiftieth of the least std of a frequency,
-  /// by the linear answer, or the scene's accuracy where that is less.
-  Draws(const model::Scene& scene, const ModePrediction& prediction, const PredictionOptions& asked)
-      : options(modes_options(asked, false)), accuracy(scene.accuracy) {
-    constexpr double kShare = 0.02, kLeast = 1e-7;
+  /// Scenes that leave their segments to the program: a hundredth of the least std of a frequency,
+  /// by the linear answer, within reasonable bounds.
+  Draws(const ModePrediction& prediction, const PredictionOptions& asked)
+      : options(modes_options(asked, false)), accuracy(1e-3) {
+    constexpr double kShare = 0.01, kLeast = 1e-7;
     options.damped = false;
     reference.reserve(prediction.modes.size());
     for (const auto& mode : prediction.modes) {
@@ -320,7 +320,7 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(selection.covariance);
   const Eigen::MatrixXd directions =
       eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
-  const Draws draws(scene, prediction, options);
+  const Draws draws(prediction, options);
   prediction.nonlinearity = nonlinearity(scene, selection, directions, gradient, prediction, draws);
   if (options.always_sample || prediction.nonlinearity > kLinear) {
     sample(scene, selection, directions, options, draws, prediction);

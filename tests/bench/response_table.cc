@@ -3,7 +3,7 @@
 // error is that against a sixth, over 15 (fourth order).
 //
 //   response_table [DURATION_S [SEGMENTS]]
-//   response_table perturbed: CVODE-Adams where the released mass is a rounding error off
+//   response_table perturbed: CVODE-Adams at 1e-8 where the released mass is off by rounding
 //   response_table cost: nanoseconds a segment and step of the explicit scheme against segments
 //
 // Times are the processor's, one core (the median of repeated runs). Errors are root-mean-square
@@ -93,23 +93,21 @@ void cost_of_a_step() {
 void perturbed() {
   ResponseOptions options;
   options.sampling = {.duration_s = 10, .rate_hz = 2000, .energy_samples = 100};
-  std::printf("| tolerance | k | steps | error, displacement | energy drift |\n");
-  std::printf("|---|---|---|---|---|\n");
+  std::printf("| k | steps | error, displacement | energy drift |\n|---|---|---|---|\n");
   options.solver = ResponseSolver::explicit_motion;
   options.step_s = 0.0005 / 72;
   const ResponseResult truth = simulate_response(testing::released_cable(30), options);
   options.step_s.reset();
   options.solver = ResponseSolver::cvode_adams;
-  for (const double tolerance : {1e-7, 1e-8}) {
-    options.relative_tolerance = tolerance;
-    for (int k = 0; k < 6; ++k) {
-      Scene scene = testing::released_cable(30);
-      scene.loads[0].mass *= 1 + k * 1e-14;
-      const ResponseResult found = simulate_response(scene, options);
-      if (!found.completed) continue;
-      std::printf("| %.0e | %d | %ld | %.2e | %.1e |\n", tolerance, k, found.steps,
-                  error(found.samples, truth.samples, 0), found.energy_drift);
-    }
+  options.relative_tolerance = 1e-8;
+  for (int k = 0; k < 6; ++k) {
+    Scene scene = testing::released_cable(30);
+    scene.loads[0].mass *= 1 + k * 1e-14;
+    const ResponseResult found = simulate_response(scene, options);
+    if (!found.completed) continue;
+    std::printf("| %d | %ld | %.2e | %.1e |\n", k, found.steps,
+                error(found.samples, truth.samples, 0), found.energy_drift);
+    std::fflush(stdout);
   }
 }
 

@@ -7,21 +7,30 @@
 namespace rigfit::ident {
 namespace {
 
-using Eigen::Index;
+constexpr int kPlaces = 32;  // of a member at which shapes are compared
+
+/// The scene with sensors of displacement at places that do not depend on its segments.
+model::Scene sampled(model::Scene scene) {
+  scene.sensors.clear();
+  for (const auto& member : scene.members) {
+    for (int k = 0; k < kPlaces; ++k) {
+      for (int axis = 0; axis < 3; ++axis) {
+        model::Sensor sensor;
+        sensor.place.member = member.name;
+        sensor.place.position = (k + 0.5) / kPlaces;
+        sensor.direction = Eigen::Vector3d::Unit(axis);
+        sensor.quantity = model::Sensor::Quantity::displacement;
+        scene.sensors.push_back(std::move(sensor));
+      }
+    }
+  }
+  return scene;
+}
 
 /// Displacements of all members in one vector of unit length.
 Eigen::VectorXd shape_vector(const model::NaturalMode& mode) {
-  Index size = 0;
-  for (const auto& member : mode.shape) size += member.displacement.size();
-  Eigen::VectorXd all(size);
-  Index at = 0;
-  for (const auto& member : mode.shape) {
-    const auto& u = member.displacement;
-    all.segment(at, u.size()) = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
-    at += u.size();
-  }
-  const double length = all.norm();
-  return length > 0 ? Eigen::VectorXd(all / length) : all;
+  const double length = mode.sensor_shape.norm();
+  return length > 0 ? Eigen::VectorXd(mode.sensor_shape / length) : mode.sensor_shape;
 }
 
 /// Less alike than this, from one step to the next, is another mode.
@@ -38,9 +47,9 @@ ModeLines follow_modes(const std::function<model::Scene(double)>& scene_at, doub
     result.tension_N.push_back(tension);
     model::ModesOptions options;
     options.band_hz = {{0.0, high_hz}};
-    options.damped = false;
+    options.damped = options.shapes = false;
     options.error_estimate = false;
-    const auto analysis = model::analyse_modes(scene_at(tension), options);
+    const auto analysis = model::analyse_modes(sampled(scene_at(tension)), options);
     std::vector<std::size_t> modes;
     std::vector<Eigen::VectorXd> shapes;
     for (std::size_t i = 0; i < analysis.modes.size(); ++i) {
@@ -55,7 +64,6 @@ ModeLines follow_modes(const std::function<model::Scene(double)>& scene_at, doub
       if (line.first + static_cast<int>(line.frequency_hz.size()) != step) continue;  // it ended
       for (std::size_t m = 0; m < modes.size(); ++m) {
         if (analysis.modes[modes[m]].plane != line.plane) continue;
-        if (shapes[m].size() != last[l].size()) continue;
         const double product = shapes[m].dot(last[l]);
         if (product * product > kLeastMac) pairs.emplace_back(-product * product, l, m);
       }
