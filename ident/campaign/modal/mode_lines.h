@@ -2,8 +2,8 @@
 // cross: where lines cross, the order of the modes changes.
 //
 // From one tension to the next a mode is the one of the same plane whose shape is most like (MAC of
-// the displacements at 32 places of every member, whatever its segments). Steps are even in the logarithm of the tension: what changes,
-// changes most at low ones.
+// the displacements at 32 places of every member, whatever its segments). Steps are even in the
+// logarithm of the tension: what changes, changes most at low ones.
 #pragma once
 
 #include <functional>
