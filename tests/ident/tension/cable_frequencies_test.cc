@@ -74,7 +74,7 @@ TEST(CableFrequencies, SagIsIrvinesEquation) {
 }
 
 TEST(CableFrequencies, ASaggingStiffCableIsTheSegmentModels) {
-  // The static curve's bending counts: without it the first mode is off by 2 % at x = 7. What is
+  // The static curve's bending counts: without it the first mode is off by a hundredth. What is
   // left is of the order of the slope squared, (w L / T)^2 / 20 here.
   for (const CableEnds ends : {CableEnds::pinned, CableEnds::springs, CableEnds::clamped}) {
     CableDescription cable;
