@@ -97,8 +97,9 @@ TEST(SpectralPeaks, TonesNearAndFarFromModesAreLeftOutAndNoModeIsLost) {
     for (std::size_t i = 0; i < found.peaks.size(); ++i) {
       const auto& peak = found.peaks[i];
       EXPECT_EQ(peak.undecided, i >= modes.size()) << "seed " << seed;  // the tone is the last
-      if (i < modes.size())
+      if (i < modes.size()) {
         EXPECT_NEAR(peak.frequency_hz.value, modes[i].first, 4 * peak.frequency_hz.std) << seed;
+      }
     }
     tones += static_cast<int>(found.tones.size());
   }
