@@ -281,7 +281,7 @@ void allow_for_distortion(const FrfSet& frfs, const ModalBand& band, ModalModel&
   bool any = false;
   for (std::size_t r = 0; r < modes.size(); ++r) {
     if (!modes[r].doubtful) found[r] = resonance_distortion(frfs, band, model, r);
-    any = any || distorted(r);
+    any = any || distorted(r) || modes[r].amplitude.found;
   }
   if (!any) return;
   for (std::size_t r = 0; r < modes.size(); ++r) {
@@ -311,6 +311,7 @@ void allow_for_distortion(const FrfSet& frfs, const ModalBand& band, ModalModel&
               "its peak is no larger than what distorted resonances of stronger modes "
               "make at sums and differences of their frequencies");
   }
+  if (!(largest > 0)) return;
   model.notes.push_back(
       {"resonances_distorted",
        fmt::format("resonances have the shape of a structure that is not linear: frequency or "

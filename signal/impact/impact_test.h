@@ -36,7 +36,9 @@ struct ImpactTestOptions {
   /// A hit is an outlier when leaving it out lowers the incoherent power by more than this chance
   /// allows for the worst of n hits that all differ in one way, as by a frequency that changes
   /// (Grubbs, Ann. Math. Stat. 21 (1950) 27: the power left over all of it is Beta((n - 2) / 2, 1 /
-  /// 2)) and below half of it per degree of freedom ...
+  /// 2)) and below half of it per degree of freedom. Where the others leave more than ten times
+  /// what noise on the responses does, all hits differ: a fifth of the chance then, since a hit
+  /// left out by chance makes their scatter too small ...
   double outlier_chance = 0.05;
   double outlier_least = 1e-3;  ///< ... and that power is at least this part of the response power
   std::optional<Eigen::Index> driving_response;  ///< index into the responses

@@ -103,6 +103,15 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
   return search;
 }
 
+/// Raises variances by what correlates in the misfit: their formula is that of noise.
+void allow_for_misfit(const MatrixXcd& H, FoundModes& found) {
+  if (found.model.size() == 0 || !found.covariance.full_rank) return;
+  const double inflation = misfit_inflation(found.noise, H - found.model);
+  found.covariance.poles *= inflation;
+  found.covariance.residue_std_re *= std::sqrt(inflation);
+  found.covariance.residue_std_im *= std::sqrt(inflation);
+}
+
 /// Frequency and damping ratio of a pole, and their derivatives with respect to its two parts.
 void fill_frequency_and_damping(Complex pole, IdentifiedMode& mode, Eigen::Matrix2d& jacobian) {
   const double x = pole.real(), y = pole.imag(), w = std::abs(pole);
@@ -319,6 +328,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
                                              search.found.noise, options.max_work, band)) {
     search = search_of(band, result.clusters, first, options);
   }
+  if (!search.local) allow_for_misfit(H, search.found);
   const FoundModes& found = search.found;
   result.end = found.fit.end;
   result.iterations = found.iterations;

@@ -20,38 +20,70 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::VectorXcd;
 
-MisfitCorrelation misfit_correlation(const FrfNoise& noise,
-                                     const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
-  const Index pairs = misfit.rows() - 1;
+namespace {
+
+/// Correlation of neighbouring lines of a misfit beyond that of noise: more makes error bars
+/// matter.
+constexpr double kSystematic = 0.2;
+
+/// Correlation (real part) of the misfit over noise with that `lag` lines on; FRFs taken together.
+struct LagCorrelation {
+  double value = 0, frfs = 0;
+};
+
+LagCorrelation correlation_at(const FrfNoise& noise,
+                              const Eigen::Ref<const Eigen::MatrixXcd>& misfit, Index lag) {
+  const Index pairs = misfit.rows() - lag;
   Complex product = 0;
-  double power = 0, frfs = 0;
+  double power = 0;
+  LagCorrelation result;
   for (Index c = 0; c < misfit.cols(); ++c) {
     if (!std::isfinite(noise.column[c])) continue;
     const VectorXcd r = misfit.col(c).cwiseQuotient(noise.line.cwiseSqrt().cast<Complex>()) /
                         std::sqrt(noise.column[c]);
     product += r.head(pairs).dot(r.tail(pairs));
     power += 0.5 * (r.head(pairs).squaredNorm() + r.tail(pairs).squaredNorm());
-    ++frfs;
+    ++result.frfs;
   }
   if (!(power > 0)) return {};
-  return {product.real() / power - line_correlation(noise, 1).real(),
-          5 / std::sqrt(2 * frfs * static_cast<double>(pairs))};
+  result.value = product.real() / power;
+  return result;
+}
+
+}  // namespace
+
+MisfitCorrelation misfit_correlation(const FrfNoise& noise,
+                                     const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  if (misfit.rows() < 2) return {};
+  const LagCorrelation next = correlation_at(noise, misfit, 1);
+  const auto pairs = static_cast<double>(misfit.rows() - 1);
+  if (!(next.frfs > 0)) return {};
+  return {next.value - line_correlation(noise, 1).real(), 5 / std::sqrt(2 * next.frfs * pairs)};
+}
+
+double misfit_inflation(const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  const MisfitCorrelation next = misfit_correlation(noise, misfit);
+  if (!(next.excess > std::max(next.chance, kSystematic))) return 1;
+  const Index lags = std::min<Index>(8, misfit.rows() / 5);
+  double more = 0;
+  for (Index d = 1; d <= lags; ++d) {
+    const double excess =
+        correlation_at(noise, misfit, d).value - line_correlation(noise, d).real();
+    more += 2 * (1 - static_cast<double>(d) / (static_cast<double>(lags) + 1)) * excess;
+  }
+  return 1 + std::max(0.0, more);
 }
 
 void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   const MisfitCorrelation found = misfit_correlation(result.noise, misfit);
   result.misfit_line_correlation = found.excess;
-  if (std::abs(found.excess) <= std::max(found.chance, 0.2)) return;
-  const bool local = std::any_of(result.model.modes.begin(), result.model.modes.end(),
-                                 [](const auto& mode) { return mode.refinement != "global"; });
+  if (std::abs(found.excess) <= std::max(found.chance, kSystematic)) return;
   result.model.notes.push_back(
       {"systematic_misfit",
        fmt::format("the misfit is not like noise: neighbouring lines correlate by {:.2f} more than "
                    "noise does. Something is left out (non-linearity, change between hits or "
-                   "points, modes outside the band); {}",
-                   found.excess,
-                   local ? "modes are fitted point by point and their error bars count the misfit"
-                         : "error bars of the modes are too small then"),
+                   "points, modes outside the band); error bars of the modes count it",
+                   found.excess),
        ""});
 }
 

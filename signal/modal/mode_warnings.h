@@ -18,6 +18,12 @@ struct MisfitCorrelation {
 [[nodiscard]] MisfitCorrelation misfit_correlation(
     const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
+/// Variance of what a fit takes from lines of the misfit over that of noise: 1 where neighbouring
+/// lines correlate no more than noise does, else 1 and twice the sum of the correlations beyond it,
+/// by Bartlett's weights to 8 lines (Newey and West, Econometrica 55 (1987) 703).
+[[nodiscard]] double misfit_inflation(const FrfNoise& noise,
+                                      const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+
 /// The excess into the result;
 /// noted when it is beyond chance and large enough to matter for the error bars. `misfit`: lines x
 /// FRFs.
