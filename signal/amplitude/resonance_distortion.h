@@ -17,8 +17,9 @@
 // chance, whatever they share (Vovk and Wang, Biometrika 107 (2020) 791).
 //
 // Where a mode is distorted with a chance below 1e-4 over the number of modes, and by 0.1 % of
-// the FRFs around it or more, or sizes of hits say so, the structure is not linear. The intervals of all modes then reach
-// from the values at the amplitudes of the test to those of p, and a mode is doubtful
+// the FRFs around it or more, or sizes of hits say so, the structure is not linear. The intervals
+// of all modes then reach from the values at the amplitudes of the test to those of p, and a mode
+// is doubtful
 // - where it is a pole under a mode's resonance and 1.5 times as damped or more: the second pole of
 //   above;
 // - where its peak is no larger than products of modes make it. The forces of a spring that shifts
