@@ -217,7 +217,7 @@ int main(int argc, char** argv) {
       const Scene scene = random_scene(kind, seed, kThin);
       const ExtrapolatedModes limit = extrapolated(scene, 1e-8, 1);
       for (const int which : {0, 1}) {
-        held[std::size_t(2 * kind + which)].add(
+        held[2 * std::size_t(kind) + std::size_t(which)].add(
             extrapolated(scene, which == 0 ? 1e-4 : 1, which == 0 ? 1 : 1000), truth, limit);
       }
     }
