@@ -71,7 +71,8 @@ TEST(UpdateVerb, ARoundedSampleRateIsOneSourceOfAllDecays) {
     const auto run = run_program(words);
     EXPECT_EQ(run.exit_code, 0) << run.err;
     double part = 0;
-    for (const auto& term : parsed(run.out)["parameters"][0]["budget"]) {
+    const Json json = parsed(run.out);
+    for (const auto& term : json["parameters"][0]["budget"]) {
       if (term["source"] == "sample rate") part = term["std"];
     }
     return part;
