@@ -66,6 +66,7 @@ TEST(SampleRateInput, OneClockIsNotAveragedOverItsRecordings) {
   const auto one = tension(tests(1, 0), {{0, 1000, kRate}});
   EXPECT_NEAR(part_of(one, "sample rate"), 2 * kRate * kTension, 0.1 * 2 * kRate * kTension);
   std::vector<StateClock> shared, apart;
+  shared.reserve(4), apart.reserve(4);
   for (int k = 0; k < 4; ++k) {
     shared.push_back({k, 1000, kRate});
     apart.push_back({k, 1000.0 + 24 * k, kRate});
@@ -81,8 +82,8 @@ TEST(SampleRateInput, OneClockIsNotAveragedOverItsRecordings) {
 }
 
 TEST(SampleRateInput, TheIntervalHoldsWhereTheRateIsOff) {
-  std::vector<StateClock> clocks;
-  for (int k = 0; k < 4; ++k) clocks.push_back({k, 1000, kRate});
+  const std::vector<StateClock> clocks{
+      {0, 1000, kRate}, {1, 1000, kRate}, {2, 1000, kRate}, {3, 1000, kRate}};
   const auto states = tests(4, 1.2 * kRate);
   const auto told = tension(states, clocks), untold = tension(states, {});
   EXPECT_LE(told.low, kTension);
