@@ -26,7 +26,7 @@
 #include "apps/cli/terminal.h"
 #include "apps/cli/usage.h"
 #include "apps/cli/verb.h"
-#include "signal/recording/recording_description.h"
+#include "signal/readers/recording_description.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::apps {

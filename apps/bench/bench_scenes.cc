@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "apps/report/assets.h"
+#include "apps/cli/assets.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {

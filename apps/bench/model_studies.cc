@@ -9,7 +9,7 @@
 #include "apps/bench/calculix_rows.h"
 #include "model/algebra/eigenpairs.h"
 #include "model/chain/assembly.h"
-#include "model/linear/frf_synthesis.h"
+#include "model/frfs/frf_synthesis.h"
 #include "model/linear/modal_analysis.h"
 #include "model/linear/modes.h"
 #include "model/statics/equilibrium.h"

@@ -10,7 +10,7 @@
 
 #include "apps/bench/ten_modes.h"
 #include "signal/decay/decay.h"
-#include "signal/decay/log_decrement.h"
+#include "signal/envelope/log_decrement.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/poles/lscf.h"
 #include "signal/sinusoids/damped_sinusoids.h"

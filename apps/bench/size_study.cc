@@ -19,13 +19,13 @@
 #include "apps/bench/model_studies.h"
 #include "apps/bench/ten_modes.h"
 #include "apps/bench/utility_line.h"
-#include "model/linear/frf_synthesis.h"
+#include "model/frfs/frf_synthesis.h"
 #include "model/linear/modes.h"
 #include "signal/decay/decay.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/poles/lscf.h"
+#include "signal/quality/quality.h"
 #include "signal/readers/read_recording.h"
-#include "signal/recording/quality.h"
 #include "signal/spectra/frf.h"
 
 namespace rigfit::apps {

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "apps/campaign_file/text_table.h"
+#include "apps/results/text_table.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/campaign_file/text_table.h"
+#include "apps/results/text_table.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 

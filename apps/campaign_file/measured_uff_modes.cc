@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "apps/campaign_file/measured_modes.h"
-#include "apps/report/modal/modal_files.h"
+#include "apps/results/modal_files.h"
 #include "signal/numerics/numbers.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff_modes.h"

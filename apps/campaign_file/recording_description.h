@@ -1,4 +1,4 @@
-// A recording read with its description (signal/recording/recording_description.h), as an input of
+// A recording read with its description (signal/readers/recording_description.h), as an input of
 // a run of the program.
 #pragma once
 
@@ -6,9 +6,9 @@
 #include <string>
 
 #include "apps/cli/verb_context.h"
-#include "signal/readers/read_options.h"
+#include "signal/readers/files/read_options.h"
+#include "signal/readers/recording_description.h"
 #include "signal/recording/recording.h"
-#include "signal/recording/recording_description.h"
 
 namespace rigfit::apps {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/report/assets.h"
+#include "apps/cli/assets.h"
 
 namespace rigfit::apps {
 namespace {

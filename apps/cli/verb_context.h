@@ -13,8 +13,8 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/warning_lines.h"
-#include "ident/campaign/finding.h"
-#include "signal/readers/read_options.h"
+#include "ident/campaign/tests/finding.h"
+#include "signal/readers/files/read_options.h"
 
 namespace rigfit::apps {
 

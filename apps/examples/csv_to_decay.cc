@@ -6,7 +6,7 @@
 
 #include "signal/decay/decay.h"
 #include "signal/readers/read_recording.h"
-#include "signal/recording/recording_description.h"
+#include "signal/readers/recording_description.h"
 
 int main(int argc, char** argv) try {
   using namespace rigfit;

@@ -1,14 +1,14 @@
 // Two campaigns beside each other, before and after: what changed beyond its uncertainty.
 //
-// Values of the same key (apps/report/answer.h) are compared; of several, such as the modes of a
-// state, the nearest ones. A difference has the variance of both values; what both campaigns share
-// (a span, a load cell) makes its real uncertainty smaller than that.
+// Values of the same key (apps/report/page/answer.h) are compared; of several, such as the modes of
+// a state, the nearest ones. A difference has the variance of both values; what both campaigns
+// share (a span, a load cell) makes its real uncertainty smaller than that.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

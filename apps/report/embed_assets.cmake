@@ -1,6 +1,6 @@
 # Writes a C++ source with the given files as byte strings: cmake -DOUTPUT=x.cc -DFILES=a;b -DNAMES=a;b -P
 # The page of a report carries its style sheet and scripts in itself, so they are part of the program.
-set(text "#include \"apps/report/assets.h\"\n\nnamespace rigfit::apps::assets {\n")
+set(text "#include \"apps/cli/assets.h\"\n\nnamespace rigfit::apps::assets {\n")
 list(LENGTH FILES count)
 math(EXPR last "${count} - 1")
 foreach(i RANGE ${last})

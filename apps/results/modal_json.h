@@ -5,7 +5,7 @@
 
 #include "apps/cli/json_document.h"
 #include "ident/campaign/modal/hammer_test.h"
-#include "signal/modal/modal_model.h"
+#include "signal/modes/modal_model.h"
 
 namespace rigfit::apps {
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "apps/campaign_file/text_table.h"
+#include "apps/results/text_table.h"
 #include "model/scene/toml_table.h"
 
 namespace rigfit::apps {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/update_data.h"
+#include "ident/update/problem/update_data.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::apps {

@@ -8,7 +8,7 @@
 
 #include "apps/cli/json_document.h"
 #include "ident/update/model_update.h"
-#include "ident/update/uncertainty/update_checks.h"
+#include "ident/update/update_checks.h"
 
 namespace rigfit::apps {
 

@@ -15,15 +15,15 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/axial_campaign.h"
-#include "ident/campaign/bending_campaign.h"
-#include "ident/campaign/decay_test.h"
 #include "ident/campaign/fit_campaign.h"
 #include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/modal/modal_test.h"
 #include "ident/campaign/modal/model_answers.h"
-#include "ident/campaign/scene_use.h"
-#include "ident/campaign/tension_campaign.h"
+#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/campaign/tests/bending_campaign.h"
+#include "ident/campaign/tests/decay_test.h"
+#include "ident/campaign/tests/scene_use.h"
+#include "ident/campaign/tests/tension_campaign.h"
 
 namespace rigfit::ident {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/finding.h"
+#include "ident/campaign/tests/finding.h"
 #include "ident/update/model_update.h"
-#include "ident/update/uncertainty/update_checks.h"
+#include "ident/update/update_checks.h"
 
 namespace rigfit::ident {
 

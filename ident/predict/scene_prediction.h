@@ -25,8 +25,8 @@
 #include <utility>
 #include <vector>
 
-#include "ident/update/update_data.h"
-#include "ident/update/update_result.h"
+#include "ident/update/problem/update_data.h"
+#include "ident/update/problem/update_result.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 

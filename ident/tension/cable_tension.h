@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "ident/tension/tension_result.h"
-#include "ident/update/update_data.h"
+#include "ident/update/problem/update_data.h"
 
 namespace rigfit::ident {
 

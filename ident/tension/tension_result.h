@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/update_data.h"
-#include "ident/update/update_result.h"
+#include "ident/update/problem/update_data.h"
+#include "ident/update/problem/update_result.h"
 #include "model/scene/scene.h"
 #include "signal/numerics/estimate.h"
 

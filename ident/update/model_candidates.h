@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/update_data.h"
-#include "ident/update/update_options.h"
-#include "ident/update/update_result.h"
+#include "ident/update/problem/update_data.h"
+#include "ident/update/problem/update_options.h"
+#include "ident/update/problem/update_result.h"
 
 namespace rigfit::ident {
 

@@ -9,13 +9,13 @@
 #include "ident/update/assignment/contradicting_modes.h"
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/frfs/frf_segments.h"
+#include "ident/update/problem/update_problem.h"
+#include "ident/update/problem/update_solver.h"
 #include "ident/update/uncertainty/exact_inputs.h"
 #include "ident/update/uncertainty/update_intervals.h"
 #include "ident/update/uncertainty/update_misfit.h"
+#include "ident/update/uncertainty/update_segments.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
-#include "ident/update/update_problem.h"
-#include "ident/update/update_segments.h"
-#include "ident/update/update_solver.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

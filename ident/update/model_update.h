@@ -30,9 +30,9 @@
 #include <limits>
 #include <vector>
 
-#include "ident/update/update_data.h"
-#include "ident/update/update_options.h"
-#include "ident/update/update_result.h"
+#include "ident/update/problem/update_data.h"
+#include "ident/update/problem/update_options.h"
+#include "ident/update/problem/update_result.h"
 
 namespace rigfit::ident {
 

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "model/chain/segment_lumping.h"
-#include "model/response/model_reduction.h"
 #include "model/scene/actual_state.h"
+#include "model/scene/model_reduction.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::model {

@@ -7,7 +7,7 @@
 #include "model/linear/modes.h"
 #include "model/linear/segment_choice.h"
 #include "model/linear/segment_extrapolation.h"
-#include "model/response/model_reduction.h"
+#include "model/scene/model_reduction.h"
 
 namespace rigfit::model {
 

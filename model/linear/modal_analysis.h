@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "model/linear/natural_mode.h"
-#include "model/response/left_out.h"
+#include "model/scene/left_out.h"
 #include "model/scene/parameters.h"
 #include "model/scene/scene.h"
 #include "model/statics/equilibrium_result.h"

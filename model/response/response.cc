@@ -12,10 +12,10 @@
 #include "model/motion/motion_kernel.h"
 #include "model/response/linear_account.h"
 #include "model/response/linear_answer.h"
-#include "model/response/model_reduction.h"
 #include "model/response/nonlinearity.h"
 #include "model/response/response_estimates.h"
 #include "model/response/response_modes.h"
+#include "model/scene/model_reduction.h"
 #include "model/scene/scene_error.h"
 #include "model/statics/loaded_state.h"
 

@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "model/motion/sampling.h"
-#include "model/response/left_out.h"
 #include "model/scene/force_history.h"
+#include "model/scene/left_out.h"
 #include "model/scene/scene.h"
 #include "model/statics/equilibrium_result.h"
 

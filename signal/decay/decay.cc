@@ -10,12 +10,12 @@
 #include "signal/decay/decay_clipping.h"
 #include "signal/decay/decay_description.h"
 #include "signal/decay/decay_judgement.h"
-#include "signal/decay/decay_modes.h"
 #include "signal/decay/decay_start.h"
 #include "signal/decay/decay_tones.h"
 #include "signal/decay/narrow_record.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
+#include "signal/sinusoids/decay_modes.h"
 #include "signal/sinusoids/decay_search.h"
 
 namespace rigfit::signal {

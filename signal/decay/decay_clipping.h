@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-#include "signal/decay/decay_modes.h"
+#include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
 

@@ -10,7 +10,7 @@
 #include "signal/decay/decay_excitation.h"
 #include "signal/decay/decay_judgement.h"
 #include "signal/decay/decay_warnings.h"
-#include "signal/decay/log_decrement.h"
+#include "signal/envelope/log_decrement.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/detected_strength.h"

@@ -3,8 +3,8 @@
 // log decrement and the envelope beside them.
 #pragma once
 
-#include "signal/decay/decay_modes.h"
 #include "signal/decay/decay_result.h"
+#include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <optional>
 
-#include "signal/decay/decay_modes.h"
 #include "signal/numerics/numbers.h"
+#include "signal/sinusoids/decay_modes.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 

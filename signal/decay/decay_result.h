@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "signal/decay/decay_window.h"
-#include "signal/decay/envelope.h"
+#include "signal/envelope/envelope.h"
 #include "signal/numerics/estimate.h"
 #include "signal/recording/recording.h"
 

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "signal/decay/decay_modes.h"
 #include "signal/sinusoids/damped_sinusoids.h"
+#include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
 

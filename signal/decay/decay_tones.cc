@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "signal/decay/decay_modes.h"
 #include "signal/numerics/numbers.h"
 #include "signal/numerics/scaled_gram.h"
+#include "signal/sinusoids/decay_modes.h"
 #include "signal/sinusoids/decay_search.h"
 
 namespace rigfit::signal {

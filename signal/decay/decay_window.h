@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "signal/decay/decay_modes.h"
 #include "signal/recording/recording.h"
+#include "signal/sinusoids/decay_modes.h"
 #include "signal/sinusoids/decay_search.h"
 
 namespace rigfit::signal {

@@ -20,8 +20,8 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "signal/decay/decay_modes.h"
 #include "signal/decay/decay_result.h"
+#include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
 

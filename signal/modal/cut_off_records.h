@@ -9,8 +9,8 @@
 #include <Eigen/Core>
 #include <complex>
 
-#include "signal/modal/modal_band.h"
-#include "signal/modal/modal_noise.h"
+#include "signal/modes/modal_band.h"
+#include "signal/refinement/modal_noise.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {

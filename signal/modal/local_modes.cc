@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "signal/modal/modal_noise.h"
 #include "signal/numerics/numbers.h"
+#include "signal/refinement/modal_noise.h"
 #include "signal/refinement/residues.h"
 
 namespace rigfit::signal {

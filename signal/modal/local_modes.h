@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "signal/modal/modal_band.h"
-#include "signal/modal/modal_result.h"
-#include "signal/modal/mode_search.h"
-#include "signal/modal/point_poles.h"
-#include "signal/modal/point_tracks.h"
+#include "signal/modes/modal_band.h"
+#include "signal/modes/modal_result.h"
+#include "signal/modes/mode_search.h"
+#include "signal/variation/point_poles.h"
+#include "signal/variation/point_tracks.h"
 
 namespace rigfit::signal {
 

@@ -7,17 +7,17 @@
 #include <complex>
 #include <utility>
 
-#include "signal/amplitude/amplitude_limit.h"
-#include "signal/amplitude/resonance_distortion.h"
 #include "signal/modal/cut_off_records.h"
-#include "signal/modal/hit_scatter.h"
 #include "signal/modal/local_modes.h"
-#include "signal/modal/mac.h"
-#include "signal/modal/modal_band.h"
-#include "signal/modal/modal_synthesis.h"
-#include "signal/modal/mode_search.h"
 #include "signal/modal/mode_warnings.h"
+#include "signal/modes/mac.h"
+#include "signal/modes/modal_band.h"
+#include "signal/modes/modal_synthesis.h"
+#include "signal/modes/mode_search.h"
 #include "signal/numerics/numbers.h"
+#include "signal/variation/amplitude_limit.h"
+#include "signal/variation/hit_scatter.h"
+#include "signal/variation/resonance_distortion.h"
 
 namespace rigfit::signal {
 namespace {

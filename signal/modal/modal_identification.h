@@ -11,7 +11,7 @@
 // (modal_basis.h): poles come out without it.
 #pragma once
 
-#include "signal/modal/modal_result.h"
+#include "signal/modes/modal_result.h"
 
 namespace rigfit::signal {
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "signal/amplitude/combination_tones.h"
 #include "signal/modal/cut_off_records.h"
-#include "signal/modal/mode_changes.h"
 #include "signal/numerics/numbers.h"
+#include "signal/variation/combination_tones.h"
+#include "signal/variation/mode_changes.h"
 
 namespace rigfit::signal {
 

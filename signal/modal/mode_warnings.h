@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "signal/modal/modal_band.h"
-#include "signal/modal/modal_result.h"
+#include "signal/modes/modal_band.h"
+#include "signal/modes/modal_result.h"
 
 namespace rigfit::signal {
 

@@ -11,7 +11,7 @@
 
 #include "signal/readers/csv/csv_body.h"
 #include "signal/readers/csv/csv_layout.h"
-#include "signal/readers/number_text.h"
+#include "signal/readers/files/number_text.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/time_axis.h"

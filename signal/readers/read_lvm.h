@@ -11,7 +11,7 @@
 #include <functional>
 #include <string_view>
 
-#include "signal/readers/read_options.h"
+#include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {

@@ -8,11 +8,11 @@
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/csv/read_csv.h"
-#include "signal/readers/foreign_formats.h"
-#include "signal/readers/mapped_file.h"
+#include "signal/readers/files/foreign_formats.h"
+#include "signal/readers/files/mapped_file.h"
 #include "signal/readers/read_lvm.h"
+#include "signal/readers/recording_description.h"
 #include "signal/readers/uff/read_uff.h"
-#include "signal/recording/recording_description.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {

@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "signal/modal/modal_noise.h"
+#include "signal/refinement/modal_noise.h"
 #include "signal/refinement/modal_refine.h"
 
 namespace rigfit::signal {

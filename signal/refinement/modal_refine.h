@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-#include "signal/modal/modal_noise.h"
+#include "signal/refinement/modal_noise.h"
 
 namespace rigfit::signal {
 

@@ -10,8 +10,8 @@
 #include <memory>
 #include <vector>
 
-#include "signal/decay/decay_modes.h"
 #include "signal/numerics/numbers.h"
+#include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/modal/modal_model.h"
+#include "signal/modes/modal_model.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"
 

@@ -11,7 +11,7 @@
 #include "ident/axial/axial_test.h"
 #include "ident/bending/bending_test.h"
 #include "ident/update/model_update.h"
-#include "ident/update/uncertainty/update_checks.h"
+#include "ident/update/update_checks.h"
 #include "ident/virtual_rig/virtual_axial.h"
 #include "ident/virtual_rig/virtual_bending.h"
 #include "model/scene/read_scene.h"

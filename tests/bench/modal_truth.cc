@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "signal/impact/impact_test.h"
-#include "signal/modal/mac.h"
 #include "signal/modal/modal_identification.h"
+#include "signal/modes/mac.h"
 #include "tests/reference/ten_mode_truth.h"
 
 namespace rigfit {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "apps/bench/utility_line.h"
-#include "model/linear/frf_sensitivities.h"
+#include "model/frfs/frf_sensitivities.h"
 #include "model/linear/modal_analysis.h"
 #include "model/linear/modes.h"
 #include "model/statics/equilibrium.h"

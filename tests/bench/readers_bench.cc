@@ -8,8 +8,8 @@
 #include <fstream>
 #include <string>
 
+#include "signal/quality/quality.h"
 #include "signal/readers/read_recording.h"
-#include "signal/recording/quality.h"
 #include "signal/writers/write_uff.h"
 
 namespace {

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/linear/frf_synthesis.h"
+#include "model/frfs/frf_synthesis.h"
 #include "model/response/response.h"
 #include "tests/model/test_scenes.h"
 

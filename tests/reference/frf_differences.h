@@ -2,7 +2,7 @@
 // model's own.
 #pragma once
 
-#include "model/linear/frf_sensitivities.h"
+#include "model/frfs/frf_sensitivities.h"
 
 namespace rigfit::ident {
 

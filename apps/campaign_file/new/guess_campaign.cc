@@ -10,9 +10,9 @@
 
 #include "apps/campaign_file/recording_description.h"
 #include "signal/impact/pulse_shape.h"
-#include "signal/readers/foreign_formats.h"
-#include "signal/readers/frequency/frequency_table.h"
-#include "signal/readers/mapped_file.h"
+#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/files/foreign_formats.h"
+#include "signal/readers/files/mapped_file.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"

@@ -1,6 +1,6 @@
 #include "apps/campaign_file/new/new_campaign.h"
 
-#include "apps/report/assets.h"
+#include "apps/cli/assets.h"
 
 namespace rigfit::apps {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/cli/verb_context.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "apps/report/drawing/share_bars.h"
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/axial_plots.h"
 #include "apps/report/figures/bending_plots.h"
 #include "apps/report/figures/decay_plots.h"
@@ -18,8 +18,8 @@
 #include "apps/report/figures/point_plots.h"
 #include "apps/report/figures/recording_plots.h"
 #include "apps/report/figures/tension_plots.h"
-#include "apps/report/page/html_text.h"
-#include "signal/modal/modal_synthesis.h"
+#include "apps/report/page/share_bars.h"
+#include "signal/modes/modal_synthesis.h"
 
 namespace rigfit::apps {
 namespace {

@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "apps/cli/plots/plot_option.h"
-#include "ident/campaign/axial_campaign.h"
-#include "ident/campaign/bending_campaign.h"
-#include "ident/campaign/decay_test.h"
 #include "ident/campaign/modal/hammer_test.h"
+#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/campaign/tests/bending_campaign.h"
+#include "ident/campaign/tests/decay_test.h"
 #include "ident/tension/cable_tension.h"
-#include "ident/update/uncertainty/update_checks.h"
+#include "ident/update/update_checks.h"
 #include "model/linear/modal_analysis.h"
 #include "model/response/response.h"
-#include "signal/recording/quality.h"
+#include "signal/quality/quality.h"
 
 namespace rigfit::apps {
 

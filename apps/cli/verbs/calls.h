@@ -14,10 +14,10 @@
 
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/update_data.h"
-#include "apps/cli/impact_command.h"
 #include "apps/cli/verb.h"
-#include "ident/campaign/axial_campaign.h"
-#include "ident/campaign/bending_campaign.h"
+#include "apps/cli/verbs/impact_command.h"
+#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/campaign/tests/bending_campaign.h"
 #include "ident/update/model_update.h"
 #include "ident/virtual_rig/virtual_rig.h"
 #include "model/response/response.h"
@@ -156,7 +156,7 @@ struct UpdateCommand {
   UpdateData data;
   std::vector<double> band;
   std::vector<std::string> free, priors, inputs, aims;
-  std::string candidates;         ///< file (apps/results/update_candidates.h); empty: none
+  std::string candidates;         ///< file (apps/cli/verbs/update_candidates.h); empty: none
   std::vector<std::string> ends;  ///< "pinned", "clamped", "springs", "own springs": the same
   std::string out, axial;
   bool axial_damping = false;

@@ -13,12 +13,12 @@
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
-#include "signal/readers/foreign_formats.h"
-#include "signal/readers/frequency/frequency_table.h"
-#include "signal/readers/mapped_file.h"
+#include "signal/quality/quality.h"
+#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/files/foreign_formats.h"
+#include "signal/readers/files/mapped_file.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
-#include "signal/recording/quality.h"
 #include "signal/spectra/line_peaks.h"
 
 namespace rigfit::apps {

@@ -16,12 +16,12 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
-#include "apps/results/update_candidates.h"
+#include "apps/cli/verbs/update_candidates.h"
 #include "apps/results/update_parameters.h"
 #include "apps/results/update_result.h"
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/model_update.h"
-#include "ident/update/uncertainty/update_checks.h"
+#include "ident/update/update_checks.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {

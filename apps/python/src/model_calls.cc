@@ -15,7 +15,7 @@
 #include "apps/python/src/call.h"
 #include "apps/python/src/module.h"
 #include "apps/report/campaign_report.h"
-#include "model/linear/frf_synthesis.h"
+#include "model/frfs/frf_synthesis.h"
 #include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/sensor_quantity.h"

@@ -7,7 +7,7 @@
 #include <array>
 #include <string>
 
-#include "ident/campaign/origin.h"
+#include "ident/campaign/tests/origin.h"
 
 namespace rigfit::apps {
 

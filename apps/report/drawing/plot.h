@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/origin.h"
+#include "ident/campaign/tests/origin.h"
 
 namespace rigfit::apps {
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/label_places.h"
-#include "apps/report/page/html_text.h"
 
 namespace rigfit::apps {
 namespace {

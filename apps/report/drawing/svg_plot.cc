@@ -7,9 +7,9 @@
 #include <limits>
 #include <set>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
 #include "apps/report/drawing/svg_series.h"
-#include "apps/report/page/html_text.h"
 
 namespace rigfit::apps {
 namespace {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/drawing/share_bars.h"
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/decay_plots.h"
-#include "apps/report/page/html_text.h"
+#include "apps/report/page/share_bars.h"
 #include "ident/statistics/uncertainty.h"
 
 namespace rigfit::apps {

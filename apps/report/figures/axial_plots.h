@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/report_part.h"
-#include "ident/campaign/axial_campaign.h"
+#include "apps/report/page/report_part.h"
+#include "ident/campaign/tests/axial_campaign.h"
 
 namespace rigfit::apps {
 

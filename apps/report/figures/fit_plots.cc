@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/report/drawing/share_bars.h"
-#include "apps/report/page/html_text.h"
+#include "apps/report/drawing/html_text.h"
+#include "apps/report/page/share_bars.h"
 
 namespace rigfit::apps {
 namespace {

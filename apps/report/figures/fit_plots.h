@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/report_part.h"
-#include "ident/update/uncertainty/update_checks.h"
-#include "ident/update/update_data.h"
-#include "ident/update/update_result.h"
+#include "apps/report/page/report_part.h"
+#include "ident/update/problem/update_data.h"
+#include "ident/update/problem/update_result.h"
+#include "ident/update/update_checks.h"
 
 namespace rigfit::apps {
 

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <iterator>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
-#include "apps/report/page/html_text.h"
 
 namespace rigfit::apps {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 #include "ident/campaign/modal/hammer_test.h"
 
 namespace rigfit::apps {

@@ -7,11 +7,11 @@
 #include <complex>
 #include <iterator>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
 #include "apps/report/figures/decay_overlay.h"
 #include "apps/report/figures/decay_plots.h"
 #include "apps/report/figures/recording_plots.h"
-#include "apps/report/page/html_text.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::apps {

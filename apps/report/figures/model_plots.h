@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 #include "model/linear/modal_analysis.h"
 #include "model/response/response.h"
 #include "model/scene/scene.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 #include "signal/modal/modal_identification.h"
 
 namespace rigfit::apps {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/report/drawing/plot.h"
-#include "signal/recording/quality.h"
+#include "signal/quality/quality.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::apps {

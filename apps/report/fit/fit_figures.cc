@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "apps/report/modal/modal_files.h"
 #include "apps/report/modal/model_overlay.h"
+#include "apps/results/modal_files.h"
 
 namespace rigfit::apps {
 

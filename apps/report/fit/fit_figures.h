@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "apps/report/fit/fit_outcome.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

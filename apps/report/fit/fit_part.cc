@@ -6,13 +6,13 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/fit_plots.h"
+#include "apps/report/figures/recording_blocks.h"
 #include "apps/report/fit/fit_figures.h"
 #include "apps/report/fit/fit_outcome.h"
 #include "apps/report/fit/fit_tables.h"
-#include "apps/report/page/html_text.h"
-#include "apps/report/parameter_words.h"
-#include "apps/report/parts/recording_blocks.h"
+#include "apps/report/page/parameter_words.h"
 #include "apps/results/update_result.h"
 #include "ident/campaign/fit_campaign.h"
 

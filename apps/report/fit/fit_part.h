@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/campaign_file/campaign.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 #include "ident/campaign/campaign.h"
 
 namespace rigfit::apps {

@@ -8,13 +8,13 @@
 #include <limits>
 
 #include "apps/cli/json_document.h"
-#include "apps/report/drawing/share_bars.h"
-#include "apps/report/modal/modal_files.h"
-#include "apps/report/page/html_text.h"
-#include "apps/report/parameter_words.h"
+#include "apps/report/drawing/html_text.h"
+#include "apps/report/page/parameter_words.h"
+#include "apps/report/page/share_bars.h"
 #include "apps/report/parts/scenes_part.h"
+#include "apps/results/modal_files.h"
 #include "ident/campaign/fit_campaign.h"
-#include "signal/modal/mac.h"
+#include "signal/modes/mac.h"
 
 namespace rigfit::apps {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "apps/report/fit/fit_outcome.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

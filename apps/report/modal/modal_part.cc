@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/drawing/share_bars.h"
-#include "apps/report/figures/frequency_plots.h"
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/model_plots.h"
-#include "apps/report/modal/modal_files.h"
+#include "apps/report/modal/frequency_plots.h"
 #include "apps/report/modal/modal_states.h"
 #include "apps/report/modal/modal_tables.h"
-#include "apps/report/page/html_text.h"
-#include "signal/modal/mac.h"
+#include "apps/report/page/share_bars.h"
+#include "apps/results/modal_files.h"
+#include "signal/modes/mac.h"
 
 namespace rigfit::apps {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "apps/campaign_file/campaign.h"
 #include "apps/report/modal/modal_states.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/page/html_text.h"
+#include "apps/report/drawing/html_text.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::apps {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/report/modal/modal_states.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/report/modal/modal_states.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 #include "ident/campaign/modal/model_answers.h"
 
 namespace rigfit::apps {

@@ -6,15 +6,15 @@
 #include <cmath>
 #include <map>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/frf_plots.h"
 #include "apps/report/figures/hit_gallery.h"
 #include "apps/report/figures/point_plots.h"
-#include "apps/report/modal/modal_files.h"
+#include "apps/report/figures/recording_blocks.h"
 #include "apps/report/modal/modal_part.h"
-#include "apps/report/page/html_text.h"
-#include "apps/report/parts/recording_blocks.h"
+#include "apps/results/modal_files.h"
 #include "apps/results/modal_json.h"
-#include "signal/modal/modal_synthesis.h"
+#include "signal/modes/modal_synthesis.h"
 
 namespace rigfit::apps {
 namespace {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <utility>
 
-#include "apps/report/assets.h"
+#include "apps/cli/assets.h"
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
 #include "apps/report/drawing/plot_data.h"
 #include "apps/report/drawing/svg_plot.h"
-#include "apps/report/page/html_text.h"
 
 namespace rigfit::apps {
 namespace {

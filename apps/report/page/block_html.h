@@ -5,7 +5,7 @@
 #include <string>
 
 #include "apps/report/page/page_limits.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

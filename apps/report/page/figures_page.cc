@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/svg_plot.h"
 #include "apps/report/page/block_html.h"
-#include "apps/report/page/html_text.h"
 
 namespace rigfit::apps {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <ctime>
 
-#include "apps/report/page/html_text.h"
+#include "apps/report/drawing/html_text.h"
 
 namespace rigfit::apps {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/campaign_file/report_details.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

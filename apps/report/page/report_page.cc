@@ -6,11 +6,11 @@
 #include <map>
 #include <set>
 
-#include "apps/report/assets.h"
+#include "apps/cli/assets.h"
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/page/block_html.h"
 #include "apps/report/page/first_page.h"
-#include "apps/report/page/html_text.h"
-#include "apps/report/parameter_words.h"
+#include "apps/report/page/parameter_words.h"
 
 namespace rigfit::apps {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "apps/report/page/page_frame.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

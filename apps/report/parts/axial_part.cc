@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/axial_plots.h"
-#include "apps/report/page/html_text.h"
-#include "apps/report/parts/recording_blocks.h"
+#include "apps/report/figures/recording_blocks.h"
 #include "apps/results/axial_result.h"
 #include "ident/statistics/uncertainty.h"
 

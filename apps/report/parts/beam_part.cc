@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/bending_plots.h"
-#include "apps/report/page/html_text.h"
+#include "apps/report/figures/recording_blocks.h"
 #include "apps/report/parts/bending_records.h"
-#include "apps/report/parts/recording_blocks.h"
 #include "apps/results/bending_json.h"
 
 namespace rigfit::apps {

@@ -1,10 +1,10 @@
 // A bending test of beams without tension, by dead weights or a testing machine: EI and modulus of
-// each specimen, by ident/campaign/bending_campaign.h.
+// each specimen, by ident/campaign/tests/bending_campaign.h.
 #pragma once
 
 #include <memory>
 
-#include "apps/report/test_part.h"
+#include "apps/report/page/test_part.h"
 
 namespace rigfit::apps {
 

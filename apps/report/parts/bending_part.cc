@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/bending_plots.h"
-#include "apps/report/page/html_text.h"
+#include "apps/report/figures/recording_blocks.h"
 #include "apps/report/parts/beam_part.h"
 #include "apps/report/parts/bending_records.h"
-#include "apps/report/parts/recording_blocks.h"
 #include "apps/results/bending_json.h"
 #include "ident/bending/bending_equation.h"
 #include "signal/numerics/numbers.h"

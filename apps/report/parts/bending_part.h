@@ -1,10 +1,10 @@
 // EI of a strand against its tension: tests, laws through the points, bounds from the strand's
-// geometry, by ident/campaign/bending_campaign.h.
+// geometry, by ident/campaign/tests/bending_campaign.h.
 #pragma once
 
 #include <memory>
 
-#include "apps/report/test_part.h"
+#include "apps/report/page/test_part.h"
 
 namespace rigfit::apps {
 

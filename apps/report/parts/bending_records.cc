@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "apps/campaign_file/bending_files.h"
-#include "apps/report/page/html_text.h"
-#include "apps/report/parts/recording_blocks.h"
+#include "apps/report/drawing/html_text.h"
+#include "apps/report/figures/recording_blocks.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "apps/campaign_file/campaign.h"
-#include "apps/report/report_part.h"
-#include "ident/campaign/bending_campaign.h"
+#include "apps/report/page/report_part.h"
+#include "ident/campaign/tests/bending_campaign.h"
 
 namespace rigfit::apps {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

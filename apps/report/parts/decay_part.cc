@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/decay_overlay.h"
+#include "apps/report/figures/recording_blocks.h"
 #include "apps/report/modal/modal_states.h"
 #include "apps/report/modal/model_overlay.h"
-#include "apps/report/page/html_text.h"
-#include "apps/report/parts/recording_blocks.h"
 
 namespace rigfit::apps {
 namespace {

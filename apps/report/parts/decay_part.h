@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "apps/report/test_part.h"
+#include "apps/report/page/test_part.h"
 
 namespace rigfit::apps {
 

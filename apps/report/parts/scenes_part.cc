@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "apps/report/page/html_text.h"
-#include "apps/report/parameter_words.h"
+#include "apps/report/drawing/html_text.h"
+#include "apps/report/page/parameter_words.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
 

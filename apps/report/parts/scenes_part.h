@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/campaign_file/campaign.h"
-#include "apps/report/report_part.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

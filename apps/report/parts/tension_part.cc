@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
-#include "apps/report/drawing/share_bars.h"
+#include "apps/report/drawing/html_text.h"
+#include "apps/report/figures/recording_blocks.h"
 #include "apps/report/figures/tension_plots.h"
-#include "apps/report/page/html_text.h"
-#include "apps/report/parts/recording_blocks.h"
+#include "apps/report/page/share_bars.h"
 #include "apps/results/tension_result.h"
 #include "ident/statistics/probability_text.h"
 

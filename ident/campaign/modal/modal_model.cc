@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ident/update/assignment/mode_pairing.h"
+#include "ident/update/pairing/mode_pairing.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/finding.h"
 #include "ident/campaign/modal/hammer_test.h"
-#include "ident/campaign/origin.h"
+#include "ident/campaign/tests/finding.h"
+#include "ident/campaign/tests/origin.h"
 
 namespace rigfit::ident {
 

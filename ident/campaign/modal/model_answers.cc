@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "ident/statistics/in_parallel.h"
-#include "signal/modal/modal_synthesis.h"
+#include "signal/modes/modal_synthesis.h"
 
 namespace rigfit::ident {
 namespace {

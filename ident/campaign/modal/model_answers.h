@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ident/campaign/modal/modal_model.h"
-#include "model/linear/frf_synthesis.h"
+#include "model/frfs/frf_synthesis.h"
 #include "model/response/response.h"
 #include "signal/decay/decay.h"
 #include "signal/spectra/frf_set.h"

@@ -8,7 +8,7 @@
 // its uncertainties. At most a fifth of the pairs; two degrees of freedom must be left.
 #pragma once
 
-#include "ident/update/update_solver.h"
+#include "ident/update/problem/update_solver.h"
 
 namespace rigfit::ident {
 

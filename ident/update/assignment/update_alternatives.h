@@ -24,7 +24,7 @@
 
 #include <vector>
 
-#include "ident/update/update_solver.h"
+#include "ident/update/problem/update_solver.h"
 
 namespace rigfit::ident {
 

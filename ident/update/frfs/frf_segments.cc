@@ -4,8 +4,8 @@
 
 #include "ident/update/uncertainty/shared_sources.h"
 #include "ident/update/uncertainty/update_misfit.h"
+#include "ident/update/uncertainty/update_segments.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
-#include "ident/update/update_segments.h"
 
 namespace rigfit::ident {
 

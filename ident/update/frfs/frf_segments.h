@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "ident/update/update_solver.h"
+#include "ident/update/problem/update_solver.h"
 
 namespace rigfit::ident {
 

@@ -12,7 +12,7 @@
 #include <limits>
 #include <utility>
 
-#include "ident/update/update_problem.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "ident/update/update_problem.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 

@@ -39,7 +39,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/update_problem.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 

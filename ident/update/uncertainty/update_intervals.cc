@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ident/update/update_solver.h"
+#include "ident/update/problem/update_solver.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

@@ -9,7 +9,7 @@
 #include <map>
 #include <utility>
 
-#include "ident/update/frfs/frf_correlation.h"
+#include "ident/update/uncertainty/frf_correlation.h"
 #include "ident/update/uncertainty/shared_sources.h"
 
 namespace rigfit::ident {

@@ -24,7 +24,7 @@
 #include <optional>
 #include <vector>
 
-#include "ident/update/update_problem.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "ident/update/update_problem.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 

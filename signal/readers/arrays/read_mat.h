@@ -8,7 +8,7 @@
 
 #include <filesystem>
 
-#include "signal/readers/read_options.h"
+#include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"
 

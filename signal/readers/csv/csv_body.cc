@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "signal/readers/number_text.h"
+#include "signal/readers/files/number_text.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/read_options.h"
+#include "signal/readers/files/read_options.h"
 
 namespace rigfit::signal {
 

@@ -4,7 +4,7 @@
 #include <cctype>
 
 #include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/number_text.h"
+#include "signal/readers/files/number_text.h"
 
 namespace rigfit::signal {
 namespace {

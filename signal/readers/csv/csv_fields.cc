@@ -5,7 +5,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "signal/readers/number_text.h"
+#include "signal/readers/files/number_text.h"
 
 namespace rigfit::signal {
 namespace {

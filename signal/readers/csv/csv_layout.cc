@@ -7,7 +7,7 @@
 
 #include "signal/readers/csv/csv_comma.h"
 #include "signal/readers/csv/csv_header.h"
-#include "signal/readers/number_text.h"
+#include "signal/readers/files/number_text.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 

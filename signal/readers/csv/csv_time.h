@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "signal/readers/csv/csv_columns.h"
-#include "signal/readers/read_options.h"
+#include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {

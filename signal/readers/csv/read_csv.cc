@@ -4,7 +4,7 @@
 
 #include "signal/readers/csv/csv_columns.h"
 #include "signal/readers/csv/table_recording.h"
-#include "signal/readers/mapped_file.h"
+#include "signal/readers/files/mapped_file.h"
 
 namespace rigfit::signal {
 Eigen::Index Table::column_index(const std::string& name) const {

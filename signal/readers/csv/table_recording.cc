@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "signal/readers/csv/csv_time.h"
-#include "signal/readers/frequency/frequency_table.h"
+#include "signal/readers/csv/frequency_table.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "signal/readers/csv/csv_columns.h"
-#include "signal/readers/read_options.h"
+#include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {

@@ -10,7 +10,7 @@
 #include <set>
 #include <tuple>
 
-#include "signal/readers/mapped_file.h"
+#include "signal/readers/files/mapped_file.h"
 #include "signal/readers/uff/uff58.h"
 #include "signal/readers/uff/uff58_remark.h"
 #include "signal/recording/recording_error.h"

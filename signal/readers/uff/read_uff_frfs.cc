@@ -3,8 +3,8 @@
 #include <limits>
 #include <optional>
 
-#include "signal/readers/frf_unit.h"
-#include "signal/readers/mapped_file.h"
+#include "signal/readers/files/frf_unit.h"
+#include "signal/readers/files/mapped_file.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/readers/uff/uff58.h"
 #include "signal/readers/uff/uff58_remark.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "signal/readers/number_text.h"
+#include "signal/readers/files/number_text.h"
 
 namespace rigfit::signal {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "apps/campaign_file/measured_modes.h"
-#include "apps/report/modal/modal_files.h"
+#include "apps/results/modal_files.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 #include "tests/apps/run_program.h"

@@ -1,10 +1,10 @@
-#include "apps/report/page/html_text.h"
+#include "apps/report/drawing/html_text.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "apps/report/parameter_words.h"
+#include "apps/report/page/parameter_words.h"
 
 namespace rigfit::apps::html_text_test {
 namespace {

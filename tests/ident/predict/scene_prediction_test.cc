@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "model/linear/frf_synthesis.h"
+#include "model/frfs/frf_synthesis.h"
 
 namespace rigfit::ident::scene_prediction_test {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "ident/update/model_update.h"
-#include "model/linear/frf_synthesis.h"
+#include "model/frfs/frf_synthesis.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::ident::testing {

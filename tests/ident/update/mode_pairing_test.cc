@@ -1,4 +1,4 @@
-#include "ident/update/assignment/mode_pairing.h"
+#include "ident/update/pairing/mode_pairing.h"
 
 #include <gtest/gtest.h>
 

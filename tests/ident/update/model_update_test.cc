@@ -1,5 +1,5 @@
 #include "ident/update/model_update.h"
-#include "ident/update/uncertainty/update_checks.h"
+#include "ident/update/update_checks.h"
 
 #include <gtest/gtest.h>
 

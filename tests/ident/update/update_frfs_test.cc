@@ -5,7 +5,7 @@
 #include <random>
 
 #include "ident/update/model_update.h"
-#include "ident/update/uncertainty/update_checks.h"
+#include "ident/update/update_checks.h"
 #include "model/response/response.h"
 #include "model/scene/read_scene.h"
 #include "signal/spectra/frf.h"

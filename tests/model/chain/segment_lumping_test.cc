@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "model/linear/modal_analysis.h"
-#include "model/response/model_reduction.h"
+#include "model/scene/model_reduction.h"
 #include "tests/model/test_scenes.h"
 #include "tests/reference/closed_forms.h"
 

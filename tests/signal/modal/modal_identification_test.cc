@@ -6,7 +6,7 @@
 #include <random>
 
 #include "signal/impact/impact_test.h"
-#include "signal/modal/modal_synthesis.h"
+#include "signal/modes/modal_synthesis.h"
 #include "tests/expect_matrix.h"
 #include "tests/reference/ten_mode_truth.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "signal/readers/number_text.h"
+#include "signal/readers/files/number_text.h"
 
 namespace rigfit::signal::time_axis_test {
 namespace {

@@ -17,7 +17,7 @@
 #include "signal/readers/arrays/read_mat.h"
 #include "signal/readers/arrays/read_npy.h"
 #include "signal/readers/arrays/read_wav.h"
-#include "signal/readers/foreign_formats.h"
+#include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_error.h"
 #include "tests/fuzz/mutations.h"

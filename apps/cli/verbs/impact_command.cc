@@ -1,0 +1,224 @@
+#include "apps/cli/verbs/impact_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "apps/campaign_file/recording_description.h"
+#include "apps/cli/number_checks.h"
+#include "apps/results/modal_json.h"
+
+namespace rigfit::apps {
+namespace {
+
+signal::ImpactTestOptions options_of(const ImpactCommand& command) {
+  signal::ImpactTestOptions options;
+  signal::HitOptions& hits = options.hits;
+  hits.sign = command.sign == "positive"   ? signal::PulseSign::positive
+              : command.sign == "negative" ? signal::PulseSign::negative
+                                           : signal::PulseSign::automatic;
+  hits.trigger = command.trigger / 100;
+  hits.double_hit = command.double_hit / 100;
+  hits.max_spectrum_drop_db = command.max_spectrum_drop_db;
+  hits.ring_down_level = command.ring_down_level / 100;
+  hits.min_pulse_samples = command.min_pulse_samples;
+  hits.accept_unresolved = command.frequencies_only;
+  hits.block_s = command.block_s;
+  hits.pre_trigger_s = command.pre_trigger_s;
+  if (!command.band.empty()) {
+    if (!(command.band[0] >= 0 && command.band[1] > command.band[0])) {
+      throw UsageError("--band needs two frequencies, the lower one first");
+    }
+    hits.band_hz = {command.band[0], command.band[1]};
+  }
+  options.estimator = command.estimator == "h2"   ? signal::FrfEstimator::h2
+                      : command.estimator == "hv" ? signal::FrfEstimator::hv
+                                                  : signal::FrfEstimator::h1;
+  if (command.force_window == "auto") {
+    options.force_window_s = -1;
+  } else if (command.force_window == "off") {
+    options.force_window_s = 0;
+  } else if (command.force_window != "by-noise") {
+    std::size_t used = 0;
+    double seconds = 0;
+    try {
+      seconds = std::stod(command.force_window, &used);
+    } catch (const std::exception&) {
+      used = 0;
+    }
+    if (used != command.force_window.size() || !(seconds > 0) || !std::isfinite(seconds)) {
+      throw UsageError("--force-window is by-noise, off, auto or a time in seconds, not \"" +
+                       command.force_window + "\"");
+    }
+    options.force_window_s = seconds;
+  }
+  options.exponential_decay_rate_1_s = command.exponential_window;
+  options.exponential_end_level = command.exponential_end_level;
+  options.error_smoothing_lines = command.error_smoothing_lines;
+  options.reject_outliers = !command.keep_outliers;
+  return options;
+}
+
+/// The recordings by the place struck, in the order of the files.
+std::vector<ident::StruckPlace> places_of(VerbContext& context, const ImpactCommand& command) {
+  std::vector<ident::StruckPlace> places;
+  signal::ReadOptions read;
+  read.sample_rate_hz = command.sample_rate_hz;
+  for (std::size_t f = 0; f < command.files.size(); ++f) {
+    const std::string name = command.struck.empty() ? "" : command.struck[f];
+    auto place = std::find_if(places.begin(), places.end(),
+                              [&](const auto& known) { return known.name == name; });
+    if (place == places.end()) place = places.insert(places.end(), {name, {}});
+    place->recordings.push_back(load_recording(command.files[f], context, read));
+  }
+  return places;
+}
+
+}  // namespace
+
+ImpactCommand::ImpactCommand() {
+  const signal::HitOptions hits;
+  trigger = 100 * hits.trigger;
+  double_hit = 100 * hits.double_hit;
+  max_spectrum_drop_db = hits.max_spectrum_drop_db;
+  ring_down_level = 100 * hits.ring_down_level;
+  min_pulse_samples = hits.min_pulse_samples;
+  error_smoothing_lines = signal::FrfOptions().error_smoothing_lines;
+}
+
+void add_impact_options(CLI::App& verb, ImpactCommand& c, bool with_files) {
+  if (with_files) {
+    verb.add_option("FILE", c.files, "Recordings (CSV, LVM, UFF 58): continuous or one a hit")
+        ->required();
+  }
+  auto* force = verb.add_option("--force", c.force, "Force channel: name or #k")->type_name("C");
+  if (with_files) force->required();
+  verb.add_option("--response", c.responses, "Response channels [every other]")->type_name("C");
+  verb.add_option("--driving-point", c.driving_point, "The response at the point struck")
+      ->type_name("C");
+  verb.add_option("--struck", c.struck,
+                  "Point struck in each file, one a file (roving hammer): a response's name where "
+                  "it was struck, else any name")
+      ->type_name("P");
+  verb.add_option("--estimator", c.estimator, "h1: noise on responses, h2: on force, hv: both")
+      ->check(CLI::IsMember({"h1", "h2", "hv"}))
+      ->capture_default_str();
+  verb.add_option(
+          "--force-window", c.force_window,
+          "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
+          "by-noise: auto where the noise on the force matters, else off")
+      ->capture_default_str();
+  auto* rate = verb.add_option("--exponential-window", c.exponential_window,
+                               "Decay rate of a window on force and responses, 1/s; its damping is "
+                               "carried along and taken off the poles again")
+                   ->check(number_within(0.0, 1e6))
+                   ->capture_default_str();
+  verb.add_option("--exponential-end-level", c.exponential_end_level,
+                  "The same, given as its level at the end of the block")
+      ->check(number_within(1e-12, 1.0))
+      ->excludes(rate);
+  verb.add_option("--band", c.band, "Band in which the force spectrum is asked for, Hz")
+      ->expected(2)
+      ->type_name("LO HI");
+  verb.add_option("--sample-rate", c.sample_rate_hz, "Hz, for files that do not say")
+      ->check(positive_number());
+  verb.add_option("--block", c.block_s, "Seconds analysed a hit [what uses most of the recordings]")
+      ->check(positive_number());
+  verb.add_option("--pre-trigger", c.pre_trigger_s, "Seconds before the peak [1 % of the block]")
+      ->check(not_negative_number());
+  const std::string limits = "Limits on hits";
+  verb.add_option("--pulse-sign", c.sign, "Side to which the force goes when hit")
+      ->check(CLI::IsMember({"auto", "positive", "negative"}))
+      ->capture_default_str()
+      ->group(limits);
+  verb.add_option("--trigger", c.trigger, "A hit exceeds this much of the largest force, %")
+      ->check(number_within(0.1, 100.0))
+      ->capture_default_str()
+      ->group(limits);
+  verb.add_option("--double-hit", c.double_hit, "Smallest second contact objected to, % of the hit")
+      ->check(number_within(0.1, 100.0))
+      ->capture_default_str()
+      ->group(limits);
+  verb.add_option("--min-pulse-samples", c.min_pulse_samples,
+                  "Samples a pulse needs above 10 % of its peak")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str()
+      ->group(limits);
+  verb.add_option("--max-spectrum-drop", c.max_spectrum_drop_db,
+                  "Drop of the force spectrum within the band, dB (ISO 7626-5)")
+      ->check(positive_number())
+      ->capture_default_str()
+      ->group(limits);
+  verb.add_option("--ring-down-level", c.ring_down_level,
+                  "A ring-down may be cut once it has fallen to this, % of its largest value")
+      ->check(number_within(1e-6, 100.0))
+      ->capture_default_str()
+      ->group(limits);
+  verb.add_flag("--keep-outliers", c.keep_outliers, "No leave-one-out test")->group(limits);
+  verb.add_flag("--frequencies-only", c.frequencies_only,
+                "Keep hits whose pulse is not resolved; the FRFs then have no scale")
+      ->group(limits);
+  verb.add_option("--error-smoothing", c.error_smoothing_lines,
+                  "Lines on either side over which the noise under error bars is averaged")
+      ->check(CLI::Range(0L, 1000000L))
+      ->capture_default_str();
+}
+
+ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
+  if (!command.struck.empty() && command.struck.size() != command.files.size()) {
+    throw UsageError(fmt::format("--struck names {} points for {} files: one a file",
+                                 command.struck.size(), command.files.size()));
+  }
+  if (!command.struck.empty() && !command.driving_point.empty()) {
+    throw UsageError("--driving-point is for one point; --struck names every file's point");
+  }
+  ImpactRun run;
+  run.places = places_of(context, command);
+  run_impact_test(context, command, run);
+  return run;
+}
+
+void run_impact_test(VerbContext& context, const ImpactCommand& command, ImpactRun& run) {
+  ident::HammerTestOptions options;
+  options.force = command.force;
+  options.responses = command.responses;
+  options.driving_point = command.driving_point;
+  options.impact = options_of(command);
+  options.impact.threads = context.threads;
+  try {
+    run.test = ident::analyse_hammer_test(run.places, options);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  for (auto& finding : run.test.findings) {
+    if (finding.code == "no_hit" || finding.code == "no_response") {
+      throw Refused(finding.where + ": " + finding.message, finding.code);
+    }
+    if (finding.code == "pulse_not_resolved") {
+      finding.message +=
+          "; --frequencies-only keeps frequencies and damping without amplitudes, and "
+          "--min-pulse-samples accepts shorter pulses from a logger with anti-alias filters";
+    }
+  }
+  context.tell(run.test.findings);
+  const std::size_t hits = run.test.hits(), accepted = run.test.accepted_hits();
+  if (0 < accepted && accepted < hits) {
+    context.warn("hits_rejected",
+                 fmt::format("{} of {} hits rejected; see hits[].reason", hits - accepted, hits));
+  }
+}
+
+Json hits_json(const ImpactRun& run) {
+  Json hits = Json::array();
+  for (std::size_t p = 0; p < run.places.size(); ++p) {
+    for (auto& hit : hits_json(run.places[p], run.test.tests[p])) {
+      if (!run.places[p].name.empty()) hit["struck"] = run.places[p].name;
+      hits.push_back(std::move(hit));
+    }
+  }
+  return hits;
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,149 @@
+#include "apps/report/drawing/html_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+namespace rigfit::apps {
+namespace {
+
+/// Length of the UTF-8 sequence at `i`, 0 when it is none.
+std::size_t sequence_length(std::string_view text, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned char lead = byte(i);
+  const std::size_t length = lead < 0x80                    ? 1
+                             : lead >= 0xc2 && lead <= 0xdf ? 2
+                             : lead >= 0xe0 && lead <= 0xef ? 3
+                             : lead >= 0xf0 && lead <= 0xf4 ? 4
+                                                            : 0;
+  if (length == 0 || i + length > text.size()) return 0;
+  for (std::size_t k = 1; k < length; ++k) {
+    if ((byte(i + k) & 0xc0) != 0x80) return 0;
+  }
+  return length;
+}
+
+constexpr int kMostDigits = 5;  // of a value on a page; documents and CSV have all
+
+/// The power of ten of the first digit that two digits of the number show: 0.0996 is 0.10.
+double power_of_ten_below(double value) {
+  return std::pow(10, std::floor(std::log10(std::abs(value) * (1 + 0.5e-2))));
+}
+
+/// Decimals (negative: tens, hundreds) that show two digits of the standard uncertainty, and at
+/// most five of the value.
+int decimals_of(double value, double std) {
+  const int of_std = 1 - static_cast<int>(std::lround(std::log10(power_of_ten_below(std))));
+  if (value == 0) return of_std;
+  const int first = static_cast<int>(std::floor(std::log10(std::abs(value))));
+  return std::min(of_std, std::max(kMostDigits - 1 - first, 0));
+}
+
+std::string rounded(double value, int places) {
+  if (places < 0) {
+    const double unit = std::pow(10, -places);
+    value = unit * std::round(value / unit);
+  }
+  std::string text = fmt::format("{:.{}f}", value, std::max(0, places));
+  if (text.find_first_not_of("-0.") == std::string::npos && text.starts_with('-')) text.erase(0, 1);
+  if (text.starts_with('-')) text.replace(0, 1, "−");
+  return text;
+}
+
+}  // namespace
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  result.reserve(text.size() + text.size() / 8);
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = sequence_length(text, i);
+    if (length == 0) {
+      result += "\xef\xbf\xbd";
+      ++i;
+      continue;
+    }
+    if (length > 1) {
+      result += text.substr(i, length);
+      i += length;
+      continue;
+    }
+    switch (const char c = text[i++]) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\'':
+        result += "&#39;";
+        break;
+      default:
+        if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') result += c;
+    }
+  }
+  return result;
+}
+
+std::string shown(double value, int digits) {
+  if (!std::isfinite(value)) return "–";
+  if (value == 0) return "0";
+  const int exponent = static_cast<int>(std::floor(std::log10(std::abs(value))));
+  std::string text = exponent >= -4 && exponent < 7
+                         ? fmt::format("{:.{}f}", value, std::max(0, digits - 1 - exponent))
+                         : fmt::format("{:.{}e}", value, digits - 1);
+  if (text.starts_with('-')) text.replace(0, 1, "−");
+  return text;
+}
+
+std::string shown_percent(double ratio) {
+  if (!std::isfinite(ratio)) return "–";
+  const double percent = 100 * ratio;
+  std::string text = std::abs(percent) < 10 ? fmt::format("{:.2f}", std::abs(percent))
+                                            : fmt::format("{:.1f}", std::abs(percent));
+  const bool zero = text.find_first_not_of("0.") == std::string::npos;
+  return (zero ? "" : ratio < 0 ? "−" : "+") + text + " %";
+}
+
+std::string shown_estimate(double value, double std, int digits) {
+  if (!std::isfinite(value)) return "–";
+  if (!(std::isfinite(std) && std > 0)) return shown(value, digits);
+  const int places = decimals_of(value, std);
+  if (places > 9 || std::abs(value) >= 1e7) return shown(value, digits) + " ± " + shown(std, 2);
+  // Rounded up where the value's digits end before the uncertainty's second one.
+  const double unit = std::pow(10, -places);
+  const double shown_std =
+      unit > 0.1 * power_of_ten_below(std) * (1 + 1e-9) ? unit * std::ceil(std / unit - 1e-9) : std;
+  return rounded(value, places) + " ± " + rounded(shown_std, places);
+}
+
+std::string first_sentence(std::string_view text) {
+  for (std::size_t at = text.find(". "); at != std::string_view::npos;
+       at = text.find(". ", at + 1)) {
+    if (at + 2 < text.size() && std::isupper(static_cast<unsigned char>(text[at + 2]))) {
+      return std::string(text.substr(0, at));
+    }
+  }
+  while (text.ends_with('.')) text.remove_suffix(1);
+  return std::string(text);
+}
+
+std::string counted(std::size_t number, std::string_view what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
+std::string shown_bound(double value, double std) {
+  if (!std::isfinite(value) || !(std::isfinite(std) && std > 0)) return shown(value);
+  const int places = decimals_of(value, std);
+  if (places > 9 || std::abs(value) >= 1e7) return shown(value);
+  return rounded(value, places);
+}
+
+}  // namespace rigfit::apps

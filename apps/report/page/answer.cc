@@ -1,0 +1,167 @@
+#include "apps/report/page/answer.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "apps/report/drawing/html_text.h"
+
+namespace rigfit::apps {
+namespace {
+
+double scale_of(const Answer& answer) { return answer.percent ? 100 : 1; }
+
+std::string bound_words(const Answer& answer, double bound) {
+  return std::isfinite(bound) ? shown_bound(scale_of(answer) * bound, scale_of(answer) * answer.std)
+                              : std::string("open");
+}
+
+nlohmann::ordered_json number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+/// Half the 95 % interval over the value; infinite where an end is open.
+double relative_half_width(const Answer& answer) {
+  if (std::isnan(answer.low) || std::isnan(answer.high)) {
+    return 1.96 * answer.std / std::abs(answer.value);
+  }
+  return 0.5 * (answer.high - answer.low) / std::abs(answer.value);
+}
+
+bool holds(const Answer& answer, double value) {
+  if (std::isnan(answer.low) || std::isnan(answer.high)) {
+    return std::abs(value - answer.value) <= 1.96 * answer.std;
+  }
+  return value >= answer.low && value <= answer.high;
+}
+
+/// Text of a LaTeX table: symbols in the maths of LaTeX's own packages, nothing that it would read
+/// as a command.
+std::string latex(const std::string& text) {
+  static constexpr std::pair<const char*, const char*> kSymbols[] = {
+      {"±", "$\\pm$"}, {"²", "$^2$"}, {"³", "$^3$"}, {"ζ", "$\\zeta$"},
+      {"µ", "$\\mu$"}, {"−", "$-$"},  {"–", "--"},   {"°", "$^\\circ$"}};
+  std::string result;
+  for (std::size_t i = 0; i < text.size();) {
+    bool replaced = false;
+    for (const auto& [symbol, command] : kSymbols) {
+      if (!std::string_view(text).substr(i).starts_with(symbol)) continue;
+      result += command;
+      i += std::string_view(symbol).size();
+      replaced = true;
+      break;
+    }
+    if (replaced) continue;
+    const char c = text[i++];
+    if (c == '\\') {
+      result += "\\textbackslash{}";
+    } else if (c == '~' || c == '^') {
+      result += fmt::format("\\{}{{}}", c);
+    } else {
+      if (std::string_view("#$%&_{}").find(c) != std::string_view::npos) result += '\\';
+      result += c;
+    }
+  }
+  return result;
+}
+
+std::string csv_cell(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + "\"";
+}
+
+}  // namespace
+
+std::string value_words(const Answer& answer) {
+  const double scale = scale_of(answer);
+  if (!answer.determined) return std::isfinite(answer.value) ? "not determined" : "none";
+  return shown_estimate(scale * answer.value, scale * answer.std);
+}
+
+std::string interval_words(const Answer& answer) {
+  if (!answer.determined || (std::isnan(answer.low) && std::isnan(answer.high))) return {};
+  return bound_words(answer, answer.low) + " to " + bound_words(answer, answer.high);
+}
+
+std::string shown_unit(const Answer& answer) { return answer.percent ? "%" : answer.unit; }
+
+std::string verdict_words(const Answer& answer) {
+  if (!answer.verdict.empty()) return answer.verdict;
+  if (!answer.determined) return "these data cannot tell it";
+  std::string words;
+  const double half = relative_half_width(answer);
+  if (std::isnan(half)) {
+    words = "uncertainty not known";
+  } else if (half < 0.01) {
+    words = fmt::format("well known, within {} %", shown(100 * half, 1));
+  } else if (half < 0.1) {
+    words = fmt::format("known within {} %", shown(100 * half, 2));
+  } else if (half < 0.5) {
+    words = fmt::format("known roughly, within {:.0f} %", 100 * half);
+  } else {
+    words = "hardly known";
+  }
+  if (answer.reference) {
+    const double off = answer.value / *answer.reference - 1;
+    const std::string value = shown(scale_of(answer) * *answer.reference, 4);
+    words += fmt::format("; {} {}: {}", answer.reference_name, value,
+                         std::isnan(half)                   ? shown_percent(off)
+                         : holds(answer, *answer.reference) ? "inside the interval"
+                                                            : "outside the interval");
+  }
+  return words;
+}
+
+bool doubtful(const Answer& answer) {
+  if (!answer.verdict.empty()) return answer.verdict.starts_with("doubtful");
+  if (!answer.determined) return true;
+  const double half = relative_half_width(answer);
+  return !(half < 0.5) || (answer.reference && !holds(answer, *answer.reference));
+}
+
+nlohmann::ordered_json answer_json(const Answer& answer) {
+  return {{"key", answer.key},
+          {"quantity", answer.quantity},
+          {"value", number(answer.value)},
+          {"std", number(answer.std)},
+          {"low", number(answer.low)},
+          {"high", number(answer.high)},
+          {"unit", answer.unit.empty() ? "1" : answer.unit},
+          {"determined", answer.determined},
+          {"how", answer.how},
+          {"verdict", verdict_words(answer)},
+          {"mode_hz", number(answer.mode_hz)},
+          {"reference", answer.reference ? number(*answer.reference) : number(Answer::kNone)}};
+}
+
+std::string answers_latex(const std::vector<Answer>& answers, const std::string& title) {
+  std::string text = fmt::format(
+      "% Needs \\usepackage{{booktabs}}. Values with standard uncertainties, intervals of 95 %.\n"
+      "\\begin{{table}}\n\\caption{{{}}}\n\\begin{{tabular}}{{lllll}}\n\\toprule\n"
+      "Quantity & Value & 95\\,\\% interval & Unit & How known \\\\\n\\midrule\n",
+      latex(title));
+  for (const auto& answer : answers) {
+    text += fmt::format("{} & {} & {} & {} & {} \\\\\n", latex(answer.quantity),
+                        latex(value_words(answer)), latex(interval_words(answer)),
+                        latex(shown_unit(answer)), latex(answer.how));
+  }
+  return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
+}
+
+std::string answers_csv(const std::vector<Answer>& answers) {
+  std::string text = "key,quantity,value,std,low,high,unit,how,verdict\n";
+  const auto cell = [](double value) {
+    return std::isfinite(value) ? fmt::format("{}", value) : std::string();
+  };
+  for (const auto& answer : answers) {
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(answer.key), csv_cell(answer.quantity),
+                    cell(answer.value), cell(answer.std), cell(answer.low), cell(answer.high),
+                    csv_cell(answer.unit.empty() ? "1" : answer.unit), csv_cell(answer.how),
+                    csv_cell(verdict_words(answer)));
+  }
+  return text;
+}
+
+}  // namespace rigfit::apps

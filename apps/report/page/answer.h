@@ -1,0 +1,55 @@
+// A value of the rig that a report gives: on its first page, in the tables for papers and in what
+// compares two campaigns.
+#pragma once
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/campaign/tests/origin.h"
+
+namespace rigfit::apps {
+
+struct Answer {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  std::string key;       ///< the same in every report of this campaign: "fit-beam/beam.EI_z"
+  std::string quantity;  ///< "Beam bending stiffness EI_z"
+  std::string how;       ///< "fitted to 5 modes"
+  std::string unit;      ///< "N m²"; empty: a ratio
+  double value = kNone, std = kNone;
+  double low = kNone, high = kNone;  ///< 95 %; infinite: open
+  bool determined = true;            ///< false: these data cannot tell it
+  bool percent = false;              ///< a ratio that is shown in percent
+  std::optional<double> reference = std::nullopt;
+  std::string reference_name = {};  ///< "published", "truth"
+  ident::Origin origin = ident::Origin::modelled;
+  std::string anchor = {};   ///< id of the part that says more
+  std::string verdict = {};  ///< instead of that of the interval
+  int rank = 0;              ///< 0: first page; 1: where there is room
+  double mode_hz = kNone;    ///< frequency of the mode that it belongs to, where it does
+};
+
+/// "2.1714 ± 0.0045", in the unit that is shown.
+[[nodiscard]] std::string value_words(const Answer& answer);
+/// "2.163 to 2.180"; empty where no interval is known.
+[[nodiscard]] std::string interval_words(const Answer& answer);
+/// "N m²", "%", or empty.
+[[nodiscard]] std::string shown_unit(const Answer& answer);
+/// What the value is worth, in words: how well it is known, and whether it agrees with what is
+/// known otherwise (inside the 95 % interval or not).
+[[nodiscard]] std::string verdict_words(const Answer& answer);
+/// True when the verdict is a warning.
+[[nodiscard]] bool doubtful(const Answer& answer);
+
+/// The same for programs: SI units, null where there is no number.
+[[nodiscard]] nlohmann::ordered_json answer_json(const Answer& answer);
+
+/// A table for a paper (booktabs, siunitx not needed) and one for a spreadsheet.
+[[nodiscard]] std::string answers_latex(const std::vector<Answer>& answers,
+                                        const std::string& title);
+[[nodiscard]] std::string answers_csv(const std::vector<Answer>& answers);
+
+}  // namespace rigfit::apps

@@ -1,0 +1,123 @@
+// What a report is made of before it is a page or a document: parts, each with blocks for people
+// and JSON for programs. Parts are computed apart from each other and know nothing of HTML.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "apps/report/drawing/plot.h"
+#include "apps/report/page/answer.h"
+
+namespace rigfit::apps {
+
+using Json = nlohmann::ordered_json;
+
+struct Paragraph {
+  enum class Kind { plain, note, warning };
+  std::string text;
+  Kind kind = Kind::plain;
+};
+
+struct Cell {
+  Cell() = default;
+  Cell(std::string cell_text) : text(std::move(cell_text)) {}
+  Cell(const char* cell_text) : text(cell_text) {}
+  Cell(std::string cell_text, Origin cell_origin)
+      : text(std::move(cell_text)), origin(cell_origin) {}
+
+  std::string text;
+  std::optional<Origin> origin;  ///< colours the cell
+  bool doubtful = false;
+  std::optional<double> shade;  ///< 0..1: how dark the cell stands out (a matrix)
+};
+
+struct Column {
+  std::string name;
+  std::optional<Origin> origin;
+  bool numeric = true;
+};
+
+struct ReportTable {
+  std::string id, caption;
+  std::vector<Column> columns;
+  std::vector<std::vector<Cell>> rows;
+  std::string fold;  ///< words on the fold that a long table stands behind; empty: open
+};
+
+/// Figures of one kind for several states: one state is looked at at a time.
+struct PlotTab {
+  std::string label;
+  std::vector<Plot> plots;
+};
+struct PlotGroup {
+  std::string id, title;
+  std::vector<PlotTab> tabs;
+};
+
+/// Mode shapes in space, drawn and moved by the page.
+struct ShapeViewer {
+  std::string id, caption;
+  Json states;  ///< [{label, modes: [{label, family, plane, frequency_hz, members: [{name, rest:
+                ///< [[x,y,z]..], shape: [[x,y,z]..]}]}]}]
+};
+
+/// A drawing that no axes fit: hits beside each other, a rig, shapes.
+struct Picture {
+  std::string id, title, caption;
+  std::string svg;                   ///< an svg element with its own colours and the page's classes
+  std::string csv;                   ///< its data
+  double width = 760, height = 440;  ///< of the svg, px
+};
+
+using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, ShapeViewer, Picture>;
+
+/// A line of the summary: a value found or something to know before trusting the rest.
+struct SummaryItem {
+  /// A value found; model against test; not to be trusted; what was recorded.
+  enum class Kind { result, error, distrust, recorded };
+  Kind kind = Kind::result;
+  std::string label, text;
+  std::optional<Origin> origin;
+  std::string anchor;  ///< id of the part that says more
+  int severity = 1;    ///< of what is not to be trusted: 3 refused, 2 contradicted, 1 to know
+};
+
+/// A warning of the document, raised when the parts are put together.
+struct PartWarning {
+  std::string code, message, where;
+  bool refused = false;  ///< ends the run with exit code 4
+};
+
+/// A file of the report for other programs; `path` is relative to the report's folder.
+struct OutputFile {
+  std::string path, content;
+};
+
+/// What one computation of the model took and how far off it says it is.
+struct ModelCost {
+  std::string what;     ///< "cable-in-plane, 200 N: modes"
+  std::string method;   ///< "60 segments, banded eigenvalues"
+  std::string choices;  ///< what was kept and left out, and what that costs
+  double wall_s = 0;
+  double relative_error = 0;  ///< estimated; NaN: not known
+};
+
+struct ReportPart {
+  std::string id, title;
+  std::string test;  ///< name of the test whose section it stands in; empty: a section of its own
+  std::vector<Block> blocks;
+  std::vector<std::string> brief;  ///< ids of figures and tables for the short report
+  std::vector<Answer> answers;
+  std::vector<SummaryItem> summary;
+  std::vector<PartWarning> warnings;
+  std::vector<OutputFile> files;
+  std::vector<ModelCost> costs;
+  std::vector<std::string> inputs;  ///< files read for it besides the campaign's own
+  Json json = Json::object();       ///< merged into the document under the part's key
+  std::string json_key;  ///< a list in the document that gets `json` appended; empty: none
+};
+
+}  // namespace rigfit::apps

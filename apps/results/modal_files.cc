@@ -1,0 +1,130 @@
+#include "apps/results/modal_files.h"
+
+#include <cctype>
+#include <cmath>
+#include <numbers>
+
+#include "signal/writers/write_uff.h"
+
+namespace rigfit::apps {
+namespace {
+
+using Eigen::Index;
+
+/// UFF's direction (1 x, 2 y, 3 z, with sign) of a unit vector along an axis; 0 for any other.
+int uff_direction(const Eigen::Vector3d& direction) {
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(std::abs(direction[k]) - 1) < 1e-9) return direction[k] > 0 ? k + 1 : -(k + 1);
+  }
+  return 0;
+}
+
+/// Every place of a sensor or load once, numbered in the scene's order.
+std::vector<signal::NodePosition> positions_of(const model::Scene& scene) {
+  std::vector<signal::NodePosition> positions;
+  const auto add = [&](const model::Place& place) {
+    const Eigen::Vector3d at = position_of(scene, place);
+    for (const auto& known : positions) {
+      if ((Eigen::Vector3d(known.position_m.data()) - at).norm() < 1e-9) return;
+    }
+    positions.push_back({static_cast<int>(positions.size()) + 1, {at[0], at[1], at[2]}});
+  };
+  for (const auto& sensor : scene.sensors) add(sensor.place);
+  for (const auto& load : scene.loads) add(load.place);
+  return positions;
+}
+
+int node_at(const model::Scene& scene, const model::Place& place) {
+  const Eigen::Vector3d at = position_of(scene, place);
+  for (const auto& known : positions_of(scene)) {
+    if ((Eigen::Vector3d(known.position_m.data()) - at).norm() < 1e-9) return known.node;
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::string file_word(const std::string& label) {
+  std::string word;
+  for (const char c : label) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-';
+    if (plain) word += c;
+  }
+  return word.empty() ? "state" : word;
+}
+
+Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place) {
+  const auto node = [&](const std::string& name) -> Eigen::Vector3d {
+    for (const auto& one : scene.nodes) {
+      if (one.name == name) return one.position;
+    }
+    return Eigen::Vector3d::Zero();
+  };
+  if (!place.node.empty()) return node(place.node);
+  for (const auto& member : scene.members) {
+    if (member.name != place.member) continue;
+    const Eigen::Vector3d from = node(member.nodes[0]), to = node(member.nodes[1]);
+    return from + place.position * (to - from);
+  }
+  return Eigen::Vector3d::Zero();
+}
+
+signal::MeasuredPoint uff_point(const model::Scene& scene, const std::string& name,
+                                const std::string& shown_name) {
+  for (const auto& sensor : scene.sensors) {
+    if (sensor.name != name) continue;
+    return {shown_name, node_at(scene, sensor.place), uff_direction(sensor.direction)};
+  }
+  for (const auto& load : scene.loads) {
+    if (load.name != name) continue;
+    return {shown_name, node_at(scene, load.place), uff_direction(load.direction)};
+  }
+  return {shown_name, 0, 0};
+}
+
+std::string frf_file(const signal::FrfSet& frfs) {
+  return signal::uff_text(frfs, signal::UffEncoding::binary);
+}
+
+std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes) {
+  if (!scene) return signal::uff_text(modes);
+  return signal::uff_text(modes, positions_of(*scene));
+}
+
+std::string model_mode_file(const model::ModalAnalysis& analysis) {
+  signal::ModalModel modes;
+  std::vector<signal::NodePosition> positions;
+  const auto& members = analysis.equilibrium.members;
+  for (const auto& member : members) {
+    for (Index i = 0; i < member.positions.cols(); ++i) {
+      const int node = static_cast<int>(positions.size()) + 1;
+      positions.push_back(
+          {node, {member.positions(0, i), member.positions(1, i), member.positions(2, i)}});
+      for (int direction = 1; direction <= 3; ++direction) {
+        modes.responses.push_back({member.member, node, direction});
+      }
+    }
+  }
+  for (const auto& natural : analysis.modes) {
+    signal::IdentifiedMode mode;
+    mode.frequency_hz = {natural.frequency_hz, 0};
+    mode.damping_ratio = {natural.damping_ratio, 0};
+    const double omega = 2 * std::numbers::pi * natural.frequency_hz;
+    const double zeta = natural.damping_ratio;
+    mode.pole_rad_s = {-zeta * omega, omega * std::sqrt(std::max(0.0, 1 - zeta * zeta))};
+    mode.shape.resize(static_cast<Index>(modes.responses.size()));
+    Index row = 0;
+    for (const auto& shape : natural.shape) {
+      for (Index i = 0; i < shape.displacement.cols(); ++i) {
+        for (int k = 0; k < 3 && row < mode.shape.size(); ++k) {
+          mode.shape[row++] = shape.displacement(k, i);
+        }
+      }
+    }
+    if (row < mode.shape.size()) continue;
+    modes.modes.push_back(std::move(mode));
+  }
+  return signal::uff_text(modes, positions);
+}
+
+}  // namespace rigfit::apps

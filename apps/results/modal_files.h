@@ -1,0 +1,31 @@
+// Modes and FRFs of a report as universal files, for other programs: points of the scene as
+// dataset 15, shapes as 55, FRFs as 58.
+#pragma once
+
+#include <string>
+
+#include "model/linear/modal_analysis.h"
+#include "model/scene/scene.h"
+#include "signal/modes/modal_model.h"
+#include "signal/spectra/frf_set.h"
+
+namespace rigfit::apps {
+
+/// The scene's sensor or load of that name as a UFF point called `shown_name`. Nodes are the places
+/// of sensors and loads, each once, in the scene's order from 1; without one of that name node 0.
+[[nodiscard]] signal::MeasuredPoint uff_point(const model::Scene& scene, const std::string& name,
+                                              const std::string& shown_name);
+
+[[nodiscard]] std::string frf_file(const signal::FrfSet& frfs);
+/// Identified modes, at the scene's sensors where there is a scene (else null).
+[[nodiscard]] std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes);
+/// Modelled modes at every node of the chain, three directions each.
+[[nodiscard]] std::string model_mode_file(const model::ModalAnalysis& analysis);
+
+/// Where a sensor or load of the scene is, m, along straight members.
+[[nodiscard]] Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place);
+
+/// A label as a part of a file's name: "200 N" -> "200N".
+[[nodiscard]] std::string file_word(const std::string& label);
+
+}  // namespace rigfit::apps

@@ -1,0 +1,246 @@
+#include "ident/campaign/tests/bending_campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ident/bending/bending_equation.h"
+#include "ident/stiffness/tension_spread.h"
+
+namespace rigfit::ident {
+namespace {
+
+void add_values(const BendingSource& source, std::size_t index, std::vector<BendingPoint>& points) {
+  for (std::size_t i = 0; i < source.values.size(); ++i) {
+    BendingPoint one{.source = index, .row = i + 1, .record = {}, .analysis = {}, .point = {}};
+    one.point = source.values[i];
+    auto& point = one.point;
+    if (std::isfinite(point.std) && !std::isfinite(point.low)) {
+      point.low = std::max(0.0, point.EI_Nm2 - 1.959964 * point.std);
+      point.high = point.EI_Nm2 + 1.959964 * point.std;
+    }
+    points.push_back(std::move(one));
+  }
+}
+
+void add_record(const BendingSource& source, std::size_t index, const BendingTestOptions& options,
+                std::vector<BendingPoint>& points) {
+  std::vector<BendingRecord> records;
+  if (options.ends == BeamEnds::tensioned && source.record.load_N.size() <= kLongestBendingTable) {
+    records = split_by_tension(source.record);
+  }
+  if (records.empty()) records = {source.record};
+  for (auto& record : records) {
+    BendingPoint one{
+        .source = index, .row = 0, .record = std::move(record), .analysis = {}, .point = {}};
+    one.analysis = analyse_bending_test(one.record, options);
+    const auto& result = *one.analysis;
+    const auto& EI = result.stiffness;
+    one.point = {result.tension_N.value,
+                 EI.EI_Nm2.value,
+                 EI.EI_Nm2.std,
+                 EI.low,
+                 EI.high,
+                 shared_relative_std(result, options),
+                 result.tension_spread_N};
+    points.push_back(std::move(one));
+  }
+}
+
+/// What no record shows of itself: inputs taken as exact, and what EI changes by where most.
+void name_exact_inputs(const BendingTestOptions& options, BendingCampaignResult& result) {
+  double span = 0, clamps = 0, zero = 0;
+  for (const auto& one : result.points) {
+    if (!one.analysis || !one.usable()) continue;
+    const auto& EI = one.analysis->stiffness;
+    const double T = one.point.tension_N, l = options.span_m.value;
+    span = std::max(span, std::abs(EI.log_sensitivity_span) * 1e-3 / l);
+    clamps = std::max(clamps, std::abs(EI.log_sensitivity_compliance) *
+                                  clamp_compliance(one.point.EI_Nm2, T, l) / 1000);
+    if (T > 0) zero = std::max(zero, std::abs(EI.log_sensitivity_tension) * 0.1 / T);
+  }
+  if (!(span > 0)) return;
+  if (options.ends != BeamEnds::tensioned) {
+    std::string exact =
+        options.ends == BeamEnds::pinned ? "supports that do not give way" : "rigid clamps";
+    if (!(options.span_m.std > 0)) exact += ", span";
+    if (!(options.load_calibration_std > 0)) exact += ", calibration of load";
+    if (!(options.deflection_calibration_std > 0)) exact += ", of deflection";
+    result.findings.push_back(
+        {"taken_as_exact",
+         fmt::format("taken as exact: {}. EI changes by {:.2g} % for 1 mm of span; shear is left "
+                     "out",
+                     exact, 100 * span),
+         false});
+    return;
+  }
+  std::string exact = "rigid clamps";
+  if (!(options.span_m.std > 0)) exact += ", span";
+  if (!(options.load_calibration_std > 0)) exact += ", calibration of load";
+  if (!(options.deflection_calibration_std > 0)) exact += ", of deflection";
+  if (!(options.tension_calibration_std > 0)) exact += ", of tension";
+  if (!(options.tension_zero_std_N > 0)) exact += ", zero of tension";
+  result.findings.push_back(
+      {"taken_as_exact",
+       fmt::format(
+           "taken as exact: {}. EI changes by up to {:.2g} % for 1 mm of span, {:.2g} % for "
+           "0.1 N of tension; it is up to {:.2g} % higher where each clamp turns with 1000 N "
+           "m/rad ({:.2g} % with 200)",
+           exact, 100 * span, 100 * zero, 100 * clamps, 500 * clamps),
+       false});
+}
+
+/// Where the tension changes within a test by more than EI(T) is known to.
+void name_spread_of_tension(const std::vector<StiffnessPoint>& points,
+                            BendingCampaignResult& result) {
+  const auto change = change_by_tension(points);
+  std::size_t most = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (std::abs(change[i]) / points[i].EI_Nm2 > std::abs(change[most]) / points[most].EI_Nm2) {
+      most = i;
+    }
+  }
+  if (points.empty() || !(std::abs(change[most]) > points[most].std)) return;
+  const auto& point = points[most];
+  result.findings.push_back(
+      {"tension_within_test",
+       fmt::format("at {:.4g} N the tension changes while the cable is loaded: EI belongs to a "
+                   "tension known to {:.2g} N, which is {:.2g} % of EI(T) beside {:.2g} % of the "
+                   "test; a smaller load changes it less",
+                   point.tension_N, point.tension_std_N,
+                   100 * std::abs(change[most]) / point.EI_Nm2, 100 * point.std / point.EI_Nm2),
+       false});
+}
+
+/// Lengths that hardly any bending test has: most often millimetres given as metres, or the
+/// reverse.
+void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& result) {
+  double deflection = 0;
+  for (const auto& one : result.points) {
+    if (!one.analysis) continue;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const double d : one.record.deflection_m) {
+      if (std::isfinite(d)) low = std::min(low, d), high = std::max(high, d);
+    }
+    if (high > low) deflection = std::max(deflection, high - low);
+  }
+  const double span = campaign.test.span_m.value;
+  if (!(deflection > 0 && span > 0)) return;
+  constexpr double kLongestSpan = 20;        // m, of a bench
+  constexpr double kLeastDeflection = 1e-6;  // of the span
+  if (span > kLongestSpan || deflection < kLeastDeflection * span) {
+    result.findings.push_back(
+        {"length_suspected",
+         fmt::format("a span of {:.4g} m with deflections up to {:.3g} mm: if the span is {:.4g} "
+                     "mm, give {:.4g}; EI goes with about its cube",
+                     span, 1e3 * deflection, span, 1e-3 * span),
+         false});
+  } else if (deflection > 0.5 * span) {
+    result.findings.push_back(
+        {"length_suspected",
+         fmt::format("deflections of {:.3g} m on a span of {:.3g} m: are they millimetres taken "
+                     "as metres? Give the unit in the title or in a TOML file beside the recording",
+                     deflection, span),
+         false});
+  } else if (deflection > 0.1 * span) {
+    result.findings.push_back(
+        {"large_deflection",
+         fmt::format("the deflection reaches {:.0f} % of the span: the equation is that of small "
+                     "deflections (error of the order of its square, {:.1g} %)",
+                     100 * deflection / span, 100 * deflection * deflection / span / span),
+         false});
+  }
+}
+
+void gather_specimens(const BendingCampaign& campaign, BendingCampaignResult& result) {
+  BeamSpecimens all;
+  double squares = 0;
+  all.modulus_Pa = 0;
+  for (const auto& one : result.points) {
+    if (!one.usable()) continue;
+    ++all.count;
+    all.EI_Nm2 += one.point.EI_Nm2;
+    all.modulus_Pa += bending_modulus(campaign, one).value;
+  }
+  if (all.count < 2) return;
+  const auto count = static_cast<double>(all.count);
+  all.EI_Nm2 /= count, all.modulus_Pa /= count;
+  for (const auto& one : result.points) {
+    if (one.usable()) squares += std::pow(one.point.EI_Nm2 / all.EI_Nm2 - 1, 2);
+  }
+  all.relative_scatter = std::sqrt(squares / (count - 1));
+  result.specimens = all;
+}
+
+}  // namespace
+
+signal::Estimate bending_modulus(const BendingCampaign& campaign, const BendingPoint& point) {
+  const auto& I = campaign.second_moment_m4;
+  if (!(I.value > 0) || !point.usable() || !(point.point.EI_Nm2 > 0)) return {};
+  const double modulus = point.point.EI_Nm2 / I.value;
+  return {modulus, modulus * std::hypot(point.point.std / point.point.EI_Nm2,
+                                        std::isfinite(I.std) ? I.std / I.value : 0)};
+}
+
+double shared_relative_std(const BendingTestResult& test, const BendingTestOptions& options) {
+  if (test.refused) return 0;
+  const auto& EI = test.stiffness;
+  const double span = options.span_m.value > 0 ? options.span_m.std / options.span_m.value : 0;
+  const double shared =
+      std::sqrt(std::pow(EI.log_sensitivity_span * span, 2) +
+                std::pow(EI.log_sensitivity_compliance, 2) *
+                    (std::pow(options.load_calibration_std, 2) +
+                     std::pow(options.deflection_calibration_std, 2)) +
+                std::pow(EI.log_sensitivity_tension * options.tension_calibration_std, 2));
+  return std::isfinite(shared) ? shared : 0;
+}
+
+BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) {
+  BendingCampaignResult result;
+  for (std::size_t k = 0; k < campaign.sources.size(); ++k) {
+    const auto& source = campaign.sources[k];
+    if (source.values.empty()) {
+      add_record(source, k, campaign.test, result.points);
+    } else {
+      add_values(source, k, result.points);
+    }
+  }
+  std::stable_sort(result.points.begin(), result.points.end(), [](const auto& a, const auto& b) {
+    const bool known = std::isfinite(a.point.tension_N);
+    if (known != std::isfinite(b.point.tension_N)) return known;
+    return a.point.tension_N < b.point.tension_N;
+  });
+  name_exact_inputs(campaign.test, result);
+  suspect_lengths(campaign, result);
+  if (campaign.test.ends != BeamEnds::tensioned) {
+    gather_specimens(campaign, result);
+    return result;
+  }
+  std::vector<StiffnessPoint> points;
+  for (const auto& one : result.points) {
+    if (one.usable()) points.push_back(one.point);
+  }
+  name_spread_of_tension(points, result);
+  StiffnessLawOptions options;
+  options.assumed_relative_std = campaign.assumed_relative_std;
+  if (campaign.strand) {
+    result.bounds = options.bounds = stiffness_bounds(*campaign.strand);
+    for (const auto& point : points) {
+      if (point.EI_Nm2 >= result.bounds->EI_min_Nm2 && point.EI_Nm2 <= result.bounds->EI_max_Nm2) {
+        continue;
+      }
+      result.findings.push_back(
+          {"outside_bounds",
+           fmt::format("EI = {:.4g} N m2 at {:.4g} N lies outside what the strand's "
+                       "geometry allows",
+                       point.EI_Nm2, point.tension_N),
+           false});
+    }
+  }
+  result.curve = StiffnessCurve(std::move(points), options);
+  return result;
+}
+
+}  // namespace rigfit::ident

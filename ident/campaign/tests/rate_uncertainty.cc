@@ -1,0 +1,61 @@
+#include "ident/campaign/tests/rate_uncertainty.h"
+
+#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace rigfit::ident {
+
+void add_rate_uncertainty(double relative_std, signal::Estimate& frequency_hz,
+                          signal::Interval* interval_95_hz) {
+  const double more = relative_std * frequency_hz.value;
+  frequency_hz.std = std::hypot(frequency_hz.std, more);
+  if (interval_95_hz == nullptr) return;
+  const double half = gsl_cdf_ugaussian_Pinv(0.975) * more;
+  interval_95_hz->low =
+      frequency_hz.value - std::hypot(frequency_hz.value - interval_95_hz->low, half);
+  interval_95_hz->high =
+      frequency_hz.value + std::hypot(interval_95_hz->high - frequency_hz.value, half);
+}
+
+void add_rate_uncertainty(double relative_std, signal::ModalModel& model) {
+  const auto modes = static_cast<Eigen::Index>(model.modes.size());
+  Eigen::VectorXd by_rate = Eigen::VectorXd::Zero(2 * modes);
+  for (Eigen::Index r = 0; r < modes; ++r) {
+    auto& mode = model.modes[static_cast<std::size_t>(r)];
+    by_rate[2 * r] = relative_std * mode.frequency_hz.value;
+    add_rate_uncertainty(relative_std, mode.frequency_hz);
+    for (auto& point : mode.points) add_rate_uncertainty(relative_std, point.frequency_hz);
+  }
+  if (model.pole_covariance.rows() == by_rate.size()) {
+    model.pole_covariance += by_rate * by_rate.transpose();
+  }
+}
+
+std::optional<Finding> rate_finding(double relative_std, double frequency_hz, double own_std_hz,
+                                    std::string where) {
+  if (!(relative_std * frequency_hz > 0.1 * own_std_hz)) return std::nullopt;
+  return Finding{
+      "rate_uncertainty",
+      fmt::format("the sample rate is known to {:.2g} %: {:.2g} Hz of the first frequency; it is "
+                  "in the standard uncertainties of what follows from the frequencies",
+                  100 * relative_std, relative_std * frequency_hz),
+      std::move(where), false};
+}
+
+signal::Estimate mass_with_rate(signal::Estimate mass, double relative_std) {
+  const double own = std::isfinite(mass.std) ? mass.std : 0;
+  return {mass.value, std::hypot(own, 2 * relative_std * mass.value)};
+}
+
+std::pair<double, double> parts_of_mass(double contribution, signal::Estimate mass,
+                                        double relative_std) {
+  const double own = std::isfinite(mass.std) ? mass.std : 0, rate = 2 * relative_std * mass.value;
+  const double whole = std::hypot(own, rate);
+  if (!(whole > 0)) return {contribution, 0};
+  return {contribution * own / whole, contribution * rate / whole};
+}
+
+}  // namespace rigfit::ident

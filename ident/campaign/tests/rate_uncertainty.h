@@ -1,0 +1,44 @@
+// What a sample rate known only to a relative standard uncertainty e (signal::Recording::
+// sample_rate_relative_std: its step is printed with few digits) means for what follows from it.
+// The rate scales every frequency of its recordings alike:
+//
+//   u(f)^2 = u0(f)^2 + (e f)^2      common to all frequencies
+//   omega^2 M: e of the rate is 2 e of the mass
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "ident/campaign/tests/finding.h"
+#include "signal/modes/modal_model.h"
+#include "signal/numerics/estimate.h"
+
+namespace rigfit::ident {
+
+/// Adds e to a frequency and, half by half, to its 95 % interval; null: none.
+void add_rate_uncertainty(double relative_std, signal::Estimate& frequency_hz,
+                          signal::Interval* interval_95_hz = nullptr);
+
+/// The same of the modes' frequencies, those at their points and the covariance of the poles, where
+/// it couples all frequencies.
+void add_rate_uncertainty(double relative_std, signal::ModalModel& model);
+
+/// "rate_uncertainty", where it adds half a percent and more to a frequency's own standard
+/// uncertainty; `where`: as of a Finding.
+[[nodiscard]] std::optional<Finding> rate_finding(double relative_std, double frequency_hz,
+                                                  double own_std_hz, std::string where);
+
+/// A mass per length, or a mass, that carries the rate's uncertainty in place of the frequencies.
+[[nodiscard]] signal::Estimate mass_with_rate(signal::Estimate mass, double relative_std);
+
+/// What `mass_with_rate` stands for in a contribution of that mass: the mass's own part and the
+/// rate's; their squares add up to that of the whole.
+[[nodiscard]] std::pair<double, double> parts_of_mass(double contribution, signal::Estimate mass,
+                                                      double relative_std);
+
+/// Name of the rate in a budget.
+inline constexpr std::string_view kRateSource = "sample rate";
+
+}  // namespace rigfit::ident

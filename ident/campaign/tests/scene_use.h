@@ -1,0 +1,48 @@
+// What the scene of a test takes from the tests made before it: EI at the tension of a state, EA
+// and the damping ratio of an axial test, each with what it is known to.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/stiffness/stiffness_curve.h"
+#include "ident/update/problem/update_data.h"
+#include "model/scene/scene.h"
+
+namespace rigfit::ident {
+
+struct KnownValues {
+  StiffnessCurve EI;  ///< empty: no bending test
+  std::optional<AxialKnowledge> axial;
+};
+
+/// A scene and its parameters (such as "cable.EI") that take a state's tension and known values.
+struct SceneUse {
+  model::Scene scene;
+  std::vector<std::string> tension_of, EI_of, EA_of, damping_of;
+};
+
+/// The scene that stands for the rig at a tension (empty: as built).
+struct SceneOfState {
+  model::Scene scene;
+  std::optional<double> EI_Nm2;  ///< where a bending test gave it
+};
+/// Throws model::SceneError for a parameter that the scene does not have.
+[[nodiscard]] SceneOfState scene_at(const SceneUse& use, const KnownValues& known,
+                                    std::optional<double> tension_N);
+
+/// State `state` of a fit, at that tension.
+struct StateUse {
+  int state = 0;
+  const SceneUse* use = nullptr;
+  std::optional<double> tension_N;
+};
+
+/// What EI, EA and damping of these states are known to, as inputs of a fit: each source moves all
+/// states together.
+[[nodiscard]] std::vector<UncertainInput> known_inputs(const KnownValues& known,
+                                                       const std::vector<StateUse>& states);
+
+}  // namespace rigfit::ident

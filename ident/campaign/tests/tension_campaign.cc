@@ -1,0 +1,149 @@
+#include "ident/campaign/tests/tension_campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ident/campaign/tests/rate_uncertainty.h"
+
+namespace rigfit::ident {
+namespace {
+
+/// What is said of the tones of a channel.
+void add_tones(const signal::SpectralPeaks& found, std::size_t index, const std::string& channel,
+               const std::string& where, TensionCampaignResult& campaign) {
+  std::string left_out, possible;
+  for (const auto& tone : found.tones) {
+    campaign.tones.push_back({index, channel, tone});
+    left_out += fmt::format("{}{:.5g}", left_out.empty() ? "" : ", ", tone.frequency_hz);
+    if (tone.reach_hz > 0) left_out += fmt::format(" (it wanders: +-{:.2g})", tone.reach_hz);
+  }
+  for (const auto& peak : found.peaks) {
+    if (!peak.undecided) continue;
+    possible += fmt::format("{}{:.5g}", possible.empty() ? "" : ", ", peak.frequency_hz.value);
+  }
+  auto& findings = campaign.result.findings;
+  if (!left_out.empty()) {
+    findings.push_back(
+        {"steady_tone",
+         fmt::format("{} Hz: the amplitude is constant as that of no resonance which "
+                     "noise drives (mains hum, a machine): left out",
+                     left_out),
+         where, false});
+  }
+  if (!possible.empty()) {
+    findings.push_back(
+        {"possible_tone",
+         fmt::format("{} Hz: a steady tone or a mode of little damping, which this "
+                     "record cannot tell apart: taken as a mode; a longer record, or "
+                     "--band, decides",
+                     possible),
+         where, false});
+  }
+}
+
+void add_peaks(const TensionInputs& inputs, std::size_t index, TensionCampaignResult& campaign) {
+  const auto& [name, recording] = inputs.recordings[index];
+  signal::SpectralPeakOptions options;
+  if (inputs.band_high_hz > 0) {
+    options.low_hz = inputs.band_low_hz;
+    options.high_hz = inputs.band_high_hz;
+  }
+  options.max_peaks = inputs.max_peaks;
+  for (const auto& asked : inputs.channels) {
+    const bool there = std::any_of(recording.channels.begin(), recording.channels.end(),
+                                   [&asked](const auto& channel) { return channel.name == asked; });
+    if (!there) {
+      campaign.result.findings.push_back({"channel", "no channel \"" + asked + "\"", name, true});
+    }
+  }
+  for (const auto& channel : recording.channels) {
+    const auto& asked = inputs.channels;
+    if (!asked.empty() && std::find(asked.begin(), asked.end(), channel.name) == asked.end()) {
+      continue;
+    }
+    signal::SpectralPeaks found;
+    try {
+      found = signal::spectral_peaks(channel.samples, recording.sample_rate_hz, options);
+    } catch (const std::invalid_argument& error) {
+      found.reason = error.what();
+    }
+    for (const auto& peak : found.peaks) {
+      MeasuredMode mode;
+      mode.frequency_hz = peak.frequency_hz;
+      mode.plane = inputs.plane;
+      campaign.modes.push_back(std::move(mode));
+      campaign.peaks.push_back({index, channel.name, peak});
+    }
+    add_tones(found, index, channel.name, name + ": " + channel.name, campaign);
+    if (found.peaks.empty()) {
+      campaign.result.findings.push_back(
+          {"no_peaks", found.reason, name + ": " + channel.name, false});
+    }
+  }
+}
+
+/// The cable's mass carries the uncertainty of the rate; the budget parts them again.
+void part_tension_budget(const signal::Estimate& mass, double rate_relative_std,
+                         TensionResult& result) {
+  const auto part = [&](std::vector<UpdateBudgetTerm>& budget) {
+    for (auto& term : budget) {
+      if (term.source != "mass per length") continue;
+      const auto [own, rate] = parts_of_mass(term.std, mass, rate_relative_std);
+      term.std = own;
+      budget.push_back({std::string(kRateSource), rate});
+      break;
+    }
+    std::erase_if(budget, [](const auto& term) { return term.std == 0; });
+  };
+  part(result.budget);
+  for (auto& candidate : result.candidates) part(candidate.budget);
+}
+
+}  // namespace
+
+TensionCampaignResult tension_campaign(const TensionInputs& inputs) {
+  TensionCampaignResult campaign;
+  for (std::size_t i = 0; i < inputs.recordings.size(); ++i) add_peaks(inputs, i, campaign);
+  campaign.modes.insert(campaign.modes.end(), inputs.test.modes.begin(), inputs.test.modes.end());
+  // Damping says nothing about the tension.
+  for (auto& mode : campaign.modes) mode.damping_ratio = {std::nan(""), std::nan("")};
+  campaign.modes = merged_modes(std::move(campaign.modes));
+  auto before = std::move(campaign.result.findings);
+  if (campaign.modes.empty()) {
+    campaign.result.name = inputs.test.name;
+    campaign.result.tension.message =
+        "no peak stands out of the noise: nothing to find a tension from";
+    campaign.result.findings = {
+        {"no_tension", campaign.result.tension.message, inputs.test.name, true}};
+  } else {
+    auto test = inputs.test;
+    test.modes = campaign.modes;
+    double rate_relative_std = 0;
+    for (const auto& one : inputs.recordings) {
+      rate_relative_std = std::max(rate_relative_std, one.recording.sample_rate_relative_std);
+    }
+    const auto mass = test.cable.mass_per_length;
+    if (rate_relative_std > 0) {
+      test.cable.mass_per_length = mass_with_rate(mass, rate_relative_std);
+    }
+    campaign.result = analyse_cable_test(test);
+    if (rate_relative_std > 0) {
+      part_tension_budget(mass, rate_relative_std, campaign.result.tension);
+      const auto& first = campaign.modes.front().frequency_hz;
+      if (auto said = rate_finding(rate_relative_std, first.value, first.std, inputs.test.name)) {
+        campaign.result.findings.push_back(std::move(*said));
+      }
+    }
+  }
+  auto& findings = campaign.result.findings;
+  findings.insert(findings.begin(), before.begin(), before.end());
+  return campaign;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,57 @@
+// The tension of a cable from recordings of its motion, from frequencies measured otherwise, or
+// from both: peaks of the recordings' spectra, those that agree merged, and the tension that
+// explains them. The verb `tension` and the report call this, so that their numbers are the same.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ident/campaign/tests/tension_test.h"
+#include "signal/recording/recording.h"
+#include "signal/spectra/spectral_peaks.h"
+
+namespace rigfit::ident {
+
+struct TensionRecording {
+  std::string name;  ///< for messages
+  signal::Recording recording;
+};
+
+struct TensionInputs {
+  CableTest test;  ///< its modes: measured otherwise, may be none
+  std::vector<TensionRecording> recordings = {};
+  std::vector<std::string> channels = {};  ///< empty: all
+  double band_low_hz = 0;
+  double band_high_hz = 0;                               ///< 0: to the end
+  int max_peaks = 12;                                    ///< a channel
+  std::optional<model::ModePlane> plane = std::nullopt;  ///< of the recorded motion
+};
+
+struct TensionPeak {
+  std::size_t recording = 0;  ///< index of the inputs' recordings
+  std::string channel;
+  signal::SpectralPeak peak;
+};
+
+/// A tone of constant amplitude, left out of the peaks.
+struct TensionTone {
+  std::size_t recording = 0;  ///< index of the inputs' recordings
+  std::string channel;
+  signal::SteadyTone tone;
+};
+
+struct TensionCampaignResult {
+  std::vector<TensionPeak> peaks;   ///< in the order of recordings and channels
+  std::vector<TensionTone> tones;   ///< in the order of recordings and channels
+  std::vector<MeasuredMode> modes;  ///< what the tension is found from, merged
+  /// `tension.solved` false: see its message. Warnings: "no_peaks",
+  /// "steady_tone", "possible_tone" and those of tension_findings.
+  CableTestResult result;
+};
+
+/// Throws nothing for what recordings hold; what makes no sense is a refusal in the findings.
+[[nodiscard]] TensionCampaignResult tension_campaign(const TensionInputs& inputs);
+
+}  // namespace rigfit::ident

@@ -1,0 +1,83 @@
+#include "ident/campaign/tests/tension_test.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <utility>
+
+#include "ident/statistics/in_parallel.h"
+#include "ident/statistics/probability_text.h"
+
+namespace rigfit::ident {
+
+CableTestResult analyse_cable_test(const CableTest& test) {
+  CableTestResult result;
+  result.name = test.name;
+  try {
+    result.tension = identify_tension(test.cable, test.modes, test.options);
+  } catch (const std::invalid_argument& error) {
+    result.tension.message = error.what();
+  }
+  if (!result.tension.solved) {
+    result.findings.push_back({"no_tension", result.tension.message, test.name, true});
+    return result;
+  }
+  result.findings = tension_findings(result.tension, test.cable);
+  for (auto& finding : result.findings) finding.where = test.name;
+  return result;
+}
+
+std::vector<CableTestResult> analyse_cable_tests(const std::vector<CableTest>& tests, int threads) {
+  std::vector<CableTestResult> results(tests.size());
+  in_parallel(tests.size(), threads,
+              [&](std::size_t i) { results[i] = analyse_cable_test(tests[i]); });
+  return results;
+}
+
+std::vector<Finding> tension_findings(const TensionResult& result, const CableDescription& cable) {
+  std::vector<Finding> findings;
+  const auto warn = [&](const char* code, std::string message) {
+    findings.push_back({code, std::move(message), "", false});
+  };
+  const auto& best = result.candidates.front();
+  if (best.fit.ruled_out()) {
+    warn("model_ruled_out",
+         fmt::format("chi-square {:.4g} for {:.3g} degrees of freedom ({}): the frequencies do "
+                     "not agree with the best model within their uncertainties",
+                     best.fit.chi2, best.fit.degrees_of_freedom, p_text(best.fit.p_value)));
+  }
+  if (result.EA_assumed) {
+    warn("EA_assumed",
+         "no EA: a strain of 0.001 is taken, within a factor of 2 or so; it matters where the sag "
+         "does");
+  }
+  if (result.EI_assumed) {
+    warn("EI_assumed",
+         "no EI, and fewer than three frequencies cannot tell it: L sqrt(T / EI) anywhere in 2 to "
+         "2000 is part of the interval");
+  }
+  if (result.large_sag) {
+    warn("deep_sag_not_corrected",
+         "the segment model has no equilibrium at the best tension: the closed forms of a shallow "
+         "cable stand alone");
+  }
+  if (result.mass_reference_matters) {
+    warn("mass_reference_unknown",
+         "whether the mass per length is that of the installed or of the unstretched cable matters "
+         "here: say mass_of");
+  }
+  if (cable.length_m.std == 0 || cable.mass_per_length.std == 0) {
+    warn("exact_inputs",
+         "length or mass per length is taken as exact: give its standard uncertainty to count it "
+         "(1 % of length is 2 % of tension)");
+  }
+  if (!result.decided) {
+    findings.push_back({"not_decided",
+                        "the frequencies do not decide which modes they are: no order has 90 % of "
+                        "the weight; a further frequency, EI or the kind of ends can",
+                        "", true});
+  }
+  return findings;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,68 @@
+// Which modelled mode is which measured one, as a probability.
+//
+// A test that looked at a band of frequencies sees a modelled mode j with the probability
+//
+//   P_j = (1 - missed) (leaked + (1 - leaked) v_j)
+//
+// with v_j in 0..1 the visibility from the test's driving and response points, 0 for a mode of the
+// other plane. The logarithm of the likelihood of an assignment is the sum of
+//
+//   pair (i, j):        ln (1 - false) + ln P_j + ln N(ln(f_j / f_i); 0, s_i) [+ ln p(MAC_ij)]
+//   measured, unpaired: ln false, the density of false modes over ln f
+//   modelled, unpaired: ln (1 - P_j) inside the band; outside of it nobody looked
+//
+// with p(MAC) = exp(-(1 - MAC) / m) / (m (1 - exp(-1 / m))) for the right shape and 1 for a wrong
+// one. The assignment of the largest likelihood comes from the Hungarian method. The band goes from
+// 0 (or from where the test began) to the highest measured mode: a modal test begins at the lowest
+// modes, so that a model with visible modes below all measured ones is charged for them. A model
+// that is too soft has many such modes.
+// Sources: Bar-Shalom and Fortmann, Tracking and Data Association, 1988, ch. 9; Beck and
+// Katafygiotis, J. Eng. Mech. 124 (1998) 455.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "ident/update/pairing/mode_pairing.h"
+
+namespace rigfit::ident {
+
+struct AssignmentOptions {
+  double missed = 0.1;       ///< probability that a test misses a mode that it can see
+  double false_mode = 0.05;  ///< probability that a measured mode is none of the structure's
+  /// Probability that a mode shows up all the same that the test cannot see: of the other plane, or
+  /// with its nodes at the points of the test.
+  double leaked = 0.1;
+  /// Response over the strongest mode's in the band that is half visible (a dynamic range of 30
+  /// dB).
+  double visible_ratio = 0.03;
+  double mac_scale = 0.2;  ///< m above
+};
+
+/// A mode that a test should have seen, had the structure it.
+struct MissedMode {
+  int model = 0;           ///< index
+  double probability = 0;  ///< of being seen
+};
+
+struct ModeAssignment {
+  std::vector<ModePair> pairs;  ///< by measured index
+  std::vector<int> unpaired_measured;
+  std::vector<MissedMode> missed;  ///< inside the band, probability 1/2 or more
+  double log_likelihood = 0;       ///< of all below together
+  /// Its parts: pairs without their normal densities, false modes, missed modes.
+  double log_detected = 0, log_false = 0, log_missed = 0;
+};
+
+/// `relative_std`: of each measured frequency, the model's error included. `band_hz`: what the test
+/// looked at; none: from 0 to its highest measured mode. `PairingMode::visibility` of modelled
+/// modes is a response amplitude of any unit; all 0 within a test's plane: not known, all visible.
+[[nodiscard]] ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
+                                          const std::vector<double>& relative_std,
+                                          const std::vector<PairingMode>& modelled,
+                                          const std::optional<std::pair<double, double>>& band_hz,
+                                          const AssignmentOptions& options, double factor = 1);
+
+}  // namespace rigfit::ident

@@ -1,0 +1,51 @@
+#include "ident/update/problem/update_coordinate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace rigfit::ident {
+
+double UpdateCoordinate::value(double q) const { return logarithmic ? std::exp(q) : q * scale; }
+double UpdateCoordinate::derivative(double q) const { return logarithmic ? std::exp(q) : scale; }
+double UpdateCoordinate::coordinate(double v) const {
+  return logarithmic ? std::log(v) : v / scale;
+}
+
+bool may_be_negative(const std::string& name) {
+  if (name == "load_cell.zero" || name == "temperature_change") return true;
+  const auto dot = name.rfind('.');
+  if (dot == std::string::npos) return false;
+  const std::string last = name.substr(dot + 1);
+  return last == "x" || last == "y" || last == "z" || last == "stretch" ||
+         last.starts_with("direction_");
+}
+
+bool is_joint_damper(const std::string& name) {
+  return name.ends_with(".damping_axial") || name.ends_with(".damping_bending") ||
+         name.ends_with(".damping_torsion");
+}
+
+double scale_at_zero(const model::Scene& scene, const std::string& name) {
+  if (name == "load_cell.zero") {
+    double tension = 0;
+    for (const auto& member : scene.members)
+      tension = std::max(tension, member.tension.value_or(0));
+    return 0.01 * tension;
+  }
+  double mass = 0;
+  for (const auto& member : scene.members) {
+    double length = 0;
+    std::vector<Eigen::Vector3d> ends;
+    for (const auto& node : scene.nodes) {
+      if (node.name == member.nodes[0] || node.name == member.nodes[1]) {
+        ends.push_back(node.position);
+      }
+    }
+    if (ends.size() == 2) length = (ends[1] - ends[0]).norm();
+    mass += member.mass_per_length * length;
+  }
+  return name.ends_with(".mass") && mass > 0 ? 0.01 * mass : 1;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,99 @@
+// What an update is given: free parameters, what is taken as known with its uncertainty, and what
+// was measured in each state of the rig.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/linear/modal_analysis.h"
+#include "model/scene/force_history.h"
+#include "signal/numerics/estimate.h"
+
+namespace rigfit::ident {
+
+struct FreeParameter {
+  std::string name;  ///< for people and results
+  /// Scene parameters (see model::parameter) that all take this value; empty: `name` itself.
+  std::vector<std::string> targets = {};
+  /// What each target is of the value, such as -1 for the other end of a symmetric rig; empty: 1.
+  std::vector<double> factors = {};
+  bool per_state = false;                                ///< a value of its own in every state
+  std::optional<double> start = std::nullopt;            ///< else as the scene has it
+  std::optional<signal::Estimate> prior = std::nullopt;  ///< from a test before
+  /// Without `prior`: one at the scene's own value, in each state where it is `per_state`, such as
+  /// a load cell's reading; relative standard uncertainty, 0: none.
+  double prior_relative_std = 0;
+  double low = -std::numeric_limits<double>::infinity();  ///< bounds; positive ones stay so anyway
+  double high = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] double factor(std::size_t target) const {
+    return target < factors.size() ? factors[target] : 1;
+  }
+};
+
+/// A number that the fit takes as known: a load cell's reading, a length, a mass, an EI from a
+/// bending test. It moves numbers of the scenes, one standard uncertainty of it by `change`.
+struct UncertainInput {
+  struct Effect {
+    int state = 0;
+    std::string target;  ///< scene parameter; one that is fitted is not moved
+    double change = 0;   ///< by one standard uncertainty
+  };
+  std::string name;
+  std::vector<Effect> effects = {};
+};
+
+struct MeasuredMode {
+  signal::Estimate frequency_hz;                         ///< std not finite: unknown
+  signal::Estimate damping_ratio;                        ///< value not finite: not measured
+  std::optional<model::ModePlane> plane = std::nullopt;  ///< of the test
+  Eigen::VectorXcd shape = {};  ///< at the scene's sensors, in their order; empty: not measured
+};
+
+/// One measured FRF, from a load of the scene to a sensor of it, in the sensor's quantity per N.
+struct MeasuredFrf {
+  std::size_t sensor = 0, load = 0;  ///< of the scene, in its order
+  Eigen::VectorXd frequency_hz;      ///< positive
+  Eigen::VectorXcd H;
+  Eigen::VectorXd std = {};  ///< of the real and of the imaginary part; empty: unknown
+  /// Of an exponential window shared by force and response: the model is taken at
+  /// s = i omega + this (model/frfs/frf_synthesis.h), so that its own damping is what is fitted.
+  double decay_rate_1_s = 0;
+  /// Neighbouring lines share their noise under a window: so many of them count as one
+  /// (`lines_per_independent` below).
+  double lines_per_independent = 1;
+};
+
+/// Noise bandwidth of the window exp(-a t) over a block of duration T, in lines of 1/T:
+/// (a T / 2) coth(a T / 2). Source: F. J. Harris, Proc. IEEE 66 (1978)
+/// 51-83, equivalent noise bandwidth.
+[[nodiscard]] double lines_per_independent(double decay_rate_1_s, double line_spacing_hz);
+
+/// What sensors recorded while the scene's own loads acted, from t = 0 of the loads on.
+struct MeasuredHistory {
+  std::vector<std::size_t> sensors;  ///< of the scene, one a column
+  double rate_hz = 0;
+  Eigen::MatrixXd samples;   ///< rows (0, 1/rate, ...) x sensors, SI; NaN: not recorded
+  Eigen::VectorXd std = {};  ///< of a sample, one a sensor; empty: unknown
+  std::vector<model::ForceHistory> records = {};  ///< by load of the scene; for kind `record`
+};
+
+/// The rig in one state: its scene as known before, and what was measured.
+struct UpdateState {
+  std::string name;
+  model::Scene scene;
+  std::vector<MeasuredMode> measured;
+  std::vector<MeasuredFrf> frfs = {};
+  std::vector<MeasuredHistory> histories = {};
+  /// The modes were found in these FRFs or histories: they lead the fit near and are listed, but do
+  /// not count a second time.
+  bool modes_lead_only = false;
+  /// Band that the test of `measured` looked at; none: from 0 to the highest measured mode.
+  std::optional<std::pair<double, double>> band_hz = std::nullopt;
+};
+
+}  // namespace rigfit::ident

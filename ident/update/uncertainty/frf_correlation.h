@@ -1,0 +1,42 @@
+// Lines of FRFs that err together, and what that does to the parameters.
+//
+// The noise that a force window leaves, the smallest part of a place that is not taken out and a
+// model that is a little off move neighbouring lines alike, and all responses of a load. With z_k
+// the complex residual of line k (over its standard deviation), of what is left after the fit
+//   R_l = mean Re(conj(z_k) z_(k+l)) / 2
+// of each FRF with itself, and with the others of the same load. For the probability of the misfit
+// lines count as one by the integrated autocorrelation time t = 1 + 2 sum_l R_l / R_0, up to the
+// first R_l / R_0 below 2 / sqrt(lines) (Bartlett's effective number of samples). A parameter feels
+// the correlation only as far as its derivatives reach, which is the width of a resonance: its
+// variance is that of the sandwich
+//   B M B,  B = (J' J)^-1,  M = sum_(k, l) J_k' R_l J_(k+l),
+// with the same R_l, or with M the sum of s_g s_g', s_g = J' r of blocks of 2 t lines of all
+// responses of a load, where that is larger: what is left over is no stationary noise where a small
+// signal of another direction stands beside an antiresonance. Sources: Bartlett, J. R. Stat. Soc.
+// 98 (1935) 536; White, Econometrica 48 (1980) 817; Liang and Zeger, Biometrika 73 (1986) 13. For
+// the update and its checks, not for users.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "ident/update/problem/update_problem.h"
+
+namespace rigfit::ident {
+
+/// t of the residuals r of the problem's FRFs, 1 or more; 1 without FRFs.
+[[nodiscard]] double correlated_lines_of(const UpdateProblem& problem,
+                                         const std::vector<UpdateMatch>& matches,
+                                         const Eigen::VectorXd& r);
+
+/// The largest ratio of a coordinate's variance to that in B, at q with its residuals and
+/// derivatives: of B M B, of R_0 t B, and of the squared step to the estimate that takes no shared
+/// source out of its residuals, where that is larger than its variance, that of the less exact
+/// estimate less that of this one, explains (5 %): then something else is shared than the sources
+/// (Hausman, Econometrica 46 (1978) 1251). 0 without FRFs.
+[[nodiscard]] double correlated_variance_factor(const UpdateProblem& problem,
+                                                const std::vector<UpdateMatch>& matches,
+                                                const Eigen::VectorXd& q, const Eigen::VectorXd& r,
+                                                const Eigen::MatrixXd& J);
+
+}  // namespace rigfit::ident

@@ -1,0 +1,254 @@
+// Hold-out, Monte Carlo and profile intervals of the update.
+#include "ident/update/update_checks.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <random>
+#include <thread>
+
+#include "ident/statistics/in_parallel.h"
+#include "ident/update/problem/update_solver.h"
+#include "ident/update/uncertainty/update_intervals.h"
+#include "ident/update/uncertainty/update_segments.h"
+#include "ident/update/uncertainty/update_uncertainty.h"
+#include "signal/numerics/numbers.h"
+
+namespace rigfit::ident {
+namespace {
+
+using signal::kNaN;
+
+// Of each row of values (rows x samples): mean, standard deviation, central 95 % interval.
+struct Spread {
+  Eigen::VectorXd mean, std, low, high;
+};
+Spread spread_of(const Eigen::MatrixXd& values) {
+  Spread spread;
+  const double samples = static_cast<double>(values.cols());
+  spread.mean = values.rowwise().mean();
+  spread.std =
+      ((values.colwise() - spread.mean).rowwise().squaredNorm() / (samples - 1)).cwiseSqrt();
+  spread.low.resize(values.rows()), spread.high.resize(values.rows());
+  for (Eigen::Index j = 0; j < values.rows(); ++j) {
+    Eigen::VectorXd sorted = values.row(j);
+    std::sort(sorted.begin(), sorted.end());
+    const auto at = [&](double p) {
+      return sorted[static_cast<Eigen::Index>(std::lround(p * (samples - 1)))];
+    };
+    spread.low[j] = at(0.025);
+    spread.high[j] = at(0.975);
+  }
+  return spread;
+}
+
+// Frequencies of the matches; false when the model lacks one.
+bool frequencies_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                    const Eigen::VectorXd& q, Eigen::VectorXd& frequencies) {
+  frequencies.resize(static_cast<Eigen::Index>(matches.size()));
+  const bool leakage = std::any_of(matches.begin(), matches.end(),
+                                   [](const auto& match) { return match.cross_plane; });
+  int current = -1;
+  UpdateStateModes modelled;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    const auto& match = matches[i];
+    if (match.state != current) {
+      modelled = problem.modes(match.state, q, false, leakage ? nullptr : &matches);
+    }
+    current = match.state;
+    const auto* mode = modelled.find(match.plane, match.order);
+    if (mode == nullptr) return false;
+    frequencies[static_cast<Eigen::Index>(i)] = mode->frequency_hz;
+  }
+  return true;
+}
+
+std::vector<UpdateMatch> matches_of(const UpdateResult& solution) {
+  std::vector<UpdateMatch> matches;
+  for (const auto& pair : solution.pairs) {
+    matches.push_back(
+        {pair.state, pair.measured, pair.plane, pair.order, pair.mac, pair.cross_plane});
+  }
+  return matches;
+}
+
+}  // namespace
+
+std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
+                                   const std::vector<FreeParameter>& free,
+                                   const UpdateOptions& options) {
+  std::vector<HeldOut> result(states.size());
+  in_parallel(states.size(), options.threads, [&](std::size_t index) {
+    const int s = static_cast<int>(index);
+    HeldOut& held = result[index];
+    held.state = s;
+    held.rms_fitted = held.rms_predicted = held.rms_before = kNaN;
+    held.frf_fitted = held.frf_predicted = held.frf_before = kNaN;
+    const UpdateProblem problem(states, free, options, s);
+    const UpdateResult fitted = update_result(problem, options);
+    held.status = fitted.status;
+    std::string failure;
+    const auto before = problem.match(problem.start(), 1, failure, s);
+    if (failure.empty())
+      held.rms_before = rms_of_pairs(problem.pairs(problem.start(), before.matches));
+    if (problem.has_frfs()) held.frf_before = problem.rms_log_frf_error(problem.start(), s);
+    if (fitted.coordinates.size() > 0) {
+      held.frf_fitted = fitted.rms_log_frf_error;
+      held.rms_fitted = fitted.rms_relative_error;
+      // Its own values, where a parameter has one a state, stay as they were known before.
+      Eigen::VectorXd q = fitted.coordinates;
+      for (Eigen::Index j = 0; j < q.size(); ++j) {
+        const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+        if (coordinate.state == s) q[j] = coordinate.start;
+      }
+      held.scene = problem.scene_at(s, q);
+      const UpdateProblem solved = as_solved(problem, options, fitted, q);
+      if (problem.has_frfs()) held.frf_predicted = solved.rms_log_frf_error(q, s);
+      failure.clear();
+      const auto after = solved.match(q, 1, failure, s);
+      if (failure.empty()) {
+        held.pairs = solved.pairs(q, after.matches);
+        held.rms_predicted = rms_of_pairs(held.pairs);
+        state_prediction_uncertainty(solved, options, fitted, q, s, held.pairs);
+      }
+    }
+  });
+  return result;
+}
+
+UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
+                                    const std::vector<UpdateState>& states,
+                                    const std::vector<FreeParameter>& free,
+                                    const UpdateOptions& options, int samples,
+                                    const std::function<void()>& progress) {
+  UpdateMonteCarlo result;
+  const auto n = solution.coordinates.size();
+  if (n == 0) return result;
+  const std::vector<UpdateMatch> matches = matches_of(solution);
+  const UpdateProblem solved =
+      as_solved(UpdateProblem(states, free, options), options, solution, solution.coordinates);
+  // The truth of the experiment is the fitted model: what was measured is drawn about it.
+  const double spread = std::sqrt(solution.variance_factor);
+  std::vector<Eigen::VectorXd> values(static_cast<std::size_t>(samples)), fitted(values.size()),
+      before(values.size());
+  std::atomic<int> next{0};
+  std::exception_ptr fault;
+  std::atomic<bool> failed{false};
+  const auto work = [&] {
+    try {
+      for (int k = next++; k < samples && !failed; k = next++) {
+        std::mt19937_64 random(options.seed * 0x9E3779B97F4A7C15ULL +
+                               static_cast<std::uint64_t>(k));
+        std::normal_distribution<double> normal;
+        UpdateProblem problem = solved;
+        for (const auto& pair : solution.pairs) {
+          const double s = spread * problem.relative_std(pair.state, pair.measured);
+          const auto& measured = states[static_cast<std::size_t>(pair.state)]
+                                     .measured[static_cast<std::size_t>(pair.measured)];
+          const double damping_std = std::isfinite(measured.damping_ratio.std)
+                                         ? measured.damping_ratio.std / measured.damping_ratio.value
+                                         : options.assumed_damping_relative_std;
+          const double frequency = pair.model_hz * std::exp(s * normal(random));
+          const double damping = pair.model_damping * std::exp(damping_std * normal(random));
+          problem.set_measured(pair.state, pair.measured, frequency, damping);
+        }
+        if (problem.has_frfs() &&
+            !problem.redraw_frfs(solution.coordinates, spread, [&] { return normal(random); })) {
+          continue;
+        }
+        if (!problem.redraw_histories(solution.coordinates, spread,
+                                      [&] { return normal(random); })) {
+          continue;
+        }
+        Eigen::VectorXd start = problem.start();
+        for (Eigen::Index j = 0; j < n; ++j) {
+          const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+          if (coordinate.prior_std > 0) {
+            const double off = coordinate.prior_std * normal(random);
+            start[j] = std::clamp(coordinate.prior + off, coordinate.low, coordinate.high);
+            problem.set_prior(j, solution.coordinates[j] + off);
+          }
+        }
+        // The data are the rig's; what is taken as known is off.
+        Eigen::VectorXd off(static_cast<Eigen::Index>(options.inputs.size()));
+        for (double& value : off) value = normal(random);
+        if (off.size() > 0) problem = problem.with_inputs(off);
+        Eigen::VectorXd q = solution.coordinates, frequencies, first;
+        double cost = 0;
+        if (minimise(problem, matches, UpdateStage::full, options, q, cost) &&
+            frequencies_of(problem, matches, q, frequencies)) {
+          if (frequencies_of(problem, matches, start, first)) {
+            before[static_cast<std::size_t>(k)] = std::move(first);
+          }
+          fitted[static_cast<std::size_t>(k)] = std::move(frequencies);
+          Eigen::VectorXd value(n);
+          for (Eigen::Index j = 0; j < n; ++j) {
+            value[j] = problem.coordinates()[static_cast<std::size_t>(j)].value(q[j]);
+          }
+          values[static_cast<std::size_t>(k)] = std::move(value);
+        }
+        if (progress) progress();
+      }
+    } catch (...) {
+      if (!failed.exchange(true)) fault = std::current_exception();
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
+  work();
+  for (auto& thread : threads) thread.join();
+  if (fault) std::rethrow_exception(fault);
+
+  const auto together = [](std::vector<Eigen::VectorXd>& columns) {
+    std::erase_if(columns, [](const auto& column) { return column.size() == 0; });
+    Eigen::MatrixXd all(columns.empty() ? 0 : columns[0].size(),
+                        static_cast<Eigen::Index>(columns.size()));
+    for (Eigen::Index k = 0; k < all.cols(); ++k) all.col(k) = columns[static_cast<std::size_t>(k)];
+    return all;
+  };
+  result.values = together(values);
+  result.samples = static_cast<int>(values.size());
+  result.failed = samples - result.samples;
+  if (result.samples < 2) return result;
+  const Spread parameters = spread_of(result.values);
+  result.mean = parameters.mean, result.std = parameters.std;
+  result.low = parameters.low, result.high = parameters.high;
+  for (auto [columns, out] : {std::pair{&fitted, &result.fitted}, {&before, &result.before}}) {
+    const Eigen::MatrixXd all = together(*columns);
+    if (all.cols() < 2 || all.rows() == 0) continue;
+    const Spread each = spread_of(all);
+    *out = {each.mean, each.std, each.low, each.high};
+  }
+  return result;
+}
+
+std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
+                                               const std::vector<UpdateState>& states,
+                                               const std::vector<FreeParameter>& free,
+                                               const UpdateOptions& options) {
+  std::vector<ProfileInterval> intervals(solution.parameters.size());
+  if (solution.coordinates.size() == 0) return intervals;
+  const UpdateProblem problem =
+      as_solved(UpdateProblem(states, free, options), options, solution, solution.coordinates);
+  const std::vector<UpdateMatch> matches = matches_of(solution);
+  double least = 0;
+  if (!robust_cost(problem, matches, UpdateStage::full, options, solution.coordinates, least)) {
+    return intervals;
+  }
+  in_parallel(solution.parameters.size(), options.threads, [&](std::size_t p) {
+    if (!solution.parameters[p].identifiable) return;
+    const auto j = static_cast<Eigen::Index>(p);
+    const auto end = [&](double direction) {
+      const double q = profile_end(problem, options, matches, solution, j, direction, least);
+      return std::isfinite(q) ? problem.coordinates()[p].value(q) : kNaN;
+    };
+    // A negative scale turns the ends round.
+    const double one = end(-1), other = end(1);
+    const bool rising = problem.coordinates()[p].derivative(solution.coordinates[j]) > 0;
+    intervals[p] = rising ? ProfileInterval{one, other} : ProfileInterval{other, one};
+  });
+  return intervals;
+}
+
+}  // namespace rigfit::ident

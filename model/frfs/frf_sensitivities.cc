@@ -1,0 +1,273 @@
+#include "model/frfs/frf_sensitivities.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "model/frfs/frf_equations.h"
+#include "model/linear/damped_modes.h"
+#include "model/linear/perturbed_equilibrium.h"
+
+namespace rigfit::model {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kEqual = 1e-9;  // relative distance of squared frequencies found to 1e-10
+
+/// The rates of one motion's equations with one parameter.
+struct EquationRates {
+  EnvelopeMatrix stiffness, mass, damping;
+  Eigen::MatrixXd sensors, loads;
+  // Modal dampers: sum_r g_r m_r m_r' has the rate sum_rs pair_rs (m_r m_s') + sum_r g_r (n_r m_r'
+  // + m_r n_r'), n_r the rate of m_r = M phi_r less what the other damped modes take of it.
+  Eigen::MatrixXd pair, normal;
+};
+
+/// What does not depend on the parameter: factors of K - omega_r^2 M, for the damped modes' rates.
+class ShapeSolver {
+ public:
+  explicit ShapeSolver(const FrfEquations& equations) : equations_(equations) {
+    const MotionModes& motion = *equations.motion;
+    factors_.resize(static_cast<std::size_t>(equations.zeta.size()));
+    EnvelopeMatrix shifted = motion.stiffness;
+    for (std::size_t r = 0; r < factors_.size(); ++r) {
+      shifted.values() =
+          motion.stiffness.values() - motion.omega2[Eigen::Index(r)] * motion.mass.values();
+      factors_[r].factor(shifted);
+    }
+  }
+
+  /// phi_r's rate outside of the damped modes' space, for the right side -(K_p - omega_r^2 M_p)
+  /// phi_r. K - omega_r^2 M is singular along phi_r alone, which the projections take out.
+  Eigen::VectorXd outside(std::size_t r, Eigen::VectorXd right) const {
+    const Eigen::MatrixXd& shapes = equations_.motion->shapes;
+    right -= equations_.dampers * (shapes.transpose() * right);
+    factors_[r].solve_in_place(right);
+    right -= shapes * (equations_.dampers.transpose() * right);
+    return right;
+  }
+
+ private:
+  const FrfEquations& equations_;
+  std::vector<EnvelopeFactor> factors_;
+};
+
+/// Of the modal ratios with the shapes alone. Shapes of close frequencies turn fast, so that they
+/// have a step of their own.
+Eigen::VectorXd turning_rate(const MotionModes& motion, const Eigen::MatrixXd& shape_rate,
+                             const ChainState& rest, const Scene& scene) {
+  const double fastest = shape_rate.cwiseAbs().maxCoeff() / motion.shapes.cwiseAbs().maxCoeff();
+  if (!(fastest > 0)) return Eigen::VectorXd::Zero(motion.omega2.size());
+  const double part = 1e-4 / fastest;
+  const auto at = [&](double factor) {
+    return modal_ratios(*motion.assembly, motion.shapes + factor * shape_rate, rest, scene);
+  };
+  return (at(part) - at(-part)) / (2 * part);
+}
+
+/// Rates of the modal dampers.
+void damper_rates(const FrfEquations& equations, const ShapeSolver& solver, const ChainState& rest,
+                  const Scene& scene, const ParameterStep& step,
+                  const std::array<PerturbedEquilibrium, 2>& rigs,
+                  const std::array<MotionModes, 2>& moved, EquationRates& rates) {
+  const MotionModes& motion = *equations.motion;
+  const Eigen::Index count = equations.zeta.size();
+  const Eigen::MatrixXd& phi = motion.shapes;
+  Eigen::MatrixXd dk_phi(phi.rows(), count), dm_phi(phi.rows(), count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const Eigen::VectorXd shape = phi.col(r);
+    dk_phi.col(r) = rates.stiffness * shape;
+    dm_phi.col(r) = rates.mass * shape;
+  }
+  const Eigen::MatrixXd k = phi.transpose() * dk_phi, m = phi.transpose() * dm_phi;
+  const Eigen::VectorXd& lambda = motion.omega2;
+  const Eigen::VectorXd lambda_rate = k.diagonal() - lambda.cwiseProduct(m.diagonal());
+
+  // Shapes to first order, for the ratios' weights by strain energy: equal frequencies share their
+  // damped space, in which they are not turned.
+  Eigen::MatrixXd shape_rate(phi.rows(), count);
+  rates.normal.resize(phi.rows(), count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const Eigen::VectorXd outside =
+        solver.outside(std::size_t(r), lambda[r] * dm_phi.col(r) - dk_phi.col(r));
+    Eigen::VectorXd inside = Eigen::VectorXd::Zero(count);
+    for (Eigen::Index s = 0; s < count; ++s) {
+      const double gap = lambda[r] - lambda[s];
+      if (s == r) {
+        inside[s] = -0.5 * m(r, r);
+      } else if (std::abs(gap) > kEqual * lambda[r]) {
+        inside[s] = (k(s, r) - lambda[r] * m(s, r)) / gap;
+      }
+    }
+    shape_rate.col(r) = outside + phi * inside;
+    rates.normal.col(r) =
+        dm_phi.col(r) + motion.mass * outside - 0.5 * m(r, r) * equations.dampers.col(r);
+  }
+  const auto ratios_on = [&](std::size_t side) {
+    return modal_ratios(*moved[side].assembly, phi, rigs[side].state, rigs[side].scene);
+  };
+  const Eigen::VectorXd zeta_rate =
+      (ratios_on(1) - ratios_on(0)) / step.width() + turning_rate(motion, shape_rate, rest, scene);
+
+  const Eigen::VectorXd omega = lambda.cwiseSqrt();
+  const Eigen::VectorXd gain = 2 * equations.zeta.cwiseProduct(omega);
+  rates.pair.setZero(count, count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    rates.pair(r, r) = 2 * zeta_rate[r] * omega[r] + equations.zeta[r] * lambda_rate[r] / omega[r];
+    for (Eigen::Index s = 0; s < r; ++s) {
+      const double gap = lambda[r] - lambda[s];
+      double value = 0;
+      if (std::abs(gap) > kEqual * lambda[r]) {
+        value = ((gain[r] - gain[s]) * k(r, s) -
+                 (gain[r] * lambda[r] - gain[s] * lambda[s]) * m(r, s)) /
+                gap;
+      } else {  // the limit for one ratio: d(2 zeta omega) / d(omega^2) = zeta / omega
+        const double slope = equations.zeta[r] / omega[r];
+        value = slope * k(r, s) - (gain[r] + slope * lambda[r]) * m(r, s);
+      }
+      rates.pair(r, s) = rates.pair(s, r) = value;
+    }
+  }
+}
+
+/// v' A u for one envelope matrix and many columns.
+void add_form(const EnvelopeMatrix& a, Complex factor, const Eigen::MatrixXcd& v,
+              const Eigen::MatrixXcd& u, Eigen::MatrixXcd& sum) {
+  for (Eigen::Index c = 0; c < u.cols(); ++c) {
+    const Eigen::VectorXd re = u.col(c).real(), im = u.col(c).imag();
+    const Eigen::VectorXd a_re = a * re, a_im = a * im;
+    sum.col(c) += factor * (v.transpose() * (a_re.cast<Complex>() + Complex(0, 1) * a_im));
+  }
+}
+
+/// By differences of FRFs synthesised anew, for what leaves the plane of symmetry. The step is
+/// wider than that at fixed unknowns: what the solvers leave is about 1e-10.
+std::vector<Eigen::MatrixXcd> rate_anew(Scene scene, const Chain& chain,
+                                        const Eigen::VectorXd& frequency_hz,
+                                        const ParameterAccess& access, const ParameterStep& step,
+                                        const ModesOptions& options, double decay_rate_1_s) {
+  for (const ChainMember& member : chain.members) {
+    scene.members[std::size_t(member.scene_member)].segments = member.segments;
+  }
+  const double reach = 10;
+  const auto at = [&](double value) {
+    Scene moved = scene;
+    access.set(moved, value);
+    return synthesize_frfs(moved, frequency_hz, options, decay_rate_1_s).H;
+  };
+  auto high = at(step.value + reach * (step.high - step.value));
+  const auto low = at(step.value + reach * (step.low - step.value));
+  if (high.size() != low.size()) return {};
+  for (std::size_t i = 0; i < high.size(); ++i) {
+    high[i] = (high[i] - low[i]) / (reach * step.width());
+  }
+  return high;
+}
+
+}  // namespace
+
+FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
+                                              const Eigen::VectorXd& frequency_hz,
+                                              const std::vector<std::string>& parameters,
+                                              const ModesOptions& options, double decay_rate_1_s) {
+  const std::vector<ParameterAccess> wanted = parameters_named(scene, parameters);
+  FrfSensitivities out;
+  out.frfs.frequency_hz = frequency_hz;
+  const ChainModes modes = frf_modes(scene, frequency_hz, options);
+  out.frfs.equilibrium = describe(*modes.chain, modes.equilibrium, scene);
+  if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
+  const ChainState& state = modes.equilibrium.state;
+  const auto sensors = static_cast<Eigen::Index>(scene.sensors.size());
+  const auto loads = static_cast<Eigen::Index>(scene.loads.size());
+  const auto lines = static_cast<std::size_t>(frequency_hz.size());
+  const std::vector<Eigen::MatrixXcd> none(lines, Eigen::MatrixXcd::Zero(sensors, loads));
+  out.frfs.H = none;
+  out.rate.assign(wanted.size(), none);
+
+  double extent = 0;
+  for (const auto& member : out.frfs.equilibrium.members) {
+    extent = std::max(extent, member.unstretched_length_m);
+  }
+  const EquilibriumPerturber mover(scene, modes);
+  struct Neighbours {
+    bool comparable = false;
+    ParameterStep step;
+    std::array<PerturbedEquilibrium, 2> rigs;
+  };
+  std::vector<Neighbours> neighbours(wanted.size());
+  for (std::size_t p = 0; p < wanted.size(); ++p) {
+    neighbours[p].step = parameter_step(wanted[p], scene, extent);
+    neighbours[p].comparable = mover.move(wanted[p], neighbours[p].step, neighbours[p].rigs);
+    if (!neighbours[p].comparable) {
+      out.rate[p] = rate_anew(scene, *modes.chain, frequency_hz, wanted[p], neighbours[p].step,
+                              options, decay_rate_1_s);
+    }
+  }
+
+  for (const MotionModes& motion : modes.motions) {
+    const FrfEquations equations = frf_equations(motion, state, scene);
+    const bool modal = equations.zeta.size() > 0;
+    const ShapeSolver shapes(equations);
+    std::vector<EquationRates> rates(wanted.size());
+    for (std::size_t p = 0; p < wanted.size(); ++p) {
+      const Neighbours& near = neighbours[p];
+      if (!near.comparable) continue;
+      std::array<MotionModes, 2> moved{motion_of(near.rigs[0], motion.motion),
+                                       motion_of(near.rigs[1], motion.motion)};
+      std::array<FrfEquations, 2> sides;
+      for (std::size_t s = 0; s < 2; ++s) {
+        sides[s] = frf_equations(moved[s], near.rigs[s].state, near.rigs[s].scene);
+      }
+      const double width = near.step.width();
+      const auto rate = [width](const EnvelopeMatrix& high, const EnvelopeMatrix& low) {
+        EnvelopeMatrix difference = high;
+        difference.values() = (high.values() - low.values()) / width;
+        return difference;
+      };
+      rates[p].stiffness = rate(moved[1].stiffness, moved[0].stiffness);
+      rates[p].mass = rate(moved[1].mass, moved[0].mass);
+      rates[p].damping = rate(sides[1].damping, sides[0].damping);
+      rates[p].sensors = (sides[1].sensors - sides[0].sensors) / width;
+      rates[p].loads = (sides[1].loads - sides[0].loads) / width;
+      if (modal) {
+        damper_rates(equations, shapes, state, scene, near.step, near.rigs, moved, rates[p]);
+      }
+    }
+
+    Eigen::MatrixXd right(equations.loads.rows(), loads + sensors);
+    right << equations.loads, equations.sensors;
+    FrfSolver solver(equations, right);
+    const Eigen::VectorXd gain =
+        2 * equations.zeta.cwiseProduct(motion.omega2.head(equations.zeta.size()).cwiseSqrt());
+    for (std::size_t line = 0; line < lines; ++line) {
+      const Complex laplace = laplace_variable(frequency_hz[Eigen::Index(line)], decay_rate_1_s);
+      const Eigen::MatrixXcd& solution = solver.solve(laplace);
+      const Eigen::MatrixXcd u = solution.leftCols(loads), v = solution.rightCols(sensors);
+      Eigen::VectorXcd factor(sensors);
+      for (Eigen::Index s = 0; s < sensors; ++s) {
+        factor[s] = quantity_factor(scene.sensors[std::size_t(s)].quantity, laplace);
+      }
+      out.frfs.H[line] += factor.asDiagonal() * (equations.sensors.transpose() * u);
+      for (std::size_t p = 0; p < wanted.size(); ++p) {
+        if (!neighbours[p].comparable) continue;
+        const EquationRates& r = rates[p];
+        Eigen::MatrixXcd h = r.sensors.transpose() * u + v.transpose() * r.loads;
+        add_form(r.stiffness, -1.0, v, u, h);
+        add_form(r.mass, -laplace * laplace, v, u, h);
+        add_form(r.damping, -laplace, v, u, h);
+        if (modal && laplace != Complex(0)) {
+          const Eigen::MatrixXcd mu = equations.dampers.transpose() * u;
+          const Eigen::MatrixXcd mv = equations.dampers.transpose() * v;
+          const Eigen::MatrixXcd nu = gain.asDiagonal() * (r.normal.transpose() * u);
+          const Eigen::MatrixXcd nv = gain.asDiagonal() * (r.normal.transpose() * v);
+          h -= laplace * (mv.transpose() * (r.pair * mu + nu) + nv.transpose() * mu);
+        }
+        out.rate[p][line] += factor.asDiagonal() * h;
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace rigfit::model

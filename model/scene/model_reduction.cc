@@ -1,0 +1,168 @@
+#include "model/scene/model_reduction.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "model/scene/scene_error.h"
+
+namespace rigfit::model {
+namespace {
+
+constexpr double kParallel = 1e-12;  // of unit vectors: what rounding of positions leaves
+
+bool rigid_end(const Member& member, int end) {
+  return member.joint[static_cast<std::size_t>(end)] == Member::Joint::rigid &&
+         (member.EI[0] > 0 || member.EI[1] > 0 || member.GJ > 0);
+}
+
+/// True when mirroring at the plane normal to n maps the scene at rest onto itself.
+bool symmetric_about(const Scene& scene, const std::vector<std::array<int, 2>>& ends,
+                     const Eigen::Vector3d& n, bool coordinate_axis) {
+  if (std::abs(scene.gravity.dot(n)) > kParallel * scene.gravity.norm()) return false;
+  for (std::size_t m = 0; m < ends.size(); ++m) {
+    const Eigen::Vector3d chord = scene.nodes[static_cast<std::size_t>(ends[m][1])].position -
+                                  scene.nodes[static_cast<std::size_t>(ends[m][0])].position;
+    if (std::abs(chord.dot(n)) > kParallel * chord.norm()) return false;
+    if (scene.members[m].EI[0] != scene.members[m].EI[1]) {
+      const double along = std::abs(material_axes(chord).col(1).dot(n));
+      if (along > kParallel && along < 1 - kParallel) return false;
+    }
+  }
+  if (!coordinate_axis) {
+    for (const auto& node : scene.nodes) {
+      if (node.support.kind == Support::Kind::elastic) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<std::array<int, 2>> member_nodes(const Scene& scene) {
+  std::vector<std::array<int, 2>> ends(scene.members.size());
+  for (std::size_t m = 0; m < ends.size(); ++m) {
+    const Member& member = scene.members[m];
+    for (std::size_t end = 0; end < 2; ++end) {
+      int found = -1;
+      for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+        if (scene.nodes[k].name == member.nodes[end]) found = static_cast<int>(k);
+      }
+      if (found < 0) {
+        throw SceneError({scene.file, 0, 0, "member \"" + member.name + "\".nodes"},
+                         "there is no node \"" + member.nodes[end] + "\"",
+                         "add the node or name one that the scene has");
+      }
+      ends[m][end] = found;
+    }
+  }
+  return ends;
+}
+
+Eigen::Matrix3d material_axes(const Eigen::Vector3d& chord) {
+  const Eigen::Vector3d t = chord.normalized();
+  Eigen::Vector3d about_z = Eigen::Vector3d::UnitZ() - t.z() * t;
+  if (about_z.norm() < 1e-6) about_z = Eigen::Vector3d::UnitX() - t.x() * t;
+  about_z.normalize();
+  Eigen::Matrix3d axes;
+  axes << t, about_z, t.cross(about_z);
+  return axes;
+}
+
+ModelReduction reduce_model(const Scene& scene, std::optional<bool> torsion) {
+  const auto ends = member_nodes(scene);
+  ModelReduction reduction;
+  std::vector<int> rigid(scene.nodes.size(), 0);
+  for (std::size_t m = 0; m < ends.size(); ++m) {
+    for (int end = 0; end < 2; ++end) {
+      if (rigid_end(scene.members[m], end)) {
+        ++rigid[static_cast<std::size_t>(ends[m][static_cast<std::size_t>(end)])];
+      }
+    }
+  }
+  reduction.attitude.resize(scene.nodes.size(), NodeAttitude::released);
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
+    const Support& support = scene.nodes[k].support;
+    switch (support.kind) {
+      case Support::Kind::clamped:
+        reduction.attitude[k] = NodeAttitude::held;
+        break;
+      case Support::Kind::pinned:
+        break;
+      case Support::Kind::free:
+        if (rigid[k] > 1) reduction.attitude[k] = NodeAttitude::turning;
+        break;
+      case Support::Kind::elastic: {
+        const bool all_infinite = support.rotational.array().isInf().all();
+        const bool some = (support.rotational.array() > 0).any();
+        if (all_infinite) {
+          reduction.attitude[k] = NodeAttitude::held;
+        } else if (rigid[k] > 1 || (rigid[k] == 1 && some)) {
+          reduction.attitude[k] = NodeAttitude::turning;
+        }
+        break;
+      }
+    }
+  }
+
+  reduction.torsion.resize(scene.members.size(), false);
+  for (std::size_t m = 0; m < ends.size(); ++m) {
+    const Member& member = scene.members[m];
+    const auto chord_of = [&](std::size_t other) {
+      return Eigen::Vector3d(scene.nodes[static_cast<std::size_t>(ends[other][1])].position -
+                             scene.nodes[static_cast<std::size_t>(ends[other][0])].position);
+    };
+    const bool unequal = member.EI[0] != member.EI[1];
+    bool twist_held = false, torque_enters = false;
+    for (std::size_t end = 0; end < 2; ++end) {
+      if (member.joint[end] != Member::Joint::rigid) continue;
+      const auto node = static_cast<std::size_t>(ends[m][end]);
+      const NodeAttitude attitude = reduction.attitude[node];
+      if (attitude != NodeAttitude::released ||
+          scene.nodes[node].support.kind == Support::Kind::pinned) {
+        twist_held = true;
+      }
+      if (attitude != NodeAttitude::turning) continue;
+      if (scene.nodes[node].support.kind == Support::Kind::elastic) torque_enters = true;
+      for (std::size_t other = 0; other < ends.size(); ++other) {
+        if (other == m) continue;
+        for (std::size_t e = 0; e < 2; ++e) {
+          if (ends[other][e] != ends[m][end] || !rigid_end(scene.members[other], int(e))) continue;
+          const double sine = chord_of(m).normalized().cross(chord_of(other).normalized()).norm();
+          if (sine > 1e-9 || scene.members[other].EI[0] != scene.members[other].EI[1]) {
+            torque_enters = true;
+          }
+        }
+      }
+    }
+    const bool wanted = member.GJ > 0 && twist_held && (torque_enters || member.polar_inertia > 0);
+    reduction.torsion[m] = unequal || (torsion ? *torsion && member.GJ > 0 && twist_held : wanted);
+    if (!reduction.torsion[m] && wanted) reduction.torsion_left_out = true;
+  }
+
+  // The plane of symmetry: z first, then the other axes, then that of the first inclined member.
+  for (const int k : {2, 0, 1}) {
+    if (!symmetric_about(scene, ends, Eigen::Vector3d::Unit(k), true)) continue;
+    reduction.planar = true;
+    for (int row = 0; row < 3; ++row) {
+      reduction.axes.row(row) = Eigen::Vector3d::Unit((k + 1 + row) % 3).transpose();
+    }
+    return reduction;
+  }
+  for (std::size_t m = 0; m < ends.size(); ++m) {
+    const Eigen::Vector3d chord = scene.nodes[static_cast<std::size_t>(ends[m][1])].position -
+                                  scene.nodes[static_cast<std::size_t>(ends[m][0])].position;
+    const Eigen::Vector3d normal = chord.cross(-scene.gravity);
+    if (normal.norm() < 1e-9 * chord.norm() * scene.gravity.norm()) continue;
+    const Eigen::Vector3d n = normal.normalized();
+    if (!symmetric_about(scene, ends, n, false)) break;
+    reduction.planar = true;
+    const Eigen::Vector3d up = (-scene.gravity).normalized();
+    reduction.axes.row(0) = up.cross(n).transpose();
+    reduction.axes.row(1) = up.transpose();
+    reduction.axes.row(2) = n.transpose();
+    break;
+  }
+  return reduction;
+}
+
+}  // namespace rigfit::model

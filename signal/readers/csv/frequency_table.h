@@ -1,0 +1,62 @@
+// Tables over frequency: FRFs (frequency, real and imaginary or magnitude and phase, coherence) and
+// spectra, as analysers export them as text. Never taken as recordings over time.
+//
+// Such a table is known by its first column (title "Frequency", unit Hz) where no column is the
+// time, or by "FFT", "spectrum", "PSD", "FRF", "dB" ... among titles above a first column that
+// rises.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "signal/readers/csv/csv_columns.h"
+#include "signal/readers/files/read_options.h"
+#include "signal/recording/recording.h"
+#include "signal/spectra/frf_set.h"
+
+namespace rigfit::signal {
+
+/// Functions over frequency.
+struct FrequencyTable {
+  std::filesystem::path path;
+  Eigen::VectorXd frequency_hz;    ///< rising
+  std::vector<Channel> functions;  ///< each as long as the frequencies
+  std::string heading;             ///< the header's text, lower case
+  std::vector<Note> notes;
+};
+
+/// The column that holds the frequencies; empty: the table is none over frequency.
+[[nodiscard]] std::optional<std::size_t> frequency_column(const CsvTable& table);
+
+/// The words by which a table shows that it is a spectrum whose frequencies are missing: there is
+/// neither a time column nor one of frequencies, and a title, or where no sample rate is stated the
+/// header, speaks of a spectrum; without a rate also "dB", "RMS" or "magnitude" as the title of
+/// numbers that are not negative (dB: of either sign). Empty: none.
+[[nodiscard]] std::string spectrum_without_frequencies(const CsvTable& table);
+
+/// `bytes`: a table as text. Empty when it is none over frequency. Throws RecordingError.
+[[nodiscard]] std::optional<FrequencyTable> read_frequency_table(std::string_view bytes,
+                                                                 const std::filesystem::path& path,
+                                                                 const ReadOptions& options = {});
+
+/// Whether a function is given in dB, by its unit or title.
+[[nodiscard]] bool in_decibels(const Channel& function);
+
+/// Whether the table has FRFs: real and imaginary parts, or magnitudes and phases.
+[[nodiscard]] bool holds_frfs(const FrequencyTable& table);
+
+/// FRFs of one input: each pair of columns of each table is a response. Magnitudes may be in dB.
+/// Throws RecordingError for tables without phase, of different lines, or with values that are no
+/// numbers.
+[[nodiscard]] FrfSet frfs_of(const std::vector<FrequencyTable>& tables);
+
+/// FRFs of a universal file, or of text tables over the same lines (one file a response, or all in
+/// one). Throws RecordingError.
+[[nodiscard]] FrfSet read_frfs(const std::vector<std::filesystem::path>& files,
+                               const ReadOptions& options = {});
+
+}  // namespace rigfit::signal

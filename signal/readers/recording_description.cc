@@ -1,0 +1,280 @@
+#include "signal/readers/recording_description.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "document/toml_table.h"
+#include "signal/readers/plausibility.h"
+#include "signal/recording/recording_error.h"
+#include "signal/recording/units.h"
+
+namespace rigfit::signal {
+namespace fs = std::filesystem;
+namespace {
+
+/// "mV/N" -> {"mV", "N"}: the slash that parts two units, the first one from the left that does.
+bool split_quotient(const std::string& text, std::string& over, std::string& under) {
+  for (std::size_t at = text.find('/'); at != std::string::npos; at = text.find('/', at + 1)) {
+    over = text.substr(0, at);
+    under = text.substr(at + 1);
+    if (parse_unit(over) && parse_unit(under)) return true;
+  }
+  return false;
+}
+
+ChannelDescription read_channel(document::TomlTable& table) {
+  ChannelDescription channel;
+  channel.source = table.string("source");
+  channel.name = table.string_or("name", "");
+  channel.unit = table.string_or("unit", "");
+  channel.scale =
+      table.optional_number("scale", document::Bound::any, "unit per number in the file");
+  channel.offset = table.number_or("offset", document::Bound::any, "unit", 0);
+  channel.sensitivity =
+      table.optional_number("sensitivity", document::Bound::any, "sensitivity_unit");
+  channel.sensitivity_unit = table.string_or("sensitivity_unit", "");
+  channel.range = table.number_or("range", document::Bound::not_negative, "unit", 0);
+  if (table.has("direction")) {
+    const auto d = table.numbers("direction", 3, 3, document::Bound::any, "1");
+    const double length = std::hypot(d[0], d[1], d[2]);
+    if (!(length > 0)) {
+      throw table.error("direction", "is zero", "give the direction of positive values");
+    }
+    channel.direction = {d[0] / length, d[1] / length, d[2] / length};
+  }
+  if (channel.scale && *channel.scale == 0) {
+    throw table.error("scale", "is zero", "give unit per number in the file");
+  }
+  if (channel.sensitivity && *channel.sensitivity == 0) {
+    throw table.error("sensitivity", "is zero", "give the transducer's, such as 2.27 mV/N");
+  }
+  if (channel.sensitivity && channel.scale) {
+    throw table.error("scale", "stands beside a sensitivity", "give one of the two");
+  }
+  std::string over, under;
+  if (channel.sensitivity.has_value() != !channel.sensitivity_unit.empty() ||
+      (channel.sensitivity && !split_quotient(channel.sensitivity_unit, over, under))) {
+    throw table.error("sensitivity_unit", "is not a quotient of two units",
+                      "write the sensitivity with its unit, such as 2.27 and \"mV/N\"");
+  }
+  if (channel.sensitivity && !channel.unit.empty()) {
+    throw table.error("unit", "stands beside a sensitivity",
+                      "the unit follows from sensitivity_unit; leave it out");
+  }
+  if (!channel.unit.empty() && !parse_unit(channel.unit)) {
+    throw table.error("unit", "\"" + channel.unit + "\" is no unit we know",
+                      "write it like \"N\", \"m/s^2\", \"g\", \"mm\"");
+  }
+  return channel;
+}
+
+void apply_channel(const ChannelDescription& given, Recording& recording) {
+  Channel& channel =
+      recording.channels[static_cast<std::size_t>(recording.channel_index(given.source))];
+  // Back to the file's numbers: x = a * file + b is replaced as a whole.
+  double a = channel.si_per_source, b = channel.si_offset;
+  if (given.sensitivity) {
+    std::string over, under;
+    split_quotient(given.sensitivity_unit, over, under);
+    const auto from = parse_unit(over);
+    const auto to = parse_unit(under);
+    const auto file_unit = parse_unit(channel.source_unit);
+    if (file_unit && file_unit->si != from->si) {
+      throw RecordingError(
+          {recording.path.string(), 0, 0, channel.name, channel.source_unit},
+          "the file's unit does not fit a sensitivity in " + given.sensitivity_unit,
+          "give the sensitivity in that unit per unit of what is measured");
+    }
+    // Without a unit in the file its numbers are in the sensitivity's own.
+    const double si_per_number = file_unit ? file_unit->factor : from->factor;
+    a = si_per_number / (*given.sensitivity * from->factor) * to->factor;
+    b = 0;
+    channel.unit = to->si;
+    channel.quantity = to->quantity;
+  } else if (!given.unit.empty() || given.scale || given.offset != 0) {
+    const auto unit = parse_unit(given.unit.empty() ? channel.source_unit : given.unit);
+    const double factor = unit ? unit->factor : 1;
+    a = given.scale.value_or(1) * factor;
+    b = given.offset * factor + (unit ? unit->offset : 0);
+    channel.unit = unit ? unit->si : "";
+    channel.quantity = unit ? unit->quantity : Quantity::unknown;
+  }
+  if (a != channel.si_per_source || b != channel.si_offset) {
+    const double ratio = a / channel.si_per_source;
+    channel.samples = ((channel.samples.array() - channel.si_offset) * ratio + b).matrix();
+    channel.nominal_range *= std::abs(ratio);
+    channel.si_per_source = a;
+    channel.si_offset = b;
+  }
+  if (given.range > 0) {
+    const auto unit = parse_unit(given.unit);
+    channel.nominal_range = given.range * (unit ? unit->factor : 1);
+  }
+  if (given.direction) channel.direction = *given.direction;
+  if (!given.name.empty()) channel.name = given.name;
+}
+
+/// `described`: with a sensitivity, by which it was scaled just now; null: as it was.
+void judge_values(const Channel& channel, const ChannelDescription* described,
+                  Recording& recording) {
+  const auto known =
+      std::find_if(recording.notes.begin(), recording.notes.end(), [&](const Note& note) {
+        return note.code == "unit_suspected" && note.where == channel.name;
+      });
+  if (known != recording.notes.end()) {
+    if (described == nullptr) return;
+    recording.notes.erase(known);
+  }
+  const bool by_voltage = described != nullptr && described->sensitivity.has_value() &&
+                          described->sensitivity_unit.find("V/") != std::string::npos;
+  if (auto message = implausible_values(channel, by_voltage)) {
+    recording.notes.push_back({"unit_suspected", std::move(*message), channel.name});
+  }
+}
+
+/// Channels that channels.toml of the folder describes and this recording lacks: other recordings
+/// of the folder have them, unless it describes none of this one's, or the name is misspelt.
+void note_absent(const std::vector<std::string>& absent, const std::vector<std::string>& left,
+                 bool none_described, Recording& recording) {
+  std::string names;
+  for (const auto& name : absent) {
+    const auto nearest = document::nearest_word(name, left);
+    if (!nearest && !none_described) continue;
+    names += (names.empty() ? "\"" : ", \"") + name + "\"" +
+             (nearest ? " (did you mean \"" + *nearest + "\"?)" : "");
+  }
+  if (names.empty()) return;
+  recording.notes.push_back(
+      {"described_channel_absent",
+       "channels.toml of the folder describes " + names + ", which this recording does not have",
+       ""});
+}
+
+}  // namespace
+
+RecordingDescription read_description(document::TomlTable& table) {
+  RecordingDescription description;
+  ReadOptions& reading = description.reading;
+  reading.sample_rate_hz =
+      table.optional_number("sample_rate_hz", document::Bound::positive, "Hz").value_or(0);
+  if (table.has("time_unit")) {
+    const std::string text = table.string("time_unit");
+    const auto unit = parse_unit(text);
+    if (!unit || unit->quantity != Quantity::time) {
+      throw table.error("time_unit", "\"" + text + "\" is no unit of time",
+                        "write \"s\", \"ms\", \"us\" or \"min\"");
+    }
+    reading.time_unit_s = unit->factor;
+  }
+  const auto sign = [&](const char* key, const std::string& allowed, const char* remedy) {
+    if (!table.has(key)) return char{0};
+    const std::string text = table.string(key);
+    const char found = sign_named(text);
+    if (found == 0 || allowed.find(found) == std::string::npos) {
+      throw table.error(key, "does not know \"" + text + "\"", remedy);
+    }
+    return found;
+  };
+  reading.decimal = sign("decimal", ".,", "write \".\" or \",\"");
+  reading.separator = sign("separator", ",;\t ",
+                           "write \"comma\", \"semicolon\", \"tab\" or \"blank\", or the sign");
+  if (table.has("format")) reading.format = table.choice_or("format", format_names(), "");
+  if (table.has("variables")) reading.variables = table.string_or_strings("variables");
+  for (auto& entry : table.tables_or_empty("channel")) {
+    description.channels.push_back(read_channel(entry));
+    entry.finish();
+  }
+  return description;
+}
+
+std::vector<std::string> format_names() { return {"csv", "lvm", "uff", "wav", "npy", "mat"}; }
+
+char sign_named(const std::string& text) {
+  if (text.size() == 1 && std::string(",;.\t ").find(text[0]) != std::string::npos) return text[0];
+  for (const auto& [name, sign] : {std::pair<const char*, char>{"comma", ','},
+                                   {"semicolon", ';'},
+                                   {"tab", '\t'},
+                                   {"\\t", '\t'},
+                                   {"blank", ' '},
+                                   {"space", ' '},
+                                   {"point", '.'}}) {
+    if (text == name) return sign;
+  }
+  return 0;
+}
+
+ReadOptions merged(ReadOptions first, const ReadOptions& second) {
+  if (first.sample_rate_hz == 0) first.sample_rate_hz = second.sample_rate_hz;
+  if (first.time_unit_s == 0) first.time_unit_s = second.time_unit_s;
+  if (first.decimal == 0) first.decimal = second.decimal;
+  if (first.separator == 0) first.separator = second.separator;
+  if (first.format.empty()) first.format = second.format;
+  if (first.variables.empty()) first.variables = second.variables;
+  return first;
+}
+
+void apply_description(const RecordingDescription& description, Recording& recording) {
+  std::vector<std::string> absent, left;  // described and not there; there and not described
+  if (description.of_folder) {
+    for (const auto& channel : recording.channels) left.push_back(channel.name);
+  }
+  for (const auto& channel : description.channels) {
+    if (description.of_folder) {
+      try {
+        std::erase(left, recording.channel(channel.source).name);
+      } catch (const RecordingError&) {
+        absent.push_back(channel.source);
+        continue;
+      }
+    }
+    apply_channel(channel, recording);
+    judge_values(recording.channel(channel.name.empty() ? channel.source : channel.name), &channel,
+                 recording);
+  }
+  for (const auto& channel : recording.channels) judge_values(channel, nullptr, recording);
+  note_absent(absent, left, absent.size() == description.channels.size(), recording);
+  // What is described has its unit from the description; the reader's remark no longer holds.
+  std::string unitless;
+  for (const auto& channel : recording.channels) {
+    if (channel.unit.empty()) unitless += (unitless.empty() ? "\"" : ", \"") + channel.name + "\"";
+  }
+  auto& notes = recording.notes;
+  for (auto note = notes.begin(); note != notes.end();) {
+    if (note->code != "no_unit") {
+      ++note;
+    } else if (unitless.empty()) {
+      note = notes.erase(note);
+    } else {
+      note->where = unitless;
+      ++note;
+    }
+  }
+}
+
+std::optional<fs::path> description_beside(const fs::path& recording) {
+  fs::path beside = recording;
+  beside.replace_extension(".toml");
+  std::error_code ignored;
+  if (beside == recording || !fs::is_regular_file(beside, ignored)) return std::nullopt;
+  return beside;
+}
+
+std::optional<fs::path> description_of_folder(const fs::path& recording) {
+  const fs::path common = recording.parent_path() / "channels.toml";
+  std::error_code ignored;
+  if (!fs::is_regular_file(common, ignored)) return std::nullopt;
+  return common;
+}
+
+RecordingDescription read_description(const fs::path& file) {
+  auto table = document::TomlTable::read_file(file);
+  RecordingDescription description = read_description(table);
+  table.finish();
+  description.of_folder = file.filename() == "channels.toml";
+  return description;
+}
+
+}  // namespace rigfit::signal

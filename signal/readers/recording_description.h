@@ -1,0 +1,86 @@
+// What a person says about a recording beside its file: names, scales and directions of channels,
+// the sample rate. A TOML file beside it (`name.csv` -> `name.toml`) or a table of a campaign.
+//
+//   sample_rate_hz = 500.0        # where the file gives none, or a wrong one
+//   time_unit = "ms"              # of the time column, where the file does not say
+//   decimal = ","                 # decimal sign, where a table can be read in two ways
+//   separator = ";"               # between columns: "comma", "semicolon", "tab", "blank" or the
+//   sign format = "csv"                # where the content does not tell (read_recording.h)
+//   variables = ["acc", "force"]  # arrays to take of a file that names several (.mat)
+//   [[channel]]
+//   source = "CH8"                # the file's name for it, or "#5" for the fifth
+//   name = "hammer"               # to be called so from here on
+//   sensitivity = 2.27            # of the transducer, in `sensitivity_unit`
+//   sensitivity_unit = "mV/N"     # the file's unit (or one like it) per unit of what is measured
+//   direction = [0.0, -1.0, 0.0]  # of positive values, scene axes
+//
+// Instead of a sensitivity, `unit` says what unit the file's numbers are in, and `scale` (numbers
+// times it are in `unit`) and `offset` (added after it, in `unit`) turn the file's numbers into it.
+// `range` is the full scale, in the unit that results.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "signal/readers/files/read_options.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::document {
+class TomlTable;
+}
+
+namespace rigfit::signal {
+
+/// One `[[channel]]` table.
+struct ChannelDescription {
+  std::string source;
+  std::string name;                   ///< empty: keep
+  std::string unit;                   ///< empty: keep
+  std::optional<double> scale;        ///< `unit` per number in the file
+  double offset = 0;                  ///< `unit`, added after the scale
+  std::optional<double> sensitivity;  ///< in `sensitivity_unit`
+  std::string sensitivity_unit;       ///< "mV/N"
+  std::optional<std::array<double, 3>> direction;
+  double range = 0;  ///< full scale in the resulting unit; 0: keep
+};
+
+/// A whole description.
+struct RecordingDescription {
+  ReadOptions reading;
+  std::vector<ChannelDescription> channels;
+  bool of_folder =
+      false;  ///< for all recordings of a folder: channels that one lacks are passed over
+};
+
+/// The TOML file of a recording's name in its folder, if there is one.
+[[nodiscard]] std::optional<std::filesystem::path> description_beside(
+    const std::filesystem::path& recording);
+
+/// `channels.toml` in a recording's folder, which describes all recordings there, if there is one.
+[[nodiscard]] std::optional<std::filesystem::path> description_of_folder(
+    const std::filesystem::path& recording);
+
+/// Names of formats that `format` may say (read_recording.h tells them apart by content).
+[[nodiscard]] std::vector<std::string> format_names();
+
+/// Separator or decimal sign by its sign or name ("tab", "comma", "point"); 0: not known.
+[[nodiscard]] char sign_named(const std::string& text);
+
+/// What `first` says, and what `second` says where `first` says nothing.
+[[nodiscard]] ReadOptions merged(ReadOptions first, const ReadOptions& second);
+
+/// Reads a whole file. Throws document::DocumentError for what makes no sense.
+[[nodiscard]] RecordingDescription read_description(const std::filesystem::path& file);
+/// Takes the keys of reading and `channel` of a table; the caller calls finish().
+[[nodiscard]] RecordingDescription read_description(document::TomlTable& table);
+
+/// Renames, rescales and orients the recording's channels as described; its notes of missing units
+/// follow. Values that hardly any laboratory measures are noted (plausibility.h,
+/// "unit_suspected"). Throws RecordingError for a channel that is not there (unless the description
+/// is of the folder) or a unit that does not fit.
+void apply_description(const RecordingDescription& description, Recording& recording);
+
+}  // namespace rigfit::signal

@@ -1,0 +1,334 @@
+#include "signal/sinusoids/decay_modes.h"
+
+#include <gsl/gsl_cdf.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "signal/numerics/least_squares.h"
+#include "signal/numerics/numbers.h"
+#include "signal/numerics/scaled_gram.h"
+#include "signal/sinusoids/decay_search.h"
+#include "signal/sinusoids/power_sums.h"
+#include "signal/sinusoids/subspace_poles.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+constexpr double kHighestDamping = 0.9;
+constexpr Index kFewDegrees = 200;
+
+class DecayModeSearch {
+ public:
+  DecayModeSearch(const DecaySamples& samples, const DecayModesOptions& options)
+      : samples_(samples), options_(options), n_(samples.values.size()) {}
+
+  // The first mode, from several starts; nothing when no peak stands out of the noise.
+  std::optional<DampedSinusoidsFit> first(std::vector<DecayCandidate> peaks) {
+    const Eigen::VectorXd x = trendless();
+    if (peaks.empty()) peaks = decay_peaks(x);
+    DecaySearchOptions search;
+    search.candidates = 3;
+    // Half of what noise may show: Fisher's test of the fit decides, so that what is detected hangs
+    // on the energy explained alone, as the intervals have it (detected_strength.h).
+    search.energy_over_noise = 0.5 * threshold();
+    const auto found = distinct_decays(peaks, n_, search);
+    std::vector<DecayCandidate> starts;
+    for (const auto& c : found) {
+      if (c.energy > 0.3 * found.front().energy) starts.push_back(c);
+    }
+    // In a few cycles the spectrum tells little, noise included: there the fit decides.
+    auto anywhere = found;
+    if (found.empty()) {
+      search.energy_over_noise = 0;
+      anywhere = distinct_decays(peaks, n_, search);
+    }
+    if (!anywhere.empty() && samples_.missing.empty()) {
+      const auto few = few_cycle_starts(samples_.values, anywhere.front(), search);
+      starts.insert(starts.end(), few.begin(), few.end());
+    }
+    std::optional<DampedSinusoidsFit> best;
+    for (const auto& start : starts) {
+      auto fit =
+          fit_damped_sinusoids(samples_.values, std::span(&start.pole, 1), {}, samples_.missing);
+      if (!plausible_decay(fit.poles[0], n_) || fit.unit_covariance.size() == 0) continue;
+      if (!oscillates(fit)) continue;
+      if (!passes_fisher(x.squaredNorm() - fit.residual_sum_squares, fit)) continue;
+      if (!best || fit.residual_sum_squares < best->residual_sum_squares) best = std::move(fit);
+    }
+    return best;
+  }
+
+  // One mode more, or nothing when none is worth it.
+  std::optional<DampedSinusoidsFit> next(const DampedSinusoidsFit& fit, double lowest,
+                                         double highest) {
+    DecaySearchOptions search;
+    search.lowest = lowest, search.highest = highest, search.candidates = 3;
+    search.energy_over_noise = threshold();
+    for (const auto& candidate : search_decays(fit.residual, search)) {
+      auto poles = fit.poles;
+      poles.push_back(candidate.pole);
+      const auto needed = static_cast<Index>(4 * poles.size() + 2);
+      if (n_ - static_cast<Index>(samples_.missing.size()) <= needed + 2) return {};
+      auto more = fit_damped_sinusoids(samples_.values, poles, {}, samples_.missing);
+      if (more.unit_covariance.size() == 0) continue;
+      if (worthwhile(fit, more, candidate.noise_variance)) return more;
+    }
+    return {};
+  }
+
+  // Two modes in place of the strongest where it leaves something that is smooth over a beat or
+  // less, which no line of the residual shows: started by HTLS (subspace_poles.h).
+  std::optional<DampedSinusoidsFit> split(const DampedSinusoidsFit& fit) {
+    std::size_t m = 0;
+    for (std::size_t k = 1; k < fit.poles.size(); ++k) {
+      if (mode_energy(fit, k) > mode_energy(fit, m)) m = k;
+    }
+    const auto needed = static_cast<Index>(4 * fit.poles.size() + 8);
+    if (n_ - static_cast<Index>(samples_.missing.size()) <= needed) return {};
+    const double noise = pair_evidence(fit.residual, fit.poles[m]);
+    if (!(noise > 0)) return {};
+    Eigen::VectorXd alone = fit.mode_signal(m) + fit.residual;
+    const auto pair = pair_of_poles(alone, fit.poles[m]);
+    if (pair.size() != 2) return {};
+    std::vector<Complex> poles;
+    for (std::size_t k = 0; k < fit.poles.size(); ++k) {
+      if (k != m) poles.push_back(fit.poles[k]);
+    }
+    // The new one last, where `worthwhile` looks for it.
+    const bool swap = std::abs(pair[0] - fit.poles[m]) > std::abs(pair[1] - fit.poles[m]);
+    poles.push_back(pair[swap ? 1 : 0]), poles.push_back(pair[swap ? 0 : 1]);
+    auto more = fit_damped_sinusoids(samples_.values, poles, {}, samples_.missing);
+    if (more.unit_covariance.size() == 0 || !worthwhile(fit, more, noise)) return {};
+    return more;
+  }
+
+ private:
+  double threshold() const { return detection_threshold(n_, options_.false_alarm); }
+
+  Eigen::VectorXd trendless() const {
+    Eigen::VectorXd x = samples_.values;
+    for (Index j : samples_.missing) x(j) = std::numeric_limits<double>::quiet_NaN();
+    return without_trend(x);
+  }
+
+  bool worthwhile(const DampedSinusoidsFit& fit, const DampedSinusoidsFit& more,
+                  double noise_variance) const {
+    const double gain = fit.residual_sum_squares - more.residual_sum_squares;
+    if (!(gain > threshold() * noise_variance)) return false;
+    // Few samples know little of the noise: Fisher's test as well.
+    if (more.degrees < kFewDegrees && !passes_fisher(gain, more)) return false;
+    const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
+    for (std::size_t m = 0; m < more.poles.size(); ++m) {
+      if (!plausible_decay(more.poles[m], n_)) return false;
+      const auto k = static_cast<Index>(4 * m);
+      const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
+      const double w_std = std::sqrt(white * more.unit_covariance(k + 3, k + 3));
+      if (m + 1 < more.poles.size()) continue;  // held its ground before
+      if (w_std > 0.05 * more.poles[m].imag()) return false;
+      // Strongly damped ones explain transients as readily as modes: they must be well determined.
+      if (damping_ratio_of(more.poles[m]) > 0.15 && a_std > 0.2 * std::abs(more.poles[m].real()))
+        return false;
+    }
+    return told_apart(fit, more, noise_variance);
+  }
+
+  // Modes that beat for less than 0.4 beats while both last are not told apart; under one and a
+  // half, one mode whose amplitude and phase depart from an exponential (t^2 and t^3: as many
+  // parameters) must explain less than two do: half as much where the two leave something too, or
+  // not more where they leave nothing but noise.
+  bool told_apart(const DampedSinusoidsFit& fit, const DampedSinusoidsFit& more,
+                  double noise_variance) const {
+    for (std::size_t i = 0; i < more.poles.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        const double a = std::max(-more.poles[i].real(), -more.poles[k].real());
+        const double both =
+            a > 0 ? std::min(static_cast<double>(n_), 3 / a) : static_cast<double>(n_);
+        const double beats = std::abs(more.poles[i].imag() - more.poles[k].imag()) / kTwoPi * both;
+        if (beats < 0.4) return false;
+        if (beats >= 1.5) continue;
+        const std::size_t near = nearest(fit, more.poles[i]);
+        const double departing = departing_residual(fit, samples_.missing, std::span(&near, 1));
+        if (beats >= 0.5 && more.residual_sum_squares < 0.5 * departing) continue;
+        if (more.residual_sum_squares > departing + 4 * noise_variance) return false;
+        const std::size_t pair[] = {i, k};
+        const double left = departing_residual(more, samples_.missing, pair);
+        const double structure = (more.residual_sum_squares - left) / noise_variance;
+        if (structure > gsl_cdf_chisq_Qinv(1e-3, 8)) return false;
+      }
+    }
+    return true;
+  }
+
+  static std::size_t nearest(const DampedSinusoidsFit& fit, Complex pole) {
+    std::size_t best = 0;
+    for (std::size_t m = 1; m < fit.poles.size(); ++m) {
+      if (std::abs(fit.poles[m] - pole) < std::abs(fit.poles[best] - pole)) best = m;
+    }
+    return best;
+  }
+
+  // Whether noise of the residual's variance would take out so much with one mode more, in the best
+  // of all cells of the bank, with probability `false_alarm` at most.
+  bool passes_fisher(double gain, const DampedSinusoidsFit& fit) const {
+    const double degrees = static_cast<double>(fit.degrees);
+    const double ratio = gain / 4 / std::max(fit.residual_sum_squares / degrees, 1e-300);
+    const double cells = std::exp(0.5 * threshold()) * options_.false_alarm;
+    return gsl_cdf_fdist_Q(ratio, 4, degrees) * cells < options_.false_alarm;
+  }
+
+  // An arc is no oscillation: where few cycles are seen, the fit must leave less than half of what
+  // a polynomial with as many coefficients leaves, or less by so much that noise would not show it.
+  bool oscillates(const DampedSinusoidsFit& fit) const {
+    const Complex p = fit.poles[0];
+    const double lasts =
+        p.real() < 0 ? std::min(static_cast<double>(n_), 3 / -p.real()) : static_cast<double>(n_);
+    if (p.imag() / kTwoPi * lasts > 3) return true;
+    Eigen::MatrixXd legendre(n_, 6);
+    for (Index j = 0; j < n_; ++j) {
+      const double t = n_ > 1 ? 2 * static_cast<double>(j) / static_cast<double>(n_ - 1) - 1 : 0;
+      legendre(j, 0) = 1, legendre(j, 1) = t;
+      for (int k = 2; k < 6; ++k) {
+        legendre(j, k) = ((2 * k - 1) * t * legendre(j, k - 1) - (k - 1) * legendre(j, k - 2)) / k;
+      }
+    }
+    for (Index j : samples_.missing) legendre.row(j).setZero();
+    const double left = fit.residual_sum_squares;
+    const double polynomial = least_squares(legendre, samples_.values).left_sum_squares[0];
+    return left < 0.5 * polynomial ||
+           polynomial - left > threshold() * left / static_cast<double>(fit.degrees);
+  }
+
+  const DecaySamples& samples_;
+  const DecayModesOptions& options_;
+  Index n_;
+};
+
+}  // namespace
+
+DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y, Index start, Index end) {
+  DecaySamples s;
+  s.values = y.segment(start, end - start);
+  for (Index j = 0; j < s.values.size(); ++j) {
+    if (!std::isfinite(s.values(j))) s.values(j) = 0, s.missing.push_back(j);
+  }
+  return s;
+}
+
+bool DecayBand::contains(Complex pole) const {
+  const double f = std::abs(pole) / kTwoPi;
+  return all || (f >= low && f <= high);
+}
+
+bool plausible_decay(Complex pole, Index samples) {
+  const double cycles = pole.imag() / kTwoPi * static_cast<double>(samples);
+  return damping_ratio_of(pole) < kHighestDamping && cycles > 0.3 &&
+         pole.real() * static_cast<double>(samples) < 2.9;
+}
+
+double damping_ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }
+
+double mode_energy(const DampedSinusoidsFit& fit, std::size_t m) {
+  std::array<Complex, 1> plain, square;
+  power_sums(std::exp(2.0 * fit.poles[m]), fit.samples, plain);
+  power_sums(std::exp(2.0 * fit.poles[m].real()), fit.samples, square);
+  const Complex c = fit.amplitudes[m];
+  return 0.5 * ((c * c * plain[0]).real() + std::norm(c) * square[0].real());
+}
+
+std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
+                                                   const DecayBand& band,
+                                                   const DecayModesOptions& options,
+                                                   const std::vector<DecayCandidate>& peaks) {
+  DecayModeSearch search(samples, options);
+  auto fit = search.first(peaks);
+  if (!fit) return fit;
+  const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
+  while (fit->poles.size() < limit * (band.all ? 1 : 2)) {
+    auto more = search.next(*fit, 0, 0.5);
+    if (!more) more = search.split(*fit);
+    if (!more) break;
+    fit = std::move(more);
+  }
+  const auto inside = [&] {
+    return static_cast<std::size_t>(std::count_if(fit->poles.begin(), fit->poles.end(),
+                                                  [&](Complex p) { return band.contains(p); }));
+  };
+  while (!band.all && inside() < limit && fit->poles.size() < 3 * limit) {
+    auto more = search.next(*fit, band.low, band.high);
+    if (!more) break;
+    fit = std::move(more);
+  }
+  return fit;
+}
+
+double energy_needed(const DampedSinusoidsFit& fit, double false_alarm) {
+  const double cell = std::exp(-0.5 * detection_threshold(fit.samples, false_alarm));
+  const auto degrees = static_cast<double>(std::max<Index>(1, fit.degrees));
+  // From the limit of many degrees upward; GSL's own inverse does not always converge.
+  double low = gsl_cdf_chisq_Qinv(cell, 4) / 4, high = low;
+  while (gsl_cdf_fdist_Q(high, 4, degrees) > cell && high < 1e100) low = high, high *= 2;
+  while (high - low > 1e-6 * high) {
+    const double middle = 0.5 * (low + high);
+    (gsl_cdf_fdist_Q(middle, 4, degrees) > cell ? low : high) = middle;
+  }
+  return 4 * high;
+}
+
+double energy_explained(const DampedSinusoidsFit& fit, std::size_t m) {
+  const auto modes = static_cast<Index>(fit.poles.size());
+  const Index background = fit.jacobian_gram.rows() - 4 * modes;
+  std::vector<Index> linear;
+  for (Index k = 0; k < modes; ++k) linear.push_back(4 * k), linear.push_back(4 * k + 1);
+  for (Index b = 0; b < background; ++b) linear.push_back(4 * modes + b);
+  const ScaledGram gram(fit.jacobian_gram(linear, linear));
+  if (!gram.usable()) return 0;
+  const Eigen::MatrixXd inverse = gram.inverse();
+  const Eigen::Vector2d amplitude(fit.amplitudes[m].real(), fit.amplitudes[m].imag());
+  const auto at = static_cast<Index>(2 * m);
+  // amplitude' (its block of the inverse)^-1 amplitude, by Cramer's rule.
+  const Eigen::Matrix2d of = inverse.block<2, 2>(at, at);
+  const double determinant = of(0, 0) * of(1, 1) - of(0, 1) * of(1, 0);
+  const double scaled = of(1, 1) * amplitude[0] * amplitude[0] -
+                        (of(0, 1) + of(1, 0)) * amplitude[0] * amplitude[1] +
+                        of(0, 0) * amplitude[1] * amplitude[1];
+  return determinant > 0 ? std::max(0.0, scaled / determinant) : 0;
+}
+
+double departing_residual(const DampedSinusoidsFit& fit, std::span<const Index> missing,
+                          std::span<const std::size_t> modes) {
+  const auto n = fit.samples;
+  Eigen::MatrixXd columns(n, 8 * static_cast<Index>(modes.size()));
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    const Complex pole = fit.poles[modes[m]];
+    auto own = columns.middleCols<8>(8 * static_cast<Index>(m));
+    for (Index j = 0; j < n; ++j) {
+      const double t = static_cast<double>(j) / static_cast<double>(n);
+      const Complex z = std::exp(pole * static_cast<double>(j));
+      double power = 1;
+      for (Index k = 0; k < 4; ++k) {
+        own(j, 2 * k) = power * z.real(), own(j, 2 * k + 1) = power * z.imag();
+        power *= t;
+      }
+    }
+  }
+  for (const Index j : missing) columns.row(j).setZero();
+  return least_squares(columns, fit.residual).left_sum_squares[0];
+}
+
+std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band) {
+  std::size_t best = 0;
+  double most = -1;
+  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
+    const double energy = band.contains(fit.poles[m]) ? mode_energy(fit, m) : 0;
+    if (energy > most) most = energy, best = m;
+  }
+  return best;
+}
+
+}  // namespace rigfit::signal

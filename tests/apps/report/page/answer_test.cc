@@ -1,0 +1,144 @@
+#include "apps/report/page/answer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "apps/report/compare_reports.h"
+#include "apps/report/page/first_page.h"
+
+namespace rigfit::apps::answer_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+Answer stiffness(double value, double std) {
+  Answer answer;
+  answer.key = "fit/beam.EI_z";
+  answer.quantity = "Beam bending stiffness EI_z";
+  answer.how = "fitted to 5 modes";
+  answer.unit = "N m²";
+  answer.value = value;
+  answer.std = std;
+  answer.low = value - 1.96 * std;
+  answer.high = value + 1.96 * std;
+  return answer;
+}
+
+TEST(Answer, VerdictsSayHowWellAValueIsKnownAndWhetherItAgrees) {
+  Answer answer = stiffness(2.17, 0.0045);
+  EXPECT_EQ(verdict_words(answer), "well known, within 0.4 %");
+  EXPECT_FALSE(doubtful(answer));
+  answer.reference = 2.30;
+  answer.reference_name = "published";
+  EXPECT_EQ(verdict_words(answer),
+            "well known, within 0.4 %; published 2.300: outside the interval");
+  EXPECT_TRUE(doubtful(answer));
+  EXPECT_EQ(verdict_words(stiffness(2, 0.3)), "known roughly, within 29 %");
+  EXPECT_EQ(verdict_words(stiffness(2, 1.5)), "hardly known");
+  EXPECT_TRUE(doubtful(stiffness(2, 1.5)));
+  answer.determined = false;
+  EXPECT_EQ(verdict_words(answer), "these data cannot tell it");
+  EXPECT_EQ(value_words(answer), "not determined");
+  EXPECT_EQ(verdict_words(stiffness(2, Answer::kNone)), "uncertainty not known");
+}
+
+TEST(Answer, RatiosAreShownInPercent) {
+  Answer answer = stiffness(0.012, 0.0003);
+  answer.unit.clear();
+  answer.percent = true;
+  EXPECT_EQ(value_words(answer), "1.200 ± 0.030");
+  EXPECT_EQ(interval_words(answer), "1.141 to 1.259");
+  EXPECT_EQ(shown_unit(answer), "%");
+  EXPECT_EQ(answer_json(answer)["unit"], "1");
+}
+
+TEST(Answer, LatexHasNothingThatLatexWouldRead) {
+  const std::string text = answers_latex({stiffness(2.17, 0.0045)}, "50 % of $ & #");
+  EXPECT_THAT(text, HasSubstr("50 \\% of \\$ \\& \\#"));
+  EXPECT_THAT(text, HasSubstr("EI\\_z & 2.1700 $\\pm$ 0.0045 & 2.1612 to 2.1788 & N m$^2$"));
+  EXPECT_THAT(answers_csv({stiffness(2.17, 0.0045)}),
+              HasSubstr("\"fit/beam.EI_z\",\"Beam bending stiffness EI_z\",2.17,0.0045,"));
+}
+
+ComparedReport report_of(const std::vector<Answer>& answers) {
+  ComparedReport report{"title", "folder", {}};
+  report.document["answers"] = Json::array();
+  for (const auto& answer : answers) report.document["answers"].push_back(answer_json(answer));
+  return report;
+}
+
+// Differences of 1, 2.5 and 8 standard uncertainties of the difference; a mode that is not there
+// any more; the two modes of one state are paired by nearness, not by row.
+TEST(CompareReports, SayWhatChangedBeyondItsUncertainty) {
+  const auto mode = [](double hz) {
+    Answer answer;
+    answer.key = "beam/as built/frequency";
+    answer.quantity = "natural frequency";
+    answer.unit = "Hz";
+    answer.value = hz;
+    answer.std = 0.01;
+    return answer;
+  };
+  const double step = std::hypot(0.3, 0.4);
+  Answer second = stiffness(100, 0.3), third = stiffness(100, 0.3);
+  second.key = "b";
+  third.key = "c";
+  Answer second_after = stiffness(100 + 2.5 * step, 0.4),
+         third_after = stiffness(100 + 8 * step, 0.4);
+  second_after.key = "b";
+  third_after.key = "c";
+  const auto part = compare_reports(
+      report_of({stiffness(100, 0.3), second, third, mode(10), mode(20), mode(50)}),
+      report_of({stiffness(100 + step, 0.4), second_after, third_after, mode(20.001), mode(10.5)}));
+  ASSERT_EQ(part.json.size(), 6u);
+  EXPECT_EQ(part.json[0]["verdict"], "no change beyond its uncertainty");
+  EXPECT_EQ(part.json[1]["verdict"], "perhaps changed");
+  EXPECT_EQ(part.json[2]["verdict"], "changed");
+  EXPECT_NEAR(part.json[2]["change_std"].get<double>(), step, 1e-12);
+  EXPECT_EQ(part.json[3]["after"]["value"], 10.5);
+  EXPECT_TRUE(part.json[3]["changed"].get<bool>());
+  EXPECT_EQ(part.json[4]["after"]["value"], 20.001);
+  EXPECT_EQ(part.json[5]["verdict"], "only before");
+}
+
+// Damping belongs to its mode: that of a mode at 20 Hz, found in another place of the list, is not
+// compared with the nearer value of the mode at 10 Hz.
+TEST(CompareReports, PairDampingByTheFrequencyOfItsMode) {
+  const auto damping = [](double hz, double value) {
+    Answer answer;
+    answer.key = "beam/as built/damping";
+    answer.quantity = "damping ratio 1";
+    answer.value = value;
+    answer.std = 1e-5;
+    answer.mode_hz = hz;
+    return answer;
+  };
+  const auto part = compare_reports(report_of({damping(10, 0.010), damping(20, 0.012)}),
+                                    report_of({damping(20.1, 0.010), damping(10.1, 0.012)}));
+  ASSERT_EQ(part.json.size(), 2u);
+  EXPECT_EQ(part.json[0]["before"]["value"], 0.010);
+  EXPECT_EQ(part.json[0]["after"]["value"], 0.012);
+  EXPECT_THAT(part.json[0]["quantity"].get<std::string>(), HasSubstr("mode near 10"));
+  EXPECT_TRUE(part.json[0]["changed"].get<bool>());
+}
+
+// The worst first, and of messages that differ in their numbers one.
+TEST(SeriousWarnings, AreSortedAndSaidOnce) {
+  std::vector<ReportPart> parts(1);
+  const auto say = [&](const char* label, const char* text, int severity) {
+    parts[0].summary.push_back({SummaryItem::Kind::distrust, label, text, {}, "part", severity});
+  };
+  say("a", "segments cost 0.10 % in frequency; give more. There is more to it.", 1);
+  say("b", "segments cost 0.25 % in frequency; give more. There is more to it.", 1);
+  say("c", "cannot be read", 3);
+  const auto list = serious_warnings(parts);
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_EQ(list[0].label, "c");
+  EXPECT_EQ(list[1].sentence, "segments cost 0.10 % in frequency; give more");
+  EXPECT_EQ(list[1].alike, 1u);
+}
+
+}  // namespace
+}  // namespace rigfit::apps::answer_test

@@ -1,0 +1,152 @@
+#include "ident/campaign/tests/axial_campaign.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "model/linear/modal_analysis.h"
+#include "tests/reference/axial_study.h"
+
+namespace rigfit::ident::axial_campaign_test {
+namespace {
+
+AxialInputs inputs_of(reference::AxialRig rig, std::vector<double> lengths, unsigned seed) {
+  AxialInputs inputs;
+  inputs.setup.mass_kg = {rig.mass_kg, 0.001};
+  inputs.setup.mass_per_length_kg_m = {rig.mass_per_length_kg_m, 0.001};
+  inputs.setup.length_std_m = 0.0005;
+  inputs.options.draws = 0;
+  auto random = random_stream(seed, 1);
+  for (const double length : lengths) {
+    rig.length_m = length;
+    for (int tap = 0; tap < 2; ++tap) {
+      inputs.recordings.push_back({"tap", reference::axial_rig_record(rig, random), length});
+    }
+  }
+  return inputs;
+}
+
+bool says(const AxialCampaignResult& result, const char* code) {
+  for (const auto& f : result.findings) {
+    if (f.code == code) return true;
+  }
+  return false;
+}
+
+TEST(AxialCampaign, ACompliantRigIsToldFromItsLengths) {
+  reference::AxialRig rig;
+  rig.frame_N_m = 5e6;
+  const auto result = axial_campaign(inputs_of(rig, {0.7, 1.0, 1.3}, 3));
+  ASSERT_TRUE(result.test);
+  const auto& r = *result.test;
+  EXPECT_LT(r.EA_low_N, rig.EA_N);
+  EXPECT_GT(r.EA_high_N, rig.EA_N);
+  EXPECT_LT(r.plain_EA_N, 0.97 * rig.EA_N);
+  EXPECT_NEAR(r.series_compliance_m_N.value, 1 / 5e6, 4 * r.series_compliance_m_N.std);
+  EXPECT_TRUE(says(result, "series_compliance"));
+  EXPECT_FALSE(r.conditional);
+}
+
+TEST(AxialCampaign, OneLengthIsMarked) {
+  reference::AxialRig rig;
+  auto inputs = inputs_of(rig, {1.0}, 4);
+  const auto result = axial_campaign(inputs);
+  ASSERT_TRUE(result.test);
+  EXPECT_TRUE(result.test->conditional);
+  EXPECT_TRUE(says(result, "one_length"));
+  // What is known of the rig takes the mark away, and widens the interval by what it says.
+  inputs.setup.series_compliance_std_m_N = 1e-7;
+  const auto stated = axial_campaign(inputs);
+  ASSERT_TRUE(stated.test);
+  EXPECT_FALSE(stated.test->conditional);
+  EXPECT_NEAR(stated.test->EA_N.std / stated.test->EA_N.value,
+              std::hypot(1e-7 * rig.EA_N, result.test->EA_if_rigid_N.std / rig.EA_N), 0.002);
+}
+
+TEST(AxialCampaign, ARoundedRateIsInEAOfAllLengthsAlike) {
+  const reference::AxialRig rig;
+  auto inputs = inputs_of(rig, {0.7, 1.0, 1.3}, 6);
+  inputs.setup.series_compliance_std_m_N = 0;  // one explanation: no mixture to move
+  const auto exact = axial_campaign(inputs);
+  constexpr double kRate = 5e-3;
+  for (auto& one : inputs.recordings) one.recording.sample_rate_relative_std = kRate;
+  const auto rounded = axial_campaign(inputs);
+  ASSERT_TRUE(exact.test && rounded.test);
+  const auto &a = *exact.test, &b = *rounded.test;
+  // EA goes with the square of the rate; three lengths do not average that away. To first order:
+  // the interval's shape moves by the square of 1 %.
+  const double expected = std::hypot(a.EA_N.std / a.EA_N.value, 2 * kRate);
+  EXPECT_NEAR(b.EA_N.std / b.EA_N.value, expected, 0.03 * expected);
+  EXPECT_EQ(b.damping_ratio.std, a.damping_ratio.std);
+  const auto row = [](const AxialTestResult& r, const std::string& source) {
+    for (const auto& one : r.budget) {
+      if (one.source == source) return one;
+    }
+    return BudgetRow{};
+  };
+  EXPECT_NEAR(row(b, "sample rate").contribution_N, 2 * kRate * b.EA_N.value,
+              0.03 * 2 * kRate * b.EA_N.value);
+  EXPECT_EQ(row(b, "hung mass").std, inputs.setup.mass_kg.std);
+  double shares = 0;
+  for (const auto& one : b.budget) shares += one.share;
+  EXPECT_NEAR(shares, 1, 1e-9);
+  EXPECT_TRUE(says(rounded, "rate_uncertainty"));
+  EXPECT_FALSE(says(exact, "rate_uncertainty"));
+}
+
+TEST(AxialCampaign, APendulumIsNotTheAxialMode) {
+  reference::AxialRig rig;
+  // Twice the ripple: weight (1 + 3/4 a^2) swings by some 30 N, the tap by 70.
+  rig.pendulum_rad = 1, rig.tap_N_s = 0.2, rig.after_s = 4;
+  const auto result = axial_campaign(inputs_of(rig, {0.7, 1.3}, 5));
+  ASSERT_TRUE(result.test);
+  EXPECT_LT(result.test->EA_low_N, rig.EA_N);
+  EXPECT_GT(result.test->EA_high_N, rig.EA_N);
+}
+
+TEST(AxialCampaign, IntervalsHoldOverRigs) {
+  // 30 rigs a case: 95 % of 30 is 28.5 +- 1.2; three standard deviations less.
+  reference::AxialStudy study;
+  study.lengths_m = {0.7, 1.0, 1.3};
+  study.rig.frame_N_m = 5e6, study.rig.hum_N = 3, study.rig.pendulum_rad = 0.1;
+  study.rig.after_s = 1;
+  const auto compliant = reference::axial_coverage(study, 30, 21);
+  EXPECT_GE(compliant.covered, 25);
+  EXPECT_EQ(compliant.silently_wrong, 0);
+  study.rig.frame_N_m = 0, study.rig.hum_N = 0, study.rig.pendulum_rad = 0;
+  const auto rigid = reference::axial_coverage(study, 30, 22);
+  EXPECT_GE(rigid.covered, 25);
+  EXPECT_LE(rigid.warned, 5);
+}
+
+TEST(AxialCampaign, RefusesWithReasons) {
+  reference::AxialRig rig;
+  auto inputs = inputs_of(rig, {1.0}, 6);
+  inputs.channel = "load";
+  const auto result = axial_campaign(inputs);
+  EXPECT_FALSE(result.test);
+  EXPECT_TRUE(says(result, "channel"));
+  EXPECT_TRUE(says(result, "no_decay"));
+}
+
+TEST(AxialCampaign, GoesIntoScenesWithItsUncertainty) {
+  model::Scene scene;
+  scene.nodes.resize(2), scene.members.resize(1);
+  scene.members[0].name = "cable";
+  scene.members[0].EA = 1, scene.members[0].damping_ratio = 0.1, scene.members[0].tension = 100;
+  AxialUncertainty uncertainty;
+  apply_axial({{2e5, 500}, {0.017, 0.001}}, {"cable.EA"}, {"cable.damping_ratio"}, scene, 2,
+              &uncertainty);
+  EXPECT_EQ(scene.members[0].EA, 2e5);
+  EXPECT_EQ(*scene.members[0].damping_ratio, 0.017);
+  ASSERT_EQ(uncertainty.EA.effects.size(), 1u);
+  EXPECT_EQ(uncertainty.EA.effects[0].state, 2);
+  EXPECT_EQ(uncertainty.EA.effects[0].target, "cable.EA");
+  EXPECT_EQ(uncertainty.EA.effects[0].change, 500);
+  ASSERT_EQ(uncertainty.damping.effects.size(), 1u);
+  EXPECT_EQ(uncertainty.damping.effects[0].change, 0.001);
+}
+
+}  // namespace
+}  // namespace rigfit::ident::axial_campaign_test

@@ -1,0 +1,128 @@
+#include "model/frfs/frf_synthesis.h"
+#include "model/linear/modal_analysis.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+
+#include "tests/model/test_scenes.h"
+
+namespace rigfit::model::frf_synthesis_test {
+namespace {
+
+Scene instrumented(Scene scene) {
+  scene.sensors.push_back(
+      {"quarter", {"", "cable", 0.25}, {0, 1, 0}, Sensor::Quantity::displacement});
+  scene.sensors.push_back(
+      {"third", {"", "cable", 1.0 / 3}, {0, 1, 0}, Sensor::Quantity::acceleration});
+  for (const double place : {0.25, 1.0 / 3}) {
+    Load load;
+    load.name = place == 0.25 ? "at quarter" : "at third";
+    load.place = {"", "cable", place};
+    load.direction << 0, 1, 0;
+    scene.loads.push_back(load);
+  }
+  return scene;
+}
+
+TEST(FrfSynthesis, IsTheSumOfAllModes) {
+  Scene scene = instrumented(testing::paper_cable(200, 0.5972, 12));
+  scene.members[0].damping_ratio = 0.02;
+  ModesOptions options;
+  options.count = 33;  // all that there are
+  const ModalAnalysis analysis = analyse_modes(scene, options);
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(40, 0.5, 40);
+  const SynthesizedFrfs frfs = synthesize_frfs(scene, lines);
+  for (Eigen::Index k = 0; k < lines.size(); ++k) {
+    const double omega = 2 * M_PI * lines[k];
+    std::complex<double> sum = 0;
+    for (const auto& mode : analysis.modes) {
+      const double wr = 2 * M_PI * mode.frequency_hz;
+      // Modes beyond twice the highest line are not damped there.
+      const double zeta = mode.frequency_hz <= 80 ? mode.damping_ratio : 0;
+      sum += mode.sensor_shape[0] * mode.load_shape[1] /
+             std::complex<double>(wr * wr - omega * omega, 2 * zeta * wr * omega);
+    }
+    const auto h = frfs.H[std::size_t(k)](0, 1);
+    EXPECT_LT(std::abs(h - sum), 1e-6 * std::abs(sum)) << lines[k];
+    // Reciprocity, and acceleration = -omega^2 displacement.
+    const auto back = frfs.H[std::size_t(k)](1, 0);
+    EXPECT_LT(std::abs(back + omega * omega * h), 1e-8 * std::abs(back));
+  }
+}
+
+// On the line s = i omega + a of an exponential window the modes' sum is exact; a velocity is s x.
+TEST(FrfSynthesis, UnderAWindowItIsTheSumAtTheWindowsLine) {
+  Scene scene = instrumented(testing::paper_cable(200, 0.5972, 12));
+  scene.sensors[1].quantity = Sensor::Quantity::velocity;
+  scene.members[0].damping_ratio = 0.02;
+  ModesOptions options;
+  options.count = 33;  // all that there are
+  const ModalAnalysis analysis = analyse_modes(scene, options);
+  const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(20, 0, 40);
+  constexpr double kRate = 3;
+  const SynthesizedFrfs frfs = synthesize_frfs(scene, lines, {}, kRate);
+  for (Eigen::Index k = 0; k < lines.size(); ++k) {
+    const std::complex<double> s(kRate, 2 * M_PI * lines[k]);
+    std::complex<double> sum = 0;
+    for (const auto& mode : analysis.modes) {
+      const double wr = 2 * M_PI * mode.frequency_hz;
+      const double zeta = mode.frequency_hz <= 80 ? mode.damping_ratio : 0;
+      sum += mode.sensor_shape[0] * mode.load_shape[1] / (s * s + 2 * zeta * wr * s + wr * wr);
+    }
+    EXPECT_LT(std::abs(frfs.H[std::size_t(k)](0, 1) - sum), 1e-6 * std::abs(sum)) << lines[k];
+    const auto velocity = frfs.H[std::size_t(k)](1, 0);
+    EXPECT_LT(std::abs(velocity - s * frfs.H[std::size_t(k)](0, 1)), 1e-8 * std::abs(velocity));
+  }
+}
+
+TEST(FrfSynthesis, StaticLineIsTheTautStringsCompliance) {
+  // Limp, weightless string under T: x (L - x) / (L T) at the load.
+  Scene scene = instrumented(testing::paper_cable(200, 0, 12));
+  scene.gravity.setZero();
+  const SynthesizedFrfs frfs = synthesize_frfs(scene, Eigen::VectorXd::Zero(1));
+  EXPECT_NEAR(frfs.H[0](0, 0).real(), 0.6 * 1.8 / (2.4 * 200), 1e-9);
+  EXPECT_EQ(frfs.H[0](1, 0), std::complex<double>(0, 0));
+}
+
+void expect_finite_resonance(const Scene& scene) {
+  ModesOptions options;
+  options.count = 2;
+  const ModalAnalysis analysis = analyse_modes(scene, options);
+  const auto& mode =
+      analysis.modes[1].plane == ModePlane::in ? analysis.modes[1] : analysis.modes[0];
+  Eigen::VectorXd line(1);
+  line << mode.frequency_hz;
+  const SynthesizedFrfs frfs = synthesize_frfs(scene, line);
+  const double omega = 2 * M_PI * mode.frequency_hz;
+  const double peak =
+      mode.sensor_shape[0] * mode.load_shape[0] / (2 * mode.damping_ratio * omega * omega);
+  // One mode's peak; the others add their static part, a share of about 2 zeta.
+  EXPECT_NEAR(-frfs.H[0](0, 0).imag() / peak, 1, 0.02);
+}
+
+TEST(FrfSynthesis, JointDampersHoldTheResonanceFinite) {
+  Scene scene = instrumented(testing::paper_cable(200, 0.5972, 12));
+  scene.members[0].damping = {200, 0.05, 0};
+  expect_finite_resonance(scene);
+}
+
+TEST(FrfSynthesis, JointDampersAndDampingRatiosSideBySide) {
+  // Half the cable has the ones, half the others: both kinds of damping in one matrix.
+  Scene scene = instrumented(testing::paper_cable(200, 0.5972, 12));
+  scene.nodes.push_back(scene.nodes[0]);
+  scene.nodes[2].name = "middle";
+  scene.nodes[2].position << 1.2, 0, 0;
+  scene.nodes[2].support.kind = Support::Kind::free;
+  scene.members.push_back(scene.members[0]);
+  scene.members[0].nodes = {"left", "middle"};
+  scene.members[1].name = "other";
+  scene.members[1].nodes = {"middle", "right"};
+  scene.members[0].damping = {200, 0.05, 0};
+  scene.members[1].damping_ratio = 0.01;
+  expect_finite_resonance(scene);
+}
+
+}  // namespace
+}  // namespace rigfit::model::frf_synthesis_test

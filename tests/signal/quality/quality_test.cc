@@ -1,0 +1,210 @@
+#include "signal/quality/quality.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "signal/recording/repair.h"
+
+namespace rigfit::signal::quality_test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Recording recording_of(Eigen::VectorXd samples, double rate) {
+  Recording r;
+  r.path = "x.csv";
+  r.sample_rate_hz = rate;
+  Channel c;
+  c.name = "a";
+  c.unit = "m/s^2";
+  c.quantity = Quantity::acceleration;
+  c.samples = std::move(samples);
+  r.channels.push_back(std::move(c));
+  return r;
+}
+
+Eigen::VectorXd noise(Eigen::Index n, double std, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0, std);
+  Eigen::VectorXd x(n);
+  for (auto& v : x) v = normal(random);
+  return x;
+}
+
+Eigen::VectorXd sine(Eigen::Index n, double frequency, double rate, double amplitude) {
+  Eigen::VectorXd x(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    x[k] = amplitude * std::sin(2 * kPi * frequency * static_cast<double>(k) / rate);
+  }
+  return x;
+}
+
+std::vector<std::string> codes(const ChannelQuality& q) {
+  std::vector<std::string> out;
+  for (const auto& f : q.findings) out.push_back(f.code);
+  return out;
+}
+
+ChannelQuality check(const Recording& r) { return check_quality(r).channels[0]; }
+
+TEST(Quality, CleanDecayAndNoiseHaveNoFindings) {
+  // 40 seeds of a decaying mode near the mains frequency with noise: a finding would be false.
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    Eigen::VectorXd x = sine(4000, 50, 1000, 10);
+    for (Eigen::Index k = 0; k < x.size(); ++k) x[k] *= std::exp(-5.3e-3 * static_cast<double>(k));
+    x += noise(4000, 0.01, seed);
+    EXPECT_THAT(codes(check(recording_of(x, 1000))), ::testing::IsEmpty()) << seed;
+  }
+}
+
+TEST(Quality, CountsClippedSamplesWithAndWithoutARange) {
+  Eigen::VectorXd x = sine(5000, 7, 1000, 1) + noise(5000, 1e-3, 1);
+  long truth = 0;
+  for (auto& v : x) {
+    if (v > 0.8) v = 0.8, ++truth;
+  }
+  Recording r = recording_of(x, 1000);
+  EXPECT_EQ(check(r).clipped_samples, truth);
+  r.channels[0].nominal_range = 5;  // clipped well below it
+  const auto q = check(r);
+  EXPECT_EQ(q.clipped_samples, truth);
+  EXPECT_THAT(q.findings[0].message, ::testing::HasSubstr("below the range"));
+  r.channels[0].nominal_range = 0.75;
+  EXPECT_GT(check(r).clipped_samples, truth);
+}
+
+TEST(Quality, SmoothPeaksOfACoarseConverterAreNotClipping) {
+  // Quantum 1/100 of the amplitude, 2000 samples a period: tops of 2 sqrt(2 * 0.005) / w = 64
+  // samples.
+  Eigen::VectorXd x = sine(20000, 1, 2000, 1);
+  for (auto& v : x) v = std::round(v * 100) / 100;
+  EXPECT_EQ(check(recording_of(x, 2000)).clipped_samples, 0);
+}
+
+TEST(Quality, OneClippedHammerPulse) {
+  Eigen::VectorXd x = noise(4000, 0.01, 3);
+  for (int k = 0; k < 12; ++k) x[500 + k] += std::min(70.0, 100 * std::sin(kPi * k / 12));
+  for (int k = 3; k < 10; ++k) x[500 + k] = 70;
+  EXPECT_EQ(check(recording_of(x, 10000)).clipped_samples, 7);
+}
+
+TEST(Quality, DropoutsStuckEndAndMissing) {
+  Eigen::VectorXd x = sine(6000, 11, 1000, 1) + noise(6000, 0.01, 4);
+  x.segment(1000, 20).setZero();
+  x.segment(2000, 15).setConstant(x[1999]);
+  x.tail(200).setConstant(0.3);
+  x[3000] = std::numeric_limits<double>::quiet_NaN();
+  const auto q = check(recording_of(x, 1000));
+  EXPECT_THAT(codes(q), ::testing::UnorderedElementsAre("missing", "dropouts", "stuck"));
+  EXPECT_EQ(q.missing_samples, 1);
+  for (const auto& f : q.findings) {
+    // The sample before the held stretch has its value, too.
+    if (f.code == "dropouts") {
+      EXPECT_EQ(f.samples, 20 + 16);
+    }
+    if (f.code == "stuck") {
+      EXPECT_EQ(f.samples, 200);
+    }
+  }
+}
+
+TEST(Quality, ASignalAtRestOnAFewStepsIsNoDropout) {
+  Eigen::VectorXd x = noise(20000, 0.3, 5);
+  for (auto& v : x) v = std::round(v);  // mostly zero: runs of zeros are ordinary
+  EXPECT_THAT(codes(check(recording_of(x, 1000))), ::testing::Not(::testing::Contains("dropouts")));
+  EXPECT_THAT(codes(check(recording_of(x, 1000))), ::testing::Contains("coarse_quantisation"));
+}
+
+TEST(Quality, OneBitOffsetAndDrift) {
+  Eigen::VectorXd x = noise(2000, 1, 6);
+  for (auto& v : x) v = v > 0 ? 1 : 0;
+  EXPECT_THAT(codes(check(recording_of(x, 1000))), ::testing::Contains("one_bit"));
+  Eigen::VectorXd y = sine(4000, 20, 1000, 1) + noise(4000, 0.01, 7);
+  y.array() += 5;
+  EXPECT_THAT(codes(check(recording_of(y, 1000))), ::testing::ElementsAre("offset"));
+  y.array() -= 5;
+  y += Eigen::VectorXd::LinSpaced(4000, -3, 3);
+  const auto q = check(recording_of(y, 1000));
+  EXPECT_THAT(codes(q), ::testing::ElementsAre("drift"));
+  // Medians of the first and last tenth lie 0.9 of the record apart: 0.9 * 6; a sine of two
+  // periods in a tenth leaves its median at its mean within some hundredths.
+  EXPECT_NEAR(q.drift, 5.4, 0.1);
+}
+
+TEST(Quality, HumWithItsHarmonicsAndTheFloor) {
+  // Steady 50.02 Hz with a third harmonic, 1 % of it at 20 ms decays of a mode at 12 Hz.
+  const double rate = 2000;
+  Eigen::VectorXd x =
+      noise(40000, 0.02, 8) + sine(40000, 50.02, rate, 0.1) + sine(40000, 150.06, rate, 0.05);
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    x[k] += std::exp(-0.5e-3 * static_cast<double>(k)) *
+            std::sin(2 * kPi * 12 * static_cast<double>(k) / rate);
+  }
+  const auto q = check(recording_of(x, rate));
+  EXPECT_EQ(q.mains_hz, 50);
+  // rms of the two lines: sqrt(0.1^2 + 0.05^2) / sqrt 2; noise in seven lines each adds parts in
+  // 1e3.
+  EXPECT_NEAR(q.mains_rms, std::sqrt(0.0125 / 2), 0.02 * std::sqrt(0.0125 / 2));
+  // The median of 4097 lines averaged over 9 pieces: its relative std is about 1 %.
+  EXPECT_NEAR(q.noise_floor, 0.02, 0.05 * 0.02);
+  const Eigen::VectorXd us = noise(40000, 0.02, 9) + sine(40000, 59.97, rate, 0.1);
+  EXPECT_EQ(check(recording_of(us, rate)).mains_hz, 60);
+  // A shaker that steps through 100, 120 and 150 Hz is no hum.
+  for (const double high : {100.0, 150.0}) {
+    const Eigen::VectorXd shaken =
+        noise(40000, 0.02, 10) + sine(40000, 120, rate, 0.5) + sine(40000, high, rate, 0.5);
+    EXPECT_EQ(check(recording_of(shaken, rate)).mains_hz, 0) << high;
+  }
+  const Eigen::VectorXd both = noise(40000, 0.02, 10) + sine(40000, 100, rate, 0.5) +
+                               sine(40000, 120, rate, 0.5) + sine(40000, 150, rate, 0.5);
+  EXPECT_EQ(check(recording_of(both, rate)).mains_hz, 0);
+}
+
+TEST(Quality, ConstantAndEmptyChannels) {
+  EXPECT_THAT(codes(check(recording_of(Eigen::VectorXd::Constant(50, 3.5), 100))),
+              ::testing::ElementsAre("stuck"));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto q = check(recording_of(Eigen::VectorXd::Constant(50, nan), 100));
+  EXPECT_THAT(codes(q), ::testing::ElementsAre("missing"));
+  EXPECT_EQ(q.missing_samples, 50);
+  EXPECT_THAT(codes(check(recording_of(Eigen::VectorXd::Constant(1, 1.0), 100))),
+              ::testing::IsEmpty());
+}
+
+TEST(Repair, BridgesShortGapsByCubicsAndSaysSo) {
+  // A cubic is given back exactly but for rounding; the gap of four stays.
+  Eigen::VectorXd x(60);
+  for (Eigen::Index k = 0; k < 60; ++k) {
+    const double t = 0.1 * static_cast<double>(k);
+    x[k] = 1 + t - 0.5 * t * t + 0.25 * t * t * t;
+  }
+  const Eigen::VectorXd truth = x;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  x.segment(20, 3).setConstant(nan);
+  x.segment(40, 4).setConstant(nan);
+  Recording r = recording_of(x, 100);
+  r.channels[0].missing_samples = 7;
+  const Recording out = repaired(r, {.bridge_samples = 3, .detrend_degree = -1});
+  EXPECT_NEAR((out.channels[0].samples.head(40) - truth.head(40)).cwiseAbs().maxCoeff(), 0, 1e-12);
+  EXPECT_EQ(out.channels[0].missing_samples, 4);
+  ASSERT_EQ(out.notes.size(), 1u);
+  EXPECT_EQ(out.notes[0].code, "bridged");
+}
+
+TEST(Repair, TakesPolynomialsAway) {
+  Eigen::VectorXd x(500);
+  for (Eigen::Index k = 0; k < 500; ++k) {
+    const double t = 0.01 * static_cast<double>(k);
+    x[k] = 3 - 2 * t + 0.7 * t * t;
+  }
+  const Recording out = repaired(recording_of(x, 100), {.bridge_samples = 0, .detrend_degree = 2});
+  EXPECT_LT(out.channels[0].samples.cwiseAbs().maxCoeff(), 1e-11);
+  EXPECT_EQ(out.notes[0].code, "detrended");
+}
+
+}  // namespace
+}  // namespace rigfit::signal::quality_test

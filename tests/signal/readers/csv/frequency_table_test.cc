@@ -1,0 +1,138 @@
+// Tables over frequency: FRFs are read as FRFs, spectra are no recordings over time.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <numbers>
+#include <string>
+
+#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/csv/read_csv.h"
+#include "signal/recording/recording_error.h"
+#include "signal/spectra/line_peaks.h"
+
+namespace rigfit::signal::frequency_table_test {
+namespace {
+
+/// Accelerance of one mode at 40 Hz, 1 % damping.
+std::complex<double> accelerance(double f) {
+  const std::complex<double> d(1600 - f * f, 2 * 0.01 * 40 * f);
+  return -f * f / d;
+}
+
+std::string table(const std::string& titles, const std::function<std::string(double)>& line) {
+  std::string text = titles;
+  for (int k = 0; k < 200; ++k) text += fmt::format("{:.2f}", 0.5 * k) + line(0.5 * k) + '\n';
+  return text;
+}
+
+FrfSet frfs(const std::string& text) {
+  const auto found = read_frequency_table(text, "frf.txt");
+  if (!found) throw std::logic_error("no table over frequency");
+  return frfs_of({*found});
+}
+
+TEST(FrfTables, AsAnalysersWriteThem) {
+  const auto cartesian = [](double f) {
+    return fmt::format("\t{:.8e}\t{:.8e}", accelerance(f).real(), accelerance(f).imag());
+  };
+  const auto polar = [](const char* format, double degrees) {
+    return [=](double f) {
+      const auto h = accelerance(f);
+      return fmt::format(fmt::runtime(format), std::abs(h), std::arg(h) * degrees, 0.9);
+    };
+  };
+  const double to_degrees = 180 / std::numbers::pi;
+  const std::string texts[] = {
+      table("Units: Ratio\nFrequency\tReal\tImaginary\nHz\t(m/s^2)/N\t(m/s^2)/N\n", cartesian),
+      table("Accelerance\nfreq [Hz]\tRe\tIm\n", cartesian),
+      table("Frequency (Hz);Magnitude ((m/s^2)/N);Phase (deg);Coherence\n",
+            polar(";{:.8e};{:.8f};{:.2f}", to_degrees)),
+      table("Frequency (Hz);Magnitude ((m/s^2)/N);Phase (rad);Coherence\n",
+            polar(";{:.8e};{:.8f};{:.2f}", 1)),
+      table("Frequency (Hz);Magnitude ((m/s^2)/N);Phase\n", polar(";{:.8e};{:.8f}", to_degrees))};
+  for (const auto& text : texts) {
+    const FrfSet set = frfs(text);
+    EXPECT_EQ(set.form, FrfForm::accelerance) << text.substr(0, 60);
+    ASSERT_EQ(set.H.cols(), 1);
+    for (Eigen::Index k = 0; k < set.H.rows(); ++k) {
+      // Eight printed digits of each part.
+      EXPECT_NEAR(std::abs(set.H(k, 0) - accelerance(set.frequency_hz[k])), 0, 1e-6);
+    }
+    EXPECT_THROW((void)read_csv(text, "frf.txt"), RecordingError);
+  }
+  EXPECT_EQ(frfs(texts[2]).coherence.rows(), 200);
+}
+
+TEST(FrfTables, DecibelsAndSeveralResponses) {
+  const FrfSet set = frfs(table("Frequency,Real A,Imag A,Real B,Imag B\n", [](double f) {
+    return fmt::format(",{},{},{},{}", f, -f, 2 * f, -2 * f);
+  }));
+  ASSERT_EQ(set.responses.size(), 2u);
+  EXPECT_EQ(set.responses[1].name, "b");
+  EXPECT_EQ(set.H(3, 1), std::complex<double>(3, -3));
+  const FrfSet decibels = frfs(table("Frequency (Hz),Magnitude (dB),Phase (deg)\n",
+                                     [](double) { return std::string(",20,90"); }));
+  EXPECT_NEAR(std::abs(decibels.H(1, 0) - std::complex<double>(0, 10)), 0, 1e-12);
+}
+
+TEST(Spectra, AreNoRecordings) {
+  for (const char* titles : {"Frequency (Hz),Amplitude\n", "f_Hz,PSD (g^2/Hz)\n",
+                             "FFT (RMS)\nX,Y\n", "Hz,dB\n", "Spectrum of channel 1\n"}) {
+    const std::string text =
+        table(titles, [](double f) { return fmt::format(",{}", std::abs(accelerance(f))); });
+    try {
+      (void)read_csv(text, "fft.csv");
+      ADD_FAILURE() << titles << " taken as a recording";
+    } catch (const RecordingError& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("spectrum")) << titles;
+    }
+    const auto found = read_frequency_table(text, "fft.csv");
+    ASSERT_TRUE(found) << titles;
+    EXPECT_FALSE(holds_frfs(*found));
+    const auto peaks = line_peaks(found->frequency_hz, found->functions[0].samples);
+    ASSERT_EQ(peaks.size(), 1u) << titles;
+    EXPECT_NEAR(peaks[0].frequency_hz, 40, 0.25);  // half a line
+  }
+  // Times stay times, whatever else is measured.
+  EXPECT_EQ(read_csv("Time (s),Frequency (Hz)\n0,50\n0.1,50.1\n0.2,50.2\n", "a.csv").sample_rate_hz,
+            10);
+}
+
+std::string column_of(const std::string& header) {
+  std::string text = header;
+  for (int k = 0; k < 200; ++k) text += fmt::format("{}\n", std::abs(accelerance(0.5 * k)));
+  return text;
+}
+
+TEST(Spectra, WithoutFrequenciesAreNoRecordings) {
+  for (const char* header : {"FFT magnitude\n", "Amplitude (dB)\n", "RMS\n", "Magnitude\n",
+                             "Spectrum of channel 1\nvalue\n", "PSD (g^2/Hz)\n",
+                             "Sample rate: 1000 Hz\nFFT magnitude\n"}) {
+    try {
+      (void)read_csv(column_of(header), "fft.csv");
+      ADD_FAILURE() << header << " taken as a recording";
+    } catch (const RecordingError& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("without a column of frequencies")) << header;
+      EXPECT_THAT(error.remedy(), ::testing::HasSubstr("--format csv")) << header;
+    }
+    ReadOptions forced;
+    forced.format = "csv";
+    EXPECT_EQ(read_csv(column_of(header), "fft.csv", forced).samples(), 200) << header;
+  }
+}
+
+TEST(Spectra, TimeSignalsWithWordsOfTheirsStayRecordings) {
+  // A rate or times beside the words; a force whose title only holds letters of them.
+  for (const char* header : {"Sample rate: 1000 Hz, FFT lines: 400\nforce (N)\n",
+                             "Sample rate: 1000 Hz\nRMS force (N)\n", "draft (m)\n", "terms\n"}) {
+    EXPECT_EQ(read_csv(column_of(header), "a.csv").samples(), 200) << header;
+  }
+  EXPECT_EQ(read_csv("Time (s),RMS (g)\n0,1\n0.1,2\n0.2,1\n", "a.csv").sample_rate_hz, 10);
+}
+
+}  // namespace
+}  // namespace rigfit::signal::frequency_table_test

@@ -1,0 +1,91 @@
+// Sensitivities and units off by a thousand are said, ordinary measurements are not.
+#include "signal/readers/plausibility.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "signal/readers/recording_description.h"
+
+namespace rigfit::signal::plausibility_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A channel of a file in volts with a peak of `volts`.
+Recording in_volts(double volts) {
+  Recording recording;
+  recording.path = "hits.csv";
+  Channel channel;
+  channel.name = "hammer";
+  channel.unit = channel.source_unit = "V";
+  channel.quantity = Quantity::voltage;
+  channel.samples = Eigen::VectorXd::LinSpaced(11, 0, volts);
+  recording.channels.push_back(channel);
+  return recording;
+}
+
+RecordingDescription sensitivity(double value, const std::string& unit) {
+  RecordingDescription description;
+  ChannelDescription channel;
+  channel.source = "hammer";
+  channel.sensitivity = value;
+  channel.sensitivity_unit = unit;
+  description.channels.push_back(channel);
+  return description;
+}
+
+std::string suspected(const Recording& recording) {
+  for (const auto& note : recording.notes) {
+    if (note.code == "unit_suspected") return note.message;
+  }
+  return "";
+}
+
+TEST(Plausibility, SensitivitiesAThousandTimesOff) {
+  struct Case {
+    double volts, value;
+    const char *unit, *said;  // empty: nothing
+  };
+  // A hit of 440 N by 2.27 mV/N gives 1 V; 5 g by 100 mV/g give 0.5 V.
+  for (const Case& c : {Case{1, 2.27, "mV/N", ""}, Case{1000, 2.27, "mV/N", "mV and not V"},
+                        Case{1e-3, 2.27, "V/N", "is the sensitivity in mV"},
+                        Case{0.5, 100, "mV/g", ""}, Case{0.5, 100e-3, "mV/g", ""},
+                        Case{500, 10, "mV/g", "50000 g"}, Case{5, 2e-3, "mV/g", "2500000 g"}}) {
+    Recording recording = in_volts(c.volts);
+    apply_description(sensitivity(c.value, c.unit), recording);
+    if (std::string(c.said).empty()) {
+      EXPECT_EQ(suspected(recording), "") << c.volts << ' ' << c.value << ' ' << c.unit;
+    } else {
+      EXPECT_THAT(suspected(recording), HasSubstr(c.said)) << c.volts << ' ' << c.unit;
+    }
+    // A later description that says nothing of the channel keeps it, one that mends it takes it
+    // off.
+    apply_description({}, recording);
+    EXPECT_EQ(suspected(recording).empty(), std::string(c.said).empty());
+  }
+  Recording mended = in_volts(1000);
+  apply_description(sensitivity(2.27, "mV/N"), mended);
+  apply_description(sensitivity(2.27, "V/N"), mended);
+  EXPECT_EQ(suspected(mended), "");
+}
+
+TEST(Plausibility, ValuesAsTheFileGivesThem) {
+  Channel channel;
+  channel.quantity = Quantity::acceleration;
+  channel.unit = "m/s^2";
+  channel.source_unit = "g";
+  channel.samples = Eigen::VectorXd::Constant(5, 1e5 * 9.80665);
+  EXPECT_THAT(implausible_values(channel, false).value_or(""), HasSubstr("100000 g"));
+  channel.samples.setConstant(20);
+  EXPECT_FALSE(implausible_values(channel, false));
+  channel.samples.setZero();
+  EXPECT_FALSE(implausible_values(channel, false));
+  channel.quantity = Quantity::force;  // of a stay cable
+  channel.samples.setConstant(5e6);
+  EXPECT_FALSE(implausible_values(channel, false));
+}
+
+}  // namespace
+}  // namespace rigfit::signal::plausibility_test
