@@ -19,7 +19,7 @@
 #include "apps/python/src/borrowed_samples.h"
 #include "apps/python/src/call.h"
 #include "apps/python/src/recording_object.h"
-#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/read_frfs.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::python {

@@ -16,7 +16,6 @@
 #include "signal/readers/csv/csv_columns.h"
 #include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
-#include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
 
@@ -45,18 +44,5 @@ struct FrequencyTable {
 
 /// Whether a function is given in dB, by its unit or title.
 [[nodiscard]] bool in_decibels(const Channel& function);
-
-/// Whether the table has FRFs: real and imaginary parts, or magnitudes and phases.
-[[nodiscard]] bool holds_frfs(const FrequencyTable& table);
-
-/// FRFs of one input: each pair of columns of each table is a response. Magnitudes may be in dB.
-/// Throws RecordingError for tables without phase, of different lines, or with values that are no
-/// numbers.
-[[nodiscard]] FrfSet frfs_of(const std::vector<FrequencyTable>& tables);
-
-/// FRFs of a universal file, or of text tables over the same lines (one file a response, or all in
-/// one). Throws RecordingError.
-[[nodiscard]] FrfSet read_frfs(const std::vector<std::filesystem::path>& files,
-                               const ReadOptions& options = {});
 
 }  // namespace rigfit::signal
