@@ -1,9 +1,12 @@
 #include "ident/bending/friction_transient.h"
 
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_min.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <memory>
 
 #include "signal/numerics/robust.h"
 
@@ -218,31 +221,31 @@ double longest(FrictionLaw law) {
   }
 }
 
-// delta with the least squares, by profile: a grid in its logarithm, then golden section.
+// delta with the least squares, by profile: a grid in its logarithm, then Brent's minimiser.
 double best_travel(const std::vector<Binned>& strokes, FrictionLaw law, double whole) {
-  const auto cost = [&](double log_delta) {
+  auto cost = [&](double log_delta) {
     const auto lines = lines_of(strokes, law, std::exp(log_delta));
-    return usable(lines) ? squares(strokes, lines) : std::numeric_limits<double>::infinity();
+    return usable(lines) ? squares(strokes, lines) : 1e300;  // GSL takes no infinity
   };
-  constexpr int kSteps = 14;
-  const double first = std::log(0.01 * whole), last = std::log(longest(law) * whole);
-  const double step = (last - first) / kSteps;
-  double best = first, least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k <= kSteps; ++k) {
-    const double value = cost(first + k * step);
-    if (value < least) least = value, best = first + k * step;
+  constexpr Eigen::Index kSteps = 14;
+  const Eigen::ArrayXd grid =
+      Eigen::ArrayXd::LinSpaced(kSteps + 1, std::log(0.01 * whole), std::log(longest(law) * whole));
+  const Eigen::ArrayXd values = grid.unaryExpr(cost);
+  Eigen::Index k = 0;
+  values.minCoeff(&k);
+  if (k == 0 || k == kSteps || !(values[k] < values[k - 1] && values[k] < values[k + 1])) {
+    return std::exp(grid[k]);
   }
-  const double golden = 0.5 * (std::sqrt(5.0) - 1);
-  double a = std::max(first, best - step), b = std::min(last, best + step);
-  double c = b - golden * (b - a), d = a + golden * (b - a), fc = cost(c), fd = cost(d);
-  for (int k = 0; k < 14; ++k) {
-    if (fc < fd) {
-      b = d, d = c, fd = fc, c = b - golden * (b - a), fc = cost(c);
-    } else {
-      a = c, c = d, fc = fd, d = a + golden * (b - a), fd = cost(d);
-    }
+  gsl_function function{[](double x, void* of) { return (*static_cast<decltype(cost)*>(of))(x); },
+                        &cost};
+  const std::unique_ptr<gsl_min_fminimizer, void (*)(gsl_min_fminimizer*)> brent(
+      gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent), gsl_min_fminimizer_free);
+  gsl_min_fminimizer_set_with_values(brent.get(), &function, grid[k], values[k], grid[k - 1],
+                                     values[k - 1], grid[k + 1], values[k + 1]);
+  for (int step = 0; step < 10; ++step) {
+    if (gsl_min_fminimizer_iterate(brent.get()) != GSL_SUCCESS) break;
   }
-  return std::exp(0.5 * (a + b));
+  return std::exp(gsl_min_fminimizer_x_minimum(brent.get()));
 }
 
 }  // namespace

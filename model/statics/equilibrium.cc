@@ -1,7 +1,5 @@
 #include "model/statics/equilibrium.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -312,47 +310,6 @@ class Solver {
   Eigen::MatrixXd border_, small_;
   double extent_ = 0, unbalanced_ = 0, scale_ = 0, rounding_ = 0;
 };
-
-/// Every cable in the shape it hangs in between its drawn ends. False: one is slack.
-bool hang_cables(Chain& chain, const Scene& scene, bool with_bending, ChainEquilibrium& result) {
-  ChainState& state = result.state;
-  state = drawn_state(chain);
-  for (std::size_t m = 0; m < chain.members.size(); ++m) {
-    const ChainMember& member = chain.members[m];
-    if (!member.cable) continue;
-    const Eigen::Vector3d from = chain.drawn.col(member.nodes.front());
-    const Eigen::Vector3d to = chain.drawn.col(member.nodes.back());
-    double extra = 0;
-    if (with_bending) {  // a half sine's, or a whole one's between clamps
-      const Member& given = scene.members[static_cast<std::size_t>(member.scene_member)];
-      const bool straight = given.assembled == Member::Assembled::straight &&
-                            member.end_joint[0] >= 0 && member.end_joint[1] >= 0;
-      const double wave = (straight ? 2 : 1) * M_PI / (to - from).norm();
-      extra = given.EI[0] * wave * wave;
-    }
-    const HangingChain start = hang(chain, static_cast<int>(m), from, to, extra);
-    if (!start.found) {
-      result.status = EquilibriumStatus::slack;
-      result.reason = fmt::format("cable \"{}\" is slack: {}; {}", scene.members[m].name,
-                                  start.reason, how_to_tighten(scene.members[m]));
-      return false;
-    }
-    for (std::size_t i = 1; i + 1 < start.positions.size(); ++i) {
-      state.position.col(member.nodes[i]) = start.positions[i];
-    }
-    chain.set_unstretched_length(static_cast<int>(m), start.unstretched_length);
-    for (int i = 0; i < member.segments; ++i) {  // frames follow
-      const Segment& s = chain.segments[static_cast<std::size_t>(member.first_segment + i)];
-      if (s.frame < 0) continue;
-      const Eigen::Vector3d t = (chain.drawn.col(s.b) - chain.drawn.col(s.a)).normalized();
-      const Eigen::Vector3d after =
-          (state.position.col(s.b) - state.position.col(s.a)).normalized();
-      const Eigen::Vector3d d = state.director.col(s.frame);
-      state.director.col(s.frame) = d - d.dot(after) / (1 + t.dot(after)) * (t + after);
-    }
-  }
-  return true;
-}
 
 /// A state whose joints fold back is no equilibrium of a rod.
 bool folded(const Chain& chain, const ChainState& state) {

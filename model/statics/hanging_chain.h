@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "model/chain/chain.h"
+#include "model/scene/scene.h"
+#include "model/statics/chain_equilibrium.h"
 
 namespace rigfit::model {
 
@@ -27,5 +29,11 @@ struct HangingChain {
 /// what bending carries) or its unstretched length.
 [[nodiscard]] HangingChain hang(const Chain& chain, int member, const Eigen::Vector3d& from,
                                 const Eigen::Vector3d& to, double extra = 0);
+
+/// Every cable in the shape it hangs in between its drawn ends: `result.state` and the chain's
+/// unstretched lengths. `with_bending`: tensions hold what bending carries. False: one is slack,
+/// with the reason.
+[[nodiscard]] bool hang_cables(Chain& chain, const Scene& scene, bool with_bending,
+                               ChainEquilibrium& result);
 
 }  // namespace rigfit::model
