@@ -240,12 +240,4 @@ Eigen::MatrixXd modal_response(const PoleModel& model,
   return out;
 }
 
-Eigen::VectorXcd modal_state(const PoleModel& model, const std::vector<Load>& loads,
-                             const std::vector<const ForceHistory*>& records, double time_s) {
-  const ModalPropagator propagator(model, loads, records);
-  Eigen::VectorXcd z = propagator.initial();
-  propagator.advance(z, 0, time_s);
-  return z;
-}
-
 }  // namespace rigfit::model

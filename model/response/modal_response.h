@@ -70,9 +70,4 @@ class ModalPropagator {
   double last_force_ = 0;
 };
 
-/// z after `time_s`, from z = `model.initial`.
-[[nodiscard]] Eigen::VectorXcd modal_state(const PoleModel& model, const std::vector<Load>& loads,
-                                           const std::vector<const ForceHistory*>& records,
-                                           double time_s);
-
 }  // namespace rigfit::model

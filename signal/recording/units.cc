@@ -377,13 +377,6 @@ const char* name_of(Quantity quantity) {
   return "unknown";
 }
 
-const char* si_symbol(Quantity quantity) {
-  for (const auto& kind : kKinds) {
-    if (kind.quantity == quantity) return kind.si;
-  }
-  return "";
-}
-
 std::optional<Unit> parse_unit(std::string_view text) {
   if (text.size() > 64) return std::nullopt;
   const std::string s = plain(text);

@@ -26,9 +26,6 @@ struct Unit {
 /// Empty when the text is no unit we know (also for "", "-", "NONE", "EU").
 [[nodiscard]] std::optional<Unit> parse_unit(std::string_view text);
 
-/// The SI symbol that values of this quantity are kept in; "" for `unknown`.
-[[nodiscard]] const char* si_symbol(Quantity quantity);
-
 /// A column title split into the name and the unit written with it.
 struct TitledUnit {
   std::string name;

@@ -8,6 +8,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace rigfit::signal;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   read_or_refuse([&] { require_sound(read_csv(bytes, "fuzz")); });
-  read_or_refuse([&] { (void)read_table(bytes, "fuzz"); });
   return 0;
 }

@@ -7,8 +7,6 @@
 #include <numbers>
 #include <random>
 
-#include "signal/recording/repair.h"
-
 namespace rigfit::signal::quality_test {
 namespace {
 
@@ -173,37 +171,6 @@ TEST(Quality, ConstantAndEmptyChannels) {
   EXPECT_EQ(q.missing_samples, 50);
   EXPECT_THAT(codes(check(recording_of(Eigen::VectorXd::Constant(1, 1.0), 100))),
               ::testing::IsEmpty());
-}
-
-TEST(Repair, BridgesShortGapsByCubicsAndSaysSo) {
-  // A cubic is given back exactly but for rounding; the gap of four stays.
-  Eigen::VectorXd x(60);
-  for (Eigen::Index k = 0; k < 60; ++k) {
-    const double t = 0.1 * static_cast<double>(k);
-    x[k] = 1 + t - 0.5 * t * t + 0.25 * t * t * t;
-  }
-  const Eigen::VectorXd truth = x;
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  x.segment(20, 3).setConstant(nan);
-  x.segment(40, 4).setConstant(nan);
-  Recording r = recording_of(x, 100);
-  r.channels[0].missing_samples = 7;
-  const Recording out = repaired(r, {.bridge_samples = 3, .detrend_degree = -1});
-  EXPECT_NEAR((out.channels[0].samples.head(40) - truth.head(40)).cwiseAbs().maxCoeff(), 0, 1e-12);
-  EXPECT_EQ(out.channels[0].missing_samples, 4);
-  ASSERT_EQ(out.notes.size(), 1u);
-  EXPECT_EQ(out.notes[0].code, "bridged");
-}
-
-TEST(Repair, TakesPolynomialsAway) {
-  Eigen::VectorXd x(500);
-  for (Eigen::Index k = 0; k < 500; ++k) {
-    const double t = 0.01 * static_cast<double>(k);
-    x[k] = 3 - 2 * t + 0.7 * t * t;
-  }
-  const Recording out = repaired(recording_of(x, 100), {.bridge_samples = 0, .detrend_degree = 2});
-  EXPECT_LT(out.channels[0].samples.cwiseAbs().maxCoeff(), 1e-11);
-  EXPECT_EQ(out.notes[0].code, "detrended");
 }
 
 }  // namespace

@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 
 void read_with_all(const std::string& bytes) {
   read_or_refuse([&] { require_sound(read_csv(bytes, "x")); });
-  read_or_refuse([&] { (void)read_table(bytes, "x"); });
   read_or_refuse([&] { require_sound(read_lvm(bytes, "x")); });
   read_or_refuse([&] { require_sound(read_uff(bytes, "x")); });
   read_or_refuse([&] { require_sound(read_uff_functions(bytes, "x")); });
