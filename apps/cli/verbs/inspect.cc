@@ -14,7 +14,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "signal/quality/quality.h"
-#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/csv/frf_columns.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/read_recording.h"
