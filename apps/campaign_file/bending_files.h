@@ -7,7 +7,7 @@
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/verb_context.h"
-#include "ident/campaign/tests/bending_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::apps {

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/tests/tension_test.h"
+#include "ident/campaign/single_tests/tension_test.h"
 
 namespace rigfit::apps {
 

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/exit_code.h"
-#include "ident/campaign/tests/axial_campaign.h"
-#include "ident/campaign/tests/stiffness_inputs.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
+#include "ident/campaign/single_tests/stiffness_inputs.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {

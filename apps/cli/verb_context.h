@@ -13,7 +13,7 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/warning_lines.h"
-#include "ident/campaign/tests/finding.h"
+#include "ident/campaign/single_tests/finding.h"
 #include "signal/readers/files/read_options.h"
 
 namespace rigfit::apps {

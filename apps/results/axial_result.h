@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apps/cli/verb.h"
-#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
 
 namespace rigfit::apps {
 

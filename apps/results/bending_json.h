@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/cli/verb.h"
-#include "ident/campaign/tests/bending_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {
 

@@ -4,7 +4,7 @@
 #include <ostream>
 
 #include "apps/cli/verb.h"
-#include "ident/campaign/tests/tension_campaign.h"
+#include "ident/campaign/single_tests/tension_campaign.h"
 
 namespace rigfit::apps {
 

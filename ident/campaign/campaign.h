@@ -19,11 +19,11 @@
 #include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/modal/modal_test.h"
 #include "ident/campaign/modal/model_answers.h"
-#include "ident/campaign/tests/axial_campaign.h"
-#include "ident/campaign/tests/bending_campaign.h"
-#include "ident/campaign/tests/decay_test.h"
-#include "ident/campaign/tests/scene_use.h"
-#include "ident/campaign/tests/tension_campaign.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
+#include "ident/campaign/single_tests/decay_test.h"
+#include "ident/campaign/single_tests/scene_use.h"
+#include "ident/campaign/single_tests/tension_campaign.h"
 
 namespace rigfit::ident {
 

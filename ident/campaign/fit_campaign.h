@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/tests/finding.h"
+#include "ident/campaign/single_tests/finding.h"
 #include "ident/update/model_update.h"
 #include "ident/update/update_checks.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
 
 namespace rigfit::reference {
 

@@ -7,9 +7,9 @@
 
 #include "apps/cli/plots/plot_option.h"
 #include "ident/campaign/modal/hammer_test.h"
-#include "ident/campaign/tests/axial_campaign.h"
-#include "ident/campaign/tests/bending_campaign.h"
-#include "ident/campaign/tests/decay_test.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
+#include "ident/campaign/single_tests/decay_test.h"
 #include "ident/tension/cable_tension.h"
 #include "ident/update/update_checks.h"
 #include "model/linear/modal_analysis.h"

@@ -13,7 +13,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "apps/results/axial_result.h"
-#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
 
 namespace rigfit::apps {
 namespace {

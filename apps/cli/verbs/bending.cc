@@ -13,8 +13,8 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "apps/results/bending_json.h"
-#include "ident/campaign/tests/beam_section.h"
-#include "ident/campaign/tests/bending_campaign.h"
+#include "ident/campaign/single_tests/beam_section.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {
 namespace {

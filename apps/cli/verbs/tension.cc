@@ -15,7 +15,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "apps/results/tension_result.h"
-#include "ident/campaign/tests/tension_campaign.h"
+#include "ident/campaign/single_tests/tension_campaign.h"
 
 namespace rigfit::apps {
 namespace {

@@ -7,7 +7,7 @@
 #include <array>
 #include <string>
 
-#include "ident/campaign/tests/origin.h"
+#include "ident/campaign/single_tests/origin.h"
 
 namespace rigfit::apps {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/tests/origin.h"
+#include "ident/campaign/single_tests/origin.h"
 
 namespace rigfit::apps {
 

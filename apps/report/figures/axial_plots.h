@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/report/page/report_part.h"
-#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
 
 namespace rigfit::apps {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/report/drawing/plot.h"
-#include "ident/campaign/tests/bending_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {
 

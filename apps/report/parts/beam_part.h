@@ -1,5 +1,5 @@
 // A bending test of beams without tension, by dead weights or a testing machine: EI and modulus of
-// each specimen, by ident/campaign/tests/bending_campaign.h.
+// each specimen, by ident/campaign/single_tests/bending_campaign.h.
 #pragma once
 
 #include <memory>

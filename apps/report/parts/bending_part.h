@@ -1,5 +1,5 @@
 // EI of a strand against its tension: tests, laws through the points, bounds from the strand's
-// geometry, by ident/campaign/tests/bending_campaign.h.
+// geometry, by ident/campaign/single_tests/bending_campaign.h.
 #pragma once
 
 #include <memory>

@@ -6,7 +6,7 @@
 
 #include "apps/campaign_file/campaign.h"
 #include "apps/report/page/report_part.h"
-#include "ident/campaign/tests/bending_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {
 

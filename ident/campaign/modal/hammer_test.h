@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "ident/campaign/tests/finding.h"
+#include "ident/campaign/single_tests/finding.h"
 #include "signal/impact/impact_test.h"
 #include "signal/impact/roving_hammer.h"
 #include "signal/modal/modal_identification.h"

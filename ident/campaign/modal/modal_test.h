@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "ident/campaign/modal/hammer_test.h"
-#include "ident/campaign/tests/finding.h"
-#include "ident/campaign/tests/origin.h"
+#include "ident/campaign/single_tests/finding.h"
+#include "ident/campaign/single_tests/origin.h"
 
 namespace rigfit::ident {
 

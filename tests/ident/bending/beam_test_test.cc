@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "ident/bending/bending_test.h"
-#include "ident/campaign/tests/bending_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::ident::beam_test_test {
 namespace {

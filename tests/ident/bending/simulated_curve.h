@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "ident/campaign/tests/bending_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
 #include "ident/virtual_rig/virtual_bending.h"
 #include "ident/virtual_rig/virtual_laboratory.h"
 

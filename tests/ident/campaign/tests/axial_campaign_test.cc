@@ -1,4 +1,4 @@
-#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
 
 #include <gtest/gtest.h>
 

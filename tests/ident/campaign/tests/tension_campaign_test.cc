@@ -1,4 +1,4 @@
-#include "ident/campaign/tests/tension_campaign.h"
+#include "ident/campaign/single_tests/tension_campaign.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ident/campaign/tests/decay_test.h"
+#include "ident/campaign/single_tests/decay_test.h"
 
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "ident/campaign/tests/rate_uncertainty.h"
+#include "ident/campaign/single_tests/rate_uncertainty.h"
 #include "ident/statistics/random_effects.h"
 
 namespace rigfit::ident {

@@ -1,4 +1,4 @@
-#include "ident/campaign/tests/bending_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
 
 #include <fmt/format.h>
 

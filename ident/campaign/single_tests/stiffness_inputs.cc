@@ -1,4 +1,4 @@
-#include "ident/campaign/tests/stiffness_inputs.h"
+#include "ident/campaign/single_tests/stiffness_inputs.h"
 
 namespace rigfit::ident {
 

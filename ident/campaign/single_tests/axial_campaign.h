@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "ident/axial/axial_test.h"
-#include "ident/campaign/tests/finding.h"
+#include "ident/campaign/single_tests/finding.h"
 #include "ident/update/model_update.h"
 #include "model/scene/scene.h"
 #include "signal/decay/decay.h"

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/tests/finding.h"
+#include "ident/campaign/single_tests/finding.h"
 #include "signal/decay/decay.h"
 #include "signal/recording/recording.h"
 

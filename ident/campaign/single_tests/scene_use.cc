@@ -1,6 +1,6 @@
-#include "ident/campaign/tests/scene_use.h"
+#include "ident/campaign/single_tests/scene_use.h"
 
-#include "ident/campaign/tests/stiffness_inputs.h"
+#include "ident/campaign/single_tests/stiffness_inputs.h"
 #include "model/scene/parameters.h"
 
 namespace rigfit::ident {

@@ -1,4 +1,4 @@
-#include "ident/campaign/tests/tension_test.h"
+#include "ident/campaign/single_tests/tension_test.h"
 
 #include <fmt/format.h>
 

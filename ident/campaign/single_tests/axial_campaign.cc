@@ -1,4 +1,4 @@
-#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "ident/axial/rod_stiffness.h"
-#include "ident/campaign/tests/rate_uncertainty.h"
+#include "ident/campaign/single_tests/rate_uncertainty.h"
 #include "ident/statistics/in_parallel.h"
 #include "model/linear/modal_analysis.h"
 #include "signal/decay/decay_window.h"

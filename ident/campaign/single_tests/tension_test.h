@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/tests/finding.h"
+#include "ident/campaign/single_tests/finding.h"
 #include "ident/tension/cable_tension.h"
 
 namespace rigfit::ident {

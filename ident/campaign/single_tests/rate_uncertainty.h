@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "ident/campaign/tests/finding.h"
+#include "ident/campaign/single_tests/finding.h"
 #include "signal/modes/modal_model.h"
 #include "signal/numerics/estimate.h"
 

@@ -1,4 +1,4 @@
-#include "ident/campaign/tests/rate_uncertainty.h"
+#include "ident/campaign/single_tests/rate_uncertainty.h"
 
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>

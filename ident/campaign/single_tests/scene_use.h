@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/tests/axial_campaign.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/stiffness/stiffness_curve.h"
 #include "ident/update/problem/update_data.h"
 #include "model/scene/scene.h"

@@ -1,4 +1,4 @@
-#include "ident/campaign/tests/tension_campaign.h"
+#include "ident/campaign/single_tests/tension_campaign.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "ident/campaign/tests/rate_uncertainty.h"
+#include "ident/campaign/single_tests/rate_uncertainty.h"
 
 namespace rigfit::ident {
 namespace {
