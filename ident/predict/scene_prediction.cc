@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "ident/predict/drawn_frequencies.h"
-#include "ident/update/assignment/mode_pairing.h"
-#include "model/linear/frf_sensitivities.h"
+#include "ident/update/pairing/mode_pairing.h"
+#include "model/frfs/frf_sensitivities.h"
 #include "model/scene/parameters.h"
 
 namespace rigfit::ident {

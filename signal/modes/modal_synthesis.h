@@ -1,8 +1,8 @@
 // FRFs rebuilt from exported modes, and how well they agree with the measured ones.
 #pragma once
 
-#include "signal/modal/modal_model.h"
-#include "signal/modal/modal_result.h"
+#include "signal/modes/modal_model.h"
+#include "signal/modes/modal_result.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "signal/modal/modal_identification.h"
-#include "signal/modal/modal_synthesis.h"
+#include "signal/modes/modal_synthesis.h"
 #include "signal/numerics/numbers.h"
 #include "signal/refinement/smooth_background.h"
 #include "tests/reference/defective_frfs.h"
