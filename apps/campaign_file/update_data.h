@@ -9,7 +9,7 @@
 #include "apps/cli/verb.h"
 #include "ident/stiffness/stiffness_curve.h"
 #include "ident/update/model_update.h"
-#include "ident/update/uncertainty/sample_rate_input.h"
+#include "ident/update/problem/sample_rate_input.h"
 
 namespace rigfit::apps {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "ident/statistics/in_parallel.h"
-#include "ident/update/uncertainty/sample_rate_input.h"
+#include "ident/update/problem/sample_rate_input.h"
 #include "model/scene/parameters.h"
 #include "signal/recording/recording_error.h"
 

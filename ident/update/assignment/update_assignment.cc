@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "ident/update/uncertainty/sample_rate_input.h"
-#include "ident/update/update_problem.h"
+#include "ident/update/problem/sample_rate_input.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "ident/update/uncertainty/sample_rate_input.h"
+#include "ident/update/problem/sample_rate_input.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 

@@ -1,5 +1,5 @@
 // A sample rate that files state rounded: common to all recordings at that rate.
-#include "ident/update/uncertainty/sample_rate_input.h"
+#include "ident/update/problem/sample_rate_input.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "ident/update/model_update.h"
-#include "model/linear/frf_synthesis.h"
+#include "model/frfs/frf_synthesis.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::ident::update_segments_test {

@@ -1,4 +1,4 @@
-#include "ident/update/uncertainty/sample_rate_input.h"
+#include "ident/update/problem/sample_rate_input.h"
 
 #include <fmt/format.h>
 

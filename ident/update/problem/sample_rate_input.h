@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "ident/update/update_data.h"
+#include "ident/update/problem/update_data.h"
 
 namespace rigfit::ident {
 
