@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from . import results
 from .errors import Error
 
 
@@ -119,16 +118,17 @@ def _pairs(pairs, axes):
     return axes
 
 
+# By the name of the result's class: results.py calls plot(), so its classes are not imported here.
 _PLOTS = {
-    results.FrfResult: _frf, results.SceneFrfs: _scene_frf, results.ModalResult: _modal, results.DecayResult: _decay,
-    results.BendingResult: _bending, results.AxialResult: _budget, results.ModesResult: _modes,
-    results.RespondResult: _respond, results.UpdateResult: lambda r, axes: _pairs(r.pairs, axes),
-    results.TensionResult: lambda r, axes: _pairs(r.modes, axes),
+    "FrfResult": _frf, "SceneFrfs": _scene_frf, "ModalResult": _modal, "DecayResult": _decay,
+    "BendingResult": _bending, "AxialResult": _budget, "ModesResult": _modes, "RespondResult": _respond,
+    "UpdateResult": lambda r, axes: _pairs(r.pairs, axes), "TensionResult": lambda r, axes: _pairs(r.modes, axes),
 }
 
 
 def plot(result, axes=None):
     """The plot that belongs to a result."""
-    if type(result) not in _PLOTS:
-        raise Error(f"{type(result).__name__} has no plot", code="no_plot")
-    return _PLOTS[type(result)](result, axes)
+    name = type(result).__name__
+    if name not in _PLOTS:
+        raise Error(f"{name} has no plot", code="no_plot")
+    return _PLOTS[name](result, axes)
