@@ -316,7 +316,7 @@ def modal(frfs, *, force=None, response=None, band=None, order=None, max_damping
     out : path, optional
         Modes as UFF 55.
     synthesis : path, optional
-        FRFs rebuilt from the modes, at the measured lines, as UFF 58.
+        FRFs rebuilt from the modes and what else was fitted, at the measured lines, as UFF 58.
     threads : int, optional
         Threads to use (all processors); the numbers do not depend on it (1 to 1024).
     seed : int, optional
