@@ -205,8 +205,8 @@ std::vector<ident::UncertainInput> aim_inputs(const std::vector<std::string>& te
         const int index = static_cast<int>(s);
         const double length = member_length(scene, load.place.member);
         if (metres > 0 && load.place.node.empty() && length > 0) {
-          inputs.push_back(
-              {"place of " + name + state, {{index, name + ".position", metres / length}}});
+          inputs.push_back({fmt::format("place of {}{}", name, state),
+                            {{index, name + ".position", metres / length}}});
         }
         if (!(turn > 0)) continue;
         const Eigen::Vector3d first = load.direction.unitOrthogonal();

@@ -69,6 +69,7 @@ void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures) {
   add(sheet, points_table("points-table", modes, Origin::measured));
   if (const auto& mac = figures.modal->auto_mac; mac.rows() > 1 && frfs.responses.size() > 1) {
     std::vector<std::string> names;
+    names.reserve(modes.size());
     for (const auto& mode : modes)
       names.push_back(fmt::format("{:.5g} Hz", mode.frequency_hz.value));
     sheet.add(Block(matrix_picture("mac", "MAC between the modes",
