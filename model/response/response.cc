@@ -215,7 +215,7 @@ class Simulation {
   bool run_modal() {
     if (!options_.axial.value_or(true) || plane_) {
       LinearAnswerOptions less{options_.axial.value_or(true), plane_};
-      const LinearAnswer all = std::move(answer_);
+      LinearAnswer all = std::move(answer_);
       answer_ = linear_answer(modes_, scene_, less);
       if (!less.axial) {
         axial_ = axial_part(modes_, all, weights_);

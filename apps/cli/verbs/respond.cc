@@ -310,6 +310,7 @@ void add_respond(CLI::App& program, Verbs& verbs) {
   verb->add_option("--energy", options->energy, "CSV of the energy by member and kind over time")
       ->type_name("F.csv");
   std::vector<std::string> names;
+  names.reserve(kSolvers.size());
   for (const auto& [name, solver] : kSolvers) names.push_back(name);
   verb->add_option("--solver", options->solver,
                    "auto: modal when the estimated frequency shift is within the scene's accuracy")
