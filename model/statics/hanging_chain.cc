@@ -261,7 +261,8 @@ bool hang_cables(Chain& chain, const Scene& scene, bool with_bending, ChainEquil
     }
     chain.set_unstretched_length(static_cast<int>(m), start.unstretched_length);
     for (int i = 0; i < member.segments; ++i) {  // frames follow
-      const Segment& s = chain.segments[static_cast<std::size_t>(member.first_segment + i)];
+      const Segment& s = chain.segments[static_cast<std::size_t>(member.first_segment) +
+                                        static_cast<std::size_t>(i)];
       if (s.frame < 0) continue;
       const Eigen::Vector3d t = (chain.drawn.col(s.b) - chain.drawn.col(s.a)).normalized();
       const Eigen::Vector3d after =
