@@ -51,8 +51,8 @@ double variation_limit(double bandwidth_hz, double duration_s) {
   return 0.5 * std::min(walk / (1 + walk / kRarePowers), u * u / 12);
 }
 
-/// The strongest sinusoid near `omega` by Gauss-Newton in frequency, amplitude and phase, without
-/// window: with white noise the most likely one.
+/// The strongest sinusoid near `omega` by Gauss-Newton in frequency, amplitude and phase, samples
+/// weighted by a Hann window.
 struct Sinusoid {
   double omega = 0, in_phase = 0, quadrature = 0;
 };
@@ -70,7 +70,7 @@ Sinusoid fitted_sinusoid(const Eigen::Ref<const VectorXd>& samples, double omega
       const double angle = tone.omega * static_cast<double>(i), c = std::cos(angle),
                    s = std::sin(angle);
       const double time = (static_cast<double>(i) - middle) / static_cast<double>(n);
-      // Windowed: leakage of what else is there does not reach the fit.
+      // The window keeps leakage of what else is there out of the fit.
       const Eigen::Vector3d slope(c, s, (tone.quadrature * c - tone.in_phase * s) * time);
       const double left = samples[i] - mean - tone.in_phase * c - tone.quadrature * s;
       normal += window[i] * slope * slope.transpose();
