@@ -3,7 +3,9 @@
 // (`std`, relative, of the same value).
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -12,9 +14,12 @@
 #include "apps/bench/exact_bending_ratio.h"
 #include "ident/axial/axial_test.h"
 #include "ident/bending/bending_test.h"
+#include "ident/campaign/modal/mode_lines.h"
+#include "ident/predict/scene_prediction.h"
 #include "ident/virtual_rig/virtual_axial.h"
 #include "ident/virtual_rig/virtual_bending.h"
 #include "signal/decay/decay.h"
+#include "tests/model/test_scenes.h"
 
 namespace rigfit::ident {
 namespace {
@@ -159,6 +164,79 @@ BENCHMARK(update_EI_and_tensions)
     ->Args({30, 4})
     ->Args({0, 1})
     ->Args({0, 4})
+    ->Unit(benchmark::kMillisecond);
+
+/// The report's figure: modes to 55 Hz along 49 tensions from 25 to 300 N, "auto" to 1e-4. The error
+/// is against "auto" to 1e-7; `pieces` are as many as lines where none breaks.
+void lines_along_tensions(benchmark::State& state) {
+  double accuracy = 1e-4;
+  const auto scene_at = [&](double tension_N) {
+    model::Scene scene = state.range(0) != 0
+                             ? model::testing::cable_beam_rig(tension_N, 0.5972, 0)
+                             : model::testing::paper_cable(tension_N, 0.5972, 0);
+    scene.accuracy = accuracy;
+    return scene;
+  };
+  const auto follow = [&] { return follow_modes(scene_at, 25, 300, 48, 55); };
+  ModeLines found;
+  for (auto _ : state) found = follow();
+  accuracy = 1e-7;
+  const ModeLines truth = follow();
+  state.counters["pieces"] = static_cast<double>(found.lines.size());
+  if (truth.lines.size() != found.lines.size()) return state.SkipWithError("other lines to 1e-7");
+  double worst = 0;
+  for (std::size_t l = 0; l < found.lines.size(); ++l) {
+    const auto &one = found.lines[l].frequency_hz, &exact = truth.lines[l].frequency_hz;
+    for (std::size_t i = 0; i < std::min(one.size(), exact.size()); ++i) {
+      worst = std::max(worst, std::abs(one[i] / exact[i] - 1));
+    }
+  }
+  state.counters["relative_error"] = worst;
+}
+BENCHMARK(lines_along_tensions)->ArgName("rig")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+/// `predict` with 200 samples, tension known to 3 %, EI to 10 %, to 10^-`accuracy`. `one_by_one_ms`:
+/// the same scenes (209 with the check of linearity) by `analyse_modes`.
+void sampled_prediction(benchmark::State& state) {
+  const bool rig = state.range(0) != 0;
+  model::Scene scene = rig ? model::testing::cable_beam_rig(200, 0.5972, 0)
+                           : model::testing::paper_cable(200, 0.5972, 0);
+  scene.accuracy = std::pow(10.0, -static_cast<double>(state.range(1)));
+  FittedParameters fitted;
+  fitted.parameters = {{"tension", 200}, {"EI", 0.5972}};
+  for (auto& parameter : fitted.parameters) {
+    for (const char* member : {"cable", "left cable", "right cable"}) {
+      if (rig != (member == std::string("cable"))) {
+        parameter.targets.push_back(std::string(member) + "." + parameter.name);
+      }
+    }
+  }
+  fitted.covariance = Eigen::Vector2d(std::pow(0.03 * 200, 2), std::pow(0.1 * 0.5972, 2))
+                          .asDiagonal();
+  PredictionOptions options;
+  options.count = rig ? 12 : 6;
+  options.always_sample = true;
+  ModePrediction found;
+  for (auto _ : state) found = predict_modes(scene, fitted, options);
+  model::ModesOptions alone;
+  alone.count = options.count;
+  alone.shapes = alone.damped = alone.error_estimate = false;
+  const std::clock_t begin = std::clock();
+  for (int i = 0; i < options.samples + 9; ++i) {
+    benchmark::DoNotOptimize(model::analyse_modes(scene, alone));
+  }
+  state.counters["one_by_one_ms"] =
+      1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  state.counters["first_std_hz"] = found.modes[0].frequency_hz.std;
+  state.counters["first_low_hz"] = found.modes[0].low_hz;
+  state.counters["first_high_hz"] = found.modes[0].high_hz;
+}
+BENCHMARK(sampled_prediction)
+    ->ArgNames({"rig", "accuracy"})
+    ->Args({0, 4})
+    ->Args({0, 6})
+    ->Args({1, 4})
+    ->Args({1, 6})
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -14,6 +14,8 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::VectorXcd;
 
+constexpr int kFixedNode = 1000;  // above the points' numbers
+
 /// Transform at the lines of a ring-down whose frequency follows its amplitude: w(t) = w (1 + shift
 /// exp(-2 zeta w t)), to first order in closed form by the series of exp(i integral):
 /// sum_m (i b)^m / m! (...), b = shift w / (2 zeta w), each term a pole damped (1 + 2 m) times.
@@ -61,36 +63,44 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
   set.exponential_decay_rate_1_s = options.window_decay_1_s;
   VectorXcd s = Complex(0, 2 * std::numbers::pi) * set.frequency_hz.cast<Complex>();
   s.array() += options.window_decay_1_s;
-  set.H.resize(lines, options.points);
+  const auto fixed = static_cast<Index>(options.fixed.size());
+  set.H.resize(lines, options.points * fixed);
   const Index modes = options.frequency_hz.size();
-  const double reference = 0.37;  // of the length: where the fixed end of each FRF is
   for (Index c = 0; c < options.points; ++c) {
     const double x = (static_cast<double>(c) + 0.63) / (static_cast<double>(options.points) + 0.37);
     const double place =
         options.points > 1 ? static_cast<double>(c) / static_cast<double>(options.points - 1) - 0.5
                            : 0;
     const double size_of_hit = 1 + 0.3 * normal(random);
-    VectorXcd sum = VectorXcd::Zero(lines), cut_off = sum;
+    std::vector<VectorXcd> sum(options.fixed.size(), VectorXcd::Zero(lines)), cut_off = sum;
     for (Index r = 0; r < modes; ++r) {
       const double zeta = options.damping_ratio,
                    number = std::numbers::pi * static_cast<double>(r + 1);
       const double shift = options.drift * place + options.scatter * normal(random);
       const double w = 2 * std::numbers::pi * options.frequency_hz[r] * (1 + 2 * zeta * shift);
-      const double size = std::sin(number * x), own = std::sin(number * reference);
+      const double size = std::sin(number * x);
       const Complex pole(-zeta * w, w * std::sqrt(1 - zeta * zeta));
-      const Complex residue = size * own / Complex(0, 2 * pole.imag());
-      if (options.record_s > 0) cut_off += after_the_record(s, pole, residue, options);
       const double softening = -2 * zeta * options.softening * std::pow(size_of_hit * size, 2);
-      VectorXcd part = ring_down(s, pole, softening);
-      sum += residue * part + std::conj(residue) * (s.array() - std::conj(pole)).inverse().matrix();
+      const VectorXcd part = ring_down(s, pole, softening);
+      for (std::size_t e = 0; e < sum.size(); ++e) {
+        const double own = std::sin(number * options.fixed[e]);
+        const Complex residue = size * own / Complex(0, 2 * pole.imag());
+        if (options.record_s > 0) cut_off[e] += after_the_record(s, pole, residue, options);
+        sum[e] +=
+            residue * part + std::conj(residue) * (s.array() - std::conj(pole)).inverse().matrix();
+      }
     }
     if (options.hit_sizes && options.points_are_inputs) set.hit_impulse.push_back({size_of_hit});
-    set.H.col(c) = s.cwiseProduct(s).cwiseProduct(sum) - cut_off;
+    for (Index e = 0; e < fixed; ++e) {
+      const auto k = static_cast<std::size_t>(e);
+      set.H.col(options.points_are_inputs ? e * options.points + c : c * fixed + e) =
+          s.cwiseProduct(s).cwiseProduct(sum[k]) - cut_off[k];
+    }
   }
   const double rms = std::sqrt(set.H.squaredNorm() / static_cast<double>(set.H.size()));
   for (Index k = 0; k < lines; ++k) {
     const Complex common(options.common * normal(random), options.common * normal(random));
-    for (Index c = 0; c < options.points; ++c) {
+    for (Index c = 0; c < set.H.cols(); ++c) {
       set.H(k, c) = set.H(k, c) * (1.0 + common) +
                     options.noise * rms * Complex(normal(random), normal(random));
     }
@@ -99,7 +109,10 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
     signal::MeasuredPoint point{"p" + std::to_string(c + 1), static_cast<int>(c + 1), 3};
     (options.points_are_inputs ? set.inputs : set.responses).push_back(point);
   }
-  (options.points_are_inputs ? set.responses : set.inputs).push_back({"fixed", 100, 3});
+  for (int e = 0; e < static_cast<int>(fixed); ++e) {
+    const std::string name = e == 0 ? "fixed" : "fixed " + std::to_string(e + 1);
+    (options.points_are_inputs ? set.responses : set.inputs).push_back({name, kFixedNode + e, 3});
+  }
   return set;
 }
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 #include "signal/spectra/frf_set.h"
 
@@ -19,6 +20,8 @@ struct DefectiveFrfOptions {
   double low_hz = 80, high_hz = 300, spacing_hz = 0.025;
   Eigen::Index points = 8;
   bool points_are_inputs = true;  ///< roving hammer; else roving sensor
+  /// Where the fixed sensors (or the fixed hammer) are, of the length.
+  std::vector<double> fixed = {0.37};
   double noise = 2e-3;            ///< of each part of H, over the rms FRF
   double drift = 0;               ///< first to last point, half-power bandwidths
   double scatter = 0;             ///< standard deviation between points, half-power bandwidths
