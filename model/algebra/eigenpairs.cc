@@ -20,7 +20,7 @@ EnvelopeMatrix shifted(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double 
 class Lanczos {
  public:
   Lanczos(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double shift)
-      : m_(m), shift_(shift), random_(20210101), coupled_(true) {
+      : m_(m.trimmed()), shift_(shift), random_(20210101), coupled_(true) {
     if (shift == 0) {
       factor_.factor(k);
     } else {
@@ -135,12 +135,12 @@ class Lanczos {
   }
 
   bool finish_step(int j) {
-    const double before = norm();
     coefficients_.setZero(size_);
     orthogonalise(&coefficients_);
     projected_.col(j).head(size_) = coefficients_;
     done_ = size_;
     beta_ = norm();
+    const double before = std::hypot(coefficients_.norm(), beta_);  // of the vector as it came
     if (!(beta_ > 1e-13 * before)) {
       beta_ = 0;
       renew_ = true;
@@ -151,7 +151,7 @@ class Lanczos {
     return true;
   }
 
-  const EnvelopeMatrix& m_;
+  EnvelopeMatrix m_;
   double shift_;
   std::mt19937_64 random_;
   bool coupled_;  // projected_ is tridiagonal

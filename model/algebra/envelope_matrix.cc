@@ -76,6 +76,24 @@ typename EnvelopeMatrixOf<Scalar>::Vector EnvelopeMatrixOf<Scalar>::operator*(
 }
 
 template <class Scalar>
+EnvelopeMatrixOf<Scalar> EnvelopeMatrixOf<Scalar>::trimmed() const {
+  std::vector<int> first = envelope_->first;
+  for (int i = 0; i < size(); ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    const Scalar* a = values_.data() + envelope_->offset[row];
+    while (first[row] < i && a[first[row]] == Scalar(0)) ++first[row];
+  }
+  EnvelopeMatrixOf out(Envelope::from_rows(std::move(first)));
+  for (int i = 0; i < size(); ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    const int begin = out.envelope_->first[row];
+    std::copy_n(values_.data() + envelope_->offset[row] + begin, i - begin + 1,
+                out.values_.data() + out.envelope_->offset[row] + begin);
+  }
+  return out;
+}
+
+template <class Scalar>
 Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> EnvelopeMatrixOf<Scalar>::dense() const {
   Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> matrix(size(), size());
   for (int i = 0; i < size(); ++i) {
@@ -139,7 +157,10 @@ void EnvelopeFactorOf<Scalar>::solve_in_place(Scalar* x) const {
   for (int i = start + 1; i < n; ++i) {
     const auto row = static_cast<std::size_t>(i);
     const int begin = envelope.first[row];
-    x[i] -= dot(values + envelope.offset[row] + begin, x + begin, i - begin);
+    if (begin == i) continue;
+    // The entry before last of all: only it waits for the row before.
+    const Scalar* l = values + envelope.offset[row];
+    x[i] = (x[i] - dot(l + begin, x + begin, i - 1 - begin)) - l[i - 1] * x[i - 1];
   }
   for (int i = start; i < n; ++i) x[i] *= inverse_pivot_[i];
   for (int i = n - 1; i > 0; --i) {

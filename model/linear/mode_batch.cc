@@ -28,14 +28,16 @@ constexpr double kPilotShare = 0.2;  // of the error asked for, given to the pil
 /// them all; by rising cost. 0: none.
 using ChainSet = std::array<int, 4>;
 constexpr int kCommon = 4;  // in all
-constexpr std::array<ChainSet, 8> kSets{{{4, 0, 0, 0},
-                                         {2, 4, 0, 0},
-                                         {3, 4, 0, 0},
-                                         {2, 3, 4, 0},
-                                         {2, 4, 6, 0},
-                                         {3, 4, 6, 0},
-                                         {2, 3, 4, 6},
-                                         {4, 6, 8, 12}}};
+constexpr std::array<ChainSet, 10> kSets{{{4, 0, 0, 0},
+                                          {2, 4, 0, 0},
+                                          {3, 4, 0, 0},
+                                          {2, 3, 4, 0},
+                                          {2, 4, 6, 0},
+                                          {3, 4, 6, 0},
+                                          {2, 3, 4, 6},
+                                          {4, 6, 8, 0},
+                                          {3, 4, 6, 8},
+                                          {4, 6, 8, 12}}};
 
 /// Weight of one chain's value in Neville's (Lagrange at h = 0 in h^2).
 double weight(const ChainSet& set, int factor) {

@@ -56,6 +56,15 @@ ModePlane plane_of(const Motions& share, Motion motion) {
   return ModePlane::mixed;
 }
 
+/// row' * shapes, of a row with few entries.
+Eigen::RowVectorXd sparse_product(const Eigen::VectorXd& row, const Eigen::MatrixXd& shapes) {
+  Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(shapes.cols());
+  for (Eigen::Index i = 0; i < row.size(); ++i) {
+    if (row[i] != 0) sum += row[i] * shapes.row(i);
+  }
+  return sum;
+}
+
 void fill_shape(const ChainModes& modes, const MotionModes& motion, const Scene& scene,
                 const Eigen::VectorXd& q, NaturalMode& out) {
   const Chain& chain = *modes.chain;
@@ -105,10 +114,11 @@ std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& sce
     prepared[k].loads.resize(loads, motion.shapes.cols());
     for (Eigen::Index i = 0; i < sensors; ++i) {
       prepared[k].sensors.row(i) =
-          sensor_row(*motion.assembly, state, scene, int(i)).transpose() * motion.shapes;
+          sparse_product(sensor_row(*motion.assembly, state, scene, int(i)), motion.shapes);
     }
     for (Eigen::Index i = 0; i < loads; ++i) {
-      prepared[k].loads.row(i) = load_row(*motion.assembly, int(i)).transpose() * motion.shapes;
+      prepared[k].loads.row(i) =
+          sparse_product(load_row(*motion.assembly, int(i)), motion.shapes);
     }
   }
   for (std::size_t i = 0; i < modes.order.size(); ++i) {

@@ -52,21 +52,15 @@ ChainOptions chain_options_of(const ModesOptions& options, const std::vector<int
 ChainModes prepare(const Scene& scene, const ChainOptions& chain_options) {
   ChainModes out;
   out.chain = std::make_unique<Chain>(Chain::from_scene(scene, chain_options));
-  out.equilibrium = find_equilibrium(*out.chain, scene);
+  std::vector<RestMotion> rest;
+  out.equilibrium = find_equilibrium(*out.chain, scene, {}, &rest);
   if (out.equilibrium.status != EquilibriumStatus::converged) return out;
-
-  const std::vector<Motion> motions =
-      out.chain->planar ? std::vector<Motion>{Motion::in_plane, Motion::out_of_plane}
-                        : std::vector<Motion>{Motion::space};
-  for (const Motion kind : motions) {
+  for (RestMotion& at_rest : rest) {
     MotionModes motion;
-    motion.motion = kind;
-    motion.assembly = std::make_unique<Assembly>(*out.chain, kind);
-    if (motion.assembly->size() == 0) continue;
-    motion.stiffness = motion.assembly->matrix();
+    motion.motion = at_rest.motion;
+    motion.assembly = std::move(at_rest.assembly);
+    motion.stiffness = std::move(at_rest.stiffness);
     motion.mass = motion.assembly->matrix();
-    Eigen::VectorXd force(motion.assembly->size());
-    motion.assembly->force_and_tangent(out.equilibrium.state, force, motion.stiffness);
     motion.assembly->mass(motion.mass);
     out.motions.push_back(std::move(motion));
   }

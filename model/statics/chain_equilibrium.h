@@ -1,7 +1,9 @@
 // Options and state of an equilibrium that is sought (equilibrium.h).
 #pragma once
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "model/chain/assembly.h"
 #include "model/chain/chain.h"
@@ -24,6 +26,13 @@ struct ChainEquilibrium {
   int iterations = 0;
   bool continued = false;  ///< continuation was needed
   ChainState state;
+};
+
+/// A motion about the equilibrium.
+struct RestMotion {
+  Motion motion = Motion::space;
+  std::unique_ptr<Assembly> assembly;  ///< of the chain that the equilibrium is of
+  EnvelopeMatrix stiffness;
 };
 
 }  // namespace rigfit::model

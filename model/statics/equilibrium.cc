@@ -343,8 +343,13 @@ const char* name_of(EquilibriumStatus status) {
 }
 
 ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
-                                  const EquilibriumOptions& options) {
+                                  const EquilibriumOptions& options,
+                                  std::vector<RestMotion>* motions) {
   ChainEquilibrium result;
+  const auto judge = [&] {
+    std::vector<RestMotion> found = judge_rest(chain, scene, result);
+    if (motions) *motions = std::move(found);
+  };
   chain.settled = false;
   ChainState& state = result.state;
   const Chain drawn = chain;
@@ -359,7 +364,7 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
     result.residual = solver.residual;
     if (!converged) continue;
     settle(chain, state);
-    judge_rest(chain, scene, result);
+    judge();
     if (result.status == EquilibriumStatus::converged ||
         result.status == EquilibriumStatus::mechanism) {
       return result;
@@ -413,7 +418,7 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
       settle(chain, state);
       ChainEquilibrium probe;
       probe.state = start;
-      judge_rest(chain, scene, probe);
+      (void)judge_rest(chain, scene, probe);
       if (probe.status != EquilibriumStatus::converged) {
         result.status = probe.status;
         result.reason = "no equilibrium was found near the drawn shape: " + probe.reason;
@@ -422,7 +427,7 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
     return result;
   }
   settle(chain, state);
-  judge_rest(chain, scene, result);
+  judge();
   return result;
 }
 

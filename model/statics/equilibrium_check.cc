@@ -45,7 +45,8 @@ const char* how_to_tighten(const Member& cable) {
   return "give it a larger tension";
 }
 
-void judge_rest(const Chain& chain, const Scene& scene, ChainEquilibrium& result) {
+std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
+                                   ChainEquilibrium& result) {
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     const ChainMember& member = chain.members[m];
     if (!member.cable) continue;
@@ -65,18 +66,19 @@ void judge_rest(const Chain& chain, const Scene& scene, ChainEquilibrium& result
       result.reason = fmt::format("cable \"{}\" is slack: its axial force is {:.4g} N{}; {}",
                                   given.name, limp ? least : mean,
                                   limp ? " at one end" : " on average", how_to_tighten(given));
-      return;
+      return {};
     }
   }
   const std::vector<Motion> motions =
       chain.planar ? std::vector<Motion>{Motion::in_plane, Motion::out_of_plane}
                    : std::vector<Motion>{Motion::space};
+  std::vector<RestMotion> found;
   for (const Motion motion : motions) {
-    const Assembly assembly(chain, motion);
-    if (assembly.size() == 0) continue;
-    Eigen::VectorXd force(assembly.size());
-    EnvelopeMatrix tangent = assembly.matrix();
-    assembly.force_and_tangent(result.state, force, tangent);
+    auto assembly = std::make_unique<Assembly>(chain, motion);
+    if (assembly->size() == 0) continue;
+    Eigen::VectorXd force(assembly->size());
+    EnvelopeMatrix tangent = assembly->matrix();
+    assembly->force_and_tangent(result.state, force, tangent);
     EnvelopeFactor factor;
     const bool regular = factor.factor(tangent, 1e-14);
     const char* where = motion == Motion::in_plane       ? " in its plane"
@@ -91,15 +93,15 @@ void judge_rest(const Chain& chain, const Scene& scene, ChainEquilibrium& result
           "a "
           "mechanism; give it a GJ, or one EI",
           twisting->name);
-      return;
+      return {};
     }
     if (!regular) {
       result.status = EquilibriumStatus::mechanism;
       result.reason = fmt::format(
           "\"{}\" can move{} without any force: a mechanism; give one of its nodes a support, or "
           "join it rigidly to what holds it",
-          name_at(chain, assembly.numbering(), factor.smallest_pivot_row(), scene), where);
-      return;
+          name_at(chain, assembly->numbering(), factor.smallest_pivot_row(), scene), where);
+      return {};
     }
     if (factor.negative_pivots() > 0) {
       result.status = EquilibriumStatus::buckled;
@@ -107,10 +109,12 @@ void judge_rest(const Chain& chain, const Scene& scene, ChainEquilibrium& result
           "the state is unstable{} ({} direction{} of negative stiffness): "
           "a member has buckled under its load; raise its EI, lower its load or brace it",
           where, factor.negative_pivots(), factor.negative_pivots() > 1 ? "s" : "");
-      return;
+      return {};
     }
+    found.push_back({motion, std::move(assembly), std::move(tangent)});
   }
   result.status = EquilibriumStatus::converged;
+  return found;
 }
 
 }  // namespace rigfit::model

@@ -7,8 +7,10 @@
 
 namespace rigfit::model {
 
-/// Sets `status` and `reason` of a settled state whose forces balance.
-void judge_rest(const Chain& chain, const Scene& scene, ChainEquilibrium& result);
+/// Sets `status` and `reason` of a settled state whose forces balance. The motions it looked at, of
+/// a state that it finds converged: all that have unknowns, in the plane of symmetry first.
+std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
+                                   ChainEquilibrium& result);
 
 /// What to change about a slack cable.
 [[nodiscard]] const char* how_to_tighten(const Member& cable);

@@ -50,6 +50,19 @@ TEST(EnvelopeFactor, SolvesAndCountsAsDenseAlgebraDoes) {
   }
 }
 
+// Zeros that rows begin with go, those inside stay: the same matrix, and the same products.
+TEST(EnvelopeMatrix, TrimmedIsTheSameMatrix) {
+  EnvelopeMatrix matrix(Envelope::from_rows({0, 0, 0, 1, 0}));
+  matrix.add(0, 0, 1), matrix.add(1, 1, 2), matrix.add(2, 2, 3);
+  matrix.add(3, 3, 4), matrix.add(4, 4, 5);
+  matrix.add(2, 1, 6), matrix.add(3, 1, 7), matrix.add(4, 2, 8);
+  const EnvelopeMatrix trimmed = matrix.trimmed();
+  EXPECT_EQ(trimmed.envelope()->first, (std::vector<int>{0, 1, 1, 1, 2}));
+  EXPECT_TRUE(MatricesNear(trimmed.dense(), matrix.dense(), 0));
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(5, -1, 2);
+  EXPECT_TRUE(MatricesNear(trimmed * x, matrix * x, 0));
+}
+
 TEST(EnvelopeFactor, SolvesComplexSymmetricMatrices) {
   std::mt19937_64 random(2);
   const auto matrix = random_matrix<std::complex<double>>(30, random);
