@@ -55,15 +55,6 @@ Eigen::VectorXd frequencies_alone(const model::Scene& scene,
   return like(reference, orders, planes, hz);
 }
 
-/// Every member leaves its segments to the program.
-bool all_auto(std::span<const model::Scene> scenes, const model::ModesOptions& options) {
-  return std::all_of(scenes.begin(), scenes.end(), [&](const model::Scene& scene) {
-    return std::all_of(scene.members.begin(), scene.members.end(), [&](const auto& member) {
-      return options.segments.value_or(member.segments) <= 0;
-    });
-  });
-}
-
 /// At least so many modes, up to the widest gap between two frequencies that is near: what one draw
 /// has below it, the others have too.
 int up_to_a_gap(const model::Scene& scene, int count, const model::ModesOptions& options) {
@@ -84,6 +75,12 @@ int up_to_a_gap(const model::Scene& scene, int count, const model::ModesOptions&
 
 }  // namespace
 
+bool all_auto(const model::Scene& scene, const model::ModesOptions& options) {
+  return std::all_of(scene.members.begin(), scene.members.end(), [&](const auto& member) {
+    return options.segments.value_or(member.segments) <= 0;
+  });
+}
+
 std::vector<Eigen::VectorXd> drawn_frequencies(std::span<const model::Scene> scenes,
                                                const std::vector<model::NaturalMode>& reference,
                                                const model::ModesOptions& options,
@@ -91,7 +88,8 @@ std::vector<Eigen::VectorXd> drawn_frequencies(std::span<const model::Scene> sce
   const std::vector<std::size_t> orders = orders_of(reference);
   std::vector<Eigen::VectorXd> out(scenes.size());
   model::ModeBatch batch;
-  if (!scenes.empty() && !reference.empty() && all_auto(scenes, options)) {
+  const auto left = [&](const model::Scene& scene) { return all_auto(scene, options); };
+  if (!scenes.empty() && !reference.empty() && std::all_of(scenes.begin(), scenes.end(), left)) {
     model::ModesOptions more = options;
     more.count = up_to_a_gap(scenes[0], static_cast<int>(reference.size()), options);
     batch = model::batch_modes(scenes, more, accuracy);

@@ -11,6 +11,9 @@
 
 namespace rigfit::ident {
 
+/// Every member leaves its segments to the program.
+[[nodiscard]] bool all_auto(const model::Scene& scene, const model::ModesOptions& options);
+
 /// Of each scene the frequencies (Hz) of the modes that have the plane and order of `reference`'s;
 /// empty where there is no equilibrium or one of them is not found. Scenes whose members all leave
 /// their segments to the program are solved together to `accuracy` (model/linear/mode_batch.h).

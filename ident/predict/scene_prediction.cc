@@ -124,6 +124,38 @@ model::ModesOptions modes_options(const PredictionOptions& options, bool shapes)
   return modes;
 }
 
+constexpr double kRateAccuracy = 1e-4;  // of a frequency, in the chain that derivatives are of
+
+/// Modes and their derivatives. Where a scene leaves its segments to the program the frequencies are
+/// those of `analyse_modes`, by many times cheaper than one chain as accurate; the derivatives are of
+/// a chain to 1e-4.
+model::ModeSensitivities nominal_modes(const model::Scene& scene,
+                                       const std::vector<std::string>& targets,
+                                       const model::ModesOptions& options) {
+  if (!all_auto(scene, options)) return model::analyse_mode_sensitivities(scene, targets, options);
+  model::Scene rough = scene;
+  rough.accuracy = std::max(scene.accuracy, kRateAccuracy);
+  model::ModeSensitivities found = model::analyse_mode_sensitivities(rough, targets, options);
+  model::ModalAnalysis fine = model::analyse_modes(scene, options);
+  const std::size_t count = found.analysis.modes.size();
+  if (fine.modes.size() != count) return model::analyse_mode_sensitivities(scene, targets, options);
+  // Modes of unlike planes that lie on each other may change places.
+  const model::ModeSensitivities one = found;
+  std::vector<bool> taken(count, false);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::size_t k = 0;
+    while (k < count && (taken[k] || one.analysis.modes[k].plane != fine.modes[i].plane)) ++k;
+    if (k == count) return model::analyse_mode_sensitivities(scene, targets, options);
+    taken[k] = true;
+    const auto to = static_cast<Eigen::Index>(i), from = static_cast<Eigen::Index>(k);
+    const double ratio = fine.modes[i].frequency_hz / one.analysis.modes[k].frequency_hz;
+    found.frequency.row(to) = ratio * one.frequency.row(from);
+    found.damping_ratio.row(to) = one.damping_ratio.row(from);
+  }
+  found.analysis = std::move(fine);
+  return found;
+}
+
 /// A move of the parameters; those that are positive stay so.
 Eigen::VectorXd moved(const Selection& selection, const Eigen::VectorXd& change) {
   Eigen::VectorXd values = selection.value;
@@ -293,8 +325,8 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
   prediction.used = selection.used;
   prediction.not_used = selection.not_used;
   prediction.scene = selection.scene(scene, selection.value);
-  const auto found = model::analyse_mode_sensitivities(prediction.scene, selection.targets(),
-                                                       modes_options(options, true));
+  const auto found =
+      nominal_modes(prediction.scene, selection.targets(), modes_options(options, true));
   prediction.equilibrium = found.analysis.equilibrium;
   if (found.analysis.modes.empty()) return prediction;
   const Eigen::MatrixXd rates = selection.rates();
