@@ -126,9 +126,9 @@ model::ModesOptions modes_options(const PredictionOptions& options, bool shapes)
 
 constexpr double kRateAccuracy = 1e-4;  // of a frequency, in the chain that derivatives are of
 
-/// Modes and their derivatives. Where a scene leaves its segments to the program the frequencies are
-/// those of `analyse_modes`, by many times cheaper than one chain as accurate; the derivatives are of
-/// a chain to 1e-4.
+/// Modes and their derivatives. Where a scene leaves its segments to the program the frequencies
+/// are those of `analyse_modes`, by many times cheaper than one chain as accurate; the derivatives
+/// are of a chain to 1e-4.
 model::ModeSensitivities nominal_modes(const model::Scene& scene,
                                        const std::vector<std::string>& targets,
                                        const model::ModesOptions& options) {

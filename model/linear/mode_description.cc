@@ -117,8 +117,7 @@ std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& sce
           sparse_product(sensor_row(*motion.assembly, state, scene, int(i)), motion.shapes);
     }
     for (Eigen::Index i = 0; i < loads; ++i) {
-      prepared[k].loads.row(i) =
-          sparse_product(load_row(*motion.assembly, int(i)), motion.shapes);
+      prepared[k].loads.row(i) = sparse_product(load_row(*motion.assembly, int(i)), motion.shapes);
     }
   }
   for (std::size_t i = 0; i < modes.order.size(); ++i) {

@@ -166,14 +166,13 @@ BENCHMARK(update_EI_and_tensions)
     ->Args({0, 4})
     ->Unit(benchmark::kMillisecond);
 
-/// The report's figure: modes to 55 Hz along 49 tensions from 25 to 300 N, "auto" to 1e-4. The error
-/// is against "auto" to 1e-7; `pieces` are as many as lines where none breaks.
+/// The report's figure: modes to 55 Hz along 49 tensions from 25 to 300 N, "auto" to 1e-4. The
+/// error is against "auto" to 1e-7; `pieces` are as many as lines where none breaks.
 void lines_along_tensions(benchmark::State& state) {
   double accuracy = 1e-4;
   const auto scene_at = [&](double tension_N) {
-    model::Scene scene = state.range(0) != 0
-                             ? model::testing::cable_beam_rig(tension_N, 0.5972, 0)
-                             : model::testing::paper_cable(tension_N, 0.5972, 0);
+    model::Scene scene = state.range(0) != 0 ? model::testing::cable_beam_rig(tension_N, 0.5972, 0)
+                                             : model::testing::paper_cable(tension_N, 0.5972, 0);
     scene.accuracy = accuracy;
     return scene;
   };
@@ -195,8 +194,8 @@ void lines_along_tensions(benchmark::State& state) {
 }
 BENCHMARK(lines_along_tensions)->ArgName("rig")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
-/// `predict` with 200 samples, tension known to 3 %, EI to 10 %, to 10^-`accuracy`. `one_by_one_ms`:
-/// the same scenes (209 with the check of linearity) by `analyse_modes`.
+/// `predict` with 200 samples, tension known to 3 %, EI to 10 %, to 10^-`accuracy`.
+/// `one_by_one_ms`: the same scenes (209 with the check of linearity) by `analyse_modes`.
 void sampled_prediction(benchmark::State& state) {
   const bool rig = state.range(0) != 0;
   model::Scene scene = rig ? model::testing::cable_beam_rig(200, 0.5972, 0)
@@ -211,8 +210,8 @@ void sampled_prediction(benchmark::State& state) {
       }
     }
   }
-  fitted.covariance = Eigen::Vector2d(std::pow(0.03 * 200, 2), std::pow(0.1 * 0.5972, 2))
-                          .asDiagonal();
+  fitted.covariance =
+      Eigen::Vector2d(std::pow(0.03 * 200, 2), std::pow(0.1 * 0.5972, 2)).asDiagonal();
   PredictionOptions options;
   options.count = rig ? 12 : 6;
   options.always_sample = true;

@@ -68,9 +68,10 @@ TEST(ScenePrediction, LinearPropagationIsTheClosedForm) {
   }
 }
 
-// Segments left to the program: the frequencies of `modes`, and the std of a chain as fine as asked to
-// the 1e-4 of the derivatives' own chain, twice for its rates (they err by what frequencies err, times
-// the powers of EI and tension in that error, some 2). Modes in and out of the plane lie near each other.
+// Segments left to the program: the frequencies of `modes`, and the std of a chain as fine as asked
+// to the 1e-4 of the derivatives' own chain, twice for its rates (they err by what frequencies err,
+// times the powers of EI and tension in that error, some 2). Modes in and out of the plane lie near
+// each other.
 TEST(ScenePrediction, AutoGivesTheFrequenciesOfModes) {
   model::Scene scene = model::testing::paper_cable(200, 0.5972, 0);
   scene.accuracy = 1e-6;
