@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "signal/modes/modes_beside.h"
 #include "signal/refinement/smooth_background.h"
 
 namespace rigfit::signal {
@@ -68,12 +69,14 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const Eigen::VectorX
   const double span = frfs.force_noise_span_s;
   Eigen::MatrixXcd background =
       cut_off_background(band.lines.s, band.lines.power, std::max(before, span), span);
-  if (band.lines.background.size() == 0 && misfit.size() > 0 &&
+  if (!(span > 0) && misfit.size() > 0 &&
       !misfit_shows(background, misfit, noise.line, kSure)) {
     background = cut_off_background(band.lines.s, band.lines.power, 0, 0);
-    if (!misfit_shows(background, misfit, noise.line, kLikely)) return false;
+    if (most < kLeftWhereHitMatters && !misfit_shows(background, misfit, noise.line, kLikely)) {
+      return false;
+    }
   }
-  band.lines.background = std::move(background);
+  set_background(background, band);
   return true;
 }
 

@@ -14,6 +14,7 @@
 #include "signal/modes/modal_band.h"
 #include "signal/modes/modal_synthesis.h"
 #include "signal/modes/mode_search.h"
+#include "signal/modes/modes_beside.h"
 #include "signal/numerics/numbers.h"
 #include "signal/variation/amplitude_limit.h"
 #include "signal/variation/hit_scatter.h"
@@ -311,9 +312,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     }
   }
   const bool has_error_bars = band.H_std.size() > 0;
-  FrfNoise first = has_error_bars ? noise_from_std(H, band.H_std, inputs, band.correlation_lines)
-                                  : noise_unknown(H, inputs, band.correlation_lines);
-  first.lead = band.lead;
+  const FrfNoise first = first_noise(band);
   if (!first.column.cwiseInverse().any()) {
     model.notes.push_back({"no_modes", "all FRFs are zero", ""});
     result.noise = first;
@@ -321,6 +320,8 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     return result;
   }
 
+  band.beside = poles_beside(frfs, band, options);
+  set_background(MatrixXcd(band.lines.background), band);
   result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
   result.clusters = cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
   Search search = search_of(band, result.clusters, first, options);

@@ -75,4 +75,13 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
   return band;
 }
 
+FrfNoise first_noise(const ModalBand& band) {
+  const Eigen::MatrixXcd& H = band.lines.H;
+  FrfNoise noise = band.H_std.size() > 0
+                       ? noise_from_std(H, band.H_std, band.lines.inputs, band.correlation_lines)
+                       : noise_unknown(H, band.lines.inputs, band.correlation_lines);
+  noise.lead = band.lead;
+  return noise;
+}
+
 }  // namespace rigfit::signal

@@ -17,6 +17,7 @@ struct ModalBand {
   double spacing_hz = 0;                   ///< median step between lines
   double window = 0;                       ///< decay rate of the exponential window, 1/s
   double correlation_lines = 0, lead = 0;  ///< FrfNoise's
+  Eigen::VectorXcd beside;                 ///< poles beyond its ends (modes_beside.h)
 };
 
 /// Lines from `low_hz` (never 0 Hz) to `high_hz` (0: the last) with finite values. What is left out
@@ -24,5 +25,8 @@ struct ModalBand {
 /// or fewer than 8 lines.
 [[nodiscard]] ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz,
                                     std::vector<Note>& notes);
+
+/// What the noise of its FRFs is taken for before any fit: error bars where there are some.
+[[nodiscard]] FrfNoise first_noise(const ModalBand& band);
 
 }  // namespace rigfit::signal
