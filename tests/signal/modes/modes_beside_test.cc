@@ -66,8 +66,8 @@ TEST(ModesBeside, PolesWithinAQuarterOfTheBandBeyondItsEnd) {
   EXPECT_EQ(poles_beside(set, all, {}).size(), 0);
 }
 
-// Where the lines end at 50 Hz, two residual terms leave damping off by up to 3.4e-4 here. With what
-// the lines beyond tell it is known to noise: standard deviations are 2e-6 to 5e-6 of it.
+// Where the lines end at 50 Hz, two residual terms leave damping off by up to 3.4e-4 here. With
+// what the lines beyond tell it is known to noise: standard deviations are 2e-6 to 5e-6 of it.
 TEST(ModesBeside, TheLastModeOfABandKeepsItsDamping) {
   const ModalResult result = identify_modes(struck_cable(1e-5), to_50_hz());
   ASSERT_EQ(result.model.modes.size(), 5u);
@@ -95,10 +95,9 @@ TEST(ModesBeside, ColumnsAreOrthonormalAndOnlyWhatIsNew) {
   set_background(given, band);
   EXPECT_EQ(columns.cols(), once);
   const Eigen::MatrixXcd new_columns = columns.rightCols(once - 1);
-  EXPECT_LT((new_columns.adjoint() * new_columns -
-             Eigen::MatrixXcd::Identity(once - 1, once - 1))
-                .norm(),
-            1e-12);
+  EXPECT_LT(
+      (new_columns.adjoint() * new_columns - Eigen::MatrixXcd::Identity(once - 1, once - 1)).norm(),
+      1e-12);
   EXPECT_LT((new_columns.adjoint() * band.lines.s.array().square().matrix()).norm(),
             1e-12 * band.lines.s.array().square().matrix().norm());
 }
