@@ -15,9 +15,10 @@ constexpr std::array<std::string_view, 22> kAnswerMayBeWrong = {
     "unit_suspected",  "length_suspected",  "time_gaps",     "at_bound",        "extrapolated",
     "curved",          "systematic_misfit",
 };
-constexpr std::array<std::string_view, 21> kAllowedFor = {
+constexpr std::array<std::string_view, 22> kAllowedFor = {
     "taken_as_exact",
     "exact_inputs",
+    "exact_ends",
     "start_chosen",
     "fitted_in_band",
     "friction",

@@ -120,6 +120,25 @@ Json exact_inputs_json(const ident::UpdateResult& result) {
   return list;
 }
 
+Json exact_ends_json(const ident::UpdateResult& result) {
+  Json list = Json::array();
+  for (const auto& ends : result.exact_ends) {
+    Json shifts = Json::object(), largest = Json::object();
+    for (std::size_t p = 0; p < result.parameters.size(); ++p) {
+      const auto& name = result.parameters[p].name;
+      shifts[name] = json_number(ends.shift[static_cast<Eigen::Index>(p)]);
+      largest[name] = json_number(ends.largest_shift[static_cast<Eigen::Index>(p)]);
+    }
+    list.push_back({{"nodes", ends.nodes},
+                    {"taken_as", ends.taken_as},
+                    {"springs_Nm_rad", json_number(ends.stiffness)},
+                    {"chi2_less", json_number(ends.chi2_less)},
+                    {"changes", std::move(shifts)},
+                    {"largest_changes", std::move(largest)}});
+  }
+  return list;
+}
+
 Json alternatives_json(const ident::UpdateResult& result, const States& states) {
   Json list = Json::array();
   for (const auto& one : result.alternatives) {
@@ -155,6 +174,7 @@ Json update_json(const ident::UpdateResult& result, const States& states) {
             {"alternatives", alternatives_json(result, states)},
             {"log_evidence", json_number(result.log_evidence)}};
   json["exact_inputs"] = exact_inputs_json(result);
+  json["exact_ends"] = exact_ends_json(result);
   json["correlation"] = correlation_json(result.correlation);
   json["rank"] = result.identifiability.rank;
   json["condition"] = json_number(result.identifiability.condition);

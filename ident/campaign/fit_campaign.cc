@@ -67,10 +67,13 @@ std::vector<std::string> alternative_texts(const UpdateResult& result) {
 
 namespace {
 
-// Standard uncertainties from which a change by an exact input leaves the 95 % interval.
-constexpr double kExactMatters = 1.96;
+// Standard uncertainties from which a change counts: an input of which nothing is said may well be
+// known to 1 % only; where that moves a parameter by more, it would be its largest uncertainty.
+constexpr double kInputMatters = 1;
+// End conditions move a parameter out of its 95 % interval.
+constexpr double kEndsMatter = 1.96;
 
-// An exact input and how far 0.1 % of it moves one parameter, in its standard uncertainties.
+// An exact input and how far 1 % of it moves one parameter, in its standard uncertainties.
 struct ExactShift {
   const ExactInput* input = nullptr;
   double shift = 0, stds = 0;
@@ -91,17 +94,52 @@ std::vector<ExactShift> exact_shifts(const UpdateResult& result, std::size_t par
 
 }  // namespace
 
+namespace {
+
+double stds_of(double shift, const UpdatedParameter& parameter) {
+  return std::isfinite(shift) && parameter.std > 0 ? std::abs(shift) / parameter.std : 0;
+}
+
+// What springs instead change, of the parameters that they move out of their intervals; empty:
+// none.
+std::string exact_ends_text(const UpdateResult& result, const ExactEnds& ends) {
+  std::string list;
+  for (std::size_t p = 0; p < result.parameters.size(); ++p) {
+    const auto& parameter = result.parameters[p];
+    const double shift = ends.shift[static_cast<Eigen::Index>(p)];
+    const double most = ends.largest_shift[static_cast<Eigen::Index>(p)];
+    if (stds_of(most, parameter) < kEndsMatter) continue;
+    list += fmt::format("{}{} by {:+.2g}, up to {:+.2g} ({:.2g} std)", list.empty() ? "" : ", ",
+                        parameter.name, shift, most, stds_of(most, parameter));
+  }
+  if (list.empty()) return list;
+  std::string nodes;
+  for (const auto& node : ends.nodes) nodes += (nodes.empty() ? "" : ", ") + node;
+  const bool better = ends.chi2_less > 1e-3;
+  return fmt::format(
+      "{} taken as {}; springs there that the data cannot tell from the best ({}) change {}", nodes,
+      ends.taken_as,
+      better ? fmt::format("{:.2g} N m/rad, chi-square {:.2g} less", ends.stiffness, ends.chi2_less)
+             : ends.taken_as,
+      list);
+}
+
+}  // namespace
+
 std::vector<std::string> exact_input_texts(const UpdateResult& result) {
   std::vector<std::string> texts;
   if (result.exact_inputs.empty()) return texts;
   std::string names;
   for (const auto& input : result.exact_inputs) names += (names.empty() ? "" : ", ") + input.name;
+  for (const auto& ends : result.exact_ends) {
+    for (const auto& node : ends.nodes) names += fmt::format(", {} ({})", node, ends.taken_as);
+  }
   texts.push_back("taken as exact: " + names);
   for (std::size_t p = 0; p < result.parameters.size(); ++p) {
     std::string list;
     const auto shifts = exact_shifts(result, p);
     for (const auto& one : shifts) {
-      if (one.stds < kExactMatters) break;
+      if (one.stds < kInputMatters) break;
       list += list.empty() ? fmt::format("{:.3g} % of {} changes it by {:+.2g} ({:.2g} std)",
                                          100 * one.input->relative_change, one.input->name,
                                          one.shift, one.stds)
@@ -109,6 +147,9 @@ std::vector<std::string> exact_input_texts(const UpdateResult& result) {
                                          one.shift, one.stds);
     }
     if (!list.empty()) texts.push_back(result.parameters[p].name + ": " + list);
+  }
+  for (const auto& ends : result.exact_ends) {
+    if (auto text = exact_ends_text(result, ends); !text.empty()) texts.push_back(std::move(text));
   }
   return texts;
 }
@@ -153,15 +194,24 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
   std::string exact;
   for (std::size_t p = 0; p < result.parameters.size(); ++p) {
     const auto shifts = exact_shifts(result, p);
-    if (shifts.empty() || shifts.front().stds < kExactMatters) continue;
-    exact += fmt::format("{}0.1 % of {} changes {} by {:.2g} times half its interval",
-                         exact.empty() ? "" : "; ", shifts.front().input->name,
-                         result.parameters[p].name, shifts.front().stds / kExactMatters);
+    if (shifts.empty() || shifts.front().stds < kInputMatters) continue;
+    const auto& first = shifts.front();
+    exact += fmt::format("{}{:.2g} % of {} changes {} by its standard uncertainty",
+                         exact.empty() ? "" : "; ", 100 * first.input->relative_change / first.stds,
+                         first.input->name, result.parameters[p].name);
   }
   if (!exact.empty()) {
     findings.push_back({"exact_inputs",
                         "the intervals leave out what is taken as exact: " + exact +
                             ". State what these inputs are known to, or fit them",
+                        "", false});
+  }
+  for (const auto& ends : result.exact_ends) {
+    const std::string text = exact_ends_text(result, ends);
+    if (text.empty()) continue;
+    findings.push_back({"exact_ends",
+                        "the intervals leave out the end conditions: " + text +
+                            ". Compare the ends (--ends, --candidates), or fit springs there",
                         "", false});
   }
   if (result.starts > 1 && result.starts_agreeing < result.starts) {

@@ -37,8 +37,9 @@ struct FitOutcome {
 /// "chi-square 12.3 on 8 degrees of freedom, probability 0.14 ...".
 [[nodiscard]] std::string fit_text(const UpdateFit& fit);
 
-/// What the fit takes as exact; then, of each parameter, what 0.1 % of these inputs changes it by,
-/// the largest first. Empty where nothing is.
+/// What the fit takes as exact; then, of each parameter, what 1 % of these inputs changes it by,
+/// the largest first, where that is more than its standard uncertainty; and what other end
+/// conditions change. Empty where nothing is.
 [[nodiscard]] std::vector<std::string> exact_input_texts(const UpdateResult& result);
 
 /// Of each alternative but the first: what it says and why it weighs less.

@@ -77,7 +77,9 @@ std::vector<UpdatedParameter> averaged(const CandidateComparison& comparison) {
 }  // namespace
 
 CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candidates,
-                                       const UpdateOptions& options) {
+                                       const UpdateOptions& given) {
+  UpdateOptions options = given;
+  options.exact_ends = false;  // comparing models does that
   if (candidates.empty()) throw std::invalid_argument("candidates: none");
   check(candidates);
   CandidateComparison comparison;

@@ -11,6 +11,7 @@
 #include "ident/update/frfs/frf_segments.h"
 #include "ident/update/problem/update_problem.h"
 #include "ident/update/problem/update_solver.h"
+#include "ident/update/uncertainty/exact_ends.h"
 #include "ident/update/uncertainty/exact_inputs.h"
 #include "ident/update/uncertainty/update_intervals.h"
 #include "ident/update/uncertainty/update_misfit.h"
@@ -254,6 +255,7 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     state_prediction_uncertainty(settled, options, result, answer.q, -1, result.pairs);
   } else {
     state_exact_inputs(settled, options, answer.matches.matches, result);
+    state_exact_ends(settled, options, answer.matches.matches, result);
   }
   // Of differences of the cost only: the segments of the beginning serve, at their own error.
   const UpdateProblem quick =

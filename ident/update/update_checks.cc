@@ -77,7 +77,9 @@ std::vector<UpdateMatch> matches_of(const UpdateResult& solution) {
 
 std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
                                    const std::vector<FreeParameter>& free,
-                                   const UpdateOptions& options) {
+                                   const UpdateOptions& given) {
+  UpdateOptions options = given;
+  options.exact_ends = false;
   std::vector<HeldOut> result(states.size());
   in_parallel(states.size(), options.threads, [&](std::size_t index) {
     const int s = static_cast<int>(index);

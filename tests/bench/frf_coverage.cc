@@ -1,19 +1,50 @@
 // A beam's stiffness, tip mass and damping from FRFs: do the 95 % intervals hold, whatever segments
 // the scene gives? From white noise of known size to hits that scatter in place under noise that a
-// force window leaves, one step a row. Prints a table; PART picks rows by name; SEGMENTS those of
-// the fitted scene, 0: "auto".   frf_coverage [SEEDS] [FIRST SEED] [PART] [SEGMENTS]
+// force window leaves, one step a row; then a sample rate that is off. Prints a table; PART picks
+// rows by name; SEGMENTS those of the fitted scene, 0: "auto".   frf_coverage [SEEDS] [FIRST SEED]
+// [PART] [SEGMENTS]
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "ident/update/problem/sample_rate_input.h"
 #include "tests/ident/update/hammered_beam.h"
 
+namespace {
+
+using namespace rigfit::ident;
+
+// A test whose lines are off by `rate` times a normal number, and its fit, told of that.
+std::vector<MeasuredFrf> recorded_frfs(const Eigen::VectorXd& lines,
+                                       const testing::HammerTestNoise& noise, double rate,
+                                       std::uint64_t seed) {
+  std::mt19937_64 random(seed + 1'000'003);
+  std::normal_distribution<double> normal;
+  const double off = rate * normal(random);
+  auto frfs = testing::hammered_frfs(lines * (1 + off), noise, seed);
+  for (auto& frf : frfs) frf.frequency_hz = lines;
+  return frfs;
+}
+
+UpdateResult fit_recorded_beam(const std::vector<MeasuredFrf>& frfs, int segments, double rate) {
+  if (rate == 0) return testing::fit_hammered_beam(frfs, segments);
+  UpdateOptions options;
+  options.starts = 1;
+  options.inputs = sample_rate_inputs({{0, 1000, rate}});
+  const auto scene =
+      testing::hammered_beam(1.02 * testing::kBeamEI, 1.1 * testing::kTipMass, segments);
+  return update_model({{"beam", scene, {}, frfs}},
+                      {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}}, options);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace rigfit::ident;
   const int seeds = argc > 1 ? std::atoi(argv[1]) : 40;
   const int first = argc > 2 ? std::atoi(argv[2]) : 0;
   const std::string part = argc > 3 ? argv[3] : "";
@@ -22,6 +53,7 @@ int main(int argc, char** argv) {
   struct Row {
     std::string name;
     testing::HammerTestNoise noise;
+    double rate = 0;  // relative standard uncertainty of the sample rate
   };
   const Row rows[] = {
       {"response 3 %, known", {.place_m = 0, .force = 0, .response = 0.03, .known_std = true}},
@@ -31,6 +63,9 @@ int main(int argc, char** argv) {
       {"force 1.4 % alone", {.place_m = 0, .response = 1e-3}},
       {"place 3 mm alone", {.force = 0, .response = 1e-3}},
       {"place 3 mm, force 1.4 %, response 1 %", {}},
+      {"response 0.2 %, sample rate 3e-4",
+       {.place_m = 0, .force = 0, .response = 0.002, .known_std = true},
+       3e-4},
   };
   const double truth[] = {testing::kBeamEI, testing::kTipMass, testing::kBeamDamping};
   const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(141, 30, 100);
@@ -42,14 +77,14 @@ int main(int argc, char** argv) {
     std::vector<std::vector<MeasuredFrf>> tests;  // by seed; all rows of segments see the same
     tests.reserve(static_cast<std::size_t>(seeds));
     for (int seed = first; seed < first + seeds; ++seed) {
-      tests.push_back(testing::hammered_frfs(lines, row.noise, static_cast<std::uint64_t>(seed)));
+      tests.push_back(recorded_frfs(lines, row.noise, row.rate, static_cast<std::uint64_t>(seed)));
     }
     for (const int segments : all_segments) {
       int held[3] = {0, 0, 0}, ruled_out = 0;
       double z = 0, bias = 0, std = 0, reduced = 0, seconds = 0;
       for (const auto& frfs : tests) {
         const std::clock_t begin = std::clock();
-        const auto result = testing::fit_hammered_beam(frfs, segments);
+        const auto result = fit_recorded_beam(frfs, segments, row.rate);
         seconds += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
         for (std::size_t p = 0; p < 3; ++p) {
           const auto& one = result.parameters[p];

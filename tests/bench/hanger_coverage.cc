@@ -1,6 +1,6 @@
 // Tension of hangers with unknown end springs from their frequencies: does the 95 % interval hold,
 // how long does a fit take? Then models that are wrong: are they ruled out, do intervals hold?
-// Prints a table.   hanger_coverage [SEEDS] [FIRST SEED]
+// Prints a table; PART picks rows by name.   hanger_coverage [SEEDS] [FIRST SEED] [PART]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "ident/campaign/fit_campaign.h"
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
 
@@ -75,7 +76,7 @@ struct Case {
   std::vector<ident::MeasuredMode> modes;
 };
 
-Case draw(std::uint64_t seed, bool imperfect, double sensor_share) {
+Case draw(std::uint64_t seed, bool imperfect, double sensor_share, Ends ends) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform;
   std::normal_distribution<double> normal;
@@ -97,7 +98,7 @@ Case draw(std::uint64_t seed, bool imperfect, double sensor_share) {
   options.plane = model::ModePlane::in;
   options.error_estimate = true;
   std::vector<double> f;
-  for (const auto& mode : model::analyse_modes(scene_of(h, Ends::springs), options).modes) {
+  for (const auto& mode : model::analyse_modes(scene_of(h, ends), options).modes) {
     if (mode.plane == model::ModePlane::in) f.push_back(mode.extrapolated_hz);
   }
   const double top = f.back();
@@ -120,7 +121,7 @@ Case draw(std::uint64_t seed, bool imperfect, double sensor_share) {
 }
 
 struct Row {
-  int fits = 0, held = 0, flagged = 0, several = 0, silent = 0, none = 0;
+  int fits = 0, held = 0, flagged = 0, several = 0, ends = 0, inputs = 0, silent = 0, none = 0;
   std::vector<double> seconds, width;
 };
 
@@ -145,8 +146,16 @@ void add(Row& row, const Case& one, const Hanger& model, Ends ends, std::uint64_
   row.held += held;
   row.flagged += result.fit.ruled_out();
   row.several += several;
-  row.silent += !held && !result.fit.ruled_out() && !several;
-  row.width.push_back((tension.high - tension.low) / tension.value);
+  bool ends_named = false, inputs_named = false;
+  for (const auto& finding : ident::fit_findings(result)) {
+    ends_named = ends_named || finding.code == "exact_ends";
+    inputs_named = inputs_named || finding.code == "exact_inputs";
+  }
+  row.ends += ends_named;
+  row.inputs += inputs_named;
+  row.silent += !held && !result.fit.ruled_out() && !several && !ends_named && !inputs_named;
+  const double width = (tension.high - tension.low) / tension.value;
+  if (std::isfinite(width)) row.width.push_back(width);
   if (std::getenv("HANGER_TIMES")) {
     fmt::print("seed {}: {:.3f} s, {} evaluations, {} fits, {} segments, profile {}\n", seed,
                row.seconds.back(), result.model_evaluations, result.starts, result.auto_segments,
@@ -173,38 +182,44 @@ double median(std::vector<double> values) {
 int main(int argc, char** argv) {
   const int seeds = argc > 1 ? std::atoi(argv[1]) : 100;
   const int first = argc > 2 ? std::atoi(argv[2]) : 1;
+  const std::string part = argc > 3 ? argv[3] : "";
   fmt::print(
-      "| {:<34} | fits | interval holds | ruled out | several | wrong and silent | no answer | "
-      "median width | median s | "
-      "slowest s |\n|---|---|---|---|---|---|---|---|---|---|\n",
+      "| {:<34} | fits | interval holds | ruled out | several | ends named | exact inputs named | "
+      "wrong and silent | no answer | median width | median s | slowest s |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n",
       "case");
   struct Kind {
     const char* name;
     Ends ends;
     bool imperfect;
     double sensor, span;
+    Ends truth = Ends::springs;
   };
   for (const Kind& kind :
        {Kind{"springs free", Ends::springs, false, 0, 1},
         Kind{"springs free, modes missing, one false", Ends::springs, true, 0, 1},
+        Kind{"right: pinned", Ends::pinned, false, 0, 1, Ends::pinned},
+        Kind{"right: clamped", Ends::clamped, false, 0, 1, Ends::clamped},
         Kind{"wrong: pinned", Ends::pinned, false, 0, 1},
         Kind{"wrong: clamped", Ends::clamped, false, 0, 1},
         Kind{"wrong: sensor of 2 % left out", Ends::springs, false, 0.02, 1},
         Kind{"wrong: span 3 % too long", Ends::springs, false, 0, 1.03}}) {
+    if (std::string(kind.name).find(part) == std::string::npos) continue;
     Row row;
     for (int k = 0; k < seeds; ++k) {
       const auto seed = static_cast<std::uint64_t>(first + k);
-      const Case one = draw(seed, kind.imperfect, kind.sensor);
+      const Case one = draw(seed, kind.imperfect, kind.sensor, kind.truth);
       Hanger model = one.truth;
       model.length *= kind.span;
       add(row, one, model, kind.ends, seed);
     }
     const double n = row.fits / 100.0;
     fmt::print(
-        "| {:<34} | {} | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {} | {:.2f} % | {:.3f} | "
+        "| {:<34} | {} | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {} | "
+        "{:.2f} % | {:.3f} | "
         "{:.2f} |\n",
-        kind.name, row.fits, row.held / n, row.flagged / n, row.several / n, row.silent / n,
-        row.none, 100 * median(row.width), median(row.seconds),
+        kind.name, row.fits, row.held / n, row.flagged / n, row.several / n, row.ends / n,
+        row.inputs / n, row.silent / n, row.none, 100 * median(row.width), median(row.seconds),
         *std::max_element(row.seconds.begin(), row.seconds.end()));
     std::fflush(stdout);
   }

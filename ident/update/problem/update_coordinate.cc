@@ -6,9 +6,16 @@
 
 namespace rigfit::ident {
 
-double UpdateCoordinate::value(double q) const { return logarithmic ? std::exp(q) : q * scale; }
-double UpdateCoordinate::derivative(double q) const { return logarithmic ? std::exp(q) : scale; }
+double UpdateCoordinate::value(double q) const {
+  if (fixity) return scale * q / (1 - q);
+  return logarithmic ? std::exp(q) : q * scale;
+}
+double UpdateCoordinate::derivative(double q) const {
+  if (fixity) return scale / ((1 - q) * (1 - q));
+  return logarithmic ? std::exp(q) : scale;
+}
 double UpdateCoordinate::coordinate(double v) const {
+  if (fixity) return v / (scale + v);
   return logarithmic ? std::log(v) : v / scale;
 }
 

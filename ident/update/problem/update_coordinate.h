@@ -8,11 +8,12 @@
 namespace rigfit::ident {
 
 /// One unknown as it is fitted: q = ln(value) where the value is positive by nature, else
-/// value / scale.
+/// value / scale, or, of a spring, its fixity value / (scale + value): 0 without it, 1 where it
+/// holds.
 struct UpdateCoordinate {
   int parameter = 0;  ///< index into the free parameters
   int state = -1;     ///< -1: shared
-  bool logarithmic = true;
+  bool logarithmic = true, fixity = false;
   double scale = 1;
   double start = 0, low = 0, high = 0;  ///< q
   double prior = 0, prior_std = 0;      ///< q; prior_std 0: none

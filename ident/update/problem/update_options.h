@@ -61,6 +61,7 @@ struct UpdateOptions {
   std::vector<UncertainInput> inputs = {};  ///< independent of each other
   /// Segments of members that leave them to the program, at first: more where the data need them.
   int auto_segments = 30;
+  bool exact_ends = true;     ///< what other end conditions would change is worked out
   ModeSolver solver = {};     ///< empty: model::analyse_mode_sensitivities
   FrfSolver frf_solver = {};  ///< empty: model::synthesize_frf_sensitivities
 };

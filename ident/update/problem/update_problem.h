@@ -124,6 +124,10 @@ class UpdateProblem {
   /// The same with further coordinates, ln(value) of parameters of one state each.
   [[nodiscard]] UpdateProblem with_scaled(
       const std::vector<std::pair<int, FreeParameter>>& further) const;
+  /// The same with other scenes, one a state, and one further coordinate of `parameter`, shared.
+  [[nodiscard]] UpdateProblem with_scenes(const std::vector<model::Scene>& scenes,
+                                          const FreeParameter& parameter,
+                                          UpdateCoordinate coordinate) const;
   /// By how many standard uncertainties each input is off.
   [[nodiscard]] Eigen::VectorXd inputs_off() const;
   /// The same with further inputs, the mean places of hits that nothing is said of.

@@ -169,6 +169,21 @@ UpdateProblem UpdateProblem::with_scaled(
   return other;
 }
 
+UpdateProblem UpdateProblem::with_scenes(const std::vector<model::Scene>& scenes,
+                                         const FreeParameter& parameter,
+                                         UpdateCoordinate coordinate) const {
+  UpdateProblem other = *this;
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
+    other.states_[s].scene = scenes[s];
+    const auto names = model::parameter_names(scenes[s]);
+    other.present_[s] = {names.begin(), names.end()};
+  }
+  coordinate.parameter = static_cast<int>(other.free_.size());
+  other.free_.push_back(parameter);
+  other.coordinates_.push_back(coordinate);
+  return other;
+}
+
 UpdateProblem UpdateProblem::with_sources(std::shared_ptr<const Sources> sources) const {
   UpdateProblem other = *this;
   other.sources_ = std::move(sources);

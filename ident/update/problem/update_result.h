@@ -49,6 +49,17 @@ struct ExactInput {
   Eigen::VectorXd shift;       ///< of each parameter's value, to first order; NaN: not known
 };
 
+/// Ends of members that are taken to turn as the scenes say: neither fitted nor stated.
+struct ExactEnds {
+  std::vector<std::string> nodes;
+  std::string taken_as;   ///< "pinned", "clamped", "springs"
+  double stiffness = 0;   ///< N m/rad, springs that explain the data best; first node, in plane
+  double chi2_less = 0;   ///< with these, without an error of the model
+  Eigen::VectorXd shift;  ///< of each parameter's value by them; NaN: not known
+  /// The largest by springs in the 95 % interval that the data leave.
+  Eigen::VectorXd largest_shift;
+};
+
 struct UpdatedPair {
   int state = 0, measured = 0;
   model::ModePlane plane = model::ModePlane::in;
@@ -127,6 +138,7 @@ struct UpdateResult {
   double history_error_before = std::numeric_limits<double>::quiet_NaN();
   UpdateFit fit;
   std::vector<ExactInput> exact_inputs;  ///< what no interval holds
+  std::vector<ExactEnds> exact_ends;     ///< the same, of end conditions; of fits to modes
   /// Heaviest first, of weight 0.001 or more; the first is this result. Of fits to modes.
   std::vector<UpdateAlternative> alternatives;
   double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< of the model, all answers

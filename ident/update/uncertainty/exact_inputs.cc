@@ -11,7 +11,7 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr double kChange = 1e-3;  // relative
+constexpr double kChange = 1e-2;  // relative
 
 // A number of the scenes by the name that a reader knows, with its scene parameters by state.
 struct Exact {

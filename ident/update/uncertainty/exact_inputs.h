@@ -1,8 +1,8 @@
 // What a fit takes as exact: numbers of its scenes that are neither fitted nor stated with an
-// uncertainty, and by how much each parameter changes for 0.1 % of each.
+// uncertainty, and by how much each parameter changes for 1 % of each, to first order.
 //
 // With J of the answer and dr/d ln(x) the model's own sensitivity, d p = -(J'J)^-1 J' (dr/d ln(x))
-// 0.001 to first order, all states together: one evaluation of the Jacobian. Lengths are the
+// 0.01, all states together: one evaluation of the Jacobian. Lengths are the
 // coordinates of all nodes, scaled together, as one ruler would. For the update, not for users.
 #pragma once
 
