@@ -43,7 +43,7 @@ void add_common(CLI::App& verb, CommonOptions& common) {
   verb.add_option("--json", common.json, "Write the result as JSON to F; '-' is standard output")
       ->type_name("F")
       ->group("Common");
-  verb.add_flag("--quiet", common.quiet, "Say nothing but errors")->group("Common");
+  verb.add_flag("--quiet", common.quiet, "Print errors only")->group("Common");
   verb.add_option("--threads", common.threads,
                   "Threads to use (all processors); the numbers do not depend on it")
       ->check(CLI::Range(1, 1024))

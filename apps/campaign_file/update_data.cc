@@ -327,7 +327,7 @@ class StateReader {
     }
   }
 
-  // Channels that are called like sensors; their decays' modes lead the fit near.
+  // Channels that are called like sensors; their decays' modes give starting values.
   void read_response(const std::string& path, std::size_t file, std::optional<double> tension) {
     const model::Scene scene = scene_for(file);
     const auto recording = load_recording(path, context_);

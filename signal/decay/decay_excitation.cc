@@ -2,12 +2,12 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
 #include "signal/decay/decay_hits.h"
+#include "signal/numerics/factorisations.h"
 
 namespace rigfit::signal {
 
@@ -40,8 +40,7 @@ Excitation excitation_at(const Eigen::Ref<const Eigen::VectorXd>& residual, doub
               : ((2 * order - 1) * t * powers(k, p - 1) - (order - 1) * powers(k, p - 2)) / order;
     }
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(powers);
-  const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(count, terms);
+  const Eigen::MatrixXd basis = thin_qr(powers).Q;
   const Eigen::VectorXcd left = z - basis * (basis.transpose() * z);
   const double sum = left.squaredNorm();
   const auto degrees = static_cast<double>(2 * (count - terms));

@@ -39,7 +39,7 @@ struct HitOptions {
   double trigger_noise = 10;              ///< ... and so many standard deviations of the noise
   /// What comes within this of a hit's peak is not a hit of its own, s.
   double double_hit_window_s = 0.25;
-  /// Smallest second contact that is objected to, of the peak (3 %, so that 5 % are caught). Noise
+  /// Smallest second contact that is reported, of the peak (3 %, so that 5 % are caught). Noise
   /// may hide smaller ones: `Hit::smallest_second_hit`.
   double double_hit = 0.03;
   double double_hit_noise = 6;  ///< and it exceeds so many standard deviations of filtered noise

@@ -1,10 +1,11 @@
 #include "signal/refinement/local_fit.h"
 
-#include <Eigen/QR>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
 #include <utility>
+
+#include "signal/numerics/factorisations.h"
 
 namespace rigfit::signal {
 namespace {
@@ -50,13 +51,12 @@ State state_at(const VectorXcd& s, const MatrixXcd& H, const VectorXd& weight, V
   MatrixXcd basis = columns_of(s, state.poles, fixed, order);
   const VectorXd length = basis.colwise().norm().transpose();
   for (Index j = 0; j < basis.cols(); ++j) basis.col(j) /= length[j];
-  const Eigen::HouseholderQR<MatrixXcd> qr(basis);
-  const auto R = qr.matrixQR().topRows(basis.cols());
-  if (!(R.diagonal().cwiseAbs().minCoeff() > 1e-10)) return state;
-  state.orthonormal = qr.householderQ() * MatrixXcd::Identity(basis.rows(), basis.cols());
+  ThinQr<MatrixXcd> qr = thin_qr(basis);
+  if (!(qr.R.diagonal().cwiseAbs().minCoeff() > 1e-10)) return state;
+  state.orthonormal = std::move(qr.Q);
   const MatrixXcd moments = state.orthonormal.adjoint() * H;
   state.residual = H - state.orthonormal * moments;
-  state.coefficients = R.triangularView<Eigen::Upper>().solve(moments);
+  state.coefficients = qr.R.triangularView<Eigen::Upper>().solve(moments);
   for (Index j = 0; j < basis.cols(); ++j) state.coefficients.row(j) /= length[j];
   state.cost = state.residual.colwise().squaredNorm().transpose().dot(weight);
   state.usable = std::isfinite(state.cost);
@@ -118,7 +118,7 @@ LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<cons
     const VectorXcd gradient =
         (amplitudes.conjugate().cwiseProduct(scores)) * weight.cast<Complex>();
     const VectorXcd step =
-        information(D, amplitudes, weight).completeOrthogonalDecomposition().solve(gradient);
+        hermitian_eigen(information(D, amplitudes, weight)).pseudo_inverse() * gradient;
     if (!step.allFinite()) break;
     double share = room_of(s, state.poles, step);
     State next;
@@ -138,7 +138,7 @@ LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<cons
   fit.misfit = state.residual.colwise().squaredNorm().transpose();
   const MatrixXcd D = outside_derivatives(s, state);
   const MatrixXcd curvature = information(D, fit.amplitudes, weight);
-  fit.covariance = curvature.completeOrthogonalDecomposition().pseudoInverse();
+  fit.covariance = hermitian_eigen(curvature).pseudo_inverse();
   // Score of each line: sum_c w_c conj(a_rc D_kr) times what is left.
   const MatrixXcd across = state.residual * weight.asDiagonal() * fit.amplitudes.adjoint();
   const MatrixXcd score = D.conjugate().cwiseProduct(across);
@@ -147,8 +147,7 @@ LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<cons
                           (static_cast<double>(s.size()) / static_cast<double>(fit.freedom));
   // |a|^2 over its unit variance: what a column of the model adds to the fit.
   const MatrixXcd basis = columns_of(s, state.poles, fixed, options.background_order);
-  const MatrixXcd inverse =
-      (basis.adjoint() * basis).completeOrthogonalDecomposition().pseudoInverse();
+  const MatrixXcd inverse = hermitian_eigen(basis.adjoint() * basis).pseudo_inverse();
   fit.gain.resize(free, H.cols());
   for (Index r = 0; r < free; ++r) {
     fit.gain.row(r) = fit.amplitudes.row(r).cwiseAbs2() / std::max(inverse(r, r).real(), 1e-300);

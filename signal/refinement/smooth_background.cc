@@ -1,10 +1,10 @@
 #include "signal/refinement/smooth_background.h"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <cmath>
 #include <complex>
 #include <numbers>
+
+#include "signal/numerics/factorisations.h"
 
 namespace rigfit::signal {
 
@@ -22,8 +22,7 @@ MatrixXcd powers_of_s(const VectorXcd& s, int power, bool middle) {
   columns.col(1) = s.array().pow(power);
   if (middle) columns.col(2) = s.array().pow(power - 1);
   columns.colwise().normalize();
-  const Eigen::HouseholderQR<MatrixXcd> qr(columns);
-  return qr.householderQ() * MatrixXcd::Identity(s.size(), columns.cols());
+  return thin_qr(columns).Q;
 }
 
 /// What exp(-i w t), `first` <= t <= `last`, span outside of `known`.
@@ -44,9 +43,13 @@ MatrixXcd terms_between(const VectorXcd& s, const MatrixXcd& known, double first
   }
   const double size = std::sqrt(static_cast<double>(lines * delays));
   columns -= (known * (known.adjoint() * columns)).eval();
-  const Eigen::BDCSVD<MatrixXcd> svd(columns, Eigen::ComputeThinU);
-  const Index terms = (svd.singularValues().array() > kPart * size).count();
-  return svd.matrixU().leftCols(terms);
+  // Singular vectors by the Gram matrix: those kept are above kPart, so that rounding counts 1e-16
+  // / kPart^2.
+  const HermitianEigen gram = hermitian_eigen(columns.adjoint() * columns);
+  const Eigen::ArrayXd squares = gram.values;
+  const Index terms = (squares > kPart * kPart * size * size).count();
+  return columns * gram.vectors.rightCols(terms) *
+         squares.tail(terms).rsqrt().matrix().asDiagonal();
 }
 
 }  // namespace

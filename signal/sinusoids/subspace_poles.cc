@@ -2,12 +2,10 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
+#include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
@@ -63,8 +61,7 @@ double pair_evidence(const Eigen::Ref<const Eigen::VectorXd>& residual, Complex 
     const double fall = std::exp(pole.real() * t * static_cast<double>(count * blocks.length));
     columns.row(k) << fall, fall * t, fall * t * t, fall * t * t * t;
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
-  const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(count, 4);
+  const Eigen::MatrixXd basis = thin_qr(columns).Q;
   const Eigen::MatrixXd re = basis.transpose() * blocks.z.real(),
                         im = basis.transpose() * blocks.z.imag();
   // The fit has taken the first two; what rounding of the blocks leaves of them does not count.
@@ -83,19 +80,17 @@ std::vector<Complex> pair_of_poles(const Eigen::Ref<const Eigen::VectorXd>& y, C
   const Index rows = count / 2, cols = count - rows + 1;
   Eigen::MatrixXcd hankel(rows, cols);
   for (Index i = 0; i < rows; ++i) hankel.row(i) = blocks.z.segment(i, cols).transpose();
-  const Eigen::BDCSVD<Eigen::MatrixXcd> svd(hankel, Eigen::ComputeThinU);
-  const auto u = svd.matrixU().leftCols(2);
+  const Eigen::MatrixXcd u = hermitian_eigen(hankel * hankel.adjoint()).vectors.rightCols(2);
   // Total least squares: [U up, U down] = W S V', Q = -V12 V22^-1.
   Eigen::MatrixXcd both(rows - 1, 4);
   both << u.topRows(rows - 1), u.bottomRows(rows - 1);
-  const Eigen::JacobiSVD<Eigen::MatrixXcd> shift(both, Eigen::ComputeFullV);
-  const Eigen::Matrix2cd v12 = shift.matrixV().topRightCorner(2, 2),
-                         v22 = shift.matrixV().bottomRightCorner(2, 2);
+  const Eigen::MatrixXcd v = hermitian_eigen(both.adjoint() * both).vectors;
+  const Eigen::Matrix2cd v12 = v.topLeftCorner(2, 2), v22 = v.bottomLeftCorner(2, 2);
   if (!(std::abs(v22.determinant()) > 1e-12)) return {};
   const Eigen::Matrix2cd q = -v12 * v22.inverse();
-  const Eigen::ComplexEigenSolver<Eigen::MatrixXcd> eigen(Eigen::MatrixXcd(q), false);
+  const Complex middle = 0.5 * q.trace(), half = std::sqrt(middle * middle - q.determinant());
   std::vector<Complex> poles;
-  for (const Complex value : eigen.eigenvalues()) {
+  for (const Complex value : {middle - half, middle + half}) {
     if (!(std::abs(value) > 1e-6)) return {};
     const Complex p =
         std::log(value) / static_cast<double>(blocks.length) + Complex(0, pole.imag());

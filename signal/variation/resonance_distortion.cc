@@ -4,13 +4,13 @@
 #include <gsl/gsl_cdf.h>
 
 #include <Eigen/Core>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
+#include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
 #include "signal/refinement/local_fit.h"
 #include "signal/variation/mode_changes.h"
@@ -100,10 +100,8 @@ ResonanceDistortion test_of(const VectorXcd& s, const VectorXcd& H, Complex pole
   basis.col(columns - 1) = (s.array() - pole + 2 * decay).inverse();
   const VectorXd length = basis.colwise().norm().transpose();
   for (Index j = 0; j < columns; ++j) basis.col(j) /= length[j];
-  const Eigen::HouseholderQR<MatrixXcd> qr(basis);
-  const auto R = qr.matrixQR().topRows(columns);
+  const auto [Q, R] = thin_qr(basis);
   if (!(R.diagonal().cwiseAbs().minCoeff() > 1e-9)) return result;
-  const MatrixXcd Q = qr.householderQ() * MatrixXcd::Identity(lines, columns);
   const VectorXcd moments = Q.adjoint() * H;
   const VectorXcd left = H - Q * moments;
   const VectorXd free = (1 - Q.rowwise().squaredNorm().array()).cwiseMax(0.05);

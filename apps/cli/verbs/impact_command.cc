@@ -137,7 +137,8 @@ void add_impact_options(CLI::App& verb, ImpactCommand& c, bool with_files) {
       ->check(number_within(0.1, 100.0))
       ->capture_default_str()
       ->group(limits);
-  verb.add_option("--double-hit", c.double_hit, "Smallest second contact objected to, % of the hit")
+  verb.add_option("--double-hit", c.double_hit,
+                  "Smallest second contact that is reported, % of the hit")
       ->check(number_within(0.1, 100.0))
       ->capture_default_str()
       ->group(limits);

@@ -322,11 +322,13 @@ void add_respond(CLI::App& program, Verbs& verbs) {
   verb->add_option("--torsion", options->torsion, "Model torsion")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
-  verb->add_option("--axial", options->axial,
-                   "Axial waves at their own speed; off: followed at once (modal) or slowed")
+  verb->add_option(
+          "--axial", options->axial,
+          "Axial waves at their own speed; off: quasi-static (modal) or slowed (other solvers)")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
-  verb->add_option("--segments", options->segments, "Segments of every member, over the scene's")
+  verb->add_option("--segments", options->segments,
+                   "Segments of every member, instead of the scene's")
       ->check(CLI::Range(2, 10000));
   verb->add_option("--step", options->step_s,
                    "Largest step of the explicit and implicit solvers, s")

@@ -245,7 +245,7 @@ void add_tension(CLI::App& program, Verbs& verbs) {
   app->add_option("--table", c->table, "Many cables, a row each (columns: ident/tension/README.md)")
       ->type_name("CABLES.csv");
   app->add_option("--out", c->out, "Table of the tensions of --table")->type_name("F.csv");
-  app->add_option("--mass-of", c->mass_of, "What the mass per length is of")
+  app->add_option("--mass-of", c->mass_of, "State of the cable that the mass per length is of")
       ->check(CLI::IsMember({"installed", "unstretched"}));
   app->add_option("--EI", c->EI, "Flexural rigidity, N m2 (default: fitted)")->type_name("V[,STD]");
   app->add_option("--EA", c->EA, "Axial rigidity, N")->type_name("V[,STD]");

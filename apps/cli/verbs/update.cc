@@ -310,11 +310,11 @@ void add_update(CLI::App& program, Verbs& verbs) {
   verb->add_option("--node", options->data.nodes,
                    "SENSOR=NODE of universal files of mode shapes (SENSOR=NODE-Y: along the "
                    "file's -y); without it a sensor's node is the one at its place in the scene");
-  verb->add_option(
-          "--frf", options->data.frfs,
-          "FRFs (UFF 58), fitted line by line; names of inputs and responses are those of "
-          "the scene's loads and sensors. Their modes lead the fit near. An exponential window in "
-          "them is part of the model then, not of its damping")
+  verb->add_option("--frf", options->data.frfs,
+                   "FRFs (UFF 58), fitted line by line; names of inputs and responses are those of "
+                   "the scene's loads and sensors. Their modes give its starting values. An "
+                   "exponential window in "
+                   "them is part of the model then, not of its damping")
       ->check(CLI::ExistingFile);
   verb->add_option("--decay", options->data.decays,
                    "Recordings of free decays: their frequencies and damping ratios")
@@ -375,7 +375,7 @@ void add_update(CLI::App& program, Verbs& verbs) {
                    "the end: independent in each state. Carried into the parameters, the "
                    "predictions and --monte-carlo");
   verb->add_option("--aim", options->aims,
-                   "How exactly a load of the scene struck, LOAD=METRES,DEGREES (standard "
+                   "Where a load of the scene struck, LOAD=METRES,DEGREES (standard "
                    "uncertainties of its place along the member and of its direction, of the mean "
                    "of the hits): carried on like every --input. With --frf and --response");
   verb->add_flag("--profile", options->profile,

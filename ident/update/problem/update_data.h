@@ -89,8 +89,8 @@ struct UpdateState {
   std::vector<MeasuredMode> measured;
   std::vector<MeasuredFrf> frfs = {};
   std::vector<MeasuredHistory> histories = {};
-  /// The modes were found in these FRFs or histories: they lead the fit near and are listed, but do
-  /// not count a second time.
+  /// The modes were found in these FRFs or histories: they give its starting values and are listed,
+  /// but do not count a second time.
   bool modes_lead_only = false;
   /// Band that the test of `measured` looked at; none: from 0 to the highest measured mode.
   std::optional<std::pair<double, double>> band_hz = std::nullopt;

@@ -236,7 +236,8 @@ std::shared_ptr<UpdateProblem::Sources> sources_of(const Eigen::MatrixXd& change
                                                    SourceEstimate found,
                                                    const Eigen::VectorXd& off) {
   auto sources = std::make_shared<UpdateProblem::Sources>();
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(found.scale.asDiagonal() * changes, Eigen::ComputeThinU);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(found.scale.asDiagonal() * changes,
+                                              Eigen::ComputeThinU);
   sources->U = svd.matrixU();
   sources->less = 1 - (1 + svd.singularValues().array().square()).rsqrt();
   sources->off = changes * off;

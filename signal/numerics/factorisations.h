@@ -1,0 +1,30 @@
+// Eigen's factorisations of dense matrices that several rooms need, compiled once: g++ takes 5 to
+// 50 seconds for each source that instantiates one of them.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace rigfit::signal {
+
+/// A = Q R for A of m x n, m >= n.
+template <class Matrix>
+struct ThinQr {
+  Matrix Q;  ///< m x n, orthonormal columns
+  Matrix R;  ///< n x n, upper triangular; |diagonal| is each column's length outside those before
+};
+
+[[nodiscard]] ThinQr<Eigen::MatrixXd> thin_qr(const Eigen::Ref<const Eigen::MatrixXd>& A);
+[[nodiscard]] ThinQr<Eigen::MatrixXcd> thin_qr(const Eigen::Ref<const Eigen::MatrixXcd>& A);
+
+/// A = V diag(values) V' for A = A' of n x n.
+struct HermitianEigen {
+  Eigen::VectorXd values;    ///< rising
+  Eigen::MatrixXcd vectors;  ///< n x n, orthonormal columns
+
+  /// V diag(1 / values) V', with 0 for values within rounding of 0.
+  [[nodiscard]] Eigen::MatrixXcd pseudo_inverse() const;
+};
+
+[[nodiscard]] HermitianEigen hermitian_eigen(const Eigen::Ref<const Eigen::MatrixXcd>& A);
+
+}  // namespace rigfit::signal
