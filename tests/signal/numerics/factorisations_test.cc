@@ -26,8 +26,8 @@ TEST(Factorisations, ThinQr) {
 TEST(Factorisations, PseudoInverseOfADeficientHermitianMatrixHasPenrosesProperties) {
   const MatrixXcd half = MatrixXcd::Random(6, 4), A = half * half.adjoint();
   const HermitianEigen eigen = hermitian_eigen(A);
-  EXPECT_LT(
-      (eigen.vectors * eigen.values.asDiagonal() * eigen.vectors.adjoint() - A).norm(), 1e-13);
+  EXPECT_LT((eigen.vectors * eigen.values.asDiagonal() * eigen.vectors.adjoint() - A).norm(),
+            1e-13);
   const MatrixXcd X = eigen.pseudo_inverse();
   EXPECT_LT((A * X * A - A).norm(), 1e-10 * A.norm());
   EXPECT_LT((X * A * X - X).norm(), 1e-10 * X.norm());
