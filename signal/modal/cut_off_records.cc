@@ -71,9 +71,7 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const Eigen::VectorX
       cut_off_background(band.lines.s, band.lines.power, std::max(before, span), span);
   if (!(span > 0) && misfit.size() > 0 && !misfit_shows(background, misfit, noise.line, kSure)) {
     background = cut_off_background(band.lines.s, band.lines.power, 0, 0);
-    if (most < kLeftWhereHitMatters && !misfit_shows(background, misfit, noise.line, kLikely)) {
-      return false;
-    }
+    if (!misfit_shows(background, misfit, noise.line, kLikely)) return false;
   }
   set_background(background, band);
   return true;

@@ -26,8 +26,7 @@ namespace rigfit::signal {
 ///
 /// FRFs without noise of a force window get what the misfit of the fit without it shows
 /// (`misfit_shows`): all of it, s^(n-1) alone, or none, as where FRFs are no transform of cut-off
-/// records (computed ones, stepped sines). Where more than 1 % is left they get s^(n-1) in any
-/// case: noise that hides it leaves poles off by a standard deviation, and it costs them little.
+/// records (computed ones, stepped sines), whose poles it would make less certain.
 [[nodiscard]] bool allow_for_cut_off(const FrfSet& frfs,
                                      const Eigen::Ref<const Eigen::VectorXcd>& poles,
                                      const Eigen::Ref<const Eigen::MatrixXcd>& misfit,

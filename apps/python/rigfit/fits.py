@@ -54,7 +54,8 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
         A dict holds the same keys: ``{"frequency_hz": 7.36, "std": 0.01, "plane": "in"}``.
     frf : path or list of paths, optional
         FRFs (UFF 58), fitted line by line; names of inputs and responses are those of the scene's loads and sensors.
-        Their modes lead the fit near. An exponential window in them is part of the model then, not of its damping.
+        Their modes give its starting values. An exponential window in them is part of the model then, not of its
+        damping.
     decay : path or list of paths, optional
         Recordings of free decays: their frequencies and damping ratios.
     response : path or list of paths, optional
@@ -101,9 +102,8 @@ def update(scene, *, measured=None, frf=None, decay=None, response=None, free=No
         `tension` for the cables' reading, @each at the end: independent in each state. Carried into the parameters,
         the predictions and `monte_carlo`.
     aim : str or list of str, optional
-        How exactly a load of the scene struck, LOAD=METRES,DEGREES (standard uncertainties of its place along the
-        member and of its direction, of the mean of the hits): carried on like every `input`. With `frf` and
-        `response`.
+        Where a load of the scene struck, LOAD=METRES,DEGREES (standard uncertainties of its place along the member
+        and of its direction, of the mean of the hits): carried on like every `input`. With `frf` and `response`.
     candidates : path, optional
         TOML file of models to compare, [[candidate]] with name and, as needed, supports = { NODE =
         "pinned|clamped|free|springs|own springs" }, set = { "PARAMETER" = VALUE }, free = [...], prior = [...], scene

@@ -392,7 +392,7 @@ def tension(recordings=None, *, length, mass_per_length, frequencies=None, frequ
     plane : {"any", "in", "out"}
         The motion that was measured (default any).
     mass_of : {"installed", "unstretched"}, optional
-        What the mass per length is of.
+        State of the cable that the mass per length is of.
     EI : float or (value, std), optional
         Flexural rigidity, N m2 (default: fitted).
     EA : float or (value, std), optional

@@ -257,9 +257,9 @@ def respond(scene, *, duration, rate, out=None, energy=None, solver="auto", plan
     torsion : {"auto", "on", "off"}
         Model torsion (default auto).
     axial : {"auto", "on", "off"}
-        Axial waves at their own speed; off: followed at once (modal) or slowed (default auto).
+        Axial waves at their own speed; off: quasi-static (modal) or slowed (other solvers) (default auto).
     segments : int, optional
-        Segments of every member, over the scene's (2 to 10000).
+        Segments of every member, instead of the scene's (2 to 10000).
     step : float, optional
         Largest step of the explicit and implicit solvers, s.
     tolerance : float, optional

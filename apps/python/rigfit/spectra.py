@@ -241,7 +241,7 @@ def frf(recordings, force, response=None, *, band=None, out=None, csv=None, enco
     trigger : float, optional
         A hit exceeds this much of the largest force, % (0.1 to 100; default 10).
     double_hit : float, optional
-        Smallest second contact objected to, % of the hit (0.1 to 100; default 3).
+        Smallest second contact that is reported, % of the hit (0.1 to 100; default 3).
     min_pulse_samples : int, optional
         Samples a pulse needs above 10 % of its peak (1 to 10000; default 4).
     max_spectrum_drop : float, optional
@@ -351,7 +351,7 @@ def modal(frfs, *, force=None, response=None, band=None, order=None, max_damping
     trigger : float, optional
         A hit exceeds this much of the largest force, % (0.1 to 100; default 10).
     double_hit : float, optional
-        Smallest second contact objected to, % of the hit (0.1 to 100; default 3).
+        Smallest second contact that is reported, % of the hit (0.1 to 100; default 3).
     min_pulse_samples : int, optional
         Samples a pulse needs above 10 % of its peak (1 to 10000; default 4).
     max_spectrum_drop : float, optional

@@ -104,29 +104,6 @@ TEST(CutOffRecords, NoBackgroundForModesThatHaveDecayedOrSteadyTones) {
   EXPECT_LT(band.lines.background.cols(), unknown);
 }
 
-// Whether noise hides it or not: above 1 % the one function of s is fitted.
-TEST(CutOffRecords, OneFunctionOfSWhereTheMisfitIsNoise) {
-  FrfSet set;
-  ModalBand band;
-  band.spacing_hz = 0.125;
-  band.frequency_hz = Eigen::VectorXd::LinSpaced(160, 0.125, 20);
-  band.lines.s = Complex(0, kTwoPi) * band.frequency_hz.cast<Complex>();
-  band.lines.power = 2;
-  std::mt19937_64 random(8);
-  std::normal_distribution<double> normal;
-  band.lines.H.resize(160, 3);
-  for (Complex& one : band.lines.H.reshaped()) one = Complex(normal(random), normal(random));
-  const FrfNoise noise = noise_unknown(band.lines.H, 1, 0);
-  const auto allow = [&](double left) {
-    const Complex pole(0.125 * std::log(left), 13);
-    return allow_for_cut_off(set, Eigen::VectorXcd::Constant(1, pole), band.lines.H, noise, 4e9,
-                             band);
-  };
-  EXPECT_FALSE(allow(0.005));
-  EXPECT_TRUE(allow(0.3));
-  EXPECT_EQ(band.lines.background.cols(), 1);
-}
-
 // 400 sets of noise, whose variance rises sixteenfold along the lines: chance is below 1 in 1e4
 // each.
 TEST(CutOffRecords, TheMisfitShowsABackgroundAndNoiseShowsNone) {
