@@ -43,13 +43,12 @@ MatrixXcd terms_between(const VectorXcd& s, const MatrixXcd& known, double first
   }
   const double size = std::sqrt(static_cast<double>(lines * delays));
   columns -= (known * (known.adjoint() * columns)).eval();
-  // Singular vectors by the Gram matrix: those kept are above kPart, so that rounding counts 1e-16
-  // / kPart^2.
+  // Singular vectors above kPart by the Gram matrix, to 1e-16 / kPart^2; orthonormal to rounding by
+  // the factorisation.
   const HermitianEigen gram = hermitian_eigen(columns.adjoint() * columns);
   const Eigen::ArrayXd squares = gram.values;
   const Index terms = (squares > kPart * kPart * size * size).count();
-  return columns * gram.vectors.rightCols(terms) *
-         squares.tail(terms).rsqrt().matrix().asDiagonal();
+  return thin_qr(columns * gram.vectors.rightCols(terms)).Q;
 }
 
 }  // namespace
