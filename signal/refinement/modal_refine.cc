@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <stdexcept>
 
 #include "signal/numerics/scaled_gram.h"
@@ -196,7 +197,12 @@ ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
       for (Index r = 0; r < start.size(); ++r) {
         relative = std::max(relative, step.segment(2 * r, 2).norm() / std::abs(stage.poles[r]));
       }
-      result.end = small || relative < 1e-9 ? RefineEnd::converged : RefineEnd::no_descent;
+      // A cost is what the columns leave of |y|^2, known to its rounding: data without noise are
+      // fitted where nothing more is left.
+      const double rounding = 64 * std::numeric_limits<double>::epsilon() *
+                              (inverse_variance.array() * y_squared.array()).sum();
+      result.end = small || relative < 1e-9 || stage.cost <= rounding ? RefineEnd::converged
+                                                                      : RefineEnd::no_descent;
       break;
     }
   }
