@@ -43,12 +43,12 @@ MatrixXcd terms_between(const VectorXcd& s, const MatrixXcd& known, double first
   }
   const double size = std::sqrt(static_cast<double>(lines * delays));
   columns -= (known * (known.adjoint() * columns)).eval();
-  // Singular vectors above kPart by the Gram matrix, to 1e-16 / kPart^2; orthonormal to rounding by
-  // the factorisation.
+  // Singular vectors above kPart by the Gram matrix: orthonormal to 1e-16 / kPart^2.
   const HermitianEigen gram = hermitian_eigen(columns.adjoint() * columns);
   const Eigen::ArrayXd squares = gram.values;
   const Index terms = (squares > kPart * kPart * size * size).count();
-  return thin_qr(columns * gram.vectors.rightCols(terms)).Q;
+  return columns * gram.vectors.rightCols(terms) *
+         gram.values.tail(terms).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
 }  // namespace
