@@ -335,7 +335,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   };
   Search search = search_all();
   if (band.beside.size() > 0 && search.found.fit.end != RefineEnd::converged) {
-    // A pole that is held lies on one that is fitted.
+    // The fit without them is the one to trust then, as before they were looked for.
     band.beside.resize(0);
     set_background(background, band);
     search = search_all();

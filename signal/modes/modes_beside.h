@@ -6,8 +6,8 @@
 // Such modes are fitted to the lines around the end of the band; in the band each then is
 // s^n / (s - p) and s^n / (s - conj p) with free complex factors, p held. An error dp of p enters
 // as dp / |s - p| of what the mode adds.
-// A fit that does not converge beside such poles, as where one of them lies on a pole of the fit,
-// is made without them. Source: Ewins, Modal Testing, 2nd ed., sec. 4.5 (residuals, pseudo-modes).
+// A fit that does not converge beside such poles is made without them. Source: Ewins, Modal
+// Testing, 2nd ed., sec. 4.5 (residuals, pseudo-modes).
 #pragma once
 
 #include <Eigen/Core>

@@ -197,9 +197,11 @@ ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
       for (Index r = 0; r < start.size(); ++r) {
         relative = std::max(relative, step.segment(2 * r, 2).norm() / std::abs(stage.poles[r]));
       }
-      // A cost is what the columns leave of |y|^2, known to its rounding: data without noise are
+      // A cost is what the columns leave of |y|^2, known to its rounding
+      // (that of a sum grows with the root of its terms): data without noise are
       // fitted where nothing more is left.
-      const double rounding = 64 * std::numeric_limits<double>::epsilon() *
+      const double rounding = std::sqrt(static_cast<double>(y.rows())) *
+                              std::numeric_limits<double>::epsilon() *
                               (inverse_variance.array() * y_squared.array()).sum();
       result.end = small || relative < 1e-9 || stage.cost <= rounding ? RefineEnd::converged
                                                                       : RefineEnd::no_descent;
