@@ -82,8 +82,10 @@ void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& ba
   add_column(lines.s.array().pow(lines.power - 2), columns);
   add_column(scale, columns);
   const Index residuals = columns.cols();
-  columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
-  columns.rightCols(background.cols()) = background;
+  if (background.cols() > 0) {
+    columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
+    columns.rightCols(background.cols()) = background;
+  }
   const Index known = columns.cols();
   for (const Complex pole : band.beside) {
     add_column(scale.array() / (lines.s.array() - pole), columns);
