@@ -11,26 +11,42 @@ namespace rigfit::ident {
 namespace {
 
 constexpr double kFewSegments = 12;
-constexpr double kSearchStd = 0.05;  // relative error of the model while looking around
+constexpr ModelErrors kSearchErrors{0.05, 0.5};  // of the model while looking around
 // Of the model while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
 constexpr double kLeastStd = 2e-3;
 constexpr double kSure = 12;         // see the header: a chance of exp(-12)
 constexpr std::size_t kSeeds = 8;    // local fits with few segments
 constexpr std::size_t kRefined = 4;  // of these, with all
 constexpr int kRounds = 6;
-constexpr double kNegligible = 7;  // ln of the ratio of weights
+constexpr double kNegligible = 7;        // ln of the ratio of weights
+constexpr double kDampingRange = 4.605;  // ln(100): of a damping ratio without a partner
 
 double width_of(const UpdateCoordinate& coordinate) {
   return coordinate.logarithmic ? std::log(10.0) : 0.1;
 }
 
-// tau and its prior probability.
-std::vector<std::pair<double, double>> model_errors() {
-  constexpr int kCount = 10;
-  std::vector<std::pair<double, double>> taus{{0, 0.5}};
-  for (int k = 0; k < kCount; ++k) taus.emplace_back(1e-4 * std::pow(10, k / 3.0), 0.5 / kCount);
-  return taus;
+/// Relative errors of the model and their prior probability.
+std::vector<std::pair<double, double>> errors_between(double least, int count, double per_decade) {
+  std::vector<std::pair<double, double>> errors{{0, 0.5}};
+  for (int k = 0; k < count; ++k) {
+    errors.emplace_back(least * std::pow(10, k / per_decade), 0.5 / count);
+  }
+  return errors;
 }
+
+std::vector<std::pair<ModelErrors, double>> model_errors(bool damping) {
+  std::vector<std::pair<ModelErrors, double>> all;
+  for (const auto& [frequency, one] : errors_between(1e-4, 10, 3)) {
+    if (!damping) all.push_back({{frequency, 0}, one});
+    if (!damping) continue;
+    for (const auto& [of_damping, other] : errors_between(1e-2, 5, 2)) {
+      all.push_back({{frequency, of_damping}, one * other});
+    }
+  }
+  return all;
+}
+
+bool close(double a, double b) { return std::abs(a - b) <= 1e-12 + 0.5 * b; }
 
 double log_sum(double a, double b) {
   if (a < b) std::swap(a, b);
@@ -50,15 +66,22 @@ bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const
   const double fixed = found.log_detected + found.log_false + found.log_missed;
   evidence.log_evidence = -std::numeric_limits<double>::infinity();
   double best = evidence.log_evidence;
-  for (const auto& [tau, probability] : model_errors()) {
+  const bool damping =
+      std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.damping >= 0; });
+  for (const auto& [errors, probability] : model_errors(damping)) {
     Eigen::VectorXd w = Eigen::VectorXd::Ones(r.size());
     double log_likelihood = fixed + std::log(probability);
+    const auto weigh = [&](Eigen::Index row, double std, double error, double range) {
+      const double all = std::hypot(std, error);
+      w[row] = std / all;
+      log_likelihood -= std::log(all * std::sqrt(2 * M_PI) / range);
+    };
     for (const auto& row : rows) {
       const auto& match = found.matches[row.match];
-      const double s = plain.relative_std(match.state, match.measured);
-      const double all = std::hypot(s, tau);
-      w[row.row] = s / all;
-      log_likelihood -= std::log(all * std::sqrt(2 * M_PI));
+      weigh(row.row, plain.relative_std(match.state, match.measured), errors.frequency, 1);
+      if (row.damping < 0) continue;
+      weigh(row.damping, plain.damping_relative_std(match.state, match.measured), errors.damping,
+            kDampingRange);
     }
     const Eigen::VectorXd weighted = w.cwiseProduct(r);
     log_likelihood -= 0.5 * weighted.squaredNorm();
@@ -76,7 +99,7 @@ bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const
     const double log_part = log_likelihood - 0.5 * log_det;
     if (log_part > best) {
       best = log_part;
-      evidence.model_std = tau;
+      evidence.errors = errors;
       evidence.hessian = H;
     }
     evidence.log_evidence = log_sum(evidence.log_evidence, log_part);
@@ -105,7 +128,7 @@ class Search {
     if (options_.starts > 1 && !answers.empty()) {
       const auto& near = answers.front();
       UpdateAnswer whole =
-          settled(problem_, options_, {near.solution.q, near.solution.matches, 0}, near.model_std);
+          settled(problem_, options_, {near.solution.q, near.solution.matches, 0}, near.errors);
       sure = whole.solution.q.size() > 0 && explained(whole);
       if (sure) answers.assign(1, std::move(whole));
     }
@@ -170,7 +193,7 @@ class Search {
 
   // Fitted and assigned anew until the assignment stays; of those that were seen the best.
   UpdateAnswer settled(const UpdateProblem& problem, const UpdateOptions& options, Seed seed,
-                       double tau = kSearchStd) const {
+                       ModelErrors errors = kSearchErrors) const {
     UpdateAnswer best;
     best.log_evidence = -std::numeric_limits<double>::infinity();
     best.solution.failure = "no measured mode lies near any modelled one";
@@ -182,14 +205,14 @@ class Search {
                                     [](const auto& match) { return !match.cross_plane; });
       if (!fits) break;
       double cost = 0;
-      const UpdateProblem here = problem.with_model_std(tau);
+      const UpdateProblem here = problem.with_model_std(errors.frequency, errors.damping);
       Eigen::VectorXd at = q;
       const bool converged = minimise(here, matches.matches, UpdateStage::full, options, at, cost);
       Evidence evidence;
       if (!evidence_of(problem, matches, at, evidence)) break;
       std::string failure;
-      UpdateMatches next =
-          problem.with_model_std(std::max(evidence.model_std, kLeastStd)).assign(at, failure);
+      UpdateMatches next = problem.with_model_std(std::max(evidence.errors.frequency, kLeastStd))
+                               .assign(at, failure);
       if (!failure.empty()) {
         best.solution.failure = failure;
         break;
@@ -197,7 +220,8 @@ class Search {
       const bool same = next.matches == matches.matches;
       const bool again = !same && (round + 1 == kRounds ||
                                    std::find(seen.begin(), seen.end(), next.matches) != seen.end());
-      const bool done = same && std::abs(evidence.model_std - tau) <= 1e-12 + 0.5 * tau;
+      const bool done = same && close(evidence.errors.frequency, errors.frequency) &&
+                        close(evidence.errors.damping, errors.damping);
       const bool keep = same || (again && best.solution.q.size() == 0);
       if (same) {
         const auto assigned = [](const UpdateMatches& one) {
@@ -212,7 +236,7 @@ class Search {
         best.solution.cost = cost;
         best.solution.converged = converged && same;
         best.solution.pairings = round + 1;
-        best.model_std = evidence.model_std;
+        best.errors = evidence.errors;
         best.log_evidence = evidence.log_evidence;
         best.hessian = evidence.hessian;
       }
@@ -220,7 +244,7 @@ class Search {
       if (!same) seen.push_back(next.matches);
       q = std::move(at);
       matches = std::move(next);
-      tau = evidence.model_std;
+      errors = evidence.errors;
     }
     return best;
   }
@@ -251,7 +275,7 @@ class Search {
 
   // Assignments at q with its frequencies as they are and times the best common factor.
   std::vector<Seed> seeds_at(const Eigen::VectorXd& q, std::string& failure) const {
-    const UpdateProblem wide = few_.with_model_std(kSearchStd);
+    const UpdateProblem wide = few_.with_model_std(kSearchErrors.frequency);
     std::vector<Seed> seeds(2);
     for (auto& seed : seeds) seed.q = q;
     for (int s = 0; s < static_cast<int>(wide.states().size()); ++s) {
@@ -362,7 +386,7 @@ class Search {
     in_parallel(rough.size(), options_.threads, [&](std::size_t k) {
       if (rough[k].log_evidence < most - kNegligible) return;
       found[k] = settled(problem_, options_, {rough[k].solution.q, rough[k].solution.matches, 0},
-                         rough[k].model_std);
+                         rough[k].errors);
     });
     for (std::size_t k = 0; k < found.size(); ++k) {
       if (found[k].solution.q.size() > 0) merge(std::move(found[k]), answers);

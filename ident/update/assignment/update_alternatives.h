@@ -10,11 +10,14 @@
 //
 //   Z = sum_tau P(tau) L(q, tau) prior(q) (2 pi)^(n/2) det(H(tau))^(-1/2)      (Laplace)
 //
-// with tau the model's relative error in frequency: 0 (the model is right) with probability 1/2,
-// else 1e-4 to 0.1 on a logarithmic scale, L the likelihood of the assignment, H the Hessian of
-// -ln(L prior). Parameters without a prior get a normal one about the answer, of ln(10) in
-// ln(value) and of a tenth for coordinates: the same for all answers, wherever the search began.
-// Answers closer to each other than three standard deviations are one.
+// with tau the model's relative errors in frequency and in damping ratio: each 0 (the model is
+// right) with probability 1/2, else 1e-4 to 0.1 and 1e-2 to 1 on a logarithmic scale, L the
+// likelihood of the assignment (a mode without a partner has its damping ratio anywhere within a
+// factor of 100), H the Hessian of -ln(L prior). Damping ratios known to 1e-4 would otherwise lead
+// the search: a wrong pair's costs more than all frequencies together. Parameters without a prior
+// get a normal one about the answer, of ln(10) in ln(value) and of a tenth for coordinates: the
+// same for all answers, wherever the search began. Answers closer to each other than three standard
+// deviations are one.
 //
 // The search is skipped where the answer near the start explains all the measured modes, misses
 // none, and could not do so by chance: degrees of freedom times ln(0.1 / error) above 12.
@@ -28,9 +31,14 @@
 
 namespace rigfit::ident {
 
+/// The model's relative errors: tau above.
+struct ModelErrors {
+  double frequency = 0, damping = 0;
+};
+
 struct UpdateAnswer {
   UpdateSolution solution;
-  double model_std = 0;  ///< tau of the largest posterior probability
+  ModelErrors errors;  ///< of the largest posterior probability
   double log_evidence = 0;
   Eigen::MatrixXd hessian;  ///< of -ln(likelihood times prior), by coordinate
   double weight = 1;
@@ -42,11 +50,11 @@ struct UpdateAnswer {
                                                      const UpdateOptions& options, int& fits,
                                                      std::string& failure);
 
-/// ln Z of an assignment at q, and the tau of the largest posterior probability.
+/// ln Z of an assignment at q, and the errors of the largest posterior probability.
 struct Evidence {
   double log_evidence = 0;
-  double model_std = 0;
-  Eigen::MatrixXd hessian;  ///< at that tau, prior widths included
+  ModelErrors errors;
+  Eigen::MatrixXd hessian;  ///< at these errors, prior widths included
 };
 /// False when there is no model at q.
 [[nodiscard]] bool evidence_of(const UpdateProblem& problem, const UpdateMatches& matches,

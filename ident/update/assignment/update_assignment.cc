@@ -8,9 +8,10 @@
 
 namespace rigfit::ident {
 
-UpdateProblem UpdateProblem::with_model_std(double relative) const {
+UpdateProblem UpdateProblem::with_model_std(double frequency, double damping) const {
   UpdateProblem other = *this;
-  other.model_std_ = relative;
+  other.model_std_ = frequency;
+  other.damping_model_std_ = damping;
   return other;
 }
 
@@ -21,10 +22,11 @@ std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
   for (std::size_t m = 0; m < matches.size(); ++m) {
     const auto& match = matches[m];
     if (match.cross_plane || !counts(match.state, stage)) continue;
-    rows.push_back({row, m});
     const auto& mode = states_[static_cast<std::size_t>(match.state)]
                            .measured[static_cast<std::size_t>(match.measured)];
-    row += damping_fitted(mode) ? 2 : 1;
+    const bool damping = damping_fitted(mode);
+    rows.push_back({row, damping ? row + 1 : -1, m});
+    row += damping ? 2 : 1;
     if (shape_fitted(mode)) row += mode.shape.size();
   }
   return rows;

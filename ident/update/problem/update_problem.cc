@@ -412,6 +412,15 @@ double UpdateProblem::relative_std(int state, int measured) const {
   return std::hypot(std::hypot(own, options_.model_relative_std), model_std_);
 }
 
+double UpdateProblem::damping_relative_std(int state, int measured) const {
+  const auto& damping = states_[static_cast<std::size_t>(state)]
+                            .measured[static_cast<std::size_t>(measured)]
+                            .damping_ratio;
+  const double own =
+      known(damping.std) ? damping.std / damping.value : options_.assumed_damping_relative_std;
+  return std::hypot(own, damping_model_std_);
+}
+
 double UpdateProblem::measured_factor(int state) const {
   return sample_rate_factor(options_.inputs, inputs_off_, state);
 }

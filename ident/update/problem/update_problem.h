@@ -186,11 +186,12 @@ class UpdateProblem {
   [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled,
                                            double factor = 1) const;
 
-  /// The same with a further relative error of the model, of its own in every frequency.
-  [[nodiscard]] UpdateProblem with_model_std(double relative) const;
+  /// The same with a further relative error of the model, of its own in every frequency and in
+  /// every damping ratio.
+  [[nodiscard]] UpdateProblem with_model_std(double frequency, double damping = 0) const;
   /// Rows of the residuals that are frequencies of fitted pairs, with their match.
   struct FrequencyRow {
-    Eigen::Index row = 0;
+    Eigen::Index row = 0, damping = -1;  ///< its damping ratio's row, where it is fitted
     std::size_t match = 0;
   };
   [[nodiscard]] std::vector<FrequencyRow> frequency_rows(const std::vector<UpdateMatch>& matches,
@@ -198,6 +199,7 @@ class UpdateProblem {
   [[nodiscard]] bool modes_only() const { return has_modes() && !has_frfs() && !has_histories(); }
 
   [[nodiscard]] double relative_std(int state, int measured) const;
+  [[nodiscard]] double damping_relative_std(int state, int measured) const;
   /// Of a state's measured frequencies, where the inputs have its sample rate off.
   [[nodiscard]] double measured_factor(int state) const;
   [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
@@ -261,7 +263,7 @@ class UpdateProblem {
   Eigen::Index priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
   double segment_factor_ = 1;
-  double model_std_ = 0, frf_model_std_ = 0;
+  double model_std_ = 0, damping_model_std_ = 0, frf_model_std_ = 0;
   bool frf_differences_ = false;
   // Of ln f, by state; with as many segments as there are, and with twice as many.
   struct ModeError {

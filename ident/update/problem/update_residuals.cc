@@ -68,9 +68,7 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
     ++row;
     if (damping_fitted(measured)) {
       if (!known(mode->damping_ratio)) return false;
-      const double damping_std = known(measured.damping_ratio.std)
-                                     ? measured.damping_ratio.std / measured.damping_ratio.value
-                                     : options_.assumed_damping_relative_std;
+      const double damping_std = damping_relative_std(match.state, match.measured);
       r[row] = std::log(mode->damping_ratio / measured.damping_ratio.value) / damping_std;
       if (jacobian != nullptr) jacobian->row(row) = mode->dlog_damping / damping_std;
       ++row;
