@@ -14,9 +14,9 @@ constexpr double kFewSegments = 12;
 constexpr ModelErrors kSearchErrors{0.05, 0.5};  // of the model while looking around
 // Of the model while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
 constexpr double kLeastStd = 2e-3;
-constexpr double kSure = 12;         // see the header: a chance of exp(-12)
-constexpr std::size_t kSeeds = 8;    // local fits with few segments
-constexpr std::size_t kRefined = 4;  // of these, with all
+constexpr double kSure = 12, kSureError = 5e-3;  // see the header
+constexpr std::size_t kSeeds = 8;                // local fits with few segments
+constexpr std::size_t kRefined = 4;              // of these, with all
 constexpr int kRounds = 6;
 constexpr double kNegligible = 7;        // ln of the ratio of weights
 constexpr double kDampingRange = 4.605;  // ln(100): of a damping ratio without a partner
@@ -129,7 +129,7 @@ class Search {
       const auto& near = answers.front();
       UpdateAnswer whole =
           settled(problem_, options_, {near.solution.q, near.solution.matches, 0}, near.errors);
-      sure = whole.solution.q.size() > 0 && explained(whole);
+      sure = whole.solution.q.size() > 0 && whole.errors.frequency < kSureError && explained(whole);
       if (sure) answers.assign(1, std::move(whole));
     }
     if (options_.starts > 1 && !sure) {
