@@ -339,6 +339,11 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     band.beside.resize(0);
     set_background(background, band);
     search = search_all();
+    model.notes.push_back({"modes_beside",
+                           "modes just outside of the band are left out, since the fit does not "
+                           "converge with them: the damping ratio of a mode near an end of the "
+                           "band may be off; a wider band holds them",
+                           ""});
   }
   if (!search.local) allow_for_misfit(H, search.found);
   const FoundModes& found = search.found;
