@@ -1,5 +1,5 @@
-// Eigen's factorisations of dense matrices that several rooms need, compiled once: g++ takes 5 to
-// 50 seconds for each source that instantiates one of them.
+// Eigen's factorisations of dense matrices that several rooms need, compiled once: each source that
+// instantiates one of them takes seconds more to compile.
 #pragma once
 
 #include <Eigen/Core>

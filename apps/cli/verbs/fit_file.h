@@ -1,0 +1,20 @@
+// The JSON result of `rigfit update` as what another verb starts from.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/cli/verb_context.h"
+#include "ident/predict/scene_prediction.h"
+
+namespace rigfit::apps {
+
+/// Values and covariance of the parameters that the fit identifies; warns of the others and of a
+/// fit with several answers. Throws model::SceneError where the file is no such result.
+[[nodiscard]] ident::FittedParameters read_fit(const std::string& path, VerbContext& context);
+
+/// "NAME=TARGET[,-TARGET...]": what a parameter of the fit is called in the scene. Throws
+/// UsageError.
+void apply_maps(const std::vector<std::string>& maps, ident::FittedParameters& fitted);
+
+}  // namespace rigfit::apps
