@@ -130,7 +130,10 @@ class Search {
       UpdateAnswer whole =
           settled(problem_, options_, {near.solution.q, near.solution.matches, 0}, near.errors);
       sure = whole.solution.q.size() > 0 && whole.errors.frequency < kSureError && explained(whole);
-      if (sure) answers.assign(1, std::move(whole));
+      if (sure) {
+        answers.clear();
+        answers.push_back(std::move(whole));
+      }
     }
     if (options_.starts > 1 && !sure) {
       std::vector<Seed> seeds = look_around();
