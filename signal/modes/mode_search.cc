@@ -304,7 +304,7 @@ std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& le
                                       Index parts) {
   const Index lines = band.frequency_hz.size();
   // An order of a quarter of the lines leaves each polynomial well determined.
-  const Index width = std::max<Index>(lines / parts, 32);
+  const Index width = std::min(lines, std::max<Index>(lines / parts, 32));
   LscfOptions lscf_options = options.lscf;
   lscf_options.max_order = static_cast<int>(std::min<Index>(options.lscf.max_order / 2, width / 4));
   std::vector<PoleCluster> found;
