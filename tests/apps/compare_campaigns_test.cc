@@ -109,21 +109,25 @@ std::map<std::string, bool> changed(const std::string& before, const std::string
   return verdicts;
 }
 
-TEST(TwoCampaigns, NameWhatWasChangedAndNothingElse) {
-  const TemporaryFolder first, again, stiffer;
-  const std::string before = laboratory(first, 2.17, 1);
-  const auto keys = {"fit/beam.EI_z", "fit/tip.mass", "fit/beam.damping_ratio",
-                     "beam/as built/frequency", "beam/as built/damping"};
-  const auto repeated = changed(before, laboratory(again, 2.17, 2));
-  for (const char* key : keys) {
+const auto kKeys = {"fit/beam.EI_z", "fit/tip.mass", "fit/beam.damping_ratio",
+                    "beam/as built/frequency", "beam/as built/damping"};
+
+TEST(TwoCampaigns, OfOneBeamDoNotDiffer) {
+  const TemporaryFolder first, again;
+  const auto repeated = changed(laboratory(first, 2.17, 1), laboratory(again, 2.17, 2));
+  for (const char* key : kKeys) {
     ASSERT_TRUE(repeated.contains(key)) << key;
     EXPECT_FALSE(repeated.at(key)) << key;
   }
+}
+
+TEST(TwoCampaigns, NameWhatWasChangedAndNothingElse) {
 #ifdef __SANITIZE_ADDRESS__
-  return;  // the same code once more takes minutes there
+  GTEST_SKIP() << "the test above runs the same code, and takes minutes";
 #endif
-  const auto changes = changed(before, laboratory(stiffer, 1.2 * 2.17, 3));
-  for (const char* key : keys) ASSERT_TRUE(changes.contains(key)) << key;
+  const TemporaryFolder first, stiffer;
+  const auto changes = changed(laboratory(first, 2.17, 1), laboratory(stiffer, 1.2 * 2.17, 3));
+  for (const char* key : kKeys) ASSERT_TRUE(changes.contains(key)) << key;
   // 20 % are six standard uncertainties of the difference or more, even where a doubtful mode
   // widens the interval of EI to 0.05 N m2.
   EXPECT_TRUE(changes.at("fit/beam.EI_z"));
