@@ -393,7 +393,11 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   }
   check_misfit(result, H - found.model);
   judge_modes(result, band, H - found.model);
-  const std::vector<ModeOfHits> hits = modes_of_hits(frfs, model);
+  std::vector<ModeOfHits> hits = modes_of_hits(frfs, model);
+  if (!search.local) {
+    const auto averages = jackknife_of_hits(frfs, band, found.noise, found.fit);
+    for (std::size_t r = 0; r < averages.size(); ++r) hits[r].average = averages[r];
+  }
   allow_for_hits(frfs, hits, model);
   allow_for_amplitude(frfs, band, hits, model);
   allow_for_distortion(frfs, band, model);

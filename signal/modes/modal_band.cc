@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "signal/refinement/modal_basis.h"
 #include "signal/refinement/smooth_background.h"
@@ -61,6 +62,7 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
                      "some error bars of the FRFs are missing: the noise is estimated from the fit",
                      ""});
   }
+  band.rows = std::move(rows);
   band.window = frfs.exponential_decay_rate_1_s;
   VectorXd steps = band.frequency_hz.tail(count - 1) - band.frequency_hz.head(count - 1);
   std::nth_element(steps.begin(), steps.begin() + (count - 1) / 2, steps.end());

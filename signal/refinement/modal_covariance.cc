@@ -19,6 +19,30 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
+/// The linear filters of a fit, from errors of weighted FRFs to those of its parameters.
+struct PoleFilter {
+  PoleFilter(const FrfLines& data, const FrfNoise& noise, const ModalRefineResult& fit)
+      : weight(line_weight(noise, data.H)),
+        inverse_variance(inverse_variance_of(noise)),
+        basis(weighted_basis(data, fit.poles, weight)),
+        factor(gram_of(basis)),
+        coefficients(pack_coefficients(fit.residues, fit.lower, fit.upper)) {
+    if (!factor.usable()) return;
+    const MatrixXd derivatives = stacked_pole_derivatives(data.s, data.power, fit.poles, weight);
+    gain = factor.solve(basis.transpose() * derivatives);
+    outside = derivatives - basis * gain;
+    information = ScaledGram(summed_turns(gram_of(outside), coefficients, inverse_variance));
+  }
+  [[nodiscard]] bool usable() const { return factor.usable() && information.usable(); }
+
+  VectorXd weight, inverse_variance;
+  MatrixXd basis;
+  ScaledGram factor;  ///< of the basis
+  MatrixXd coefficients, gain;
+  MatrixXd outside;  ///< derivatives with respect to poles, less their part in the basis
+  ScaledGram information = ScaledGram(MatrixXd(0, 0));
+};
+
 /// What is left of a mode's significance when noise common to the FRFs of input `i` may imitate it:
 /// the errors of its residues have, besides the FRFs' own, a part along the FRFs at the line that
 /// weighs most (Sherman-Morrison for that rank one). `share`: |filter|^2 of the mode's residue by
@@ -95,20 +119,12 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   const Index modes = fit.poles.size(), size = 2 * modes, frfs = data.H.cols();
   const Index inputs = data.inputs, lines = data.s.size();
   const MatrixXcd model = fitted_frfs(data, fit);
-  const VectorXd weight = line_weight(noise, data.H);
-  const VectorXd inverse_variance = inverse_variance_of(noise);
+  const PoleFilter of(data, noise, fit);
   ModalCovariance result;
   result.full_rank = false;
-
-  const MatrixXd basis = weighted_basis(data, fit.poles, weight);
-  const ScaledGram factor(gram_of(basis));
-  if (!factor.usable()) return result;
-  const MatrixXd coefficients = pack_coefficients(fit.residues, fit.lower, fit.upper);
-  const MatrixXd derivatives = stacked_pole_derivatives(data.s, data.power, fit.poles, weight);
-  const MatrixXd gain = factor.solve(basis.transpose() * derivatives);
-  const MatrixXd outside = derivatives - basis * gain;
-  const ScaledGram information(summed_turns(gram_of(outside), coefficients, inverse_variance));
-  if (!information.usable()) return result;
+  if (!of.usable()) return result;
+  const auto& [weight, inverse_variance, basis, factor, coefficients, gain, outside, information] =
+      of;
   result.full_rank = true;
   if (modes == 0) {
     result.poles.resize(0, 0);
@@ -196,6 +212,24 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
     }
   }
   return result;
+}
+
+MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise, const ModalRefineResult& fit,
+                     const std::vector<MatrixXcd>& errors) {
+  const Index size = 2 * fit.poles.size();
+  const PoleFilter filter(data, noise, fit);
+  if (!filter.usable()) return {};
+  MatrixXd sums = MatrixXd::Zero(size, static_cast<Index>(errors.size()));
+  for (std::size_t e = 0; e < errors.size(); ++e) {
+    const MatrixXd parts = filter.outside.transpose() * stacked(errors[e], filter.weight);
+    for (Index c = 0; c < parts.cols(); ++c) {
+      if (filter.inverse_variance[c] == 0) continue;
+      sums.col(static_cast<Index>(e)) +=
+          filter.inverse_variance[c] *
+          turned_vector(parts.col(c), filter.coefficients.col(c).head(size));
+    }
+  }
+  return filter.information.solve(sums);
 }
 
 }  // namespace rigfit::signal

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "signal/refinement/modal_noise.h"
 #include "signal/refinement/modal_refine.h"
@@ -31,5 +32,11 @@ struct ModalCovariance {
 [[nodiscard]] ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
                                                const ModalRefineResult& fit,
                                                bool with_residues = true);
+
+/// Errors of (Re p_1, Im p_1, Re p_2, ...), one column each, that `errors` of the FRFs (lines x
+/// FRFs each) make to first order; empty when the poles cannot be told apart.
+[[nodiscard]] Eigen::MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise,
+                                          const ModalRefineResult& fit,
+                                          const std::vector<Eigen::MatrixXcd>& errors);
 
 }  // namespace rigfit::signal

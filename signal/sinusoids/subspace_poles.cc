@@ -2,6 +2,7 @@
 
 #include <gsl/gsl_cdf.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 

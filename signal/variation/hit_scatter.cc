@@ -240,10 +240,12 @@ Scatter scatter_of(const std::vector<std::vector<double>>& points) {
   return all;
 }
 
-/// Of the mean, such that +-1.96 of it hold 95 %.
-double widened_std(const Scatter& scatter) {
-  return std::sqrt(scatter.variance / scatter.count) * gsl_cdf_tdist_Pinv(0.975, scatter.freedom) /
-         1.96;
+/// Such that +-1.96 of it hold 95 %.
+double widened(double std, double freedom) {
+  return std * gsl_cdf_tdist_Pinv(0.975, freedom) / 1.96;
+}
+double widened_std(const Scatter& scatter) {  // of the mean
+  return widened(std::sqrt(scatter.variance / scatter.count), scatter.freedom);
 }
 
 /// Modes whose single hits show the same pole twice: the weaker one is doubtful.
@@ -269,6 +271,25 @@ double chance_of(double ratio, double freedom, double noise_freedom) {
   return gsl_cdf_fdist_Q(ratio, freedom, std::max(1.0, noise_freedom));
 }
 
+/// Variances of frequency and damping ratio between hits over those of noise: of the average by
+/// its own fit, where that is known, else of single hits.
+struct OverNoise {
+  double frequency = 0, damping = 0, freedom = 0;
+  double white_part = 1;
+};
+
+OverNoise over_noise(const ModeOfHits& hits, const Scatter& f, const Scatter& z,
+                     const IdentifiedMode& mode) {
+  const auto squared = [](double a, double b) { return a / b * (a / b); };
+  const JackknifeOfHits& average = hits.average;
+  if (average.freedom > 0) {
+    return {squared(average.frequency_std_hz, mode.frequency_hz.std),
+            squared(average.damping_ratio_std, mode.damping_ratio.std), average.freedom, 1};
+  }
+  return {f.variance / std::pow(hits.noise_frequency_hz, 2),
+          z.variance / std::pow(hits.noise_damping_ratio, 2), f.freedom, hits.white_part};
+}
+
 /// What the scatter of all modes says.
 struct Verdict {
   std::vector<Scatter> frequency, damping;
@@ -278,19 +299,19 @@ struct Verdict {
   double largest = 0, times = 0;        ///< relative scatter, and over that of noise
 };
 
-Verdict verdict_on(const std::vector<ModeOfHits>& hits) {
+Verdict verdict_on(const std::vector<ModeOfHits>& hits, const ModalModel& model) {
   Verdict verdict;
   double excess = 0, white_excess = 0, freedom = 0, noise_freedom = 0;
-  for (const ModeOfHits& mode : hits) {
-    verdict.frequency.push_back(scatter_of(mode.frequency_hz));
-    verdict.damping.push_back(scatter_of(mode.damping_ratio));
-    const Scatter& f = verdict.frequency.back();
-    if (!(f.freedom > 0) || !(mode.noise_frequency_hz > 0)) continue;
-    const double times_noise = f.variance / std::pow(mode.noise_frequency_hz, 2);
-    excess += f.freedom * times_noise;
-    white_excess += f.freedom * times_noise / mode.white_part;
-    freedom += f.freedom;
-    noise_freedom += mode.noise_freedom;
+  for (std::size_t r = 0; r < hits.size(); ++r) {
+    verdict.frequency.push_back(scatter_of(hits[r].frequency_hz));
+    verdict.damping.push_back(scatter_of(hits[r].damping_ratio));
+    const Scatter &f = verdict.frequency.back(), &z = verdict.damping.back();
+    if (!(f.freedom > 0) || !(hits[r].noise_frequency_hz > 0)) continue;
+    const OverNoise over = over_noise(hits[r], f, z, model.modes[r]);
+    excess += over.freedom * over.frequency;
+    white_excess += over.freedom * over.frequency / over.white_part;
+    freedom += over.freedom;
+    noise_freedom += hits[r].noise_freedom;
   }
   verdict.differs.assign(hits.size(), false);
   verdict.scatters = verdict.differs;
@@ -308,13 +329,14 @@ void judge_mode(const ModeOfHits& hits, std::size_t r, IdentifiedMode& mode, Ver
   if (!(f.freedom > 0) || !(hits.noise_frequency_hz > 0)) return;
   const double f_noise = std::pow(hits.noise_frequency_hz, 2);
   const double z_noise = std::pow(hits.noise_damping_ratio, 2);
-  const double ratio = 0.5 * (f.variance / f_noise + z.variance / z_noise);
-  const bool differs =
-      verdict.all_differ || chance_of(ratio, 2 * f.freedom, hits.noise_freedom) < kMode;
+  const OverNoise over = over_noise(hits, f, z, mode);
+  const double ratio = 0.5 * (over.frequency + over.damping);
+  const auto beyond = [&](double times) {
+    return chance_of(times, 2 * over.freedom, hits.noise_freedom) < kMode;
+  };
+  const bool differs = verdict.all_differ || beyond(ratio);
   verdict.differs[r] = differs;
-  verdict.scatters[r] =
-      verdict.all_scatter || differs ||
-      chance_of(ratio / hits.white_part, 2 * f.freedom, hits.noise_freedom) < kMode;
+  verdict.scatters[r] = verdict.all_scatter || differs || beyond(ratio / over.white_part);
   mode.between_hits = {f.count, std::sqrt(std::max(0.0, f.variance - f_noise)),
                        std::sqrt(std::max(0.0, z.variance - z_noise)), differs};
   const double part = mode.between_hits.frequency_std_hz / mode.frequency_hz.value;
@@ -334,14 +356,13 @@ bool average_is_biased(const Scatter& damping, const IdentifiedMode& mode) {
   return widening > 0.5 * std::max(mode.damping_ratio.std, widened_std(damping));
 }
 
-/// Raises the standard deviations of a mode to those of the mean over the hits.
-void widen_to_hits(const Scatter& f, const Scatter& z, std::size_t r, ModalModel& model) {
+/// Raises the standard deviations of a mode to those that the hits give.
+void widen_to_hits(double f_std, double z_std, std::size_t r, ModalModel& model) {
   IdentifiedMode& mode = model.modes[r];
   const double before = mode.frequency_hz.std, damping_before = mode.damping_ratio.std;
   const auto row = static_cast<Index>(2 * r);
-  set_std(mode.frequency_hz, row, std::max(before, widened_std(f)), model.pole_covariance);
-  set_std(mode.damping_ratio, row + 1, std::max(damping_before, widened_std(z)),
-          model.pole_covariance);
+  set_std(mode.frequency_hz, row, std::max(before, f_std), model.pole_covariance);
+  set_std(mode.damping_ratio, row + 1, std::max(damping_before, z_std), model.pole_covariance);
   // Errors of residues go with those of the poles.
   if (before > 0 && damping_before > 0) {
     mode.shape_std *=
@@ -386,7 +407,7 @@ std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& mode
 
 void allow_for_hits(const FrfSet& frfs, const std::vector<ModeOfHits>& hits, ModalModel& model) {
   if (frfs.by_hit.size() < 2 || hits.size() != model.modes.size()) return;
-  Verdict verdict = verdict_on(hits);
+  Verdict verdict = verdict_on(hits, model);
   for (std::size_t r = 0; r < hits.size(); ++r) {
     const auto shown = static_cast<std::size_t>(verdict.frequency[r].count);
     const std::size_t fits = hits[r].frequency_hz.size() * frfs.by_hit.size();
@@ -405,12 +426,19 @@ void allow_for_hits(const FrfSet& frfs, const std::vector<ModeOfHits>& hits, Mod
     const bool takes_more =
         std::any_of(hits[r].unseen.begin(), hits[r].unseen.end(),
                     [&](std::size_t other) { return !model.modes[other].doubtful; });
-    if (verdict.differs[r] && frfs.inputs.size() == 1 && !takes_more &&
-        average_is_biased(z, mode)) {
+    const JackknifeOfHits& average = hits[r].average;
+    const bool biased =
+        verdict.differs[r] && frfs.inputs.size() == 1 && !takes_more && average_is_biased(z, mode);
+    if (biased) {
       means = true;
       set_frequency_and_damping(mode, f.mean, z.mean, frfs.exponential_decay_rate_1_s);
     }
-    widen_to_hits(f, z, r, model);
+    if (biased || !(average.freedom > 0)) {
+      widen_to_hits(widened_std(f), widened_std(z), r, model);
+    } else {
+      widen_to_hits(widened(average.frequency_std_hz, average.freedom),
+                    widened(average.damping_ratio_std, average.freedom), r, model);
+    }
   }
   if (!verdict.all_differ) return;
   model.notes.push_back(

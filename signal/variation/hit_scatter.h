@@ -18,6 +18,7 @@
 
 #include "signal/modes/modal_model.h"
 #include "signal/spectra/frf_set.h"
+#include "signal/variation/hit_jackknife.h"
 
 namespace rigfit::signal {
 
@@ -30,6 +31,7 @@ struct ModeOfHits {
   /// |H|, such as that on the force, or a tone beside the mode makes it small.
   double white_part = 1;
   double noise_freedom = 0;         ///< degrees of freedom of these
+  JackknifeOfHits average;          ///< of the average's own fit; freedom 0: not known
   std::vector<std::size_t> unseen;  ///< overlapping modes that the hits do not show beside it
 };
 
