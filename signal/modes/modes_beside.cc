@@ -82,17 +82,15 @@ void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& ba
   add_column(lines.s.array().pow(lines.power - 2), columns);
   add_column(scale, columns);
   const Index residuals = columns.cols();
-  if (background.cols() > 0) {
-    columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
-    columns.rightCols(background.cols()) = background;
-  }
+  columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
+  columns.rightCols(background.cols()) = background;
   const Index known = columns.cols();
   for (const Complex pole : band.beside) {
     add_column(scale.array() / (lines.s.array() - pole), columns);
     add_column(scale.array() / (lines.s.array() - std::conj(pole)), columns);
   }
   const Index added = columns.cols() - known;
-  lines.background.conservativeResize(lines.s.size(), background.cols() + added);
+  lines.background.conservativeResize(Eigen::NoChange, background.cols() + added);
   lines.background.rightCols(added) = columns.rightCols(added);
 }
 

@@ -22,7 +22,7 @@
 namespace rigfit::signal {
 
 /// Orthonormal columns over the lines `s` that span these functions to 1 part in 1000, outside of
-/// the residual terms s^power and s^(power - 2). Empty for `span_s` 0, and where a quarter of the
+/// the residual terms s^power and s^(power - 2). None for `span_s` 0, and where a quarter of the
 /// lines' freedom or more would be needed: the noise then differs from line to line nearly as white
 /// noise does.
 [[nodiscard]] Eigen::MatrixXcd smooth_background(const Eigen::Ref<const Eigen::VectorXcd>& s,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <random>
@@ -110,6 +111,17 @@ TEST(ModesBeside, ColumnsAreOrthonormalAndOnlyWhatIsNew) {
       1e-12);
   EXPECT_LT((new_columns.adjoint() * band.lines.s.array().square().matrix()).norm(),
             1e-12 * band.lines.s.array().square().matrix().norm());
+}
+
+TEST(ModesBeside, AFitThatDoesNotConvergeWithThemSaysSo) {
+  ModalOptions options = to_50_hz();
+  options.refine.max_iterations = 1;  // no fit settles
+  options.refine.step_tolerance = 1e-12;
+  const ModalResult result = identify_modes(struck_cable(1e-4), options);
+  const auto& notes = result.model.notes;
+  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(),
+                          [](const Note& note) { return note.code == "modes_beside"; }));
+  EXPECT_GE(result.model.modes.size(), 4u);
 }
 
 }  // namespace
