@@ -13,7 +13,7 @@ namespace rigfit::signal {
 struct ModalBand {
   Eigen::VectorXd frequency_hz;
   std::vector<Eigen::Index> rows;  ///< of the set's lines
-  Eigen::MatrixXd H_std;  ///< empty: not known or not usable
+  Eigen::MatrixXd H_std;           ///< empty: not known or not usable
   FrfLines lines;
   double spacing_hz = 0;                   ///< median step between lines
   double window = 0;                       ///< decay rate of the exponential window, 1/s
