@@ -137,15 +137,16 @@ bool EquilibriumPerturber::beside(const ParameterAccess& access,
       rig.chain.set_unstretched_length(m, modes_.chain->members[std::size_t(m)].unstretched_length);
     }
     place(modes_.equilibrium.state, rig);
+    rig.assembly = std::make_unique<Assembly>(rig.chain, assembly_->numbering().motion);
+    if (rig.assembly->size() != assembly_->size()) return false;
   }
   return true;
 }
 
-bool EquilibriumPerturber::unbalanced(const PerturbedEquilibrium& rig, Eigen::VectorXd& force,
+void EquilibriumPerturber::unbalanced(const PerturbedEquilibrium& rig, Eigen::VectorXd& force,
                                       Eigen::VectorXd& tension) const {
   const std::vector<int>& targets = bordered_->targets;
-  const Assembly assembly(rig.chain, assembly_->numbering().motion);
-  if (assembly.size() != assembly_->size()) return false;
+  const Assembly& assembly = *rig.assembly;
   force.resize(assembly.size());
   assembly.force(rig.state, force);
   tension.resize(static_cast<Eigen::Index>(targets.size()));
@@ -153,13 +154,11 @@ bool EquilibriumPerturber::unbalanced(const PerturbedEquilibrium& rig, Eigen::Ve
     const int m = targets[std::size_t(i)];
     tension[i] = assembly.tension(rig.state, m) - *rig.chain.members[std::size_t(m)].target_tension;
   }
-  return true;
 }
 
 void EquilibriumPerturber::advance(PerturbedEquilibrium& rig, const Eigen::VectorXd& by,
                                    const Eigen::VectorXd& by_length, double factor) const {
-  const Assembly assembly(rig.chain, assembly_->numbering().motion);
-  assembly.advance(rig.state, by, factor, rig.state);
+  rig.assembly->advance(rig.state, by, factor, rig.state);
   for (Eigen::Index i = 0; i < by_length.size(); ++i) {
     const int m = bordered_->targets[std::size_t(i)];
     rig.chain.set_unstretched_length(
@@ -178,9 +177,7 @@ bool EquilibriumPerturber::move(const ParameterAccess& access, ParameterStep& st
   for (;;) {
     if (!beside(access, {step.low, step.high}, rigs)) return false;
     std::array<Eigen::VectorXd, 2> force, tension;
-    for (std::size_t s = 0; s < 2; ++s) {
-      if (!unbalanced(rigs[s], force[s], tension[s])) return false;
-    }
+    for (std::size_t s = 0; s < 2; ++s) unbalanced(rigs[s], force[s], tension[s]);
     q = (force[1] - force[0]) / step.width();
     lengths = (tension[1] - tension[0]) / step.width();
     bordered_->solve(q, lengths);
@@ -199,7 +196,7 @@ bool EquilibriumPerturber::move(const ParameterAccess& access, ParameterStep& st
     double last = first;
     for (int correction = 0; correction < kCorrections; ++correction) {
       Eigen::VectorXd by, by_length;
-      if (!unbalanced(rig, by, by_length)) return false;
+      unbalanced(rig, by, by_length);
       bordered_->solve(by, by_length);
       const double size = by.cwiseAbs().maxCoeff();
       if (!(size < 0.5 * last) || !(size > 1e-12 * first)) break;  // what rounding leaves
@@ -207,6 +204,7 @@ bool EquilibriumPerturber::move(const ParameterAccess& access, ParameterStep& st
       advance(rig, by, by_length, 1);
     }
     settle(rig.chain, rig.state);
+    rig.assembly.reset();
   }
   return true;
 }

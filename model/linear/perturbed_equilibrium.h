@@ -21,6 +21,7 @@ struct PerturbedEquilibrium {
   Scene scene;
   Chain chain;
   ChainState state;
+  std::unique_ptr<Assembly> assembly;  ///< of `chain` while it is brought to rest
 };
 
 /// Two values of a parameter, `low` <= `value` < `high`.
@@ -49,8 +50,8 @@ class EquilibriumPerturber {
   struct Bordered;
   [[nodiscard]] bool beside(const ParameterAccess& access, const std::array<double, 2>& points,
                             std::array<PerturbedEquilibrium, 2>& rigs) const;
-  [[nodiscard]] bool unbalanced(const PerturbedEquilibrium& rig, Eigen::VectorXd& force,
-                                Eigen::VectorXd& tension) const;
+  void unbalanced(const PerturbedEquilibrium& rig, Eigen::VectorXd& force,
+                  Eigen::VectorXd& tension) const;
   void advance(PerturbedEquilibrium& rig, const Eigen::VectorXd& by,
                const Eigen::VectorXd& by_length, double factor) const;
   const Scene& scene_;

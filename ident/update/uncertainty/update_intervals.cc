@@ -69,13 +69,21 @@ double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
   // The root of the deviance is nearly a straight line in q: secants on it from the linear answer.
   double near = 0, near_root = 0, step = std::isfinite(own) ? goal * own : 0.5;
   Eigen::VectorXd q = solution.coordinates;
+  const auto root_at = [&](double place, bool from_inside) {
+    q[j] = place;
+    double cost = 0;
+    const bool found =
+        least_cost(problem, options, matches, solution, static_cast<int>(j), from_inside, q, cost);
+    return found ? signed_root(cost, least, solution.variance_factor) : kNaN;
+  };
+  if (!std::isfinite(own) && std::isfinite(bound)) {  // often open up to the bound
+    if (root_at(bound, false) < goal) return kNaN;
+    q = solution.coordinates;
+  }
   for (int round = 0; round < 12; ++round) {
     if (std::abs(bound - at) < step) step = std::abs(bound - at);
-    q[j] = at + direction * step;
-    double cost = 0;
-    if (!least_cost(problem, options, matches, solution, static_cast<int>(j), round < 2, q, cost))
-      return kNaN;
-    const double root = signed_root(cost, least, solution.variance_factor);
+    const double root = root_at(at + direction * step, round == 0);
+    if (std::isnan(root)) return kNaN;
     if (std::abs(root - goal) < kProfiled * goal) return q[j];
     if (root < goal && q[j] == bound) return kNaN;
     const double slope = (root - near_root) / (step - near);
