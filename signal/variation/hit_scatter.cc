@@ -433,12 +433,13 @@ void allow_for_hits(const FrfSet& frfs, const std::vector<ModeOfHits>& hits, Mod
       means = true;
       set_frequency_and_damping(mode, f.mean, z.mean, frfs.exponential_decay_rate_1_s);
     }
-    if (biased || !(average.freedom > 0)) {
-      widen_to_hits(widened_std(f), widened_std(z), r, model);
-    } else {
-      widen_to_hits(widened(average.frequency_std_hz, average.freedom),
-                    widened(average.damping_ratio_std, average.freedom), r, model);
+    // Of two poles that share one resonance the average's filter tells little.
+    double f_std = widened_std(f), z_std = widened_std(z);
+    if (!biased && average.freedom > 0) {
+      f_std = std::max(f_std, widened(average.frequency_std_hz, average.freedom));
+      z_std = std::max(z_std, widened(average.damping_ratio_std, average.freedom));
     }
+    widen_to_hits(f_std, z_std, r, model);
   }
   if (!verdict.all_differ) return;
   model.notes.push_back(
