@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "ident/statistics/in_parallel.h"
+#include "ident/update/uncertainty/update_segments.h"
 
 namespace rigfit::ident {
 namespace {
@@ -129,7 +130,7 @@ class Search {
       const auto& near = answers.front();
       UpdateAnswer whole =
           settled(problem_, options_, {near.solution.q, near.solution.matches, 0}, near.errors);
-      sure = whole.solution.q.size() > 0 && whole.errors.frequency < kSureError && explained(whole);
+      sure = whole.solution.q.size() > 0 && explained(whole) && model_error(whole) < kSureError;
       if (sure) {
         answers.clear();
         answers.push_back(std::move(whole));
@@ -274,6 +275,15 @@ class Search {
     const double error =
         std::max(1e-6, std::sqrt(squares / std::max<double>(1, static_cast<double>(rows.size()))));
     return degrees * std::log(0.1 / error) > kSure;
+  }
+
+  // Error of the model in frequency, that of its segments taken off.
+  double model_error(const UpdateAnswer& answer) const {
+    UpdateSolution solution = answer.solution;
+    const UpdateProblem exact = take_segments_off(problem_, options_, solution);
+    Evidence evidence;
+    const bool known = evidence_of(exact, solution.matches, solution.q, evidence);
+    return known ? evidence.errors.frequency : std::numeric_limits<double>::infinity();
   }
 
   // Assignments at q with its frequencies as they are and times the best common factor.

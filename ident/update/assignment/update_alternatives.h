@@ -20,10 +20,10 @@
 // deviations are one.
 //
 // The search is skipped where the answer near the start explains all the measured modes with an
-// error of the model below 0.5 %, misses none, and could not do so by chance: degrees of freedom
-// times ln(0.1 / error) above 12.
-// Sources: Kass and Raftery, JASA 90 (1995) 773; Beck and Katafygiotis, J. Eng. Mech. 124 (1998)
-// 455. For the update and its checks, not for users.
+// error of the model below 0.5 %, its segments' taken off, misses none, and could not do so by
+// chance: degrees of freedom times ln(0.1 / error) above 12. Sources: Kass and Raftery, JASA 90
+// (1995) 773; Beck and Katafygiotis, J. Eng. Mech. 124 (1998) 455. For the update and its checks,
+// not for users.
 #pragma once
 
 #include <vector>
