@@ -256,7 +256,6 @@ class Search {
   // Whether chance cannot have made the answer fit.
   bool explained(const UpdateAnswer& answer) const {
     const auto& solution = answer.solution;
-    if (solution.matches.unpaired_measured > 0 || solution.matches.log_missed < -3) return false;
     Eigen::VectorXd r;
     if (!problem_.with_model_std(0).residuals(solution.q, solution.matches.matches,
                                               UpdateStage::full, r, nullptr)) {
@@ -274,7 +273,8 @@ class Search {
                            static_cast<double>(problem_.size());
     const double error =
         std::max(1e-6, std::sqrt(squares / std::max<double>(1, static_cast<double>(rows.size()))));
-    return degrees * std::log(0.1 / error) > kSure;
+    const double lost = -solution.matches.log_missed - solution.matches.log_false;
+    return degrees * std::log(0.1 / error) - lost > kSure;
   }
 
   // Error of the model in frequency, that of its segments taken off.
