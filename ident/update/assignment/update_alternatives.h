@@ -19,11 +19,12 @@
 // same for all answers, wherever the search began. Answers closer to each other than three standard
 // deviations are one.
 //
-// The search is skipped where the answer near the start explains all the measured modes with an
-// error of the model below 0.5 %, its segments' taken off, misses none, and could not do so by
-// chance: degrees of freedom times ln(0.1 / error) above 12. Sources: Kass and Raftery, JASA 90
-// (1995) 773; Beck and Katafygiotis, J. Eng. Mech. 124 (1998) 455. For the update and its checks,
-// not for users.
+// The search is skipped where the answer near the start explains the measured modes with an error
+// of the model below 0.5 %, its segments' taken off, and could not do so by chance: degrees of
+// freedom times ln(0.1 / error), less what missed and false modes cost in ln(likelihood), above 12.
+//
+// Sources: Kass and Raftery, JASA 90 (1995) 773; Beck and Katafygiotis, J. Eng. Mech. 124 (1998)
+// 455. For the update and its checks, not for users.
 #pragma once
 
 #include <vector>
