@@ -7,10 +7,12 @@
 // the hits together do not show, by a chi-square test of the misfit without it, is left out.
 //
 // Hits on one point are repetitions: their scatter s has sum (hits - 1) degrees of freedom, their
-// mean the uncertainty s / sqrt(n). An F test says whether s is more than the noise left around the
-// modes gives. Where it is, the structure, the hammer or the place struck changed: the average of
-// the FRFs then is no FRF of one structure (its peaks are wider), the mean of the hits' poles is
-// that of the mean structure. The standard deviation is widened by Student's t over 1.96, so that
+// mean the uncertainty s / sqrt(n). An F test says whether the average, one hit left out at a time
+// (hit_jackknife.h), changes by more than its error bars say, or, of modes of local fits, whether s
+// is more than the noise left around them gives. Where it is, the structure, the hammer or the
+// place struck changed: the average of the FRFs then is no FRF of one structure (its peaks are
+// wider), the mean of the hits' poles is that of the mean structure. The standard deviation is
+// widened by Student's t over 1.96, so that
 // +-1.96 of it hold 95 %.
 #pragma once
 
@@ -40,15 +42,16 @@ struct ModeOfHits {
 [[nodiscard]] std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& model);
 
 /// Fills `between_hits` of the modes, widens their standard deviations and those of the shapes by
-/// it where it is more than noise that is white over lines gives (one chance in twenty of the mode,
-/// or one in a hundred of all modes), and notes "hits_disagree" where it is more than what is left
-/// line by line gives. A test of one point takes frequency and damping from the mean over its hits
-/// where the average's would be biased: where poles that scatter by s widen the average's
-/// resonance, damping (s / decay rate)^2 too large to second order in s, by more than half a
-/// standard deviation. Elsewhere the average stays: fits of single hits are the noisier ones, and
-/// where they do not show a neighbouring mode they take its share too. A mode that half of the hits
-/// or fewer show, or that they show as one with another mode, is called doubtful. Without `by_hit`
-/// nothing is done. `hits`: of modes_of_hits().
+/// it where it is more than noise gives (one chance in twenty of the mode, or one in a hundred of
+/// all modes; in local fits more than noise that is white over lines), and notes "hits_disagree"
+/// where that is so of all modes (in local fits: more than what is left line by line gives). A test
+/// of one point takes frequency and damping from the mean over its hits where the average's would
+/// be biased: where poles that scatter by s widen the average's resonance, damping (s / decay
+/// rate)^2 too large to second order in s, by more than half a standard deviation. Elsewhere the
+/// average stays: fits of single hits are the noisier ones, and where they do not show a
+/// neighbouring mode they take its share too. A mode that half of the hits or fewer show, or that
+/// they show as one with another mode, is called doubtful. Without `by_hit` nothing is done.
+/// `hits`: of modes_of_hits().
 void allow_for_hits(const FrfSet& frfs, const std::vector<ModeOfHits>& hits, ModalModel& model);
 
 }  // namespace rigfit::signal
