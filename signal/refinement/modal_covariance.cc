@@ -215,21 +215,16 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
 }
 
 MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise, const ModalRefineResult& fit,
-                     const std::vector<MatrixXcd>& errors) {
+                     const Eigen::Ref<const MatrixXcd>& error) {
   const Index size = 2 * fit.poles.size();
   const PoleFilter filter(data, noise, fit);
   if (!filter.usable()) return {};
-  MatrixXd sums = MatrixXd::Zero(size, static_cast<Index>(errors.size()));
-  for (std::size_t e = 0; e < errors.size(); ++e) {
-    const MatrixXd parts = filter.outside.transpose() * stacked(errors[e], filter.weight);
-    for (Index c = 0; c < parts.cols(); ++c) {
-      if (filter.inverse_variance[c] == 0) continue;
-      sums.col(static_cast<Index>(e)) +=
-          filter.inverse_variance[c] *
-          turned_vector(parts.col(c), filter.coefficients.col(c).head(size));
-    }
+  MatrixXd scores = filter.outside.transpose() * stacked(error, filter.weight);
+  for (Index c = 0; c < scores.cols(); ++c) {
+    scores.col(c) = filter.inverse_variance[c] *
+                    turned_vector(scores.col(c), filter.coefficients.col(c).head(size));
   }
-  return filter.information.solve(sums);
+  return filter.information.solve(scores);
 }
 
 }  // namespace rigfit::signal

@@ -9,7 +9,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "signal/refinement/modal_noise.h"
 #include "signal/refinement/modal_refine.h"
@@ -33,10 +32,10 @@ struct ModalCovariance {
                                                const ModalRefineResult& fit,
                                                bool with_residues = true);
 
-/// Errors of (Re p_1, Im p_1, Re p_2, ...), one column each, that `errors` of the FRFs (lines x
-/// FRFs each) make to first order; empty when the poles cannot be told apart.
+/// Errors of (Re p_1, Im p_1, Re p_2, ...) that the error of each FRF (lines x FRFs) makes to first
+/// order: parts of the poles x FRFs, to be added up. Empty when the poles cannot be told apart.
 [[nodiscard]] Eigen::MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise,
                                           const ModalRefineResult& fit,
-                                          const std::vector<Eigen::MatrixXcd>& errors);
+                                          const Eigen::Ref<const Eigen::MatrixXcd>& error);
 
 }  // namespace rigfit::signal

@@ -282,7 +282,7 @@ OverNoise over_noise(const ModeOfHits& hits, const Scatter& f, const Scatter& z,
                      const IdentifiedMode& mode) {
   const auto squared = [](double a, double b) { return a / b * (a / b); };
   const JackknifeOfHits& average = hits.average;
-  if (average.freedom > 0) {
+  if (average.freedom > 0 && mode.frequency_hz.std > 0 && mode.damping_ratio.std > 0) {
     return {squared(average.frequency_std_hz, mode.frequency_hz.std),
             squared(average.damping_ratio_std, mode.damping_ratio.std), average.freedom, 1};
   }

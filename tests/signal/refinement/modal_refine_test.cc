@@ -139,15 +139,15 @@ TEST(ModalRefine, PoleErrorsAreThoseOfASecondFit) {
   const Eigen::MatrixXcd error = 1e-6 * (data.H - exact.H);
   other.H = exact.H + error;
   const auto second = refine_modes(other, noise, fit.poles, options);
-  const Eigen::MatrixXd found = pole_errors(exact, noise, fit, {error, 2 * error});
-  ASSERT_EQ(found.cols(), 2);
+  const Eigen::MatrixXd by_frf = pole_errors(exact, noise, fit, error);
+  ASSERT_EQ(by_frf.cols(), kFrfs);
+  const Eigen::VectorXd found = by_frf.rowwise().sum();
   const Eigen::VectorXcd moved = second.poles - fit.poles;
   for (Index r = 0; r < 3; ++r) {
     // A relative 1e-16 of poles of 2000 rad/s is 1e-5 of these changes of some 1e-7 rad/s.
-    EXPECT_NEAR(found(2 * r, 0), moved[r].real(), 1e-3 * std::abs(moved[r])) << r;
-    EXPECT_NEAR(found(2 * r + 1, 0), moved[r].imag(), 1e-3 * std::abs(moved[r])) << r;
+    EXPECT_NEAR(found[2 * r], moved[r].real(), 1e-3 * std::abs(moved[r])) << r;
+    EXPECT_NEAR(found[2 * r + 1], moved[r].imag(), 1e-3 * std::abs(moved[r])) << r;
   }
-  EXPECT_TRUE(testing::MatricesNear(found.col(1), 2 * found.col(0), 1e-12 * found.norm()));
 }
 
 TEST(ModalRefine, IntervalsCover) {
