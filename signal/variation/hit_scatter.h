@@ -12,8 +12,7 @@
 // is more than the noise left around them gives. Where it is, the structure, the hammer or the
 // place struck changed: the average of the FRFs then is no FRF of one structure (its peaks are
 // wider), the mean of the hits' poles is that of the mean structure. The standard deviation is
-// widened by Student's t over 1.96, so that
-// +-1.96 of it hold 95 %.
+// widened by Student's t over 1.96, so that +-1.96 of it hold 95 %.
 #pragma once
 
 #include <vector>

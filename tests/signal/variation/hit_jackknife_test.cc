@@ -27,7 +27,7 @@ Eigen::MatrixXcd accelerances(const Eigen::VectorXcd& s, double hz) {
   return H;
 }
 
-/// Hits whose mode is at 20 Hz and a little beside it, averaged with `weight`.
+/// Hits whose mode is at 20 Hz and a little beside it, averaged by their squared impulses.
 FrfSet set_of_hits(const std::vector<double>& beside_hz, const std::vector<double>& impulse) {
   FrfSet set;
   set.form = FrfForm::accelerance;
@@ -56,7 +56,8 @@ std::vector<JackknifeOfHits> found_in(const FrfSet& set) {
   return jackknife_of_hits(set, band, noise, fit);
 }
 
-// A ten-thousandth of the bandwidth of 0.4 Hz: errors of second order are as small a part.
+// A ten-thousandth of the bandwidth of 0.4 Hz: errors of second order are as small a part, a tenth
+// of what the tests allow.
 const std::vector<double> kBeside{3e-5, -1e-5, 2e-5, -5e-5, 1e-5};
 
 TEST(HitJackknife, EqualHitsGiveTheStandardErrorOfTheMean) {
@@ -65,7 +66,7 @@ TEST(HitJackknife, EqualHitsGiveTheStandardErrorOfTheMean) {
   const double square = 9e-10 + 1e-10 + 4e-10 + 25e-10 + 1e-10;  // their mean is 0
   EXPECT_NEAR(found[0].frequency_std_hz, std::sqrt(square / 20), 1e-3 * std::sqrt(square / 20));
   EXPECT_NEAR(found[0].freedom, 4, 1e-9);
-  // Frequencies that change widen no single hit.
+  // Damping changes by second order only: a hundredth leaves room for the differences in H.
   EXPECT_LT(found[0].damping_ratio_std, 1e-2 * found[0].frequency_std_hz / 20);
 }
 
@@ -114,6 +115,7 @@ TEST(HitJackknife, NoiseOnTheForceIsNoDifferenceBetweenHits) {
   ASSERT_EQ(result.model.modes.size(), 1u);
   const IdentifiedMode& mode = result.model.modes[0];
   EXPECT_FALSE(mode.between_hits.beyond_noise);
+  // One normal error of a thousand is larger.
   EXPECT_LT(std::abs(mode.frequency_hz.value - 20), 3.3 * mode.frequency_hz.std);
   // The bound of a resonance with relative noise of 0.01 / sqrt(3 * 5) on each part of each line:
   // sum over lines of |d ln H / d f|^2, d ln H / d p = 1 / (s - p).
@@ -122,6 +124,8 @@ TEST(HitJackknife, NoiseOnTheForceIsNoDifferenceBetweenHits) {
     const double relative = 0.01 / std::sqrt(15.0);
     information += 1 / (std::pow(f - 20, 2) + 0.04) / (relative * relative);
   }
+  // The scatter of five hits has Student's t of 4 degrees, 1.4 times the normal's: 2 is between
+  // that and what fits of single hits gave, 3.6.
   EXPECT_LT(mode.frequency_hz.std, 2 / std::sqrt(information));
 }
 
