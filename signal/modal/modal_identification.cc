@@ -87,6 +87,7 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
   }
   const auto keep = [&] {
     const auto points = static_cast<Index>(columns_of_points(band).size());
+    search.found.covariance = modal_covariance(band.lines, found.noise, found.fit);
     widen_to_points(search.points, points, options.min_prominence, search.found);
     return search;
   };

@@ -61,7 +61,7 @@ class ModeSearch {
         refine(refine_options);
         if (fit_.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
       }
-      covariance_ = modal_covariance(band().lines, noise_, fit_, false);
+      covariance_ = modal_significance(band().lines, noise_, fit_);
       if (!covariance_.full_rank) {
         if (drop_one_of_the_nearest()) continue;
         return;
@@ -361,9 +361,6 @@ FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& c
   found.fit = search.fit();
   if (found.exhausted) return found;
   found.covariance = search.covariance();
-  if (found.covariance.full_rank && found.fit.residues.cols() > 0) {
-    found.covariance = modal_covariance(band.lines, search.noise(), found.fit);
-  }
   for (const Candidate& candidate : search.candidates())
     found.presence.push_back(candidate.presence);
   found.dropped = search.dropped();

@@ -43,27 +43,74 @@ struct PoleFilter {
   ScaledGram information = ScaledGram(MatrixXd(0, 0));
 };
 
+/// Rows of stacked columns times the root of each line's variance: weighted errors have the variance
+/// a_c (w^2 q) at a line.
+MatrixXd spread_rows(const PoleFilter& of, const FrfNoise& noise, MatrixXd columns) {
+  const Index lines = of.weight.size();
+  const VectorXd spread = of.weight.cwiseProduct(noise.line.cwiseSqrt());
+  columns.topRows(lines) = spread.asDiagonal() * columns.topRows(lines);
+  columns.bottomRows(lines) = spread.asDiagonal() * columns.bottomRows(lines);
+  return columns;
+}
+
+/// From errors to residues at fixed poles: factor^-1 basis' error.
+struct ResidueFilter {
+  ResidueFilter(const PoleFilter& of, const FrfNoise& noise)
+      : columns(spread_rows(of, noise, of.basis * of.factor.inverse())),
+        covariance(columns.transpose() * correlated(noise, columns)) {}
+
+  MatrixXd columns, covariance;
+};
+
 /// What is left of a mode's significance when noise common to the FRFs of input `i` may imitate it:
 /// the errors of its residues have, besides the FRFs' own, a part along the FRFs at the line that
 /// weighs most (Sherman-Morrison for that rank one). `share`: |filter|^2 of the mode's residue by
-/// line.
+/// line; `h`: sum of |model|^2 / a_c over the input's FRFs by line.
 double outside_common_noise(const MatrixXcd& model, const FrfNoise& noise,
                             const VectorXd& inverse_variance, const VectorXd& share,
-                            const Eigen::RowVectorXcd& residue, double length, Index i) {
+                            const VectorXd& h, const Eigen::RowVectorXcd& residue, double length,
+                            Index i) {
   if (!(noise.common[i] > 0) || !(length > 0)) return 1;
-  const Index inputs = noise.inputs();
-  VectorXd h = VectorXd::Zero(model.rows());
-  for (Index c = i; c < model.cols(); c += inputs) {
-    h += inverse_variance[c] * model.col(c).cwiseAbs2();
-  }
   Index most = 0;
   if (!(share.cwiseProduct(h).maxCoeff(&most) > 0)) return 1;
   const double strength = noise.common[i] * share.dot(h) / (share.sum() * h[most]);
   Complex along = 0;
-  for (Index c = i; c < model.cols(); c += inputs) {
+  for (Index c = i; c < model.cols(); c += noise.inputs()) {
     along += inverse_variance[c] * std::conj(residue[c]) * model(most, c);
   }
   return 1 - strength * std::norm(along) / (length * (1 + strength * h[most]));
+}
+
+/// ModalCovariance::significance.
+VectorXd significance_of(const MatrixXcd& model, const FrfNoise& noise,
+                         const ModalRefineResult& fit, const PoleFilter& of,
+                         const ResidueFilter& filter) {
+  const Index lines = model.rows(), inputs = noise.inputs(), frfs = model.cols();
+  MatrixXd h = MatrixXd::Zero(lines, inputs);
+  for (Index c = 0; c < frfs; ++c) {
+    if (!(noise.common[c % inputs] > 0)) continue;
+    h.col(c % inputs) += of.inverse_variance[c] * model.col(c).cwiseAbs2();
+  }
+  VectorXd significance = VectorXd::Zero(fit.poles.size());
+  for (Index r = 0; r < significance.size(); ++r) {
+    const Eigen::Matrix2d block = filter.covariance.block<2, 2>(2 * r, 2 * r);
+    Eigen::Matrix2d inverse;
+    inverse << block(1, 1), -block(0, 1), -block(1, 0), block(0, 0);
+    inverse /= block(0, 0) * block(1, 1) - block(0, 1) * block(1, 0);
+    const auto both = filter.columns.middleCols<2>(2 * r).rowwise().squaredNorm();
+    const VectorXd share = 0.5 * (both.head(lines) + both.tail(lines));
+    for (Index i = 0; i < inputs; ++i) {
+      double own = 0, length = 0;
+      for (Index c = i; c < frfs; c += inputs) {
+        const Eigen::Vector2d residue = of.coefficients.col(c).segment<2>(2 * r);
+        own += of.inverse_variance[c] * residue.dot(inverse * residue);
+        length += of.inverse_variance[c] * residue.squaredNorm();
+      }
+      significance[r] += own * outside_common_noise(model, noise, of.inverse_variance, share,
+                                                    h.col(i), fit.residues.row(r), length, i);
+    }
+  }
+  return significance;
 }
 
 /// sum_c conj(d model_c / d p_j) model_c / a_c at each line, over the FRFs of input `i`: what a
@@ -114,33 +161,29 @@ MatrixXd filter_on_common(const MatrixXd& filter, Index columns,
 
 }  // namespace
 
-ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
-                                 const ModalRefineResult& fit, bool with_residues) {
-  const Index modes = fit.poles.size(), size = 2 * modes, frfs = data.H.cols();
-  const Index inputs = data.inputs, lines = data.s.size();
-  const MatrixXcd model = fitted_frfs(data, fit);
+ModalCovariance modal_significance(const FrfLines& data, const FrfNoise& noise,
+                                   const ModalRefineResult& fit) {
   const PoleFilter of(data, noise, fit);
   ModalCovariance result;
-  result.full_rank = false;
-  if (!of.usable()) return result;
+  result.full_rank = of.usable();
+  if (!result.full_rank) return result;
+  result.significance =
+      significance_of(fitted_frfs(data, fit), noise, fit, of, ResidueFilter(of, noise));
+  return result;
+}
+
+ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
+                                 const ModalRefineResult& fit) {
+  const Index modes = fit.poles.size(), size = 2 * modes, frfs = data.H.cols();
+  const Index inputs = data.inputs;
+  const PoleFilter of(data, noise, fit);
+  ModalCovariance result;
+  result.full_rank = of.usable();
+  if (!result.full_rank || modes == 0) return result;
+  const MatrixXcd model = fitted_frfs(data, fit);
   const auto& [weight, inverse_variance, basis, factor, coefficients, gain, outside, information] =
       of;
-  result.full_rank = true;
-  if (modes == 0) {
-    result.poles.resize(0, 0);
-    result.significance.resize(0);
-    return result;
-  }
-
-  // Weighted errors have the variance a_c (w^2 q) at a line: rows of what they multiply take its
-  // root.
-  const VectorXd spread = weight.cwiseProduct(noise.line.cwiseSqrt());
-  const auto spread_rows = [&](MatrixXd m) {
-    m.topRows(lines) = spread.asDiagonal() * m.topRows(lines);
-    m.bottomRows(lines) = spread.asDiagonal() * m.bottomRows(lines);
-    return m;
-  };
-  const MatrixXd score = spread_rows(outside);
+  const MatrixXd score = spread_rows(of, noise, outside);
   const MatrixXd correlated_score = correlated(noise, score);
   MatrixXd middle =
       summed_turns(score.transpose() * correlated_score, coefficients, inverse_variance);
@@ -154,31 +197,9 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   }
   result.poles = information.solve(information.solve(middle).transpose());
   result.poles = (0.5 * (result.poles + result.poles.transpose())).eval();
-
-  // Residues at fixed poles: factor^-1 basis' error.
-  const MatrixXd filter = spread_rows(basis * factor.inverse());
-  const MatrixXd filter_covariance = filter.transpose() * correlated(noise, filter);
-  const MatrixXd filter_squared =
-      filter.topRows(lines).cwiseAbs2() + filter.bottomRows(lines).cwiseAbs2();
-  result.significance = VectorXd::Zero(modes);
-  for (Index r = 0; r < modes; ++r) {
-    const Eigen::Matrix2d block = filter_covariance.block<2, 2>(2 * r, 2 * r);
-    Eigen::Matrix2d inverse;
-    inverse << block(1, 1), -block(0, 1), -block(1, 0), block(0, 0);
-    inverse /= block(0, 0) * block(1, 1) - block(0, 1) * block(1, 0);
-    const VectorXd share = 0.5 * (filter_squared.col(2 * r) + filter_squared.col(2 * r + 1));
-    for (Index i = 0; i < inputs; ++i) {
-      double own = 0, length = 0;
-      for (Index c = i; c < frfs; c += inputs) {
-        const Eigen::Vector2d residue = coefficients.col(c).segment<2>(2 * r);
-        own += inverse_variance[c] * residue.dot(inverse * residue);
-        length += inverse_variance[c] * residue.squaredNorm();
-      }
-      result.significance[r] += own * outside_common_noise(model, noise, inverse_variance, share,
-                                                           fit.residues.row(r), length, i);
-    }
-  }
-  if (!with_residues) return result;
+  const ResidueFilter residue_filter(of, noise);
+  const auto& [filter, filter_covariance] = residue_filter;
+  result.significance = significance_of(model, noise, fit, of, residue_filter);
 
   // The poles' errors are information^-1 sum_c T_c' outside' error_c / a_c.
   const MatrixXd filter_score = filter.transpose() * correlated_score;

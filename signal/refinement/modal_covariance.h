@@ -18,8 +18,7 @@ namespace rigfit::signal {
 struct ModalCovariance {
   /// Of (Re p_1, Im p_1, Re p_2, ...).
   Eigen::MatrixXd poles;
-  /// modes x FRFs, standard deviations of the real and imaginary parts of the residues; empty when
-  /// not asked for.
+  /// modes x FRFs, standard deviations of the real and imaginary parts of the residues.
   Eigen::MatrixXd residue_std_re, residue_std_im;
   /// Modes: sum over FRFs of residue' covariance^-1 residue at fixed poles, less what noise common
   /// to the FRFs of an input can imitate; about 2 FRFs for a mode that is not there.
@@ -27,10 +26,12 @@ struct ModalCovariance {
   bool full_rank = true;  ///< false: poles cannot be told apart, the covariance is empty
 };
 
-/// `with_residues`: their standard deviations cost more than all the rest.
 [[nodiscard]] ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
-                                               const ModalRefineResult& fit,
-                                               bool with_residues = true);
+                                               const ModalRefineResult& fit);
+
+/// `significance` and `full_rank` alone, which cost far less than the covariances.
+[[nodiscard]] ModalCovariance modal_significance(const FrfLines& data, const FrfNoise& noise,
+                                                 const ModalRefineResult& fit);
 
 /// Errors of (Re p_1, Im p_1, Re p_2, ...) that the error of each FRF (lines x FRFs) makes to first
 /// order: parts of the poles x FRFs, to be added up. Empty when the poles cannot be told apart.
