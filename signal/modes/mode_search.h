@@ -29,8 +29,8 @@ struct DroppedCluster {
 };
 
 struct FoundModes {
-  ModalRefineResult fit;  ///< no residues when the lines determine no mode
-  ModalCovariance covariance;  ///< of search_modes(): rank and significance alone
+  ModalRefineResult fit;         ///< no residues when the lines determine no mode
+  ModalCovariance covariance;    ///< of search_modes(): rank and significance alone
   std::vector<double> presence;  ///< of each mode: share of the model orders that hold its pole
   std::vector<DroppedCluster> dropped;  ///< of the clusters given
   FrfNoise noise;                       ///< from what the fit leaves

@@ -43,8 +43,8 @@ struct PoleFilter {
   ScaledGram information = ScaledGram(MatrixXd(0, 0));
 };
 
-/// Rows of stacked columns times the root of each line's variance: weighted errors have the variance
-/// a_c (w^2 q) at a line.
+/// Rows of stacked columns times the root of each line's variance: weighted errors have the
+/// variance a_c (w^2 q) at a line.
 MatrixXd spread_rows(const PoleFilter& of, const FrfNoise& noise, MatrixXd columns) {
   const Index lines = of.weight.size();
   const VectorXd spread = of.weight.cwiseProduct(noise.line.cwiseSqrt());
