@@ -15,7 +15,7 @@ constexpr std::array<std::string_view, 22> kAnswerMayBeWrong = {
     "unit_suspected",  "length_suspected",  "time_gaps",     "at_bound",        "extrapolated",
     "curved",          "systematic_misfit",
 };
-constexpr std::array<std::string_view, 22> kAllowedFor = {
+constexpr std::array<std::string_view, 23> kAllowedFor = {
     "taken_as_exact",
     "exact_inputs",
     "exact_ends",
@@ -29,6 +29,7 @@ constexpr std::array<std::string_view, 22> kAllowedFor = {
     "uff_remark",
     "remark",
     "coloured_residual",
+    "uneven_noise",
     "decay_cut_off",
     "range_not_used",
     "nothing_to_draw",

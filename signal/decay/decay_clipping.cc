@@ -35,8 +35,7 @@ double level_near(const DampedSinusoidsFit& fit, Index j, Index cycle) {
 bool cut_off(const DampedSinusoidsFit& fit, Index j, double sign, Index cycle) {
   const Index parameters = fit.unit_covariance.rows();
   if (parameters == 0 || fit.degrees < 2) return false;
-  Eigen::VectorXd row(parameters);
-  for (Index k = 0; k < parameters; ++k) row(k) = fit.jacobian(j, k);
+  const Eigen::VectorXd row = fit.jacobian_rows(j, 1).transpose();
   const double rest = 1 - row.dot(fit.unit_covariance * row);
   const double r = fit.residual(j);
   if (!(rest > 1e-6) || sign * r >= 0) return false;

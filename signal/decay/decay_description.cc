@@ -16,6 +16,7 @@
 #include "signal/sinusoids/detected_strength.h"
 #include "signal/sinusoids/pole_interval.h"
 #include "signal/sinusoids/residual_noise.h"
+#include "signal/sinusoids/uneven_noise.h"
 
 namespace rigfit::signal {
 namespace {
@@ -133,7 +134,8 @@ class Description {
         rate_(sampling.rate_hz),
         options_(options),
         noise_(residual_noise(fit.residual, fit.degrees)),
-        covariance_(fit_covariance(fit, noise_)),
+        uneven_(uneven_noise(fit, noise_)),
+        covariance_(uneven_.widened(fit_covariance(fit, noise_))),
         of_modes_(mode_jacobian(fit, sampling) * covariance_ *
                   mode_jacobian(fit, sampling).transpose()),
         spectrum_(line_spectrum(fit.residual)),
@@ -156,7 +158,10 @@ class Description {
     }
     widen_by_likelihood(result_, samples_, fit_, noise_, covariance_, options_.false_alarm, kept_,
                         all_);
-    for (const std::size_t m : kept_) result_.modes.push_back(finished(all_[m]));
+    for (const std::size_t m : kept_) {
+      note_uneven_noise(m);
+      result_.modes.push_back(finished(all_[m]));
+    }
     const std::size_t main = kept_.front();
     result_.signal_to_noise_db =
         10 * std::log10(0.5 * std::norm(fit_.amplitudes[main]) / std::max(noise_.variance, 1e-300));
@@ -357,6 +362,20 @@ class Description {
     mode.company = leaves_company(spectrum_, fit_.poles[m], options_.false_alarm);
   }
 
+  /// Unless what is left is no noise: then `company` says so.
+  void note_uneven_noise(std::size_t m) {
+    const auto part = static_cast<Index>(4 * m + 2);
+    const double decay_rate = std::sqrt(uneven_.widening(part));
+    const double frequency = std::sqrt(uneven_.widening(part + 1));
+    if (all_[m].company || std::max(decay_rate, frequency) <= 1) return;
+    note(result_, "uneven_noise",
+         fmt::format("the noise is larger where the mode at {:.4g} Hz moves than over the record, "
+                     "as under jitter of the sampling clock, noise in proportion to the signal or "
+                     "converter steps: uncertainties allow for it, {:.2g} times as wide in "
+                     "frequency, {:.2g} times in damping",
+                     all_[m].damped_frequency_hz.value, frequency, decay_rate));
+  }
+
   /// From the frequencies of the samples to those of the record.
   void shift_envelope(Complex pole) {
     const double ratio = std::abs(pole) / std::abs(pole_in_record(pole, sampling_));
@@ -410,6 +429,7 @@ class Description {
   double rate_;
   const DecayOptions& options_;
   ResidualNoise noise_;
+  UnevenNoise uneven_;
   Eigen::MatrixXd covariance_, of_modes_;
   LineSpectrum spectrum_;
   std::vector<DecayMode> all_;

@@ -52,8 +52,8 @@ struct DampedSinusoidsFit {
   [[nodiscard]] Eigen::VectorXd mode_signal(std::size_t m) const;
   /// The column of J for parameter k (order as in `jacobian_gram`), N long.
   [[nodiscard]] Eigen::VectorXd jacobian_column(Eigen::Index k) const;
-  /// One element of it.
-  [[nodiscard]] double jacobian(Eigen::Index sample, Eigen::Index k) const;
+  /// `count` rows of J from `first` on.
+  [[nodiscard]] Eigen::MatrixXd jacobian_rows(Eigen::Index first, Eigen::Index count) const;
 };
 
 /// Fits `y` from the starting poles (per sample). `missing` lists samples to leave out (y there

@@ -53,16 +53,26 @@ Eigen::VectorXd DampedSinusoidsFit::jacobian_column(Index k) const {
   return column;
 }
 
-double DampedSinusoidsFit::jacobian(Index sample, Index k) const {
+Eigen::MatrixXd DampedSinusoidsFit::jacobian_rows(Index first, Index count) const {
+  Eigen::MatrixXd rows(count, jacobian_gram.rows());
   const auto modes = static_cast<Index>(poles.size());
-  const auto j = static_cast<double>(sample);
-  if (k >= 4 * modes) return k == 4 * modes ? 1 : j / static_cast<double>(samples);
-  const auto m = static_cast<std::size_t>(k / 4);
-  const int which = static_cast<int>(k % 4);
-  const std::complex<double> factor =
-      (which % 2 ? std::complex<double>(0, 1) : std::complex<double>(1)) *
-      (which < 2 ? 1.0 : amplitudes[m]);
-  return (which < 2 ? 1 : j) * (std::exp(poles[m] * j) * factor).real();
+  for (Index m = 0; m < modes; ++m) {
+    const std::complex<double> q = std::exp(poles[static_cast<std::size_t>(m)]);
+    std::complex<double> z;
+    for (Index l = 0; l < count; ++l) {
+      const auto j = static_cast<double>(first + l);
+      z = l % kRestart == 0 ? std::exp(poles[static_cast<std::size_t>(m)] * j) : z * q;
+      const std::complex<double> moved = j * amplitudes[static_cast<std::size_t>(m)] * z;
+      rows.row(l).segment<4>(4 * m) << z.real(), -z.imag(), moved.real(), -moved.imag();
+    }
+  }
+  for (Index l = 0; l < count && rows.cols() > 4 * modes; ++l) {
+    rows(l, 4 * modes) = 1;
+    if (rows.cols() > 4 * modes + 1) {
+      rows(l, 4 * modes + 1) = static_cast<double>(first + l) / static_cast<double>(samples);
+    }
+  }
+  return rows;
 }
 
 }  // namespace rigfit::signal

@@ -13,7 +13,9 @@
 #include "signal/numerics/scaled_gram.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/power_sums.h"
+#include "signal/sinusoids/residual_noise.h"
 #include "signal/sinusoids/subspace_poles.h"
+#include "signal/sinusoids/uneven_noise.h"
 
 namespace rigfit::signal {
 namespace {
@@ -209,6 +211,26 @@ class DecayModeSearch {
   Index n_;
 };
 
+/// The mode that noise passes for most readily where the noise is larger while the mode lasts than
+/// over the record; nothing when all stand out.
+std::optional<std::size_t> passing_for_noise(const DampedSinusoidsFit& fit, double false_alarm) {
+  const ResidualNoise noise = residual_noise(fit.residual, fit.degrees);
+  const UnevenNoise uneven = uneven_noise(fit, noise);
+  const double needed = energy_needed(fit, false_alarm);
+  std::optional<std::size_t> weakest;
+  double least = 1;
+  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
+    double widening = 1;
+    for (Index k = 0; k < 4; ++k) {
+      widening = std::max(widening, uneven.widening(4 * static_cast<Index>(m) + k));
+    }
+    const double variance = widening * noise.white_equivalent(fit.poles[m].imag() / kTwoPi);
+    const double evidence = energy_explained(fit, m) / std::max(needed * variance, 1e-300);
+    if (widening > 1 && evidence < least) least = evidence, weakest = m;
+  }
+  return weakest;
+}
+
 }  // namespace
 
 DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y, Index start, Index end) {
@@ -263,6 +285,16 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
     auto more = search.next(*fit, band.low, band.high);
     if (!more) break;
     fit = std::move(more);
+  }
+  // Not before all modes are found: what is left of a mode looks like noise of its own envelope.
+  while (fit->poles.size() > 1) {
+    const auto m = passing_for_noise(*fit, options.false_alarm);
+    if (!m) break;
+    auto poles = fit->poles;
+    poles.erase(poles.begin() + static_cast<std::ptrdiff_t>(*m));
+    auto fewer = fit_damped_sinusoids(samples.values, poles, {}, samples.missing);
+    if (fewer.unit_covariance.size() == 0) break;
+    fit = std::move(fewer);
   }
   return fit;
 }

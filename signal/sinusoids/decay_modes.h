@@ -4,7 +4,8 @@
 // A mode is taken when the energy that it explains exceeds what the best of all cells of the search
 // (decay_search.h) takes out of noise with the chance `false_alarm`, when its pole is determined by
 // the samples, and when it is not the company that another mode seeks for departing from an
-// exponential.
+// exponential. A mode that noise passes for where it is larger while the mode lasts
+// (uneven_noise.h) is taken back at the end.
 #pragma once
 
 #include <Eigen/Core>

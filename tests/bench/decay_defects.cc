@@ -3,7 +3,8 @@
 // motion outside of the band. The records are integrated in time, oscillator by oscillator, by the
 // exact transition matrix (friction: Runge and Kutta's method), independently of the estimator's
 // model. Prints a Markdown table: of the records that are answered without a warning, the share
-// whose 95 % intervals hold the truth; records refused and records with a warning, by code.
+// whose 95 % intervals hold the truth, and how many show more modes than there are; records refused
+// and records with a warning, by code.
 // Arguments: records a row (100), and a part of the rows' names.
 #include <cstdio>
 #include <cstdlib>
@@ -17,7 +18,7 @@ int main(int argc, char** argv) {
   std::printf(
       "%d records a row\n\n| record | f covered %% | damping covered %% | without warning %% | "
       "refused "
-      "| warnings | median ms |\n|---|---|---|---|---|---|---|\n",
+      "| warnings | too many modes | median ms |\n|---|---|---|---|---|---|---|---|\n",
       records);
   for (const auto& kind : rigfit::decay_records::kinds()) {
     if (kind.name.find(only) == std::string::npos) continue;

@@ -114,6 +114,7 @@ Record struck_often(Random& draw) {
   record.samples = o.run(record.samples.size(), 200, hits, 0, draw) +
                    0.3 * other.run(record.samples.size(), 200, hits, 0, draw);
   add_noise(record.samples, 0.005, draw);
+  record.modes = 2;
   return record;
 }
 
@@ -151,6 +152,7 @@ Record two_modes(double apart, double share, double zeta, double db, Random& dra
   Record record = released(50, zeta, 500, 1, draw);
   record.samples += share * released(50 * (1 + apart), zeta, 500, 1, draw).samples;
   add_noise(record.samples, noise_at(db), draw);
+  record.modes = 2;
   return record;
 }
 
@@ -310,6 +312,7 @@ Tally study(const Kind& kind, int records) {
     }
     if (warned) continue;
     ++tally.sure;
+    tally.more_modes += result.modes.size() > record.modes;
     const auto& mode = *std::min_element(
         result.modes.begin(), result.modes.end(), [&](const auto& a, const auto& b) {
           return std::abs(a.frequency_hz.value - record.frequency_hz) <
@@ -337,10 +340,10 @@ std::string Tally::row(const std::string& name) const {
     }
     return text.empty() ? std::string("-") : text;
   };
-  return fmt::format("| {} | {} | {} | {} | {} | {}{} | {:.2f} |", name,
+  return fmt::format("| {} | {} | {} | {} | {} | {}{} | {} | {:.2f} |", name,
                      share(frequency_held, sure), share(damping_held, sure), share(sure, records),
                      list(refused), list(warned), wrong > 0 ? fmt::format(", WRONG {}", wrong) : "",
-                     median_ms);
+                     more_modes, median_ms);
 }
 
 }  // namespace rigfit::decay_records

@@ -17,6 +17,7 @@ struct Record {
   Eigen::VectorXd samples;
   double rate_hz = 0;
   double frequency_hz = 0, damping_ratio = 0;  ///< truth; 0: there is none, refusal is right
+  std::size_t modes = 1;  ///< that there are
   signal::DecayOptions options;
 };
 
@@ -31,6 +32,7 @@ struct Kind {
 
 struct Tally {
   int records = 0, sure = 0, frequency_held = 0, damping_held = 0, wrong = 0;
+  int more_modes = 0;  ///< records with more modes than there are
   std::map<std::string, int> refused, warned;
   double median_ms = 0;
   [[nodiscard]] std::string row(const std::string& name) const;
