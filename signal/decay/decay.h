@@ -6,7 +6,8 @@
 // modes from FRFs; the damped one is given beside it. Starts come from a matched-filter bank; modes
 // are added strongest first as long as the residual holds a peak that noise of its own colour
 // would not show. Uncertainties follow from the residual, its colour (residual_noise.h) and where
-// in the record it is large (uneven_noise.h). Records of more than 4e6 samples are fitted in the band of their modes where it holds all there is.
+// in the record it is large (uneven_noise.h). Records of more than 4e6 samples are fitted in the
+// band of their modes where it holds all there is.
 #pragma once
 
 #include <Eigen/Core>

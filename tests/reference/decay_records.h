@@ -17,7 +17,7 @@ struct Record {
   Eigen::VectorXd samples;
   double rate_hz = 0;
   double frequency_hz = 0, damping_ratio = 0;  ///< truth; 0: there is none, refusal is right
-  std::size_t modes = 1;  ///< that there are
+  std::size_t modes = 1;                       ///< that there are
   signal::DecayOptions options;
 };
 
