@@ -56,12 +56,15 @@ class ModeSearch {
       refine(refine_options);
       if (exhausted()) return;
       if (fit_.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
+      model_ = fitted_frfs(band().lines, fit_);
       update_noise();
       if (settled) {
         refine(refine_options);
+        if (exhausted()) return;
         if (fit_.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
+        model_ = fitted_frfs(band().lines, fit_);
       }
-      covariance_ = modal_significance(band().lines, noise_, fit_);
+      covariance_ = modal_significance(band().lines, noise_, fit_, model_);
       if (!covariance_.full_rank) {
         if (drop_one_of_the_nearest()) continue;
         return;
@@ -72,22 +75,21 @@ class ModeSearch {
     }
   }
 
-  MatrixXcd model() const { return fitted_frfs(band().lines, fit_); }
+  const MatrixXcd& model() const { return model_; }
   void update_noise() {
-    const MatrixXcd m = model();
-    noise_ = noise_from_residuals(m, band().lines.H - m, fit_.leverage, band().lines.inputs,
-                                  band().correlation_lines);
+    noise_ = noise_from_residuals(model_, band().lines.H - model_, fit_.leverage,
+                                  band().lines.inputs, band().correlation_lines);
     noise_.lead = band().lead;
   }
   /// The model without modes that leave more of the FRFs around them than they explain: such a pole
   /// stands between two modes.
   MatrixXcd without_wrong_modes() const {
-    const MatrixXcd left = band().lines.H - model();
     std::vector<Index> right;
     for (Index r = 0; r < fit_.poles.size(); ++r) {
       const auto [low, count] = lines_around(r);
-      if (count > 0 && left.middleRows(low, count).squaredNorm() <
-                           0.25 * band().lines.H.middleRows(low, count).squaredNorm()) {
+      const auto left = band().lines.H.middleRows(low, count) - model_.middleRows(low, count);
+      if (count > 0 &&
+          left.squaredNorm() < 0.25 * band().lines.H.middleRows(low, count).squaredNorm()) {
         right.push_back(r);
       }
     }
@@ -99,12 +101,13 @@ class ModeSearch {
   }
   /// Misfit under a given noise, with the price of the modes: comparable between searches.
   double cost_with(const FrfNoise& noise) const {
-    const MatrixXcd left = band().lines.H - model();
+    const MatrixXcd& H = band().lines.H;
     double sum = 0, count = 0;
-    for (Index c = 0; c < left.cols(); ++c) {
+    for (Index c = 0; c < H.cols(); ++c) {
       if (!std::isfinite(noise.column[c])) continue;
-      sum += (left.col(c).array().abs2() / noise.line.array()).sum() / noise.column[c];
-      count += 2 * static_cast<double>(left.rows());
+      const auto left = H.col(c) - model_.col(c);
+      sum += (left.array().abs2() / noise.line.array()).sum() / noise.column[c];
+      count += 2 * static_cast<double>(H.rows());
     }
     return count * std::log(std::max(sum, 1e-300)) + penalty_ * static_cast<double>(size());
   }
@@ -124,18 +127,24 @@ class ModeSearch {
   const ModalBand& band() const { return band_of_; }
   const ModalOptions& options() const { return options_of_; }
 
-  void refine(const ModalRefineOptions& refine_options) {
+  void refine(ModalRefineOptions refine_options) {
     VectorXcd start(static_cast<Index>(candidates_.size()));
     for (std::size_t r = 0; r < candidates_.size(); ++r) {
       start[static_cast<Index>(r)] = candidates_[r].pole;
     }
-    fit_ = refine_modes(band().lines, noise_, start, refine_options);
-    iterations_ += fit_.iterations;
     // Gram matrices and products with the FRFs of each step, and as much for noise and covariance.
     const double columns = 2 * static_cast<double>(candidates_.size()) + 4 +
                            2 * static_cast<double>(band().lines.background.cols());
-    work_ += (fit_.iterations + 3.0) * 4 * static_cast<double>(band().frequency_hz.size()) *
-             columns * (columns + static_cast<double>(band().lines.H.cols()));
+    const double step = 4 * static_cast<double>(band().frequency_hz.size()) * columns *
+                        (columns + static_cast<double>(band().lines.H.cols()));
+    // What goes beyond the work allowed is given up: no step after the one that does.
+    const double affordable = std::max(0.0, (options().max_work - work_) / step - 3);
+    if (affordable < refine_options.max_iterations) {
+      refine_options.max_iterations = static_cast<int>(affordable) + 1;
+    }
+    fit_ = refine_modes(band().lines, noise_, start, refine_options);
+    iterations_ += fit_.iterations;
+    work_ += (fit_.iterations + 3.0) * step;
     for (std::size_t r = 0; r < candidates_.size(); ++r) {
       candidates_[r].pole = fit_.poles[static_cast<Index>(r)];
     }
@@ -270,6 +279,7 @@ class ModeSearch {
   std::vector<Candidate> candidates_;
   std::vector<DroppedCluster> dropped_;
   ModalRefineResult fit_;
+  MatrixXcd model_;  ///< of `fit_`, once settled
   ModalCovariance covariance_;
   int iterations_ = 0;
   double work_ = 0;

@@ -65,15 +65,22 @@ struct ResidueFilter {
 /// What is left of a mode's significance when noise common to the FRFs of input `i` may imitate it:
 /// the errors of its residues have, besides the FRFs' own, a part along the FRFs at the line that
 /// weighs most (Sherman-Morrison for that rank one). `share`: |filter|^2 of the mode's residue by
-/// line; `h`: sum of |model|^2 / a_c over the input's FRFs by line.
-double outside_common_noise(const MatrixXcd& model, const FrfNoise& noise,
+/// line, over its sum; `h`: sum of |model|^2 / a_c over the input's FRFs by line; `length`: sum of
+/// |residue|^2 / a_c.
+double outside_common_noise(const Eigen::Ref<const MatrixXcd>& model, const FrfNoise& noise,
                             const VectorXd& inverse_variance, const VectorXd& share,
-                            const VectorXd& h, const Eigen::RowVectorXcd& residue, double length,
-                            Index i) {
+                            const Eigen::Ref<const VectorXd>& h, const Eigen::RowVectorXcd& residue,
+                            double length, Index i) {
   if (!(noise.common[i] > 0) || !(length > 0)) return 1;
   Index most = 0;
-  if (!(share.cwiseProduct(h).maxCoeff(&most) > 0)) return 1;
-  const double strength = noise.common[i] * share.dot(h) / (share.sum() * h[most]);
+  double highest = 0, mean = 0;
+  for (Index k = 0; k < h.size(); ++k) {
+    const double part = share[k] * h[k];
+    mean += part;
+    if (part > highest) highest = part, most = k;
+  }
+  if (!(highest > 0)) return 1;
+  const double strength = noise.common[i] * mean / h[most];
   Complex along = 0;
   for (Index c = i; c < model.cols(); c += noise.inputs()) {
     along += inverse_variance[c] * std::conj(residue[c]) * model(most, c);
@@ -82,7 +89,7 @@ double outside_common_noise(const MatrixXcd& model, const FrfNoise& noise,
 }
 
 /// ModalCovariance::significance.
-VectorXd significance_of(const MatrixXcd& model, const FrfNoise& noise,
+VectorXd significance_of(const Eigen::Ref<const MatrixXcd>& model, const FrfNoise& noise,
                          const ModalRefineResult& fit, const PoleFilter& of,
                          const ResidueFilter& filter) {
   const Index lines = model.rows(), inputs = noise.inputs(), frfs = model.cols();
@@ -97,8 +104,8 @@ VectorXd significance_of(const MatrixXcd& model, const FrfNoise& noise,
     Eigen::Matrix2d inverse;
     inverse << block(1, 1), -block(0, 1), -block(1, 0), block(0, 0);
     inverse /= block(0, 0) * block(1, 1) - block(0, 1) * block(1, 0);
-    const auto both = filter.columns.middleCols<2>(2 * r).rowwise().squaredNorm();
-    const VectorXd share = 0.5 * (both.head(lines) + both.tail(lines));
+    const VectorXd both = filter.columns.middleCols<2>(2 * r).rowwise().squaredNorm();
+    const VectorXd share = (both.head(lines) + both.tail(lines)) / both.sum();
     for (Index i = 0; i < inputs; ++i) {
       double own = 0, length = 0;
       for (Index c = i; c < frfs; c += inputs) {
@@ -162,13 +169,13 @@ MatrixXd filter_on_common(const MatrixXd& filter, Index columns,
 }  // namespace
 
 ModalCovariance modal_significance(const FrfLines& data, const FrfNoise& noise,
-                                   const ModalRefineResult& fit) {
+                                   const ModalRefineResult& fit,
+                                   const Eigen::Ref<const MatrixXcd>& model) {
   const PoleFilter of(data, noise, fit);
   ModalCovariance result;
   result.full_rank = of.usable();
   if (!result.full_rank) return result;
-  result.significance =
-      significance_of(fitted_frfs(data, fit), noise, fit, of, ResidueFilter(of, noise));
+  result.significance = significance_of(model, noise, fit, of, ResidueFilter(of, noise));
   return result;
 }
 

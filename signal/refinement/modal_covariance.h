@@ -29,9 +29,11 @@ struct ModalCovariance {
 [[nodiscard]] ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
                                                const ModalRefineResult& fit);
 
-/// `significance` and `full_rank` alone, which cost far less than the covariances.
+/// `significance` and `full_rank` alone, which cost far less than the covariances. `model`: the
+/// fit's (fitted_frfs()).
 [[nodiscard]] ModalCovariance modal_significance(const FrfLines& data, const FrfNoise& noise,
-                                                 const ModalRefineResult& fit);
+                                                 const ModalRefineResult& fit,
+                                                 const Eigen::Ref<const Eigen::MatrixXcd>& model);
 
 /// Errors of (Re p_1, Im p_1, Re p_2, ...) that the error of each FRF (lines x FRFs) makes to first
 /// order: parts of the poles x FRFs, to be added up. Empty when the poles cannot be told apart.
