@@ -215,13 +215,20 @@ class Estimation {
           0,
           result_.start - static_cast<Index>(std::ceil(0.5 * cycle + 1.5 * std::max(cycle, 8.0))));
     }
-    stretches_.start = result_.start, stretches_.end = result_.end;
-    tones_ = steady_tones(y_, stretches_, *fit_, options_.false_alarm);
-    if (tones_.empty()) return true;
-    subtract_tones(y_, tones_);
-    samples_ = decay_samples(y_, result_.start, result_.end);
-    peaks_.clear();
-    return find_modes();
+    const Eigen::VectorXd with = y_;
+    // Twice: the first modes may hold one that is spent on a tone.
+    for (int turn = 0; turn < 2; ++turn) {
+      stretches_.start = result_.start, stretches_.end = result_.end;
+      auto tones = steady_tones(with, stretches_, *fit_, options_.false_alarm);
+      if (tones.empty()) return true;
+      tones_ = std::move(tones);
+      y_ = with;
+      subtract_tones(y_, tones_);
+      samples_ = decay_samples(y_, result_.start, result_.end);
+      peaks_.clear();
+      if (!find_modes()) return false;
+    }
+    return true;
   }
 
   // Behind what the slowest mode has left the record only costs time and invites drift.

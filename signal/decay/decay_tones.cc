@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "signal/numerics/numbers.h"
 #include "signal/numerics/scaled_gram.h"
@@ -18,6 +19,8 @@ using Eigen::Index;
 constexpr int kMostTones = 3;
 // Turns of fitting tones and modes.
 constexpr int kMostTurns = 12;
+// Turns end at a step this small against the standard uncertainties.
+constexpr double kSmallStep = 1e-3;
 // The slowest mode has fallen by e^-7, to a thousandth.
 constexpr double kDeadTimeConstants = 7;
 
@@ -35,15 +38,45 @@ Eigen::VectorXd at_samples(const SteadyTone& tone, Index from, Index to) {
   return values;
 }
 
-/// Modes of a fit, offset and drift, over its samples.
-Eigen::VectorXd model_of(const DampedSinusoidsFit& fit) {
-  Eigen::VectorXd y(fit.samples);
-  for (Index j = 0; j < fit.samples; ++j) {
-    y(j) = fit.offset + fit.drift * static_cast<double>(j) / static_cast<double>(fit.samples);
+/// Modes and tones as one fit: columns of the tones (Re, Im of the amplitude at the window's start,
+/// and w, of each) in the window and before it, and the inverse of all their products.
+struct Joint {
+  Eigen::MatrixXd inside, before, inverse;  // the last one empty: they cannot be told apart
+
+  Joint(const DampedSinusoidsFit& fit, const std::vector<SteadyTone>& tones,
+        const ToneStretches& at)
+      : inside(columns(tones, at.start, at.start, at.start + fit.samples)),
+        before(columns(tones, at.start, 0, at.quiet)) {
+    const Index own = fit.jacobian_gram.rows(), more = inside.cols();
+    Eigen::MatrixXd gram(own + more, own + more);
+    gram.topLeftCorner(own, own) = fit.jacobian_gram;
+    for (Index k = 0; k < own; ++k) {
+      gram.block(k, own, 1, more) = fit.jacobian_column(k).transpose() * inside;
+    }
+    gram.bottomLeftCorner(more, own) = gram.topRightCorner(own, more).transpose();
+    gram.bottomRightCorner(more, more) = inside.transpose() * inside + before.transpose() * before;
+    if (!(gram.diagonal().minCoeff() > 0)) return;
+    const ScaledGram normal(gram);
+    if (normal.usable()) inverse = normal.inverse();
   }
-  for (std::size_t m = 0; m < fit.poles.size(); ++m) y += fit.mode_signal(m);
-  return y;
-}
+
+ private:
+  static Eigen::MatrixXd columns(const std::vector<SteadyTone>& tones, Index start, Index from,
+                                 Index to) {
+    Eigen::MatrixXd all(to - from, 3 * static_cast<Index>(tones.size()));
+    for (std::size_t k = 0; k < tones.size(); ++k) {
+      const Complex at_start = tones[k].amplitude * std::polar(1.0, tones[k].w * double(start));
+      for (Index j = from; j < to; ++j) {
+        const auto t = static_cast<double>(j - start);
+        const Complex z = std::polar(1.0, tones[k].w * t);
+        const auto c = static_cast<Index>(3 * k);
+        all(j - from, c) = z.real(), all(j - from, c + 1) = -z.imag();
+        all(j - from, c + 2) = -t * (at_start * z).imag();
+      }
+    }
+    return all;
+  }
+};
 
 class ToneFit {
  public:
@@ -73,13 +106,9 @@ class ToneFit {
       fit_ = fit_damped_sinusoids(samples.values, poles, {}, samples.missing);
       if (fit_.unit_covariance.size() == 0) return {};
       poles = fit_.poles;
-      double moved = 0;
-      for (SteadyTone& tone : tones_) {
-        const Complex before = tone.amplitude;
-        if (!refit(tone)) return {};
-        moved = std::max(moved, std::abs(tone.amplitude - before) / std::abs(tone.amplitude));
-      }
-      if (moved < 1e-4) break;
+      const auto moved = step();
+      if (!moved) return {};
+      if (*moved < kSmallStep * kSmallStep) break;
     }
     return tones_;
   }
@@ -101,18 +130,22 @@ class ToneFit {
   [[nodiscard]] std::vector<SteadyTone> lines(Index from, Index to) const {
     constexpr Index kFewest = 32;
     if (to - from < kFewest) return {};
-    const DecaySamples samples = decay_samples(y_, from, to);
-    if (5 * static_cast<Index>(samples.missing.size()) > to - from) return {};
+    Eigen::VectorXd left = y_.segment(from, to - from);
     DecaySearchOptions search;
-    search.candidates = kMostTones, search.lowest = 4 / static_cast<double>(to - from);
+    search.candidates = 1, search.lowest = 4 / static_cast<double>(to - from);
     search.energy_over_noise = detection_threshold(to - from, false_alarm_);
     std::vector<SteadyTone> found;
-    for (const auto& c :
-         search_lines(line_spectrum(without_trend(y_.segment(from, to - from))), search)) {
-      const Complex pole(0, c.pole.imag());
+    // One at a time: beside a strong one stand the side lobes of its line.
+    for (int k = 0; k < kMostTones; ++k) {
+      const DecaySamples samples = decay_samples(left, 0, to - from);
+      if (5 * static_cast<Index>(samples.missing.size()) > to - from) break;
+      const auto lines = search_lines(line_spectrum(without_trend(left)), search);
+      if (lines.empty()) break;
+      const Complex pole(0, lines.front().pole.imag());
       const auto free =
           fit_damped_sinusoids(samples.values, std::span(&pole, 1), {}, samples.missing);
-      if (free.unit_covariance.size() == 0) continue;
+      if (free.unit_covariance.size() == 0) break;
+      left -= free.mode_signal(0);
       // A tone neither falls nor grows by more than its uncertainty, or by hardly anything.
       const double n = static_cast<double>(to - from);
       const double std = std::sqrt(free.residual_sum_squares / static_cast<double>(free.degrees) *
@@ -139,29 +172,34 @@ class ToneFit {
     return samples;
   }
 
-  /// To all samples before the impact and in the window, less the modes and the other tones.
-  bool refit(SteadyTone& tone) {
-    DecaySamples all = decay_samples(y_, 0, at_.end);
-    for (const SteadyTone& other : tones_) {
-      if (&other != &tone) all.values -= at_samples(other, 0, at_.end);
+  /// Gauss and Newton's step of the tones, the modes following; its square in standard
+  /// uncertainties. Fitting either in turns would creep where they are close.
+  std::optional<double> step() {
+    const Joint joint(fit_, tones_, at_);
+    const Index more = joint.inside.cols();
+    if (joint.inverse.size() == 0) return {};
+    Eigen::VectorXd quiet = decay_samples(y_, 0, at_.quiet).values;
+    for (const SteadyTone& tone : tones_) quiet -= at_samples(tone, 0, at_.quiet);
+    if (at_.quiet > 0) quiet.array() -= quiet.mean();
+    for (Index j = 0; j < at_.quiet; ++j) {
+      if (!std::isfinite(y_(j))) quiet(j) = 0;
     }
-    all.values.segment(at_.start, fit_.samples) -= model_of(fit_);
-    const double offset = at_.quiet > 0 ? all.values.head(at_.quiet).mean() : 0;
-    all.values.head(at_.quiet).array() -= offset;
-    std::vector<Index> missing;
-    for (const Index j : all.missing) {
-      if (j < at_.quiet || j >= at_.start) missing.push_back(j);
+    const Eigen::VectorXd gradient =
+        joint.inside.transpose() * fit_.residual + joint.before.transpose() * quiet;
+    Eigen::VectorXd delta = joint.inverse.bottomRightCorner(more, more) * gradient;
+    const double squared = gradient.dot(delta) * static_cast<double>(fit_.degrees) /
+                           std::max(fit_.residual_sum_squares, 1e-300);
+    const auto start = static_cast<double>(at_.start);
+    for (std::size_t k = 0; k < tones_.size(); ++k) {
+      SteadyTone& tone = tones_[k];
+      const auto own = delta.segment<3>(static_cast<Index>(3 * k));
+      const Complex at_start =
+          tone.amplitude * std::polar(1.0, tone.w * start) + Complex(own(0), own(1));
+      tone.w += own(2);
+      tone.amplitude = at_start * std::polar(1.0, -tone.w * start);
+      if (!(tone.w > 0 && tone.w < 0.5 * kTwoPi && std::abs(tone.amplitude) > 0)) return {};
     }
-    for (Index j = at_.quiet; j < at_.start; ++j) missing.push_back(j);
-    std::sort(missing.begin(), missing.end());
-    for (const Index j : missing) all.values(j) = 0;
-    DampedSinusoidsOptions undamped;
-    undamped.held = 0, undamped.background_terms = 0;
-    const Complex pole(0, tone.w);
-    const auto fit = fit_damped_sinusoids(all.values, std::span(&pole, 1), undamped, missing);
-    if (fit.unit_covariance.size() == 0) return false;
-    tone = {fit.poles[0].imag(), fit.amplitudes[0]};
-    return std::abs(tone.amplitude) > 0;
+    return squared;
   }
 
   const Eigen::Ref<const Eigen::VectorXd>& y_;
@@ -186,40 +224,10 @@ void subtract_tones(Eigen::VectorXd& y, const std::vector<SteadyTone>& tones) {
 Eigen::MatrixXd covariance_beside_tones(const DampedSinusoidsFit& fit,
                                         const std::vector<SteadyTone>& tones,
                                         const ToneStretches& stretches) {
-  const Index own = fit.jacobian_gram.rows(), more = 3 * static_cast<Index>(tones.size());
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(own + more, own + more);
-  gram.topLeftCorner(own, own) = fit.jacobian_gram;
-  const Index n = fit.samples;
-  // Re, Im of the amplitude at the window's start, and w, of each tone.
-  const auto columns = [&](Index from, Index to) {
-    Eigen::MatrixXd all(to - from, more);
-    for (std::size_t k = 0; k < tones.size(); ++k) {
-      const double start = static_cast<double>(stretches.start);
-      const Complex at_start = tones[k].amplitude * std::polar(1.0, tones[k].w * start);
-      for (Index j = from; j < to; ++j) {
-        const double t = static_cast<double>(j) - start;
-        const Complex z = std::polar(1.0, tones[k].w * t);
-        const auto c = static_cast<Index>(3 * k);
-        all(j - from, c) = z.real(), all(j - from, c + 1) = -z.imag();
-        all(j - from, c + 2) = -t * (at_start * z).imag();
-      }
-    }
-    return all;
-  };
-  const Eigen::MatrixXd inside = columns(stretches.start, stretches.start + n);
-  for (Index k = 0; k < own; ++k) {
-    gram.block(k, own, 1, more) = fit.jacobian_column(k).transpose() * inside;
-  }
-  gram.bottomLeftCorner(more, own) = gram.topRightCorner(own, more).transpose();
-  gram.bottomRightCorner(more, more) = inside.transpose() * inside;
-  if (stretches.quiet > 0) {
-    const Eigen::MatrixXd before = columns(0, stretches.quiet);
-    gram.bottomRightCorner(more, more) += before.transpose() * before;
-  }
-  if (!(gram.diagonal().minCoeff() > 0)) return {};
-  const ScaledGram normal(gram);
-  if (!normal.usable()) return {};
-  return normal.inverse().topLeftCorner(own, own);
+  const Joint joint(fit, tones, stretches);
+  const Index own = fit.jacobian_gram.rows();
+  if (joint.inverse.size() == 0) return {};
+  return joint.inverse.topLeftCorner(own, own);
 }
 
 }  // namespace rigfit::signal

@@ -3,9 +3,9 @@
 // A tone within a line's width of a mode cannot be told from it while the mode lasts, but it can
 // before the impact and behind the decay. A line found there is fitted as
 //   Re(C exp(i w j)),  w and C free, no decay,
-// to all samples before the impact and in the window, less the modes; the modes are fitted to the
-// window, less the tones; in turns, which ends at the least squares of both. The modes' covariance
-// is that of the fit of both at once.
+// to all samples before the impact and in the window, together with the modes: the modes are fitted
+// to the window, less the tones; the tones take a step of Gauss and Newton's for the fit of both, in
+// which the modes follow; in turns. The modes' covariance is that of the fit of both.
 #pragma once
 
 #include <Eigen/Core>

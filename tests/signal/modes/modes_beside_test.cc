@@ -12,7 +12,7 @@
 #include "signal/numerics/numbers.h"
 #include "signal/refinement/smooth_background.h"
 
-namespace rigfit::signal {
+namespace rigfit::signal::modes_beside_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -125,4 +125,4 @@ TEST(ModesBeside, AFitThatDoesNotConvergeWithThemSaysSo) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal
+}  // namespace rigfit::signal::modes_beside_test
