@@ -4,8 +4,8 @@
 // before the impact and behind the decay. A line found there is fitted as
 //   Re(C exp(i w j)),  w and C free, no decay,
 // to all samples before the impact and in the window, together with the modes: the modes are fitted
-// to the window, less the tones; the tones take a step of Gauss and Newton's for the fit of both, in
-// which the modes follow; in turns. The modes' covariance is that of the fit of both.
+// to the window, less the tones; the tones take a step of Gauss and Newton's for the fit of both,
+// in which the modes follow; in turns. The modes' covariance is that of the fit of both.
 #pragma once
 
 #include <Eigen/Core>
