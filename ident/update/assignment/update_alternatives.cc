@@ -280,7 +280,7 @@ class Search {
   // Error of the model in frequency, that of its segments taken off.
   double model_error(const UpdateAnswer& answer) const {
     UpdateSolution solution = answer.solution;
-    const UpdateProblem exact = take_segments_off(problem_, options_, solution);
+    const UpdateProblem exact = take_segments_off(problem_, options_, solution, 1);
     Evidence evidence;
     const bool known = evidence_of(exact, solution.matches, solution.q, evidence);
     return known ? evidence.errors.frequency : std::numeric_limits<double>::infinity();

@@ -19,6 +19,23 @@ double UpdateCoordinate::coordinate(double v) const {
   return logarithmic ? std::log(v) : v / scale;
 }
 
+double UpdateCoordinate::step(double q) const {
+  return half_held > 0 ? 1 / (1 + half_held * std::exp(-q)) : q;
+}
+double UpdateCoordinate::from_step(double u) const {
+  return half_held > 0 ? std::log(half_held * u / (1 - u)) : u;
+}
+double UpdateCoordinate::step_derivative(double u) const {
+  return half_held > 0 ? 1 / (u * (1 - u)) : 1;
+}
+
+void UpdateCoordinate::step_by_fixity(double half) {
+  constexpr double kTold = 1e-12;  // from 1, with four digits
+  half_held = half;
+  const auto [least, most] = step_bounds();
+  if (!(half > 0) || !(least > kTold) || !(1 - most > kTold)) half_held = 0;
+}
+
 bool may_be_negative(const std::string& name) {
   if (name == "load_cell.zero" || name == "temperature_change") return true;
   const auto dot = name.rfind('.');
@@ -53,6 +70,37 @@ double scale_at_zero(const model::Scene& scene, const std::string& name) {
     mass += member.mass_per_length * length;
   }
   return name.ends_with(".mass") && mass > 0 ? 0.01 * mass : 1;
+}
+
+double EndMember::half_held(Eigen::Index i) const {
+  const double EI = member->EI[i == 2 ? 0 : 1];
+  return 3 * EI / length + std::sqrt(EI * std::abs(member->tension.value_or(0)));
+}
+
+EndMember member_at(const model::Scene& scene, const std::string& node) {
+  EndMember found;
+  for (const auto& member : scene.members) {
+    if (member.nodes[0] != node && member.nodes[1] != node) continue;
+    Eigen::Vector3d along = Eigen::Vector3d::Zero();
+    for (const auto& end : scene.nodes) {
+      if (end.name == member.nodes[0]) along -= end.position;
+      if (end.name == member.nodes[1]) along += end.position;
+    }
+    Eigen::Index axis = 0;
+    const double length = along.norm();
+    if (along.cwiseAbs().maxCoeff(&axis) < 0.95 * length) return {};
+    if (found.member != nullptr && axis != found.axis) return {};
+    if (found.member == nullptr) found = {&member, length, axis};
+  }
+  return found;
+}
+
+double half_held(const model::Scene& scene, const std::string& name) {
+  const auto dot = name.rfind(".rotational_");
+  if (dot == std::string::npos) return 0;
+  const Eigen::Index i = name.back() - 'x';
+  const EndMember end = member_at(scene, name.substr(0, dot));
+  return end.member != nullptr && i != end.axis ? end.half_held(i) : 0;
 }
 
 }  // namespace rigfit::ident

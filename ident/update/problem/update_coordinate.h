@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "model/scene/scene.h"
 
@@ -17,10 +18,21 @@ struct UpdateCoordinate {
   double scale = 1;
   double start = 0, low = 0, high = 0;  ///< q
   double prior = 0, prior_std = 0;      ///< q; prior_std 0: none
+  double half_held = 0;                 ///< see step_by_fixity; 0: q itself
 
   [[nodiscard]] double value(double q) const;
   [[nodiscard]] double derivative(double q) const;  ///< d value / d q
   [[nodiscard]] double coordinate(double value) const;
+
+  /// What the solver steps in: q, or the fixity value / (half + value) of a spring, in which
+  /// frequencies are nearly straight. In ln(value) they lie flat on either side, and steps run off.
+  [[nodiscard]] double step(double q) const;
+  [[nodiscard]] double from_step(double u) const;        ///< q
+  [[nodiscard]] double step_derivative(double u) const;  ///< d q / d u
+  [[nodiscard]] std::pair<double, double> step_bounds() const { return {step(low), step(high)}; }
+  /// Of a rotational spring with logarithmic q, `half` the stiffness half way between a free and a
+  /// held end: nothing where that is 0, or so far off that the bounds' fixities are 0 and 1.
+  void step_by_fixity(double half);
 };
 
 /// Whether a parameter may have any sign: coordinates of nodes, a load cell's zero, a change of
@@ -30,5 +42,19 @@ struct UpdateCoordinate {
 /// What a quantity that starts at zero is measured by: a hundredth of the scene's mass for masses,
 /// of the largest tension for a load cell's zero, else 1.
 [[nodiscard]] double scale_at_zero(const model::Scene& scene, const std::string& name);
+
+/// The first member at a node, its length and the axis along which all members there lie.
+struct EndMember {
+  const model::Member* member = nullptr;  ///< null: along no axis, or along several
+  double length = 0;                      ///< m
+  Eigen::Index axis = 0;
+
+  /// Stiffness of a rotational spring about axis i that is half way between a free and a held end,
+  /// N m/rad: 3 EI/L of a beam without tension, sqrt(EI T) of a long cable, here their sum.
+  [[nodiscard]] double half_held(Eigen::Index i) const;
+};
+[[nodiscard]] EndMember member_at(const model::Scene& scene, const std::string& node);
+/// The same of a scene's parameter NODE.rotational_AXIS; 0 of any other.
+[[nodiscard]] double half_held(const model::Scene& scene, const std::string& name);
 
 }  // namespace rigfit::ident

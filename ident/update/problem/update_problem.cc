@@ -149,6 +149,7 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       q.high = std::isfinite(parameter.high) ? q.coordinate(parameter.high)
                : q.logarithmic               ? std::log(start) + std::log(1e6)
                                              : std::numeric_limits<double>::infinity();
+      if (q.logarithmic) q.step_by_fixity(half_held(scene, first) / parameter.factor(0));
       q.start = std::clamp(q.coordinate(start), q.low, q.high);
       if (prior && known(prior->std)) {
         q.prior = q.coordinate(prior->value);

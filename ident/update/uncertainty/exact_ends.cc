@@ -29,30 +29,6 @@ const char* name_of(Kind kind) {
   return kind == Kind::pinned ? "pinned" : kind == Kind::clamped ? "clamped" : "springs";
 }
 
-// The first member at a node, its length and the axis along which all members there lie.
-struct EndMember {
-  const model::Member* member = nullptr;  // null: along no axis, or along several
-  double length = 0;
-  Eigen::Index axis = 0;
-};
-EndMember member_at(const model::Scene& scene, const std::string& node) {
-  EndMember found;
-  for (const auto& member : scene.members) {
-    if (member.nodes[0] != node && member.nodes[1] != node) continue;
-    Eigen::Vector3d along = Eigen::Vector3d::Zero();
-    for (const auto& end : scene.nodes) {
-      if (end.name == member.nodes[0]) along -= end.position;
-      if (end.name == member.nodes[1]) along += end.position;
-    }
-    Eigen::Index axis = 0;
-    const double length = along.norm();
-    if (along.cwiseAbs().maxCoeff(&axis) < 0.95 * length) return {};
-    if (found.member != nullptr && axis != found.axis) return {};
-    if (found.member == nullptr) found = {&member, length, axis};
-  }
-  return found;
-}
-
 // Turns the node's support into springs and lists them; false where it has none to be freed.
 bool free_node(const UpdateProblem& problem, int state, model::SceneNode& node, Springs& springs) {
   const auto& scene = springs.scenes[static_cast<std::size_t>(state)];
@@ -72,10 +48,7 @@ bool free_node(const UpdateProblem& problem, int state, model::SceneNode& node, 
     const std::string target = node.name + ".rotational_" + "xyz"[i];
     const double own = node.support.rotational[i];
     if (given && (!(own > 0) || !std::isfinite(own) || problem.is_stated(state, target))) continue;
-    const double EI = end.member->EI[i == 2 ? 0 : 1];
-    const double half =
-        given ? own
-              : 3 * EI / end.length + std::sqrt(EI * std::abs(end.member->tension.value_or(0)));
+    const double half = given ? own : end.half_held(i);
     auto& targets = springs.parameter.targets;
     auto at = std::find(targets.begin(), targets.end(), target);
     if (at == targets.end()) {

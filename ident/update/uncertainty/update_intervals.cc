@@ -26,7 +26,8 @@ bool at_bound(const UpdateCoordinate& coordinate, double q, double reach) {
 }
 
 // The least cost with coordinate `held` fixed, from q, which becomes the place. What lies at a
-// bound or is not told by the data has no slope there: it is also tried from inside.
+// bound or is not told by the data has no slope there (but springs, in steps of fixity): it is also
+// tried from inside.
 bool least_cost(const UpdateProblem& problem, const UpdateOptions& options,
                 const std::vector<UpdateMatch>& matches, const UpdateResult& solution, int held,
                 bool from_inside, Eigen::VectorXd& q, double& cost) {
@@ -34,7 +35,7 @@ bool least_cost(const UpdateProblem& problem, const UpdateOptions& options,
   if (!robust_cost(problem, matches, UpdateStage::full, options, q, cost)) return false;
   for (Eigen::Index i = 0; from_inside && i < q.size(); ++i) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
-    if (i == held) continue;
+    if (i == held || coordinate.half_held > 0) continue;
     if (solution.parameters[static_cast<std::size_t>(i)].identifiable &&
         !at_bound(coordinate, q[i], 1e-3)) {
       continue;

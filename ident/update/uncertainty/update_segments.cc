@@ -119,11 +119,10 @@ double UpdateProblem::left_over_accuracy(const std::vector<UpdateMatch>& matches
 }
 
 UpdateProblem take_segments_off(const UpdateProblem& problem, const UpdateOptions& options,
-                                UpdateSolution& answer) {
+                                UpdateSolution& answer, int passes) {
   UpdateProblem settled = problem;
   if (!options.segment_uncertainty) return settled;
-  // Once more, at the parameters that this leads to.
-  for (int pass = 0; pass < 2; ++pass) {
+  for (int pass = 0; pass < passes; ++pass) {
     UpdateProblem trial = problem.with_segment_errors_off(answer.q);
     if (!trial.takes_errors_off()) break;
     Eigen::VectorXd q = answer.q;

@@ -28,9 +28,11 @@
 namespace rigfit::ident {
 
 /// `problem` with the segments' error taken off at the answer, and the answer moved to its minimum,
-/// pairs kept. As `problem` where nothing is to be taken off, or no minimum is found then.
+/// pairs kept; `passes`: again at the parameters that this leads to. As `problem` where nothing is
+/// to be taken off, or no minimum is found then.
 [[nodiscard]] UpdateProblem take_segments_off(const UpdateProblem& problem,
-                                              const UpdateOptions& options, UpdateSolution& answer);
+                                              const UpdateOptions& options, UpdateSolution& answer,
+                                              int passes = 2);
 
 /// How many times too large the segments' error is, as a ratio of h^2; `result`: stated with
 /// `problem`.

@@ -10,55 +10,15 @@
 #include "ident/campaign/fit_campaign.h"
 #include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
+#include "tests/ident/update/hanger.h"
 
 namespace rigfit::ident::exact_ends_test {
 namespace {
 
-constexpr double kLength = 10, kTension = 5e5;
-
-// A hanger of 30 kg/m; springs of `rotational` N m/rad where the support is elastic.
-model::Scene hanger(model::Support::Kind kind, double EI, double rotational = 0) {
-  model::Scene scene;
-  scene.gravity.setZero();
-  constexpr double kFixed = std::numeric_limits<double>::infinity();
-  for (const double x : {0.0, kLength}) {
-    model::SceneNode node;
-    node.name = x == 0 ? "a" : "b";
-    node.position = {x, 0, 0};
-    node.support.kind = kind;
-    if (kind == model::Support::Kind::elastic) {
-      node.support.translational.setConstant(kFixed);
-      node.support.rotational = {kFixed, rotational, rotational};
-    }
-    scene.nodes.push_back(node);
-  }
-  model::Member member;
-  member.name = "h";
-  member.kind = model::Member::Kind::cable;
-  member.nodes = {"a", "b"};
-  member.segments = 40;
-  member.mass_per_length = 30;
-  member.EA = 2e3 * kTension;
-  member.EI = {EI, EI};
-  member.GJ = EI;
-  member.tension = kTension;
-  scene.members.push_back(member);
-  return scene;
-}
-
-std::vector<MeasuredMode> measured(const model::Scene& truth, std::size_t count, double std) {
-  model::ModesOptions options;
-  options.count = 3 * static_cast<int>(count);
-  options.plane = model::ModePlane::in;
-  std::vector<MeasuredMode> modes;
-  for (const auto& mode : model::analyse_modes(truth, options).modes) {
-    if (mode.plane != model::ModePlane::in || modes.size() == count) continue;
-    modes.emplace_back();
-    modes.back().frequency_hz = {mode.frequency_hz, std * mode.frequency_hz};
-    modes.back().plane = model::ModePlane::in;
-  }
-  return modes;
-}
+using test::hanger;
+using test::kLength;
+using test::kTension;
+using test::measured;
 
 UpdateResult tension_of(const model::Scene& truth, const model::Scene& fitted, double std,
                         std::vector<FreeParameter> free = {{"h.tension"}}) {

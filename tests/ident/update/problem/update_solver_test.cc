@@ -1,0 +1,107 @@
+// The minimiser of an update: coordinates that come to their bounds, steps of springs in fixity.
+#include "ident/update/problem/update_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "ident/update/problem/update_coordinate.h"
+#include "tests/ident/update/hanger.h"
+
+namespace rigfit::ident::update_solver_test {
+namespace {
+
+using model::Support;
+
+TEST(UpdateCoordinate, StepsOfASpringAreItsFixity) {
+  UpdateCoordinate spring;
+  spring.low = std::log(1e-3), spring.high = std::log(1e9);
+  spring.step_by_fixity(500);
+  EXPECT_NEAR(spring.step(std::log(500)), 0.5, 1e-15);
+  for (const double k : {1e-2, 1.0, 500.0, 1e5, 1e8}) {
+    const double q = std::log(k), u = spring.step(q);
+    EXPECT_NEAR(u, k / (500 + k), 1e-15) << k;
+    EXPECT_NEAR(spring.from_step(u), q, 1e-9) << k;
+    const double h = 1e-4;  // differences err by h^2
+    EXPECT_NEAR(spring.step_derivative(u) * (spring.step(q + h) - spring.step(q - h)) / (2 * h), 1,
+                1e-6)
+        << k;
+  }
+}
+
+TEST(UpdateCoordinate, StepsAreLogarithmicWhereFixityWouldRoundToOne) {
+  UpdateCoordinate spring;
+  spring.low = std::log(1e9), spring.high = std::log(1e21);
+  spring.step_by_fixity(500);
+  EXPECT_EQ(spring.step(30.0), 30.0);
+  spring.step_by_fixity(0);
+  EXPECT_EQ(spring.step_derivative(30.0), 1);
+}
+
+constexpr double kEI = 2e5;
+const double kHalf = 3 * kEI / test::kLength + std::sqrt(kEI * test::kTension);
+
+// Tension and one spring at both ends, which lies within `low` and `high` times half held; modes of
+// a hanger with springs of `truth` times that.
+UpdateProblem springs(double truth, double low, double high, const UpdateOptions& options) {
+  const auto scene = test::hanger(Support::Kind::elastic, kEI, truth * kHalf);
+  auto fitted = test::hanger(Support::Kind::elastic, kEI, std::sqrt(low * high) * kHalf);
+  std::vector<FreeParameter> free{{"h.tension"}, {"k", {"a.rotational_z", "b.rotational_z"}}};
+  free[1].low = low * kHalf, free[1].high = high * kHalf;
+  return UpdateProblem({{"hanger", fitted, test::measured(scene, 6, 1e-3)}}, free, options);
+}
+
+UpdateOptions same_segments() {
+  UpdateOptions options;
+  options.segment_uncertainty = false;  // the data have the model's segments
+  return options;
+}
+
+// From all starts the answer of the fit in which the spring is held at the bound, the tension to a
+// hundredth of what the modes are known to.
+void expect_the_answer_at(double bound, double truth, double low, double high) {
+  const UpdateOptions options = same_segments();
+  const UpdateProblem problem = springs(truth, low, high, options);
+  std::string failure;
+  const auto matches = problem.match(problem.start(), 1, failure).matches;
+  ASSERT_EQ(matches.size(), 6u) << failure;
+  Eigen::VectorXd at_bound(2);
+  at_bound << std::log(test::kTension), std::log(bound * kHalf);
+  double least = 0;
+  ASSERT_TRUE(minimise(problem, matches, UpdateStage::full, options, at_bound, least, 1));
+  for (const double tension : {0.7, 1.0, 1.4}) {
+    for (const double spring : {std::sqrt(low * high), bound}) {
+      Eigen::VectorXd q(2);
+      q << std::log(tension * test::kTension), std::log(spring * kHalf);
+      double cost = 0;
+      EXPECT_TRUE(minimise(problem, matches, UpdateStage::full, options, q, cost));
+      EXPECT_NEAR(q[1], at_bound[1], 1e-9) << tension << " " << spring;
+      EXPECT_NEAR(q[0], at_bound[0], 1e-5) << tension << " " << spring;
+      EXPECT_NEAR(cost, least, 1e-6 * least) << tension << " " << spring;
+    }
+  }
+}
+
+TEST(UpdateSolver, SpringsThatComeToTheirBoundDoNotStopTheTension) {
+  expect_the_answer_at(0.4, 0.1, 0.4, 40);
+  expect_the_answer_at(1.5, 9, 0.015, 1.5);
+}
+
+TEST(UpdateSolver, LeavesABoundWhereTheSlopeLeadsInwards) {
+  const UpdateOptions options = same_segments();
+  const UpdateProblem problem = springs(0.7, 1e-4, 1e4, options);
+  std::string failure;
+  const auto matches = problem.match(problem.start(), 1, failure).matches;
+  for (const double start : {1e-4, 1e4}) {
+    Eigen::VectorXd q(2);
+    q << std::log(0.9 * test::kTension), std::log(start * kHalf);
+    double cost = 0;
+    EXPECT_TRUE(minimise(problem, matches, UpdateStage::full, options, q, cost));
+    EXPECT_NEAR(std::exp(q[0]), test::kTension, 1e-6 * test::kTension) << start;
+    EXPECT_NEAR(std::exp(q[1]), 0.7 * kHalf, 1e-5 * kHalf) << start;
+  }
+}
+
+}  // namespace
+}  // namespace rigfit::ident::update_solver_test
