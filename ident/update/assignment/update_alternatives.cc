@@ -11,8 +11,8 @@
 namespace rigfit::ident {
 namespace {
 
-// Segments while looking around: with 12 the ninth mode of a cable is a fifth too low, and the right
-// assignment is often lost.
+// Segments while looking around: with 12 the ninth mode of a cable is a fifth too low, and the
+// right assignment is often lost.
 constexpr double kFewSegments = 20;
 constexpr ModelErrors kSearchErrors{0.05, 0.5};  // of the model while looking around
 // Of the model while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
