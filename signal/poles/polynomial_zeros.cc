@@ -1,9 +1,6 @@
 #include "signal/poles/polynomial_zeros.h"
 
 #include <Eigen/Eigenvalues>
-#include <utility>
-
-#include "signal/poles/hessenberg_eigenvalues.h"
 
 namespace rigfit::signal {
 
@@ -18,10 +15,9 @@ Eigen::VectorXcd reciprocal_zeros(const Eigen::Ref<const MatrixXd>& A, Index blo
         -A.block(block * block_size, 0, block_size, block_size);
   }
   companion.bottomLeftCorner(size - block_size, size - block_size).setIdentity();
-  const double scale = companion.cwiseAbs().maxCoeff();
-  companion /= scale;
-  if (block_size > 1) companion = Eigen::HessenbergDecomposition<MatrixXd>(companion).matrixH();
-  return hessenberg_eigenvalues(std::move(companion), scale);
+  const Eigen::EigenSolver<MatrixXd> solver(companion, false);
+  if (solver.info() != Eigen::Success) return {};
+  return solver.eigenvalues();
 }
 
 }  // namespace rigfit::signal
