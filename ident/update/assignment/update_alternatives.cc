@@ -132,7 +132,7 @@ class Search {
       const auto& near = answers.front();
       UpdateAnswer whole =
           settled(problem_, options_, {near.solution.q, near.solution.matches, 0}, near.errors);
-      sure = whole.solution.q.size() > 0 && explained(whole) && model_error(whole) < kSureError;
+      sure = whole.solution.q.size() > 0 && explained(whole) && is_sure(whole);
       if (sure) {
         answers.clear();
         answers.push_back(std::move(whole));
@@ -277,6 +277,19 @@ class Search {
         std::max(1e-6, std::sqrt(squares / std::max<double>(1, static_cast<double>(rows.size()))));
     const double lost = -solution.matches.log_missed - solution.matches.log_false;
     return degrees * std::log(0.1 / error) - lost > kSure;
+  }
+
+  // A bound may hold an answer where the best one lies further inside: then only without misfit.
+  bool is_sure(const UpdateAnswer& answer) const {
+    const double error = model_error(answer);
+    const auto& coordinates = problem_.coordinates();
+    bool inside = true;
+    for (Eigen::Index j = 0; j < problem_.size(); ++j) {
+      const auto& coordinate = coordinates[static_cast<std::size_t>(j)];
+      const double q = answer.solution.q[j];
+      inside = inside && q > coordinate.low && q < coordinate.high;
+    }
+    return error < kSureError && (error == 0 || inside);
   }
 
   // Error of the model in frequency, that of its segments taken off.

@@ -22,6 +22,7 @@
 // The search is skipped where the answer near the start explains the measured modes with an error
 // of the model below 0.5 %, its segments' taken off, and could not do so by chance: degrees of
 // freedom times ln(0.1 / error), less what missed and false modes cost in ln(likelihood), above 12.
+// An answer with a parameter at a bound needs an error of 0.
 //
 // Sources: Kass and Raftery, JASA 90 (1995) 773; Beck and Katafygiotis, J. Eng. Mech. 124 (1998)
 // 455. For the update and its checks, not for users.

@@ -8,7 +8,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 
-namespace rigfit::ident::test {
+namespace rigfit::ident::testing {
 
 constexpr double kLength = 10, kTension = 5e5;  // m, N
 
@@ -58,4 +58,4 @@ inline std::vector<MeasuredMode> measured(const model::Scene& truth, std::size_t
   return modes;
 }
 
-}  // namespace rigfit::ident::test
+}  // namespace rigfit::ident::testing

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ident/update/model_update.h"
+#include "tests/ident/update/hanger.h"
 #include "tests/ident/update/laboratory_rig.h"
 
 namespace rigfit::ident {
@@ -49,6 +50,58 @@ TEST(FindAnswers, RoundingOfTheMeasuredModesChangesNothing) {
     EXPECT_NEAR(ln_EI, std::log(testing::kLaboratoryEI), 4 * std);
     EXPECT_EQ(answer.solution.matches.unpaired_measured, 0);
     EXPECT_TRUE(answer.solution.converged);
+  }
+}
+
+// A hanger with springs of 0.7 times half held, nine modes, its tension and the spring free.
+struct FreeHanger {
+  double EI = 2e5, half = 3 * EI / testing::kLength + std::sqrt(EI * testing::kTension);
+  model::Scene truth = testing::hanger(model::Support::Kind::elastic, EI, 0.7 * half);
+  std::vector<MeasuredMode> modes = testing::measured(truth, 9, 1e-3);
+
+  // `tension`: of the true one; `spring`: of half held.
+  UpdateResult from(double tension, double spring = 0.2) const {
+    auto start = testing::hanger(model::Support::Kind::elastic, EI, spring * half);
+    start.members[0].tension = tension * testing::kTension;
+    UpdateOptions options;
+    options.segment_uncertainty = false;  // the data have the model's segments
+    return update_model({{"hanger", start, modes}},
+                        {{"h.tension"}, {"k", {"a.rotational_z", "b.rotational_z"}}}, options);
+  }
+};
+
+TEST(FindAnswers, LooksNoFurtherWhereTheAnswerNearTheStartCannotBeChance) {
+  const auto result = FreeHanger().from(1.02, 0.6);
+  EXPECT_LE(result.starts, 2);  // the frequencies as they are, and times a common factor
+  EXPECT_NEAR(result.parameters[0].value, testing::kTension, 1e-4 * testing::kTension);
+}
+
+// From there the nearest minimum is that of pinned ends, 14 % off with frequencies off by 0.3 %.
+TEST(FindAnswers, LooksFurtherWhereABoundHoldsAnAnswerThatMisfits) {
+  const auto result = FreeHanger().from(1.1);
+  EXPECT_GT(result.starts, 2);
+  EXPECT_NEAR(result.parameters[0].value, testing::kTension, 1e-4 * testing::kTension);
+}
+
+// With few segments while looking around the high modes lie so low that wrong pairs fit better.
+TEST(FindAnswers, HighModesWithOthersMissingAndOneFalseAreFoundFromAfar) {
+  for (const std::vector<std::size_t>& missing :
+       {std::vector<std::size_t>{1, 4, 6}, {2, 3, 7}, {0, 1, 5}, {3, 5, 6}, {4, 5, 6}}) {
+    FreeHanger hanger;
+    for (std::size_t k = missing.size(); k-- > 0;) {
+      hanger.modes.erase(hanger.modes.begin() + static_cast<std::ptrdiff_t>(missing[k]));
+    }
+    MeasuredMode wrong = hanger.modes[2];
+    wrong.frequency_hz.value =
+        0.5 * (wrong.frequency_hz.value + hanger.modes[3].frequency_hz.value);
+    hanger.modes.insert(hanger.modes.begin() + 3, wrong);
+    for (const double tension : {1 / 3.0, 3.0}) {
+      const auto result = hanger.from(tension);
+      const auto& found = result.parameters[0];
+      EXPECT_NEAR(found.value, testing::kTension, 1e-3 * testing::kTension)
+          << missing[0] << " " << tension;
+      EXPECT_TRUE(found.low < testing::kTension && testing::kTension < found.high);
+    }
   }
 }
 

@@ -40,16 +40,16 @@ TEST(UpdateCoordinate, StepsAreLogarithmicWhereFixityWouldRoundToOne) {
 }
 
 constexpr double kEI = 2e5;
-const double kHalf = 3 * kEI / test::kLength + std::sqrt(kEI * test::kTension);
+const double kHalf = 3 * kEI / testing::kLength + std::sqrt(kEI * testing::kTension);
 
 // Tension and one spring at both ends, which lies within `low` and `high` times half held; modes of
 // a hanger with springs of `truth` times that.
 UpdateProblem springs(double truth, double low, double high, const UpdateOptions& options) {
-  const auto scene = test::hanger(Support::Kind::elastic, kEI, truth * kHalf);
-  auto fitted = test::hanger(Support::Kind::elastic, kEI, std::sqrt(low * high) * kHalf);
+  const auto scene = testing::hanger(Support::Kind::elastic, kEI, truth * kHalf);
+  auto fitted = testing::hanger(Support::Kind::elastic, kEI, std::sqrt(low * high) * kHalf);
   std::vector<FreeParameter> free{{"h.tension"}, {"k", {"a.rotational_z", "b.rotational_z"}}};
   free[1].low = low * kHalf, free[1].high = high * kHalf;
-  return UpdateProblem({{"hanger", fitted, test::measured(scene, 6, 1e-3)}}, free, options);
+  return UpdateProblem({{"hanger", fitted, testing::measured(scene, 6, 1e-3)}}, free, options);
 }
 
 UpdateOptions same_segments() {
@@ -67,13 +67,13 @@ void expect_the_answer_at(double bound, double truth, double low, double high) {
   const auto matches = problem.match(problem.start(), 1, failure).matches;
   ASSERT_EQ(matches.size(), 6u) << failure;
   Eigen::VectorXd at_bound(2);
-  at_bound << std::log(test::kTension), std::log(bound * kHalf);
+  at_bound << std::log(testing::kTension), std::log(bound * kHalf);
   double least = 0;
   ASSERT_TRUE(minimise(problem, matches, UpdateStage::full, options, at_bound, least, 1));
   for (const double tension : {0.7, 1.0, 1.4}) {
     for (const double spring : {std::sqrt(low * high), bound}) {
       Eigen::VectorXd q(2);
-      q << std::log(tension * test::kTension), std::log(spring * kHalf);
+      q << std::log(tension * testing::kTension), std::log(spring * kHalf);
       double cost = 0;
       EXPECT_TRUE(minimise(problem, matches, UpdateStage::full, options, q, cost));
       EXPECT_NEAR(q[1], at_bound[1], 1e-9) << tension << " " << spring;
@@ -95,10 +95,10 @@ TEST(UpdateSolver, LeavesABoundWhereTheSlopeLeadsInwards) {
   const auto matches = problem.match(problem.start(), 1, failure).matches;
   for (const double start : {1e-4, 1e4}) {
     Eigen::VectorXd q(2);
-    q << std::log(0.9 * test::kTension), std::log(start * kHalf);
+    q << std::log(0.9 * testing::kTension), std::log(start * kHalf);
     double cost = 0;
     EXPECT_TRUE(minimise(problem, matches, UpdateStage::full, options, q, cost));
-    EXPECT_NEAR(std::exp(q[0]), test::kTension, 1e-6 * test::kTension) << start;
+    EXPECT_NEAR(std::exp(q[0]), testing::kTension, 1e-6 * testing::kTension) << start;
     EXPECT_NEAR(std::exp(q[1]), 0.7 * kHalf, 1e-5 * kHalf) << start;
   }
 }

@@ -15,10 +15,10 @@
 namespace rigfit::ident::exact_ends_test {
 namespace {
 
-using test::hanger;
-using test::kLength;
-using test::kTension;
-using test::measured;
+using testing::hanger;
+using testing::kLength;
+using testing::kTension;
+using testing::measured;
 
 UpdateResult tension_of(const model::Scene& truth, const model::Scene& fitted, double std,
                         std::vector<FreeParameter> free = {{"h.tension"}}) {
