@@ -139,13 +139,13 @@ bool solve_within_bounds(UpdateCost& function, const UpdateProblem& problem,
   // What the pairs leave open would otherwise run off along its valley.
   solver.min_lm_diagonal = 1e-4;
   // Valleys of tension and springs are curved: the first steps that the default of 1e4 allows fail.
-  solver.initial_trust_region_radius = 10;
+  solver.initial_trust_region_radius = 100;
   solver.max_num_line_search_step_size_iterations = 0;
   solver.update_state_every_iteration = true;
   const int n = static_cast<int>(u.size());
   std::vector<int> pressed;
   ceres::Solver::Summary summary;
-  for (int round = 0; round < 2 * n + 2; ++round) {
+  for (int round = 0; round < options.max_iterations; ++round) {
     auto now = function.pressed(u, held);
     if (!now) return false;
     if (round > 0 && summary.termination_type != ceres::USER_SUCCESS && *now == pressed) break;

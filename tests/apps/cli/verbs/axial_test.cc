@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -125,7 +126,9 @@ TEST(AxialVerb, OneLengthIsABoundUnlessTheFrameIsStated) {
   EXPECT_GT(bound["EA_N"]["high"].get<double>(), 4e6);
   EXPECT_GT(bound["EA_N"]["std"].get<double>(), 1e6);
   EXPECT_NEAR(bound["assembly_stiffness_N_m"]["value"].get<double>(), 221780, 2000);
-  EXPECT_EQ(bound["warnings"][0]["code"], "one_length");
+  const auto& warnings = bound["warnings"];
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(),
+                          [](const auto& warning) { return warning["code"] == "one_length"; }));
   const auto rigid = run_with({"--frame-stiffness", "rigid"});
   EXPECT_EQ(rigid["EA_N"]["value"], bound["EA_if_rigid_N"]["value"]);
   EXPECT_EQ(rigid["EA_N"]["high"], bound["EA_if_rigid_N"]["high"]);
