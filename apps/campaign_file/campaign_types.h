@@ -13,7 +13,7 @@
 #include "apps/campaign_file/recording_group.h"
 #include "apps/campaign_file/report_details.h"
 #include "apps/results/result_table.h"
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_identification.h"
 #include "ident/bending/beam_ends.h"
 #include "ident/campaign/single_tests/beam_section.h"
 #include "ident/campaign/single_tests/tension_campaign.h"

@@ -1,4 +1,4 @@
-// Decays of a hanging mass, what is asked of them and what they give (axial_test.h).
+// Decays of a hanging mass, what is asked of them and what they give (axial_identification.h).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // The elastic part of a load-deflection record of a beam without tension (strokes of 40 samples and
-// more): toe, elastic part, and yield or a stop, as straight segments. Inside of bending_test.
+// more): toe, elastic part, and yield or a stop, as straight segments. Inside of bending_analysis.
 //
 // Samples are averaged in up to 60 bins of equal length along the curve, both axes relative to
 // their ranges. For k = 1 to 5 segments the breaks with the least sum of squared distances from

@@ -1,5 +1,5 @@
 // What a fitted bending test shows of itself: toe, stop, stick-slip, friction, a curved diagram, a
-// slope that says nothing. Inside of bending_test.
+// slope that says nothing. Inside of bending_analysis.
 #pragma once
 
 #include <Eigen/Core>

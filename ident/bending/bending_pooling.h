@@ -1,4 +1,4 @@
-// One slope of several strokes. Inside of bending_test.
+// One slope of several strokes. Inside of bending_analysis.
 //
 // Strokes are pooled with the scatter between them (DerSimonian and Laird 1986), degrees of freedom
 // after Welch and Satterthwaite (GUM G.4); or averaged over the laws of wire friction

@@ -1,4 +1,4 @@
-// Records of a bending test, what is asked of them and what they give (bending_test.h).
+// Records of a bending test, what is asked of them and what they give (bending_analysis.h).
 #pragma once
 
 #include <Eigen/Core>

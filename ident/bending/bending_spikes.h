@@ -1,5 +1,5 @@
 // Rows of a load-deflection record that hold a spike: one or two samples far off their neighbours,
-// or in a short table far off the line of load over deflection. Inside of bending_test.
+// or in a short table far off the line of load over deflection. Inside of bending_analysis.
 #pragma once
 
 #include <Eigen/Core>

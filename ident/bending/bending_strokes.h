@@ -1,5 +1,5 @@
 // Strokes of a load-deflection record: where it turns, how noisy it is, and the straight part of a
-// stroke with its line. Inside of bending_test.
+// stroke with its line. Inside of bending_analysis.
 #pragma once
 
 #include <Eigen/Core>

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_analysis.h"
 
 namespace rigfit::ident {
 

@@ -1,5 +1,5 @@
 // Slope of a load-deflection table of few rows (strokes under 40 rows), where noise cannot be seen
-// from row to row. Inside of bending_test.
+// from row to row. Inside of bending_analysis.
 //
 //   load = offset of the stroke + K x
 //

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_analysis.h"
 #include "tests/ident/bending/simulated_bending.h"
 #include "tests/ident/bending/simulated_curve.h"
 

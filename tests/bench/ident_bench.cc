@@ -12,8 +12,8 @@
 
 #include "apps/bench/cable_update.h"
 #include "apps/bench/exact_bending_ratio.h"
-#include "ident/axial/axial_test.h"
-#include "ident/bending/bending_test.h"
+#include "ident/axial/axial_identification.h"
+#include "ident/bending/bending_analysis.h"
 #include "ident/campaign/modal/mode_lines.h"
 #include "ident/predict/scene_prediction.h"
 #include "ident/virtual_rig/virtual_axial.h"

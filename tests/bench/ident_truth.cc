@@ -12,8 +12,8 @@
 #include <random>
 #include <string_view>
 
-#include "ident/axial/axial_test.h"
-#include "ident/bending/bending_test.h"
+#include "ident/axial/axial_identification.h"
+#include "ident/bending/bending_analysis.h"
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/model_update.h"
 #include "ident/update/update_checks.h"

@@ -1,6 +1,6 @@
 // The hanging-mass test of a laboratory, from its recordings to EA and damping: the decays of every
-// recording, the axial mode of each, and the test over all (axial_test.h). The verb `axial` and the
-// report call this, so that their numbers are the same.
+// recording, the axial mode of each, and the test over all (axial_identification.h). The verb
+// `axial` and the report call this, so that their numbers are the same.
 //
 // The axial mode: the band given, or else that mode which most of the decays' energy has at one EA
 // (a factor of 1.6 either way). A mode at which the hung mass would stretch the cable by more than
@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_identification.h"
 #include "ident/campaign/single_tests/finding.h"
 #include "ident/update/model_update.h"
 #include "model/scene/scene.h"

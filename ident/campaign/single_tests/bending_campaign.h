@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_analysis.h"
 #include "ident/stiffness/stiffness_curve.h"
 #include "ident/stiffness/strand.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_identification.h"
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
 #include "tests/bench/hard_cases/hard_case.h"

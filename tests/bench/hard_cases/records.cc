@@ -4,7 +4,7 @@
 #include <random>
 #include <string>
 
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_analysis.h"
 #include "ident/stiffness/stiffness_law.h"
 #include "tests/bench/hard_cases/hard_case.h"
 

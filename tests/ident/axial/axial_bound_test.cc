@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_identification.h"
 #include "ident/axial/rod_stiffness.h"
 #include "ident/virtual_rig/virtual_axial.h"
 #include "tests/reference/axial_study.h"

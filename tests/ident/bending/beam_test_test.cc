@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_analysis.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::ident::beam_test_test {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_analysis.h"
 #include "ident/virtual_rig/virtual_bending.h"
 
 namespace rigfit::ident::friction_transient_test {

@@ -13,7 +13,7 @@
 #include <limits>
 #include <random>
 
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_analysis.h"
 
 namespace rigfit::ident::simulated {
 

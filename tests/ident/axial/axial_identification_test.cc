@@ -1,4 +1,4 @@
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_identification.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "ident/virtual_rig/virtual_axial.h"
 #include "signal/decay/decay.h"
 
-namespace rigfit::ident::axial_test_test {
+namespace rigfit::ident::axial_identification_test {
 namespace {
 
 struct Rig {
@@ -226,4 +226,4 @@ TEST(AxialTest, IntervalsCoverOverVirtualCampaigns) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident::axial_test_test
+}  // namespace rigfit::ident::axial_identification_test

@@ -1,4 +1,4 @@
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_analysis.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "ident/virtual_rig/virtual_bending.h"
 
-namespace rigfit::ident::bending_test_test {
+namespace rigfit::ident::bending_analysis_test {
 namespace {
 
 // A load-deflection table straight from the equation, loading then unloading.
@@ -217,4 +217,4 @@ TEST(BendingTest, IntervalsCoverTheTruthOfTheVirtualLaboratory) {
 }
 
 }  // namespace
-}  // namespace rigfit::ident::bending_test_test
+}  // namespace rigfit::ident::bending_analysis_test

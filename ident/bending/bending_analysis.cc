@@ -1,4 +1,4 @@
-#include "ident/bending/bending_test.h"
+#include "ident/bending/bending_analysis.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "ident/axial/axial_test.h"
+#include "ident/axial/axial_identification.h"
 
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
