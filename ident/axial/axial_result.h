@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/numerics/estimate.h"
 #include "signal/recording/recording.h"
 
@@ -132,3 +133,105 @@ struct AxialTestResult {
 };
 
 }  // namespace rigfit::ident
+
+namespace rigfit::describe {
+
+template <>
+struct Described<ident::AxialLength> {
+  using T = ident::AxialLength;
+  static constexpr std::string_view title = "by length, the cable alone giving way";
+  static constexpr auto fields = std::tuple{
+      field("length_m", &T::length_m, "m", "length", "between the ends"),
+      field("records", &T::records, "", "records", "decays at this length"),
+      field("EA_N", &T::EA_N, "N", "EA", "repeats and this length's own uncertainty"),
+      field("damping_ratio", &T::damping_ratio, "%", "damping ratio", "mean of the records"),
+      field("damping_Ns_m", &T::damping_Ns_m, "N s/m", "damper", "equivalent viscous damper")};
+};
+
+template <>
+struct Described<ident::AxialAlternative> {
+  using T = ident::AxialAlternative;
+  static constexpr std::string_view title = "what may give way, weighed by likelihood";
+  static constexpr auto fields = std::tuple{
+      field("name", &T::name, "", "what gives way", "cable alone or a compliance in series"),
+      field("weight", &T::weight, "%", "weight", "share in the answer", 2),
+      field("EA_N", bounded(&T::EA_N, &T::EA_low_N, &T::EA_high_N), "N", "EA", "if so"),
+      field("series_compliance_m_N", &T::series_compliance_m_N, "m/N", "compliance",
+            "in series with the cable"),
+      field("between_lengths_std_N", &T::between_lengths_std_N, "N", "",
+            "scatter of EA between lengths beyond their own uncertainty"),
+      field("chi2", &T::chi2, "", "", "misfit"),
+      field("degrees_of_freedom", &T::degrees_of_freedom, "", "", "of the misfit")};
+};
+
+template <>
+struct Described<ident::BudgetRow> {
+  using T = ident::BudgetRow;
+  static constexpr std::string_view title = "where the uncertainty of EA comes from";
+  static bool shown(const T& b) { return b.contribution_N > 0; }
+  static constexpr auto fields = std::tuple{
+      field("source", &T::source, "", "source", "input"),
+      field(
+          "type", [](const T& b) { return std::string(1, b.type); }, "", "",
+          "A: from scatter, B: from what is known of instruments"),
+      field("value", &T::value, "", "", "of the input, in `unit`"),
+      field("std", &T::std, "", "std", "standard uncertainty of the input, in `unit`", 2),
+      field("unit", &T::unit, "", "unit", "of value and std"),
+      field("sensitivity_N_per_unit", &T::sensitivity, "", "", "change of EA by the input"),
+      field("contribution_N", &T::contribution_N, "N", "contribution", "to the std of EA", 2),
+      field("share", &T::share, "%", "share", "of the variance of EA", 2),
+      field("degrees_of_freedom",
+            where([](const T& b) { return b.degrees_of_freedom > 0; }, &T::degrees_of_freedom), "",
+            "", "behind std; left out of what is taken as known")};
+};
+
+template <>
+struct Described<ident::AxialTestResult> {
+  using T = ident::AxialTestResult;
+  static constexpr std::string_view title = "axial test";
+  static constexpr auto fields = std::tuple{
+      field(
+          "EA_N",
+          [](const T& r) {
+            return Bounded{r.EA_N.value, r.EA_N.std, r.EA_low_N, r.EA_high_N, r.conditional};
+          },
+          "N", "EA", "axial rigidity"),
+      field("EA_if_rigid_N",
+            where(&T::conditional,
+                  bounded(&T::EA_if_rigid_N, &T::EA_if_rigid_low_N, &T::EA_if_rigid_high_N)),
+            "N", "EA if nothing else gives way", "axial rigidity if only the cable gives way"),
+      field("damping_ratio", bounded(&T::damping_ratio, &T::damping_low, &T::damping_high), "%",
+            "damping ratio", "of the axial mode"),
+      field("damping_Ns_m", &T::damping_Ns_m, "N s/m", "damper", "at the reference length"),
+      field("reference_length_m", &T::reference_length_m, "m", "damper's length",
+            "mean of the lengths"),
+      field("assembly_stiffness_N_m",
+            where([](const T& r) { return r.assembly_stiffness_N_m.value > 0; },
+                  &T::assembly_stiffness_N_m),
+            "N/m", "stiffness of the whole chain", "cable, adapter and frame at the one length"),
+      field("plausibility",
+            where([](const T& r) { return !r.plausibility.empty(); }, &T::plausibility), "",
+            "beside the catalogue", "EA against what its mass per length allows, in a sentence"),
+      field("lengths", &T::lengths, "", "lengths", "what each length says"),
+      field("p_same_EA", &T::homogeneity_p, "", "p that lengths have one EA",
+            "chance of such a disagreement of the lengths with the cable alone giving way", 2),
+      field("alternatives", &T::alternatives, "", "alternatives", "heaviest first"),
+      field("budget", &T::budget, "", "budget", "contributions to the std of EA, largest first"),
+      field("coverage_factor_95", &T::coverage_factor, "", "", "half the interval over the std"),
+      field("between_lengths_std_N", &T::between_lengths_std_N, "N", "",
+            "scatter of EA between lengths, of the heaviest alternative"),
+      field("cochran_Q", &T::cochran_Q, "", "", "disagreement of the lengths"),
+      field("monte_carlo_EA_N",
+            where([](const T& r) { return r.draws > 0; },
+                  bounded(&T::monte_carlo_EA_N, &T::monte_carlo_low_N, &T::monte_carlo_high_N)),
+            "N", "EA by Monte Carlo", "closed forms, for comparison (JCGM 101)"),
+      field("draws", &T::draws, "", "", "of the Monte Carlo"),
+      field("series_compliance_m_N", &T::series_compliance_m_N, "m/N", "",
+            "in series, as the lengths show it: 1/kc = L/EA + s"),
+      field("EA_without_series_N", &T::EA_without_series_N, "N", "", "EA of that line"),
+      field("catalogue_EA_N", &T::catalogue_EA_N, "N", "",
+            "given or from the mass per length; 0: neither"),
+      field("share_of_catalogue", &T::share_of_catalogue, "%", "", "EA over it")};
+};
+
+}  // namespace rigfit::describe

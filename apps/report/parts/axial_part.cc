@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/describe/sheet.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/axial_plots.h"
 #include "apps/report/figures/recording_blocks.h"
@@ -67,8 +68,6 @@ class AxialPart : public TestPart {
     }
     part_.json.update(axial_json(inputs, result));
     if (result.test) {
-      part_.json["catalogue"] = part_.json["plausibility"];
-      part_.json["plausibility"] = result.test->plausibility;
       show_test(inputs, result);
     }
     return {std::move(part_)};
@@ -217,11 +216,8 @@ class AxialPart : public TestPart {
     add_answer(r, "Axial damping ratio ζ", "", r.damping_ratio, {r.damping_low, r.damping_high},
                "damping_ratio");
     part_.brief = {test_.name + "-EA", test_.name + "-lengths"};
-    std::string text = r.conditional ? axial_EA_text(r)
-                                     : fmt::format("{} N (95 %: {} to {})",
-                                                   shown_estimate(r.EA_N.value, r.EA_N.std),
-                                                   shown_bound(r.EA_low_N, r.EA_N.std),
-                                                   shown_bound(r.EA_high_N, r.EA_N.std));
+    std::string text = describe::interval_text(
+        {r.EA_N.value, r.EA_N.std, r.EA_low_N, r.EA_high_N, r.conditional}, "N");
     const auto& reference = test_.reference;
     if (const auto at = reference.find("EA"); at != reference.end()) {
       text += fmt::format("; {} {} ({})", test_.reference_name, shown(at->second, 5),

@@ -273,4 +273,16 @@ void apply_axial(const AxialKnowledge& known, const std::vector<std::string>& EA
   apply(known.damping_ratio, damping_of, uncertainty ? &uncertainty->damping : nullptr);
 }
 
+std::vector<AxialRecord> axial_records(const AxialInputs& inputs,
+                                       const AxialCampaignResult& result) {
+  std::vector<AxialRecord> records;
+  std::size_t k = 0;
+  for (const auto& decay : result.decays) {
+    const bool used = decay.mode && result.test;
+    records.push_back(
+        {&inputs.recordings[decay.recording], &decay, used ? &result.test->samples[k++] : nullptr});
+  }
+  return records;
+}
+
 }  // namespace rigfit::ident

@@ -60,6 +60,20 @@ struct AxialCampaignResult {
   std::vector<Finding> findings;
 };
 
+/// A decay with what the test makes of it, for documents.
+struct AxialRecord {
+  const AxialRecording* recording;
+  const AxialFoundDecay* decay;
+  const AxialSample* sample;  ///< null: it takes no part
+
+  [[nodiscard]] const signal::DecayMode& mode() const { return decay->result.modes[*decay->mode]; }
+  [[nodiscard]] std::string refused() const {
+    return decay->left_out.empty() ? "axial" : decay->left_out;
+  }
+};
+[[nodiscard]] std::vector<AxialRecord> axial_records(const AxialInputs& inputs,
+                                                     const AxialCampaignResult& result);
+
 /// Throws nothing for what recordings hold; std::invalid_argument for a band that makes no sense.
 [[nodiscard]] AxialCampaignResult axial_campaign(const AxialInputs& inputs);
 
@@ -84,3 +98,41 @@ void apply_axial(const AxialKnowledge& known, const std::vector<std::string>& EA
                  AxialUncertainty* uncertainty = nullptr);
 
 }  // namespace rigfit::ident
+
+namespace rigfit::describe {
+
+template <>
+struct Described<ident::AxialRecord> {
+  using T = ident::AxialRecord;
+  static constexpr auto used = [](const T& r) { return r.sample != nullptr; };
+  static constexpr std::string_view title = "decays";
+  static constexpr auto fields = std::tuple{
+      field(
+          "file", [](const T& r) { return r.recording->name; }, "", "file", "recording"),
+      field(
+          "length_m", [](const T& r) { return r.recording->length_m; }, "m", "length",
+          "between the ends"),
+      field(
+          "start_s", [](const T& r) { return r.decay->start_s; }, "s", "start", "fitted from here"),
+      field("refused", where([](const T& r) { return r.sample == nullptr; }, &T::refused), "",
+            "left out", "code of why it takes no part"),
+      field("damped_frequency_hz",
+            where(used, [](const T& r) { return r.mode().damped_frequency_hz; }), "Hz", "frequency",
+            "of the axial mode, damped"),
+      field("damping_ratio", where(used, [](const T& r) { return r.mode().damping_ratio; }), "%",
+            "damping ratio", "of the axial mode"),
+      field("r_squared", where(used, [](const T& r) { return r.mode().r_squared; }), "", "",
+            "of the fitted decay"),
+      field("cycles", where(used, [](const T& r) { return r.mode().cycles; }), "", "", "fitted"),
+      field("stiffness_N_m", where(used, [](const T& r) { return r.sample->stiffness_N_m; }), "N/m",
+            "", "static, adapter included"),
+      field("cable_stiffness_N_m",
+            where(used, [](const T& r) { return r.sample->cable_stiffness_N_m; }), "N/m", "",
+            "static, of the cable"),
+      field("EA_N", where(used, [](const T& r) { return r.sample->EA_N; }), "N", "EA",
+            "of this record, with the cable alone"),
+      field("damping_Ns_m", where(used, [](const T& r) { return r.sample->damping_Ns_m; }), "N s/m",
+            "damper", "equivalent viscous damper")};
+};
+
+}  // namespace rigfit::describe

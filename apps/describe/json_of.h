@@ -1,0 +1,122 @@
+// Described results (signal/document/describe.h) as JSON, and the JSON schema of their types.
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "document/describe.h"
+
+namespace rigfit::describe {
+
+using Json = nlohmann::ordered_json;
+
+template <class M>
+concept estimate = requires(const M& m) {
+  m.value;
+  m.std;
+}
+&&!described<M>;
+template <class M>
+concept named = requires(const M& m) {
+  name_of(m);
+};
+template <class M>
+concept list = requires(const M& m) {
+  typename M::value_type;
+  m.begin();
+}
+&&!std::is_convertible_v<M, std::string_view>;
+
+[[nodiscard]] inline Json number_json(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+
+/// Numbers that are not finite are null; an empty optional is left out of what holds it.
+template <class M>
+[[nodiscard]] Json json_of(const M& x) {
+  if constexpr (described<M>) {
+    Json all = Json::object();
+    each_field<M>([&](const auto& f) {
+      const auto& value = std::invoke(f.get, x);
+      if constexpr (requires { value.has_value(); }) {
+        if (value) all[std::string(f.key)] = json_of(*value);
+      } else {
+        all[std::string(f.key)] = json_of(value);
+      }
+    });
+    return all;
+  } else if constexpr (estimate<M>) {
+    Json one{{"value", number_json(x.value)}, {"std", number_json(x.std)}};
+    if constexpr (requires { x.low; }) {
+      one["low"] = number_json(x.low), one["high"] = number_json(x.high);
+    }
+    if constexpr (requires { x.one_sided; }) {
+      if (x.one_sided) one["bound"] = "lower";
+    }
+    return one;
+  } else if constexpr (std::is_floating_point_v<M>) {
+    return number_json(x);
+  } else if constexpr (std::is_same_v<M, std::complex<double>>) {
+    return {{"re", number_json(x.real())}, {"im", number_json(x.imag())}};
+  } else if constexpr (list<M>) {
+    Json all = Json::array();
+    for (const auto& one : x) all.push_back(json_of(one));
+    return all;
+  } else if constexpr (named<M>) {
+    return name_of(x);
+  } else {
+    return x;
+  }
+}
+
+/// The type's JSON schema, with meanings and units.
+template <class M>
+[[nodiscard]] Json schema_of() {
+  if constexpr (described<M>) {
+    Json all{{"type", "object"}, {"properties", Json::object()}, {"required", Json::array()}};
+    each_field<M>([&](const auto& f) {
+      using Value = std::remove_cvref_t<decltype(std::invoke(f.get, std::declval<const M&>()))>;
+      Json one;
+      if constexpr (requires(Value v) { v.has_value(); }) {
+        one = schema_of<typename Value::value_type>();
+      } else {
+        one = schema_of<Value>();
+        all["required"].push_back(f.key);
+      }
+      const std::string_view unit = f.unit == "%" ? "1" : f.unit;
+      one["description"] =
+          std::string(f.meaning) + (unit.empty() ? "" : " (" + std::string(unit) + ")");
+      all["properties"][std::string(f.key)] = std::move(one);
+    });
+    return all;
+  } else if constexpr (estimate<M>) {
+    const Json number{{"type", {"number", "null"}}};
+    Json one{{"type", "object"},
+             {"properties", {{"value", number}, {"std", number}}},
+             {"required", {"value", "std"}}};
+    if constexpr (requires(const M& m) { m.low; }) {
+      one["properties"]["low"] = number, one["properties"]["high"] = number;
+    }
+    return one;
+  } else if constexpr (std::is_same_v<M, bool>) {
+    return {{"type", "boolean"}};
+  } else if constexpr (std::is_integral_v<M>) {
+    return {{"type", "integer"}};
+  } else if constexpr (std::is_floating_point_v<M>) {
+    return {{"type", {"number", "null"}}};
+  } else if constexpr (std::is_same_v<M, std::complex<double>>) {
+    return {{"type", "object"}, {"required", {"re", "im"}}};
+  } else if constexpr (list<M>) {
+    return {{"type", "array"}, {"items", schema_of<typename M::value_type>()}};
+  } else {
+    return {{"type", "string"}};
+  }
+}
+
+}  // namespace rigfit::describe

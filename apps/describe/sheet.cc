@@ -1,0 +1,100 @@
+#include "apps/describe/sheet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/cli/digits.h"
+
+namespace rigfit::describe {
+using apps::std_digits, apps::value_digits;
+namespace {
+
+/// Cells that show nothing: no number, or a share that rounds to none.
+bool blank(const std::string& cell) { return cell.empty() || cell == "-"; }
+
+std::string padded(const std::string& text, std::size_t width, bool right) {
+  // Letters beyond ASCII take one column each.
+  const auto letters = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  }));
+  const std::string blanks(width > letters ? width - letters : 0, ' ');
+  return right ? blanks + text : text + blanks;
+}
+
+}  // namespace
+
+std::string number_text(double value, std::string_view unit, int digits) {
+  if (!std::isfinite(value)) return "-";
+  return fmt::format("{:.{}g}", unit == "%" ? 100 * value : value, digits);
+}
+
+std::string estimate_text(double value, double std, std::string_view unit) {
+  const double scale = unit == "%" ? 100 : 1;
+  const std::string text = value_digits(scale * value, scale * std);
+  return std::isfinite(std) && std > 0 && std::isfinite(value)
+             ? text + " +- " + std_digits(scale * std)
+             : text;
+}
+
+std::string interval_text(const Bounded& x, std::string_view unit) {
+  const double scale = unit == "%" ? 100 : 1;
+  const std::string behind = unit.empty() ? "" : " " + std::string(unit);
+  if (x.one_sided) {
+    return fmt::format(
+        "{}{} or more (95 %), {}", value_digits(scale * x.low, 1e-3 * scale * x.low), behind,
+        std::isfinite(x.high) ? fmt::format("at most {:.3g}{}", scale * x.high, behind)
+                              : "no upper bound");
+  }
+  std::string text = estimate_text(x.value, x.std, unit);
+  if (text != "-") text += behind;
+  if (!std::isfinite(x.low) || !std::isfinite(x.high)) return text;
+  return fmt::format("{} (95 %: {} to {})", text, value_digits(scale * x.low, scale * x.std),
+                     value_digits(scale * x.high, scale * x.std));
+}
+
+std::string flag_text(bool flag) { return flag ? "yes" : "no"; }
+
+std::string head_text(std::string_view label, std::string_view unit) {
+  return unit.empty() ? std::string(label) : fmt::format("{}, {}", label, unit);
+}
+
+void print(std::ostream& out, const Table& table) {
+  std::vector<std::size_t> widths;
+  std::vector<bool> shown;
+  for (std::size_t c = 0; c < table.heads.size(); ++c) {
+    widths.push_back(table.heads[c].size());
+    shown.push_back(false);
+    for (const auto& row : table.rows) {
+      widths[c] = std::max(widths[c], row[c].size());
+      if (!blank(row[c])) shown[c] = true;
+    }
+  }
+  const auto line = [&](const std::vector<std::string>& cells) {
+    std::string text;
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      if (shown[c])
+        text += (text.empty() ? "" : "  ") + padded(cells[c], widths[c], table.numeric[c]);
+    }
+    while (text.ends_with(' ')) text.pop_back();
+    out << text << '\n';
+  };
+  if (!table.title.empty()) out << table.title << '\n';
+  line(table.heads);
+  for (const auto& row : table.rows) line(row);
+}
+
+void print(std::ostream& out, const Sheet& sheet) {
+  std::size_t width = 0;
+  for (const auto& line : sheet.lines) width = std::max(width, line.label.size());
+  for (const auto& line : sheet.lines) {
+    out << padded(line.label, width, false) << "  " << line.text << '\n';
+  }
+  for (const auto& table : sheet.tables) {
+    out << '\n';
+    print(out, table);
+  }
+}
+
+}  // namespace rigfit::describe

@@ -1,0 +1,137 @@
+// Described results as people read them: lines of labels and values, tables of lists. What is
+// printed or put on a page starts from a Sheet; building it is the only part that knows the type.
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/describe/json_of.h"
+
+namespace rigfit::describe {
+
+struct Table {
+  std::string title;
+  std::vector<std::string> heads;  ///< "EA, N"
+  std::vector<bool> numeric;       ///< columns that are aligned at the right
+  std::vector<std::vector<std::string>> rows;
+};
+
+struct Sheet {
+  struct Line {
+    std::string label, text;
+  };
+  std::vector<Line> lines;
+  std::vector<Table> tables;  ///< in the order of the fields; none for an empty list
+};
+
+// Numbers as everywhere in the house: two digits of the std, the value to the same place.
+[[nodiscard]] std::string number_text(double value, std::string_view unit, int digits);
+/// "205190 +- 340"; the value alone where no std is known.
+[[nodiscard]] std::string estimate_text(double value, double std, std::string_view unit);
+/// With the interval: "205190 +- 340 N (95 %: 204330 to 206040)".
+[[nodiscard]] std::string interval_text(const Bounded& x, std::string_view unit);
+[[nodiscard]] std::string flag_text(bool flag);
+/// "EA, N".
+[[nodiscard]] std::string head_text(std::string_view label, std::string_view unit);
+
+void print(std::ostream& out, const Table& table);
+void print(std::ostream& out, const Sheet& sheet);
+
+/// Whether a value stands in one cell.
+template <class M>
+inline constexpr bool single = !described<M> && !list<M>;
+
+/// What an optional value holds, or the value's own type.
+template <class M>
+struct Held {
+  using type = M;
+};
+template <class M>
+struct Held<std::optional<M>> {
+  using type = M;
+};
+
+/// In a table the unit stands in the head, else behind the value.
+template <class M>
+[[nodiscard]] std::string text_of(const M& x, std::string_view unit, int digits, bool in_table) {
+  const auto with_unit = [&](std::string text) {
+    return in_table || unit.empty() || text == "-" ? text : text + " " + std::string(unit);
+  };
+  if constexpr (std::is_same_v<M, Bounded>) {
+    return in_table ? estimate_text(x.value, x.std, unit) : interval_text(x, unit);
+  } else if constexpr (estimate<M>) {
+    return with_unit(estimate_text(x.value, x.std, unit));
+  } else if constexpr (std::is_same_v<M, bool>) {
+    return flag_text(x);
+  } else if constexpr (std::is_floating_point_v<M>) {
+    return with_unit(number_text(x, unit, digits));
+  } else if constexpr (std::is_arithmetic_v<M>) {
+    return with_unit(std::to_string(x));
+  } else if constexpr (named<M>) {
+    return std::string(name_of(x));
+  } else {
+    return std::string(x);
+  }
+}
+
+template <described T>
+[[nodiscard]] Table table_of(std::vector<T> rows) {
+  if constexpr (requires(const T& row) { Described<T>::shown(row); }) {
+    std::erase_if(rows, [](const T& row) { return !Described<T>::shown(row); });
+  }
+  Table table;
+  table.title = Described<T>::title;
+  table.rows.resize(rows.size());
+  each_field<T>([&](const auto& f) {
+    if (f.label.empty()) return;
+    using Value = std::remove_cvref_t<std::invoke_result_t<decltype(f.get), const T&>>;
+    using Cell = typename Held<Value>::type;
+    if constexpr (single<Cell>) {
+      table.heads.push_back(head_text(f.label, f.unit));
+      table.numeric.push_back(estimate<Cell> ||
+                              (std::is_arithmetic_v<Cell> && !std::is_same_v<Cell, bool>));
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto& value = std::invoke(f.get, rows[i]);
+        if constexpr (std::is_same_v<Cell, Value>) {
+          table.rows[i].push_back(text_of(value, f.unit, f.digits, true));
+        } else {
+          table.rows[i].push_back(value ? text_of(*value, f.unit, f.digits, true) : "-");
+        }
+      }
+    }
+  });
+  return table;
+}
+
+template <described T>
+[[nodiscard]] Sheet sheet_of(const T& result) {
+  Sheet sheet;
+  each_field<T>([&](const auto& f) {
+    if (f.label.empty()) return;
+    const auto add = [&](const auto& value) {
+      using Value = std::remove_cvref_t<decltype(value)>;
+      if constexpr (single<Value>) {
+        sheet.lines.push_back({std::string(f.label), text_of(value, f.unit, f.digits, false)});
+      } else if constexpr (list<Value>) {
+        if constexpr (described<typename Value::value_type>) {
+          if (!value.empty()) sheet.tables.push_back(table_of(value));
+        }
+      } else {
+        const Sheet inner = sheet_of(value);
+        sheet.lines.insert(sheet.lines.end(), inner.lines.begin(), inner.lines.end());
+        sheet.tables.insert(sheet.tables.end(), inner.tables.begin(), inner.tables.end());
+      }
+    };
+    const auto& value = std::invoke(f.get, result);
+    if constexpr (requires { value.has_value(); }) {
+      if (value) add(*value);
+    } else {
+      add(value);
+    }
+  });
+  return sheet;
+}
+
+}  // namespace rigfit::describe
