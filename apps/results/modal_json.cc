@@ -63,15 +63,6 @@ Json point_json(const signal::ModeAtPoint& at) {
           {"misfit", at.misfit}};
 }
 
-/// null where hits of other sizes do not show other frequencies.
-Json amplitude_json(const signal::AmplitudeDependence& amplitude) {
-  if (!amplitude.found) return nullptr;
-  return {{"chance", amplitude.chance},
-          {"slope_hz_per_N2s2", json_estimate(amplitude.slope.value, amplitude.slope.std)},
-          {"largest_hit_Ns", amplitude.largest_hit},
-          {"frequency_of_test_hz", amplitude.frequency_of_test_hz}};
-}
-
 }  // namespace
 
 Json mode_json(const signal::IdentifiedMode& mode) {
@@ -111,7 +102,6 @@ Json mode_json(const signal::IdentifiedMode& mode) {
                                       {"damping_std", mode.between_hits.damping_std},
                                       {"beyond_noise", mode.between_hits.beyond_noise}}
                                : Json(nullptr)},
-          {"amplitude", amplitude_json(mode.amplitude)},
           {"doubtful", mode.doubtful},
           {"doubt", mode.doubt}};
 }

@@ -15,8 +15,8 @@
 #include "ident/axial/axial_judgement.h"
 #include "ident/axial/axial_monte_carlo.h"
 #include "ident/axial/rod_stiffness.h"
-#include "ident/statistics/random_effects.h"
 #include "ident/statistics/uncertainty.h"
+#include "signal/estimation/groups.h"
 
 namespace rigfit::ident {
 namespace {
@@ -361,11 +361,11 @@ AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup&
     result.lengths.push_back(l);
     result.reference_length_m += length / static_cast<double>(by_length.size());
   }
-  result.cochran_Q = pool_groups(EA, EA_variance).cochran_Q;
+  result.cochran_Q = signal::mean_over_groups(EA, EA_variance).cochran_Q;
   if (EA.size() > 1) {
     result.homogeneity_p = gsl_cdf_chisq_Q(result.cochran_Q, static_cast<double>(EA.size()) - 1);
   }
-  const auto damping = pool_groups(zeta, zeta_variance);
+  const auto damping = signal::mean_over_groups(zeta, zeta_variance);
   result.damping_ratio = {damping.mean, std::sqrt(damping.variance)};
   const double zeta_degrees = damping.degrees > 0 ? damping.degrees : repeat_zeta.degrees;
   const double zeta_factor = coverage_factor(options.coverage, zeta_degrees);

@@ -15,8 +15,8 @@
 // bound (axial_bound.h); `conditional` says so. Uncertainty by the GUM (JCGM 100), with a budget,
 // and by Monte Carlo (JCGM 101) on closed forms, a second way through (axial_monte_carlo.h).
 //
-// Damping ratios are averaged over records and lengths (random_effects.h): the weighted mean is the
-// least-squares solution of a model linear in its one unknown, and needs no iteration.
+// Damping ratios are averaged over records and lengths (signal/estimation/groups.h): the weighted
+// mean is the least-squares solution of a model linear in its one unknown, and needs no iteration.
 #pragma once
 
 #include <span>

@@ -15,7 +15,7 @@
 #include "ident/bending/friction_transient.h"
 #include "ident/bending/table_line.h"
 #include "ident/stiffness/tension_spread.h"
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
 namespace {

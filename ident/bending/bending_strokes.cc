@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "ident/bending/deming_line.h"
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
 namespace {

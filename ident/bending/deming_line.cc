@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
 namespace {

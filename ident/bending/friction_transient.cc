@@ -8,7 +8,7 @@
 #include <cmath>
 #include <memory>
 
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
 namespace {

@@ -1,7 +1,6 @@
 #include "ident/statistics/uncertainty.h"
 
 #include <fmt/format.h>
-#include <gsl/gsl_cdf.h>
 
 #include <Eigen/SVD>
 #include <algorithm>
@@ -137,12 +136,6 @@ Eigen::VectorXd Identifiability::shift_by(const Eigen::Ref<const Eigen::MatrixXd
     along[i] = determined ? -along[i] / (s * s * options.variance_factor) : 0;
   }
   return scales.cwiseProduct(directions * along);
-}
-
-double coverage_factor(double coverage, double degrees_of_freedom) {
-  const double tail = (1 - coverage) / 2;
-  return degrees_of_freedom > 0 ? gsl_cdf_tdist_Qinv(tail, degrees_of_freedom)
-                                : gsl_cdf_ugaussian_Qinv(tail);
 }
 
 }  // namespace rigfit::ident

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "signal/estimation/groups.h"
+
 namespace rigfit::ident {
 
 struct IdentifiabilityOptions {
@@ -66,8 +68,6 @@ struct Identifiability {
                                               const std::vector<std::string>& names,
                                               const IdentifiabilityOptions& options = {});
 
-/// Two-sided quantile for a coverage such as 0.95: Student's t, or the normal's for no (<= 0)
-/// degrees of freedom.
-[[nodiscard]] double coverage_factor(double coverage, double degrees_of_freedom);
+using signal::coverage_factor;
 
 }  // namespace rigfit::ident

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "signal/estimation/robust.h"
 #include "signal/impact/double_hit.h"
 #include "signal/impact/pulse_shape.h"
-#include "signal/numerics/robust.h"
 #include "signal/recording/clipping.h"
 #include "signal/recording/recording_error.h"
 #include "signal/spectra/fft.h"

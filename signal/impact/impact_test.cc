@@ -8,8 +8,8 @@
 #include <complex>
 #include <numbers>
 
+#include "signal/estimation/robust.h"
 #include "signal/impact/frf_labels.h"
-#include "signal/numerics/robust.h"
 #include "signal/recording/recording_error.h"
 #include "signal/spectra/window.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 
 namespace rigfit::signal {
 using Eigen::Index;

@@ -16,9 +16,7 @@
 #include "signal/modes/mode_search.h"
 #include "signal/modes/modes_beside.h"
 #include "signal/numerics/numbers.h"
-#include "signal/variation/amplitude_limit.h"
 #include "signal/variation/hit_scatter.h"
-#include "signal/variation/resonance_distortion.h"
 
 namespace rigfit::signal {
 namespace {
@@ -400,8 +398,6 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     for (std::size_t r = 0; r < averages.size(); ++r) hits[r].average = averages[r];
   }
   allow_for_hits(frfs, hits, model);
-  allow_for_amplitude(frfs, band, hits, model);
-  allow_for_distortion(frfs, band, model);
   judge_damping(model);
   return result;
 }

@@ -11,7 +11,6 @@
 
 #include "signal/modal/cut_off_records.h"
 #include "signal/numerics/numbers.h"
-#include "signal/variation/combination_tones.h"
 #include "signal/variation/mode_changes.h"
 
 namespace rigfit::signal {
@@ -225,9 +224,6 @@ void judge_modes(ModalResult& result, const ModalBand& band,
           "its peak is {:.2g} % of the FRFs around it, less than 10 %: what a non-linear "
           "structure or differing hits add to a stronger mode looks like this",
           100 * part));
-    }
-    if (const std::string reason = combination_doubt(model, r, band.lines.power); !reason.empty()) {
-      doubts.push_back(reason);
     }
     if (f - half < result.low_hz || f + half > result.high_hz) {
       doubts.push_back("its resonance is cut by the end of the band");

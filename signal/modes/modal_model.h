@@ -35,17 +35,6 @@ struct BetweenHits {
   bool beyond_noise = false;  ///< then value and standard deviation allow for it
 };
 
-/// How a mode's frequency goes with the size of the hits (amplitude_trend.h).
-struct AmplitudeDependence {
-  /// Hits of other sizes gave other frequencies: value and standard deviation of the mode's
-  /// frequency are those of the limit of small amplitude.
-  bool found = false;
-  double chance = 1;       ///< of as steep a line where amplitude does nothing
-  Estimate slope;          ///< Hz per squared impulse, (N s)^2, at the point that moves most
-  double largest_hit = 0;  ///< N s
-  double frequency_of_test_hz = 0;  ///< at the amplitudes of the test
-};
-
 struct IdentifiedMode {
   Estimate frequency_hz;   ///< undamped natural frequency |p| / 2 pi, window damping removed
   Estimate damping_ratio;  ///< window damping removed
@@ -74,7 +63,6 @@ struct IdentifiedMode {
   bool has_trend = false;           ///< chance of such a trend without one below 1 %
   std::vector<ModeAtPoint> points;  ///< where several points were measured, in their order
   BetweenHits between_hits;
-  AmplitudeDependence amplitude;
   bool doubtful = false;
   std::string doubt;  ///< why, for a person; empty when not doubtful
 };

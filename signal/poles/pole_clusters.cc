@@ -5,7 +5,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 
 namespace rigfit::signal {
 namespace {

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
-#include "signal/numerics/robust.h"
 #include "signal/spectra/fft.h"
 
 namespace rigfit::signal {

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <utility>
 
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/time_axis.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 
 namespace rigfit::signal {
 

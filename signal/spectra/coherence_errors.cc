@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 #include "signal/spectra/line_means.h"
 
 namespace rigfit::signal {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 #include "signal/spectra/fft.h"
 #include "signal/spectra/line_means.h"
 #include "signal/spectra/window.h"

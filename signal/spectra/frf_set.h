@@ -45,8 +45,7 @@ struct FrfSet {
   /// fewer hits are NaN. Tells what changes between hits (hit_scatter.h). Empty: not kept.
   std::vector<Eigen::MatrixXcd> by_hit;
   /// Integral of the force over each hit's pulse by input, then hit, in the order of `by_hit`: the
-  /// force's unit times s, N s as a rule. Tells what goes with the size of the hits
-  /// (amplitude_trend.h). Empty: not known.
+  /// force's unit times s, N s as a rule. Weighs the hits (hit_jackknife.h). Empty: not known.
   std::vector<std::vector<double>> hit_impulse;
   /// The longest time between a hit and noise on the force that a force window leaves, or the hit's
   /// block's beginning where its end cuts the responses off: either adds to H the transform of a

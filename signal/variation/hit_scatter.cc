@@ -9,8 +9,8 @@
 #include <limits>
 #include <optional>
 
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
-#include "signal/numerics/robust.h"
 #include "signal/refinement/local_fit.h"
 #include "signal/variation/mode_changes.h"
 

@@ -14,7 +14,7 @@
 #include "ident/statistics/in_parallel.h"
 #include "model/linear/modal_analysis.h"
 #include "signal/decay/decay_window.h"
-#include "signal/numerics/robust.h"
+#include "signal/estimation/robust.h"
 #include "signal/recording/recording_error.h"
 #include "signal/sinusoids/decay_modes.h"
 

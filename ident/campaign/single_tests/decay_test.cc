@@ -1,7 +1,6 @@
 #include "ident/campaign/single_tests/decay_test.h"
 
 #include <fmt/format.h>
-#include <gsl/gsl_cdf.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +9,7 @@
 #include <utility>
 
 #include "ident/campaign/single_tests/rate_uncertainty.h"
-#include "ident/statistics/random_effects.h"
+#include "signal/estimation/groups.h"
 
 namespace rigfit::ident {
 namespace {
@@ -44,10 +43,9 @@ struct Pooled {
 };
 
 Pooled pooled(const std::vector<double>& values, const std::vector<double>& variances) {
-  const RandomEffects effects = pool_groups(values, variances);
+  const signal::GroupMean effects = signal::mean_over_groups(values, variances);
   const double std = std::sqrt(effects.variance);
-  const double factor = effects.degrees > 0 ? gsl_cdf_tdist_Pinv(0.975, effects.degrees)
-                                            : gsl_cdf_ugaussian_Pinv(0.975);
+  const double factor = signal::coverage_factor(0.95, effects.degrees);
   return {{effects.mean, std},
           {effects.mean - factor * std, effects.mean + factor * std},
           std::sqrt(effects.between_variance)};

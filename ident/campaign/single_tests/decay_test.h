@@ -2,8 +2,9 @@
 // them and their modes pooled.
 //
 // Pooled over decays, a mode's frequency (and likewise its damping ratio) is x_i = mu + u_i + e_i
-// with var e_i from the fit and var u_i = tau^2 between decays (statistics/random_effects.h): the
-// mean mu with its uncertainty, and the scatter tau, which more decays do not make smaller.
+// with var e_i from the fit and var u_i = tau^2 between decays
+// (statistics/signal/estimation/groups.h): the mean mu with its uncertainty, and the scatter tau,
+// which more decays do not make smaller.
 //
 // Where the file states its rate rounded (Recording::sample_rate_relative_std), that relative error
 // is common to all frequencies: it is added in quadrature to their standard uncertainties and

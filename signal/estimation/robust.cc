@@ -1,0 +1,26 @@
+#include "signal/estimation/robust.h"
+
+#include <gsl/gsl_statistics_double.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace rigfit::signal {
+
+double median(std::vector<double> values) {
+  return values.empty() ? 0 : gsl_stats_median(values.data(), 1, values.size());
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return gsl_stats_quantile_from_sorted_data(values.data(), 1, values.size(), share);
+}
+
+double robust_std(std::vector<double> values, double centre) {
+  for (double& value : values) value = std::abs(value - centre);
+  return 1.4826 * median(std::move(values));
+}
+
+}  // namespace rigfit::signal
