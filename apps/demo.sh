@@ -10,7 +10,7 @@ sh apps/install_packages.sh build
 [ -f build/release/build.ninja ] || {
   echo "Configuring (release) ..."
   mkdir -p build
-  cmake --preset release -DRIGFIT_BUILD_TESTS=OFF -DRIGFIT_BUILD_BENCHMARKS=OFF \
+  cmake --preset release -DRIGFIT_BUILD_TESTS=OFF -DRIGFIT_BUILD_BENCHMARKS=OFF -DRIGFIT_BUILD_PYTHON=OFF \
     >build/configure-release.log 2>&1 || {
     cat build/configure-release.log >&2
     echo "error: configuring failed (above)" >&2
