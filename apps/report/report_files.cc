@@ -166,10 +166,7 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
     }
   }
   const auto answers = all_answers(parts);
-  tasks.emplace_back([&] {
-    put(folder / "data" / "results.csv", answers_csv(answers));
-    put(folder / "data" / "results.tex", answers_latex(answers, frame.title));
-  });
+  tasks.emplace_back([&] { put(folder / "data" / "results.csv", answers_csv(answers)); });
   ident::in_parallel(tasks.size(), context.threads, [&](std::size_t i) { tasks[i](); });
   write_whole_file(folder / "report.json", json);
   write_whole_file(folder / "report.html", page);

@@ -13,12 +13,11 @@
 #include "apps/report/figures/decay_plots.h"
 #include "apps/report/figures/fit_plots.h"
 #include "apps/report/figures/frf_plots.h"
-#include "apps/report/figures/hit_gallery.h"
+#include "apps/report/figures/hits_plot.h"
 #include "apps/report/figures/model_plots.h"
-#include "apps/report/figures/point_plots.h"
 #include "apps/report/figures/recording_plots.h"
 #include "apps/report/figures/tension_plots.h"
-#include "apps/report/page/share_bars.h"
+#include "apps/report/page/shaded_tables.h"
 #include "signal/modes/modal_synthesis.h"
 
 namespace rigfit::apps {
@@ -45,7 +44,7 @@ void draw_recording(PlotSheet& sheet, const signal::Recording& recording,
 
 void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures) {
   if (figures.places && figures.test && figures.test->hits() > 0) {
-    sheet.add(Block(hit_gallery("hits", *figures.places, *figures.test, Origin::measured)));
+    add_drawn(sheet, hits_plot("hits", *figures.places, *figures.test, Origin::measured));
   }
   const auto& frfs = figures.frfs;
   if (frfs.frequency_hz.size() == 0) return;
@@ -65,17 +64,15 @@ void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures) {
   }
   if (!figures.modal) return;
   const auto& modes = figures.modal->model.modes;
-  add(sheet, points_plot("points", modes, Origin::measured));
-  add(sheet, points_table("points-table", modes, Origin::measured));
   if (const auto& mac = figures.modal->auto_mac; mac.rows() > 1 && frfs.responses.size() > 1) {
     std::vector<std::string> names;
     names.reserve(modes.size());
     for (const auto& mode : modes)
       names.push_back(fmt::format("{:.5g} Hz", mode.frequency_hz.value));
-    sheet.add(Block(matrix_picture("mac", "MAC between the modes",
-                                   "How alike two shapes are at the sensors: near 0 beside the "
-                                   "diagonal when there are enough of them to tell modes apart.",
-                                   mac, names, names)));
+    sheet.add(Block(matrix_table("mac",
+                                 "MAC between the modes: how alike two shapes are at the sensors, "
+                                 "near 0 beside the diagonal when there are enough of them.",
+                                 mac, names, names)));
   }
 }
 
@@ -91,7 +88,6 @@ void draw_bending(PlotSheet& sheet, const ident::BendingCampaign& campaign,
                   const ident::BendingCampaignResult& result) {
   const std::vector<Origin> origins(campaign.sources.size(), Origin::measured);
   add_drawn(sheet, load_deflection_plot("load-deflection", campaign, origins, result));
-  add_drawn(sheet, load_residual_plot("load-residual", campaign, origins, result));
   add_drawn(sheet, stiffness_plot("EI", stiffness_series(result, origins), result));
 }
 
@@ -99,7 +95,6 @@ void draw_axial(PlotSheet& sheet, const ident::AxialInputs& inputs,
                 const ident::AxialCampaignResult& result) {
   if (result.test) {
     add_drawn(sheet, axial_length_plot("EA", *result.test, Origin::measured));
-    add(sheet, axial_budget_picture("EA-budget", *result.test));
   }
   const std::vector<Origin> origins(inputs.recordings.size(), Origin::measured);
   sheet.add(axial_decay_blocks("axial", inputs, result, origins));
@@ -108,21 +103,21 @@ void draw_axial(PlotSheet& sheet, const ident::AxialInputs& inputs,
 void draw_update(PlotSheet& sheet, const std::vector<ident::UpdateState>& states,
                  const ident::UpdateResult& result, const std::vector<ident::HeldOut>& held) {
   const FitFigures fit{states, result, held};
-  add_drawn(sheet, parity_plot("parity", fit));
   add_drawn(sheet, error_by_mode_plot("errors-by-mode", fit));
-  add(sheet, pair_mac_plot("mac", fit));
-  add(sheet, budget_picture("budget", result));
+  add(sheet, budget_table("budget", result));
 }
 
 void draw_tension(PlotSheet& sheet, const ident::TensionResult& result) {
   for (auto& plot : tension_plots("tension", result)) add_drawn(sheet, std::move(plot));
-  ShareBar bar{"tension", shown_estimate(result.tension_N.value, result.tension_N.std) + " N", {}};
+  Shares shares{"tension", {}};
   for (const auto& term : result.budget) {
-    if (std::isfinite(term.std)) bar.parts.emplace_back(term.source, term.std * term.std);
+    if (std::isfinite(term.std)) shares.parts.emplace_back(term.source, term.std * term.std);
   }
-  if (bar.parts.empty()) return;
-  sheet.add(Block(share_bars("tension-budget", "Where the uncertainty of the tension comes from",
-                             "Shares of the variance.", {bar})));
+  if (shares.parts.empty()) return;
+  sheet.add(Block(share_table("tension-budget",
+                              "Where the uncertainty of the tension comes from: shares of its "
+                              "variance.",
+                              {shares})));
 }
 
 void draw_modes(PlotSheet& sheet, const model::Scene& scene, const model::ModalAnalysis& analysis) {

@@ -7,7 +7,6 @@
 
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/decay_plots.h"
-#include "apps/report/page/share_bars.h"
 #include "ident/statistics/uncertainty.h"
 
 namespace rigfit::apps {
@@ -83,16 +82,6 @@ std::vector<Block> axial_decay_blocks(const std::string& id, const ident::AxialI
   auto damping = damping_plot(id + "-damping", decays);
   if (!damping.series.empty()) blocks.emplace_back(std::move(damping));
   return blocks;
-}
-
-std::optional<Picture> axial_budget_picture(const std::string& id,
-                                            const ident::AxialTestResult& result) {
-  ShareBar bar{"EA", shown_estimate(1e-3 * result.EA_N.value, 1e-3 * result.EA_N.std) + " kN", {}};
-  for (const auto& row : result.budget) {
-    if (row.share > 0) bar.parts.emplace_back(row.source, row.share);
-  }
-  if (bar.parts.empty()) return std::nullopt;
-  return share_bars(id, "Where the uncertainty of EA comes from", "Shares of the variance.", {bar});
 }
 
 }  // namespace rigfit::apps

@@ -30,8 +30,4 @@ struct ReferenceValue {
                                                     const ident::AxialCampaignResult& result,
                                                     const std::vector<Origin>& origins);
 
-/// Shares of the variance of EA; none without a budget.
-[[nodiscard]] std::optional<Picture> axial_budget_picture(const std::string& id,
-                                                          const ident::AxialTestResult& result);
-
 }  // namespace rigfit::apps

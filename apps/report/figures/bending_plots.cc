@@ -22,25 +22,6 @@ std::string series_name(const ident::BendingCampaign& campaign, const ident::Ben
   return fmt::format("{:.0f} N: {}", point.point.tension_N, file_of(campaign, point));
 }
 
-/// Load less slope times deflection about its mean, over the straight part of a stroke.
-void add_residuals(PlotSeries& series, const std::vector<double>& load,
-                   const std::vector<double>& deflection, const ident::BendingStroke& stroke) {
-  const auto first = static_cast<std::size_t>(std::max<Eigen::Index>(stroke.used_first, 0));
-  const auto last = std::min(
-      static_cast<std::size_t>(std::max<Eigen::Index>(stroke.used_last, 0)) + 1, load.size());
-  if (first >= last || !std::isfinite(stroke.stiffness_N_m.value)) return;
-  const auto left = [&](std::size_t i) {
-    return load[i] - stroke.stiffness_N_m.value * deflection[i];
-  };
-  double mean = 0;
-  for (std::size_t i = first; i < last; ++i) mean += left(i) / static_cast<double>(last - first);
-  const std::size_t every = 1 + (last - first) / 200;
-  for (std::size_t i = first; i < last; i += every) {
-    series.x.push_back(1e3 * deflection[i]);
-    series.y.push_back(left(i) - mean);
-  }
-}
-
 }  // namespace
 
 Plot load_deflection_plot(const std::string& id, const ident::BendingCampaign& campaign,
@@ -76,52 +57,6 @@ Plot load_deflection_plot(const std::string& id, const ident::BendingCampaign& c
       series.y.push_back(one.record.load_N[i]);
     }
     plot.series.push_back(std::move(series));
-  }
-  return plot;
-}
-
-Plot load_residual_plot(const std::string& id, const ident::BendingCampaign& campaign,
-                        const std::vector<Origin>& origins,
-                        const ident::BendingCampaignResult& result) {
-  Plot plot;
-  plot.id = id;
-  plot.title = "What the straight lines leave";
-  plot.caption =
-      "Load less the straight line of its stroke, where the line was fitted; deflections are those "
-      "at the mean tension. Even noise: the line "
-      "is "
-      "all there is; a bow: the stiffness changes with deflection; steps: the wires or the clamp "
-      "slip.";
-  plot.x_label = "deflection, mm";
-  plot.y_label = "load less line, N";
-  int variant = 0;
-  for (const auto& one : result.points) {
-    if (!one.analysis) continue;
-    PlotSeries series;
-    series.name = series_name(campaign, one);
-    series.origin = origins[one.source];
-    series.variant = variant++;
-    series.style = PlotSeries::Style::points;
-    const double EI = one.point.EI_Nm2, mean = one.analysis->tension_N.value;
-    const double span = campaign.test.span_m.value;
-    std::vector<double> load, deflection;  // strokes count rows without gaps
-    for (Eigen::Index i = 0; i < one.record.load_N.size(); ++i) {
-      const double q = one.record.load_N[i], d = one.record.deflection_m[i];
-      if (!std::isfinite(q) || !std::isfinite(d) || !std::isfinite(one.record.tension_N[i]))
-        continue;
-      // As it would be at the mean tension: the record's own tension rises as the cable is pressed.
-      const double P = one.record.tension_N[i];
-      const double scale = EI > 0 && span > 0 ? ident::midspan_compliance(EI, mean, span) /
-                                                    ident::midspan_compliance(EI, P, span)
-                           : mean > 0 ? P / mean
-                                      : 1;
-      load.push_back(q);
-      deflection.push_back(d * scale);
-    }
-    for (const auto& stroke : one.analysis->strokes) {
-      add_residuals(series, load, deflection, stroke);
-    }
-    if (!series.x.empty()) plot.series.push_back(std::move(series));
   }
   return plot;
 }

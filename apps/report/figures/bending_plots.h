@@ -15,11 +15,6 @@ namespace rigfit::apps {
                                         const std::vector<Origin>& origins,
                                         const ident::BendingCampaignResult& result);
 
-/// What the strokes' straight lines leave of the load, over deflection.
-[[nodiscard]] Plot load_residual_plot(const std::string& id, const ident::BendingCampaign& campaign,
-                                      const std::vector<Origin>& origins,
-                                      const ident::BendingCampaignResult& result);
-
 /// EI of the usable points with 95 % intervals, a series for each origin.
 [[nodiscard]] std::vector<PlotSeries> stiffness_series(const ident::BendingCampaignResult& result,
                                                        const std::vector<Origin>& origins);

@@ -72,7 +72,7 @@ std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& deca
                                  [](const auto& answer) { return answer.response.nonlinear; });
   Plot plot;
   plot.id = id + "-model";
-  plot.title = "Answer in time, test and model";
+  plot.title = "First half second, test and model";
   plot.caption = fmt::format(
       "The record and the model's answer to the same release or tap, {}; the model is moved along "
       "the time axis to where both are most alike, nothing else. Nothing was fitted to this "
@@ -116,12 +116,8 @@ std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& deca
                                                 high_hz, series_of(answer, k, answers.size())));
   }
   if (first < 0) return {};
-  Plot zoom = plot;
-  zoom.id += "-first";
-  zoom.title = "The first moments of it";
-  zoom.caption = "The same, half a second from the start on.";
-  keep_between(zoom, time(first) - 0.02, time(first) + kFirst_s);
-  return {std::move(plot), std::move(zoom), std::move(spectra)};
+  keep_between(plot, time(first) - 0.02, time(first) + kFirst_s);
+  return {std::move(plot), std::move(spectra)};
 }
 
 }  // namespace rigfit::apps

@@ -12,7 +12,7 @@ namespace rigfit::apps {
 
 using ident::ReleaseAnswer;
 
-/// Record and answers: whole, the first half second, and their spectra up to `high_hz` (0: all).
+/// Record and answers over the first half second, and their spectra up to `high_hz` (0: all).
 [[nodiscard]] std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& decay,
                                               const std::vector<ReleaseAnswer>& answers,
                                               double high_hz);

@@ -7,7 +7,8 @@
 #include <limits>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/page/share_bars.h"
+#include "apps/report/page/parameter_words.h"
+#include "apps/report/page/shaded_tables.h"
 
 namespace rigfit::apps {
 namespace {
@@ -48,45 +49,6 @@ std::vector<PlotSeries> each_pair(const FitFigures& fit, Use use) {
 
 }  // namespace
 
-Plot parity_plot(const std::string& id, const FitFigures& fit) {
-  Plot plot;
-  plot.id = id;
-  plot.title = "Model against test, all modes";
-  plot.caption =
-      "On the line the model has the test's frequency. Bars: 95 % of the test's and the fitted "
-      "model's uncertainty together.";
-  plot.x_label = "frequency of the test, Hz";
-  plot.y_label = "frequency of the model, Hz";
-  plot.same_axes = true;
-  double low = std::numeric_limits<double>::infinity(), high = 0;
-  auto list = each_pair(fit, [&](const ident::UpdatedPair& pair, PlotSeries& series, bool fitted) {
-    if (pair.cross_plane) return;
-    series.x.push_back(pair.measured_hz);
-    series.y.push_back(pair.model_hz);
-    low = std::min({low, pair.measured_hz, pair.model_hz});
-    high = std::max({high, pair.measured_hz, pair.model_hz});
-    if (!fitted) return;
-    double variance = 0;
-    for (const double std : {pair.model_std_hz, measured_std(fit, pair)}) {
-      if (std::isfinite(std)) variance += std * std;
-    }
-    const double half =
-        variance > 0 ? kNormal95 * std::sqrt(variance) : std::numeric_limits<double>::quiet_NaN();
-    series.low.push_back(pair.model_hz - half);
-    series.high.push_back(pair.model_hz + half);
-  });
-  if (list.empty()) return plot;
-  plot.log_x = plot.log_y = high > 10 * low;
-  PlotSeries equal;
-  equal.name = "model equals test";
-  equal.origin = Origin::measured;
-  equal.style = PlotSeries::Style::dashed;
-  equal.x = equal.y = {low, high};
-  plot.series.push_back(std::move(equal));
-  for (auto& series : list) plot.series.push_back(std::move(series));
-  return plot;
-}
-
 Plot error_by_mode_plot(const std::string& id, const FitFigures& fit) {
   Plot plot;
   plot.id = id;
@@ -111,37 +73,21 @@ Plot error_by_mode_plot(const std::string& id, const FitFigures& fit) {
   return plot;
 }
 
-std::optional<Picture> budget_picture(const std::string& id, const ident::UpdateResult& result) {
-  std::vector<ShareBar> bars;
+std::optional<ReportTable> budget_table(const std::string& id, const ident::UpdateResult& result) {
+  std::vector<Shares> budgets;
   for (const auto& parameter : result.parameters) {
     if (parameter.budget.empty()) continue;
-    ShareBar bar;
-    bar.name = parameter.name;
-    bar.value = shown_estimate(parameter.value, parameter.std);
-    for (const auto& term : parameter.budget)
-      bar.parts.emplace_back(term.source, term.std * term.std);
-    bars.push_back(std::move(bar));
+    Shares shares{parameter_words(parameter.name), {}};
+    for (const auto& term : parameter.budget) {
+      shares.parts.emplace_back(term.source, term.std * term.std);
+    }
+    budgets.push_back(std::move(shares));
   }
-  if (bars.empty()) return std::nullopt;
-  return share_bars(id, "Where the uncertainty of each parameter comes from",
-                    "Shares of the variance. The longest part is what to improve first.", bars);
-}
-
-std::optional<Plot> pair_mac_plot(const std::string& id, const FitFigures& fit) {
-  Plot plot;
-  plot.id = id;
-  plot.title = "MAC of each pair";
-  plot.caption = "1: the measured shape and the model's are the same at the sensors.";
-  plot.x_label = "frequency of the test, Hz";
-  plot.y_label = "MAC";
-  plot.series =
-      each_pair(fit, [&](const ident::UpdatedPair& pair, PlotSeries& series, bool /*fitted*/) {
-        if (pair.cross_plane || !(pair.mac > 0)) return;
-        series.x.push_back(pair.measured_hz);
-        series.y.push_back(pair.mac);
-      });
-  if (plot.series.empty()) return std::nullopt;
-  return plot;
+  if (budgets.empty()) return std::nullopt;
+  return share_table(id,
+                     "Where the uncertainty of each parameter comes from: shares of its variance. "
+                     "The largest is what to improve first.",
+                     budgets);
 }
 
 }  // namespace rigfit::apps

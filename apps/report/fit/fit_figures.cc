@@ -7,7 +7,7 @@
 
 namespace rigfit::apps {
 
-PlotGroup fit_overlays(const FitOutcome& of, std::vector<ModelCost>& costs) {
+PlotGroup fit_overlays(const FitOutcome& of) {
   PlotGroup group{of.fit.name + "-overlays", "Test and model, laid over each other", {}};
   for (std::size_t s = 0; s < of.states.size(); ++s) {
     const auto& modal = *of.states[s].modal;
@@ -25,9 +25,6 @@ PlotGroup fit_overlays(const FitOutcome& of, std::vector<ModelCost>& costs) {
     const std::string id = fmt::format("{}-{}", of.fit.name, file_word(of.updates[s].name));
     PlotTab tab{of.updates[s].name, {}};
     tab.plots.push_back(frf_overlay_plot(id + "-frf", *modal.recorded, modal.rig, versions));
-    for (auto& plot : hit_overlay_plots(id + "-hit", *modal.recorded, modal.rig, versions, costs)) {
-      tab.plots.push_back(std::move(plot));
-    }
     group.tabs.push_back(std::move(tab));
   }
   return group;

@@ -72,7 +72,7 @@ class Fit {
     add_figures();
     add_pairs(part_, of_);
     add_shapes(part_, of_);
-    if (auto group = fit_overlays(of_, part_.costs); !group.tabs.empty()) {
+    if (auto group = fit_overlays(of_); !group.tabs.empty()) {
       part_.blocks.push_back(std::move(group));
     }
     summary();
@@ -83,12 +83,10 @@ class Fit {
   void add_figures() {
     const FitFigures fit{of_.updates, of_.result, of_.held};
     const std::string& name = of_.fit.name;
-    for (auto plot :
-         {parity_plot(name + "-parity", fit), error_by_mode_plot(name + "-errors-by-mode", fit)}) {
-      if (!plot.series.empty()) part_.blocks.push_back(std::move(plot));
+    if (auto plot = error_by_mode_plot(name + "-errors-by-mode", fit); !plot.series.empty()) {
+      part_.blocks.push_back(std::move(plot));
     }
-    if (auto mac = pair_mac_plot(name + "-mac", fit)) part_.blocks.push_back(std::move(*mac));
-    if (auto budget = budget_picture(name + "-budget", of_.result)) {
+    if (auto budget = budget_table(name + "-budget", of_.result)) {
       part_.blocks.push_back(std::move(*budget));
     }
   }

@@ -10,7 +10,7 @@
 #include "apps/cli/json_document.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/page/parameter_words.h"
-#include "apps/report/page/share_bars.h"
+#include "apps/report/page/shaded_tables.h"
 #include "apps/report/parts/scenes_part.h"
 #include "apps/results/modal_files.h"
 #include "ident/campaign/fit_campaign.h"
@@ -332,13 +332,11 @@ void add_shapes(ReportPart& part, const FitOutcome& of) {
             matrix[i][j].get<double>();
       }
     }
-    part.blocks.push_back(matrix_picture(
+    part.blocks.push_back(matrix_table(
         fmt::format("{}-mac-{}", of.fit.name, s + 1),
-        fmt::format("MAC of shapes, test and fitted model: {}", of.updates[s].name),
-        fmt::format("Rows: measured modes; columns: modes of the fitted model. Compared at the {} "
-                    "sensors; 1: the same shape. Few sensors cannot tell every shape from every "
-                    "other.",
-                    of.states[s].modal->rig.response.size()),
+        fmt::format("MAC of shapes, {}. Rows: measured modes; columns: modes of the fitted model. "
+                    "Compared at the {} sensors; 1: the same shape.",
+                    of.updates[s].name, of.states[s].modal->rig.response.size()),
         values, rows, names));
     part.json["mac"].push_back({{"state", of.updates[s].name}, {"matrix", std::move(matrix)}});
     part.files.push_back(

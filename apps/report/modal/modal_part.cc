@@ -10,61 +10,10 @@
 #include "apps/report/modal/frequency_plots.h"
 #include "apps/report/modal/modal_states.h"
 #include "apps/report/modal/modal_tables.h"
-#include "apps/report/page/share_bars.h"
 #include "apps/results/modal_files.h"
-#include "signal/modes/mac.h"
 
 namespace rigfit::apps {
 namespace {
-
-Json points_json(const Eigen::Matrix3Xd& points, double scale, int digits) {
-  const double unit = std::pow(10, digits);
-  Json list = Json::array();
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    Json point = Json::array();
-    for (int k = 0; k < 3; ++k) point.push_back(std::round(scale * points(k, i) * unit) / unit);
-    list.push_back(std::move(point));
-  }
-  return list;
-}
-
-ShapeViewer shape_viewer(const CampaignTest& test, const std::vector<ModalState>& states) {
-  ShapeViewer viewer;
-  viewer.id = test.name + "-shapes";
-  viewer.caption =
-      "Mode shapes about the hanging equilibrium, displacements enlarged. Drag or use the arrow "
-      "keys to turn; the colour says what moves: cable, beam or both (hybrid).";
-  viewer.states = Json::array();
-  for (const auto& state : states) {
-    Json modes = Json::array();
-    for (std::size_t i = 0; i < state.analysis.modes.size(); ++i) {
-      const auto& mode = state.analysis.modes[i];
-      double largest = 0;
-      for (const auto& shape : mode.shape) {
-        if (shape.displacement.size() > 0) {
-          largest = std::max(largest, shape.displacement.colwise().norm().maxCoeff());
-        }
-      }
-      if (!(largest > 0)) continue;
-      Json members = Json::array();
-      for (std::size_t k = 0; k < mode.shape.size(); ++k) {
-        members.push_back(
-            {{"name", mode.shape[k].member},
-             {"rest", points_json(state.analysis.equilibrium.members[k].positions, 1, 4)},
-             {"shape", points_json(mode.shape[k].displacement, 1 / largest, 3)}});
-      }
-      modes.push_back({{"label", mode_name(state.analysis, i)},
-                       {"frequency_hz", std::round(1e4 * mode.frequency_hz) / 1e4},
-                       {"plane", name_of(mode.plane)},
-                       {"family", name_of(mode.family)},
-                       {"members", std::move(members)}});
-    }
-    if (!modes.empty()) {
-      viewer.states.push_back({{"label", label_of(state)}, {"modes", std::move(modes)}});
-    }
-  }
-  return viewer;
-}
 
 /// The shapes of one state with what was measured of them.
 std::vector<Picture> state_shapes(const CampaignTest& test, const ModalState& state) {
@@ -75,46 +24,6 @@ std::vector<Picture> state_shapes(const CampaignTest& test, const ModalState& st
   }
   return shapes_pictures(fmt::format("{}-shapes-{}", test.name, file_word(label_of(state))),
                          label_of(state), state.rig.scene, state.analysis, measured);
-}
-
-/// MAC of every measured shape with every mode of the model near the measured frequencies; none
-/// where fewer than two sensors measured.
-std::optional<Picture> state_mac(const CampaignTest& test, const ModalState& state) {
-  double highest = 0;
-  std::vector<const MeasuredRow*> measured;
-  for (const auto& row : state.rows) {
-    if (row.shape.size() < 2 || !std::isfinite(row.measured_hz)) continue;
-    measured.push_back(&row);
-    highest = std::max(highest, row.measured_hz);
-  }
-  std::vector<const model::NaturalMode*> modes;
-  for (const auto& mode : state.analysis.modes) {
-    if (mode.sensor_shape.size() < 2 || mode.frequency_hz > 1.15 * highest) continue;
-    modes.push_back(&mode);
-  }
-  if (measured.empty() || modes.empty()) return std::nullopt;
-  const auto name = [](double hz) { return shown(hz, 4) + " Hz"; };
-  std::vector<std::string> rows, columns;
-  rows.reserve(measured.size());
-  columns.reserve(modes.size());
-  for (const auto* row : measured) rows.push_back(name(row->measured_hz));
-  for (const auto* mode : modes) columns.push_back(name(mode->frequency_hz));
-  Eigen::MatrixXd values(static_cast<Eigen::Index>(rows.size()),
-                         static_cast<Eigen::Index>(columns.size()));
-  for (Eigen::Index i = 0; i < values.rows(); ++i) {
-    const auto& shape = measured[static_cast<std::size_t>(i)]->shape;
-    for (Eigen::Index j = 0; j < values.cols(); ++j) {
-      const auto& other = modes[static_cast<std::size_t>(j)]->sensor_shape;
-      values(i, j) =
-          shape.size() == other.size() ? signal::mac(shape, other.cast<std::complex<double>>()) : 0;
-    }
-  }
-  return matrix_picture(
-      fmt::format("{}-mac-{}", test.name, file_word(label_of(state))),
-      "MAC of shapes, test and model: " + label_of(state),
-      "Rows: measured modes; columns: the model's. 1: the same shape at the sensors, 0: nothing in "
-      "common. Few sensors cannot tell every shape from every other.",
-      values, rows, columns);
 }
 
 Json state_json(const CampaignTest& test, const ModalState& state) {
@@ -289,14 +198,10 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
   part.brief = {test.name + "-frequency"};
   part.brief.push_back(pairs.rows.size() <= 14 ? pairs.id : test.name + "-errors");
   part.blocks.push_back(std::move(pairs));
-  for (const auto& state : states) {
-    if (auto mac = state_mac(test, state)) part.blocks.push_back(std::move(*mac));
-  }
   part.blocks.push_back(equilibrium_table(test, states));
   for (const auto& state : states) {
     for (auto& picture : state_shapes(test, state)) part.blocks.push_back(std::move(picture));
   }
-  if (any) part.blocks.push_back(shape_viewer(test, states));
   add_summary(part, test, states);
 
   part.json["test"] = test.name;

@@ -18,14 +18,6 @@ using ident::ModelVersion;
                                     const Instrumented& rig,
                                     const std::vector<ModelVersion>& versions);
 
-/// The recorded hit and what every version answers to its force: whole, and the first moments.
-/// Adds what each computation took to `costs`.
-[[nodiscard]] std::vector<Plot> hit_overlay_plots(const std::string& id,
-                                                  const ident::ModalTestState& recorded,
-                                                  const Instrumented& rig,
-                                                  const std::vector<ModelVersion>& versions,
-                                                  std::vector<ModelCost>& costs);
-
 /// What a response computation did and left out, in words.
 [[nodiscard]] ModelCost response_cost(const std::string& what, const model::ResponseResult& result);
 

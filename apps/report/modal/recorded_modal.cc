@@ -8,8 +8,7 @@
 
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/frf_plots.h"
-#include "apps/report/figures/hit_gallery.h"
-#include "apps/report/figures/point_plots.h"
+#include "apps/report/figures/hits_plot.h"
 #include "apps/report/figures/recording_blocks.h"
 #include "apps/report/modal/modal_part.h"
 #include "apps/results/modal_files.h"
@@ -36,16 +35,6 @@ class HitsShown {
     modes_.caption =
         "Modes identified from the frequency responses, with standard uncertainties. MPC: 1 for a "
         "shape whose points move in step; misfit: what the mode leaves of the response near it.";
-    rejected_columns_.id = test_.name + "-rejected";
-    rejected_columns_.caption =
-        "Poles that stay over the orders of the stabilisation diagram and yet are no mode, with "
-        "the "
-        "test that each failed. A mode that the sensor hardly sees (near its node) ends here too.";
-    rejected_columns_.columns = {{"state", {}, false},
-                                 {"frequency, Hz", {}, true},
-                                 {"damping, %", {}, true},
-                                 {"in the diagram, %", {}, true},
-                                 {"why it is no mode", {}, false}};
   }
 
   void run(ident::ModalTest& analysed, std::size_t files) {
@@ -64,9 +53,9 @@ class HitsShown {
     }
     tell(state.findings, label);
     if (state.hammer.hits() > 0) {
-      galleries_.push_back(
-          hit_gallery(figure_id("hits", label), state.places, state.hammer, state.origin));
-      galleries_.back().title += ": " + label;
+      tabs_.push_back({label, {}});
+      tabs_.back().plots.push_back(
+          hits_plot(figure_id("hits", label), state.places, state.hammer, state.origin));
     }
     for (auto& place : state.places) place.recordings.clear();  // not needed any more
     if (!state.modal) return;
@@ -74,10 +63,6 @@ class HitsShown {
     name_points(state.modal->model.responses, state.modal->model.inputs);
     figures(state, label);
     list_modes(state, label);
-    if (auto table = points_table(figure_id("points-table", label), state.modal->model.modes,
-                                  state.origin)) {
-      point_tables_.push_back(std::move(*table));
-    }
     add_files(state);
     if (!state.has_modes()) return;
     if (++states_ == 1) origin_ = state.origin;
@@ -147,13 +132,10 @@ class HitsShown {
       rebuilt = signal::synthesised(
           modal, frfs.frequency_hz.segment(range.first, range.last - range.first + 1), frfs.form);
     }
-    PlotTab tab{label, {}};
-    tab.plots = frf_figures({test_.name, file_word(label), found.origin}, frfs, range, &modal,
-                            rebuilt ? &*rebuilt : nullptr);
-    if (auto plot = points_plot(figure_id("points", label), modal.model.modes, found.origin)) {
-      tab.plots.push_back(std::move(*plot));
+    for (auto& plot : frf_figures({test_.name, file_word(label), found.origin}, frfs, range, &modal,
+                                  rebuilt ? &*rebuilt : nullptr)) {
+      tabs_.back().plots.push_back(std::move(plot));
     }
-    tabs_.push_back(std::move(tab));
   }
 
   void list_modes(const ident::ModalTestState& found, const std::string& label) {
@@ -193,11 +175,6 @@ class HitsShown {
                           {"presence", column.presence},
                           {"code", column.code},
                           {"reason", column.reason}});
-      rejected_columns_.rows.push_back(
-          {label == last_column_label_ ? "" : label, shown(column.frequency_hz, 4),
-           shown(100 * column.damping_ratio, 2), fmt::format("{:.0f}", 100 * column.presence),
-           column.reason});
-      last_column_label_ = label;
     }
     Json state;
     state["tension_N"] = found.tension_N ? Json(*found.tension_N) : Json(nullptr);
@@ -263,19 +240,12 @@ class HitsShown {
       }
       part_.blocks.push_back(std::move(hits_));
     }
-    for (auto& gallery : galleries_) part_.blocks.push_back(std::move(gallery));
     if (!tabs_.empty()) {
       part_.blocks.push_back(
           PlotGroup{test_.name + "-frfs", "Frequency responses and poles", std::move(tabs_)});
     }
     if (!scene_) part_.brief = {test_.name + "-identified"};
     if (!modes_.rows.empty()) part_.blocks.push_back(std::move(modes_));
-    for (auto& table : point_tables_) part_.blocks.push_back(std::move(table));
-    if (!rejected_columns_.rows.empty()) {
-      rejected_columns_.fold = fmt::format("Columns of the diagram that are no mode: {}, and why",
-                                           rejected_columns_.rows.size());
-      part_.blocks.push_back(std::move(rejected_columns_));
-    }
     part_.json["hits"] = all_hits_;
     part_.json["hits_rejected"] = rejected_;
     part_.summary.push_back(
@@ -291,12 +261,10 @@ class HitsShown {
   const model::Scene* scene_ = nullptr;  ///< null: points keep their numbers
   std::size_t states_ = 0;               ///< that gave modes
   std::optional<Origin> origin_;         ///< of the first of them
-  ReportTable hits_, modes_, rejected_columns_;
-  std::vector<ReportTable> point_tables_;
-  std::vector<Picture> galleries_;
+  ReportTable hits_, modes_;
   std::vector<PlotTab> tabs_;
   std::map<std::string, Json> json_hits_;
-  std::string last_label_, last_column_label_;
+  std::string last_label_;
   int rejected_ = 0, all_hits_ = 0, modes_found_ = 0;
 };
 

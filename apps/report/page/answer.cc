@@ -35,36 +35,6 @@ bool holds(const Answer& answer, double value) {
   return value >= answer.low && value <= answer.high;
 }
 
-/// Text of a LaTeX table: symbols in the maths of LaTeX's own packages, nothing that it would read
-/// as a command.
-std::string latex(const std::string& text) {
-  static constexpr std::pair<const char*, const char*> kSymbols[] = {
-      {"±", "$\\pm$"}, {"²", "$^2$"}, {"³", "$^3$"}, {"ζ", "$\\zeta$"},
-      {"µ", "$\\mu$"}, {"−", "$-$"},  {"–", "--"},   {"°", "$^\\circ$"}};
-  std::string result;
-  for (std::size_t i = 0; i < text.size();) {
-    bool replaced = false;
-    for (const auto& [symbol, command] : kSymbols) {
-      if (!std::string_view(text).substr(i).starts_with(symbol)) continue;
-      result += command;
-      i += std::string_view(symbol).size();
-      replaced = true;
-      break;
-    }
-    if (replaced) continue;
-    const char c = text[i++];
-    if (c == '\\') {
-      result += "\\textbackslash{}";
-    } else if (c == '~' || c == '^') {
-      result += fmt::format("\\{}{{}}", c);
-    } else {
-      if (std::string_view("#$%&_{}").find(c) != std::string_view::npos) result += '\\';
-      result += c;
-    }
-  }
-  return result;
-}
-
 std::string csv_cell(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -133,20 +103,6 @@ nlohmann::ordered_json answer_json(const Answer& answer) {
           {"verdict", verdict_words(answer)},
           {"mode_hz", number(answer.mode_hz)},
           {"reference", answer.reference ? number(*answer.reference) : number(Answer::kNone)}};
-}
-
-std::string answers_latex(const std::vector<Answer>& answers, const std::string& title) {
-  std::string text = fmt::format(
-      "% Needs \\usepackage{{booktabs}}. Values with standard uncertainties, intervals of 95 %.\n"
-      "\\begin{{table}}\n\\caption{{{}}}\n\\begin{{tabular}}{{lllll}}\n\\toprule\n"
-      "Quantity & Value & 95\\,\\% interval & Unit & How known \\\\\n\\midrule\n",
-      latex(title));
-  for (const auto& answer : answers) {
-    text += fmt::format("{} & {} & {} & {} & {} \\\\\n", latex(answer.quantity),
-                        latex(value_words(answer)), latex(interval_words(answer)),
-                        latex(shown_unit(answer)), latex(answer.how));
-  }
-  return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
 }
 
 std::string answers_csv(const std::vector<Answer>& answers) {

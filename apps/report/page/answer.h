@@ -47,9 +47,7 @@ struct Answer {
 /// The same for programs: SI units, null where there is no number.
 [[nodiscard]] nlohmann::ordered_json answer_json(const Answer& answer);
 
-/// A table for a paper (booktabs, siunitx not needed) and one for a spreadsheet.
-[[nodiscard]] std::string answers_latex(const std::vector<Answer>& answers,
-                                        const std::string& title);
+/// A table for a spreadsheet.
 [[nodiscard]] std::string answers_csv(const std::vector<Answer>& answers);
 
 }  // namespace rigfit::apps

@@ -33,10 +33,6 @@ std::string guarded(std::string text) {
   return text;
 }
 
-std::string embedded(const Json& json) {
-  return guarded(json.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
-
 /// A source map is a separate file that no reader of a page has.
 std::string_view without_map(std::string_view text) {
   return text.substr(
@@ -67,7 +63,7 @@ std::string BlockHtml::styles() {
 std::string BlockHtml::scripts() const {
   std::string text =
       "<script type=\"application/json\" id=\"plots\">{" + guarded(plots_) + "}</script>\n";
-  for (const auto script : {assets::dygraph_js, assets::plots_js, assets::shapes_js}) {
+  for (const auto script : {assets::dygraph_js, assets::plots_js}) {
     text += fmt::format("<script>{}</script>\n", without_map(script));
   }
   return text;
@@ -233,27 +229,6 @@ void BlockHtml::values_table(const Plot& plot) {
     }
   }
   html_ += "</tbody></table></div></details>\n";
-}
-
-void BlockHtml::add(const ShapeViewer& viewer) {
-  Json states = viewer.states;
-  if (states.size() > kMostTabs) states.erase(states.begin() + kMostTabs, states.end());
-  html_ += fmt::format(
-      "<figure id=\"{0}\" class=\"shapes\" data-shapes=\"{0}-data\" "
-      "aria-labelledby=\"{0}-title\">"
-      "<h{3} id=\"{0}-title\">Mode shapes, moving</h{3}>\n"
-      "<div class=\"plot-tools\"><label>State <select "
-      "class=\"state\"></select></label><label>Mode "
-      "<select class=\"mode\"></select></label><button type=\"button\" "
-      "class=\"play\">Move</button>"
-      "<span class=\"key\"><span class=\"mark\" style=\"color:var(--cable)\">cable</span><span "
-      "class=\"mark\" style=\"color:var(--beam)\">beam</span><span class=\"mark\" "
-      "style=\"color:var(--hybrid)\">hybrid</span></span></div>\n"
-      "<div class=\"shapes-stage\"><canvas tabindex=\"0\" role=\"img\" aria-label=\"Moving mode "
-      "shape; "
-      "arrow keys turn it\"></canvas></div>\n<figcaption>{1}</figcaption>\n<script "
-      "type=\"application/json\" id=\"{0}-data\">{2}</script></figure>\n",
-      escaped(viewer.id), escaped(viewer.caption), embedded(states), heading_);
 }
 
 }  // namespace rigfit::apps

@@ -21,7 +21,6 @@ class BlockHtml {
   void add(const ReportTable& table);
   void add(const Plot& plot);
   void add(const PlotGroup& group);
-  void add(const ShapeViewer& viewer);
   void add(const Picture& picture);
 
   /// Level of the titles of figures from here on; those within a group are one lower.

@@ -57,13 +57,6 @@ struct PlotGroup {
   std::vector<PlotTab> tabs;
 };
 
-/// Mode shapes in space, drawn and moved by the page.
-struct ShapeViewer {
-  std::string id, caption;
-  Json states;  ///< [{label, modes: [{label, family, plane, frequency_hz, members: [{name, rest:
-                ///< [[x,y,z]..], shape: [[x,y,z]..]}]}]}]
-};
-
 /// A drawing that no axes fit: hits beside each other, a rig, shapes.
 struct Picture {
   std::string id, title, caption;
@@ -72,7 +65,7 @@ struct Picture {
   double width = 760, height = 440;  ///< of the svg, px
 };
 
-using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, ShapeViewer, Picture>;
+using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, Picture>;
 
 /// A line of the summary: a value found or something to know before trusting the rest.
 struct SummaryItem {

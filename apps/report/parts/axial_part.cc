@@ -84,9 +84,6 @@ class AxialPart : public TestPart {
     part_.blocks.push_back(axial_length_plot(test_.name + "-EA", r, origin_, reference_EA()));
     part_.blocks.push_back(length_table(r));
     if (r.alternatives.size() > 1) part_.blocks.push_back(alternatives_table(r));
-    if (auto bars = axial_budget_picture(test_.name + "-budget-bars", r)) {
-      part_.blocks.push_back(std::move(*bars));
-    }
     part_.blocks.push_back(budget_table(r));
     if (r.draws > 0) {
       part_.blocks.push_back(Paragraph{

@@ -8,7 +8,7 @@
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/recording_blocks.h"
 #include "apps/report/figures/tension_plots.h"
-#include "apps/report/page/share_bars.h"
+#include "apps/report/page/shaded_tables.h"
 #include "apps/results/tension_result.h"
 #include "ident/statistics/probability_text.h"
 
@@ -129,14 +129,14 @@ void show_result(ReportPart& part, const CampaignTest& test, const ident::Tensio
   part.blocks.push_back(ends_table(test.name, r));
   part.blocks.push_back(modes_table(test.name, r));
   part.blocks.push_back(formulas_table(test.name, r));
-  ShareBar bar{"tension", shown_estimate(r.tension_N.value, r.tension_N.std) + " N", {}};
+  Shares shares{"tension", {}};
   for (const auto& term : r.budget) {
-    if (std::isfinite(term.std)) bar.parts.emplace_back(term.source, term.std * term.std);
+    if (std::isfinite(term.std)) shares.parts.emplace_back(term.source, term.std * term.std);
   }
-  if (!bar.parts.empty()) {
-    part.blocks.push_back(share_bars(test.name + "-budget",
-                                     "Where the uncertainty of the tension comes from",
-                                     "Shares of the variance.", {bar}));
+  if (!shares.parts.empty()) {
+    part.blocks.push_back(share_table(
+        test.name + "-budget",
+        "Where the uncertainty of the tension comes from: shares of its variance.", {shares}));
   }
   part.blocks.push_back(Paragraph{fmt::format(
       "Along the cable: {} N at the first end, {} N at the second; sag {} m. Irvine's parameter "

@@ -8,7 +8,6 @@
 #include <complex>
 #include <numbers>
 
-#include "apps/report/figures/point_plots.h"
 
 namespace rigfit::apps::frf_plots_test {
 namespace {
@@ -69,34 +68,6 @@ TEST(FrfFigures, AreLinkedAndMarkTheModes) {
     EXPECT_EQ(plot.marks[0].x, 30);
     EXPECT_TRUE(plot.marks[0].doubtful);
   }
-}
-
-TEST(PointFigures, ShowScatterAndTrendOfEachMode) {
-  signal::IdentifiedMode mode;
-  mode.frequency_hz = {300, 0.001};
-  mode.between_points_std_hz = 0.002;
-  mode.trend_hz = {-0.003, 0.0005};
-  mode.has_trend = true;
-  for (int k = 0; k < 5; ++k) {
-    signal::ModeAtPoint at;
-    at.order = k;
-    at.frequency_hz = {300 - 0.003 * (k - 2), 0.0004};
-    mode.points.push_back(at);
-  }
-  const auto plot = points_plot("points", {mode}, Origin::measured);
-  ASSERT_TRUE(plot);
-  ASSERT_EQ(plot->series.size(), 2u);
-  EXPECT_NEAR(plot->series[0].y[0], 20, 1e-6);  // 0.006 / 300 in ppm
-  EXPECT_NEAR(plot->series[1].y[0], 20, 1e-6);  // and so does the trend at the first point
-  EXPECT_NEAR(plot->series[0].high[0] - plot->series[0].low[0], 2 * 1.96 * 0.0004 / 300 * 1e6,
-              1e-3);
-  const auto table = points_table("points-table", {mode}, Origin::measured);
-  ASSERT_TRUE(table);
-  EXPECT_EQ(table->rows[0][1].text, "5");
-  EXPECT_EQ(table->rows[0][4].text, "yes");
-  mode.points.resize(1);
-  EXPECT_FALSE(points_plot("points", {mode}, Origin::measured));
-  EXPECT_FALSE(points_table("points-table", {mode}, Origin::measured));
 }
 
 }  // namespace
