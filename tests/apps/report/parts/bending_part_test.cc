@@ -184,7 +184,6 @@ TEST(BendingPart, PublishedValuesGiveTheVerbsNumbers) {
                                "span = 0.5\ntable = { file = \"EI.csv\", tension = "
                                "\"tension_N\", EI = \"EI_Nm2\" }\n");
     expect_same(said({file}), part);
-    EXPECT_EQ(part["tests"][1]["published_EI_Nm2"], 0.4948);
   }
 }
 
