@@ -4,9 +4,7 @@
 #include <glog/logging.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
@@ -19,6 +17,8 @@
 #include <system_error>
 #include <thread>
 
+#include "apps/cli/command_line.h"
+#include "apps/cli/common_options.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/plots/plot_option.h"
@@ -26,83 +26,9 @@
 #include "apps/cli/terminal.h"
 #include "apps/cli/usage.h"
 #include "apps/cli/verb.h"
-#include "signal/readers/recording_description.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::apps {
 namespace {
-
-struct CommonOptions {
-  std::string json;
-  bool quiet = false;
-  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  std::uint64_t seed = 1;
-};
-
-void add_common(CLI::App& verb, CommonOptions& common) {
-  verb.add_option("--json", common.json, "Write the result as JSON to F; '-' is standard output")
-      ->type_name("F")
-      ->group("Common");
-  verb.add_flag("--quiet", common.quiet, "Print errors only")->group("Common");
-  verb.add_option("--threads", common.threads,
-                  "Threads to use (all processors); the numbers do not depend on it")
-      ->check(CLI::Range(1, 1024))
-      ->group("Common");
-  verb.add_option("--seed", common.seed, "Seed of every random number")
-      ->capture_default_str()
-      ->group("Common");
-}
-
-/// Verbs whose files are recordings.
-constexpr std::array<std::string_view, 9> kReaders = {
-    "inspect", "decay", "frf", "modal", "bending", "axial", "tension", "resample", "new"};
-
-/// What a person says of every file of a run, as in the TOML file beside it.
-struct ReadingOptions {
-  std::string format, decimal, separator, time_unit;
-  std::vector<std::string> variables;
-};
-
-void add_reading(CLI::App& verb, ReadingOptions& reading) {
-  verb.add_option("--format", reading.format, "Format of the files, where their content misleads")
-      ->check(CLI::IsMember(signal::format_names()))
-      ->group("Reading");
-  verb.add_option("--decimal", reading.decimal, "Decimal sign of tables: point or comma")
-      ->group("Reading");
-  verb.add_option("--separator", reading.separator,
-                  "Between columns of tables: comma, semicolon, tab or blank")
-      ->group("Reading");
-  verb.add_option("--time-unit", reading.time_unit, "Unit of the time column: s, ms, us, min")
-      ->group("Reading");
-  verb.add_option("--variable", reading.variables, "Arrays to take of .mat files")
-      ->type_name("NAME")
-      ->group("Reading");
-}
-
-signal::ReadOptions read_options(const ReadingOptions& given) {
-  signal::ReadOptions options;
-  options.format = given.format;
-  options.variables = given.variables;
-  const auto sign = [](const std::string& text, const char* option, std::string_view allowed) {
-    if (text.empty()) return char{0};
-    const char found = signal::sign_named(text);
-    if (found == 0 || allowed.find(found) == std::string_view::npos) {
-      throw UsageError(std::string(option) + " does not know \"" + text + "\"");
-    }
-    return found;
-  };
-  options.decimal = sign(given.decimal, "--decimal", ".,");
-  options.separator = sign(given.separator, "--separator", ",;\t ");
-  if (!given.time_unit.empty()) {
-    const auto unit = signal::parse_unit(given.time_unit);
-    if (!unit || unit->quantity != signal::Quantity::time) {
-      throw UsageError("--time-unit: \"" + given.time_unit +
-                       "\" is no unit of time (s, ms, us, min)");
-    }
-    options.time_unit_s = unit->factor;
-  }
-  return options;
-}
 
 /// Standard input, which "-" names among the files, as a file; removed with the object.
 class StandardInput {
@@ -117,8 +43,8 @@ class StandardInput {
 
   /// Puts the file in place of "-", where this is no option's value.
   void replace(std::vector<std::string>& arguments) {
-    for (std::size_t k = 1; k < arguments.size(); ++k) {
-      if (arguments[k] != "-" || arguments[k - 1].starts_with("--")) continue;
+    for (std::size_t k = 0; k < arguments.size(); ++k) {
+      if (arguments[k] != "-" || (k > 0 && arguments[k - 1].starts_with("--"))) continue;
       if (!folder_.empty()) throw UsageError("standard input (-) can be read once only");
       std::string name = (std::filesystem::temp_directory_path() / "rigfit-XXXXXX").string();
       if (::mkdtemp(name.data()) == nullptr)
@@ -141,77 +67,69 @@ class NullBuffer : public std::streambuf {
 };
 
 int run(int argc, char** argv) {
-  CLI::App program{
-      "Test-rig recordings to identified parameters, a segment model and a report of model against "
-      "test.",
-      "rigfit"};
-  program.set_version_flag("--version", RIGFIT_VERSION);
-  program.require_subcommand(1);
-  program.option_defaults()->always_capture_default(false);
-
-  program.formatter(help_formatter());
-
-  Verbs verbs;
-  add_all_verbs(program, verbs);
+  Verbs verbs = all_verbs();
   CommonOptions common;
   PlotCommand plots;
   ReadingOptions reading;
   for (auto& verb : verbs) {
-    if (std::find(kReaders.begin(), kReaders.end(), verb.app->get_name()) != kReaders.end()) {
-      add_reading(*verb.app, reading);
-    }
-    add_common(*verb.app, common);
-    if (verb.draws) add_plot_option(*verb.app, plots);
+    const auto add = [&](const describe::Options& more) {
+      verb.options.insert(verb.options.end(), more.begin(), more.end());
+    };
+    if (verb.reads) add(options_of(reading));
+    add(options_of(common));
+    if (verb.draws) add(options_of(plots));
   }
 
   std::vector<std::string> arguments(argv + 1, argv + argc);
   if (arguments.empty()) {
-    static_cast<void>(help(program, verbs, {}, std::cerr));
+    std::cerr << program_help(verbs, text_width());
     return static_cast<int>(ExitCode::wrong_usage);
   }
-  if (arguments.front() == "help") {
-    return help(program, verbs, {arguments.begin() + 1, arguments.end()}, std::cout);
+  const auto asks = [](const std::string& text) { return text == "--help" || text == "-h"; };
+  const std::string word = arguments.front();
+  arguments.erase(arguments.begin());
+  if (word == "--version") {
+    std::cout << RIGFIT_VERSION << '\n';
+    return 0;
+  }
+  if (word == "help" || asks(word)) {
+    help(verbs, arguments, std::cout);
+    return 0;
+  }
+  const Verb& verb = verb_named(verbs, word);
+  if (std::any_of(arguments.begin(), arguments.end(), asks)) {
+    std::cout << verb_help(verb, text_width());
+    return 0;
   }
   StandardInput standard_input;
   standard_input.replace(arguments);
+  parse_options(verb, arguments);
 
-  try {
-    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
-    program.parse(reversed);
-  } catch (const CLI::CallForHelp& help) {
-    return program.exit(help);
-  } catch (const CLI::CallForVersion& version) {
-    return program.exit(version);
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(usage_error(verbs, arguments, error.what()));
-  }
-
-  const auto chosen =
-      std::find_if(verbs.begin(), verbs.end(), [](const Verb& verb) { return verb.app->parsed(); });
   NullBuffer nothing;
   std::ostream sink(&nothing);
   ResultBuffer result_buffer(std::cout.rdbuf());
   std::ostream results(&result_buffer);
   VerbContext context(common.quiet || common.json == "-" ? sink : results);
   context.quiet = common.quiet;
+  context.verbose = common.verbose;
   context.threads = common.threads;
   context.seed = common.seed;
   context.reading = read_options(reading);
   context.command.assign(argv, argv + argc);
 
   prepare_plots(context, plots);
-  std::optional<ProgressClock> clock(std::in_place, chosen->app->get_name(), context.quiet);
+  std::optional<ProgressClock> clock(std::in_place, verb.name, context.quiet);
   Json result = Json::object();
   try {
-    result = chosen->run(context);
+    result = verb.run(context);
   } catch (const Refused& error) {
     context.refuse(error.code(), error.what());
   } catch (const NotConverged& error) {
     context.fail(error.what());
   }
-  write_plots(context, plots, chosen->app->get_name());
+  write_plots(context, plots, verb.name);
   clock.reset();
-  const Json document = json_document(context, chosen->app->get_name(), std::move(result));
+  const Json document = json_document(context, verb.name, std::move(result));
   if (common.json == "-") {
     std::cout << document.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   } else if (!common.json.empty()) {

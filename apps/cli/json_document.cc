@@ -42,12 +42,15 @@ Json json_document(const VerbContext& context, const std::string& verb, Json res
     inputs.push_back({{"path", input.path}, {"sha256", input.sha256}});
   }
   document["inputs"] = std::move(inputs);
-  Json warnings = Json::array();
-  for (const auto& warning : context.warnings()) {
-    warnings.push_back(
-        {{"code", warning.code}, {"message", warning.message}, {"where", warning.where}});
-  }
-  document["warnings"] = std::move(warnings);
+  const auto list = [](const std::vector<Warning>& findings) {
+    Json all = Json::array();
+    for (const auto& one : findings) {
+      all.push_back({{"code", one.code}, {"message", one.message}, {"where", one.where}});
+    }
+    return all;
+  };
+  document["warnings"] = list(context.warnings());
+  document["notes"] = list(context.notes());
   if (context.exit_code != ExitCode::done) document["error"] = error_json(context);
   replace_non_finite(result);
   for (auto& [key, value] : result.items()) document[key] = std::move(value);

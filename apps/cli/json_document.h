@@ -5,9 +5,10 @@
 
 namespace rigfit::apps {
 
-/// `{rigfit, command, inputs[], warnings[], error, ...result}`. `error`, `{exit_code, code,
-/// message, where}`, is there when the run ends with another exit code than 0: the first warning
-/// that refused or that says what did not converge. Non-finite numbers in `result` become null.
+/// `{rigfit, command, inputs[], warnings[], notes[], error, ...result}`. `error`, `{exit_code,
+/// code, message, where}`, is there when the run ends with another exit code than 0: the first
+/// warning that refused or that says what did not converge. Non-finite numbers in `result` become
+/// null.
 [[nodiscard]] Json json_document(const VerbContext& context, const std::string& verb, Json result);
 
 /// null when not finite.

@@ -1,8 +1,11 @@
 #include "apps/cli/usage.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/key_reference.h"
@@ -10,37 +13,69 @@
 
 namespace rigfit::apps {
 namespace {
+using describe::Option;
 
-const Verb* verb_named(const Verbs& verbs, const std::string& name) {
-  const auto at = std::find_if(verbs.begin(), verbs.end(),
-                               [&](const Verb& verb) { return verb.app->get_name() == name; });
-  return at == verbs.end() ? nullptr : &*at;
-}
+constexpr const char* kDoes =
+    "Identify cable and beam parameters from test recordings, fit a model, report model vs test.";
 
 std::vector<std::string> names_of(const Verbs& verbs) {
   std::vector<std::string> names;
-  for (const auto& verb : verbs) names.push_back(verb.app->get_name());
+  for (const auto& verb : verbs) names.push_back(verb.name);
   return names;
-}
-
-/// "--band", "-h" ... of a verb, in its order.
-std::vector<std::string> options_of(const Verb& verb) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : std::as_const(*verb.app).get_options()) {
-    for (const auto& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  return names;
-}
-
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& words) {
-  const auto nearest = document::nearest_word(word, words);
-  return nearest ? "; did you mean " + *nearest + "?" : "";
 }
 
 std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const auto& word : words) text += (text.empty() ? "" : " ") + word;
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+bool by_place(const Option& option) { return !option.name.starts_with("--"); }
+
+/// "--length L ...", "FILE ...".
+std::string synopsis(const Option& option) {
+  const std::string kind = option.kind();
+  std::string text = option.name;
+  if (by_place(option)) {
+    std::transform(text.begin(), text.end(), text.begin(), [](char c) { return std::toupper(c); });
+  } else if (!option.placeholder.empty()) {
+    text += " " + option.placeholder;
+  } else if (!option.words.empty()) {
+    text += fmt::format(" {}", fmt::join(option.words, "|"));
+  } else if (kind != "flag") {
+    text += option.is_file ? " FILE" : kind == "integer" ? " N" : kind[0] == 'n' ? " X" : " WORD";
+  }
+  return (kind == "numbers" || kind == "texts") && option.numbers == 0 ? text + " ..." : text;
+}
+
+/// The meaning with limits and default in brackets.
+std::string meaning(const Option& option) {
+  std::vector<std::string> more;
+  if (option.is_required && !by_place(option)) more.emplace_back("required");
+  if (const auto range = range_text(option);
+      range.starts_with("from ") && range.find(" to ") != range.npos) {
+    more.push_back(range.substr(5));
+  }
+  if (const auto value = option.default_text(); !value.empty()) more.push_back("default " + value);
+  std::string text = option.text();
+  if (!more.empty()) text += fmt::format(" ({})", fmt::join(more, "; "));
   return text;
+}
+
+void add_options(std::string& text, const describe::Options& options, const std::string& heading,
+                 std::size_t width) {
+  constexpr std::size_t kIndent = 26;
+  bool any = false;
+  for (const auto& option : options) {
+    if (option.heading != heading) continue;
+    if (!any) text += "\n" + (heading.empty() ? std::string("Options") : heading) + ":\n";
+    any = true;
+    std::string line = "  " + synopsis(option);
+    if (line.size() + 2 > kIndent) {
+      text += wrapped(line, 6, width) + "\n";
+      line.clear();
+    }
+    line.resize(kIndent, ' ');
+    text += wrapped(line + meaning(option), kIndent, width) + "\n";
+  }
 }
 
 /// Text for roff: backslashes, and lines that begin with a control character.
@@ -60,100 +95,113 @@ std::string roff(const std::string& text) {
   return out;
 }
 
-/// "NUMBER in [0 - 1]" for CLI11's "FLOAT:FLOAT in [0 - 1]", "FILE" for "TEXT:FILE".
-std::string plain_type(const std::string& type) {
-  const auto colon = type.find(':');
-  std::string word = type.substr(0, colon);
-  const std::string check = colon == std::string::npos ? "" : type.substr(colon + 1);
-  if (word == "FLOAT") word = "NUMBER";
-  if (word == "INT" || word == "UINT") word = "INTEGER";
-  if (const auto range = check.find(" in ["); range != std::string::npos) {
-    return word + check.substr(range);
-  }
-  if (check == "POSITIVE" || check == "NONNEGATIVE") return check + " " + word;
-  return word == "TEXT" && !check.empty() ? check : word;
-}
-
-class HelpFormatter : public CLI::Formatter {
- public:
-  std::string make_option_opts(const CLI::Option* option) const override {
-    std::string text = CLI::Formatter::make_option_opts(option);
-    const std::string type = option->get_type_name();
-    const auto at = type.empty() ? std::string::npos : text.find(type);
-    if (at != std::string::npos) text.replace(at, type.size(), plain_type(type));
-    return text;
-  }
-  std::string make_option_usage(const CLI::Option* option) const override {
-    const std::string name = option->get_name(true) + (option->get_expected_max() > 1 ? "..." : "");
-    return option->get_required() ? name : "[" + name + "]";
-  }
-};
-
 }  // namespace
 
-std::shared_ptr<CLI::FormatterBase> help_formatter() { return std::make_shared<HelpFormatter>(); }
-
-int help(CLI::App& program, const Verbs& verbs, const std::vector<std::string>& arguments,
-         std::ostream& out) {
-  if (arguments.empty()) {
-    out << program.help() << "\nrigfit help VERB: options and an example. rigfit help "
-        << "scene|campaign|sidecar: every key of these files.\n";
-    return 0;
-  }
-  const std::string& word = arguments.front();
-  if (const Verb* verb = verb_named(verbs, word)) {
-    out << verb->app->help(program.get_name());
-    return 0;
-  }
-  if (const auto text = key_reference(word); !text.empty()) {
-    out << text;
-    return 0;
-  }
-  if (word == "completion") {
-    const std::string shell = arguments.size() > 1 ? arguments[1] : "";
-    if (shell == "bash" || shell == "zsh") {
-      out << (shell == "bash" ? bash_completion(verbs) : zsh_completion(verbs));
-      return 0;
-    }
-    throw UsageError("help completion bash, or help completion zsh");
-  }
-  if (word == "man") {
-    const Verb* const verb = arguments.size() > 1 ? verb_named(verbs, arguments[1]) : nullptr;
-    if (arguments.size() > 1 && verb == nullptr) {
-      throw UsageError("there is no verb \"" + arguments[1] + "\"" +
-                       did_you_mean(arguments[1], names_of(verbs)));
-    }
-    out << man_page(program, verbs, verb, RIGFIT_VERSION);
-    return 0;
-  }
-  auto known = names_of(verbs);
-  for (const char* other : {"scene", "campaign", "sidecar", "completion", "man"}) {
-    known.emplace_back(other);
-  }
-  throw UsageError("no help on \"" + word + "\"" + did_you_mean(word, known) +
-                   " There is help on: " + joined(known));
+std::size_t text_width() {
+  winsize size{};
+  const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col >= 40;
+  return known ? size.ws_col : 80;
 }
 
-std::string usage_error(const Verbs& verbs, const std::vector<std::string>& arguments,
-                        const std::string& message) {
-  const auto word = std::find_if(arguments.begin(), arguments.end(), [](const std::string& text) {
-    return !text.empty() && text.front() != '-';
-  });
-  if (word == arguments.end()) return message;
-  const Verb* const verb = verb_named(verbs, *word);
-  if (verb == nullptr) {
-    return fmt::format("there is no verb \"{}\"{}\nrigfit help lists the verbs.", *word,
-                       did_you_mean(*word, names_of(verbs)));
+std::string wrapped(const std::string& text, std::size_t indent, std::size_t width) {
+  std::string result;
+  std::size_t column = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line); column = 0) {
+    if (!result.empty()) result += '\n';
+    const bool kept = indent == 0 && line.starts_with(' ');
+    std::size_t at = 0;
+    while (!kept && line.size() - at > width - column) {
+      // What stands before the indentation is never parted from its text.
+      const std::size_t least = at + (at == 0 && indent > 0 ? indent : 1);
+      std::size_t cut = line.rfind(' ', at + width - column);
+      if (cut == std::string::npos || cut < least) cut = line.find(' ', least);
+      if (cut == std::string::npos) break;
+      result += line.substr(at, cut - at) + '\n' + std::string(indent, ' ');
+      column = indent;
+      at = cut + 1;
+    }
+    result += line.substr(at);
   }
-  for (const auto& text : arguments) {
-    if (text.size() < 3 || text.substr(0, 2) != "--") continue;
-    const std::string name = text.substr(0, text.find('='));
-    const auto known = options_of(*verb);
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    return fmt::format("rigfit {} has no option {}{}\nrigfit help {} lists its options.", *word,
-                       name, did_you_mean(name, known), *word);
+  return result;
+}
+
+std::vector<std::string> names_of(const describe::Options& options) {
+  std::vector<std::string> names;
+  for (const auto& option : options) {
+    if (!by_place(option)) names.push_back(option.name);
   }
-  return message + "\nrigfit help " + *word + " says how it is used.";
+  return names;
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& words) {
+  const auto nearest = document::nearest_word(word, words);
+  return nearest ? "; did you mean " + *nearest + "?" : "";
+}
+
+const Verb& verb_named(const Verbs& verbs, const std::string& name) {
+  const auto at =
+      std::find_if(verbs.begin(), verbs.end(), [&](const Verb& verb) { return verb.name == name; });
+  if (at != verbs.end()) return *at;
+  throw UsageError(fmt::format("there is no verb \"{}\"{}\nrigfit help lists the verbs.", name,
+                               did_you_mean(name, names_of(verbs))));
+}
+
+std::string program_help(const Verbs& verbs, std::size_t width) {
+  std::string text = wrapped(kDoes, 0, width) + "\n\nUsage: rigfit VERB ...\n\nVerbs:\n";
+  for (const auto& verb : verbs) {
+    text += wrapped(fmt::format("  {:<12}{}", verb.name, verb.does), 14, width) + "\n";
+  }
+  return text + '\n' +
+         wrapped(
+             "rigfit help VERB: options and an example. rigfit help scene|campaign|sidecar: "
+             "every key of these files.\n",
+             0, width) +
+         "\n";
+}
+
+std::string verb_help(const Verb& verb, std::size_t width) {
+  std::string usage = "Usage: rigfit " + verb.name;
+  for (const auto& option : verb.options) {
+    if (by_place(option) || option.is_required) usage += " " + synopsis(option);
+  }
+  std::string text =
+      wrapped(verb.does, 0, width) + "\n\n" + wrapped(usage + " [OPTIONS]", 4, width) + "\n";
+  std::vector<std::string> headings{""};
+  for (const auto& option : verb.options) {
+    if (std::find(headings.begin(), headings.end(), option.heading) == headings.end()) {
+      headings.push_back(option.heading);
+    }
+  }
+  for (const auto& heading : headings) add_options(text, verb.options, heading, width);
+  return verb.example.empty() ? text : text + '\n' + wrapped(verb.example, 0, width) + '\n';
+}
+
+void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::ostream& out) {
+  const std::string word = arguments.empty() ? "" : arguments[0];
+  const std::string more = arguments.size() > 1 ? arguments[1] : "";
+  if (word.empty()) {
+    out << program_help(verbs, text_width());
+  } else if (const auto keys = key_reference(word); !keys.empty()) {
+    out << keys;
+  } else if (word == "completion") {
+    if (more != "bash" && more != "zsh") {
+      throw UsageError("help completion bash, or help completion zsh");
+    }
+    out << (more == "bash" ? bash_completion(verbs) : zsh_completion(verbs));
+  } else if (word == "man") {
+    out << man_page(verbs, more.empty() ? nullptr : &verb_named(verbs, more), RIGFIT_VERSION);
+  } else {
+    auto known = names_of(verbs);
+    if (std::find(known.begin(), known.end(), word) == known.end()) {
+      for (const char* other : {"scene", "campaign", "sidecar", "completion", "man"}) {
+        known.emplace_back(other);
+      }
+      throw UsageError("no help on \"" + word + "\"" + did_you_mean(word, known) +
+                       " There is help on: " + joined(known));
+    }
+    out << verb_help(verb_named(verbs, word), text_width());
+  }
 }
 
 std::string bash_completion(const Verbs& verbs) {
@@ -166,7 +214,7 @@ std::string bash_completion(const Verbs& verbs) {
           " help --version\" -- \"$word\"))\n";
   text += "    return\n  fi\n  case \"${COMP_WORDS[1]}\" in\n";
   for (const auto& verb : verbs) {
-    text += "    " + verb.app->get_name() + ") options=\"" + joined(options_of(verb)) + "\" ;;\n";
+    text += "    " + verb.name + ") options=\"" + joined(names_of(verb.options)) + "\" ;;\n";
   }
   text += "    help) options=\"" + joined(names_of(verbs)) + " scene campaign sidecar\" ;;\n";
   text +=
@@ -191,45 +239,38 @@ std::string zsh_completion(const Verbs& verbs) {
   text +=
       "    compadd " + joined(names_of(verbs)) + " help\n    return\n  fi\n  case $words[2] in\n";
   for (const auto& verb : verbs) {
-    text += "    " + verb.app->get_name() + ") [[ $PREFIX == -* ]] && compadd -- " +
-            joined(options_of(verb)) + " || _files ;;\n";
+    text += "    " + verb.name + ") [[ $PREFIX == -* ]] && compadd -- " +
+            joined(names_of(verb.options)) + " || _files ;;\n";
   }
   text += "    help) compadd " + joined(names_of(verbs)) + " scene campaign sidecar ;;\n";
   text += "  esac\n}\n_rigfit \"$@\"\n";
   return text;
 }
 
-std::string man_page(const CLI::App& program, const Verbs& verbs, const Verb* verb,
-                     const std::string& version) {
-  const std::string title = verb == nullptr ? "rigfit" : "rigfit-" + verb->app->get_name();
-  const CLI::App& app = verb == nullptr ? program : *verb->app;
+std::string man_page(const Verbs& verbs, const Verb* verb, const std::string& version) {
+  const std::string title = verb == nullptr ? "rigfit" : "rigfit-" + verb->name;
   std::string text =
       fmt::format(".TH \"{}\" 1 \"\" \"rigfit {}\" \"rigfit\"\n.SH NAME\n{} \\- {}\n", roff(title),
-                  version, roff(title), roff(app.get_description()));
+                  version, roff(title), roff(verb == nullptr ? kDoes : verb->does));
+  const auto entry = [&](const std::string& word, const std::string& says) {
+    text += fmt::format(".TP\n.B {}\n{}\n", roff(word), roff(says));
+  };
   if (verb == nullptr) {
     text += ".SH SYNOPSIS\n.B rigfit\nVERB [ARGUMENTS]\n.SH VERBS\n";
-    for (const auto& one : verbs) {
-      text += fmt::format(".TP\n.B {}\n{}\n", roff(one.app->get_name()),
-                          roff(one.app->get_description()));
-    }
+    for (const auto& one : verbs) entry(one.name, one.does);
     text += ".PP\nEach verb has a page of its own: rigfit\\-VERB(1).\n";
   } else {
-    text += fmt::format(".SH SYNOPSIS\n.B rigfit {}\n", verb->app->get_name());
-    for (const CLI::Option* option : std::as_const(*verb->app).get_options()) {
-      if (option->get_positional()) text += roff(option->get_name(true, false)) + "\n";
+    text += fmt::format(".SH SYNOPSIS\n.B rigfit {}\n", verb->name);
+    for (const auto& option : verb->options) {
+      if (by_place(option)) text += roff(synopsis(option)) + "\n";
     }
     text += "[OPTIONS]\n.SH OPTIONS\n";
-    for (const CLI::Option* option : std::as_const(*verb->app).get_options()) {
-      text += fmt::format(".TP\n.B {}\n{}\n", roff(option->get_name(true, true)),
-                          roff(option->get_description()));
-    }
-    if (!app.get_footer().empty()) text += ".SH NOTES\n.nf\n" + roff(app.get_footer()) + "\n.fi\n";
+    for (const auto& option : verb->options) entry(synopsis(option), meaning(option));
+    if (!verb->example.empty()) text += ".SH NOTES\n.nf\n" + roff(verb->example) + "\n.fi\n";
   }
-  text +=
-      ".SH EXIT STATUS\n0 done; 2 wrong usage; 3 an input cannot be read; 4 refused: the data "
-      "cannot "
-      "support what was asked; 5 did not converge; 1 an internal error.\n";
-  return text;
+  return text +
+         ".SH EXIT STATUS\n0 done; 2 usage error; 3 unreadable input; 4 refused: the data cannot "
+         "support what was asked; 5 did not converge; 1 an internal error.\n";
 }
 
 }  // namespace rigfit::apps

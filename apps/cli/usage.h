@@ -1,9 +1,8 @@
-// What the program says of itself: help by `rigfit help WORD`, the word most like a misspelt verb
-// or option, completion of bash and zsh, man pages. All of it from the options that CLI11 parses.
+// What the program says of itself: help by `rigfit help WORD`, the word most like a misspelt one,
+// completion of bash and zsh, manual pages. All of it from the described options of the verbs.
 #pragma once
 
-#include <memory>
-#include <optional>
+#include <cstddef>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -12,26 +11,34 @@
 
 namespace rigfit::apps {
 
-/// Answers `rigfit help ...` (`arguments`: what stands behind "help"). Returns the exit code.
-[[nodiscard]] int help(CLI::App& program, const Verbs& verbs,
-                       const std::vector<std::string>& arguments, std::ostream& out);
+/// Columns of the terminal that standard output is; 80 elsewhere.
+[[nodiscard]] std::size_t text_width();
 
-/// Help with types in words ("NUMBER in [0 - 1]"). Verbs added to a program after it was set have
-/// it too.
-[[nodiscard]] std::shared_ptr<CLI::FormatterBase> help_formatter();
+/// `text` broken at blanks to `width` columns, every line but the first begun with `indent` blanks;
+/// lines that begin with a blank (commands) stay as they are.
+[[nodiscard]] std::string wrapped(const std::string& text, std::size_t indent, std::size_t width);
 
-/// What is wrong with a command line that CLI11 refused, with the nearest word where a verb or an
-/// option is misspelt; `message`: CLI11's own.
-[[nodiscard]] std::string usage_error(const Verbs& verbs, const std::vector<std::string>& arguments,
-                                      const std::string& message);
+[[nodiscard]] std::string program_help(const Verbs& verbs, std::size_t width);
+[[nodiscard]] std::string verb_help(const Verb& verb, std::size_t width);
+
+/// Answers `rigfit help ...` (`arguments`: what stands behind "help"). Throws UsageError.
+void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::ostream& out);
+
+/// The verb of that name; throws UsageError with the nearest.
+[[nodiscard]] const Verb& verb_named(const Verbs& verbs, const std::string& name);
+
+/// "; did you mean --channel?", or nothing where none is near.
+[[nodiscard]] std::string did_you_mean(const std::string& word,
+                                       const std::vector<std::string>& words);
+
+[[nodiscard]] std::vector<std::string> names_of(const describe::Options& options);
 
 /// Completion scripts: verbs, their options, files.
 [[nodiscard]] std::string bash_completion(const Verbs& verbs);
-/// The same for zsh.
 [[nodiscard]] std::string zsh_completion(const Verbs& verbs);
 
 /// Manual page in roff: of the program, or of a verb.
-[[nodiscard]] std::string man_page(const CLI::App& program, const Verbs& verbs, const Verb* verb,
+[[nodiscard]] std::string man_page(const Verbs& verbs, const Verb* verb,
                                    const std::string& version);
 
 }  // namespace rigfit::apps

@@ -1,27 +1,41 @@
-// What a verb is: options bound to the command line, and a function from them to its JSON result.
+// What a verb is: described options, and a function from them to its JSON result.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/cli/verb_context.h"
+#include "apps/describe/option.h"
 
 namespace rigfit::apps {
 
 using Json = nlohmann::ordered_json;
 
 struct Verb {
-  CLI::App* app = nullptr;
-  std::function<Json(VerbContext&)>
-      run;             ///< the verb's own keys; the envelope is added around them
+  std::string name, does;
+  std::string example;  ///< below the options in its help
+  describe::Options options;
+  /// The verb's own keys; the envelope is added around them.
+  std::function<Json(VerbContext&)> run;
   bool draws = false;  ///< takes --plot: adds figures to VerbContext::plots
+  bool reads = false;  ///< its files are recordings: takes the options of reading
 };
 
 using Verbs = std::vector<Verb>;
 
-/// Adds every verb, with its options, to the program (verbs/all.cc lists them).
-void add_all_verbs(CLI::App& program, Verbs& verbs);
+/// A verb of a struct of options, for which there is `options_of`.
+template <class Command, class Run>
+[[nodiscard]] Verb verb_of(std::string name, std::string does, std::string example, Run run) {
+  auto command = std::make_shared<Command>();
+  return {std::move(name), std::move(does), std::move(example), options_of(*command),
+          [command, run](VerbContext& context) { return run(*command, context); }};
+}
+
+/// Every verb, in the order in which a person goes from recordings to a report.
+[[nodiscard]] Verbs all_verbs();
 
 }  // namespace rigfit::apps

@@ -29,8 +29,9 @@ Input stamp_of(const std::string& path) {
 }  // namespace
 
 void VerbContext::warn(std::string code, std::string message, std::string where) {
-  unsaid_.push_back(warnings_.size());
-  warnings_.push_back({std::move(code), std::move(message), std::move(where)});
+  const bool note = is_note(code);
+  if (!note) unsaid_.push_back(warnings_.size());
+  (note ? notes_ : warnings_).push_back({std::move(code), std::move(message), std::move(where)});
 }
 
 void VerbContext::refuse(std::string code, std::string message, std::string where) {
@@ -59,9 +60,12 @@ void VerbContext::say_warnings() const {
   unsaid.reserve(unsaid_.size());
   for (const std::size_t k : unsaid_) unsaid.push_back(warnings_[k]);
   if (!unsaid.empty()) Progress::erase();
-  for (const auto& line : warning_lines(unsaid)) {
+  for (const auto& line : warning_lines(unsaid, verbose ? unsaid.size() : 5)) {
     std::cerr << on_terminal(Colour::yellow, "warning:") << ' ' << line << '\n';
   }
+  if (!verbose) return;
+  for (const auto& line : warning_lines(notes_, notes_.size()))
+    std::cerr << "note: " << line << '\n';
 }
 
 void VerbContext::tell(const std::vector<ident::Finding>& findings) {

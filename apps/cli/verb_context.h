@@ -39,7 +39,8 @@ class VerbContext {
 
   std::ostream& out;  ///< for people; a sink when JSON goes to standard output or with --quiet
   bool quiet = false;
-  bool silent = false;  ///< nothing on standard error: the caller takes all from warnings()
+  bool verbose = false;  ///< every warning and the notes on standard error
+  bool silent = false;   ///< nothing on standard error: the caller takes all from warnings()
   int threads = 1;
   std::uint64_t seed = 1;
   signal::ReadOptions reading;       ///< of every recording, by the command line
@@ -49,8 +50,8 @@ class VerbContext {
   ExitCode exit_code = ExitCode::done;
   std::shared_ptr<PlotSheet> plots;  ///< figures of the run, where --plot asks for them; else null
 
-  /// Recorded in the document and, unless quiet, said on standard error at the end: those of one
-  /// code in one line.
+  /// A finding of the document, a warning or a note by its code (warning_lines.h). Warnings are
+  /// said on standard error at the end, unless quiet.
   void warn(std::string code, std::string message, std::string where = "");
   /// A warning that also ends the run with exit code 4: part of what was asked cannot be had.
   void refuse(std::string code, std::string message, std::string where = "");
@@ -67,12 +68,13 @@ class VerbContext {
   void write(const std::filesystem::path& path, std::string_view content) const;
 
   const std::vector<Warning>& warnings() const { return warnings_; }
+  const std::vector<Warning>& notes() const { return notes_; }
   const std::vector<Input>& inputs() const { return inputs_; }
 
  private:
   void say_warnings() const;
 
-  std::vector<Warning> warnings_;
+  std::vector<Warning> warnings_, notes_;
   std::vector<std::size_t> unsaid_;  ///< places of warnings to be said at the end
   std::vector<Input> inputs_;
   std::unordered_set<std::string> known_;

@@ -15,31 +15,53 @@ constexpr std::array<std::string_view, 22> kAnswerMayBeWrong = {
     "unit_suspected",  "length_suspected",  "time_gaps",     "at_bound",        "extrapolated",
     "curved",          "systematic_misfit",
 };
-constexpr std::array<std::string_view, 23> kAllowedFor = {
-    "taken_as_exact",
-    "exact_inputs",
-    "exact_ends",
-    "start_chosen",
-    "fitted_in_band",
-    "friction",
-    "footer_skipped",
-    "comments_skipped",
-    "mains_hum",
-    "time_column_assumed",
-    "uff_remark",
-    "remark",
+constexpr std::array<std::string_view, 3> kTakenAsSaid = {"taken_as_exact", "exact_inputs",
+                                                          "exact_ends"};
+// What was done, in normal operation: reading, choosing, leaving out with a reason.
+constexpr std::array kNotes = std::to_array<std::string_view>({
+    "channels_left_out",
     "coloured_residual",
-    "uneven_noise",
+    "columns_left_out",
+    "comments_skipped",
+    "datasets_left_out",
     "decay_cut_off",
-    "range_not_used",
-    "nothing_to_draw",
-    "not_all_drawn",
-    "text_column_left_out",
+    "double_hit_hidden",
+    "empty_rows_left_out",
+    "fitted_in_band",
+    "footer_skipped",
+    "force_window_chosen",
+    "frequencies_by_rate",
+    "friction",
+    "functions_left_out",
     "hits_rejected",
-    "no_unit",
+    "index_column_left_out",
+    "line_at_zero_dropped",
+    "mains_hum",
+    "modes_beside",
+    "not_all_drawn",
+    "range_not_used",
+    "rate_overridden",
+    "rate_rounded",
+    "remark",
+    "repeated_time_column",
+    "rows_are_channels",
+    "samples_stated",
+    "segments",
+    "segments_joined",
+    "start_chosen",
+    "text_column_left_out",
+    "thermal_expansion",
+    "time_column_assumed",
+    "time_rounded",
+    "time_unit_overridden",
     "toe",
     "top",
-};
+    "uff_remark",
+    "uneven_noise",
+    "universal_file",
+    "unnamed_column",
+    "variables_left_out",
+});
 
 struct Kind {
   std::string_view code;
@@ -55,7 +77,7 @@ std::vector<Kind> kinds_of(std::span<const Warning> warnings) {
     same->all.push_back(&warning);
   }
   std::stable_sort(kinds.begin(), kinds.end(), [](const Kind& a, const Kind& b) {
-    return rank_of_warning(a.code) < rank_of_warning(b.code);
+    return level_of(a.code) < level_of(b.code);
   });
   return kinds;
 }
@@ -94,26 +116,26 @@ std::string line_of(const Kind& kind) {
 
 }  // namespace
 
-int rank_of_warning(std::string_view code) {
+Level level_of(std::string_view code) {
   const auto in = [&](const auto& list) {
     return std::find(list.begin(), list.end(), code) != list.end();
   };
-  if (in(kAnswerMayBeWrong)) return 0;
-  return in(kAllowedFor) ? 2 : 1;
+  return in(kAnswerMayBeWrong) ? Level::answer_may_be_wrong
+         : in(kTakenAsSaid)    ? Level::taken_as_said
+         : in(kNotes)          ? Level::note
+                               : Level::look_at;
 }
 
 std::vector<std::string> warning_lines(std::span<const Warning> warnings, std::size_t most) {
   const std::vector<Kind> kinds = kinds_of(warnings);
-  const std::size_t shown = kinds.size() > most && most > 0 ? most - 1 : kinds.size();
+  const std::size_t shown = std::min(most, kinds.size());
   std::vector<std::string> lines;
-  lines.reserve(shown + 1);
   for (std::size_t k = 0; k < shown; ++k) lines.push_back(line_of(kinds[k]));
   std::size_t others = 0;
   for (std::size_t k = shown; k < kinds.size(); ++k) others += kinds[k].all.size();
   if (others > 0) {
-    lines.push_back(
-        fmt::format("{} more of {} other kinds: all are in the report and in what --json writes",
-                    others, kinds.size() - shown));
+    lines.push_back(fmt::format("{} more of {} other kinds: --verbose prints them", others,
+                                kinds.size() - shown));
   }
   return lines;
 }

@@ -1,6 +1,7 @@
-// Warnings of a run as lines for a terminal: those of one kind (code) in one line, the kinds that
-// can change an answer first, and no more lines than a person reads. The JSON document and the
-// report hold each by itself.
+// Findings of a run have two levels. A warning asks for something or casts doubt on an answer; a
+// note says what was done (a start chosen, a column left out, hits rejected). On a terminal
+// warnings of one kind (code) share a line, those that can change an answer stand first, and five
+// lines are enough; notes are for --verbose. The JSON document and the report hold each by itself.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +19,14 @@ struct Warning {
   bool refused = false;  ///< the run ends with exit code 4 for it
 };
 
-/// 0: the answer may be wrong or is missing; 1: what a person should look at; 2: what is allowed
-/// for in the values or taken as said.
-[[nodiscard]] int rank_of_warning(std::string_view code);
+enum class Level { answer_may_be_wrong, look_at, taken_as_said, note };
 
-/// Lines without their end. With more than `most` kinds, `most` - 1 of them, the lowest ranks first
-/// and then in the order they were said, and a line that counts the others.
+[[nodiscard]] Level level_of(std::string_view code);
+[[nodiscard]] inline bool is_note(std::string_view code) { return level_of(code) == Level::note; }
+
+/// Lines without their end, the gravest level first and then in the order they were said; with more
+/// than `most` kinds a last line counts the others.
 [[nodiscard]] std::vector<std::string> warning_lines(std::span<const Warning> warnings,
-                                                     std::size_t most = 8);
+                                                     std::size_t most = 5);
 
 }  // namespace rigfit::apps

@@ -66,7 +66,8 @@ template <class M>
   } else if constexpr (std::is_same_v<M, bool>) {
     return flag_text(x);
   } else if constexpr (std::is_floating_point_v<M>) {
-    return with_unit(number_text(x, unit, digits));
+    return !in_table && !(std::isfinite(x)) ? "not applicable"
+                                            : with_unit(number_text(x, unit, digits));
   } else if constexpr (std::is_arithmetic_v<M>) {
     return with_unit(std::to_string(x));
   } else if constexpr (named<M>) {

@@ -5,7 +5,7 @@ program="$1"
 folder="$2"
 mkdir -p "$folder/man" "$folder/completion"
 "$program" help man >"$folder/man/rigfit.1"
-for verb in $("$program" help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
+for verb in $("$program" help | sed -n '/^Verbs:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
   "$program" help man "$verb" >"$folder/man/rigfit-$verb.1"
 done
 "$program" help completion bash >"$folder/completion/rigfit"

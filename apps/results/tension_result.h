@@ -1,4 +1,4 @@
-// The result of `rigfit tension` as JSON and for people.
+// The result of `rigfit tension` as JSON and for people: walks over its description.
 #pragma once
 
 #include <ostream>
@@ -8,11 +8,10 @@
 
 namespace rigfit::apps {
 
-/// Of a solved tension.
+/// A solved tension.
 [[nodiscard]] Json tension_json(const ident::TensionResult& result);
 /// The same with the peaks of the recordings it is found from.
-[[nodiscard]] Json tension_json(const ident::TensionInputs& inputs,
-                                const ident::TensionCampaignResult& campaign);
+[[nodiscard]] Json tension_json(const ident::TensionCampaignResult& campaign);
 void print_tension(std::ostream& out, const ident::TensionResult& result);
 
 }  // namespace rigfit::apps

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "document/describe.h"
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
 #include "model/scene/scene.h"
@@ -45,6 +46,12 @@ struct TensionMode {
   model::ModePlane plane = model::ModePlane::in;
   double measured_hz = 0, measured_std_hz = 0;  ///< std NaN: not stated
   double model_hz = 0, relative_error = 0;      ///< NaN when paired with none
+};
+
+/// What a source contributes to the std of the tension.
+struct TensionBudgetRow {
+  std::string source;
+  double std_N = 0;
 };
 
 /// One kind of ends.
@@ -94,3 +101,102 @@ struct TensionResult {
 };
 
 }  // namespace rigfit::ident
+
+namespace rigfit::describe {
+
+template <>
+struct Described<ident::TensionMode> {
+  using T = ident::TensionMode;
+  static constexpr auto paired = [](const T& m) { return m.order > 0; };
+  static constexpr std::string_view title = "modes";
+  static constexpr auto fields = std::tuple{
+      field("order", where(paired, &T::order), "", "order", "among the modes of its plane, from 1"),
+      field("plane", where(paired, &T::plane), "", "plane", "in or out"),
+      field("measured_hz", &T::measured_hz, "Hz", "measured", ""),
+      field("measured_std_hz", &T::measured_std_hz, "Hz", "", "as stated"),
+      field("model_hz", &T::model_hz, "Hz", "model", ""),
+      field("relative_error", &T::relative_error, "%", "error", "model over measured, less 1", 2)};
+};
+
+template <>
+struct Described<ident::TensionCandidate> {
+  using T = ident::TensionCandidate;
+  static constexpr auto solved = [](const T& c) { return c.solved; };
+  static constexpr std::string_view title = "kinds of ends";
+  static constexpr auto fields = std::tuple{
+      field("ends", &T::ends, "", "ends", "pinned, clamped or springs"),
+      field("solved", &T::solved, "", "", "false: see message"),
+      field("weight", &T::weight, "%", "weight", "probability among the candidates", 3),
+      field("tension_N", where(solved, bounded(&T::tension_N, &T::low, &T::high)), "N", "tension",
+            "at mid-span"),
+      field("EI_Nm2", where(solved, &T::EI_Nm2), "N m2", "EI", "flexural rigidity"),
+      field("spring_Nm_rad",
+            where([](const T& c) { return c.solved && c.ends == ident::CableEnds::springs; },
+                  &T::spring_Nm_rad),
+            "N m/rad", "springs", "of each end"),
+      field("chi2", where(solved, [](const T& c) { return c.fit.chi2; }), "", "chi2", "misfit", 3),
+      field("degrees_of_freedom",
+            where(solved, [](const T& c) { return c.fit.degrees_of_freedom; }), "", "dof",
+            "of the misfit", 3),
+      field("p_value", where(solved, [](const T& c) { return c.fit.p_value; }), "", "p",
+            "chance of such a misfit", 2),
+      field("model_std", where(solved, [](const T& c) { return c.fit.model_std; }), "", "",
+            "relative in frequency, found from the misfit"),
+      field("missed_modes", where(solved, &T::missed), "", "", "that the test should have seen"),
+      field("modes", where(solved, &T::modes), "", "", "with these ends"),
+      field("message", where([](const T& c) { return !c.message.empty(); }, &T::message), "",
+            "remark", "why it is not solved, or what to know")};
+};
+
+template <>
+struct Described<ident::TensionFormulas> {
+  using T = ident::TensionFormulas;
+  static constexpr auto fields = std::tuple{
+      field("string_N", &T::string_N, "N", "string formula", "from the lowest mode"),
+      field("pinned_beam_N", &T::pinned_beam_N, "N", "pinned beam", "from the lowest mode"),
+      field("clamped_beam_N", &T::clamped_beam_N, "N", "clamped beam", "from the lowest mode"),
+      field("zui_N", &T::zui_N, "N", "Zui's formula", "from the lowest mode")};
+};
+
+template <>
+struct Described<ident::TensionBudgetRow> {
+  using T = ident::TensionBudgetRow;
+  static constexpr std::string_view title = "where the uncertainty of the tension comes from";
+  static bool shown(const T& row) { return row.std_N > 0; }
+  static constexpr auto fields =
+      std::tuple{field("source", &T::source, "", "source", "input or data"),
+                 field("std_N", &T::std_N, "N", "contribution", "the squares add up", 2)};
+};
+
+template <>
+struct Described<ident::TensionResult> {
+  using T = ident::TensionResult;
+  static constexpr auto fields = std::tuple{
+      field("tension_N", bounded(&T::tension_N, &T::low, &T::high), "N", "tension at mid-span",
+            "over all candidates"),
+      field("tension_start_N", &T::start_N, "N", "at the first end", "tension", 5),
+      field("tension_end_N", &T::end_N, "N", "at the second end", "tension", 5),
+      field("sag_m", &T::sag_m, "m", "sag", "of the cable at rest", 3),
+      field("EI_Nm2", &T::EI_Nm2, "N m2", "EI", "flexural rigidity"),
+      field(
+          "ends", [](const T& r) { return r.candidates.front().ends; }, "", "ends",
+          "of the heaviest candidate"),
+      field("irvine_parameter", &T::irvine_parameter, "", "", "of the heaviest candidate"),
+      field("bending_parameter", &T::bending_parameter, "", "", "L sqrt(T / EI)"),
+      field("decided", &T::decided, "", "", "one order of the modes has 90 % of the weight"),
+      field("candidates", &T::candidates, "", "candidates", "heaviest first"),
+      field(
+          "modes", [](const T& r) { return r.candidates.front().modes; }, "", "modes",
+          "of the heaviest candidate, by measured mode"),
+      field("formulas", &T::formulas, "", "formulas", "closed forms, for comparison"),
+      field(
+          "budget",
+          [](const T& r) {
+            std::vector<ident::TensionBudgetRow> rows;
+            for (const auto& term : r.budget) rows.push_back({term.source, term.std});
+            return rows;
+          },
+          "", "budget", "contributions to the std of the tension")};
+};
+
+}  // namespace rigfit::describe

@@ -145,6 +145,7 @@ class Misuse(unittest.TestCase):
         self.wrong("struck", "one a recording", rigfit.frf, GOOD, "force", struck=["a", "b"])
         self.wrong("estimator", "h1, h2, hv", rigfit.frf, GOOD, "force", estimator="h3")
         self.wrong("no_such", "no argument", rigfit.frf, GOOD, "force", no_such=1)
+        self.wrong("mas", "did you mean mass", rigfit.axial, GOOD, mas=1.0, length=1.0)
         self.wrong("H", "not finite", rigfit.frfs_of_arrays, [1.0, 2.0], [1.0, np.nan], form="mobility")
         self.wrong("H", "3 lines", rigfit.frfs_of_arrays, [1.0, 2.0], [1.0, 2.0, 3.0], form="mobility")
         self.wrong("frequency_hz", "rise", rigfit.frfs_of_arrays, [2.0, 1.0], [1.0, 2.0], form="mobility")

@@ -26,12 +26,6 @@ std::string kind_of(const std::string& file) {
   return kind;
 }
 
-std::string known_kind(const std::string& file) {
-  const std::string kind = kind_of(file);
-  if (kind == ".html" || kind == ".svg" || kind == ".png") return "";
-  return fmt::format("\"{}\" ends neither with .html nor with .svg or .png", file);
-}
-
 std::string repeat_command(const VerbContext& context) {
   std::string text = "rigfit";
   for (std::size_t i = 1; i < context.command.size(); ++i) text += " " + context.command[i];
@@ -101,19 +95,24 @@ void PlotSheet::add(std::vector<Block> more) {
   for (auto& block : more) add(std::move(block));
 }
 
-void add_plot_option(CLI::App& verb, PlotCommand& command) {
-  verb.add_option("--plot", command.file,
-                  "Draw the result: an interactive page (.html) or a picture (.svg, .png)")
-      ->type_name("F.html|svg|png")
-      ->check(CLI::Validator(known_kind, ""))
-      ->group("Common");
-  verb.add_flag("--show", command.show, "Open the drawing, a page unless --plot says otherwise")
-      ->group("Common");
+describe::Options options_of(PlotCommand& c) {
+  using describe::option;
+  return {option("--plot", c.file,
+                 "Draw the result: an interactive page (.html) or a picture (.svg, .png)")
+              .type("F.html|svg|png")
+              .group("Common"),
+          option("--show", c.show, "Open the drawing, a page unless --plot says otherwise")
+              .group("Common")};
 }
 
 void prepare_plots(VerbContext& context, const PlotCommand& command) {
   if (command.file.empty() && !command.show) return;
   if (!command.file.empty()) {
+    const std::string kind = kind_of(command.file);
+    if (kind != ".html" && kind != ".svg" && kind != ".png") {
+      throw UsageError(fmt::format("--plot: \"{}\" ends neither with .html nor with .svg or .png",
+                                   command.file));
+    }
     const fs::path file(command.file);
     const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
     std::error_code none;

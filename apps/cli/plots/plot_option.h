@@ -2,12 +2,12 @@
 // functions that a report's page uses, as one HTML page, one SVG or one PNG.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "apps/cli/verb_context.h"
+#include "apps/describe/option.h"
 #include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
@@ -32,7 +32,7 @@ struct PlotSheet {
   std::set<std::string> ids_;
 };
 
-void add_plot_option(CLI::App& verb, PlotCommand& command);
+[[nodiscard]] describe::Options options_of(PlotCommand& command);
 
 /// Before the run: throws UsageError when the file cannot be written or its kind cannot be made
 /// here; sets `context.plots` when figures are asked for.

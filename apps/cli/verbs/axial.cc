@@ -8,7 +8,6 @@
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/exit_code.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
@@ -127,63 +126,56 @@ Json axial_result(const AxialCommand& command, std::vector<signal::Recording> re
   return axial_json(inputs, result);
 }
 
-void add_axial(CLI::App& program, Verbs& verbs) {
-  auto c = std::make_shared<AxialCommand>();
-  CLI::App* app = program.add_subcommand("axial", "EA and axial damping from hanging-mass records");
-  app->footer(kAxialExample);
-  app->add_option("files", c->files, "Recordings of the tension (or motion) after an impulse")
-      ->required()
-      ->type_name("FILE");
-  app->add_option("--mass", c->mass, "Hung mass, adapter and clamp included, kg")
-      ->required()
-      ->check(positive_number())
-      ->type_name("M");
-  app->add_option("--length", c->lengths,
-                  "Cable length, m: for all, each file, or each group of files")
-      ->required()
-      ->check(positive_number())
-      ->type_name("L");
-  app->add_option("--channel", c->channel, "Name or #number")->type_name("C");
-  app->add_option("--mass-per-length", c->mass_per_length, "Of the cable, kg/m")
-      ->check(not_negative_number());
-  app->add_option("--mass-std", c->mass_std, "Standard uncertainty, kg")
-      ->check(not_negative_number());
-  app->add_option("--length-std", c->length_std, "Standard uncertainty of each length, m")
-      ->check(not_negative_number());
-  app->add_option("--mass-per-length-std", c->mass_per_length_std, "Standard uncertainty, kg/m")
-      ->check(not_negative_number());
-  app->add_option("--adapter-stiffness", c->adapter,
-                  "In series with the cable, N/m (default: rigid)")
-      ->check(not_negative_number());
-  app->add_option("--adapter-stiffness-std", c->adapter_std, "Standard uncertainty, N/m")
-      ->check(not_negative_number());
-  app->add_option("--frame-stiffness", c->frame,
-                  "What gives way above the cable, N/m, or rigid (default: not known; one length "
-                  "then gives a lower bound of EA)")
-      ->type_name("K|rigid");
-  app->add_option("--frame-stiffness-std", c->frame_std, "Standard uncertainty, N/m")
-      ->check(not_negative_number());
-  app->add_option("--adapter-bar", c->adapter_bar,
-                  "Adapter as a bar: modulus Pa, area m2, length m")
-      ->expected(3)
-      ->type_name("E A l");
-  app->add_option(
-         "--compliance-std", c->compliance_std,
-         "Standard uncertainty of what else gives way in series, m/N; 0: known to be rigid "
-         "(default: not known, told from several lengths)")
-      ->check(not_negative_number());
-  app->add_option("--catalogue-EA", c->catalogue,
-                  "What EA should be, N (default: 80 GPa on the metal of the mass per length)")
-      ->check(not_negative_number());
-  app->add_option("--band", c->band, "Where the axial frequency is, Hz")
-      ->expected(2)
-      ->type_name("HZ");
-  app->add_option("--sample-rate", c->sample_rate_hz, "Where a file gives none, Hz")
-      ->check(positive_number());
-  app->add_option("--draws", c->draws, "Monte Carlo draws, 0 for none")
-      ->check(CLI::Range(0, 10000000))
-      ->capture_default_str();
-  verbs.push_back({app, [c](VerbContext& context) { return run(*c, context); }, true});
+describe::Options options_of(AxialCommand& c) {
+  using describe::option;
+  return {
+      option("files", c.files, "Recordings of the tension (or motion) after an impulse")
+          .required()
+          .type("FILE"),
+      option("--mass", c.mass, "Hung mass, adapter and clamp included", "kg")
+          .required()
+          .positive()
+          .type("M"),
+      option("--length", c.lengths, "Cable length, m: for all, each file, or each group of files")
+          .required()
+          .positive()
+          .type("L"),
+      option("--channel", c.channel, "Name or #number").type("C"),
+      option("--mass-per-length", c.mass_per_length, "Of the cable", "kg/m").from_zero(),
+      option("--mass-std", c.mass_std, "Standard uncertainty", "kg").from_zero(),
+      option("--length-std", c.length_std, "Standard uncertainty of each length", "m").from_zero(),
+      option("--mass-per-length-std", c.mass_per_length_std, "Standard uncertainty", "kg/m")
+          .from_zero(),
+      option("--adapter-stiffness", c.adapter, "In series with the cable, N/m (default: rigid)")
+          .from_zero(),
+      option("--adapter-stiffness-std", c.adapter_std, "Standard uncertainty", "N/m").from_zero(),
+      option("--frame-stiffness", c.frame,
+             "What gives way above the cable, N/m, or rigid (default: not known; one length then "
+             "gives a lower bound of EA)")
+          .type("K|rigid"),
+      option("--frame-stiffness-std", c.frame_std, "Standard uncertainty", "N/m").from_zero(),
+      option("--adapter-bar", c.adapter_bar, "Adapter as a bar: modulus Pa, area m2, length m")
+          .count(3)
+          .type("E A l"),
+      option("--compliance-std", c.compliance_std,
+             "Standard uncertainty of what else gives way in series, m/N; 0: known to be rigid "
+             "(default: not known, told from several lengths)")
+          .from_zero(),
+      option("--catalogue-EA", c.catalogue,
+             "What EA should be, N (default: 80 GPa on the metal of the mass per length)")
+          .from_zero(),
+      option("--band", c.band, "Where the axial frequency is", "Hz").count(2).type("HZ"),
+      option("--sample-rate", c.sample_rate_hz, "Where a file gives none", "Hz").positive(),
+      option("--draws", c.draws, "Monte Carlo draws, 0 for none").within(0, 10000000)};
+}
+
+Verb axial_verb() {
+  Verb verb = verb_of<AxialCommand>(
+      "axial", "EA and axial damping from hanging-mass records", kAxialExample,
+      [](const AxialCommand& c, VerbContext& context) { return run(c, context); });
+  verb.draws = true;
+  verb.reads = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

@@ -13,7 +13,6 @@
 #include "apps/bench/response_studies.h"
 #include "apps/bench/signal_studies.h"
 #include "apps/bench/size_study.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
@@ -309,40 +308,38 @@ Json run_bench(VerbContext& context, const BenchCommand& options) {
   return result;
 }
 
-}  // namespace
-
-void add_bench(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<BenchCommand>();
-  CLI::App* verb = program.add_subcommand(
-      "bench",
-      "Speed against error: every solver and estimator, its settings and its rivals, against "
-      "references whose own error is shown; one thread");
-  verb->add_option("scene", options->scene, "Scene file (TOML); without: a standard set")
-      ->type_name("SCENE");
+describe::Options options_of(BenchCommand& c) {
+  using describe::option;
   std::vector<std::string> all_tasks = kTasks;
   all_tasks.insert(all_tasks.end(), size_tasks().begin(), size_tasks().end());
-  verb->add_option("--task", options->tasks, "Only these")
-      ->type_name("TASK")
-      ->check(CLI::IsMember(all_tasks));
-  verb->add_option("--duration", options->duration_s, "Seconds of motion in the response tasks")
-      ->type_name("S")
-      ->check(number_within(0.01, 1000.0))
-      ->capture_default_str();
-  verb->add_flag("--quick", options->quick,
-                 "Few repeats, coarser references, short motions: seconds instead of a minute");
-  verb->add_flag("--size", options->size,
-                 "Cost against size instead: segments, poles, channels, samples, files (minutes)");
-  verb->add_option("--out", options->out, "The rows as CSV")->type_name("F.csv");
-  verb->footer(
+  return {option("scene", c.scene, "Scene file (TOML); without: a standard set").type("SCENE"),
+          option("--task", c.tasks, "Only these").type("TASK").one_of(all_tasks),
+          option("--duration", c.duration_s, "Seconds of motion in the response tasks")
+              .type("S")
+              .within(0.01, 1000.0),
+          option("--quick", c.quick,
+                 "Few repeats, coarser references, short motions: seconds instead of a minute"),
+          option("--size", c.size,
+                 "Cost against size instead: segments, poles, channels, samples, files (minutes)"),
+          option("--out", c.out, "The rows as CSV").type("F.csv")};
+}
+}  // namespace
+
+Verb bench_verb() {
+  Verb verb = verb_of<BenchCommand>(
+      "bench",
+      "Speed against error: every solver and estimator, its settings and its rivals, against "
+      "references whose own error is shown; one thread",
       "\"front\": no other row is as fast and as accurate; \"~\": below the reference's own "
       "error.\n"
       "Examples:\n"
       "  rigfit bench --quick --task modes bending\n"
       "  rigfit bench testdata/jalali2021/scenes/rig.toml --task modes --json bench.json\n"
       "  rigfit bench --task nonlinear-response --plot time-error.svg\n"
-      "  rigfit bench --size --task poles");
-  verbs.push_back(
-      {verb, [options](VerbContext& context) { return run_bench(context, *options); }, true});
+      "  rigfit bench --size --task poles",
+      [](const BenchCommand& c, VerbContext& context) { return run_bench(context, c); });
+  verb.draws = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

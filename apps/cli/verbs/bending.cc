@@ -8,7 +8,6 @@
 
 #include "apps/campaign_file/bending_files.h"
 #include "apps/cli/digits.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
@@ -212,79 +211,79 @@ Json bending_result(BendingCommand command, VerbContext& context) {
   return result;
 }
 
-void add_bending(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<BendingCommand>();
-  CLI::App* verb = program.add_subcommand(
-      "bending", "EI at each tension from load-deflection records or tables; laws for EI(tension)");
-  verb->add_option("FILE", options->files,
-                   "Records or tables with tension, load and deflection, or tables of tension and "
-                   "EI (with std, or low and high)")
-      ->required()
-      ->check(CLI::ExistingFile);
-  verb->add_option("--span", options->span,
-                   "Clear length between the clamps or supports (cantilever: to the load), m")
-      ->check(positive_number());
-  verb->add_option("--span-std", options->span_std, "Standard uncertainty of the span, m")
-      ->check(not_negative_number());
-  verb->add_option("--tension", options->columns.tension,
-                   "Name of the tension column; 0: there is no tension (a beam, by dead weights or "
-                   "a testing machine)");
-  verb->add_option("--ends", options->ends,
-                   "Of a beam without tension: clamped (default) or pinned, loaded at mid-span; "
-                   "cantilever, loaded at its end")
-      ->check(CLI::IsMember({"clamped", "pinned", "cantilever"}));
-  auto* rectangle =
-      verb->add_option("--rectangle", options->rectangle,
-                       "Its cross-section: width and height (along the load), m: gives the modulus")
-          ->expected(2)
-          ->check(positive_number());
-  auto* diameter =
-      verb->add_option("--diameter", options->diameter, "Its diameter when round and solid, m")
-          ->check(positive_number())
-          ->excludes(rectangle);
-  verb->add_option("--second-moment", options->second_moment,
-                   "Its second moment of area about the axis of bending, m4")
-      ->check(positive_number())
-      ->excludes(rectangle)
-      ->excludes(diameter);
-  verb->add_option("--section-std", options->section_std,
-                   "Relative standard uncertainty of the second moment (three times that of a "
-                   "height, four times that of a diameter)")
-      ->check(number_within(0.0, 1.0));
-  verb->add_option("--load", options->columns.load, "Name of the load column");
-  verb->add_option("--deflection", options->columns.deflection, "Name of the deflection column");
-  verb->add_option("--load-calibration", options->campaign.test.load_calibration_std,
-                   "Relative standard uncertainty of the load cell's calibration")
-      ->check(number_within(0.0, 1.0));
-  verb->add_option("--deflection-calibration", options->campaign.test.deflection_calibration_std,
-                   "Relative standard uncertainty of the deflection sensor's calibration")
-      ->check(number_within(0.0, 1.0));
-  verb->add_option("--tension-zero-std", options->campaign.test.tension_zero_std_N,
-                   "Standard uncertainty of the tension cell's zero, N (offset and drift)")
-      ->check(not_negative_number());
-  verb->add_option("--tension-calibration", options->campaign.test.tension_calibration_std,
-                   "Relative standard uncertainty of the tension cell's calibration")
-      ->check(number_within(0.0, 1.0));
-  verb->add_option("--strand", options->strand,
-                   "Young's modulus (Pa), number of wires, wire diameter (m), strand diameter (m): "
-                   "bounds on EI")
-      ->expected(4)
-      ->check(positive_number());
-  verb->add_option("--relative-std", options->campaign.assumed_relative_std,
-                   "Relative standard uncertainty of EI values that come without one")
-      ->check(number_within(0.0, 1.0));
-  verb->add_option("--EA", options->EA,
-                   "Axial rigidity, N: with --mass-per-length, the equivalent "
-                   "solid cylinder at each tension")
-      ->check(positive_number());
-  verb->add_option("--mass-per-length", options->mass_per_length, "Of the cable, kg/m")
-      ->check(positive_number());
-  verb->footer(
+describe::Options options_of(BendingCommand& c) {
+  using describe::option;
+  return {option("FILE", c.files,
+                 "Records or tables with tension, load and deflection, or tables of tension and EI "
+                 "(with std, or low and high)")
+              .required()
+              .file(),
+          option("--span", c.span,
+                 "Clear length between the clamps or supports (cantilever: to the load)", "m")
+              .positive(),
+          option("--span-std", c.span_std, "Standard uncertainty of the span", "m").from_zero(),
+          option("--tension", c.columns.tension,
+                 "Name of the tension column; 0: there is no tension (a beam, by dead weights or a "
+                 "testing machine)"),
+          option("--ends", c.ends,
+                 "Of a beam without tension: clamped (default) or pinned, loaded at mid-span; "
+                 "cantilever, loaded at its end")
+              .one_of({"clamped", "pinned", "cantilever"}),
+          option("--rectangle", c.rectangle,
+                 "Its cross-section: width and height (along the load), m: gives the modulus")
+              .count(2)
+              .positive(),
+          option("--diameter", c.diameter, "Its diameter when round and solid", "m")
+              .positive()
+              .excludes("--rectangle"),
+          option("--second-moment", c.second_moment,
+                 "Its second moment of area about the axis of bending", "m4")
+              .positive()
+              .excludes("--rectangle")
+              .excludes("--diameter"),
+          option("--section-std", c.section_std,
+                 "Relative standard uncertainty of the second moment (three times that of a "
+                 "height, four times that of a diameter)")
+              .within(0.0, 1.0),
+          option("--load", c.columns.load, "Name of the load column"),
+          option("--deflection", c.columns.deflection, "Name of the deflection column"),
+          option("--load-calibration", c.campaign.test.load_calibration_std,
+                 "Relative standard uncertainty of the load cell's calibration")
+              .within(0.0, 1.0),
+          option("--deflection-calibration", c.campaign.test.deflection_calibration_std,
+                 "Relative standard uncertainty of the deflection sensor's calibration")
+              .within(0.0, 1.0),
+          option("--tension-zero-std", c.campaign.test.tension_zero_std_N,
+                 "Standard uncertainty of the tension cell's zero, N (offset and drift)")
+              .from_zero(),
+          option("--tension-calibration", c.campaign.test.tension_calibration_std,
+                 "Relative standard uncertainty of the tension cell's calibration")
+              .within(0.0, 1.0),
+          option("--strand", c.strand,
+                 "Young's modulus (Pa), number of wires, wire diameter (m), strand diameter (m): "
+                 "bounds on EI")
+              .count(4)
+              .positive(),
+          option("--relative-std", c.campaign.assumed_relative_std,
+                 "Relative standard uncertainty of EI values that come without one")
+              .within(0.0, 1.0),
+          option("--EA", c.EA,
+                 "Axial rigidity, N: with --mass-per-length, the equivalent solid cylinder at each "
+                 "tension")
+              .positive(),
+          option("--mass-per-length", c.mass_per_length, "Of the cable", "kg/m").positive()};
+}
+
+Verb bending_verb() {
+  Verb verb = verb_of<BendingCommand>(
+      "bending", "EI at each tension from load-deflection records or tables; laws for EI(tension)",
       "Example:\n  printf 'tension_N,EI_Nm2\\n25,0.2549\\n100,0.4948\\n200,0.5972\\n300,0.8283\\n' "
       "> "
-      "ei.csv\n  rigfit bending ei.csv --strand 195e9 133 0.397e-3 6.35e-3 --json ei.json");
-  verbs.push_back(
-      {verb, [options](VerbContext& context) { return run_bending(context, *options); }, true});
+      "ei.csv\n  rigfit bending ei.csv --strand 195e9 133 0.397e-3 6.35e-3 --json ei.json",
+      [](const BendingCommand& c, VerbContext& context) { return run_bending(context, c); });
+  verb.draws = true;
+  verb.reads = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

@@ -29,6 +29,10 @@
 
 namespace rigfit::apps {
 
+struct InspectCommand {
+  std::vector<std::string> files;
+  double sample_rate_hz = 0;
+};
 /// One entry of `recordings[]`.
 [[nodiscard]] Json inspect_result(const signal::Recording& recording, VerbContext& context);
 /// The same of a file, which may hold functions that are not over time; a rate of 0: as the file
@@ -72,7 +76,7 @@ struct ModalCommand {
   double max_damping = signal::LscfOptions().max_damping_ratio;
   int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
   std::string out, synthesis;
-  std::vector<const CLI::Option*> of_hits;  ///< mean nothing for FRFs from a file
+  std::vector<std::string> of_hits;  ///< options given that mean nothing for FRFs from a file
 };
 /// FRFs to identify, and where they are from.
 struct MeasuredFrfs {
@@ -180,19 +184,15 @@ struct TensionCommand {
   std::string measured, column, plane = "any", length, mass, EI, EA, mass_of, ends = "compare";
   double frequency_std = 0, inclination = 0, sample_rate_hz = 0, missed = 0.1, false_mode = 0.05;
   int max_peaks = 12;
+  std::string table, out;  ///< many cables, a row each (campaign_file/cable_table.h)
 };
 /// `recordings`: one for each of `command.files`, in that order.
 [[nodiscard]] Json tension_result(const TensionCommand& command,
                                   const std::vector<signal::Recording>& recordings,
                                   VerbContext& context);
 
-/// A table of cables, a row each (campaign_file/cable_table.h).
-struct TensionTableCommand {
-  std::string table, out;
-  double missed = 0.1, false_mode = 0.05;
-};
 /// `cables[]`, one a row: its result, or `error` and a refusal `bad_row` or of the analysis.
-[[nodiscard]] Json tension_table_result(const TensionTableCommand& command, VerbContext& context);
+[[nodiscard]] Json tension_table_result(const TensionCommand& command, VerbContext& context);
 
 struct PredictCommand {
   std::string scene;  ///< name in messages
@@ -224,5 +224,31 @@ struct SynthesizeOptions {
 };
 [[nodiscard]] Json synthesize_result(const model::Scene& scene, const SynthesizeOptions& options,
                                      VerbContext& context);
+
+struct ReportCommand {
+  std::vector<std::string> campaigns;  ///< one, or two to be compared
+  std::string out, style = "lab";
+  bool pdf = false, force = false;
+  std::vector<double> figure_size;  ///< mm
+  std::string figure_font = "sans-serif";
+  double figure_font_size = 8;  ///< pt
+};
+[[nodiscard]] Json report_result(const ReportCommand& command, VerbContext& context);
+
+// The options of each, described.
+[[nodiscard]] describe::Options options_of(InspectCommand& command);
+[[nodiscard]] describe::Options options_of(ResampleCommand& command);
+[[nodiscard]] describe::Options options_of(DecayCommand& command);
+[[nodiscard]] describe::Options options_of(FrfCommand& command);
+[[nodiscard]] describe::Options options_of(ModalCommand& command);
+[[nodiscard]] describe::Options options_of(BendingCommand& command);
+[[nodiscard]] describe::Options options_of(AxialCommand& command);
+[[nodiscard]] describe::Options options_of(ModesCommand& command);
+[[nodiscard]] describe::Options options_of(RespondCommand& command);
+[[nodiscard]] describe::Options options_of(UpdateCommand& command);
+[[nodiscard]] describe::Options options_of(TensionCommand& command);
+[[nodiscard]] describe::Options options_of(PredictCommand& command);
+[[nodiscard]] describe::Options options_of(SynthesizeOptions& command);
+[[nodiscard]] describe::Options options_of(ReportCommand& command);
 
 }  // namespace rigfit::apps

@@ -14,7 +14,6 @@
 #include "apps/cli/digits.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
@@ -253,30 +252,31 @@ Json decay_result(const signal::Recording& recording, const DecayCommand& comman
   return result;
 }
 
-void add_decay(CLI::App& program, Verbs& verbs) {
-  auto command = std::make_shared<DecayCommand>();
-  CLI::App* app = program.add_subcommand("decay", "Frequency and damping of a free decay");
-  app->footer(kDecayExample);
-  app->add_option("file", command->file, "Recording")->required()->type_name("FILE");
-  app->add_option("--channel", command->channel,
-                  "Name or #number; may be left out where there is one")
-      ->type_name("C");
-  app->add_option("--start", command->start_s, "Fit from this time on, s (default: found)")
-      ->type_name("S");
-  app->add_option("--end", command->end_s, "Use nothing after this time, s")->type_name("S");
-  app->add_option("--band", command->band, "Report modes between these, Hz")
-      ->expected(2)
-      ->type_name("HZ");
-  app->add_flag(
-      "--each", command->each,
-      "Fit every decay of the record and pool their modes: mean, and scatter between decays");
-  app->add_option("--max-modes", command->max_modes, "At most so many modes")
-      ->check(CLI::Range(1, 12))
-      ->capture_default_str();
-  app->add_option("--sample-rate", command->sample_rate_hz, "Where the file gives none, Hz")
-      ->check(positive_number())
-      ->type_name("HZ");
-  verbs.push_back({app, [command](VerbContext& context) { return run(*command, context); }, true});
+describe::Options options_of(DecayCommand& c) {
+  using describe::option;
+  return {
+      option("file", c.file, "Recording").required().type("FILE"),
+      option("--channel", c.channel, "Name or #number; may be left out where there is one")
+          .type("C"),
+      option("--start", c.start_s, "Fit from this time on, s (default: found)").type("S"),
+      option("--end", c.end_s, "Use nothing after this time", "s").type("S"),
+      option("--band", c.band, "Report modes between these", "Hz").count(2).type("HZ"),
+      option(
+          "--each", c.each,
+          "Fit every decay of the record and pool their modes: mean, and scatter between decays"),
+      option("--max-modes", c.max_modes, "At most so many modes").within(1, 12),
+      option("--sample-rate", c.sample_rate_hz, "Where the file gives none", "Hz")
+          .positive()
+          .type("HZ")};
+}
+
+Verb decay_verb() {
+  Verb verb = verb_of<DecayCommand>(
+      "decay", "Frequency and damping of a free decay", kDecayExample,
+      [](const DecayCommand& c, VerbContext& context) { return run(c, context); });
+  verb.draws = true;
+  verb.reads = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

@@ -54,28 +54,26 @@ Json run(const ExportOptions& options, VerbContext& context) {
   return result;
 }
 
+describe::Options options_of(ExportOptions& c) {
+  using describe::option;
+  return {
+      option("scene", c.scene, "Scene file (TOML)").required().type("SCENE"),
+      option("--calculix", c.calculix,
+             "Write a CalculiX deck (prestress, sag, frequencies) to this folder")
+          .required()
+          .type("DIR"),
+      option("--elements", c.deck.elements_per_member, "Beam elements a member").within(2, 2000),
+      option("--count", c.deck.frequencies, "Natural frequencies to ask for").within(1, 1000)};
+}
 }  // namespace
 
-void add_export(CLI::App& program, Verbs& verbs) {
-  auto options = std::make_shared<ExportOptions>();
-  CLI::App* app =
-      program.add_subcommand("export", "Write a scene as input of another program (CalculiX)");
-  app->add_option("scene", options->scene, "Scene file (TOML)")->required()->type_name("SCENE");
-  app->add_option("--calculix", options->calculix,
-                  "Write a CalculiX deck (prestress, sag, frequencies) to this folder")
-      ->required()
-      ->type_name("DIR");
-  app->add_option("--elements", options->deck.elements_per_member, "Beam elements a member")
-      ->check(CLI::Range(2, 2000))
-      ->capture_default_str();
-  app->add_option("--count", options->deck.frequencies, "Natural frequencies to ask for")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app->footer(
+Verb export_verb() {
+  return verb_of<ExportOptions>(
+      "export", "Write a scene as input of another program (CalculiX)",
       "The deck's tensions at rest are the scene's; both are printed, with the ratio of the axial "
       "stiffnesses about rest (1 + 1.5 T/EA) in the JSON.\nExample:\n  rigfit export "
-      "testdata/jalali2021/scenes/cable.toml --calculix build/ccx");
-  verbs.push_back({app, [options](VerbContext& context) { return run(*options, context); }});
+      "testdata/jalali2021/scenes/cable.toml --calculix build/ccx",
+      [](const ExportOptions& c, VerbContext& context) { return run(c, context); });
 }
 
 }  // namespace rigfit::apps

@@ -226,28 +226,37 @@ Json frf_result(const ImpactRun& run, const FrfCommand& options, VerbContext& co
   return result;
 }
 
-void add_frf(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<FrfCommand>();
-  CLI::App* verb = program.add_subcommand(
-      "frf", "Hammer hits found and judged, averaged FRFs with coherence and error bars");
-  add_impact_options(*verb, options->impact, true);
-  verb->add_option("--out", options->out, "FRFs with coherence and error bars as UFF 58")
-      ->type_name("F.uff");
-  verb->add_option("--encoding", options->encoding, "Of the UFF file")
-      ->check(CLI::IsMember({"binary", "ascii"}))
-      ->capture_default_str();
-  verb->add_option("--csv", options->csv, "FRFs with standard deviations and coherence as CSV")
-      ->type_name("F");
-  verb->footer(
+describe::Options options_of(FrfCommand& c) {
+  using describe::option;
+  describe::Options options{
+      option("FILE", c.impact.files, "Recordings (CSV, LVM, UFF 58): continuous or one a hit")
+          .required()};
+  for (auto& one : options_of(c.impact)) options.push_back(std::move(one));
+  for (auto& one : options) one.is_required |= one.name == "--force";
+  for (auto& one : {option("--out", c.out, "FRFs with coherence and error bars as UFF 58")
+                        .writes()
+                        .type("F.uff"),
+                    option("--encoding", c.encoding, "Of the UFF file").one_of({"binary", "ascii"}),
+                    option("--csv", c.csv, "FRFs with standard deviations and coherence as CSV")
+                        .writes()
+                        .type("F")}) {
+    options.push_back(one);
+  }
+  return options;
+}
+
+Verb frf_verb() {
+  Verb verb = verb_of<FrfCommand>(
+      "frf", "Hammer hits found and judged, averaged FRFs with coherence and error bars",
       "Example:\n  rigfit frf hits.csv --force hammer --response a1 a2 --out frf.uff --json -\n"
       "  rigfit frf p1.csv p2.csv --struck a1 a2 --force hammer --response a1 a2 --out frf.uff\n"
-      "Exit code 4: no hit can be used; the hits and their reasons are given all the same.");
-  verbs.push_back({verb,
-                   [options](VerbContext& context) {
-                     return frf_result(run_impact_test(context, options->impact), *options,
-                                       context);
-                   },
-                   true});
+      "Exit code 4: no hit can be used; the hits and their reasons are given all the same.",
+      [](const FrfCommand& c, VerbContext& context) {
+        return frf_result(run_impact_test(context, c.impact), c, context);
+      });
+  verb.draws = true;
+  verb.reads = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "apps/campaign_file/recording_description.h"
-#include "apps/cli/number_checks.h"
 #include "apps/results/modal_json.h"
 
 namespace rigfit::apps {
@@ -88,83 +87,66 @@ ImpactCommand::ImpactCommand() {
   error_smoothing_lines = signal::FrfOptions().error_smoothing_lines;
 }
 
-void add_impact_options(CLI::App& verb, ImpactCommand& c, bool with_files) {
-  if (with_files) {
-    verb.add_option("FILE", c.files, "Recordings (CSV, LVM, UFF 58): continuous or one a hit")
-        ->required();
-  }
-  auto* force = verb.add_option("--force", c.force, "Force channel: name or #k")->type_name("C");
-  if (with_files) force->required();
-  verb.add_option("--response", c.responses, "Response channels [every other]")->type_name("C");
-  verb.add_option("--driving-point", c.driving_point, "The response at the point struck")
-      ->type_name("C");
-  verb.add_option("--struck", c.struck,
-                  "Point struck in each file, one a file (roving hammer): a response's name where "
-                  "it was struck, else any name")
-      ->type_name("P");
-  verb.add_option("--estimator", c.estimator, "h1: noise on responses, h2: on force, hv: both")
-      ->check(CLI::IsMember({"h1", "h2", "hv"}))
-      ->capture_default_str();
-  verb.add_option(
-          "--force-window", c.force_window,
-          "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
-          "by-noise: auto where the noise on the force matters, else off")
-      ->capture_default_str();
-  auto* rate = verb.add_option("--exponential-window", c.exponential_window,
-                               "Decay rate of a window on force and responses, 1/s; its damping is "
-                               "carried along and taken off the poles again")
-                   ->check(number_within(0.0, 1e6))
-                   ->capture_default_str();
-  verb.add_option("--exponential-end-level", c.exponential_end_level,
-                  "The same, given as its level at the end of the block")
-      ->check(number_within(1e-12, 1.0))
-      ->excludes(rate);
-  verb.add_option("--band", c.band, "Band in which the force spectrum is asked for, Hz")
-      ->expected(2)
-      ->type_name("LO HI");
-  verb.add_option("--sample-rate", c.sample_rate_hz, "Hz, for files that do not say")
-      ->check(positive_number());
-  verb.add_option("--block", c.block_s, "Seconds analysed a hit [what uses most of the recordings]")
-      ->check(positive_number());
-  verb.add_option("--pre-trigger", c.pre_trigger_s, "Seconds before the peak [1 % of the block]")
-      ->check(not_negative_number());
-  const std::string limits = "Limits on hits";
-  verb.add_option("--pulse-sign", c.sign, "Side to which the force goes when hit")
-      ->check(CLI::IsMember({"auto", "positive", "negative"}))
-      ->capture_default_str()
-      ->group(limits);
-  verb.add_option("--trigger", c.trigger, "A hit exceeds this much of the largest force, %")
-      ->check(number_within(0.1, 100.0))
-      ->capture_default_str()
-      ->group(limits);
-  verb.add_option("--double-hit", c.double_hit,
-                  "Smallest second contact that is reported, % of the hit")
-      ->check(number_within(0.1, 100.0))
-      ->capture_default_str()
-      ->group(limits);
-  verb.add_option("--min-pulse-samples", c.min_pulse_samples,
-                  "Samples a pulse needs above 10 % of its peak")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str()
-      ->group(limits);
-  verb.add_option("--max-spectrum-drop", c.max_spectrum_drop_db,
-                  "Drop of the force spectrum within the band, dB (ISO 7626-5)")
-      ->check(positive_number())
-      ->capture_default_str()
-      ->group(limits);
-  verb.add_option("--ring-down-level", c.ring_down_level,
-                  "A ring-down may be cut once it has fallen to this, % of its largest value")
-      ->check(number_within(1e-6, 100.0))
-      ->capture_default_str()
-      ->group(limits);
-  verb.add_flag("--keep-outliers", c.keep_outliers, "No leave-one-out test")->group(limits);
-  verb.add_flag("--frequencies-only", c.frequencies_only,
-                "Keep hits whose pulse is not resolved; the FRFs then have no scale")
-      ->group(limits);
-  verb.add_option("--error-smoothing", c.error_smoothing_lines,
-                  "Lines on either side over which the noise under error bars is averaged")
-      ->check(CLI::Range(0L, 1000000L))
-      ->capture_default_str();
+describe::Options options_of(ImpactCommand& c) {
+  using describe::option;
+  return {
+      option("--force", c.force, "Force channel: name or #k").type("C"),
+      option("--response", c.responses, "Response channels [every other]").type("C"),
+      option("--driving-point", c.driving_point, "The response at the point struck").type("C"),
+      option("--struck", c.struck,
+             "Point struck in each file, one a file (roving hammer): a response's name where it "
+             "was struck, else any name")
+          .type("P"),
+      option("--estimator", c.estimator, "h1: noise on responses, h2: on force, hv: both")
+          .one_of({"h1", "h2", "hv"}),
+      option("--force-window", c.force_window,
+             "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
+             "by-noise: auto where the noise on the force matters, else off")
+          .type("S|auto|off|by-noise"),
+      option("--exponential-window", c.exponential_window,
+             "Decay rate of a window on force and responses, 1/s; its damping is carried along and "
+             "taken off the poles again")
+          .within(0.0, 1e6),
+      option("--exponential-end-level", c.exponential_end_level,
+             "The same, given as its level at the end of the block")
+          .within(1e-12, 1.0)
+          .excludes("--exponential-window"),
+      option("--band", c.band, "Band in which the force spectrum is asked for", "Hz")
+          .count(2)
+          .type("LO HI"),
+      option("--sample-rate", c.sample_rate_hz, "Hz, for files that do not say").positive(),
+      option("--block", c.block_s, "Seconds analysed a hit [what uses most of the recordings]")
+          .positive(),
+      option("--pre-trigger", c.pre_trigger_s, "Seconds before the peak [1 % of the block]")
+          .from_zero(),
+      option("--pulse-sign", c.sign, "Side to which the force goes when hit")
+          .one_of({"auto", "positive", "negative"})
+          .group("Limits on hits"),
+      option("--trigger", c.trigger, "A hit exceeds this much of the largest force", "%")
+          .within(0.1, 100.0)
+          .group("Limits on hits"),
+      option("--double-hit", c.double_hit, "Smallest second contact that is reported, % of the hit")
+          .within(0.1, 100.0)
+          .group("Limits on hits"),
+      option("--min-pulse-samples", c.min_pulse_samples,
+             "Samples a pulse needs above 10 % of its peak")
+          .within(1, 10000)
+          .group("Limits on hits"),
+      option("--max-spectrum-drop", c.max_spectrum_drop_db,
+             "Drop of the force spectrum within the band, dB (ISO 7626-5)")
+          .positive()
+          .group("Limits on hits"),
+      option("--ring-down-level", c.ring_down_level,
+             "A ring-down may be cut once it has fallen to this, % of its largest value")
+          .within(1e-6, 100.0)
+          .group("Limits on hits"),
+      option("--keep-outliers", c.keep_outliers, "No leave-one-out test").group("Limits on hits"),
+      option("--frequencies-only", c.frequencies_only,
+             "Keep hits whose pulse is not resolved; the FRFs then have no scale")
+          .group("Limits on hits"),
+      option("--error-smoothing", c.error_smoothing_lines,
+             "Lines on either side over which the noise under error bars is averaged")
+          .within(0L, 1000000L)};
 }
 
 ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {

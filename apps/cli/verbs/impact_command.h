@@ -32,8 +32,8 @@ struct ImpactCommand {
   ImpactCommand();
 };
 
-/// Binds them to a verb; `files` only when asked (as the verb's positional argument).
-void add_impact_options(CLI::App& verb, ImpactCommand& command, bool with_files);
+/// Those of the test, without the files.
+[[nodiscard]] describe::Options options_of(ImpactCommand& command);
 
 struct ImpactRun {
   /// The points struck and the recordings of each; one without a name unless the hammer roves.

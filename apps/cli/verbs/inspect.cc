@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "apps/campaign_file/recording_description.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
@@ -23,11 +22,6 @@
 
 namespace rigfit::apps {
 namespace {
-
-struct InspectOptions {
-  std::vector<std::string> files;
-  double sample_rate_hz = 0;
-};
 
 constexpr std::size_t kMostDrawn = 20;  // recordings, so that a page opens at once
 
@@ -191,7 +185,7 @@ void print(std::ostream& out, const signal::Recording& recording,
   }
 }
 
-Json inspect(const InspectOptions& options, VerbContext& context) {
+Json inspect(const InspectCommand& options, VerbContext& context) {
   Json result;
   result["recordings"] = Json::array();
   for (const auto& path : options.files) {
@@ -241,23 +235,27 @@ Json inspect_result(const signal::Recording& recording, VerbContext& context) {
   return json_of(recording, quality);
 }
 
-void add_inspect(CLI::App& program, Verbs& verbs) {
-  auto options = std::make_shared<InspectOptions>();
-  auto* app = program.add_subcommand(
+describe::Options options_of(InspectCommand& c) {
+  using describe::option;
+  return {option("FILE", c.files,
+                 "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
+                 ".mat, NumPy .npy; spectra and FRFs as text")
+              .required(),
+          option("--sample-rate", c.sample_rate_hz, "Sample rate in Hz of files that give none")
+              .positive()
+              .type("HZ")};
+}
+
+Verb inspect_verb() {
+  Verb verb = verb_of<InspectCommand>(
       "inspect",
       "Read recordings and check their quality: rate, channels, units, clipping, "
-      "dropouts, missing samples, offset, drift, noise, hum, quantisation");
-  app->add_option("FILE", options->files,
-                  "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
-                  ".mat, NumPy .npy; spectra and FRFs as text")
-      ->required();
-  app->add_option("--sample-rate", options->sample_rate_hz,
-                  "Sample rate in Hz of files that give none")
-      ->check(positive_number())
-      ->type_name("HZ");
-  app->footer(kInspectExample);
-  verbs.push_back(
-      {app, [options](VerbContext& context) { return inspect(*options, context); }, true});
+      "dropouts, missing samples, offset, drift, noise, hum, quantisation",
+      kInspectExample,
+      [](const InspectCommand& c, VerbContext& context) { return inspect(c, context); });
+  verb.draws = true;
+  verb.reads = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

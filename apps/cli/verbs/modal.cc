@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "apps/cli/digits.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
@@ -29,9 +28,7 @@ using Eigen::Index;
 
 void refuse_options_of_hits(const ModalCommand& options) {
   std::string given;
-  for (const CLI::Option* option : options.of_hits) {
-    if (option->count() > 0) given += (given.empty() ? "" : ", ") + option->get_name();
-  }
+  for (const auto& name : options.of_hits) given += (given.empty() ? "" : ", ") + name;
   if (given.empty()) return;
   throw UsageError(given +
                    ": for recordings of hits, which need --force C; FRFs from a file are averaged "
@@ -267,56 +264,55 @@ Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, Ver
   return result;
 }
 
-void add_modal(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<ModalCommand>();
-  CLI::App* verb = program.add_subcommand(
-      "modal", "Natural frequencies, damping and shapes with error bars from FRFs or hits");
-  verb->add_option("FILE", options->files,
-                   "FRFs: a UFF file, a .mat file, or text tables of frequency, real and imaginary "
-                   "part (or magnitude and phase); or, with --force, recordings of hits")
-      ->required();
-  verb->add_option("--order", options->order, "Highest model order of the stabilisation diagram")
-      ->check(CLI::Range(2, 400))
-      ->capture_default_str();
-  verb->add_option("--max-damping", options->max_damping,
-                   "Largest damping ratio that is taken for a mode")
-      ->check(number_within(1e-6, 0.99))
-      ->capture_default_str();
-  verb->add_option("--out", options->out, "Modes as UFF 55")->type_name("F.uff");
-  verb->add_option(
-          "--synthesis", options->synthesis,
-          "FRFs rebuilt from the modes and what else was fitted, at the measured lines, as "
-          "UFF 58")
-      ->type_name("F.uff");
-  verb->add_option("--averages", options->averages,
-                   "Averages behind the coherence of FRFs from a file [as the file says]")
-      ->check(CLI::Range(1, 1000000));
-  const std::vector<const CLI::Option*> before = std::as_const(*verb).get_options();
-  add_impact_options(*verb, options->impact, false);
-  for (const CLI::Option* option : std::as_const(*verb).get_options()) {
-    const std::string name = option->get_name();
-    if (std::find(before.begin(), before.end(), option) == before.end() && name != "--force" &&
-        name != "--band" && name != "--exponential-window" && name != "--exponential-end-level") {
-      options->of_hits.push_back(option);
+describe::Options options_of(ModalCommand& c) {
+  using describe::option;
+  describe::Options options{
+      option("FILE", c.files,
+             "FRFs: a UFF file, a .mat file, or text tables of frequency, real and imaginary part "
+             "(or magnitude and phase); or, with --force, recordings of hits")
+          .required(),
+      option("--order", c.order, "Highest model order of the stabilisation diagram").within(2, 400),
+      option("--max-damping", c.max_damping, "Largest damping ratio that is taken for a mode")
+          .within(1e-6, 0.99),
+      option("--out", c.out, "Modes as UFF 55").writes().type("F.uff"),
+      option(
+          "--synthesis", c.synthesis,
+          "FRFs rebuilt from the modes and what else was fitted, at the measured lines, as UFF 58")
+          .writes()
+          .type("F.uff"),
+      option("--averages", c.averages,
+             "Averages behind the coherence of FRFs from a file [as the file says]")
+          .within(1, 1000000)};
+  for (auto& one : options_of(c.impact)) {
+    if (one.name == "--exponential-window") {
+      one.meaning =
+          "Decay rate of a window on force and responses: used on hits, or stated of FRFs from a "
+          "file that were measured with one; it is taken off the poles";
+      one.unit = "1/s";
+    } else if (one.name == "--band") {
+      one.meaning = "Band to look for modes in (and for the force spectrum of hits)";
+    } else if (one.name != "--force" && one.name != "--exponential-end-level") {
+      one.told = &c.of_hits;
     }
+    options.push_back(std::move(one));
   }
-  verb->get_option("--exponential-window")
-      ->description(
-          "Decay rate of a window on force and responses, 1/s: used on hits, or stated of FRFs "
-          "from "
-          "a file that were measured with one; it is taken off the poles");
-  verb->get_option("--band")->description(
-      "Band to look for modes in (and for the force spectrum of hits), Hz");
-  verb->footer(
+  return options;
+}
+
+Verb modal_verb() {
+  Verb verb = verb_of<ModalCommand>(
+      "modal", "Natural frequencies, damping and shapes with error bars from FRFs or hits",
       "Examples:\n"
       "  rigfit modal frf.uff --band 5 1400 --out modes.uff --json -\n"
       "  rigfit modal other.uff --exponential-window 1.5 --averages 5\n"
       "  rigfit modal point1.txt point2.txt point3.txt --averages 5\n"
       "  rigfit modal hits.csv --force hammer --exponential-window 1\n"
       "Exit code 4: no mode stands out, or a window's damping dominates that of a mode (the\n"
-      "frequency is given all the same).");
-  verbs.push_back(
-      {verb, [options](VerbContext& context) { return run_modal(context, *options); }, true});
+      "frequency is given all the same).",
+      [](const ModalCommand& c, VerbContext& context) { return run_modal(context, c); });
+  verb.draws = true;
+  verb.reads = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

@@ -150,39 +150,35 @@ Json modes_result(const model::Scene& scene, const ModesCommand& options, VerbCo
   return result;
 }
 
-void add_modes(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<ModesCommand>();
-  CLI::App* verb =
-      program.add_subcommand("modes", "Static equilibrium of a scene, then its natural modes");
-  verb->add_option("scene", options->scene, "Scene file (TOML)")->required()->type_name("SCENE");
-  auto* count = verb->add_option("--count", options->count, "The first N modes")
-                    ->type_name("N")
-                    ->check(CLI::Range(1, 10000))
-                    ->capture_default_str();
-  verb->add_option("--band", options->band, "All modes between two frequencies, Hz")
-      ->type_name("LO HI")
-      ->expected(2)
-      ->excludes(count);
-  verb->add_option("--segments", options->segments,
-                   "Segments of every member, instead of the scene's")
-      ->type_name("N")
-      ->check(CLI::Range(2, 100000));
-  verb->add_option("--rotary-inertia", options->rotary_inertia,
-                   "Of a segment, and its joints: accurate, or a rigid rod's as in the paper")
-      ->check(CLI::IsMember({"accurate", "rigid_rod"}))
-      ->capture_default_str();
-  verb->add_option("--torsion", options->torsion, "Model torsion: where needed, always or never")
-      ->check(CLI::IsMember({"auto", "on", "off"}))
-      ->capture_default_str();
-  verb->add_flag("--shapes", options->shapes, "Mode shapes at every node in the JSON result");
-  verb->footer(
-      "Example:\n  rigfit modes testdata/jalali2021/scenes/cable.toml --count 6 --json modes.json");
-  verbs.push_back({verb,
-                   [options](VerbContext& context) {
-                     context.input(options->scene);
-                     return modes_result(model::read_scene(options->scene), *options, context);
-                   },
-                   true});
+describe::Options options_of(ModesCommand& c) {
+  using describe::option;
+  return {option("scene", c.scene, "Scene file (TOML)").required().type("SCENE"),
+          option("--count", c.count, "The first N modes").type("N").within(1, 10000),
+          option("--band", c.band, "All modes between two frequencies", "Hz")
+              .type("LO HI")
+              .count(2)
+              .excludes("--count"),
+          option("--segments", c.segments, "Segments of every member, instead of the scene's")
+              .type("N")
+              .within(2, 100000),
+          option("--rotary-inertia", c.rotary_inertia,
+                 "Of a segment, and its joints: accurate, or a rigid rod's as in the paper")
+              .one_of({"accurate", "rigid_rod"}),
+          option("--torsion", c.torsion, "Model torsion: where needed, always or never")
+              .one_of({"auto", "on", "off"}),
+          option("--shapes", c.shapes, "Mode shapes at every node in the JSON result")};
+}
+
+Verb modes_verb() {
+  Verb verb = verb_of<ModesCommand>(
+      "modes", "Static equilibrium of a scene, then its natural modes",
+      "Example:\n  rigfit modes testdata/jalali2021/scenes/cable.toml --count 6 --json modes.json",
+      [](const ModesCommand& c, VerbContext& context) {
+        context.input(c.scene);
+        return modes_result(model::read_scene(c.scene), c, context);
+      });
+  verb.draws = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

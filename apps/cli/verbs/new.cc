@@ -10,7 +10,6 @@
 #include "apps/campaign_file/new/guess_campaign.h"
 #include "apps/campaign_file/new/new_campaign.h"
 #include "apps/campaign_file/new/utility_line.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
 
@@ -94,29 +93,6 @@ Json new_utility_line(const fs::path& root, const UtilityLine& line, VerbContext
 }
 
 /// Options of the template; lengths in m, Pa, kg/m3, N.
-void add_line_options(CLI::App& app, UtilityLine& line) {
-  app.add_option("--poles", line.poles, "Utility line: number of poles")->capture_default_str();
-  app.add_option("--height", line.height_m, "Of a pole above ground, m")->capture_default_str();
-  app.add_option("--ground-diameter", line.ground_diameter_m, "m")->capture_default_str();
-  app.add_option("--top-diameter", line.top_diameter_m, "m")->capture_default_str();
-  app.add_option("--modulus", line.modulus_Pa, "Pa")->capture_default_str();
-  app.add_option("--density", line.density_kg_m3, "kg/m3")->capture_default_str();
-  app.add_option("--embedded", line.embedded_m,
-                 "m, on Winkler springs; 0: springs at the ground line")
-      ->capture_default_str();
-  app.add_option("--line-span", line.span_m, "m")->capture_default_str();
-  app.add_option("--conductors", line.conductors, "Of a span; 0: bare poles")
-      ->capture_default_str();
-  app.add_option("--conductor-tension", line.conductor_tension_N, "N, of one")
-      ->capture_default_str();
-  app.add_option("--zone-from", line.damage_from, "Zone of free EI: from, of the height")
-      ->capture_default_str();
-  app.add_option("--zone-to", line.damage_to, "Zone of free EI: to, of the height")
-      ->capture_default_str();
-  app.add_option("--damage", line.damage_depth, "Loss of EI in the zone of pole 1, 0..1")
-      ->capture_default_str();
-}
-
 Json run_new(VerbContext& context, const NewCommand& command) {
   if (command.example && !command.from.empty()) {
     throw UsageError("--example and --from: one of the two");
@@ -150,34 +126,49 @@ Json run_new(VerbContext& context, const NewCommand& command) {
   return Json{{"files", std::move(files)}};
 }
 
+describe::Options options_of(NewCommand& c) {
+  using describe::option;
+  return {option("folder", c.folder, "Folder to make").required().type("DIR"),
+          option("--from", c.from, "Recordings to make a campaign of").type("FILES"),
+          option("--example", c.example,
+                 "The commented example with published values (also without --from)"),
+          option("--kind", c.guess.kind,
+                 "What the recordings are [guessed], or a scene of utility poles")
+              .one_of({"bending", "axial", "decay", "modal", "utility-line"}),
+          option("--poles", c.line.poles, "Utility line: number of poles"),
+          option("--height", c.line.height_m, "Of a pole above ground", "m"),
+          option("--ground-diameter", c.line.ground_diameter_m, "", "m"),
+          option("--top-diameter", c.line.top_diameter_m, "", "m"),
+          option("--modulus", c.line.modulus_Pa, "", "Pa"),
+          option("--density", c.line.density_kg_m3, "", "kg/m3"),
+          option("--embedded", c.line.embedded_m,
+                 "m, on Winkler springs; 0: springs at the ground line"),
+          option("--line-span", c.line.span_m, "", "m"),
+          option("--conductors", c.line.conductors, "Of a span; 0: bare poles"),
+          option("--conductor-tension", c.line.conductor_tension_N, "N, of one"),
+          option("--zone-from", c.line.damage_from, "Zone of free EI: from, of the height"),
+          option("--zone-to", c.line.damage_to, "Zone of free EI: to, of the height"),
+          option("--damage", c.line.damage_depth, "Loss of EI in the zone of pole 1, 0..1"),
+          option("--force-channel", c.guess.force, "Channel of the hammer [guessed]"),
+          option("--span", c.guess.span_m, "Of bending tests", "m").positive(),
+          option("--mass", c.guess.mass_kg, "Of axial tests", "kg").positive(),
+          option("--length", c.guess.length_m, "Of axial tests", "m").positive(),
+          option("--unit", c.units, "Unit of a channel that the files do not give")
+              .type("CHANNEL=UNIT"),
+          option("--sensitivity", c.sensitivities, "Of a channel's transducer")
+              .type("\"CHANNEL=2.27 mV/N\"")};
+}
 }  // namespace
 
-void add_new(CLI::App& program, Verbs& verbs) {
-  const auto command = std::make_shared<NewCommand>();
-  CLI::App* app = program.add_subcommand(
-      "new", "Writes a campaign to start from: of one's own recordings, or a commented example");
-  app->add_option("folder", command->folder, "Folder to make")->required()->type_name("DIR");
-  app->add_option("--from", command->from, "Recordings to make a campaign of")->type_name("FILES");
-  app->add_flag("--example", command->example,
-                "The commented example with published values (also without --from)");
-  app->add_option("--kind", command->guess.kind,
-                  "What the recordings are [guessed], or a scene of utility poles")
-      ->check(CLI::IsMember({"bending", "axial", "decay", "modal", "utility-line"}));
-  add_line_options(*app, command->line);
-  app->add_option("--force-channel", command->guess.force, "Channel of the hammer [guessed]");
-  app->add_option("--span", command->guess.span_m, "Of bending tests, m")->check(positive_number());
-  app->add_option("--mass", command->guess.mass_kg, "Of axial tests, kg")->check(positive_number());
-  app->add_option("--length", command->guess.length_m, "Of axial tests, m")
-      ->check(positive_number());
-  app->add_option("--unit", command->units, "Unit of a channel that the files do not give")
-      ->type_name("CHANNEL=UNIT");
-  app->add_option("--sensitivity", command->sensitivities, "Of a channel's transducer")
-      ->type_name("\"CHANNEL=2.27 mV/N\"");
-  app->footer(
+Verb new_verb() {
+  Verb verb = verb_of<NewCommand>(
+      "new", "Writes a campaign to start from: of one's own recordings, or a commented example",
       "Examples:\n"
       "  rigfit new my-rig --from hits/*.csv --sensitivity \"CH8=2.27 mV/N\" --unit CH2=g\n"
-      "  rigfit new my-rig --example && rigfit report my-rig/campaign.toml --out report");
-  verbs.push_back({app, [command](VerbContext& context) { return run_new(context, *command); }});
+      "  rigfit new my-rig --example && rigfit report my-rig/campaign.toml --out report",
+      [](const NewCommand& c, VerbContext& context) { return run_new(context, c); });
+  verb.reads = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

@@ -10,7 +10,6 @@
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "apps/cli/verbs/fit_file.h"
@@ -350,61 +349,51 @@ Json predict_result(const model::Scene& scene, const PredictCommand& command,
   return json;
 }
 
-void add_predict(CLI::App& program, Verbs& verbs) {
-  const auto c = std::make_shared<PredictCommand>();
-  CLI::App* app = program.add_subcommand(
+describe::Options options_of(PredictCommand& c) {
+  using describe::option;
+  return {
+      option("scene", c.scene, "Scene file (TOML)").required().type("SCENE"),
+      option("--from", c.from, "JSON result of `rigfit update`").required().type("FIT"),
+      option("--map", c.maps,
+             "What a parameter of the fit is called here: NAME=TARGET[,-TARGET...]")
+          .type("MAP"),
+      option(
+          "--input", c.inputs,
+          "A number of this scene that is known to a standard uncertainty: NAME=STD, NAME=0.5% or "
+          "NAME=VALUE,STD; one of the same name in the fit is the same quantity and counts once")
+          .type("INPUT"),
+      option("--count", c.count, "The first N modes").within(1, 1000),
+      option("--segments", c.segments, "Segments of every member, instead of the scene's")
+          .within(2, 100000),
+      option("--measured", c.measured,
+             "Table of measured frequencies, or universal file of modes (UFF 55), to compare with")
+          .type("F"),
+      option("--column", c.column, "Column of the frequencies in the table").type("NAME"),
+      option("--plane", c.plane, "Plane of the measured modes").one_of({"in", "out", "any"}),
+      option("--damage", c.damage,
+             "Loss of EI of a zone against its sound part: ZONE=SOUND[,RATIO], SOUND a parameter "
+             "of the fit or N m2")
+          .type("ZONE=SOUND"),
+      option("--frf", c.frf, "FRFs with their 95 % intervals as a table").writes().type("F.csv"),
+      option("--band", c.band, "Band of the FRFs", "Hz").count(2).type("LO HI"),
+      option("--lines", c.lines, "Frequency lines of the FRFs").within(2, 100000),
+      option("--response", c.response,
+             "Response to the scene's loads with its 95 % interval as a table")
+          .writes()
+          .type("F.csv"),
+      option("--duration", c.duration_s, "Length of the response", "s").within(1e-6, 3600),
+      option("--rate", c.rate_hz, "Sample rate of the response", "Hz").within(1e-3, 1e6),
+      option("--sample", c.sample, "Intervals from samples, also where the model is linear")};
+}
+
+Verb predict_verb() {
+  return verb_of<PredictCommand>(
       "predict",
-      "Modes, FRFs and responses of another scene with the parameters of a fit, with intervals");
-  app->footer(kPredictExample);
-  app->add_option("scene", c->scene, "Scene file (TOML)")->required()->type_name("SCENE");
-  app->add_option("--from", c->from, "JSON result of `rigfit update`")
-      ->required()
-      ->type_name("FIT");
-  app->add_option("--map", c->maps,
-                  "What a parameter of the fit is called here: NAME=TARGET[,-TARGET...]")
-      ->type_name("MAP");
-  app->add_option("--input", c->inputs,
-                  "A number of this scene that is known to a standard uncertainty: NAME=STD, "
-                  "NAME=0.5% or NAME=VALUE,STD; one of the same name in the fit is the same "
-                  "quantity and counts once")
-      ->type_name("INPUT");
-  app->add_option("--count", c->count, "The first N modes")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app->add_option("--segments", c->segments, "Segments of every member, instead of the scene's")
-      ->check(CLI::Range(2, 100000));
-  app->add_option(
-         "--measured", c->measured,
-         "Table of measured frequencies, or universal file of modes (UFF 55), to compare with")
-      ->type_name("F");
-  app->add_option("--column", c->column, "Column of the frequencies in the table")
-      ->type_name("NAME");
-  app->add_option("--plane", c->plane, "Plane of the measured modes")
-      ->check(CLI::IsMember({"in", "out", "any"}))
-      ->capture_default_str();
-  app->add_option("--damage", c->damage,
-                  "Loss of EI of a zone against its sound part: ZONE=SOUND[,RATIO], SOUND a "
-                  "parameter of the fit or N m2")
-      ->type_name("ZONE=SOUND");
-  app->add_option("--frf", c->frf, "FRFs with their 95 % intervals as a table")->type_name("F.csv");
-  app->add_option("--band", c->band, "Band of the FRFs, Hz")->expected(2)->type_name("LO HI");
-  app->add_option("--lines", c->lines, "Frequency lines of the FRFs")
-      ->check(CLI::Range(2, 100000))
-      ->capture_default_str();
-  app->add_option("--response", c->response,
-                  "Response to the scene's loads with its 95 % interval as a table")
-      ->type_name("F.csv");
-  app->add_option("--duration", c->duration_s, "Length of the response, s")
-      ->check(number_within(1e-6, 3600))
-      ->capture_default_str();
-  app->add_option("--rate", c->rate_hz, "Sample rate of the response, Hz")
-      ->check(number_within(1e-3, 1e6))
-      ->capture_default_str();
-  app->add_flag("--sample", c->sample, "Intervals from samples, also where the model is linear");
-  verbs.push_back({app, [c](VerbContext& context) {
-                     context.input(c->scene);
-                     return predict_result(model::read_scene(c->scene), *c, context);
-                   }});
+      "Modes, FRFs and responses of another scene with the parameters of a fit, with intervals",
+      kPredictExample, [](const PredictCommand& c, VerbContext& context) {
+        context.input(c.scene);
+        return predict_result(model::read_scene(c.scene), c, context);
+      });
 }
 
 }  // namespace rigfit::apps

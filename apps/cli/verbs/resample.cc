@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "apps/campaign_file/recording_description.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "signal/writers/write_csv.h"
@@ -39,29 +38,31 @@ Json resample_result(const signal::Recording& recording, const ResampleCommand& 
   return json;
 }
 
-void add_resample(CLI::App& program, Verbs& verbs) {
-  const auto command = std::make_shared<ResampleCommand>();
-  CLI::App* app = program.add_subcommand(
-      "resample", "A recording at another rate (with a filter), or uneven times made even");
-  app->add_option("FILE", command->file, "Recording")->required();
-  app->add_option("--rate", command->rate_hz,
-                  "New rate, Hz [of uneven times that of their usual step]")
-      ->check(positive_number())
-      ->type_name("HZ");
-  app->add_option("--sample-rate", command->sample_rate_hz, "Where the file gives none, Hz")
-      ->check(positive_number())
-      ->type_name("HZ");
-  app->add_option("--out", command->out, "Recording to write")->required()->type_name("F.csv");
-  app->footer(
+describe::Options options_of(ResampleCommand& c) {
+  using describe::option;
+  return {option("FILE", c.file, "Recording").required(),
+          option("--rate", c.rate_hz, "New rate, Hz [of uneven times that of their usual step]")
+              .positive()
+              .type("HZ"),
+          option("--sample-rate", c.sample_rate_hz, "Where the file gives none", "Hz")
+              .positive()
+              .type("HZ"),
+          option("--out", c.out, "Recording to write").writes().required().type("F.csv")};
+}
+
+Verb resample_verb() {
+  Verb verb = verb_of<ResampleCommand>(
+      "resample", "A recording at another rate (with a filter), or uneven times made even",
       "Example:\n  rigfit resample uneven.csv --out even.csv\n"
-      "  rigfit resample fast.wav --rate 4000 --out slow.csv");
-  verbs.push_back({app, [command](VerbContext& context) {
-                     signal::ReadOptions reading;
-                     reading.sample_rate_hz = command->sample_rate_hz;
-                     signal::ResampleResult result;
-                     return resample_result(load_recording(command->file, context, reading),
-                                            *command, context, result);
-                   }});
+      "  rigfit resample fast.wav --rate 4000 --out slow.csv",
+      [](const ResampleCommand& c, VerbContext& context) {
+        signal::ReadOptions reading;
+        reading.sample_rate_hz = c.sample_rate_hz;
+        signal::ResampleResult result;
+        return resample_result(load_recording(c.file, context, reading), c, context, result);
+      });
+  verb.reads = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "apps/cli/digits.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
@@ -291,63 +290,51 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
   return result;
 }
 
-void add_respond(CLI::App& program, Verbs& verbs) {
-  auto options = std::make_shared<RespondCommand>();
-  CLI::App* verb = program.add_subcommand(
-      "respond", "Time response of a scene at its sensors: linear or geometrically exact by need");
-  verb->add_option("scene", options->scene, "Scene file (TOML)")->required()->type_name("SCENE");
-  verb->add_option("--duration", options->duration_s, "Seconds to simulate")
-      ->required()
-      ->check(positive_number())
-      ->type_name("S");
-  verb->add_option("--rate", options->rate_hz, "Samples a second")
-      ->required()
-      ->check(positive_number())
-      ->type_name("HZ");
-  verb->add_option("--out", options->out, "CSV: time_s, then one column a sensor")
-      ->required()
-      ->type_name("F.csv");
-  verb->add_option("--energy", options->energy, "CSV of the energy by member and kind over time")
-      ->type_name("F.csv");
+describe::Options options_of(RespondCommand& c) {
+  using describe::option;
   std::vector<std::string> names;
-  names.reserve(kSolvers.size());
   for (const auto& [name, solver] : kSolvers) names.push_back(name);
-  verb->add_option("--solver", options->solver,
-                   "auto: modal when the estimated frequency shift is within the scene's accuracy")
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
-  verb->add_option("--plane", options->plane, "Move in the plane of symmetry only")
-      ->check(CLI::IsMember({"auto", "on", "off"}))
-      ->capture_default_str();
-  verb->add_option("--torsion", options->torsion, "Model torsion")
-      ->check(CLI::IsMember({"auto", "on", "off"}))
-      ->capture_default_str();
-  verb->add_option(
-          "--axial", options->axial,
-          "Axial waves at their own speed; off: quasi-static (modal) or slowed (other solvers)")
-      ->check(CLI::IsMember({"auto", "on", "off"}))
-      ->capture_default_str();
-  verb->add_option("--segments", options->segments,
-                   "Segments of every member, instead of the scene's")
-      ->check(CLI::Range(2, 10000));
-  verb->add_option("--step", options->step_s,
-                   "Largest step of the explicit and implicit solvers, s")
-      ->check(positive_number());
-  verb->add_option("--tolerance", options->tolerance, "Relative tolerance of the CVODE solvers")
-      ->check(number_within(1e-13, 1e-1))
-      ->capture_default_str();
-  verb->footer(
+  return {
+      option("scene", c.scene, "Scene file (TOML)").required().type("SCENE"),
+      option("--duration", c.duration_s, "Seconds to simulate").required().positive().type("S"),
+      option("--rate", c.rate_hz, "Samples a second").required().positive().type("HZ"),
+      option("--out", c.out, "CSV: time_s, then one column a sensor")
+          .writes()
+          .required()
+          .type("F.csv"),
+      option("--energy", c.energy, "CSV of the energy by member and kind over time")
+          .writes()
+          .type("F.csv"),
+      option("--solver", c.solver,
+             "auto: modal when the estimated frequency shift is within the scene's accuracy")
+          .one_of(names),
+      option("--plane", c.plane, "Move in the plane of symmetry only")
+          .one_of({"auto", "on", "off"}),
+      option("--torsion", c.torsion, "Model torsion").one_of({"auto", "on", "off"}),
+      option("--axial", c.axial,
+             "Axial waves at their own speed; off: quasi-static (modal) or slowed (other solvers)")
+          .one_of({"auto", "on", "off"}),
+      option("--segments", c.segments, "Segments of every member, instead of the scene's")
+          .within(2, 10000),
+      option("--step", c.step_s, "Largest step of the explicit and implicit solvers", "s")
+          .positive(),
+      option("--tolerance", c.tolerance, "Relative tolerance of the CVODE solvers")
+          .within(1e-13, 1e-1)};
+}
+
+Verb respond_verb() {
+  Verb verb = verb_of<RespondCommand>(
+      "respond", "Time response of a scene at its sensors: linear or geometrically exact by need",
       "Example:\n"
       "  rigfit respond testdata/scenes/cable-release.toml --duration 10 --rate 2000 "
-      "--out response.csv --energy energy.csv");
-  verbs.push_back({verb,
-                   [options](VerbContext& context) {
-                     context.input(options->scene);
-                     model::ResponseResult response;
-                     return respond_result(model::read_scene(options->scene), *options, context,
-                                           response);
-                   },
-                   true});
+      "--out response.csv --energy energy.csv",
+      [](const RespondCommand& c, VerbContext& context) {
+        context.input(c.scene);
+        model::ResponseResult response;
+        return respond_result(model::read_scene(c.scene), c, context, response);
+      });
+  verb.draws = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

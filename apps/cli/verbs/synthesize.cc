@@ -9,7 +9,6 @@
 
 #include "apps/campaign_file/bending_files.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
@@ -298,78 +297,56 @@ Json synthesize_result(const model::Scene& scene, const SynthesizeOptions& optio
   return result;
 }
 
-void add_synthesize(CLI::App& program, Verbs& verbs) {
-  auto options = std::make_shared<SynthesizeOptions>();
-  CLI::App* app = program.add_subcommand(
-      "synthesize", "Virtual laboratory: recordings a rig like this would give, with their truth");
-  app->add_option("scene", options->scene, "Scene file (TOML); its loads are the tests")
-      ->required()
-      ->type_name("SCENE");
-  app->add_option("--out", options->out, "Folder to write to")->required()->type_name("DIR");
-  app->add_option("--hits", options->rig.hits, "Hits of every impact")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app->add_option("--double-hits", options->rig.double_hits, "Of these, how many are double")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  app->add_option("--record", options->rig.record_s, "Length of a record, s")
-      ->check(positive_number())
-      ->capture_default_str();
-  app->add_option("--rate", options->rig.sample_rate_hz, "Sample rate, Hz")
-      ->check(positive_number())
-      ->capture_default_str();
-  app->add_option("--finer", options->rig.finer, "Segments of the tested rig over the scene's")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  app->add_option("--tension", options->tensions,
-                  "Tensions that the cables are set to, N, one row of tests each (default: the "
-                  "scene's)")
-      ->check(positive_number());
-  app->add_option("--tension-std", options->tension_std,
-                  "Relative error with which a person sets them")
-      ->check(number_within(0.0, 0.5))
-      ->capture_default_str();
-  app->add_option("--stiffness", options->stiffness,
-                  "Table of tension_N, EI_Nm2: the cables' EI at each of them")
-      ->check(CLI::ExistingFile);
-  app->add_option("--format", options->format,
-                  "Of hammer and release recordings: csv, or uff (58, binary, single precision)")
-      ->check(CLI::IsMember({"csv", "uff"}))
-      ->capture_default_str();
-  app->add_option("--accelerometer-mass", options->rig.accelerometer_mass_kg,
-                  "Mass of an accelerometer, kg, where the scene has none at its place")
-      ->check(not_negative_number())
-      ->capture_default_str();
-  app->add_option("--bending-span", options->bending_span,
-                  "Also the bending test of the scene's first cable, span in m")
-      ->check(positive_number());
-  app->add_option("--bending-load", options->bending_peak_load, "Its largest load, N")
-      ->check(positive_number())
-      ->capture_default_str();
-  app->add_option("--axial-length", options->axial_lengths,
-                  "Also the hanging-mass test of that cable, lengths in m")
-      ->check(positive_number());
-  app->add_option("--axial-length-std", options->axial_length_std,
-                  "Error with which they were cut, m")
-      ->check(number_within(0.0, 0.1))
-      ->capture_default_str();
-  app->add_option("--axial-mass", options->axial_mass, "Mass hung there, kg")
-      ->check(positive_number())
-      ->capture_default_str();
-  app->add_option("--axial-damping", options->axial_damping_ratio,
-                  "Damping ratio of its oscillation")
-      ->check(number_within(0.0, 0.99))
-      ->capture_default_str();
-  app->add_option("--taps", options->taps, "Taps at every length")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app->footer(
+describe::Options options_of(SynthesizeOptions& c) {
+  using describe::option;
+  return {
+      option("scene", c.scene, "Scene file (TOML); its loads are the tests")
+          .required()
+          .type("SCENE"),
+      option("--out", c.out, "Folder to write to").required().type("DIR"),
+      option("--hits", c.rig.hits, "Hits of every impact").within(1, 1000),
+      option("--double-hits", c.rig.double_hits, "Of these, how many are double").within(0, 1000),
+      option("--record", c.rig.record_s, "Length of a record", "s").positive(),
+      option("--rate", c.rig.sample_rate_hz, "Sample rate", "Hz").positive(),
+      option("--finer", c.rig.finer, "Segments of the tested rig over the scene's").within(1, 100),
+      option("--tension", c.tensions,
+             "Tensions that the cables are set to, N, one row of tests each (default: the scene's)")
+          .positive(),
+      option("--tension-std", c.tension_std, "Relative error with which a person sets them")
+          .within(0.0, 0.5),
+      option("--stiffness", c.stiffness,
+             "Table of tension_N, EI_Nm2: the cables' EI at each of them")
+          .file(),
+      option("--format", c.format,
+             "Of hammer and release recordings: csv, or uff (58, binary, single precision)")
+          .one_of({"csv", "uff"}),
+      option("--accelerometer-mass", c.rig.accelerometer_mass_kg,
+             "Mass of an accelerometer, kg, where the scene has none at its place")
+          .from_zero(),
+      option("--bending-span", c.bending_span,
+             "Also the bending test of the scene's first cable, span in m")
+          .positive(),
+      option("--bending-load", c.bending_peak_load, "Its largest load", "N").positive(),
+      option("--axial-length", c.axial_lengths,
+             "Also the hanging-mass test of that cable, lengths in m")
+          .positive(),
+      option("--axial-length-std", c.axial_length_std, "Error with which they were cut", "m")
+          .within(0.0, 0.1),
+      option("--axial-mass", c.axial_mass, "Mass hung there", "kg").positive(),
+      option("--axial-damping", c.axial_damping_ratio, "Damping ratio of its oscillation")
+          .within(0.0, 0.99),
+      option("--taps", c.taps, "Taps at every length").within(1, 1000)};
+}
+
+Verb synthesize_verb() {
+  return verb_of<SynthesizeOptions>(
+      "synthesize", "Virtual laboratory: recordings a rig like this would give, with their truth",
       "Example:\n  rigfit synthesize testdata/jalali2021/scenes/cable.toml --out build/virtual "
-      "--seed 7\n      --bending-span 1 --axial-length 0.7 1.0 1.3");
-  verbs.push_back({app, [options](VerbContext& context) {
-                     context.input(options->scene);
-                     return synthesize_result(model::read_scene(options->scene), *options, context);
-                   }});
+      "--seed 7\n      --bending-span 1 --axial-length 0.7 1.0 1.3",
+      [](const SynthesizeOptions& c, VerbContext& context) {
+        context.input(c.scene);
+        return synthesize_result(model::read_scene(c.scene), c, context);
+      });
 }
 
 }  // namespace rigfit::apps

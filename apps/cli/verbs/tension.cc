@@ -10,7 +10,6 @@
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
@@ -29,10 +28,6 @@ constexpr const char* kExample =
     "  rigfit tension --table cables.csv --out tensions.csv --json tensions.json";
 
 /// One cable or many.
-struct TensionVerb : TensionCommand {
-  std::string table, out;
-};
-
 /// "V" or "V,STD".
 signal::Estimate value_and_std(const std::string& text, const std::string& option) {
   signal::Estimate estimate{0, 0};
@@ -91,14 +86,13 @@ ident::CableDescription description_of(const TensionCommand& command) {
   return cable;
 }
 
-Json run(const TensionVerb& command, VerbContext& context) {
+Json run(const TensionCommand& command, VerbContext& context) {
   if (!command.table.empty()) {
     if (!command.files.empty() || !command.measured.empty() || !command.frequencies.empty() ||
         !command.length.empty() || !command.mass.empty()) {
       throw UsageError("--table brings lengths, masses and frequencies of its own");
     }
-    return tension_table_result({command.table, command.out, command.missed, command.false_mode},
-                                context);
+    return tension_table_result(command, context);
   }
   if (command.length.empty() || command.mass.empty()) {
     throw UsageError("give --length and --mass-per-length, or --table");
@@ -114,7 +108,7 @@ Json run(const TensionVerb& command, VerbContext& context) {
 
 /// One row a cable: its result, or why there is none; a refused or unreadable row ends the run with
 /// exit code 4, after all others.
-Json tension_table_result(const TensionTableCommand& command, VerbContext& context) {
+Json tension_table_result(const TensionCommand& command, VerbContext& context) {
   context.input(command.table);
   const auto rows = read_cable_table(command.table);
   std::vector<ident::CableTest> tests;
@@ -208,62 +202,50 @@ Json tension_result(const TensionCommand& command, const std::vector<signal::Rec
   }
   print_tension(context.out, result);
   if (context.plots) draw_tension(*context.plots, result);
-  return tension_json(inputs, campaign);
+  return tension_json(campaign);
 }
 
-void add_tension(CLI::App& program, Verbs& verbs) {
-  const auto c = std::make_shared<TensionVerb>();
-  CLI::App* app =
-      program.add_subcommand("tension", "Tension of a cable, hanger or stay from its frequencies");
-  app->footer(kExample);
-  app->add_option("files", c->files, "Recordings of the cable's motion: peaks of their spectra")
-      ->type_name("FILE");
-  app->add_option("--channel", c->channels, "Channels to use (default: all)")->type_name("C");
-  app->add_option("--band", c->band, "Where peaks are looked for, Hz")
-      ->expected(2)
-      ->type_name("LO HI");
-  app->add_option("--max-peaks", c->max_peaks, "Peaks a channel at most")
-      ->check(CLI::Range(1, 200))
-      ->capture_default_str();
-  app->add_option("--sample-rate", c->sample_rate_hz, "Where a file gives none, Hz")
-      ->check(positive_number());
-  app->add_option("--measured", c->measured, "Table of measured frequencies, or modes as UFF 55")
-      ->type_name("F");
-  app->add_option("--column", c->column, "Column of the frequencies in the table")
-      ->type_name("NAME");
-  app->add_option("--frequencies", c->frequencies, "Measured frequencies, Hz")
-      ->check(positive_number())
-      ->type_name("HZ");
-  app->add_option("--frequency-std", c->frequency_std, "Standard uncertainty of --frequencies, Hz")
-      ->check(positive_number());
-  app->add_option("--plane", c->plane, "The motion that was measured")
-      ->check(CLI::IsMember({"in", "out", "any"}))
-      ->capture_default_str();
-  app->add_option("--length", c->length, "Between the ends, along the chord, m")
-      ->type_name("V[,STD]");
-  app->add_option("--mass-per-length", c->mass, "Of the cable, kg/m")->type_name("V[,STD]");
-  app->add_option("--table", c->table, "Many cables, a row each (columns: ident/tension/README.md)")
-      ->type_name("CABLES.csv");
-  app->add_option("--out", c->out, "Table of the tensions of --table")->type_name("F.csv");
-  app->add_option("--mass-of", c->mass_of, "State of the cable that the mass per length is of")
-      ->check(CLI::IsMember({"installed", "unstretched"}));
-  app->add_option("--EI", c->EI, "Flexural rigidity, N m2 (default: fitted)")->type_name("V[,STD]");
-  app->add_option("--EA", c->EA, "Axial rigidity, N")->type_name("V[,STD]");
-  app->add_option("--inclination", c->inclination,
-                  "Of the chord, degrees: 0 horizontal, 90 a hanger")
-      ->check(number_within(-90, 90))
-      ->capture_default_str();
-  app->add_option("--ends", c->ends, "Kinds of ends")
-      ->check(CLI::IsMember({"compare", "pinned", "clamped", "springs"}))
-      ->capture_default_str();
-  app->add_option("--missed", c->missed, "Probability that a mode in the band was missed")
-      ->check(number_within(0.001, 0.9))
-      ->capture_default_str();
-  app->add_option("--false", c->false_mode,
-                  "Probability that a measured mode is none of the cable's")
-      ->check(number_within(0.001, 0.9))
-      ->capture_default_str();
-  verbs.push_back({app, [c](VerbContext& context) { return run(*c, context); }, true});
+describe::Options options_of(TensionCommand& c) {
+  using describe::option;
+  return {
+      option("files", c.files, "Recordings of the cable's motion: peaks of their spectra")
+          .type("FILE"),
+      option("--channel", c.channels, "Channels to use (default: all)").type("C"),
+      option("--band", c.band, "Where peaks are looked for", "Hz").count(2).type("LO HI"),
+      option("--max-peaks", c.max_peaks, "Peaks a channel at most").within(1, 200),
+      option("--sample-rate", c.sample_rate_hz, "Where a file gives none", "Hz").positive(),
+      option("--measured", c.measured, "Table of measured frequencies, or modes as UFF 55")
+          .type("F"),
+      option("--column", c.column, "Column of the frequencies in the table").type("NAME"),
+      option("--frequencies", c.frequencies, "Measured frequencies", "Hz").positive().type("HZ"),
+      option("--frequency-std", c.frequency_std, "Standard uncertainty of --frequencies", "Hz")
+          .positive(),
+      option("--plane", c.plane, "The motion that was measured").one_of({"in", "out", "any"}),
+      option("--length", c.length, "Between the ends, along the chord", "m").type("V[,STD]"),
+      option("--mass-per-length", c.mass, "Of the cable", "kg/m").type("V[,STD]"),
+      option("--table", c.table, "Many cables, a row each (columns: ident/tension/README.md)")
+          .type("CABLES.csv"),
+      option("--out", c.out, "Table of the tensions of --table").writes().type("F.csv"),
+      option("--mass-of", c.mass_of, "State of the cable that the mass per length is of")
+          .one_of({"installed", "unstretched"}),
+      option("--EI", c.EI, "Flexural rigidity, N m2 (default: fitted)").type("V[,STD]"),
+      option("--EA", c.EA, "Axial rigidity", "N").type("V[,STD]"),
+      option("--inclination", c.inclination, "Of the chord, degrees: 0 horizontal, 90 a hanger")
+          .within(-90, 90),
+      option("--ends", c.ends, "Kinds of ends").one_of({"compare", "pinned", "clamped", "springs"}),
+      option("--missed", c.missed, "Probability that a mode in the band was missed")
+          .within(0.001, 0.9),
+      option("--false", c.false_mode, "Probability that a measured mode is none of the cable's")
+          .within(0.001, 0.9)};
+}
+
+Verb tension_verb() {
+  Verb verb = verb_of<TensionCommand>(
+      "tension", "Tension of a cable, hanger or stay from its frequencies", kExample,
+      [](const TensionCommand& c, VerbContext& context) { return run(c, context); });
+  verb.draws = true;
+  verb.reads = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

@@ -11,7 +11,6 @@
 #include "apps/campaign_file/update_data.h"
 #include "apps/campaign_file/update_inputs.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/number_checks.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
@@ -294,136 +293,121 @@ Json update_result(UpdateStates& states, const UpdateCommand& options, VerbConte
   return json;
 }
 
-void add_update(CLI::App& program, Verbs& verbs) {
-  const auto options = std::make_shared<UpdateCommand>();
-  CLI::App* verb =
-      program.add_subcommand("update", "A scene's uncertain parameters fitted to measured modes");
-  verb->add_option("SCENE", options->data.scenes,
-                   "Scene files (several: one for each file of data)")
-      ->required()
-      ->check(CLI::ExistingFile);
-  verb->add_option("--measured", options->data.modes,
-                   "Tables of measured modes: frequency_hz, and where known std, damping_ratio, "
-                   "damping_std, plane, tension_N (a state each), shape:<sensor>; or universal "
-                   "files of mode shapes (UFF 55, with 15 or 2411 for where the nodes are)")
-      ->check(CLI::ExistingFile);
-  verb->add_option("--node", options->data.nodes,
-                   "SENSOR=NODE of universal files of mode shapes (SENSOR=NODE-Y: along the "
-                   "file's -y); without it a sensor's node is the one at its place in the scene");
-  verb->add_option("--frf", options->data.frfs,
-                   "FRFs (UFF 58), fitted line by line; names of inputs and responses are those of "
-                   "the scene's loads and sensors. Their modes give its starting values. An "
-                   "exponential window in "
-                   "them is part of the model then, not of its damping")
-      ->check(CLI::ExistingFile);
-  verb->add_option("--decay", options->data.decays,
-                   "Recordings of free decays: their frequencies and damping ratios")
-      ->check(CLI::ExistingFile);
-  verb->add_option(
-          "--response", options->data.responses,
-          "Recordings of the response to the scene's own loads from t = 0 on, fitted sample "
-          "by sample; channels are called like the scene's sensors")
-      ->check(CLI::ExistingFile);
-  verb->add_option("--channel", options->data.decay_channel, "Channel of the decays");
-  verb->add_option(
-          "--tension", options->data.tensions,
-          "N, of each universal file of --measured (or of none of them), then of each --frf, "
-          "--decay and --response: the cables' tension in that state")
-      ->check(positive_number());
-  verb->add_option("--band", options->band,
-                   "Lines and modes of FRFs, decays and UFF 55 that count, Hz")
-      ->expected(2)
-      ->check(not_negative_number());
-  verb->add_option("--compare", options->data.compare,
-                   "Further columns of the tables: frequencies of other models, shown beside");
-  verb->add_option("--free", options->free,
-                   "Scene parameters to fit: NAME, NAME=TARGET,-TARGET (several that share a "
-                   "value), NAME@each (one value a state). Default: every member's EI");
-  verb->add_option("--prior", options->priors,
-                   "NAME=VALUE,STD of a free parameter, from other tests");
-  verb->add_option(
-          "--candidates", options->candidates,
-          "TOML file of models to compare, [[candidate]] with name and, as needed, "
-          "supports = { NODE = \"pinned|clamped|free|springs|own springs\" }, set = { "
-          "\"PARAMETER\" = VALUE }, free = [...], prior = [...], scene = \"FILE\": weights by "
-          "evidence, averaged parameters; exit code 4 when none has 90 % of the weight")
-      ->check(CLI::ExistingFile);
-  verb->add_option(
-          "--ends", options->ends,
-          "The usual candidates: all nodes that are held \"pinned\", \"clamped\", with "
-          "\"springs\" (one rotational stiffness, fitted), with \"own springs\" (one a node)")
-      ->check(CLI::IsMember({"pinned", "clamped", "springs", "own springs"}));
-  verb->add_option("--column", options->data.column, "Name of the frequency column");
-  verb->add_option("--plane", options->data.planes, "Plane of each file: in, out or any")
-      ->check(CLI::IsMember({"in", "out", "any"}));
-  verb->add_option("--stiffness", options->data.stiffness,
-                   "Table of tension_N, EI_Nm2 and, where known, std, or the JSON result of rigfit "
-                   "bending: the cables' EI in each state")
-      ->check(CLI::ExistingFile);
-  verb->add_option("--stiffness-std", options->stiffness_common_std,
-                   "Relative uncertainty of that EI that all its tests share")
-      ->check(number_within(0.0, 1.0));
-  verb->add_option("--axial", options->axial,
-                   "JSON result of rigfit axial: EA of all cables, with its uncertainty")
-      ->check(CLI::ExistingFile);
-  verb->add_flag("--axial-damping", options->axial_damping,
-                 "With --axial: its damping ratio too becomes that of all cables")
-      ->needs("--axial");
-  verb->add_option("--input", options->inputs,
-                   "Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets "
-                   "with commas (-TARGET: opposite), `tension` for the cables' reading, @each at "
-                   "the end: independent in each state. Carried into the parameters, the "
-                   "predictions and --monte-carlo");
-  verb->add_option("--aim", options->aims,
-                   "Where a load of the scene struck, LOAD=METRES,DEGREES (standard "
-                   "uncertainties of its place along the member and of its direction, of the mean "
-                   "of the hits): carried on like every --input. With --frf and --response");
-  verb->add_flag("--profile", options->profile,
-                 "Also 95 % intervals by profile (of data and priors alone)");
-  verb->add_option("--assumed-std", options->assumed_std,
-                   "Relative standard uncertainty of frequencies that come without one")
-      ->check(number_within(1e-9, 1.0))
-      ->capture_default_str();
-  verb->add_option("--model-std", options->model_std,
-                   "Relative error in frequency that the model itself is allowed")
-      ->check(number_within(0.0, 1.0))
-      ->capture_default_str();
-  verb->add_option("--frf-model-std", options->frf_model_std,
-                   "Relative error in FRFs that the model itself is allowed")
-      ->check(number_within(0.0, 10.0))
-      ->capture_default_str();
-  verb->add_option(
-          "--shape-std", options->shape_std,
-          "Uncertainty of a component of a unit shape: shapes are fitted too (0: they only "
-          "help to pair)")
-      ->check(number_within(0.0, 1.0))
-      ->capture_default_str();
-  verb->add_option("--segments", options->data.segments,
-                   "Of every member while fitting (default: the scene's); fewer are faster")
-      ->check(CLI::Range(2, 10000));
-  verb->add_option("--starts", options->starts, "Starts, the first at the scene's own values")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  verb->add_option("--start-spread", options->start_spread,
-                   "Factor by which the other starts are off at most")
-      ->check(number_within(1.0, 100.0))
-      ->capture_default_str();
-  verb->add_flag("--hold-out", options->hold_out,
-                 "Also leave out each state in turn and predict it from the others");
-  verb->add_option(
-          "--monte-carlo", options->monte_carlo,
-          "Refits with measured frequencies, damping ratios, FRFs and time histories, priors, the "
-          "stiffness table, EA, every --input and --aim drawn anew")
-      ->check(CLI::Range(0, 1000000));
-  verb->add_option("--out", options->out,
-                   "Updated scene (default: SCENE's name with .updated.toml, in this folder)");
-  verb->footer(
+describe::Options options_of(UpdateCommand& c) {
+  using describe::option;
+  return {
+      option("SCENE", c.data.scenes, "Scene files (several: one for each file of data)")
+          .required()
+          .file(),
+      option("--measured", c.data.modes,
+             "Tables of measured modes: frequency_hz, and where known std, damping_ratio, "
+             "damping_std, plane, tension_N (a state each), shape:<sensor>; or universal files of "
+             "mode shapes (UFF 55, with 15 or 2411 for where the nodes are)")
+          .file(),
+      option("--node", c.data.nodes,
+             "SENSOR=NODE of universal files of mode shapes (SENSOR=NODE-Y: along the file's -y); "
+             "without it a sensor's node is the one at its place in the scene"),
+      option("--frf", c.data.frfs,
+             "FRFs (UFF 58), fitted line by line; names of inputs and responses are those of the "
+             "scene's loads and sensors. Their modes give its starting values. An exponential "
+             "window in them is part of the model then, not of its damping")
+          .file(),
+      option("--decay", c.data.decays,
+             "Recordings of free decays: their frequencies and damping ratios")
+          .file(),
+      option("--response", c.data.responses,
+             "Recordings of the response to the scene's own loads from t = 0 on, fitted sample by "
+             "sample; channels are called like the scene's sensors")
+          .file(),
+      option("--channel", c.data.decay_channel, "Channel of the decays"),
+      option("--tension", c.data.tensions,
+             "N, of each universal file of --measured (or of none of them), then of each --frf, "
+             "--decay and --response: the cables' tension in that state")
+          .positive(),
+      option("--band", c.band, "Lines and modes of FRFs, decays and UFF 55 that count", "Hz")
+          .count(2)
+          .from_zero(),
+      option("--compare", c.data.compare,
+             "Further columns of the tables: frequencies of other models, shown beside"),
+      option("--free", c.free,
+             "Scene parameters to fit: NAME, NAME=TARGET,-TARGET (several that share a value), "
+             "NAME@each (one value a state). Default: every member's EI"),
+      option("--prior", c.priors, "NAME=VALUE,STD of a free parameter, from other tests"),
+      option("--candidates", c.candidates,
+             "TOML file of models to compare, [[candidate]] with name and, as needed, supports = { "
+             "NODE = \"pinned|clamped|free|springs|own springs\" }, set = { \"PARAMETER\" = VALUE "
+             "}, free = [...], prior = [...], scene = \"FILE\": weights by evidence, averaged "
+             "parameters; exit code 4 when none has 90 % of the weight")
+          .file(),
+      option("--ends", c.ends,
+             "The usual candidates: all nodes that are held \"pinned\", \"clamped\", with "
+             "\"springs\" (one rotational stiffness, fitted), with \"own springs\" (one a node)")
+          .one_of({"pinned", "clamped", "springs", "own springs"}),
+      option("--column", c.data.column, "Name of the frequency column"),
+      option("--plane", c.data.planes, "Plane of each file: in, out or any")
+          .one_of({"in", "out", "any"}),
+      option("--stiffness", c.data.stiffness,
+             "Table of tension_N, EI_Nm2 and, where known, std, or the JSON result of rigfit "
+             "bending: the cables' EI in each state")
+          .file(),
+      option("--stiffness-std", c.stiffness_common_std,
+             "Relative uncertainty of that EI that all its tests share")
+          .within(0.0, 1.0),
+      option("--axial", c.axial,
+             "JSON result of rigfit axial: EA of all cables, with its uncertainty")
+          .file(),
+      option("--axial-damping", c.axial_damping,
+             "With --axial: its damping ratio too becomes that of all cables")
+          .needs("--axial"),
+      option("--input", c.inputs,
+             "Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets with "
+             "commas (-TARGET: opposite), `tension` for the cables' reading, @each at the end: "
+             "independent in each state. Carried into the parameters, the predictions and "
+             "--monte-carlo"),
+      option("--aim", c.aims,
+             "Where a load of the scene struck, LOAD=METRES,DEGREES (standard uncertainties of its "
+             "place along the member and of its direction, of the mean of the hits): carried on "
+             "like every --input. With --frf and --response"),
+      option("--profile", c.profile, "Also 95 % intervals by profile (of data and priors alone)"),
+      option("--assumed-std", c.assumed_std,
+             "Relative standard uncertainty of frequencies that come without one")
+          .within(1e-9, 1.0),
+      option("--model-std", c.model_std,
+             "Relative error in frequency that the model itself is allowed")
+          .within(0.0, 1.0),
+      option("--frf-model-std", c.frf_model_std,
+             "Relative error in FRFs that the model itself is allowed")
+          .within(0.0, 10.0),
+      option("--shape-std", c.shape_std,
+             "Uncertainty of a component of a unit shape: shapes are fitted too (0: they only help "
+             "to pair)")
+          .within(0.0, 1.0),
+      option("--segments", c.data.segments,
+             "Of every member while fitting (default: the scene's); fewer are faster")
+          .within(2, 10000),
+      option("--starts", c.starts, "Starts, the first at the scene's own values").within(1, 1000),
+      option("--start-spread", c.start_spread, "Factor by which the other starts are off at most")
+          .within(1.0, 100.0),
+      option("--hold-out", c.hold_out,
+             "Also leave out each state in turn and predict it from the others"),
+      option("--monte-carlo", c.monte_carlo,
+             "Refits with measured frequencies, damping ratios, FRFs and time histories, priors, "
+             "the stiffness table, EA, every --input and --aim drawn anew")
+          .within(0, 1000000),
+      option("--out", c.out,
+             "Updated scene (default: SCENE's name with .updated.toml, in this folder)")};
+}
+
+Verb update_verb() {
+  Verb verb = verb_of<UpdateCommand>(
+      "update", "A scene's uncertain parameters fitted to measured modes",
       "Example:\n"
       "  rigfit update testdata/jalali2021/scenes/beam.toml \\\n"
       "    --measured testdata/jalali2021/table2_beam_frequencies.csv --column bond_graph_Hz \\\n"
-      "    --plane in --free beam.EI_z tip.mass --out beam.updated.toml --json fit.json");
-  verbs.push_back(
-      {verb, [options](VerbContext& context) { return run_update(context, *options); }, true});
+      "    --plane in --free beam.EI_z tip.mass --out beam.updated.toml --json fit.json",
+      [](const UpdateCommand& c, VerbContext& context) { return run_update(context, c); });
+  verb.draws = true;
+  return verb;
 }
 
 }  // namespace rigfit::apps

@@ -16,14 +16,14 @@ import sys as _sys
 from . import _core
 from ._core import FrfSet
 from .errors import (ArgumentError, DataWarning, Error, InputError, InternalError, NotConverged, Refused, UsageError)
-from .fits import predict, update
-from .laboratory import axial, bending, tension, tension_table
-from .model import Scene, frf_of, modes, report, respond, synthesize
-from .recordings import Channel, Recording, read
+from .functions import (axial, bending, decay, frf, inspect, modal, modes, predict, read, report, resample, respond, synthesize,
+                        tension, tension_table, update)
+from .model import Scene, frf_of
+from .recordings import Channel, Recording
 from .results import (AxialResult, BendingResult, DecayResult, Estimate, FrfResult, InspectResult, ModalResult,
                       ModesResult, PredictResult, Record, Records, ReportResult, ResampleResult, RespondResult, Result, SceneFrfs,
                       SynthesizeResult, TensionResult, TensionTableResult, UpdateResult)
-from .spectra import decay, frf, frfs_of_arrays, inspect, modal, read_frfs, resample
+from .spectra import frfs_of_arrays, read_frfs
 
 __version__ = _core.version
 
@@ -35,6 +35,11 @@ __all__ = [
     "frfs_of_arrays", "inspect", "modal", "modes", "predict", "read", "read_frfs", "report", "resample", "respond", "synthesize", "tension",
     "tension_table", "update",
 ]
+
+
+def __dir__():
+    """What one calls."""
+    return [*__all__, "__version__"]
 
 
 def _leave():

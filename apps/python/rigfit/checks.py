@@ -175,13 +175,3 @@ def array(argument, value, dimensions, dtype=np.float64, missing=False):
     if not missing and not np.isfinite(given).all():
         fail(argument, f"holds {int((~np.isfinite(given)).sum())} values that are not finite")
     return given
-
-
-def common(threads=None, seed=None):
-    """Options of every call."""
-    options = {}
-    if threads is not None:
-        options["threads"] = integer("threads", threads, 1, 1024)
-    if seed is not None:
-        options["seed"] = integer("seed", seed, 0, 2**64 - 1)
-    return options

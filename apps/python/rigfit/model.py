@@ -1,4 +1,4 @@
-"""Scenes and what is done with them: `Scene`, `modes`, `frf_of`, `respond`, `synthesize`; and `report`."""
+"""Scenes and their FRFs: `Scene`, `frf_of`."""
 
 from collections.abc import Mapping
 import html
@@ -8,9 +8,8 @@ import pathlib
 import numpy as np
 
 from . import _core, checks
-from .laboratory import is_path, not_negative, positives
-from .results import ModesResult, ReportResult, RespondResult, SceneFrfs, SynthesizeResult
-from .spectra import call, finish
+from .described import call, finish, is_path
+from .results import SceneFrfs
 
 
 def _toml(argument, value):
@@ -160,48 +159,6 @@ def scene_or_path(scene):
     return Scene(scene)._core
 
 
-def modes(scene, *, count=None, band=None, segments=None, rotary_inertia="accurate", torsion="auto", shapes=False):
-    """Static equilibrium of a scene, then its natural modes.
-
-    Parameters
-    ----------
-    scene : Scene, path, TOML text or dict
-    count : int, optional
-        The first N modes (1 to 10000; default 6).
-    band : (float, float), optional
-        All modes between two frequencies, Hz.
-
-        Instead of a count.
-    segments : int, optional
-        Segments of every member, instead of the scene's (2 to 100000).
-    rotary_inertia : {"accurate", "rigid_rod"}
-        Of a segment, and its joints: accurate, or a rigid rod's as in the paper (default accurate).
-    torsion : {"auto", "on", "off"}
-        Model torsion: where needed, always or never (default auto).
-    shapes : bool
-        Mode shapes at every node in the JSON result.
-
-        They are ``modes[].shape``.
-
-    Returns
-    -------
-    ModesResult
-        ``modes[]``, ``equilibrium``, ``relative_error_estimate``, ``modelled``.
-    """
-    options = {"shapes": checks.flag("shapes", shapes)}
-    if count is not None and band is not None:
-        checks.fail("count", "cannot be given with band")
-    if count is not None:
-        options["count"] = checks.integer("count", count, 1, 10000)
-    if band is not None:
-        options["band"] = checks.band("band", band)
-    if segments is not None:
-        options["segments"] = checks.integer("segments", segments, 2, 100000)
-    options["rotary_inertia"] = checks.choice("rotary_inertia", rotary_inertia, ("accurate", "rigid_rod"))
-    options["torsion"] = checks.choice("torsion", torsion, ("auto", "on", "off"))
-    return finish(ModesResult, *call(_core.modes, scene_or_path(scene), options))
-
-
 def frf_of(scene, frequency_hz, *, segments=None, exponential_window=None):
     """FRFs of a scene from its loads to its sensors, no mode left out.
 
@@ -228,192 +185,5 @@ def frf_of(scene, frequency_hz, *, segments=None, exponential_window=None):
         options["segments"] = checks.integer("segments", segments, 2, 100000)
     if exponential_window is not None:
         options["exponential_window"] = checks.number("exponential_window", exponential_window, 0, 1e6)
-    document, exit_code, H = call(_core.frf_of, scene_or_path(scene), lines, options)
-    return finish(SceneFrfs, document, exit_code, frequency_hz=lines, H=H)
-
-
-_SOLVERS = ("auto", "modal", "large-motion", "explicit", "implicit", "cvode-adams", "cvode-banded")
-
-
-def respond(scene, *, duration, rate, out=None, energy=None, solver="auto", plane="auto", torsion="auto", axial="auto",
-            segments=None, step=None, tolerance=None):
-    """Time response of a scene at its sensors: linear or geometrically exact by need.
-
-    Parameters
-    ----------
-    scene : Scene, path, TOML text or dict
-    duration : float
-        Seconds to simulate.
-    rate : float
-        Samples a second.
-    out : path, optional
-        CSV: time_s, then one column a sensor.
-    energy : path, optional
-        CSV of the energy by member and kind over time.
-    solver : {"auto", "modal", "large-motion", "explicit", "implicit", "cvode-adams", "cvode-banded"}
-        auto: modal when the estimated frequency shift is within the scene's accuracy (default auto).
-    plane : {"auto", "on", "off"}
-        Move in the plane of symmetry only (default auto).
-    torsion : {"auto", "on", "off"}
-        Model torsion (default auto).
-    axial : {"auto", "on", "off"}
-        Axial waves at their own speed; off: quasi-static (modal) or slowed (other solvers) (default auto).
-    segments : int, optional
-        Segments of every member, instead of the scene's (2 to 10000).
-    step : float, optional
-        Largest step of the explicit and implicit solvers, s.
-    tolerance : float, optional
-        Relative tolerance of the CVODE solvers (1e-13 to 0.1; default 1e-06).
-
-    Returns
-    -------
-    RespondResult
-        ``time_s``, ``response`` (samples x sensors), ``sensors[]``, ``solver``, ``energy_drift`` ...
-    """
-    options = {"duration": checks.number("duration", duration, positive=True),
-               "rate": checks.number("rate", rate, positive=True)}
-    options["solver"] = checks.choice("solver", solver, _SOLVERS)
-    for name, value in (("plane", plane), ("torsion", torsion), ("axial", axial)):
-        options[name] = checks.choice(name, value, ("auto", "on", "off"))
-    if out is not None:
-        options["out"] = checks.new_file("out", out)
-    if energy is not None:
-        options["energy"] = checks.new_file("energy", energy)
-    if segments is not None:
-        options["segments"] = checks.integer("segments", segments, 2, 10000)
-    positives(options, step=step)
-    if tolerance is not None:
-        options["tolerance"] = checks.number("tolerance", tolerance, 1e-13, 1e-1)
-    document, exit_code, samples = call(_core.respond, scene_or_path(scene), options)
-    samples.setflags(write=False)
-    return finish(RespondResult, document, exit_code, response=samples,
-                  time_s=np.arange(len(samples)) / options["rate"])
-
-
-def synthesize(scene, out, *, seed=None, hits=None, double_hits=None, record=None, rate=None, finer=None, tension=None,
-               tension_std=None, stiffness=None, format="csv", accelerometer_mass=None, bending_span=None,
-               bending_load=None, axial_length=None, axial_length_std=None, axial_mass=None, axial_damping=None,
-               taps=None, threads=None):
-    """A virtual laboratory: recordings that a rig like this would give, with their truth.
-
-    Parameters
-    ----------
-    scene : Scene, path, TOML text or dict
-        Its loads are the tests.
-    out : path
-        Folder to write to.
-
-        Its ``truth.json`` says what is true.
-    seed : int, optional
-        Seed of every random number (default 1).
-    hits : int, optional
-        Hits of every impact (1 to 1000; default 5).
-    double_hits : int, optional
-        Of these, how many are double (0 to 1000; default 1).
-    record : float, optional
-        Length of a record, s (default 8).
-    rate : float, optional
-        Sample rate, Hz (default 1024).
-    finer : int, optional
-        Segments of the tested rig over the scene's (1 to 100; default 4).
-    tension : float or list of float, optional
-        Tensions that the cables are set to, N, one row of tests each (default: the scene's).
-    tension_std : float, optional
-        Relative error with which a person sets them (0 to 0.5; default 0).
-    stiffness : path, optional
-        Table of tension_N, EI_Nm2: the cables' EI at each of them.
-    format : {"csv", "uff"}
-        Of hammer and release recordings: csv, or uff (58, binary, single precision) (default csv).
-    accelerometer_mass : float, optional
-        Mass of an accelerometer, kg, where the scene has none at its place (default 0.0048).
-    bending_span : float, optional
-        Also the bending test of the scene's first cable, span in m.
-    bending_load : float, optional
-        Its largest load, N (default 10).
-    axial_length : float or list of float, optional
-        Also the hanging-mass test of that cable, lengths in m.
-    axial_length_std : float, optional
-        Error with which they were cut, m (0 to 0.1; default 0).
-    axial_mass : float, optional
-        Mass hung there, kg (default 2.2).
-    axial_damping : float, optional
-        Damping ratio of its oscillation (0 to 0.99; default 0.017).
-    taps : int, optional
-        Taps at every length (1 to 1000; default 5).
-    threads : int, optional
-        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
-
-    Returns
-    -------
-    SynthesizeResult
-        ``files``.
-    """
-    options = checks.common(threads, seed)
-    options["out"] = checks.path("out", out)
-    options["command_line"] = ["rigfit", "synthesize", "(from Python)"]
-    for name, value, low, high in (("hits", hits, 1, 1000), ("double_hits", double_hits, 0, 1000),
-                                   ("finer", finer, 1, 100), ("taps", taps, 1, 1000)):
-        if value is not None:
-            options[name] = checks.integer(name, value, low, high)
-    positives(options, record=record, rate=rate, bending_span=bending_span, bending_load=bending_load,
-              axial_mass=axial_mass)
-    not_negative(options, accelerometer_mass=accelerometer_mass)
-    not_negative(options, 0.5, tension_std=tension_std)
-    not_negative(options, 0.1, axial_length_std=axial_length_std)
-    not_negative(options, 0.99, axial_damping=axial_damping)
-    for name, value in (("tension", tension), ("axial_length", axial_length)):
-        if value is not None:
-            options[name] = checks.numbers(name, value, positive=True)
-    if stiffness is not None:
-        options["stiffness"] = checks.path("stiffness", stiffness)
-    options["format"] = checks.choice("format", format, ("csv", "uff"))
-    return finish(SynthesizeResult, *call(_core.synthesize, scene_or_path(scene), options))
-
-
-def report(campaign, out, *, style="lab", pdf=False, force=False, figure_size=None, figure_font=None,
-           figure_font_size=None, threads=None, seed=None):
-    """Everything a campaign names, from recordings to model against test.
-
-    Parameters
-    ----------
-    campaign : path, or (path, path)
-        TOML file; two: before and after, compared value by value.
-    out : path
-        Folder for report.html, report.json, data/ and figures/.
-    style : {"lab", "client"}
-        lab: one page of everything; client: a short report, the appendix beside it (default lab).
-    pdf : bool
-        Print to PDF as well, by a Chromium on PATH.
-    force : bool
-        Replace another campaign's report in the folder.
-    figure_size : (float, float), optional
-        Width and height of the figures for a paper, mm; with `pdf` also figures.pdf (20 to 1000).
-    figure_font : str, optional
-        Font of these figures (default sans-serif).
-    figure_font_size : float, optional
-        Its size, pt (4 to 24; default 8).
-    threads : int, optional
-        Threads to use (all processors); the numbers do not depend on it (1 to 1024).
-    seed : int, optional
-        Seed of every random number (default 1).
-
-    Returns
-    -------
-    ReportResult
-    """
-    options = checks.common(threads, seed)
-    options["style"] = checks.choice("style", style, ("lab", "client"))
-    options["pdf"] = checks.flag("pdf", pdf)
-    options["force"] = checks.flag("force", force)
-    if figure_size is not None:
-        options["figure_size"] = checks.numbers("figure_size", figure_size, low=20, high=1000)
-        if len(options["figure_size"]) != 2:
-            checks.fail("figure_size", "must be width and height in mm")
-    if figure_font is not None:
-        options["figure_font"] = checks.text("figure_font", figure_font)
-    if figure_font_size is not None:
-        options["figure_font_size"] = checks.number("figure_font_size", figure_font_size, 4, 24)
-    campaigns = checks.paths("campaign", campaign)
-    if len(campaigns) > 2:
-        checks.fail("campaign", f"must be one or two, before and after, not {len(campaigns)}")
-    return finish(ReportResult, *call(_core.report, campaigns, checks.path("out", out), options))
+    *answer, H = call(_core.frf_of, scene_or_path(scene), lines, options)
+    return finish(SceneFrfs, *answer, frequency_hz=lines, H=H)

@@ -203,53 +203,6 @@ class Recording(Sequence):
                 f"<th>missing</th></tr>{rows}</table>")
 
 
-_SEPARATORS = (",", ";", "\t", " ")
-_TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
-
-
-def read(file, sample_rate=None, *, format=None, decimal=None, separator=None, time_unit=None, variable=None):
-    """Reads a recording: CSV, LabVIEW .lvm, UFF 58 and what else ``rigfit inspect`` reads.
-
-    Parameters
-    ----------
-    file : path
-        A TOML file of its name beside it describes its channels.
-    sample_rate : float, optional
-        Hz, where the file gives none.
-    format : {"csv", "lvm", "uff", "wav", "npy", "mat"}, optional
-    decimal : {".", ","}, optional
-    separator : {",", ";", "\\t", " "}, optional
-    time_unit : {"s", "ms", "us", "min"}, optional
-    variable : str or list of str, optional
-
-    Returns
-    -------
-    Recording
-        Its channels are views of what was read; nothing is copied.
-
-    Raises
-    ------
-    InputError
-        With file, line, channel, value and remedy.
-    """
-    options = {}
-    if sample_rate is not None:
-        options["sample_rate"] = checks.number("sample_rate", sample_rate, positive=True)
-    if format is not None:
-        options["format"] = checks.choice("format", format, ("csv", "lvm", "uff", "wav", "npy", "mat"))
-    if decimal is not None:
-        options["decimal"] = checks.choice("decimal", decimal, (".", ","))
-    if separator is not None:
-        options["separator"] = checks.choice("separator", separator, _SEPARATORS)
-    if time_unit is not None:
-        options["time_unit_s"] = _TIME_UNITS[checks.choice("time_unit", time_unit, tuple(_TIME_UNITS))]
-    if variable is not None:
-        options["variable"] = checks.texts("variable", variable)
-    core, notes = _core.read(checks.path("file", file), options)
-    warn(notes)
-    return Recording._of(core)
-
-
 def warn(found):
     """Python warnings of what a document lists."""
     for one in found:

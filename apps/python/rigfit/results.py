@@ -4,6 +4,8 @@ from collections.abc import Mapping
 import copy
 import html
 
+import numpy as np
+
 from .errors import Error
 
 
@@ -27,6 +29,10 @@ class Estimate:
     """
 
     __slots__ = ("value", "std", "low", "high", "_fields")
+    value: "float | None"
+    std: "float | None"
+    low: "float | None"
+    high: "float | None"
 
     def __init__(self, fields):
         self._fields = fields
@@ -71,8 +77,29 @@ class Estimate:
     __hash__ = None
 
 
+class Numbers(np.ndarray):
+    """Values of a field over a list, with the ``std`` of each where the field is an estimate."""
+
+    std = None
+
+
 class Records(list):
-    """A list of records, with a table of them."""
+    """A list of records; a field of all of them is an attribute: ``modes.frequency_hz``, ``modes.frequency_hz.std``."""
+
+    def __getattr__(self, name):
+        found = [one.get(name) for one in self if isinstance(one, Record)]
+        if name.startswith("_") or not any(name in one for one in self if isinstance(one, Record)):
+            raise AttributeError(f"no entry has {name!r}")
+        if not all(one is None or isinstance(one, (int, float, Estimate)) for one in found):
+            return found
+
+        def numbers(values):
+            return np.array([np.nan if one is None else one for one in values], dtype=float).view(Numbers)
+        if any(isinstance(one, Estimate) for one in found):
+            values = numbers([one and one.value for one in found])
+            values.std = numbers([one and one.std for one in found])
+            return values
+        return numbers(found)
 
     def to_dict(self):
         """As in the JSON document."""
@@ -184,14 +211,23 @@ def _entry(value):
 class Result(Record):
     """What a function found: the JSON document of the verb of that name.
 
-    Every key of the document is an attribute. ``warnings`` lists what to know of it.
+    Every key of the document is an attribute. ``warnings`` ask for something or cast doubt on an answer, ``notes`` say what was
+    done. Printed, it is the text of the program.
     """
 
     main = ""  #: the list that `to_frame` makes a table of
+    rigfit: str
+    command: str
+    inputs: "Records"
+    warnings: "Records"
+    notes: "Records"
 
-    def __init__(self, fields, **extra):
+    def __init__(self, fields, printed="", **extra):
         super().__init__(fields)
-        self.__dict__.update(extra)
+        self.__dict__.update(extra, _printed=printed)
+
+    def __repr__(self):
+        return self._printed.rstrip("\n") or super().__repr__()
 
     def to_frame(self):
         """A pandas.DataFrame of the main list of the result."""
@@ -204,13 +240,16 @@ class Result(Record):
         return plots.plot(self, axes)
 
     def _repr_html_(self):
-        title = f"<p><b>{type(self).__name__}</b> (rigfit {html.escape(str(self._fields.get('rigfit', '')))})</p>"
-        shown = {key: value for key, value in self._fields.items() if key not in ("rigfit", "command", "inputs")}
-        return title + Record(shown)._repr_html_()
+        keys = ", ".join(key for key in self._fields if key not in ("rigfit", "command", "inputs"))
+        text = self._printed if len(self._printed) < 15000 else self._printed[:15000] + "\n..."
+        return (f"<p><b>{type(self).__name__}</b> (rigfit {html.escape(str(self._fields.get('rigfit', '')))})</p>"
+                f"<pre>{html.escape(text)}</pre><details><summary>keys</summary>{html.escape(keys)}</details>")
 
 
 class InspectResult(Result):
     """Quality of recordings: ``recordings``."""
+
+    recordings: "Records"
 
     main = "recordings"
 
@@ -218,11 +257,20 @@ class InspectResult(Result):
 class ResampleResult(Result):
     """A recording at another rate: ``recording``; ``channels`` with ``error_rms``, ``sample_rate_hz``, ``from_hz``."""
 
+    channels: "Records"
+    from_hz: float
+    sample_rate_hz: float
+
     main = "channels"
 
 
 class DecayResult(Result):
     """Free decay: ``modes``, strongest first, ``decays``, ``frequency_drift_hz``, ``amplitude_dependence``."""
+
+    modes: "Records"
+    decays: "Records"
+    channel: str
+    unit: str
 
     main = "modes"
 
@@ -240,6 +288,10 @@ class FrfResult(Result):
     coherence : numpy.ndarray or None
     response_names, input_names : list of str
     """
+
+    hits: "Records"
+    averages: int
+    units: str
 
     main = "hits"
 
@@ -283,11 +335,17 @@ class FrfResult(Result):
 class ModalResult(Result):
     """Modes of FRFs: ``modes`` with ``frequency_hz``, ``damping_ratio``, ``shape``; ``stabilisation`` and more."""
 
+    modes: "Records"
+    auto_mac: "list[list[float]]"
+
     main = "modes"
 
 
 class BendingResult(Result):
     """EI at each tension: ``tests``, ``laws``, ``curve``, ``bounds``."""
+
+    tests: "Records"
+    laws: "Records"
 
     main = "tests"
 
@@ -295,11 +353,21 @@ class BendingResult(Result):
 class AxialResult(Result):
     """Hanging-mass test: ``EA_N``, ``damping_ratio``, ``damping_Ns_m``, ``samples``, ``budget``."""
 
+    EA_N: "Estimate"
+    damping_ratio: "Estimate"
+    damping_Ns_m: "Estimate"
+    samples: "Records"
+    budget: "Records"
+
     main = "samples"
 
 
 class ModesResult(Result):
     """Natural modes of a scene: ``modes``, ``equilibrium``, ``relative_error_estimate``, ``modelled``."""
+
+    modes: "Records"
+    equilibrium: "Record"
+    relative_error_estimate: float
 
     main = "modes"
 
@@ -307,9 +375,21 @@ class ModesResult(Result):
 class SceneFrfs(Result):
     """FRFs of a scene: ``frequency_hz`` and ``H``, lines x sensors x loads; ``sensors``, ``loads``, ``units``."""
 
+    sensors: "list[str]"
+    loads: "list[str]"
+    units: "list[str]"
+    H: "NDArray[Any]"
+    frequency_hz: "NDArray[Any]"
+
 
 class RespondResult(Result):
     """Time response: ``time_s``, ``samples`` (rows x sensors), ``solver``, ``energy_drift`` ..."""
+
+    sensors: "Records"
+    solver: str
+    nonlinear: bool
+    time_s: "NDArray[Any]"
+    response: "NDArray[Any]"
 
     main = "sensors"
 
@@ -331,17 +411,36 @@ class UpdateResult(Result):
         One a state.
     """
 
+    parameters: "Records"
+    pairs: "Records"
+    alternatives: "Records"
+    fit: "Record"
+    candidates: "Records"
+    averaged: "Records"
+    fitted_scenes: "list[Scene]"
+    covariance: "NDArray[Any] | None"
+
     main = "parameters"
 
 
 class TensionResult(Result):
     """Tension of a cable: ``tension_N``, ``EI_Nm2``, ``candidates``, ``modes``, ``formulas``, ``budget``."""
 
+    tension_N: "Estimate"
+    EI_Nm2: "Estimate"
+    ends: str
+    candidates: "Records"
+    modes: "Records"
+    formulas: "Record"
+    budget: "Records"
+
     main = "modes"
 
 
 class TensionTableResult(Result):
     """Tensions of a table of cables: ``cables``, each as a `TensionResult` with ``name`` and ``line``, or ``error``."""
+
+    cables: "Records"
 
     main = "cables"
 
@@ -350,14 +449,25 @@ class PredictResult(Result):
     """Modes of another scene with a fit's parameters: ``modes`` (``frequency_hz`` with low, high), ``interval``,
     ``parameters_used``; ``measured`` where it was compared, ``response`` where it was written."""
 
+    modes: "Records"
+    interval: str
+    parameters_used: "list[str]"
+    measured: "Records"
+
     main = "modes"
 
 
 class SynthesizeResult(Result):
     """Files that a virtual laboratory wrote: ``files``."""
 
+    files: "list[str]"
+
 
 class ReportResult(Result):
     """The document of a report: ``answers``, ``summary``, ``fits`` ...; the page is ``report.html`` in its folder."""
+
+    title: str
+    answers: "Records"
+    summary: "Records"
 
     main = "answers"

@@ -2,6 +2,7 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -11,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "apps/cli/common_options.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/progress.h"
@@ -109,13 +111,29 @@ py::object to_python(const Json& value) {
   }
 }
 
-CallContext::CallContext(const Options& options) : out_(&nothing_), context_(out_) {
-  context_.quiet = true;
+void take(const describe::Options& options, const py::dict& given) {
+  for (const auto& option : options) {
+    std::string key = option.name.starts_with("--") ? option.name.substr(2) : option.name;
+    std::replace(key.begin(), key.end(), '-', '_');
+    if (!given.contains(key.c_str())) continue;
+    const py::object value = given[key.c_str()];
+    std::visit(
+        [&](auto* member) { *member = value.cast<std::remove_pointer_t<decltype(member)>>(); },
+        option.target);
+    if (option.told != nullptr) option.told->push_back(option.name);
+  }
+}
+
+CallContext::CallContext(const py::dict& given) : context_(out_) {
   context_.silent = true;
   context_.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  options.take("threads", context_.threads);
-  options.take("seed", context_.seed);
-  options.take("command_line", context_.command);
+  const auto set = [&](const char* name, auto& member) {
+    if (given.contains(name))
+      member = given[name].cast<std::remove_reference_t<decltype(member)>>();
+  };
+  set("threads", context_.threads);
+  set("seed", context_.seed);
+  set("command_line", context_.command);
 }
 
 void run_unlocked(std::function<void()> work) {
@@ -176,20 +194,43 @@ void run_unlocked(std::function<void()> work) {
   }
 }
 
-py::tuple run_verb(const char* name, const Options& options,
+py::tuple run_verb(const char* name, const py::dict& given,
                    std::function<Json(apps::VerbContext&)> work) {
   struct State {
-    explicit State(const Options& from) : context(from) {}
+    explicit State(const py::dict& from) : context(from) {}
     CallContext context;
     Json document;
   };
-  auto state = std::make_shared<State>(options);
+  auto state = std::make_shared<State>(given);
   run_unlocked([state, name, work = std::move(work)] {
     Json result = work(state->context.verb());
     state->document = apps::json_document(state->context.verb(), name, std::move(result));
   });
   return py::make_tuple(to_python(state->document),
-                        static_cast<int>(state->context.verb().exit_code));
+                        static_cast<int>(state->context.verb().exit_code),
+                        state->context.printed());
+}
+
+py::list described_options(const std::string& verb) {
+  using namespace py::literals;
+  describe::Options options;
+  apps::ReadingOptions reading;
+  apps::CommonOptions common;
+  const apps::Verbs verbs = apps::all_verbs();
+  for (const auto& one : verbs) {
+    if (one.name == verb) options = one.options;
+  }
+  for (auto& one : verb == "read" ? options_of(reading) : options_of(common))
+    options.push_back(one);
+  py::list list;
+  for (const auto& o : options) {
+    list.append(
+        py::dict("name"_a = o.name, "kind"_a = o.kind(), "text"_a = o.text(), "lowest"_a = o.lowest,
+                 "highest"_a = o.highest, "positive"_a = o.above_lowest, "words"_a = o.words,
+                 "numbers"_a = o.numbers, "required"_a = o.is_required, "written"_a = o.is_written,
+                 "type"_a = o.placeholder, "default"_a = o.default_text()));
+  }
+  return list;
 }
 
 int abandoned_calls() { return abandoned; }

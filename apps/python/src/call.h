@@ -10,12 +10,12 @@
 
 #include <functional>
 #include <memory>
-#include <ostream>
-#include <streambuf>
+#include <sstream>
 #include <string>
 
 #include "apps/cli/verb.h"
 #include "apps/cli/verb_context.h"
+#include "apps/describe/option.h"
 
 namespace rigfit::python {
 
@@ -24,38 +24,26 @@ using apps::Json;
 
 [[nodiscard]] py::object to_python(const Json& value);
 
-/// Named arguments as the Python layer has checked them; None and what is not there keep the
-/// default.
-class Options {
- public:
-  explicit Options(py::dict values) : values_(std::move(values)) {}
+/// What the Python layer has checked, by names of options with _ for -, into a verb's options.
+void take(const describe::Options& options, const py::dict& given);
 
-  template <typename T>
-  void take(const char* name, T& field) const {
-    if (!values_.contains(name)) return;
-    const py::object value = values_[name];
-    if (!value.is_none()) field = py::cast<T>(value);
-  }
-  [[nodiscard]] bool has(const char* name) const {
-    return values_.contains(name) && !py::object(values_[name]).is_none();
-  }
-
- private:
-  py::dict values_;
-};
+/// The options of a verb, filled.
+template <typename Command>
+[[nodiscard]] Command command_of(const py::dict& given) {
+  Command command;
+  take(options_of(command), given);
+  return command;
+}
 
 /// What a call works in: a verb's context that is silent.
 class CallContext {
  public:
-  explicit CallContext(const Options& options);
+  explicit CallContext(const py::dict& given);  ///< with its threads and seed
   apps::VerbContext& verb() { return context_; }
+  [[nodiscard]] std::string printed() const { return out_.str(); }
 
  private:
-  class Nothing : public std::streambuf {
-    int overflow(int c) override { return c; }
-  };
-  Nothing nothing_;
-  std::ostream out_;
+  std::ostringstream out_;
   apps::VerbContext context_;
 };
 
@@ -63,10 +51,13 @@ class CallContext {
 /// owns all that it uses; what it owns of Python is released with the lock held.
 void run_unlocked(std::function<void()> work);
 
-/// The verb's document and its exit code: {rigfit, command, inputs, warnings, ...}, int. `work` is
-/// run unlocked.
-[[nodiscard]] py::tuple run_verb(const char* name, const Options& options,
+/// The verb's document {rigfit, command, inputs, warnings, ...}, its exit code, and what the
+/// program prints. `work` is run unlocked.
+[[nodiscard]] py::tuple run_verb(const char* name, const py::dict& given,
                                  std::function<Json(apps::VerbContext&)> work);
+
+/// What the Python layer makes arguments, checks and docstrings of: each option of a verb.
+[[nodiscard]] py::list described_options(const std::string& verb);
 
 /// Calls that were interrupted and still work.
 [[nodiscard]] int abandoned_calls();

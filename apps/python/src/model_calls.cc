@@ -14,7 +14,6 @@
 #include "apps/cli/verbs/calls.h"
 #include "apps/python/src/call.h"
 #include "apps/python/src/module.h"
-#include "apps/report/campaign_report.h"
 #include "model/frfs/frf_synthesis.h"
 #include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
@@ -78,17 +77,10 @@ py::list names_of(const Items& items) {
   return names;
 }
 
-py::tuple modes(const py::object& given, const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple modes(const py::object& given, const py::dict& options) {
   const SceneSource source(given);
-  apps::ModesCommand command;
+  auto command = command_of<apps::ModesCommand>(options);
   command.scene = source.path;
-  options.take("count", command.count);
-  options.take("band", command.band);
-  options.take("segments", command.segments);
-  options.take("rotary_inertia", command.rotary_inertia);
-  options.take("torsion", command.torsion);
-  options.take("shapes", command.shapes);
   return run_verb("modes", options, [source, command](apps::VerbContext& context) {
     return apps::modes_result(source.load(context), command, context);
   });
@@ -96,8 +88,7 @@ py::tuple modes(const py::object& given, const py::dict& options_given) {
 
 /// H: lines x sensors x loads.
 py::tuple frf_of(const py::object& given, const py::array_t<double, py::array::c_style>& lines,
-                 const py::dict& options_given) {
-  const Options options(options_given);
+                 const py::dict& options) {
   const SceneSource source(given);
   struct State {
     Eigen::VectorXd frequency_hz;
@@ -108,10 +99,10 @@ py::tuple frf_of(const py::object& given, const py::array_t<double, py::array::c
   };
   auto state = std::make_shared<State>();
   state->frequency_hz = Eigen::Map<const Eigen::VectorXd>(lines.data(), lines.size());
-  int segments = 0;
-  options.take("segments", segments);
-  if (segments > 0) state->modes.segments = segments;
-  options.take("exponential_window", state->decay_rate_1_s);
+  if (options.contains("segments")) state->modes.segments = options["segments"].cast<int>();
+  if (options.contains("exponential_window")) {
+    state->decay_rate_1_s = options["exponential_window"].cast<double>();
+  }
   const py::tuple answer = run_verb("frf_of", options, [source, state](apps::VerbContext& context) {
     state->scene = source.load(context);
     state->frfs = model::synthesize_frfs(state->scene, state->frequency_hz, state->modes,
@@ -138,25 +129,13 @@ py::tuple frf_of(const py::object& given, const py::array_t<double, py::array::c
       }
     }
   }
-  return py::make_tuple(answer[0], answer[1], H);
+  return py::make_tuple(answer[0], answer[1], answer[2], H);
 }
 
-py::tuple respond(const py::object& given, const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple respond(const py::object& given, const py::dict& options) {
   const SceneSource source(given);
-  apps::RespondCommand command;
+  auto command = command_of<apps::RespondCommand>(options);
   command.scene = source.path;
-  options.take("duration", command.duration_s);
-  options.take("rate", command.rate_hz);
-  options.take("out", command.out);
-  options.take("energy", command.energy);
-  options.take("solver", command.solver);
-  options.take("plane", command.plane);
-  options.take("torsion", command.torsion);
-  options.take("axial", command.axial);
-  options.take("segments", command.segments);
-  options.take("step", command.step_s);
-  options.take("tolerance", command.tolerance);
   auto response = std::make_shared<model::ResponseResult>();
   const py::tuple answer =
       run_verb("respond", options, [source, command, response](apps::VerbContext& context) {
@@ -169,53 +148,15 @@ py::tuple respond(const py::object& given, const py::dict& options_given) {
   constexpr py::ssize_t kSize = sizeof(double);
   const py::array_t<double> view({samples.rows(), samples.cols()}, {kSize, kSize * samples.rows()},
                                  samples.data(), owner);
-  return py::make_tuple(answer[0], answer[1], view);
-}
-
-apps::UpdateCommand update_command(const Options& options) {
-  apps::UpdateCommand c;
-  options.take("scenes", c.data.scenes);
-  options.take("measured", c.data.modes);
-  options.take("frf", c.data.frfs);
-  options.take("decay", c.data.decays);
-  options.take("response", c.data.responses);
-  options.take("tension", c.data.tensions);
-  options.take("plane", c.data.planes);
-  options.take("column", c.data.column);
-  options.take("compare", c.data.compare);
-  options.take("node", c.data.nodes);
-  options.take("channel", c.data.decay_channel);
-  options.take("stiffness", c.data.stiffness);
-  options.take("segments", c.data.segments);
-  options.take("band", c.band);
-  options.take("free", c.free);
-  options.take("prior", c.priors);
-  options.take("input", c.inputs);
-  options.take("aim", c.aims);
-  options.take("candidates", c.candidates);
-  options.take("ends", c.ends);
-  options.take("axial", c.axial);
-  options.take("axial_damping", c.axial_damping);
-  options.take("hold_out", c.hold_out);
-  options.take("profile", c.profile);
-  options.take("monte_carlo", c.monte_carlo);
-  options.take("starts", c.starts);
-  options.take("start_spread", c.start_spread);
-  options.take("assumed_std", c.assumed_std);
-  options.take("model_std", c.model_std);
-  options.take("frf_model_std", c.frf_model_std);
-  options.take("shape_std", c.shape_std);
-  options.take("stiffness_std", c.stiffness_common_std);
-  if (c.band.size() == 2) c.data.band_hz = {c.band[0], c.band[1]};
-  return c;
+  return py::make_tuple(answer[0], answer[1], answer[2], view);
 }
 
 /// document, exit code, covariance of the parameters, scenes
-py::tuple update(const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple update(const py::dict& options) {
   auto result = std::make_shared<ident::UpdateResult>();
   auto scenes = std::make_shared<std::vector<model::Scene>>();
-  const apps::UpdateCommand command = update_command(options);
+  auto command = command_of<apps::UpdateCommand>(options);
+  if (command.band.size() == 2) command.data.band_hz = {command.band[0], command.band[1]};
   const py::tuple answer =
       run_verb("update", options, [command, result, scenes](apps::VerbContext& context) {
         apps::UpdateStates states = apps::read_update_states(command.data, context);
@@ -231,91 +172,32 @@ py::tuple update(const py::dict& options_given) {
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
     for (Eigen::Index j = 0; j < covariance.cols(); ++j) values(i, j) = covariance(i, j);
   }
-  return py::make_tuple(answer[0], answer[1], matrix, list);
+  return py::make_tuple(answer[0], answer[1], answer[2], matrix, list);
 }
 
-py::tuple predict(const py::object& given, const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple predict(const py::object& given, const py::dict& options) {
   const SceneSource source(given);
-  apps::PredictCommand command;
+  auto command = command_of<apps::PredictCommand>(options);
   command.scene = source.path;
-  options.take("fit", command.from);
-  options.take("map", command.maps);
-  options.take("count", command.count);
-  options.take("segments", command.segments);
-  options.take("measured", command.measured);
-  options.take("column", command.column);
-  options.take("plane", command.plane);
-  options.take("damage", command.damage);
-  options.take("input", command.inputs);
-  options.take("frf", command.frf);
-  options.take("band", command.band);
-  options.take("lines", command.lines);
-  options.take("response", command.response);
-  options.take("duration", command.duration_s);
-  options.take("rate", command.rate_hz);
-  options.take("sample", command.sample);
   return run_verb("predict", options, [source, command](apps::VerbContext& context) {
     return apps::predict_result(source.load(context), command, context);
   });
 }
 
-py::tuple synthesize(const py::object& given, const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple synthesize(const py::object& given, const py::dict& options) {
   const SceneSource source(given);
-  apps::SynthesizeOptions command;
+  auto command = command_of<apps::SynthesizeOptions>(options);
   command.scene = source.path;
-  options.take("out", command.out);
-  options.take("hits", command.rig.hits);
-  options.take("double_hits", command.rig.double_hits);
-  options.take("record", command.rig.record_s);
-  options.take("rate", command.rig.sample_rate_hz);
-  options.take("finer", command.rig.finer);
-  options.take("accelerometer_mass", command.rig.accelerometer_mass_kg);
-  options.take("tension", command.tensions);
-  options.take("tension_std", command.tension_std);
-  options.take("stiffness", command.stiffness);
-  options.take("format", command.format);
-  options.take("bending_span", command.bending_span);
-  options.take("bending_load", command.bending_peak_load);
-  options.take("axial_length", command.axial_lengths);
-  options.take("axial_length_std", command.axial_length_std);
-  options.take("axial_mass", command.axial_mass);
-  options.take("axial_damping", command.axial_damping_ratio);
-  options.take("taps", command.taps);
   return run_verb("synthesize", options, [source, command](apps::VerbContext& context) {
     return apps::synthesize_result(source.load(context), command, context);
   });
 }
 
-/// One campaign, or two to be compared.
-py::tuple report(const std::vector<std::string>& files, const std::string& out,
-                 const py::dict& options_given) {
-  const Options options(options_given);
-  apps::ReportOptions report;
-  std::string style;
-  options.take("style", style);
-  if (style == "client") report.style = apps::ReportStyle::client;
-  options.take("pdf", report.pdf);
-  options.take("force", report.force);
-  std::vector<double> size;
-  std::string font = "sans-serif";
-  double font_size = 8;
-  options.take("figure_size", size);
-  options.take("figure_font", font);
-  options.take("figure_font_size", font_size);
-  if (size.size() == 2) report.figures = apps::print_size(size[0], size[1], font, font_size);
-  return run_verb("report", options, [files, out, report](apps::VerbContext& context) {
-    std::vector<apps::Campaign> campaigns;
-    campaigns.reserve(files.size());
-    for (const auto& file : files) {
-      context.input(file);
-      campaigns.push_back(apps::read_campaign(file));
-    }
-    return campaigns.size() == 1
-               ? apps::campaign_report(campaigns[0], out, report, context)
-               : apps::compared_campaigns(campaigns[0], campaigns[1], out, report, context);
-  });
+py::tuple report(const py::dict& options) {
+  return run_verb("report", options,
+                  [command = command_of<apps::ReportCommand>(options)](apps::VerbContext& context) {
+                    return apps::report_result(command, context);
+                  });
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, module) {
   // Ceres logs why it gave up even when told to be silent: how a fit ended is in its result.
   FLAGS_minloglevel = google::FATAL;
   module.attr("version") = RIGFIT_VERSION;
+  module.def("options", &rigfit::python::described_options);
   module.def("abandoned_calls", &rigfit::python::abandoned_calls);
   rigfit::python::bind_recordings(module);
   rigfit::python::bind_signal(module);

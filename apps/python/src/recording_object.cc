@@ -7,6 +7,9 @@
 #include <utility>
 
 #include "apps/campaign_file/recording_description.h"
+#include "apps/cli/common_options.h"
+#include "apps/cli/json_document.h"
+#include "apps/cli/verbs/calls.h"
 #include "apps/python/src/borrowed_samples.h"
 #include "apps/python/src/call.h"
 #include "signal/recording/units.h"
@@ -114,33 +117,20 @@ Shared from_channels(const py::list& channels, double fs, double start_s, const 
   return object;
 }
 
-py::tuple read(const std::string& path, const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple read(const std::string& path, const py::dict& options) {
   struct State {
-    explicit State(const Options& from) : context(from) {}
+    explicit State(const py::dict& from) : context(from) {}
     CallContext context;
     Shared object = std::make_shared<RecordingObject>();
   };
   auto state = std::make_shared<State>(options);
-  signal::ReadOptions reading;
-  options.take("sample_rate", reading.sample_rate_hz);
-  options.take("format", reading.format);
-  options.take("decimal", reading.decimal);
-  options.take("separator", reading.separator);
-  options.take("time_unit_s", reading.time_unit_s);
-  options.take("variable", reading.variables);
+  signal::ReadOptions reading = apps::read_options(command_of<apps::ReadingOptions>(options));
+  reading.sample_rate_hz = command_of<apps::InspectCommand>(options).sample_rate_hz;
   run_unlocked([state, path, reading] {
     state->object->recording = apps::load_recording(path, state->context.verb(), reading);
   });
-  py::list warnings;
-  for (const auto& warning : state->context.verb().warnings()) {
-    py::dict one;
-    one["code"] = warning.code;
-    one["message"] = warning.message;
-    one["where"] = warning.where;
-    warnings.append(std::move(one));
-  }
-  return py::make_tuple(state->object, warnings);
+  return py::make_tuple(state->object, to_python(apps::json_document(state->context.verb(), "read",
+                                                                     Json::object())["warnings"]));
 }
 
 }  // namespace

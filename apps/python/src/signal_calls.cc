@@ -58,32 +58,6 @@ struct BorrowedRun {
   }
 };
 
-apps::ImpactCommand impact_command(const Options& options) {
-  apps::ImpactCommand c;
-  options.take("force", c.force);
-  options.take("response", c.responses);
-  options.take("driving_point", c.driving_point);
-  options.take("struck", c.struck);
-  options.take("estimator", c.estimator);
-  options.take("force_window", c.force_window);
-  options.take("exponential_window", c.exponential_window);
-  options.take("exponential_end_level", c.exponential_end_level);
-  options.take("band", c.band);
-  options.take("sample_rate", c.sample_rate_hz);
-  options.take("pulse_sign", c.sign);
-  options.take("trigger", c.trigger);
-  options.take("double_hit", c.double_hit);
-  options.take("max_spectrum_drop", c.max_spectrum_drop_db);
-  options.take("ring_down_level", c.ring_down_level);
-  options.take("block", c.block_s);
-  options.take("pre_trigger", c.pre_trigger_s);
-  options.take("min_pulse_samples", c.min_pulse_samples);
-  options.take("keep_outliers", c.keep_outliers);
-  options.take("frequencies_only", c.frequencies_only);
-  options.take("error_smoothing", c.error_smoothing_lines);
-  return c;
-}
-
 /// Files are read, recordings at hand borrowed; then the test is analysed.
 void analyse(const std::vector<Source>& sources, const apps::ImpactCommand& command,
              apps::VerbContext& context, BorrowedRun& run) {
@@ -135,19 +109,15 @@ py::object frfs_or_none(const SharedFrfs& frfs) {
   return py::cast(frfs);
 }
 
-py::tuple frf(const py::list& given, const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple frf(const py::list& given, const py::dict& options) {
   struct State {
     std::vector<Source> sources;
     apps::FrfCommand command;
     SharedFrfs frfs = std::make_shared<signal::FrfSet>();
   };
   auto state = std::make_shared<State>();
+  state->command = command_of<apps::FrfCommand>(options);
   state->sources = sources_of(given);
-  state->command.impact = impact_command(options);
-  options.take("out", state->command.out);
-  options.take("csv", state->command.csv);
-  options.take("encoding", state->command.encoding);
   const py::tuple answer = run_verb("frf", options, [state](apps::VerbContext& context) {
     BorrowedRun run;
     analyse(state->sources, state->command.impact, context, run);
@@ -155,25 +125,19 @@ py::tuple frf(const py::list& given, const py::dict& options_given) {
     *state->frfs = std::move(run.run.test.frfs);
     return result;
   });
-  return py::make_tuple(answer[0], answer[1], frfs_or_none(state->frfs));
+  return py::make_tuple(answer[0], answer[1], answer[2], frfs_or_none(state->frfs));
 }
 
 /// Modes of FRFs at hand, of files of FRFs, or (with a force channel) of recordings of hits.
-py::tuple modal(const py::object& frfs, const py::list& given, const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple modal(const py::object& frfs, const py::list& given, const py::dict& options) {
   struct State {
     std::vector<Source> sources;
     apps::ModalCommand command;
     SharedFrfs frfs;
   };
   auto state = std::make_shared<State>();
+  state->command = command_of<apps::ModalCommand>(options);
   state->sources = sources_of(given);
-  state->command.impact = impact_command(options);
-  options.take("order", state->command.order);
-  options.take("max_damping", state->command.max_damping);
-  options.take("averages", state->command.averages);
-  options.take("out", state->command.out);
-  options.take("synthesis", state->command.synthesis);
   const bool at_hand = !frfs.is_none();
   if (at_hand) state->frfs = frfs.cast<SharedFrfs>();
   const py::tuple answer = run_verb("modal", options, [state, at_hand](apps::VerbContext& context) {
@@ -198,14 +162,13 @@ py::tuple modal(const py::object& frfs, const py::list& given, const py::dict& o
     state->frfs = std::make_shared<signal::FrfSet>(std::move(measured.frfs));
     return result;
   });
-  return py::make_tuple(answer[0], answer[1], frfs_or_none(state->frfs));
+  return py::make_tuple(answer[0], answer[1], answer[2], frfs_or_none(state->frfs));
 }
 
 /// FRFs of another program: H lines x responses x inputs, SI per N.
 SharedFrfs frfs_of_arrays(const py::array_t<double, py::array::c_style>& frequency_hz,
                           const py::array_t<std::complex<double>, py::array::c_style>& H,
-                          const py::object& coherence, const py::dict& options_given) {
-  const Options options(options_given);
+                          const py::object& coherence, const py::dict& options) {
   auto frfs = std::make_shared<signal::FrfSet>();
   frfs->frequency_hz = Eigen::Map<const Eigen::VectorXd>(frequency_hz.data(), frequency_hz.size());
   const Index lines = H.shape(0), columns = H.shape(1) * H.shape(2);
@@ -217,9 +180,8 @@ SharedFrfs frfs_of_arrays(const py::array_t<double, py::array::c_style>& frequen
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     frfs->coherence = Eigen::Map<const Rows>(given.data(), lines, columns);
   }
-  std::vector<std::string> responses, inputs;
-  options.take("responses", responses);
-  options.take("inputs", inputs);
+  const auto responses = options["responses"].cast<std::vector<std::string>>();
+  const auto inputs = options["inputs"].cast<std::vector<std::string>>();
   const auto points = [](const std::vector<std::string>& names) {
     std::vector<signal::MeasuredPoint> list;
     list.reserve(names.size());
@@ -228,15 +190,14 @@ SharedFrfs frfs_of_arrays(const py::array_t<double, py::array::c_style>& frequen
   };
   frfs->responses = points(responses);
   frfs->inputs = points(inputs);
-  std::string form;
-  options.take("form", form);
+  const auto form = options["form"].cast<std::string>();
   frfs->form = form == "receptance"    ? signal::FrfForm::receptance
                : form == "mobility"    ? signal::FrfForm::mobility
                : form == "accelerance" ? signal::FrfForm::accelerance
                                        : signal::FrfForm::unknown;
   frfs->unit = unit_of(frfs->form);
-  options.take("averages", frfs->averages);
-  options.take("exponential_window", frfs->exponential_decay_rate_1_s);
+  frfs->averages = options["averages"].cast<int>();
+  frfs->exponential_decay_rate_1_s = options["exponential_window"].cast<double>();
   return frfs;
 }
 
@@ -246,11 +207,9 @@ SharedFrfs read_frfs(const std::string& path) {
   return state;
 }
 
-py::tuple inspect(const py::list& given, const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple inspect(const py::list& given, const py::dict& options) {
   auto sources = std::make_shared<std::vector<Source>>(sources_of(given));
-  double rate = 0;
-  options.take("sample_rate", rate);
+  const double rate = command_of<apps::InspectCommand>(options).sample_rate_hz;
   return run_verb("inspect", options, [sources, rate](apps::VerbContext& context) {
     Json result;
     result["recordings"] = Json::array();
@@ -266,14 +225,10 @@ py::tuple inspect(const py::list& given, const py::dict& options_given) {
 }
 
 /// document, exit code, Recording
-py::tuple resample(const py::list& given, const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple resample(const py::list& given, const py::dict& options) {
   auto sources = std::make_shared<std::vector<Source>>(sources_of(given));
-  apps::ResampleCommand command;
+  auto command = command_of<apps::ResampleCommand>(options);
   command.file = sources->at(0).name();
-  options.take("rate", command.rate_hz);
-  options.take("sample_rate", command.sample_rate_hz);
-  options.take("out", command.out);
   auto even = std::make_shared<RecordingObject>();
   const py::tuple answer =
       run_verb("resample", options, [sources, command, even](apps::VerbContext& context) {
@@ -285,21 +240,13 @@ py::tuple resample(const py::list& given, const py::dict& options_given) {
         even->recording = std::move(result.recording);
         return json;
       });
-  return py::make_tuple(answer[0], answer[1], even);
+  return py::make_tuple(answer[0], answer[1], answer[2], even);
 }
 
-py::tuple decay(const py::list& given, const py::dict& options_given) {
-  const Options options(options_given);
+py::tuple decay(const py::list& given, const py::dict& options) {
   auto sources = std::make_shared<std::vector<Source>>(sources_of(given));
-  apps::DecayCommand command;
+  auto command = command_of<apps::DecayCommand>(options);
   command.file = sources->at(0).name();
-  options.take("channel", command.channel);
-  options.take("start", command.start_s);
-  options.take("end", command.end_s);
-  options.take("band", command.band);
-  options.take("each", command.each);
-  options.take("max_modes", command.max_modes);
-  options.take("sample_rate", command.sample_rate_hz);
   return run_verb("decay", options, [sources, command](apps::VerbContext& context) {
     signal::ReadOptions reading;
     reading.sample_rate_hz = command.sample_rate_hz;

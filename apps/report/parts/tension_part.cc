@@ -189,7 +189,7 @@ class TensionPart : public TestPart {
       }
     }
     if (found.result.tension.solved) {
-      part_.json.update(tension_json(campaign.inputs.tension[index_], found));
+      part_.json.update(tension_json(found));
       show_result(part_, test_, found.result.tension);
     }
     return {std::move(part_)};

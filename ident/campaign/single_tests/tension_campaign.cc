@@ -15,11 +15,12 @@ namespace rigfit::ident {
 namespace {
 
 /// What is said of the tones of a channel.
-void add_tones(const signal::SpectralPeaks& found, std::size_t index, const std::string& channel,
-               const std::string& where, TensionCampaignResult& campaign) {
+void add_tones(const signal::SpectralPeaks& found, std::size_t index, const std::string& file,
+               const std::string& channel, TensionCampaignResult& campaign) {
+  const std::string where = file + ": " + channel;
   std::string left_out, possible;
   for (const auto& tone : found.tones) {
-    campaign.tones.push_back({index, channel, tone});
+    campaign.tones.push_back({index, file, channel, tone});
     left_out += fmt::format("{}{:.5g}", left_out.empty() ? "" : ", ", tone.frequency_hz);
     if (tone.reach_hz > 0) left_out += fmt::format(" (it wanders: +-{:.2g})", tone.reach_hz);
   }
@@ -78,9 +79,9 @@ void add_peaks(const TensionInputs& inputs, std::size_t index, TensionCampaignRe
       mode.frequency_hz = peak.frequency_hz;
       mode.plane = inputs.plane;
       campaign.modes.push_back(std::move(mode));
-      campaign.peaks.push_back({index, channel.name, peak});
+      campaign.peaks.push_back({index, name, channel.name, peak});
     }
-    add_tones(found, index, channel.name, name + ": " + channel.name, campaign);
+    add_tones(found, index, name, channel.name, campaign);
     if (found.peaks.empty()) {
       campaign.result.findings.push_back(
           {"no_peaks", found.reason, name + ": " + channel.name, false});

@@ -31,14 +31,14 @@ struct TensionInputs {
 
 struct TensionPeak {
   std::size_t recording = 0;  ///< index of the inputs' recordings
-  std::string channel;
+  std::string file, channel;
   signal::SpectralPeak peak;
 };
 
 /// A tone of constant amplitude, left out of the peaks.
 struct TensionTone {
   std::size_t recording = 0;  ///< index of the inputs' recordings
-  std::string channel;
+  std::string file, channel;
   signal::SteadyTone tone;
 };
 
@@ -55,3 +55,43 @@ struct TensionCampaignResult {
 [[nodiscard]] TensionCampaignResult tension_campaign(const TensionInputs& inputs);
 
 }  // namespace rigfit::ident
+
+namespace rigfit::describe {
+
+template <>
+struct Described<ident::TensionPeak> {
+  using T = ident::TensionPeak;
+  static constexpr std::string_view title = "peaks";
+  static constexpr auto fields = std::tuple{
+      field("file", &T::file, "", "file", "recording"),
+      field("channel", &T::channel, "", "channel", ""),
+      field(
+          "frequency_hz", [](const T& p) { return p.peak.frequency_hz; }, "Hz", "frequency", ""),
+      field(
+          "half_power_bandwidth_hz", [](const T& p) { return p.peak.bandwidth_hz; }, "Hz", "", ""),
+      field(
+          "signal_to_noise", [](const T& p) { return p.peak.signal_to_noise; }, "", "",
+          "power over the noise beside it"),
+      field(
+          "possible_tone", [](const T& p) { return p.peak.undecided; }, "", "",
+          "may be a tone of constant amplitude")};
+};
+
+template <>
+struct Described<ident::TensionTone> {
+  using T = ident::TensionTone;
+  static constexpr std::string_view title = "steady tones, left out";
+  static constexpr auto fields = std::tuple{
+      field("file", &T::file, "", "file", "recording"),
+      field("channel", &T::channel, "", "channel", ""),
+      field(
+          "frequency_hz", [](const T& t) { return t.tone.frequency_hz; }, "Hz", "frequency", ""),
+      field(
+          "amplitude", [](const T& t) { return t.tone.amplitude; }, "", "amplitude",
+          "in the unit of the channel"),
+      field(
+          "reach_hz", [](const T& t) { return t.tone.reach_hz; }, "Hz", "",
+          "modes nearer than this are not seen")};
+};
+
+}  // namespace rigfit::describe

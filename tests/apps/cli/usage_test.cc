@@ -33,7 +33,7 @@ TEST(Usage, HelpIsThereForEveryVerbAndFile) {
   EXPECT_EQ(bare.exit_code, 2);
   EXPECT_THAT(bare.err, HasSubstr("inspect"));
   const std::string modal = run_program({"help", "modal"}).out;
-  EXPECT_THAT(modal, HasSubstr("Usage: rigfit modal [OPTIONS] "));
+  EXPECT_THAT(modal, HasSubstr("Usage: rigfit modal FILE ... [OPTIONS]"));
   EXPECT_THAT(modal, HasSubstr("--band"));
   // Types in words.
   for (const char* internal : {"FLOAT", "TEXT:", "(1x)"}) {

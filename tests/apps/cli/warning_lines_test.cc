@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
 #include <vector>
 
 #include "apps/cli/verb_context.h"
@@ -35,14 +36,25 @@ TEST(WarningLines, GraveOnesFirstAndTheRestCounted) {
   }
   warnings.push_back(warning("model_ruled_out", "the data rule this model out"));
   const auto lines = warning_lines(warnings);
-  ASSERT_EQ(lines.size(), 8u);
+  ASSERT_EQ(lines.size(), 6u);
   EXPECT_EQ(lines[0], "the data rule this model out");
   EXPECT_EQ(lines[1], "2 times: message 0");
-  // Shown: one and six kinds of two; left: three kinds of two and what is taken as exact.
-  EXPECT_THAT(lines[7], HasSubstr("7 more of 4 other kinds"));
-  // Eight kinds need no line that counts.
+  // Shown: one and four kinds of two; left: five kinds of two and what is taken as exact.
+  EXPECT_THAT(lines[5], HasSubstr("11 more of 6 other kinds"));
+  // Five kinds need no line that counts.
   warnings.erase(warnings.begin() + 7, warnings.end());
   EXPECT_EQ(warning_lines(warnings).size(), 4u);
+}
+
+TEST(WarningLines, NormalOperationIsANote) {
+  std::ostringstream out;
+  VerbContext context(out);
+  context.silent = true;
+  context.warn("start_chosen", "the fit starts at sample 702");
+  context.warn("clipped", "12 samples are clipped");
+  ASSERT_EQ(context.warnings().size(), 1u);
+  ASSERT_EQ(context.notes().size(), 1u);
+  EXPECT_EQ(context.notes()[0].code, "start_chosen");
 }
 
 }  // namespace

@@ -1,0 +1,33 @@
+// Options of every verb, and of those that read recordings.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "apps/describe/option.h"
+#include "signal/readers/files/read_options.h"
+
+namespace rigfit::apps {
+
+struct CommonOptions {
+  std::string json;
+  bool quiet = false, verbose = false;
+  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::uint64_t seed = 1;
+};
+
+[[nodiscard]] describe::Options options_of(CommonOptions& common);
+
+/// What a person says of every recording of a run, as in the TOML file beside it.
+struct ReadingOptions {
+  std::string format, decimal, separator, time_unit;
+  std::vector<std::string> variables;
+};
+[[nodiscard]] describe::Options options_of(ReadingOptions& given);
+
+[[nodiscard]] signal::ReadOptions read_options(const ReadingOptions& given);
+
+}  // namespace rigfit::apps

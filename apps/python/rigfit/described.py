@@ -1,0 +1,200 @@
+"""Functions of the program's verbs: their arguments, checks and docstrings are walks over the options that the C++ verbs describe
+(`_core.options`). A new option is a keyword here without another line."""
+
+import difflib
+import functools
+import inspect
+import os
+import re
+import textwrap
+
+from . import _core, checks, errors
+from .recordings import warn
+from .results import Estimate
+
+#: Options whose names are words of Python or say nothing without the command line.
+_RENAMED = {"from": "fit", "false": "false_mode"}
+#: Options of the command line that a call has in another way.
+_LEFT_OUT = {"json", "quiet", "verbose"}
+
+
+@functools.lru_cache(None)
+def options_of(verb):
+    """Option by argument: what it is, in order; without those that stand by their place."""
+    found = {}
+    for option in _core.options(verb):
+        if option["name"].startswith("--"):
+            option["key"] = option["name"][2:].replace("-", "_")
+            if option["key"] not in _LEFT_OUT:
+                found[_RENAMED.get(option["key"], option["key"])] = option
+    return found
+
+
+def _number_too(option):
+    """Whether a text may be a number, or a number with its std: V[,STD], S|auto."""
+    return option["type"][:1].isupper() and option["type"][1:2] in ("|", "[")
+
+
+def estimate_text(argument, value, positive=True):
+    """"V" or "V,STD" of a number, a pair, an Estimate or a ufloat."""
+    if isinstance(value, Estimate):
+        value = (value.value, value.std) if value.std is not None else value.value
+    elif hasattr(value, "nominal_value") and hasattr(value, "std_dev"):
+        value = (value.nominal_value, value.std_dev)
+    if isinstance(value, (tuple, list)):
+        if len(value) != 2:
+            checks.fail(argument, "must be a number or (value, std)")
+        return ",".join((repr(checks.number(argument, value[0], positive=positive)),
+                         repr(checks.number(f"{argument} std", value[1], 0))))
+    return repr(checks.number(argument, value, positive=positive))
+
+
+def checked(argument, option, value):
+    """A value as the option takes it; fails with the argument and the reason."""
+    kind, words = option["kind"], option["words"]
+    limits = {"positive": True} if option["positive"] else {
+        key: option[name] for key, name in (("low", "lowest"), ("high", "highest")) if abs(option[name]) < 1e300}
+    if kind == "flag":
+        return checks.flag(argument, value)
+    if kind == "integer":
+        return checks.integer(argument, value, int(limits.get("low", 0)), int(limits.get("high", 2**64 - 1)))
+    if kind == "number":
+        return checks.number(argument, value, **limits)
+    if kind == "numbers":
+        if option["key"] == "band":
+            return checks.band(argument, value)
+        values = checks.numbers(argument, value, **limits)
+        if option["numbers"] and len(values) != option["numbers"]:
+            checks.fail(argument, f"must be {option['numbers']} numbers: {option['text']}")
+        return values
+    if kind == "texts":
+        return [checked(argument, {**option, "kind": "text"}, one) for one in checks.sequence(argument, value)]
+    if words:
+        return checks.choice(argument, value, words)
+    if option["written"]:
+        return checks.new_file(argument, value)
+    if _number_too(option) and not isinstance(value, str):
+        return estimate_text(argument, value)
+    if isinstance(value, str) or not hasattr(value, "__fspath__"):
+        return checks.text(argument, value)
+    return checks.path(argument, value)
+
+
+def _type_of(option):
+    """In the words of a docstring and of a stub."""
+    words = [repr(word) for word in option["words"]]
+    kind = option["kind"]
+    if kind in ("flag", "integer", "number"):
+        return {"flag": ("bool", "bool"), "integer": ("int", "int"), "number": ("float", "float")}[kind]
+    if kind == "numbers":
+        n = option["numbers"]
+        return (f"({', '.join(['float'] * n)})", f"tuple[{', '.join(['float'] * n)}]") if n else \
+            ("float or list of float", "float | Sequence[float]")
+    if kind == "texts":
+        return ("str or list of str", "str | Sequence[str]")
+    if words:
+        return ("{" + ", ".join(words).replace("'", '"') + "}", f"Literal[{', '.join(words)}]")
+    if option["written"]:
+        return ("path", "_Path")
+    return ("float, (value, std) or str", "_Value | str") if _number_too(option) else ("str", "str")
+
+
+def _text_of(option):
+    """Meaning, range and default, with arguments in place of options."""
+    more = [f"{option['lowest']:g} to {option['highest']:g}"] if option["highest"] < 1e300 else []
+    more += [f"default {option['default']}"] if option["default"] else []
+    text = re.sub(r"--([a-zA-Z][\w-]*)", lambda m: f"`{m[1].replace('-', '_')}`", option["text"])
+    return text + (f" ({'; '.join(more)})" if more else "") + "."
+
+
+def in_arguments(text):
+    """A message with arguments in place of options of the command line, but for commands in backticks."""
+    return re.sub(r"`[^`]*`|--([a-z][a-z-]*)", lambda m: f"`{m[1].replace('-', '_')}`" if m[1] else m[0], text)
+
+
+def call(function, *arguments):
+    """Calls the module; options of the command line in what it raises become names of arguments."""
+    try:
+        return function(*arguments)
+    except errors.Error as error:
+        error.message = in_arguments(error.message)
+        error.args = (error.message,)
+        error.problem, error.remedy = in_arguments(error.problem), in_arguments(error.remedy)
+        raise
+
+
+def finish(kind, document, exit_code, printed="", **extra):
+    """The result of a call; a refusal or a failure to converge raises, with what can be had as its ``result``."""
+    result = kind(document, printed=printed, **extra)
+    if exit_code == 0:
+        warn(document["warnings"])
+        return result
+    found = document["error"]
+    where, problem = f"{found['where']}: " if found["where"] else "", in_arguments(found["message"])
+    error = (errors.Refused if exit_code == 4 else errors.NotConverged)(
+        f"{where}{problem}", code=found["code"], where=found["where"], problem=problem, result=result)
+    if hasattr(error, "add_note"):  # from Python 3.11 on
+        error.add_note(f"The exception's `result` ({kind.__name__}) has what can be had all the same.")
+    raise error
+
+
+def verb(name, result, raw=None, without=()):
+    """Makes ``function(own arguments, options)`` the function of a verb.
+
+    Its own arguments that are options may be given by place; all others are keywords. ``raw``: type by argument that the function
+    checks itself. The function returns what `finish` takes: document, exit code, text, and a dict of what else the result has.
+    """
+    raw = raw or {}
+
+    def made(function):
+        options = {key: one for key, one in options_of(name).items() if key not in without}
+        own = [p for p in inspect.signature(function).parameters.values() if p.name not in ("options", "folder")]
+        placed = {p.name for p in own}
+        parameters = [p.replace(annotation=raw.get(p.name) or (_type_of(options[p.name])[1] if p.name in options else p.annotation))
+                      for p in own]
+        for key, one in options.items():
+            if key in placed:
+                continue
+            kind = raw.get(key) or _type_of(one)[1]
+            empty = one["required"]
+            parameters.append(inspect.Parameter(
+                key, inspect.Parameter.KEYWORD_ONLY, default=inspect.Parameter.empty if empty else None,
+                annotation=kind if empty else f"{kind} | None"))
+        parameters.sort(key=lambda p: p.kind)
+        signature = inspect.Signature(parameters, return_annotation=result.__name__)
+
+        @functools.wraps(function)
+        def called(*arguments, **keywords):
+            for key in keywords:
+                if key not in signature.parameters:
+                    near = difflib.get_close_matches(key, signature.parameters, 1)
+                    checks.fail(key, "is no argument of this function" + (f"; did you mean {near[0]}?" if near else ""))
+            given = signature.bind(*arguments, **keywords).arguments
+            values = {}
+            for key, value in given.items():
+                if key in options and value is not None:
+                    values[options[key]["key"]] = value if key in raw else checked(key, options[key], value)
+            answer = function(**{p.name: given.get(p.name) for p in own}, options=values)
+            extra = answer[-1] if isinstance(answer[-1], dict) and len(answer) > 3 else {}
+            return finish(result, *answer[:3], **extra)
+
+        called.__signature__ = signature
+        lines = [inspect.cleandoc(function.__doc__ or ""), "", "Parameters", "----------"]
+        for p in parameters:
+            shown = {"float": "float", "bool": "bool"}.get(str(p.annotation), str(p.annotation))
+            if p.name in options and p.name not in raw:
+                shown = _type_of(options[p.name])[0]
+            optional = "" if p.default is inspect.Parameter.empty else ", optional"
+            lines.append(f"{p.name} : {shown.replace(' | None', '').replace(' | ', ' or ')}{optional}")
+            if p.name in options:
+                lines += textwrap.wrap(_text_of(options[p.name]), 118, initial_indent="    ", subsequent_indent="    ")
+        lines += ["", "Returns", "-------", result.__name__, "    " + (result.__doc__ or "").split("\n")[0]]
+        called.__doc__ = "\n".join(lines) + "\n"
+        del called.__wrapped__
+        return called
+    return made
+
+
+def is_path(value):
+    """Whether a value names a file."""
+    return isinstance(value, (str, os.PathLike))

@@ -1,0 +1,300 @@
+"""The verbs of the program as functions. Their options are described in C++ (`described.verb`); here stands what takes objects of
+Python in place of files."""
+
+from collections.abc import Mapping
+import functools
+import json
+import pathlib
+import tempfile
+
+import numpy as np
+
+from . import _core, checks
+from .described import call, checked, estimate_text, is_path, options_of, verb
+from .model import Scene, scene_or_path
+from .recordings import Recording, sources, warn
+from .results import (AxialResult, BendingResult, DecayResult, FrfResult, InspectResult, ModalResult, ModesResult,
+                      PredictResult, ReportResult, ResampleResult, RespondResult, SynthesizeResult, TensionResult,
+                      TensionTableResult, UpdateResult)
+from .tables import write_cables, write_modes
+
+
+def _one(argument, given):
+    found = sources(argument, given)
+    if len(found) != 1:
+        checks.fail(argument, f"must be one recording, not {len(found)}")
+    return found
+
+
+def _with_folder(function):
+    """Gives objects a temporary folder to be written to; the document then does not list them as inputs."""
+    @functools.wraps(function)
+    def called(**arguments):
+        with tempfile.TemporaryDirectory(prefix="rigfit-") as folder:
+            answer = function(**arguments, folder=folder)
+        inputs = answer[0].get("inputs", [])
+        answer[0]["inputs"] = [one for one in inputs if not one["path"].startswith(folder)]
+        return answer
+    return called
+
+
+def read(file, sample_rate=None, *, format=None, decimal=None, separator=None, time_unit=None, variable=None):
+    """Reads a recording: every format that ``rigfit inspect`` reads. A TOML file of its name beside it describes its channels.
+
+    Parameters
+    ----------
+    file : path
+    sample_rate : float, optional
+        Hz, where the file gives none.
+    format : {"csv", "lvm", "uff", "wav", "npy", "mat"}, optional
+        Where the content misleads.
+    decimal : {".", ","}, optional
+    separator : {",", ";", "\\t", " "}, optional
+    time_unit : {"s", "ms", "us", "min"}, optional
+    variable : str or list of str, optional
+        Arrays to take of .mat files.
+
+    Returns
+    -------
+    Recording
+        Its channels are views of what was read; nothing is copied.
+
+    Raises
+    ------
+    InputError
+        With file, line, channel, value and remedy.
+    """
+    given = {"format": format, "decimal": decimal, "separator": separator, "time_unit": time_unit, "variable": variable}
+    options = {key: checked(key, options_of("read")[key], value) for key, value in given.items() if value is not None}
+    if sample_rate is not None:
+        options["sample_rate"] = checks.number("sample_rate", sample_rate, positive=True)
+    core, found = call(_core.read, checks.path("file", file), options)
+    warn(found)
+    return Recording._of(core)
+
+
+@verb("inspect", InspectResult)
+def inspect(recordings, options):
+    """What recordings hold and whether they are fit for use."""
+    return call(_core.inspect, sources("recordings", recordings), options)
+
+
+@verb("resample", ResampleResult)
+def resample(recording, rate=None, *, out=None, options):
+    """A recording at another rate (with a filter), or uneven times made even."""
+    *answer, even = call(_core.resample, _one("recording", recording), options)
+    return *answer, {"recording": Recording._of(even)}
+
+
+@verb("decay", DecayResult)
+def decay(recording, channel=None, *, options):
+    """Frequency and damping of a free decay."""
+    return call(_core.decay, _one("recording", recording), options)
+
+
+def _check_struck(options, given):
+    if len(options.get("struck", given)) != len(given):
+        checks.fail("struck", f"names {len(options['struck'])} points for {len(given)} recordings: one a recording")
+
+
+@verb("frf", FrfResult)
+def frf(recordings, force, response=None, *, options):
+    """Hammer hits found and judged, averaged FRFs with coherence and error bars. Channels of Recording objects are not copied."""
+    given = sources("recordings", recordings)
+    _check_struck(options, given)
+    *answer, frfs = call(_core.frf, given, options)
+    return *answer, {"frfs": frfs}
+
+
+@verb("modal", ModalResult)
+def modal(frfs, *, options):
+    """Natural frequencies, damping and shapes with error bars from FRFs (an FrfResult, a FrfSet, files) or, with ``force``, from hits."""
+    at_hand = frfs._arrays() if isinstance(frfs, FrfResult) else frfs if isinstance(frfs, _core.FrfSet) else None
+    given = [] if at_hand is not None else sources("frfs", frfs)
+    if at_hand is not None and "force" in options:
+        checks.fail("force", "is for recordings of hits; these are FRFs already")
+    if "force" not in options and not all(isinstance(one, str) for one in given):
+        checks.fail("force", "is needed for recordings of hits")
+    if given:
+        _check_struck(options, given)
+    *answer, used = call(_core.modal, at_hand, given, options)
+    return *answer, {"frfs": used}
+
+
+_UNITS = {"tension": "N", "tension_N": "N", "load": "N", "load_N": "N", "deflection": "m", "deflection_m": "m",
+          "EI_Nm2": "N m2", "EI": "N m2", "std": "N m2", "low": "N m2", "high": "N m2"}
+
+
+@verb("bending", BendingResult, raw={"tension": "str | Literal[0]"})
+def bending(recordings, options):
+    """EI at each tension from load-deflection records or tables, and laws for EI over tension. A dict of arrays in SI is a table:
+    ``tension``, ``load``, ``deflection``, or ``tension_N``, ``EI_Nm2`` (with ``std``, or ``low`` and ``high``)."""
+    if isinstance(recordings, (Mapping, Recording)):
+        recordings = [recordings]
+    if isinstance(recordings, (list, tuple)):
+        recordings = [Recording(one, units=_UNITS, name=f"recordings[{i}]")
+                      if isinstance(one, Mapping) and "data" not in one else one for i, one in enumerate(recordings)]
+    if "tension" in options:
+        tension = options["tension"]
+        zero = isinstance(tension, (int, np.integer)) and not isinstance(tension, bool) and tension == 0
+        options["tension"] = "0" if zero else checks.text("tension", tension)
+    return call(_core.bending, sources("recordings", recordings), options)
+
+
+@verb("axial", AxialResult)
+def axial(recordings, options):
+    """EA, damping ratio and damper of a cable from hanging-mass records."""
+    given = sources("recordings", recordings)
+    if len(given) % len(options["length"]):
+        checks.fail("length", f"has {len(options['length'])} values for {len(given)} recordings: give one, one for each, or one "
+                              "for each group of equal size")
+    return call(_core.axial, given, options)
+
+
+_MODES = "_Path | ModalResult | ArrayLike | Sequence[Any]"
+
+
+def _measured(options, folder):
+    if "measured" in options:
+        given = options["measured"]
+        options["measured"] = checks.path("measured", given) if is_path(given) else write_modes("measured", given, folder)
+
+
+@verb("tension", TensionResult, raw={"measured": _MODES}, without=("table", "out"))
+@_with_folder
+def tension(recordings=None, options=None, folder=None):
+    """Tension of a cable, hanger or stay from its natural frequencies: of recordings of its motion, ``frequencies`` or ``measured``."""
+    for name in ("length", "mass_per_length"):
+        if name not in options:
+            checks.fail(name, "is missing")
+    _measured(options, folder)
+    given = [] if recordings is None else sources("recordings", recordings)
+    if not given and not {"frequencies", "measured"} & set(options):
+        checks.fail("frequencies", "give recordings, frequencies or measured")
+    return call(_core.tension, given, options)
+
+
+@verb("tension", TensionTableResult, raw={"table": "_Path | Sequence[Mapping[str, Any]] | Any"},
+      without=set(options_of("tension")) - {"table", "out", "missed", "false_mode", "threads", "seed"})
+@_with_folder
+def tension_table(table, options, folder=None):
+    """Tensions of many cables, a row each: a file, a list of dicts or a DataFrame with the columns name, length (m),
+    mass_per_length (kg/m), and where known EI (N m2), EA (N), each also with ``_std``, inclination (degrees), ends, plane, mass_of,
+    frequency_std (Hz); and f1, f2 ... or frequencies (a list), Hz."""
+    table = options["table"]
+    options["table"] = checks.path("table", table) if is_path(table) else write_cables("table", table, folder)
+    return call(_core.tension_table, options)
+
+
+@verb("modes", ModesResult)
+def modes(scene, options):
+    """Static equilibrium of a scene, then its natural modes."""
+    if {"count", "band"} <= set(options):
+        checks.fail("count", "cannot be given with band")
+    return call(_core.modes, scene_or_path(scene), options)
+
+
+@verb("respond", RespondResult)
+def respond(scene, *, duration, rate, out=None, options):
+    """Time response of a scene at its sensors: linear or geometrically exact by need."""
+    *answer, samples = call(_core.respond, scene_or_path(scene), options)
+    samples.setflags(write=False)
+    return *answer, {"response": samples, "time_s": np.arange(len(samples)) / options["rate"]}
+
+
+def _write_result(argument, options, kind, folder):
+    value = options.get(argument)
+    if isinstance(value, kind):
+        options[argument] = str(pathlib.Path(folder) / f"{argument}.json")
+        pathlib.Path(options[argument]).write_text(json.dumps(value.to_dict()))
+    elif value is not None:
+        options[argument] = checks.document(argument, value)
+
+
+def _files(argument, value, write=None):
+    """Paths of what may be one or several, files or objects."""
+    several = list(value) if isinstance(value, (list, tuple)) and value and \
+        all(is_path(one) or not isinstance(one, (Mapping, int, float, np.number)) for one in value) else [value]
+    named = [argument] if len(several) == 1 else [f"{argument}[{i}]" for i in range(len(several))]
+    if write is None:
+        return [checks.path(name, one) for name, one in zip(named, several)]
+    return [checks.path(name, one) if is_path(one) else write(name, one) for name, one in zip(named, several)]
+
+
+def _scene_file(scene, index, folder):
+    if is_path(scene) and "\n" not in str(scene):
+        return checks.path("scene", scene)
+    file = pathlib.Path(folder) / f"scene{index + 1}.toml"
+    file.write_text((scene if isinstance(scene, Scene) else Scene(scene)).to_toml())
+    return str(file)
+
+
+_PATHS = "_Path | Sequence[_Path]"
+
+
+@verb("update", UpdateResult, without=("out",), raw={
+    "measured": _MODES, "frf": _PATHS, "decay": _PATHS, "response": _PATHS, "prior": "Mapping[str, _Value]",
+    "stiffness": "_Path | BendingResult", "axial": "_Path | AxialResult", "candidates": "_Path"})
+@_with_folder
+def update(scene, options, folder=None):
+    """A scene's uncertain parameters fitted to what was measured; several scenes: one for each of the data. Objects go through files
+    in a temporary folder, in the formats that the program reads. Measured modes may be dicts: ``{"frequency_hz": 7.36, "std": 0.01,
+    "plane": "in"}``; a prior is ``{"cable.EI": (0.6, 0.02)}``."""
+    if not {"measured", "frf", "decay", "response"} & set(options):
+        checks.fail("measured", "nothing to fit to: give measured, frf, decay or response")
+    if "prior" in options:
+        if not isinstance(options["prior"], Mapping):
+            checks.fail("prior", f"must be a dict of parameter to (value, std), not {checks.kind(options['prior'])}")
+        options["prior"] = [f"{checks.text('prior', name)}={estimate_text(f'prior[{name!r}]', value, positive=False)}"
+                            for name, value in options["prior"].items()]
+    if "candidates" in options:
+        options["candidates"] = checks.document("candidates", options["candidates"])
+    several = scene if isinstance(scene, (list, tuple)) and scene else [scene]
+    options["SCENE"] = [_scene_file(one, i, folder) for i, one in enumerate(several)]
+    if "measured" in options:
+        options["measured"] = _files("measured", options["measured"], lambda name, one: write_modes(name, one, folder))
+    for name in {"frf", "decay", "response"} & set(options):
+        options[name] = _files(name, options[name])
+    _write_result("stiffness", options, BendingResult, folder)
+    _write_result("axial", options, AxialResult, folder)
+    *answer, covariance, scenes = call(_core.update, options)
+    covariance.setflags(write=False)
+    known = covariance.size and np.isfinite(covariance).all()
+    return *answer, {"covariance": covariance if known else None, "fitted_scenes": [Scene._of(one) for one in scenes]}
+
+
+@verb("predict", PredictResult, raw={"fit": "UpdateResult | _Path", "map": "Mapping[str, str]", "measured": _MODES})
+@_with_folder
+def predict(scene, fit, options=None, folder=None):
+    """Modes of another scene with the parameters of a fit, with intervals from their covariance. ``map`` is a dict of the fit's
+    names to names here: ``{"cable.EI": "left.EI,right.EI"}``."""
+    options["fit"] = options.pop("from", None)
+    if "map" in options:
+        if not isinstance(options["map"], Mapping):
+            checks.fail("map", f"must be a dict of name to name, not {checks.kind(options['map'])}")
+        options["map"] = [f"{checks.text('map', name)}={checks.text(f'map[{name!r}]', target)}"
+                          for name, target in options["map"].items()]
+    if options["fit"] is None:
+        checks.fail("fit", "must be a path or an UpdateResult, not None")
+    _write_result("fit", options, UpdateResult, folder)
+    options["from"] = options.pop("fit")
+    _measured(options, folder)
+    return call(_core.predict, scene_or_path(scene), options)
+
+
+@verb("synthesize", SynthesizeResult, raw={"out": "_Path"})
+def synthesize(scene, out, *, options):
+    """A virtual laboratory: recordings that a rig like this would give; its ``truth.json`` says what is true."""
+    options["out"] = checks.path("out", options["out"])
+    options["command_line"] = ["rigfit", "synthesize", "(from Python)"]
+    return call(_core.synthesize, scene_or_path(scene), options)
+
+
+@verb("report", ReportResult, raw={"out": "_Path"})
+def report(campaign, out, *, options):
+    """Everything a campaign names, from recordings to model against test; two campaigns are compared value by value."""
+    options["campaign"] = checks.paths("campaign", campaign)
+    options["out"] = checks.path("out", options["out"])
+    if len(options["campaign"]) > 2:
+        checks.fail("campaign", f"must be one or two, before and after, not {len(options['campaign'])}")
+    return call(_core.report, options)
