@@ -9,6 +9,7 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/key_reference.h"
+#include "apps/results/result_schema.h"
 #include "document/toml_table.h"
 
 namespace rigfit::apps {
@@ -155,7 +156,7 @@ std::string program_help(const Verbs& verbs, std::size_t width) {
   return text + '\n' +
          wrapped(
              "rigfit help VERB: options and an example. rigfit help scene|campaign|sidecar: "
-             "every key of these files.\n",
+             "every key of these files. rigfit help schema: JSON schema of results.\n",
              0, width) +
          "\n";
 }
@@ -184,6 +185,8 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
     out << program_help(verbs, text_width());
   } else if (const auto keys = key_reference(word); !keys.empty()) {
     out << keys;
+  } else if (word == "schema") {
+    out << result_schema().dump(2) << '\n';
   } else if (word == "completion") {
     if (more != "bash" && more != "zsh") {
       throw UsageError("help completion bash, or help completion zsh");
@@ -194,7 +197,7 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
   } else {
     auto known = names_of(verbs);
     if (std::find(known.begin(), known.end(), word) == known.end()) {
-      for (const char* other : {"scene", "campaign", "sidecar", "completion", "man"}) {
+      for (const char* other : {"scene", "campaign", "sidecar", "schema", "completion", "man"}) {
         known.emplace_back(other);
       }
       throw UsageError("no help on \"" + word + "\"" + did_you_mean(word, known) +

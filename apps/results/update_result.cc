@@ -277,7 +277,6 @@ void print_update(std::ostream& out, const ident::UpdateResult& result, const St
                        p.interval_by_profile ? " (profile)" : "");
   }
   print_budget(out, result);
-  for (const auto& text : ident::exact_input_texts(result)) out << "  " << text << '\n';
   out << fmt::format("{:<24} {:>12} {:>12} {:>9} {:>9}  {}\n", "state", "measured, Hz", "model, Hz",
                      "std", "error", "mode");
   for (const auto& pair : result.pairs) {
@@ -317,6 +316,7 @@ void print_update(std::ostream& out, const ident::UpdateResult& result, const St
     out << fmt::format("rms of model less record over the record's: {:.2g} before, {:.2g} fitted\n",
                        result.history_error_before, result.history_error);
   }
+  for (const auto& text : ident::exact_input_texts(result)) out << "  " << text << '\n';
 }
 
 }  // namespace rigfit::apps

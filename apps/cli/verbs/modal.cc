@@ -114,11 +114,17 @@ Json background_json(const signal::ModalResult& found, const signal::FrfSet& frf
   return {{"part_of_frfs", power > 0 ? found.background.norm() / std::sqrt(power) : 0.0}};
 }
 
-void print(std::ostream& out, const signal::ModalResult& result) {
+/// Sure modes, and how many others there are; `all`: those too.
+void print(std::ostream& out, const signal::ModalResult& result, bool all) {
+  std::size_t others = 0;
   out << fmt::format("{:>4} {:>12} {:>10} {:>11} {:>10} {:>6} {:>8}\n", "mode", "f, Hz", "+-",
                      "damping, %", "+-", "MPC", "misfit");
   for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
     const auto& mode = result.model.modes[r];
+    if (mode.doubtful && !all) {
+      ++others;
+      continue;
+    }
     const std::string damping =
         mode.damping_dominated_by_window
             ? "refused"
@@ -129,9 +135,11 @@ void print(std::ostream& out, const signal::ModalResult& result) {
                        value_digits(mode.frequency_hz.value, mode.frequency_hz.std),
                        std_digits(mode.frequency_hz.std), damping, std,
                        mode.modal_phase_collinearity, 100 * mode.reconstruction_error,
-                       mode.doubtful ? "doubtful: " + mode.doubt : "");
+                       mode.doubtful ? "uncertain: " + mode.doubt : "");
   }
+  if (others > 0) out << fmt::format("and {} uncertain: --all lists them\n", others);
   for (const auto& mode : result.model.modes) {
+    if (mode.doubtful && !all) continue;
     if (mode.refinement == "global" || mode.points.size() < 2) continue;
     out << fmt::format(
         "{} Hz is the mean of {} points; scatter between them {} Hz{}\n",
@@ -225,7 +233,7 @@ Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, Ver
   context.tell(identified.findings);
   if (!identified.converged()) context.exit_code = ExitCode::not_converged;
   for (const auto& mode : model.modes) result["modes"].push_back(mode_json(mode));
-  print(context.out, found);
+  print(context.out, found, options.all);
   if (context.plots) {
     const auto& run = measured.run;
     draw_hammer_test(*context.plots, {run ? &run->places : nullptr, run ? &run->test : nullptr,
@@ -280,6 +288,7 @@ describe::Options options_of(ModalCommand& c) {
           "FRFs rebuilt from the modes and what else was fitted, at the measured lines, as UFF 58")
           .writes()
           .type("F.uff"),
+      option("--all", c.all, "List uncertain modes as well"),
       option("--averages", c.averages,
              "Averages behind the coherence of FRFs from a file [as the file says]")
           .within(1, 1000000)};

@@ -6,6 +6,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "apps/cli/digits.h"
+
 namespace rigfit::apps {
 namespace {
 
@@ -25,28 +27,7 @@ std::size_t sequence_length(std::string_view text, std::size_t i) {
   return length;
 }
 
-constexpr int kMostDigits = 5;  // of a value on a page; documents and CSV have all
-
-/// The power of ten of the first digit that two digits of the number show: 0.0996 is 0.10.
-double power_of_ten_below(double value) {
-  return std::pow(10, std::floor(std::log10(std::abs(value) * (1 + 0.5e-2))));
-}
-
-/// Decimals (negative: tens, hundreds) that show two digits of the standard uncertainty, and at
-/// most five of the value.
-int decimals_of(double value, double std) {
-  const int of_std = 1 - static_cast<int>(std::lround(std::log10(power_of_ten_below(std))));
-  if (value == 0) return of_std;
-  const int first = static_cast<int>(std::floor(std::log10(std::abs(value))));
-  return std::min(of_std, std::max(kMostDigits - 1 - first, 0));
-}
-
-std::string rounded(double value, int places) {
-  if (places < 0) {
-    const double unit = std::pow(10, -places);
-    value = unit * std::round(value / unit);
-  }
-  std::string text = fmt::format("{:.{}f}", value, std::max(0, places));
+std::string with_minus(std::string text) {
   if (text.find_first_not_of("-0.") == std::string::npos && text.starts_with('-')) text.erase(0, 1);
   if (text.starts_with('-')) text.replace(0, 1, "−");
   return text;
@@ -115,13 +96,7 @@ std::string shown_percent(double ratio) {
 std::string shown_estimate(double value, double std, int digits) {
   if (!std::isfinite(value)) return "–";
   if (!(std::isfinite(std) && std > 0)) return shown(value, digits);
-  const int places = decimals_of(value, std);
-  if (places > 9 || std::abs(value) >= 1e7) return shown(value, digits) + " ± " + shown(std, 2);
-  // Rounded up where the value's digits end before the uncertainty's second one.
-  const double unit = std::pow(10, -places);
-  const double shown_std =
-      unit > 0.1 * power_of_ten_below(std) * (1 + 1e-9) ? unit * std::ceil(std / unit - 1e-9) : std;
-  return rounded(value, places) + " ± " + rounded(shown_std, places);
+  return with_minus(value_digits(value, std)) + " ± " + std_digits(std);
 }
 
 std::string first_sentence(std::string_view text) {
@@ -141,9 +116,7 @@ std::string counted(std::size_t number, std::string_view what) {
 
 std::string shown_bound(double value, double std) {
   if (!std::isfinite(value) || !(std::isfinite(std) && std > 0)) return shown(value);
-  const int places = decimals_of(value, std);
-  if (places > 9 || std::abs(value) >= 1e7) return shown(value);
-  return rounded(value, places);
+  return with_minus(value_digits(value, std));
 }
 
 }  // namespace rigfit::apps

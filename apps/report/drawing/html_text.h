@@ -14,8 +14,7 @@ namespace rigfit::apps {
 /// A ratio as percent with sign: "+1.24 %".
 [[nodiscard]] std::string shown_percent(double ratio);
 /// A value with its standard uncertainty, rounded to two digits of the latter: "0.4948 ± 0.0012",
-/// "205190 ± 340". A value gets five digits at most; an uncertainty below them is rounded up to
-/// one unit of the last: "0.010000 ± 0.000001".
+/// "205190 ± 340", as everywhere (apps/cli/digits.h).
 [[nodiscard]] std::string shown_estimate(double value, double std, int digits = 4);
 /// The first sentence of a message, without its full stop.
 [[nodiscard]] std::string first_sentence(std::string_view text);

@@ -31,9 +31,9 @@ TEST(HtmlText, ShowsNumbersWithTheirDigits) {
   EXPECT_EQ(shown_estimate(221780, 512), "221780 ± 510");
   EXPECT_EQ(shown_estimate(207420, 1197), "207400 ± 1200");
   EXPECT_EQ(shown_estimate(-47.99359, 0.99613), "−48.0 ± 1.0");
-  // No more than five digits of a value; the uncertainty is rounded up, never down.
-  EXPECT_EQ(shown_estimate(0.00999993, 0.00000077), "0.0099999 ± 0.0000008");
-  EXPECT_EQ(shown_estimate(47.99359, 0.00013), "47.994 ± 0.001");
+  // The std is never raised to the digits of the value.
+  EXPECT_EQ(shown_estimate(0.00999993, 0.00000077), "0.00999993 ± 0.00000077");
+  EXPECT_EQ(shown_estimate(47.99359, 0.00013), "47.99359 ± 0.00013");
   EXPECT_EQ(shown_estimate(0, 0.0012), "0.0000 ± 0.0012");
   EXPECT_EQ(shown_bound(204326, 338), "204330");
   EXPECT_EQ(shown_bound(-0.0000004, 0.0012), "0.0000");
