@@ -26,9 +26,11 @@ describe::Options options_of(ReadingOptions& c) {
               .group("Reading"),
           option("--decimal", c.decimal, "Decimal sign of tables")
               .one_of({"point", "comma", ".", ","})
+              .type("point|comma")
               .group("Reading"),
           option("--separator", c.separator, "Between columns of tables")
               .one_of({"comma", "semicolon", "tab", "blank", "space", "\\t", ",", ";", "\t", " "})
+              .type("comma|semicolon|tab|blank")
               .group("Reading"),
           option("--time-unit", c.time_unit, "Unit of the time column")
               .one_of({"s", "ms", "us", "min"})

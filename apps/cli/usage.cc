@@ -36,6 +36,7 @@ std::string synopsis(const Option& option) {
   const std::string kind = option.kind();
   std::string text = option.name;
   if (by_place(option)) {
+    if (!option.placeholder.empty()) text = option.placeholder;
     std::transform(text.begin(), text.end(), text.begin(), [](char c) { return std::toupper(c); });
   } else if (!option.placeholder.empty()) {
     text += " " + option.placeholder;

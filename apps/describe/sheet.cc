@@ -25,22 +25,31 @@ std::string padded(const std::string& text, std::size_t width, bool right) {
 
 }  // namespace
 
+ShownUnit shown_unit(std::string_view unit) {
+  if (unit == "%") return {"%", 100};
+  if (unit == "m/N") return {"µm/N", 1e6};
+  return {unit, 1};
+}
+
 std::string number_text(double value, std::string_view unit, int digits) {
   if (!std::isfinite(value)) return "-";
-  return fmt::format("{:.{}g}", unit == "%" ? 100 * value : value, digits);
+  value *= shown_unit(unit).per_si;
+  const int exponent = value == 0 ? 0 : static_cast<int>(std::floor(std::log10(std::abs(value))));
+  if (exponent < digits || exponent >= 9) return fmt::format("{:.{}g}", value, digits);
+  const double place = std::pow(10.0, exponent + 1 - digits);
+  return fmt::format("{:.0f}", std::round(value / place) * place);
 }
 
 std::string estimate_text(double value, double std, std::string_view unit) {
-  const double scale = unit == "%" ? 100 : 1;
+  const double scale = shown_unit(unit).per_si;
   const std::string text = value_digits(scale * value, scale * std);
-  return std::isfinite(std) && std > 0 && std::isfinite(value)
-             ? text + " +- " + std_digits(scale * std)
-             : text;
+  const bool known = std::isfinite(std) && std > 0 && std::isfinite(value);
+  return known ? text + " +- " + std_digits(scale * std) : text;
 }
 
 std::string interval_text(const Bounded& x, std::string_view unit) {
-  const double scale = unit == "%" ? 100 : 1;
-  const std::string behind = unit.empty() ? "" : " " + std::string(unit);
+  const double scale = shown_unit(unit).per_si;
+  const std::string behind = unit.empty() ? "" : " " + std::string(shown_unit(unit).name);
   if (x.one_sided) {
     return fmt::format(
         "{}{} or more (95 %), {}", value_digits(scale * x.low, 1e-3 * scale * x.low), behind,
@@ -57,7 +66,7 @@ std::string interval_text(const Bounded& x, std::string_view unit) {
 std::string flag_text(bool flag) { return flag ? "yes" : "no"; }
 
 std::string head_text(std::string_view label, std::string_view unit) {
-  return unit.empty() ? std::string(label) : fmt::format("{}, {}", label, unit);
+  return unit.empty() ? std::string(label) : fmt::format("{}, {}", label, shown_unit(unit).name);
 }
 
 void print(std::ostream& out, const Table& table) {

@@ -26,6 +26,13 @@ struct Sheet {
   std::vector<Table> tables;  ///< in the order of the fields; none for an empty list
 };
 
+/// In which people read what is held in SI: a ratio in per cent, a compliance in µm/N.
+struct ShownUnit {
+  std::string_view name;
+  double per_si = 1;
+};
+[[nodiscard]] ShownUnit shown_unit(std::string_view unit);
+
 // Numbers as everywhere in the house: two digits of the std, the value to the same place.
 [[nodiscard]] std::string number_text(double value, std::string_view unit, int digits);
 /// "205190 +- 340"; the value alone where no std is known.
@@ -57,7 +64,9 @@ struct Held<std::optional<M>> {
 template <class M>
 [[nodiscard]] std::string text_of(const M& x, std::string_view unit, int digits, bool in_table) {
   const auto with_unit = [&](std::string text) {
-    return in_table || unit.empty() || text == "-" ? text : text + " " + std::string(unit);
+    return in_table || unit.empty() || text == "-"
+               ? text
+               : text + " " + std::string(shown_unit(unit).name);
   };
   if constexpr (std::is_same_v<M, Bounded>) {
     return in_table ? estimate_text(x.value, x.std, unit) : interval_text(x, unit);

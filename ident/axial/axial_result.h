@@ -168,7 +168,7 @@ template <>
 struct Described<ident::BudgetRow> {
   using T = ident::BudgetRow;
   static constexpr std::string_view title = "where the uncertainty of EA comes from";
-  static bool shown(const T& b) { return b.contribution_N > 0; }
+  static bool shown(const T& b) { return b.share > 5e-4; }
   static constexpr auto fields = std::tuple{
       field("source", &T::source, "", "source", "input"),
       field(
@@ -210,8 +210,8 @@ struct Described<ident::AxialTestResult> {
                   &T::assembly_stiffness_N_m),
             "N/m", "stiffness of the whole chain", "cable, adapter and frame at the one length"),
       field("plausibility",
-            where([](const T& r) { return !r.plausibility.empty(); }, &T::plausibility), "",
-            "beside the catalogue", "EA against what its mass per length allows, in a sentence"),
+            where([](const T& r) { return !r.plausibility.empty(); }, &T::plausibility), "", "",
+            "EA against what its mass per length allows, in a sentence"),
       field("lengths", &T::lengths, "", "lengths", "what each length says"),
       field("p_same_EA", &T::homogeneity_p, "", "p that lengths have one EA",
             "chance of such a disagreement of the lengths with the cable alone giving way", 2),
