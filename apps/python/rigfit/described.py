@@ -14,6 +14,12 @@ from .results import Estimate
 
 #: Options whose names are words of Python or say nothing without the command line.
 _RENAMED = {"from": "fit", "false": "false_mode"}
+#: What stands first in a call: in the words of a docstring and of a stub.
+_FIRST = {"recordings": ("path, Recording, list of channels, or list of these", "_Sources"),
+          "recording": ("path, Recording or list of channels", "_Source"),
+          "frfs": ("FrfResult, FrfSet, path of a file of FRFs, or recordings of hits (then with ``force``)", "FrfResult | FrfSet | _Sources"),
+          "scene": ("Scene, path, TOML text or dict, or a list of these", "_SceneLike | Sequence[_SceneLike]"),
+          "campaign": ("path, or (path, path) to be compared", "_Path | Sequence[_Path]")}
 #: Options of the command line that a call has in another way.
 _LEFT_OUT = {"json", "quiet", "verbose"}
 
@@ -150,7 +156,7 @@ def verb(name, result, raw=None, without=()):
         options = {key: one for key, one in options_of(name).items() if key not in without}
         own = [p for p in inspect.signature(function).parameters.values() if p.name not in ("options", "folder")]
         placed = {p.name for p in own}
-        parameters = [p.replace(annotation=raw.get(p.name) or (_type_of(options[p.name])[1] if p.name in options else p.annotation))
+        parameters = [p.replace(annotation=raw.get(p.name) or (_type_of(options[p.name]) if p.name in options else _FIRST[p.name])[1])
                       for p in own]
         for key, one in options.items():
             if key in placed:
@@ -181,9 +187,7 @@ def verb(name, result, raw=None, without=()):
         called.__signature__ = signature
         lines = [inspect.cleandoc(function.__doc__ or ""), "", "Parameters", "----------"]
         for p in parameters:
-            shown = {"float": "float", "bool": "bool"}.get(str(p.annotation), str(p.annotation))
-            if p.name in options and p.name not in raw:
-                shown = _type_of(options[p.name])[0]
+            shown = p.annotation if p.name in raw else (_type_of(options[p.name]) if p.name in options else _FIRST[p.name])[0]
             optional = "" if p.default is inspect.Parameter.empty else ", optional"
             lines.append(f"{p.name} : {shown.replace(' | None', '').replace(' | ', ' or ')}{optional}")
             if p.name in options:

@@ -16,6 +16,9 @@ __version__: str
 
 _Path = str | os.PathLike[str]
 _Value = float | tuple[float, float] | Estimate
+_Source = _Path | Recording | Mapping[str, ArrayLike] | Sequence[Mapping[str, Any] | Channel]
+_Sources = _Source | Sequence[_Source]
+_SceneLike = Scene | _Path | Mapping[str, Any]
 
 """
 
@@ -31,7 +34,8 @@ def _signature(function, bound=False):
         default = "" if p.default is p.empty else " = ..."
         parameters.append(name if bound and i == 0 else f"{name}: {kind}{default}")
     returns = inspect.signature(function).return_annotation
-    return f"({', '.join(parameters)}) -> {'Any' if returns is inspect.Signature.empty else returns}: ..."
+    returns = "None" if function.__name__ == "__init__" else "Any" if returns is inspect.Signature.empty else returns
+    return f"({', '.join(parameters)}) -> {returns}: ..."
 
 
 def _class(kind):
