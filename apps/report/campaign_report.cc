@@ -187,7 +187,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
                          {"origin", item.origin ? Json(word_of(*item.origin)) : Json(nullptr)}});
     }
     for (const auto& warning : part.warnings) {
-      frame.warnings.push_back(warning);
+      if (!is_note(warning.code)) frame.warnings.push_back(warning);
       if (warning.refused) {
         context.refuse(warning.code, warning.message, warning.where);
       } else {

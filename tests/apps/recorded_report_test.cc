@@ -346,9 +346,10 @@ TEST_F(BrokenRecordings, AreNamedInTheirPlaceAndTheRestGoesOn) {
   EXPECT_TRUE(entry(document, "axial", "test", "axial")["EA_N"]["value"].is_number());
   // Every bad one is refused, or its hit rejected, with a reason that names it.
   std::string said;
-  for (const auto& warning : document["warnings"]) {
-    said +=
-        warning["where"].get<std::string>() + ": " + warning["message"].get<std::string>() + "\n";
+  for (const char* level : {"warnings", "notes"}) {
+    for (const auto& one : document[level]) {
+      said += one["where"].get<std::string>() + ": " + one["message"].get<std::string>() + "\n";
+    }
   }
   for (const char* name : {"cut.uff", "absent-*.csv", "garbage.csv", "swapped.csv", "slow.csv",
                            "silent.csv", "nothing-*.csv"}) {
