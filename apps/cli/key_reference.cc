@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/cli/assets.h"
+#include "apps/cli/usage.h"
 
 namespace rigfit::apps {
 namespace {
@@ -30,7 +31,8 @@ Row cells_of(std::string_view line) {
 
 /// The columns under each other; the last one wraps.
 std::string aligned(const std::vector<Row>& rows) {
-  constexpr std::size_t kWidth = 110, kWidest = 44;
+  const std::size_t width = text_width();
+  constexpr std::size_t kWidest = 44;
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()), 0);
@@ -51,16 +53,7 @@ std::string aligned(const std::vector<Row>& rows) {
       }
       line.resize(indent, ' ');
     }
-    std::string_view rest = row.back();
-    const std::size_t room = kWidth > indent + 30 ? kWidth - indent : 30;
-    while (rest.size() > room) {
-      std::size_t cut = rest.rfind(' ', room);
-      if (cut == std::string_view::npos || cut == 0) cut = room;
-      text += line + std::string(rest.substr(0, cut)) + '\n';
-      rest = rest.substr(std::min(rest.size(), cut + 1));
-      line.assign(indent, ' ');
-    }
-    text += line + std::string(rest) + '\n';
+    text += wrapped(line + row.back(), indent, std::max(width, indent + 30)) + '\n';
   }
   return text;
 }
