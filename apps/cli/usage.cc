@@ -97,6 +97,21 @@ std::string roff(const std::string& text) {
   return out;
 }
 
+/// Paragraphs that were broken for a source file in one line each; commands begin with a blank.
+std::string unfolded(std::string text) {
+  std::size_t begin = 0;
+  for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', begin)) {
+    const bool broken = at - begin > 60 && text[begin] != ' ' && at + 1 < text.size() &&
+                        text[at + 1] != ' ' && text[at + 1] != '\n' && text[at - 1] != '.';
+    if (broken) {
+      text[at] = ' ';
+    } else {
+      begin = at + 1;
+    }
+  }
+  return text;
+}
+
 }  // namespace
 
 std::size_t text_width() {
@@ -176,7 +191,8 @@ std::string verb_help(const Verb& verb, std::size_t width) {
     }
   }
   for (const auto& heading : headings) add_options(text, verb.options, heading, width);
-  return verb.example.empty() ? text : text + '\n' + wrapped(verb.example, 0, width) + '\n';
+  return verb.example.empty() ? text
+                              : text + '\n' + wrapped(unfolded(verb.example), 0, width) + '\n';
 }
 
 void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::ostream& out) {

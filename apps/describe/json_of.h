@@ -37,20 +37,15 @@ concept list = requires(const M& m) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);
 }
 
-/// Numbers that are not finite are null; an empty optional is left out of what holds it.
+/// Numbers that are not finite and empty optionals are null: a document of a kind has all its keys.
 template <class M>
 [[nodiscard]] Json json_of(const M& x) {
   if constexpr (described<M>) {
     Json all = Json::object();
-    each_field<M>([&](const auto& f) {
-      const auto& value = std::invoke(f.get, x);
-      if constexpr (requires { value.has_value(); }) {
-        if (value) all[std::string(f.key)] = json_of(*value);
-      } else {
-        all[std::string(f.key)] = json_of(value);
-      }
-    });
+    each_field<M>([&](const auto& f) { all[std::string(f.key)] = json_of(std::invoke(f.get, x)); });
     return all;
+  } else if constexpr (requires { x.has_value(); }) {
+    return x ? json_of(*x) : Json(nullptr);
   } else if constexpr (estimate<M>) {
     Json one{{"value", number_json(x.value)}, {"std", number_json(x.std)}};
     if constexpr (requires { x.low; }) {
@@ -82,19 +77,16 @@ template <class M>
     Json all{{"type", "object"}, {"properties", Json::object()}, {"required", Json::array()}};
     each_field<M>([&](const auto& f) {
       using Value = std::remove_cvref_t<decltype(std::invoke(f.get, std::declval<const M&>()))>;
-      Json one;
-      if constexpr (requires(Value v) { v.has_value(); }) {
-        one = schema_of<typename Value::value_type>();
-      } else {
-        one = schema_of<Value>();
-        all["required"].push_back(f.key);
-      }
+      Json one = schema_of<Value>();
+      all["required"].push_back(f.key);
       const std::string_view unit = f.unit == "%" ? "1" : f.unit;
       one["description"] =
           std::string(f.meaning) + (unit.empty() ? "" : " (" + std::string(unit) + ")");
       all["properties"][std::string(f.key)] = std::move(one);
     });
     return all;
+  } else if constexpr (requires(M m) { m.has_value(); }) {
+    return {{"anyOf", {schema_of<typename M::value_type>(), Json{{"type", "null"}}}}};
   } else if constexpr (estimate<M>) {
     const Json number{{"type", {"number", "null"}}};
     Json one{{"type", "object"},

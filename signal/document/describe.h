@@ -11,7 +11,7 @@
 // JSON, its schema, tables of text and CSV, the report's tables and Python's repr are walks over
 // `fields` (apps/describe); a new field is written in the struct and here. A field is a data member
 // or any function of the struct: a nested struct that is described, a list, an estimate (value,
-// std), an optional one (left out where empty). An empty label: for programs only. The unit "%" is
+// std), an optional one. An empty label: for programs only. The unit "%" is
 // that of a ratio which people read in per cent;
 // `digits` are those of a number that has no std of its own. A list leaves out rows for which a
 // function `shown` of the description is false.
@@ -69,7 +69,7 @@ constexpr auto bounded(E estimate, L low, H high) {
   };
 }
 
-/// A field that is left out where `there` says so.
+/// A field that is there only where `there` says so.
 template <class There, class Get>
 constexpr auto where(There there, Get get) {
   return [=](const auto& x) {
