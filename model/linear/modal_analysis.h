@@ -24,8 +24,9 @@ struct ModalAnalysis {
   std::vector<NaturalMode>
       modes;  ///< by rising frequency, planes found separately where the scene has them
   double relative_error_estimate = 0;  ///< of the asked frequencies, from the number of segments
-  /// Every member left its segments to the program: `frequency_hz` are extrapolated to vanishing
-  /// segments (segment_extrapolation.h); shapes, damping and equilibrium are of the finest chain.
+  /// An accuracy was asked for, or every member left its segments to the program: `frequency_hz`
+  /// are extrapolated to vanishing segments (segment_extrapolation.h); shapes, damping, equilibrium
+  /// and sensitivities are of the finest chain.
   bool extrapolated = false;
   bool complete = false;  ///< a Sturm count proves that no mode in the range was missed
   int unknowns = 0;

@@ -57,6 +57,9 @@ struct ModesOptions {
   /// `count` is then of its modes. Others: both.
   std::optional<ModePlane> plane;
   std::optional<int> segments;  ///< overrides every member's number
+  /// Frequencies to this relative accuracy, whatever number of segments the members and `segments`
+  /// say: taken to vanishing segments. What is left is the analysis' `relative_error_estimate`.
+  std::optional<double> accuracy;
   std::optional<bool> torsion;  ///< force modelling it or not; else by need
 };
 

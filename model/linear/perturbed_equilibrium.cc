@@ -123,6 +123,7 @@ bool EquilibriumPerturber::beside(const ParameterAccess& access,
     ChainOptions options;
     for (const ChainMember& member : modes_.chain->members) {
       options.segments.push_back(member.segments);
+      options.places.push_back(member.even ? std::vector<double>{} : member.places);
     }
     options.rotary_inertia = modes_.chain->rotary_inertia;
     options.torsion = modes_.chain->torsion;

@@ -116,12 +116,14 @@ std::vector<double> wave_phases(const Scene& scene, const ChainModes& modes) {
 
 SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
   SegmentChoice choice;
+  const double accuracy = options.accuracy.value_or(scene.accuracy);
   const std::size_t members = scene.members.size();
   std::vector<bool> free(members, false);
   choice.segments.resize(members);
   bool any = false;
   for (std::size_t m = 0; m < members; ++m) {
-    choice.segments[m] = options.segments ? *options.segments : scene.members[m].segments;
+    choice.segments[m] =
+        options.accuracy ? 0 : options.segments.value_or(scene.members[m].segments);
     free[m] = choice.segments[m] <= 0;
     any = any || free[m];
   }
@@ -169,11 +171,11 @@ SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
     } else {
       trial.error = resolution_error(scene, options, trial.modes, trial.segments);
       if (!trial.error.known) trial.error.relative = 1;
-      (trial.error.relative <= scene.accuracy ? high : low) = n;
+      (trial.error.relative <= accuracy ? high : low) = n;
     }
     const double error = trial.error.relative;
-    if (error <= scene.accuracy || best.segments.empty() ||
-        (best.error.relative > scene.accuracy && error < best.error.relative)) {
+    if (error <= accuracy || best.segments.empty() ||
+        (best.error.relative > accuracy && error < best.error.relative)) {
       best = std::move(trial);
     }
     if (high - low <= std::max(1, high / 20) || low == kMost) break;
@@ -181,7 +183,7 @@ SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
       order = std::clamp(std::log(last_error / error) / std::log(double(n) / last_n), 1.5, 6.0);
     }
     last_n = n, last_error = error;
-    const double guess = n * std::clamp(std::pow(error / scene.accuracy, 1 / order), 0.2, 5.0);
+    const double guess = n * std::clamp(std::pow(error / accuracy, 1 / order), 0.2, 5.0);
     n = std::clamp(static_cast<int>(std::ceil(guess)), low + 1, std::min(high - 1, kMost));
   }
   return best;

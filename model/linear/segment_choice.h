@@ -34,8 +34,9 @@ struct SegmentChoice {
   ResolutionError error;
 };
 
-/// Members that say "auto" get what the scene's accuracy asks for, shared out by the phase a wave
-/// of the highest asked frequency runs through on each; others keep their number.
+/// Members that say "auto" (all where `options` ask for an accuracy) get what the scene's or that
+/// accuracy asks for, shared out by the phase a wave of the highest asked frequency runs through on
+/// each; others keep their number.
 [[nodiscard]] SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options);
 
 }  // namespace rigfit::model

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "model/linear/mode_following.h"
+#include "model/linear/segment_choice.h"
 
 namespace rigfit::model {
 namespace {
@@ -230,6 +231,43 @@ ExtrapolatedModes extrapolate_modes(const Scene& scene, const ModesOptions& opti
       for (Stretch& stretch : stretches) stretch.segments *= 4;
     }
   }
+}
+
+void ResolvedModes::put_frequencies(std::vector<NaturalMode>& described) const {
+  for (std::size_t i = 0; i < std::min(frequency_hz.size(), described.size()); ++i) {
+    described[i].frequency_hz = frequency_hz[i];
+    described[i].extrapolated_hz = limit_hz[i];
+  }
+}
+
+ResolvedModes resolve_modes(const Scene& scene, const ModesOptions& options) {
+  constexpr int kCoarse = 12;
+  const bool open = std::all_of(scene.members.begin(), scene.members.end(), [&](const Member& m) {
+    return options.segments.value_or(m.segments) <= 0;
+  });
+  const double accuracy = options.accuracy.value_or(scene.accuracy);
+  if (open || options.accuracy) {
+    const ChainModes coarse =
+        find_modes(scene, options, std::vector<int>(scene.members.size(), kCoarse));
+    const SequenceStart start =
+        coarse.order.empty() ? SequenceStart{} : sequence_start(scene, coarse, accuracy);
+    if (start.resolved && !coarse.order.empty()) {
+      ExtrapolatedModes limit = extrapolate_modes(scene, options, start, accuracy);
+      if (limit.known && limit.relative_error <= accuracy) {
+        return {std::move(limit.modes),    std::move(limit.segments), std::move(limit.frequency_hz),
+                std::move(limit.limit_hz), limit.relative_error,      true};
+      }
+    }
+  }
+  SegmentChoice choice = choose_segments(scene, options);
+  ResolvedModes out{std::move(choice.modes), std::move(choice.segments), {}, {}, 0, false};
+  out.relative_error = choice.error.relative;
+  for (std::size_t i = 0; i < out.modes.order.size(); ++i) {
+    out.frequency_hz.push_back(out.modes.frequency_hz(i));
+  }
+  out.limit_hz = choice.error.extrapolated_hz;
+  if (out.limit_hz.size() < out.frequency_hz.size()) out.limit_hz = out.frequency_hz;
+  return out;
 }
 
 }  // namespace rigfit::model

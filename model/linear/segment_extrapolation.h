@@ -71,4 +71,20 @@ struct SequenceStart {
 [[nodiscard]] ExtrapolatedModes extrapolate_modes(const Scene& scene, const ModesOptions& options,
                                                   const SequenceStart& start, double accuracy);
 
+/// The modes that an analysis is made of: extrapolated where `options` ask for an accuracy or every
+/// member leaves its segments to the program; of one chain (segment_choice.h) where a member has
+/// its number, and where short chains do not follow the powers of their segments' length (a column
+/// that buckles when cut coarsely).
+struct ResolvedModes {
+  ChainModes modes;
+  std::vector<int> segments;         ///< by member
+  std::vector<double> frequency_hz;  ///< by ChainModes::order
+  std::vector<double> limit_hz;      ///< NaturalMode::extrapolated_hz, likewise
+  double relative_error = 0;         ///< estimated, of `frequency_hz`, largest of all
+  bool extrapolated = false;
+  /// The same into modes described from `modes`, in their order.
+  void put_frequencies(std::vector<NaturalMode>& described) const;
+};
+[[nodiscard]] ResolvedModes resolve_modes(const Scene& scene, const ModesOptions& options);
+
 }  // namespace rigfit::model

@@ -10,7 +10,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/linear/mode_description.h"
 #include "model/linear/perturbed_equilibrium.h"
-#include "model/linear/segment_choice.h"
+#include "model/linear/segment_extrapolation.h"
 
 namespace rigfit::model {
 namespace {
@@ -104,10 +104,11 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
                                              const ModesOptions& options) {
   const std::vector<ParameterAccess> wanted = parameters_named(scene, parameters);
   ModeSensitivities out;
-  const SegmentChoice choice = choose_segments(scene, options);
-  const ChainModes& modes = choice.modes;
+  const ResolvedModes resolved = resolve_modes(scene, options);
+  const ChainModes& modes = resolved.modes;
   out.analysis.equilibrium = describe(*modes.chain, modes.equilibrium, scene);
-  out.analysis.relative_error_estimate = choice.error.relative;
+  out.analysis.relative_error_estimate = resolved.relative_error;
+  out.analysis.extrapolated = resolved.extrapolated;
   const auto count = static_cast<Eigen::Index>(modes.order.size());
   const auto columns = static_cast<Eigen::Index>(wanted.size());
   out.frequency.setZero(count, columns);
@@ -116,6 +117,7 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
       wanted.size(), Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(scene.sensors.size()), count));
   if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
   out.analysis.modes = natural_modes(modes, scene, options);
+  resolved.put_frequencies(out.analysis.modes);
   out.analysis.complete = modes.complete();
   for (const MotionModes& motion : modes.motions) out.analysis.unknowns += motion.assembly->size();
 
@@ -175,7 +177,9 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
         const auto& which = modes.order[std::size_t(i)];
         if (which.motion != int(m)) continue;
         const double omega = std::sqrt(motion.omega2[which.mode]);
-        out.frequency(i, p) = rates.omega2[which.mode] / (4 * M_PI * omega);
+        // Relative rates differ less from chain to chain than rates.
+        out.frequency(i, p) =
+            resolved.frequency_hz[std::size_t(i)] * rates.omega2[which.mode] / (2 * omega * omega);
         out.damping_ratio(i, p) = damping_rate[which.mode];
       }
     }

@@ -1,6 +1,7 @@
 // Against differences of the whole analysis: another equilibrium, another eigenvalue problem.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "model/linear/modal_analysis.h"
@@ -124,6 +125,44 @@ TEST(ModeSensitivities, OfNodesOutOfThePlane) {
   for (Eigen::Index i = 0; i < 5; ++i) {
     EXPECT_LT(std::abs(found.frequency(i, 0)),
               1e-5 * found.analysis.modes[std::size_t(i)].frequency_hz);
+  }
+}
+
+/// To an accuracy asked for the members' own segments say nothing, nor do masses between nodes:
+/// frequencies are those of a chain of 600 segments, rates those of differences of such chains.
+TEST(Sensitivities, ToAnAskedAccuracyNeedNoSegments) {
+  Scene scene = testing::paper_cable(200, 0.5972, 0);
+  for (auto& node : scene.nodes) node.support.kind = Support::Kind::clamped;
+  scene.members[0].masses = {{0.25, 0.02}};
+  const std::vector<std::string> names{"cable.EI", "cable.tension", "cable.EA"};
+  ModesOptions options;
+  options.shapes = options.damped = false;
+  options.accuracy = 1e-6;
+  std::array<ModeSensitivities, 2> found;
+  for (std::size_t k = 0; k < 2; ++k) {
+    scene.members[0].segments = k == 0 ? 5 : 0;
+    found[k] = analyse_mode_sensitivities(scene, names, options);
+  }
+  ModesOptions fine = options;
+  fine.accuracy.reset();
+  fine.segments = 600;
+  fine.error_estimate = false;
+  const ModeSensitivities truth = analyse_mode_sensitivities(scene, names, fine);
+  ASSERT_EQ(found[0].analysis.modes.size(), 6U);
+  EXPECT_TRUE(found[0].analysis.extrapolated);
+  EXPECT_LE(found[0].analysis.relative_error_estimate, 1e-6);
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double hz = found[0].analysis.modes[k].frequency_hz;
+    EXPECT_EQ(hz, found[1].analysis.modes[k].frequency_hz);
+    // 600 accurate segments err by 1e-7 themselves.
+    EXPECT_NEAR(hz / truth.analysis.modes[k].frequency_hz, 1, 1.2e-6) << i;
+    for (Eigen::Index p = 0; p < 3; ++p) {
+      // Of a chain of some forty segments, whose frequencies err by 1e-3.
+      EXPECT_NEAR(found[0].frequency(i, p), truth.frequency(i, p),
+                  0.02 * std::abs(truth.frequency(i, p)) + 1e-6 * hz)
+          << i << ' ' << names[std::size_t(p)];
+    }
   }
 }
 

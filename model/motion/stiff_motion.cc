@@ -1,0 +1,403 @@
+#include "model/motion/stiff_motion.h"
+
+#include <ida/ida.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+#include <sundials/sundials_linearsolver.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "model/scene/sensor_quantity.h"
+
+namespace rigfit::model {
+namespace {
+
+struct Free {
+  void operator()(SUNContext context) const { SUNContext_Free(&context); }
+  void operator()(N_Vector vector) const { N_VDestroy(vector); }
+  void operator()(SUNLinearSolver solver) const { SUNLinSolFreeEmpty(solver); }
+  void operator()(void* memory) const { IDAFree(&memory); }
+};
+template <typename T>
+using Owned = std::unique_ptr<std::remove_pointer_t<T>, Free>;
+
+constexpr double kTurned = 0.5;  // rad, from where increments are counted
+constexpr double kFar = 1e30;
+
+class StiffRun {
+ public:
+  StiffRun(const MotionProblem& problem, const StiffOptions& options)
+      : problem_(problem),
+        options_(options),
+        assembly_(*problem.chain, problem.motion),
+        anchor_(problem.start),
+        state_(problem.start),
+        mass_(assembly_.matrix()),
+        inertia_(mass_),
+        damping_(mass_),
+        tangent_(mass_),
+        system_(mass_),
+        n_(assembly_.size()) {
+    assembly_.mass(mass_);
+    inertia_ = mass_;
+    for (int i = 0; i < n_; ++i) {
+      if (mass_.at(i, i) > 0) {
+        massive_.push_back(i);
+      } else {
+        inertia_.add(i, i, 1);  // to solve with; the solution is not used
+      }
+    }
+    mass_factor_.factor(inertia_);
+    size_ = n_ + static_cast<Eigen::Index>(massive_.size()) + 2;
+    const Chain& chain = *problem.chain;
+    for (std::size_t l = 0; l < chain.loads.size(); ++l) {
+      load_rows_.push_back(assembly_.row_of(chain.loads[l], chain.load_direction[l]));
+      forces_.emplace_back(problem.loads[l], problem.records[l]);
+    }
+    for (std::size_t s = 0; s < chain.sensors.size(); ++s) {
+      sensor_rows_.push_back(assembly_.row_of(chain.sensors[s], chain.sensor_direction[s]));
+      acceleration_wanted_ =
+          acceleration_wanted_ || described(problem.quantities[s]).derivatives == 2;
+    }
+    if (!problem.modal_damping.none()) {
+      const auto& modal = problem.modal_damping;
+      momentum_.resize(n_, modal.shapes.cols());
+      for (Eigen::Index r = 0; r < momentum_.cols(); ++r) {
+        momentum_.col(r) = mass_ * Eigen::VectorXd(modal.shapes.col(r));
+      }
+    }
+    force_ = drag_ = full_ = rest_ = u_ = Eigen::VectorXd::Zero(n_);
+    w_ = problem.start_velocity.size() == n_ ? problem.start_velocity : rest_;
+  }
+
+  MotionOutput run() {
+    MotionOutput out;
+    SUNContext raw = nullptr;
+    SUNContext_Create(nullptr, &raw);
+    const Owned<SUNContext> context(raw);
+    const Owned<N_Vector> y(N_VNew_Serial(size_, raw)), rate(N_VNew_Serial(size_, raw)),
+        tolerance(N_VNew_Serial(size_, raw));
+    set_tolerances(of(tolerance.get()));
+    of(y.get()).setZero();
+    start(0, of(y.get()), of(rate.get()));
+    const Owned<void*> memory(IDACreate(raw));
+    memory_ = memory.get();
+    IDAInit(memory_, &StiffRun::residual, 0, y.get(), rate.get());
+    IDASVtolerances(memory_, options_.relative_tolerance, tolerance.get());
+    IDASetUserData(memory_, this);
+    IDASetMaxNumSteps(memory_, -1);
+    IDASetErrHandlerFn(
+        memory_, [](int, const char*, const char*, char*, void*) {}, nullptr);
+    const Owned<SUNLinearSolver> solver(SUNLinSolNewEmpty(raw));
+    solver->content = this;
+    solver->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_MATRIX_EMBEDDED; };
+    solver->ops->solve = &StiffRun::solve;
+    IDASetLinearSolver(memory_, solver.get(), nullptr);
+
+    std::vector<double> stops;  // where a force or its slope jumps
+    for (const LoadForce& force : forces_) {
+      for (const double corner : force.corners()) {
+        if (corner > 0) stops.push_back(corner);
+      }
+    }
+    std::sort(stops.begin(), stops.end());
+    const long rows = options_.sampling.rows(), stride = options_.sampling.energy_stride();
+    out.samples.resize(rows, static_cast<Eigen::Index>(sensor_rows_.size()));
+    std::size_t stop = 0;
+    double t = 0;
+    for (long row = 0; row < rows; ++row) {
+      const double target = static_cast<double>(row) / options_.sampling.rate_hz;
+      while (t < target) {
+        while (stop < stops.size() && stops[stop] <= t) ++stop;
+        const bool before = stop < stops.size() && stops[stop] < target;
+        IDASetStopTime(memory_, stop < stops.size() ? stops[stop] : kFar);
+        const int flag = IDASolve(memory_, before ? stops[stop] : target, &t, y.get(), rate.get(),
+                                  IDA_NORMAL);
+        const long steps = finished_ + steps_so_far();
+        if (flag < 0 || steps > options_.max_steps) {
+          out.reason = flag < 0 ? "the integrator gave up" : "too many steps";
+          return out;
+        }
+        set(of(y.get()), of(rate.get()));
+        if (flag == IDA_TSTOP_RETURN || before || turned()) {
+          finished_ += steps_so_far();
+          if (turned()) anchor(of(y.get()));
+          start(t, of(y.get()), of(rate.get()));
+          IDAReInit(memory_, t, y.get(), rate.get());
+          factored_step_ = -1;
+        }
+      }
+      sample(out, row, target);
+      if (options_.sampling.energy_samples > 0 && (row % stride == 0 || row == rows - 1)) {
+        const double kinetic = w_.dot(mass_ * w_) / 2;
+        out.energy.add(assembly_.potential(state_), kinetic, of(y.get())(size_ - 2),
+                       of(y.get())(size_ - 1));
+      }
+    }
+    out.steps = finished_ + steps_so_far();
+    out.evaluations = evaluations_;
+    out.step_s = options_.sampling.duration_s / static_cast<double>(std::max(1L, out.steps));
+    out.completed = out.samples.allFinite();
+    if (!out.completed) out.reason = "the motion is not finite";
+    return out;
+  }
+
+ private:
+  using Values = Eigen::Map<Eigen::VectorXd>;
+  Values of(N_Vector vector) const { return {N_VGetArrayPointer(vector), size_}; }
+  [[nodiscard]] long steps_so_far() const {
+    long steps = 0;
+    IDAGetNumSteps(memory_, &steps);
+    return steps;
+  }
+
+  void set_tolerances(Values absolute) const {
+    const double r = options_.relative_tolerance;
+    const Numbering& numbering = assembly_.numbering();
+    double shortest = kFar;
+    for (const Segment& s : problem_.chain->segments) shortest = std::min(shortest, s.length);
+    absolute.setConstant(r * options_.displacement_m / shortest);
+    const auto own = [&](Eigen::Index i) {
+      return (numbering.displacement.array() == static_cast<int>(i)).any() ? 1.0 : 1 / shortest;
+    };
+    for (Eigen::Index i = 0; i < n_; ++i) absolute(i) = r * options_.displacement_m * own(i);
+    for (std::size_t k = 0; k < massive_.size(); ++k) {
+      absolute(n_ + static_cast<Eigen::Index>(k)) = r * options_.velocity_m_s * own(massive_[k]);
+    }
+    absolute.tail<2>().setConstant(kFar);
+  }
+
+  // State and rates from the integrator's variables.
+  void set(const Values& y, const Values& rate) {
+    full_ = y.head(n_);
+    assembly_.advance(anchor_, full_, 1, state_);
+    u_ = rate.head(n_);
+    turn_rates(full_);
+    w_ = u_;
+    for (std::size_t k = 0; k < massive_.size(); ++k) {
+      w_(massive_[k]) = y(n_ + static_cast<Eigen::Index>(k));
+    }
+  }
+
+  // u = T(q) q': a twist's parallel transport from the anchor's tangent t0 to t turns by
+  // -(t0 x t) . t' / (1 + t0 . t); a rotation vector's rate is its left Jacobian times.
+  void turn_rates(const Eigen::VectorXd& q) {
+    const Chain& chain = *problem_.chain;
+    const Numbering& numbering = assembly_.numbering();
+    for (std::size_t k = 0; chain.frames > 0 && k < chain.segments.size(); ++k) {
+      const int twist = numbering.twist[static_cast<Eigen::Index>(k)];
+      if (twist < 0) continue;
+      const Segment& s = chain.segments[k];
+      const Eigen::Vector3d e = state_.position.col(s.b) - state_.position.col(s.a);
+      const Eigen::Vector3d t = e.normalized(), t0 = tangent_at_anchor(s);
+      Eigen::Vector3d de = Eigen::Vector3d::Zero();
+      for (int axis = 0; axis < 3; ++axis) {
+        const int a = numbering.displacement(axis, s.a), b = numbering.displacement(axis, s.b);
+        de[axis] = (b >= 0 ? u_(b) : 0) - (a >= 0 ? u_(a) : 0);
+      }
+      u_(twist) -= t0.cross(t).dot(de) / (e.norm() * (1 + t0.dot(t)));
+    }
+    for (Eigen::Index r = 0; r < numbering.rotation.cols(); ++r) {
+      Eigen::Vector3d psi = Eigen::Vector3d::Zero(), d = psi;
+      for (int axis = 0; axis < 3; ++axis) {
+        const int i = numbering.rotation(axis, r);
+        if (i >= 0) psi[axis] = q(i), d[axis] = u_(i);
+      }
+      const double a = psi.norm();
+      if (a < 1e-6) continue;  // below, psi x d / 2 is a millionth of d
+      const Eigen::Vector3d across = psi.cross(d);
+      d += (1 - std::cos(a)) / (a * a) * across +
+           (a - std::sin(a)) / (a * a * a) * psi.cross(across);
+      for (int axis = 0; axis < 3; ++axis) {
+        const int i = numbering.rotation(axis, r);
+        if (i >= 0) u_(i) = d[axis];
+      }
+    }
+  }
+  [[nodiscard]] Eigen::Vector3d tangent_at_anchor(const Segment& s) const {
+    return (anchor_.position.col(s.b) - anchor_.position.col(s.a)).normalized();
+  }
+
+  // Further than increments may be counted from the anchor.
+  [[nodiscard]] bool turned() const {
+    const Chain& chain = *problem_.chain;
+    for (const Segment& s : chain.segments) {
+      if (s.frame < 0) continue;
+      const Eigen::Vector3d t = (state_.position.col(s.b) - state_.position.col(s.a)).normalized();
+      if (t.dot(tangent_at_anchor(s)) < std::cos(kTurned)) return true;
+    }
+    for (std::size_t r = 0; r < anchor_.rotation.size(); ++r) {
+      const Eigen::Matrix3d by = state_.rotation[r] * anchor_.rotation[r].transpose();
+      if (by.trace() < 1 + 2 * std::cos(kTurned)) return true;
+    }
+    return false;
+  }
+  void anchor(Values y) {
+    anchor_ = state_;
+    y.head(n_).setZero();
+  }
+
+  // Rates that go with `y` at `t`: accelerations from the equations, and of what has no inertia
+  // the rates that it had.
+  void start(double t, Values y, Values rate) {
+    for (std::size_t k = 0; k < massive_.size(); ++k) {
+      y(n_ + static_cast<Eigen::Index>(k)) = w_(massive_[k]);
+    }
+    const Eigen::VectorXd before = rate_of_increments(y, w_);
+    const double power = forces(t);
+    rate.head(n_) = before;
+    mass_factor_.solve_in_place(force_);
+    for (std::size_t k = 0; k < massive_.size(); ++k) {
+      rate(n_ + static_cast<Eigen::Index>(k)) = -force_(massive_[k]);
+    }
+    rate(size_ - 2) = power;
+    rate(size_ - 1) = drag_.dot(w_);
+  }
+  // q' for which T(q) q' = w, by iteration: T differs from one by the turn.
+  Eigen::VectorXd rate_of_increments(const Values& y, const Eigen::VectorXd& w) {
+    full_ = y.head(n_);
+    Eigen::VectorXd rate = w;
+    for (int i = 0; i < 20; ++i) {
+      u_ = rate;
+      turn_rates(full_);
+      rate += w - u_;
+    }
+    return rate;
+  }
+
+  // force_ = dV/dq + C w + D w - f at the present state, drag_ its damping; the loads' power.
+  double forces(double t) {
+    assembly_.force(state_, force_);
+    ++evaluations_;
+    drag_.setZero();
+    if (problem_.joint_damping) {
+      assembly_.damping(state_, damping_);
+      damping_.multiply(w_, drag_);
+    }
+    if (momentum_.size() > 0) {
+      drag_ += momentum_ * problem_.modal_damping.rate.cwiseProduct(momentum_.transpose() * w_);
+    }
+    force_ += drag_;
+    double power = 0;
+    for (std::size_t l = 0; l < forces_.size(); ++l) {
+      const double f = forces_[l].at(t);
+      if (f == 0) continue;
+      force_ -= f * load_rows_[l];
+      power += f * load_rows_[l].dot(w_);
+    }
+    return power;
+  }
+
+  static int residual(double t, N_Vector y, N_Vector rate, N_Vector r, void* user) {
+    auto& self = *static_cast<StiffRun*>(user);
+    const Values values = self.of(y), rates = self.of(rate);
+    Values out = self.of(r);
+    const Eigen::Index n = self.n_;
+    self.set(values, rates);
+    const double power = self.forces(t);
+    self.full_.setZero();
+    for (std::size_t k = 0; k < self.massive_.size(); ++k) {
+      const Eigen::Index row = n + static_cast<Eigen::Index>(k);
+      self.full_(self.massive_[k]) = rates(row);
+      out(row) = self.u_(self.massive_[k]) - values(row);
+    }
+    self.mass_.multiply(self.full_, self.rest_);
+    out.head(n) = self.rest_ + self.force_;
+    out(self.size_ - 2) = rates(self.size_ - 2) - power;
+    out(self.size_ - 1) = rates(self.size_ - 1) - self.drag_.dot(self.w_);
+    return out.allFinite() ? 0 : 1;
+  }
+
+  // Newton's linear system, see the header. The tangent is that of the step's first iteration.
+  static int solve(SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, double) {
+    auto& self = *static_cast<StiffRun*>(solver->content);
+    double t = 0, cj = 0;
+    N_Vector predicted = nullptr, predicted_rate = nullptr, now = nullptr, rate = nullptr,
+             res = nullptr;
+    void* user = nullptr;
+    if (IDAGetNonlinearSystemData(self.memory_, &t, &predicted, &predicted_rate, &now, &rate, &res,
+                                  &cj, &user) != IDA_SUCCESS) {
+      return -1;
+    }
+    const long steps = self.finished_ + self.steps_so_far();
+    if (steps != self.factored_step_ || cj != self.factored_cj_) {
+      self.assembly_.force_and_tangent(self.state_, self.force_, self.tangent_);
+      self.system_.values() = cj * cj * self.mass_.values() + self.tangent_.values();
+      if (self.problem_.joint_damping) self.system_.values() += cj * self.damping_.values();
+      self.factor_.factor(self.system_);
+      self.factored_step_ = steps;
+      self.factored_cj_ = cj;
+    }
+    const Values right = self.of(b);
+    Values left = self.of(x);
+    const Eigen::Index n = self.n_;
+    self.full_.setZero();
+    for (std::size_t k = 0; k < self.massive_.size(); ++k) {
+      self.full_(self.massive_[k]) = right(n + static_cast<Eigen::Index>(k));
+    }
+    self.mass_.multiply(self.full_, self.rest_);
+    Eigen::VectorXd q = right.head(n) + cj * self.rest_;
+    if (self.problem_.joint_damping) {
+      self.damping_.multiply(self.full_, self.rest_);
+      q += self.rest_;
+    }
+    self.factor_.solve_in_place(q);
+    left.head(n) = q;
+    for (std::size_t k = 0; k < self.massive_.size(); ++k) {
+      const Eigen::Index row = n + static_cast<Eigen::Index>(k);
+      left(row) = cj * q(self.massive_[k]) - right(row);
+    }
+    left.tail<2>() = right.tail<2>() / cj;
+    return 0;
+  }
+
+  void sample(MotionOutput& out, long row, double t) {
+    const Chain& chain = *problem_.chain;
+    if (acceleration_wanted_) {
+      forces(t);
+      mass_factor_.solve_in_place(force_);
+    }
+    for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
+      const SensorQuantity& q = described(problem_.quantities[s]);
+      double value = 0;
+      if (q.derivatives > 0) {
+        value = q.derivatives == 1 ? sensor_rows_[s].dot(w_) : -sensor_rows_[s].dot(force_);
+      } else if (q.reading == SensorReading::axial_force) {
+        assembly_.axial_forces(state_, axial_);
+        value = axial_(chain.sensors[s].segment);
+      } else {
+        value = chain.sensor_direction[s].dot(
+            position_of(chain.sensors[s], state_.position - problem_.rest.position));
+      }
+      out.samples(row, static_cast<Eigen::Index>(s)) = value;
+    }
+  }
+
+  const MotionProblem& problem_;
+  const StiffOptions& options_;
+  Assembly assembly_;
+  ChainState anchor_, state_;
+  EnvelopeMatrix mass_, inertia_, damping_, tangent_, system_;
+  EnvelopeFactor mass_factor_, factor_;
+  Eigen::Index n_, size_ = 0;
+  std::vector<int> massive_;
+  std::vector<Eigen::VectorXd> load_rows_, sensor_rows_;
+  std::vector<LoadForce> forces_;
+  Eigen::MatrixXd momentum_;
+  Eigen::VectorXd u_, w_, force_, drag_, full_, rest_, axial_;
+  bool acceleration_wanted_ = false;
+  void* memory_ = nullptr;
+  long evaluations_ = 0, finished_ = 0, factored_step_ = -1;
+  double factored_cj_ = 0;
+};
+
+}  // namespace
+
+MotionOutput stiff_motion(const MotionProblem& problem, const StiffOptions& options) {
+  return StiffRun(problem, options).run();
+}
+
+}  // namespace rigfit::model
