@@ -190,7 +190,12 @@ class Results(unittest.TestCase):
             self.result.no_such
         with self.assertRaises(AttributeError):
             self.result.tension_N = 3
-        self.assertIn("<table>", self.result._repr_html_())
+        self.assertTrue(repr(self.result).startswith("tension at mid-span"))  # as the program prints it
+        page = self.result._repr_html_()
+        self.assertIn("<pre>tension at mid-span", page)
+        self.assertLess(len(page), 20000)
+        np.testing.assert_array_equal(self.result.modes.measured_hz, [7.36, 14.59, 22.15, 29.9])
+        self.assertEqual(self.result.candidates.tension_N.std[0], self.result.candidates[0].tension_N.std)
         self.assertIn("tension_N", dir(self.result))
 
     def test_uncertainties(self):

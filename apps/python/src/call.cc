@@ -125,6 +125,7 @@ void take(const describe::Options& options, const py::dict& given) {
 }
 
 CallContext::CallContext(const py::dict& given) : context_(out_) {
+  context_.quiet = true;  // no progress: what is printed is kept all the same
   context_.silent = true;
   context_.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const auto set = [&](const char* name, auto& member) {
