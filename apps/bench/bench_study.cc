@@ -1,7 +1,6 @@
 #include "apps/bench/bench_study.h"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,20 +11,11 @@ namespace {
 
 constexpr double kAsAccurate = 1.01;  // the same discretisation in other unknowns differs by less
 
-double now_s(bool of_processor) {
-  if (!of_processor) {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    return std::chrono::duration<double>(now).count();
-  }
-  timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-double seconds_of(const std::function<void()>& work, long runs, bool of_processor) {
-  const double begin = now_s(of_processor);
+double seconds_of(const std::function<void()>& work, long runs) {
+  const auto begin = std::chrono::steady_clock::now();
   for (long i = 0; i < runs; ++i) work();
-  return (now_s(of_processor) - begin) / static_cast<double>(runs);
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+  return spent.count() / static_cast<double>(runs);
 }
 
 std::string setting_words(const BenchRow& row) {
@@ -33,7 +23,6 @@ std::string setting_words(const BenchRow& row) {
   if (row.segments > 0) text += fmt::format(", {} segments", row.segments);
   if (row.step_s) text += fmt::format(", step {:.2g} ms", 1e3 * *row.step_s);
   if (row.tolerance) text += fmt::format(", tolerance {:.0e}", *row.tolerance);
-  if (row.order) text += fmt::format(", {}", *row.order);
   return text;
 }
 
@@ -41,7 +30,7 @@ std::string setting_words(const BenchRow& row) {
 
 double median_time(const BenchBudget& budget, const std::function<void()>& work) {
   constexpr double kClock = 2e-4;  // s: a thousand times what the clock resolves
-  double first = seconds_of(work, 1, budget.processor_time);
+  double first = seconds_of(work, 1);
   if (first >= budget.row_s) return first;
   const long batch =
       first < kClock ? std::clamp(static_cast<long>(kClock / std::max(first, 1e-9)), 1L, 100'000L)
@@ -50,7 +39,7 @@ double median_time(const BenchBudget& budget, const std::function<void()>& work)
   if (batch == 1) times.push_back(first);
   double spent = first;
   while (static_cast<int>(times.size()) < budget.repeats && spent < budget.row_s) {
-    times.push_back(seconds_of(work, batch, budget.processor_time));
+    times.push_back(seconds_of(work, batch));
     spent += times.back() * static_cast<double>(batch);
   }
   std::sort(times.begin(), times.end());
@@ -79,21 +68,6 @@ void mark_front(BenchStudy& study) {
                       time_words(better->wall_s), better->relative_error, study.default_does);
     }
   }
-}
-
-double extrapolated(const double (&n)[3], const double (&f)[3]) {
-  // Lagrange's polynomial in x = h^2 at x = 0.
-  double sum = 0;
-  for (int i = 0; i < 3; ++i) {
-    double weight = 1;
-    for (int j = 0; j < 3; ++j) {
-      if (j == i) continue;
-      const double xi = 1 / (n[i] * n[i]), xj = 1 / (n[j] * n[j]);
-      weight *= xj / (xj - xi);
-    }
-    sum += weight * f[i];
-  }
-  return sum;
 }
 
 std::string time_words(double seconds) {

@@ -20,10 +20,8 @@ struct BenchRow {
   int segments = 0;                 ///< of a member, the mean over members; 0: none in this task
   std::optional<double> step_s;     ///< largest time step
   std::optional<double> tolerance;  ///< asked of the method
-  std::optional<int> order;         ///< modes, model order, averages, starts: what `method` says
   double wall_s = 0;                ///< median, one thread, from the parsed inputs to the answer
   double relative_error = 1;        ///< 1 where the method failed
-  std::optional<double> bound;      ///< least error that any unbiased estimate can have here
   bool is_default = false;          ///< what the program does when nothing is said
   bool on_front = false;
   std::string note;  ///< why it failed, or why a default is not on the front
@@ -36,12 +34,10 @@ struct BenchStudy {
   std::string error_of;   ///< whose relative error
   std::string reference;  ///< what it is compared with
   double reference_error = 0;
-  std::vector<double> reference_values;  ///< where they are few: frequencies, Hz
   /// Why a default that is not on the front is the default all the same: what it does besides.
   std::string default_does;
   std::vector<BenchRow> rows;
   std::string skipped;  ///< why there are no rows
-  std::string beside;   ///< of another program's rows: what they are, or why there are none
 };
 
 /// How much a run may take.
@@ -49,8 +45,6 @@ struct BenchBudget {
   bool quick = false;
   int repeats = 15;    ///< of every row, at most
   double row_s = 0.2;  ///< no further repeat of a row that took this long
-  /// Processor time of the thread instead of wall time: on a machine that does other things too.
-  bool processor_time = false;
 };
 
 /// Median time of runs of `work`, seconds. What takes microseconds is run often enough for the
@@ -61,10 +55,6 @@ inline constexpr double kClearly = 0.9;  ///< a ratio of times or errors beyond 
 
 /// Sets `on_front` of every row and the note of every default that is not on it.
 void mark_front(BenchStudy& study);
-
-/// The limit for vanishing h of f1, f2, f3 at numbers of segments n1, n2, n3, for
-/// f = f0 + a h^2 + b h^4.
-[[nodiscard]] double extrapolated(const double (&n)[3], const double (&f)[3]);
 
 /// "12.3 µs", "4.56 ms", "7.8 s".
 [[nodiscard]] std::string time_words(double seconds);

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
-#include "apps/bench/model_studies.h"
+#include "apps/cli/assets.h"
 #include "model/response/response.h"
+#include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
@@ -14,8 +16,6 @@ namespace {
 using model::ResponseOptions;
 using model::ResponseResult;
 using model::ResponseSolver;
-
-constexpr double kLinearShift = 1e-12;
 
 /// Largest over the sensors of rms difference over rms motion; 1 when there is no answer.
 double difference(const ResponseResult& found, const Eigen::MatrixXd& truth) {
@@ -29,52 +29,39 @@ double difference(const ResponseResult& found, const Eigen::MatrixXd& truth) {
   return std::min(worst, 1.0);
 }
 
-void scale_loads(model::Scene& scene, std::vector<model::ForceHistory>& records, double factor) {
-  for (auto& load : scene.loads) {
-    load.peak *= factor;
-    load.mass *= factor;
-  }
-  for (auto& record : records) {
-    for (double& force : record.force_N) force *= factor;
-  }
+int mean_segments(const std::vector<int>& by_member) {
+  const double sum = std::accumulate(by_member.begin(), by_member.end(), 0.0);
+  return static_cast<int>(std::lround(sum / std::max(1.0, double(by_member.size()))));
 }
 
 class Studies {
  public:
-  Studies(model::Scene scene, const ResponseStudyOptions& options, const BenchBudget& budget,
-          bool linear)
-      : scene_(std::move(scene)), budget_(budget), linear_(linear) {
-    base_.sampling.duration_s = options.duration_s;
-    base_.sampling.rate_hz = options.rate_hz;
-    base_.sampling.energy_samples = 0;
-    base_.records = options.records;
+  Studies(model::Scene scene, double duration_s, const BenchBudget& budget)
+      : scene_(std::move(scene)), budget_(budget) {
+    base_.sampling = {.duration_s = duration_s, .rate_hz = 2000, .energy_samples = 0};
     for (auto& sensor : scene_.sensors) {
       if (sensor.quantity != model::Sensor::Quantity::force) {
         sensor.quantity = model::Sensor::Quantity::displacement;
       }
     }
-    name_ = linear ? "linear-response" : "nonlinear-response";
   }
 
   std::vector<BenchStudy> run() {
     if (scene_.loads.empty() || scene_.sensors.empty()) {
       return {skipped("the scene has no load or no sensor")};
     }
+    for (const auto& load : scene_.loads) {
+      if (load.kind == model::Load::Kind::record) return {skipped("a load is a recording")};
+    }
     own_ = model::simulate_response(scene_, base_);
     if (!own_.completed) return {skipped("the response fails: " + own_.reason)};
-    if (linear_) {
-      const double factor = std::sqrt(kLinearShift / std::max(own_.frequency_shift, 1e-300));
-      if (factor < 1) scale_loads(scene_, base_.records, factor);
-      own_ = model::simulate_response(scene_, base_);
-      if (!own_.completed) return {skipped("the response fails: " + own_.reason)};
-    }
     return {steps_study(), segments_study()};
   }
 
  private:
   BenchStudy skipped(std::string why) const {
     BenchStudy study;
-    study.task = name_;
+    study.task = "nonlinear-response";
     study.scene = scene_.title;
     study.skipped = std::move(why);
     return study;
@@ -82,7 +69,7 @@ class Studies {
 
   BenchStudy started(const char* varied) const {
     BenchStudy study;
-    study.task = name_;
+    study.task = "nonlinear-response";
     study.study = varied;
     study.scene = scene_.title;
     study.error_of = fmt::format("{:g} s of the sensors' motion at {:g} Hz, rms",
@@ -113,16 +100,6 @@ class Studies {
     });
   }
 
-  /// The linear answer computed at `times` the rate, at the samples asked for.
-  [[nodiscard]] Eigen::MatrixXd recurrence(int times) const {
-    ResponseOptions options = base_;
-    options.solver = ResponseSolver::modal;
-    options.modes = 1000;
-    options.sampling.rate_hz *= times;
-    const Eigen::MatrixXd all = simulate(options).samples;
-    return all(Eigen::seq(0, all.rows() - 1, times), Eigen::all);
-  }
-
   BenchStudy steps_study() {
     BenchStudy study = started("steps");
     // The same segments for all, whatever the scene left open.
@@ -138,7 +115,7 @@ class Studies {
     if (natural.impossible) {
       order = 2;
       fine.axial.reset();
-      fine.solver = ResponseSolver::implicit_motion;
+      fine.solver = ResponseSolver::stiff_motion;
       natural = simulate(fine);
     }
     if (!natural.completed) {
@@ -146,14 +123,7 @@ class Studies {
       return study;
     }
     Eigen::MatrixXd truth;
-    if (linear_) {
-      // Exact for the linear equations at any interval: the same samples from finer ones.
-      study.reference =
-          "modal recurrence, all modes, at four times the rate (the integrators keep what is left "
-          "of non-linearity and of the equilibrium's rounding beside so small a motion)";
-      truth = recurrence(4);
-      study.reference_error = (recurrence(2) - truth).norm() / truth.norm();
-    } else {
+    {
       // As fine as a part of the budget allows.
       const double allowance = budget_.quick ? 0.3 : 5;
       int parts = 12;
@@ -173,9 +143,7 @@ class Studies {
       study.reference_error = difference(coarser, truth) / (std::pow(ratio, order) - 1);
     }
     study.default_does =
-        linear_ ? "the default is exact whatever the rate of sampling and keeps every mode"
-                : "the default chose solver and step by the scene's accuracy, and estimates what "
-                  "that costs";
+        "the default chose solver and step by the scene's accuracy, and estimates what that costs";
     const auto with_step = [&](ResponseSolver solver, double step_s) {
       ResponseOptions options = base_;
       options.solver = solver;
@@ -193,22 +161,7 @@ class Studies {
     }
     ResponseOptions options = base_;
     options.solver = ResponseSolver::modal;
-    add(study, truth, linear_ ? "modal recurrence, all modes" : "modal recurrence (linear)",
-        options);
-    if (linear_) {
-      for (const int modes : {4, 8, 16}) {
-        options.modes = modes;
-        BenchRow row;
-        row.order = modes;
-        add(study, truth, "modal recurrence, modes", options, row);
-      }
-      options.modes = 0;
-      options.axial = false;
-      add(study, truth, "modal recurrence, stretch at once", options);
-      options.axial.reset();
-      options.plane = false;
-      add(study, truth, "modal recurrence, in space", options);
-    }
+    add(study, truth, "modal recurrence (linear)", options);
     const double limit = natural.step_s;
     for (const double part : {1.0, 1.5, 2.0, 3.0}) {
       auto [with, row] = with_step(fine.solver, limit / part);
@@ -224,36 +177,15 @@ class Studies {
       auto [space, space_row] = with_step(fine.solver, limit);
       space.plane = false;
       add(study, truth, "explicit, in space", space, space_row);
-      for (const double part : {1.0, 2.0}) {
-        auto [with, implicit_row] =
-            with_step(ResponseSolver::implicit_motion, 1 / (part * base_.sampling.rate_hz));
-        add(study, truth, "implicit", with, implicit_row);
-      }
     }
-    const auto cvode = [&](ResponseSolver solver, const char* method,
-                           std::initializer_list<double> tolerances) {
-      for (const double tolerance : tolerances) {
-        ResponseOptions with = base_;
-        with.solver = solver;
-        // Displacements are below a micrometre in the linear study.
-        with.relative_tolerance = linear_ ? 1e-3 * tolerance : tolerance;
-        BenchRow row;
-        row.tolerance = with.relative_tolerance;
-        add(study, truth, method, with, row);
-      }
-    };
-    const char* const adams = "CVODE-Adams, fixed point (paper)";
-    const char* const bdf = "CVODE-BDF, banded Newton";
-    if (budget_.quick) {
-      cvode(ResponseSolver::cvode_adams, adams, {1e-5});
-    } else {
-      if (linear_) {
-        cvode(ResponseSolver::cvode_adams, adams, {1e-8});
-        cvode(ResponseSolver::cvode_banded, bdf, {1e-5});
-      } else {
-        cvode(ResponseSolver::cvode_adams, adams, {1e-4, 1e-6, 1e-8});
-        cvode(ResponseSolver::cvode_banded, bdf, {1e-4, 1e-5});
-      }
+    for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+      ResponseOptions with = base_;
+      with.solver = ResponseSolver::stiff_motion;
+      with.relative_tolerance = tolerance;
+      BenchRow row;
+      row.tolerance = tolerance;
+      add(study, truth, "stiff (SUNDIALS IDA)", with, row);
+      if (budget_.quick) break;
     }
     mark_front(study);
     return study;
@@ -263,7 +195,7 @@ class Studies {
     BenchStudy study = started("segments");
     // Finer than what is compared, "auto" too.
     model::Scene given = scene_;
-    scene_ = with_segments(scene_, 0);
+    for (auto& member : scene_.members) member.segments = 0;
     const int automatic = mean_segments(simulate(base_).segments);
     std::swap(scene_, given);
     const int fine = budget_.quick ? 120 : std::clamp(2 * automatic, 240, 600);
@@ -301,24 +233,29 @@ class Studies {
 
   model::Scene scene_;
   BenchBudget budget_;
-  bool linear_;
-  std::string name_;
   ResponseOptions base_;
   ResponseResult own_;
 };
 
 }  // namespace
 
-std::vector<BenchStudy> nonlinear_response_studies(const model::Scene& scene,
-                                                   const ResponseStudyOptions& options,
-                                                   const BenchBudget& budget) {
-  return Studies(scene, options, budget, false).run();
+model::Scene bench_released_cable() {
+  model::Scene scene = model::parse_scene(assets::new_cable_toml, "cable.toml");
+  scene.title += ", 1 kg released at the quarter span";
+  scene.members[0].segments = 30;
+  model::Load release;
+  release.name = "string";
+  release.kind = model::Load::Kind::release;
+  release.place.member = scene.members[0].name;
+  release.place.position = 0.25;
+  release.mass = 1;
+  scene.loads = {release};
+  return scene;
 }
 
-std::vector<BenchStudy> linear_response_studies(const model::Scene& scene,
-                                                const ResponseStudyOptions& options,
-                                                const BenchBudget& budget) {
-  return Studies(scene, options, budget, true).run();
+std::vector<BenchStudy> response_studies(const model::Scene& scene, double duration_s,
+                                         const BenchBudget& budget) {
+  return Studies(scene, duration_s, budget).run();
 }
 
 }  // namespace rigfit::apps

@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "model/linear/mode_batch.h"
-
 namespace rigfit::ident {
 namespace {
 
 using model::ModePlane;
-
-constexpr int kBeside = 4;  // modes above those asked for among which a gap is sought
 
 /// Place of each mode among those before it of the same plane.
 std::vector<std::size_t> orders_of(const std::vector<model::NaturalMode>& reference) {
@@ -55,24 +51,6 @@ Eigen::VectorXd frequencies_alone(const model::Scene& scene,
   return like(reference, orders, planes, hz);
 }
 
-/// At least so many modes, up to the widest gap between two frequencies that is near: what one draw
-/// has below it, the others have too.
-int up_to_a_gap(const model::Scene& scene, int count, const model::ModesOptions& options) {
-  model::ModesOptions more = options;
-  more.count = count + kBeside;
-  const auto modes = model::analyse_modes(scene, more).modes;
-  int best = count;
-  double widest = 0;
-  for (int k = count; k < static_cast<int>(modes.size()); ++k) {
-    const auto above = static_cast<std::size_t>(k);
-    const double ratio = modes[above].frequency_hz / modes[above - 1].frequency_hz;
-    if (ratio <= widest) continue;
-    widest = ratio;
-    best = k;
-  }
-  return best;
-}
-
 }  // namespace
 
 bool all_auto(const model::Scene& scene, const model::ModesOptions& options) {
@@ -87,19 +65,10 @@ std::vector<Eigen::VectorXd> drawn_frequencies(std::span<const model::Scene> sce
                                                double accuracy) {
   const std::vector<std::size_t> orders = orders_of(reference);
   std::vector<Eigen::VectorXd> out(scenes.size());
-  model::ModeBatch batch;
-  const auto left = [&](const model::Scene& scene) { return all_auto(scene, options); };
-  if (!scenes.empty() && !reference.empty() && std::all_of(scenes.begin(), scenes.end(), left)) {
-    model::ModesOptions more = options;
-    more.count = up_to_a_gap(scenes[0], static_cast<int>(reference.size()), options);
-    batch = model::batch_modes(scenes, more, accuracy);
-  }
   for (std::size_t s = 0; s < scenes.size(); ++s) {
-    if (s < batch.solved.size() && batch.solved[s]) {
-      const Eigen::VectorXd hz = batch.frequency_hz.row(static_cast<Eigen::Index>(s));
-      out[s] = like(reference, orders, batch.plane[s], {hz.begin(), hz.end()});
-    }
-    if (out[s].size() == 0) out[s] = frequencies_alone(scenes[s], reference, orders, options);
+    model::ModesOptions own = options;
+    if (all_auto(scenes[s], options)) own.accuracy = accuracy;
+    out[s] = frequencies_alone(scenes[s], reference, orders, own);
   }
   return out;
 }

@@ -16,7 +16,7 @@ namespace rigfit::ident {
 
 /// Of each scene the frequencies (Hz) of the modes that have the plane and order of `reference`'s;
 /// empty where there is no equilibrium or one of them is not found. Scenes whose members all leave
-/// their segments to the program are solved together to `accuracy` (model/linear/mode_batch.h).
+/// their segments to the program are solved to `accuracy`.
 [[nodiscard]] std::vector<Eigen::VectorXd> drawn_frequencies(
     std::span<const model::Scene> scenes, const std::vector<model::NaturalMode>& reference,
     const model::ModesOptions& options, double accuracy);

@@ -16,7 +16,6 @@
 
 #include "model/algebra/envelope_matrix.h"
 #include "model/chain/chain.h"
-#include "model/chain/energy_account.h"
 #include "model/chain/numbering.h"
 
 namespace rigfit::model {
@@ -47,9 +46,8 @@ class Assembly {
   void advance(const ChainState& state, const Eigen::VectorXd& increment, double factor,
                ChainState& out) const;
 
-  /// Velocity empty: no kinetic energy.
-  [[nodiscard]] EnergyAccount energy(const ChainState& state,
-                                     const Eigen::VectorXd& velocity = {}) const;
+  /// Elastic and gravity energy, J.
+  [[nodiscard]] double potential(const ChainState& state) const;
   /// q_r' K_m q_r / 2 of each member m (rows; the last: supports) and each column q_r: the tangent
   /// stiffness' share of energy, tension included.
   [[nodiscard]] Eigen::MatrixXd stiffness_energy(const ChainState& state,

@@ -8,6 +8,7 @@
 #include <map>
 #include <sstream>
 
+#include "model/scene/actual_state.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::model {
@@ -292,7 +293,8 @@ class DeckWriter {
 
 CalculixDeck calculix_deck(const Scene& scene, const Equilibrium& equilibrium,
                            const CalculixOptions& options) {
-  return DeckWriter(scene, equilibrium, options).write();
+  const Scene actual = actual_state(scene);
+  return DeckWriter(actual, equilibrium, options).write();
 }
 
 std::vector<double> calculix_frequencies(const std::string& dat_text) {

@@ -11,6 +11,7 @@ constexpr double kMostly = 0.9;  // share of kinetic energy that gives a mode it
 
 struct Motions {
   double in = 0, out = 0, twist = 0, along = 0;  // shares of the members' kinetic energy
+  std::vector<double> member;                    // q' M q of each, of which all have one
 };
 
 Motions motions_of(const Chain& chain, const ChainState& state, const Assembly& assembly,
@@ -26,10 +27,20 @@ Motions motions_of(const Chain& chain, const ChainState& state, const Assembly& 
     return v;
   };
   double total = 0;
+  sum.member.assign(chain.members.size(), 0);
+  for (const PointMass& mass : chain.masses) {
+    if (mass.member < 0) continue;
+    const Eigen::Vector3d v =
+        (1 - mass.fraction) * at(mass.node[0]) + mass.fraction * at(mass.node[1]);
+    sum.member[std::size_t(mass.member)] += mass.mass * v.squaredNorm();
+  }
   for (std::size_t k = 0; k < chain.segments.size(); ++k) {
     const Segment& s = chain.segments[k];
     const Eigen::Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
-    const Eigen::Vector3d v = 0.5 * (at(s.a) + at(s.b));
+    const Eigen::Vector3d va = at(s.a), vb = at(s.b), v = 0.5 * (va + vb);
+    double& own = sum.member[std::size_t(s.member)];
+    own += s.mass * ((0.5 - s.coupling) * (va.squaredNorm() + vb.squaredNorm()) +
+                     2 * s.coupling * va.dot(vb));
     sum.out += s.mass * v.z() * v.z();
     sum.in += s.mass * v.head<2>().squaredNorm();
     sum.along += s.mass * v.dot(t) * v.dot(t);
@@ -38,6 +49,7 @@ Motions motions_of(const Chain& chain, const ChainState& state, const Assembly& 
     if (twist >= 0) {
       sum.twist += s.polar * q[twist] * q[twist];
       total += s.polar * q[twist] * q[twist];
+      own += s.polar * q[twist] * q[twist];
     }
   }
   if (total > 0) {
@@ -130,11 +142,11 @@ std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& sce
     if (options.damped) {
       mode.damping_ratio = damping_ratio_of(prepared[k].damped.poles[which.mode]);
     }
-    const EnergyAccount energy = motion.assembly->energy(state, q);
+    const Motions share_of = motions_of(chain, state, *motion.assembly, q);
+    mode.kinetic_energy = share_of.member;
     double beams = 0, all = 0;
-    for (std::size_t m = 0; m < energy.members.size(); ++m) {
-      const double part = 2 * energy.members[m].kinetic;  // q' M q = 1
-      mode.kinetic_energy.push_back(part);
+    for (std::size_t m = 0; m < share_of.member.size(); ++m) {
+      const double part = share_of.member[m];
       all += part;
       if (!chain.members[m].cable) beams += part;
     }
@@ -142,7 +154,7 @@ std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& sce
     mode.family = share > kMostly       ? ModeFamily::beam
                   : share < 1 - kMostly ? ModeFamily::cable
                                         : ModeFamily::hybrid;
-    mode.plane = plane_of(motions_of(chain, state, *motion.assembly, q), motion.motion);
+    mode.plane = plane_of(share_of, motion.motion);
     if (options.shapes) fill_shape(modes, motion, scene, q, mode);
     mode.sensor_shape = prepared[k].sensors.col(which.mode);
     mode.load_shape = prepared[k].loads.col(which.mode);

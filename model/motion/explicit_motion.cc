@@ -30,7 +30,6 @@ class ExplicitRun {
       : problem_(problem),
         options_(options),
         kernel_(*problem.chain),
-        assembly_(*problem.chain, problem.motion),
         damper_(problem, kernel_),
         h_(step),
         substeps_(substeps),
@@ -41,7 +40,8 @@ class ExplicitRun {
     rest_ = kernel_.positions(problem.rest);
     if (kappa > 0) kernel_.slow_axial(kappa, rest_);
     v_ = problem.start_velocity.size() > 0
-             ? kernel_.entry_values(problem.start_velocity, assembly_.numbering())
+             ? kernel_.entry_values(problem.start_velocity,
+                                    number_unknowns(*problem.chain, problem.motion))
              : Eigen::VectorXd::Zero(kernel_.size());
     const Chain& chain = *problem.chain;
     for (std::size_t l = 0; l < chain.loads.size(); ++l) {
@@ -69,7 +69,6 @@ class ExplicitRun {
     double start_energy = 0, moving = 0;
     load(forces, 0);
     evaluate();
-    const double span = h_ * static_cast<double>(substeps_);
     const double piece = h_ * static_cast<double>(piece_);
     for (long row = 0; row < rows; ++row) {
       const bool account =
@@ -84,8 +83,8 @@ class ExplicitRun {
       if (watch) {
         processed_velocity();
         const double kinetic = kernel_.mass().slowed_product(vp_.data(), vp_.data()) / 2;
-        const double energy =
-            kernel_.potential(options_.verlet ? q_ : ahead_) + kinetic - supplied_ + dissipated_;
+        const double potential = kernel_.potential(ahead_);
+        const double energy = potential + kinetic - supplied_ + dissipated_;
         if (row == 0) {
           start_energy = energy;
           moving = std::abs(energy - kernel_.potential(rest_));
@@ -100,7 +99,8 @@ class ExplicitRun {
           out.reason = "the energy grew without a load";
           return out;
         }
-        if (account) record(out, static_cast<double>(row) * span);
+        if (account)
+          out.energy.add(potential, kernel_.mass_product(vp_, vp_) / 2, supplied_, dissipated_);
       } else if (velocity_wanted_) {
         processed_velocity();
       }
@@ -137,11 +137,6 @@ class ExplicitRun {
 
   void evaluate() {
     const double* external = loaded_ ? external_.data() : nullptr;
-    if (options_.verlet) {
-      kernel_.acceleration(q_.data(), external, a_.data());
-      ++evaluations_;
-      return;
-    }
     kernel_.acceleration(q_.data(), external, first_.data());
     add_multiple(kernel_.size(), q_.data(), h_ * h_ / 12, first_.data(), ahead_.data());
     kernel_.acceleration(ahead_.data(), external, a_.data());
@@ -173,7 +168,6 @@ class ExplicitRun {
 
   // The scheme's own variables for the start: q - h^2/12 a(q), v + h^2/12 da/dt.
   void preprocess() {
-    if (options_.verlet) return;
     const Eigen::VectorXd start = q_;
     for (int i = 0; i < 3; ++i) {
       kernel_.acceleration(q_.data(), nullptr, first_.data());
@@ -194,10 +188,6 @@ class ExplicitRun {
     evaluations_ += 2;
   }
   void processed_velocity() {
-    if (options_.verlet) {
-      vp_ = v_;
-      return;
-    }
     acceleration_rate();
     vp_ = v_ - h_ * h_ / 12 * rate_;
   }
@@ -207,14 +197,12 @@ class ExplicitRun {
   void damp(double time) {
     const bool counted = options_.sampling.energy_samples > 0;
     if (counted) change_ = v_;
-    damper_.apply(time, options_.verlet ? q_ : ahead_, v_);
+    damper_.apply(time, ahead_, v_);
     if (!counted) return;
     sum_ = v_ + change_;
     change_ = v_ - change_;
-    if (!options_.verlet) {
-      processed(change_);
-      processed(sum_);
-    }
+    processed(change_);
+    processed(sum_);
     dissipated_ -= kernel_.mass().slowed_product(change_.data(), sum_.data()) / 2;
   }
   // w - h^2/12 (da/dq) w, by a difference from a(q) of the last step; loads do not change with q.
@@ -237,7 +225,7 @@ class ExplicitRun {
   }
 
   void sample(MotionOutput& out, long row) const {
-    const double* p = (options_.verlet ? q_ : ahead_).data();
+    const double* p = ahead_.data();
     for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
       const auto column = static_cast<Eigen::Index>(s);
       const SensorQuantity& q = described(problem_.quantities[s]);
@@ -245,15 +233,6 @@ class ExplicitRun {
           q.derivatives == 0 ? kernel_.reading(q.reading, s, sensor_rows_[s], p, rest_.data())
                              : sensor_rows_[s].dot(q.derivatives == 1 ? vp_.data() : a_.data());
     }
-  }
-
-  void record(MotionOutput& out, double time) {
-    const ChainState state = kernel_.state(options_.verlet ? q_ : ahead_);
-    out.energy.time_s.push_back(time);
-    out.energy.account.push_back(
-        assembly_.energy(state, kernel_.unknowns(vp_, assembly_.numbering())));
-    out.energy.supplied.push_back(supplied_);
-    out.energy.dissipated.push_back(dissipated_);
   }
 
   Eigen::Map<Eigen::VectorXd> take() {
@@ -264,7 +243,6 @@ class ExplicitRun {
   const MotionProblem& problem_;
   const ExplicitOptions& options_;
   MotionKernel<D> kernel_;
-  Assembly assembly_;
   MotionDamper<D> damper_;
   double h_;
   long substeps_, piece_;
@@ -320,7 +298,6 @@ long whole_pieces(long substeps, const ExplicitOptions& options) {
 template <int D>
 MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& options) {
   const double sample = 1 / options.sampling.rate_hz;
-  const double limit = options.verlet ? options.stability / std::sqrt(3) : options.stability;
   MotionKernel<D> kernel(*problem.chain);
   const Eigen::VectorXd rest = kernel.positions(problem.rest);
   const auto highest = [&](double kappa) {
@@ -336,12 +313,12 @@ MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& o
     substeps = steps_for(*options.step_s);
   } else {
     const double own = highest(0);
-    substeps = own_steps = own > 0 ? steps_for(limit / own) : 1;
+    substeps = own_steps = own > 0 ? steps_for(options.stability / own) : 1;
     // Fewer, with axial waves slowed, where that is enough for stability.
-    if (options.slowed_step_s > 0 && !options.verlet) {
+    if (options.slowed_step_s > 0) {
       for (long fewer = steps_for(options.slowed_step_s); fewer < substeps; ++fewer) {
         const double h = sample / static_cast<double>(whole_pieces(fewer, options));
-        if (highest(kSlowing * h * h) * h > limit) continue;
+        if (highest(kSlowing * h * h) * h > options.stability) continue;
         substeps = fewer;
         slowing = kSlowing;
         break;

@@ -18,9 +18,7 @@
 // Forces enter as averages over a step that keep the impulse exact. Dampers act between steps
 // (Strang splitting, motion_damper.h); what they take is counted in processed velocities, so that
 // the account closes for the fastest waves too. Joint dampers that overdamp waves (joints_overdamp)
-// are in balance with the elastic forces that they are split from: the response then errs in
-// proportion to the interval between two actions, by 1e-3 to 6e-2 for axial dampers of 30 to 30,000
-// N s on a steel cable, which is why such scenes take the implicit scheme unless told otherwise.
+// are in balance with the elastic forces that they would be split from: stiff_motion.h takes them.
 #pragma once
 
 #include <optional>
@@ -40,15 +38,13 @@ struct ExplicitOptions {
   /// Time between two actions of the dampers (s), not less than four steps: what they do to a mode
   /// errs by (omega time)^2 / 24, relative.
   double damper_interval_s = 0;
-  /// Largest drift of the energy account (EnergyHistory::drift): a step of the scheme's own choice
+  /// Largest drift of the energy balance (EnergyBalance::drift): a step of the scheme's own choice
   /// is halved, up to four times, until the account closes that well. Unset: not looked at.
   std::optional<double> drift;
-  /// Without processing and with Verlet's kicks (a at q itself, second order): for comparison.
-  bool verlet = false;
 };
 
-/// kernel_supports(chain, 2 or 3) must hold for the motion. When the energy grows without reason
-/// the step is halved, up to four times; then `completed` is false.
+/// kernel_supports(chain, 2 or 3) must hold for the motion, joints_overdamp(chain) must not. When
+/// the energy grows without reason the step is halved, up to four times; then `completed` is false.
 [[nodiscard]] MotionOutput explicit_motion(const MotionProblem& problem,
                                            const ExplicitOptions& options);
 

@@ -36,7 +36,7 @@ struct MotionProblem {
 
 struct MotionOutput {
   Eigen::MatrixXd samples;  ///< rows x sensors, at 0, 1/rate, ...
-  EnergyHistory energy;
+  EnergyBalance energy;
   double step_s = 0;
   double axial_slowing_s2 = 0;  ///< kappa of node_mass.h; 0: axial waves at their own speed
   long steps = 0;

@@ -5,15 +5,14 @@
 
 namespace rigfit::model {
 
-double EnergyHistory::drift() const {
-  double moving = 0, worst = 0;
-  for (std::size_t i = 0; i < account.size(); ++i) {
-    const Energy now = account[i].sum();
-    moving = std::max(moving, now.kinetic);
-    worst = std::max(
-        worst, std::abs(now.total() - account[0].sum().total() - supplied[i] + dissipated[i]));
-  }
-  return moving > 0 ? worst / moving : 0;
+void EnergyBalance::add(double potential_J, double kinetic_J, double supplied_J,
+                        double dissipated_J) {
+  const double left = potential_J + kinetic_J - supplied_J + dissipated_J;
+  if (!start_) start_ = left;
+  supplied = supplied_J;
+  dissipated = dissipated_J;
+  kinetic = std::max(kinetic, kinetic_J);
+  worst = std::max(worst, std::abs(left - *start_));
 }
 
 long SamplingOptions::rows() const {

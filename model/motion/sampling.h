@@ -1,32 +1,34 @@
-// When a time history is sampled, and the account of its energy.
+// When a time history is sampled, and the balance of its energy.
 #pragma once
 
-#include <vector>
-
-#include "model/chain/energy_account.h"
+#include <optional>
 
 namespace rigfit::model {
 
-/// Duration, rate and number of entries of the energy account.
+/// Duration, rate and number of instants of the energy balance.
 struct SamplingOptions {
   double duration_s = 1;
   double rate_hz = 1000;
-  int energy_samples = 200;         ///< instants of the energy account besides the first; 0: none
+  int energy_samples = 200;         ///< instants of the balance besides the first; 0: none
   [[nodiscard]] long rows() const;  ///< samples at 0, 1/rate, ... up to the duration
-  /// Rows between two entries of the energy account.
+  /// Rows between two instants of the balance.
   [[nodiscard]] long energy_stride() const;
 };
 
-/// Where the energy was over time: J, by member and kind.
-struct EnergyHistory {
-  std::vector<double> time_s;
-  std::vector<EnergyAccount> account;
-  std::vector<double> supplied;    ///< by loads since t = 0
-  std::vector<double> dissipated;  ///< by dampers since t = 0
+/// What became of the energy, J.
+struct EnergyBalance {
+  double supplied = 0;    ///< by loads since t = 0
+  double dissipated = 0;  ///< by dampers since t = 0
+  double kinetic = 0;     ///< largest of all instants
+  double worst = 0;       ///< largest |E(t) - E(0) - supplied + dissipated|
 
-  /// Largest |E(t) - E(0) - supplied + dissipated| over the energy that was in motion: the largest
-  /// kinetic energy there was. Zero for a history without motion.
-  [[nodiscard]] double drift() const;
+  /// The next instant.
+  void add(double potential_J, double kinetic_J, double supplied_J, double dissipated_J);
+  /// `worst` over the largest kinetic energy; zero without motion.
+  [[nodiscard]] double drift() const { return kinetic > 0 ? worst / kinetic : 0; }
+
+ private:
+  std::optional<double> start_;
 };
 
 }  // namespace rigfit::model

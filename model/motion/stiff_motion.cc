@@ -82,6 +82,7 @@ class StiffRun {
         tolerance(N_VNew_Serial(size_, raw));
     set_tolerances(of(tolerance.get()));
     of(y.get()).setZero();
+    rest_massless();
     start(0, of(y.get()), of(rate.get()));
     const Owned<void*> memory(IDACreate(raw));
     memory_ = memory.get();
@@ -114,8 +115,8 @@ class StiffRun {
         while (stop < stops.size() && stops[stop] <= t) ++stop;
         const bool before = stop < stops.size() && stops[stop] < target;
         IDASetStopTime(memory_, stop < stops.size() ? stops[stop] : kFar);
-        const int flag = IDASolve(memory_, before ? stops[stop] : target, &t, y.get(), rate.get(),
-                                  IDA_NORMAL);
+        const int flag =
+            IDASolve(memory_, before ? stops[stop] : target, &t, y.get(), rate.get(), IDA_NORMAL);
         const long steps = finished_ + steps_so_far();
         if (flag < 0 || steps > options_.max_steps) {
           out.reason = flag < 0 ? "the integrator gave up" : "too many steps";
@@ -152,6 +153,23 @@ class StiffRun {
     long steps = 0;
     IDAGetNumSteps(memory_, &steps);
     return steps;
+  }
+
+  // What has no inertia is in balance at every instant, so at the start too.
+  void rest_massless() {
+    for (int i = 0; i < 4 && static_cast<Eigen::Index>(massive_.size()) < n_; ++i) {
+      assembly_.force_and_tangent(state_, force_, tangent_);
+      system_ = tangent_;
+      const double held = 1e12 * tangent_.values().cwiseAbs().maxCoeff();
+      for (const int k : massive_) {
+        system_.add(k, k, held);
+        force_(k) = 0;
+      }
+      factor_.factor(system_);
+      factor_.solve_in_place(force_);
+      assembly_.advance(state_, force_, -1, state_);
+    }
+    anchor_ = state_;
   }
 
   void set_tolerances(Values absolute) const {

@@ -140,7 +140,9 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene,
   const auto count = static_cast<Eigen::Index>(out.mode.size());
   out.omega.resize(count);
   out.ratio.resize(count);
-  Eigen::MatrixXd load_shape(count, loads), sensor_shape(sensors, count);
+  Eigen::MatrixXd sensor_shape(sensors, count);
+  Eigen::MatrixXd& load_shape = out.load_shape;
+  load_shape.resize(count, loads);
   out.coupled = any_joint_damping(*modes.chain);
   if (out.coupled) out.damping = Eigen::MatrixXd::Zero(count, count);
 

@@ -18,6 +18,7 @@ struct LinearAnswer {
   Eigen::VectorXd omega;                ///< rad/s, modes of all motions one after the other
   Eigen::VectorXd ratio;                ///< from the members' damping ratios alone
   std::vector<ChainModes::Which> mode;  ///< motion and mode of each
+  Eigen::MatrixXd load_shape;           ///< modes x loads
   Eigen::MatrixXd damping;              ///< coupled only: q'' + D q' + omega^2 q = ...
   bool truncated = false;               ///< not all modes of the chain are in it
 };

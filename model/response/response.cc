@@ -6,12 +6,11 @@
 #include <numbers>
 #include <sstream>
 
-#include "model/motion/cvode_response.h"
 #include "model/motion/explicit_motion.h"
-#include "model/motion/implicit_motion.h"
 #include "model/motion/motion_kernel.h"
-#include "model/response/linear_account.h"
+#include "model/motion/stiff_motion.h"
 #include "model/response/linear_answer.h"
+#include "model/response/linear_balance.h"
 #include "model/response/nonlinearity.h"
 #include "model/response/response_estimates.h"
 #include "model/response/response_modes.h"
@@ -79,26 +78,24 @@ ModalDamping modal_damping(const ChainModes& modes, const LinearAnswer& answer,
   return damping;
 }
 
-// Of joint dampers that the explicit scheme cannot split off.
-bool overdamped(const MotionProblem& problem) {
-  return problem.joint_damping && joints_overdamp(*problem.chain);
+// Why the explicit scheme does not take a problem, as a reason for a person; empty: it does.
+std::string not_explicit(const MotionProblem& problem) {
+  if (!kernel_supports(*problem.chain, problem.motion == Motion::in_plane ? 2 : 3)) {
+    return "the explicit solver takes neither torsion nor, in space, nodes that turn";
+  }
+  if (problem.joint_damping && joints_overdamp(*problem.chain)) {
+    return "joint dampers overdamp waves of segments, which the explicit solver does not take";
+  }
+  return {};
 }
 
-// Forces an explicit run evaluates a second, against what an implicit one does in the same units: a
-// Newton iteration (three forces, at times a tangent and its factors) costs some twenty of them.
-// The explicit scheme splits dampers off, which those that overdamp waves do not allow.
-ResponseSolver cheaper(const MotionProblem& problem, double upper_frequency_hz, double accuracy,
-                       double rate_hz) {
-  if (!kernel_supports(*problem.chain, problem.motion == Motion::in_plane ? 2 : 3) ||
-      overdamped(problem)) {
-    return ResponseSolver::implicit_motion;
-  }
+// Forces that an explicit run evaluates a second against what a stiff one does in the same units: a
+// step (some three forces, a tangent and its factors) costs some twelve of them, and takes about
+// forty steps a period of the highest mode that matters at the default tolerance.
+bool stiff_is_cheaper(const MotionProblem& problem, double upper_frequency_hz, double rate_hz) {
   const double highest = highest_frequency(*problem.chain, problem.motion, problem.start);
   const double explicit_work = 2 * std::max(rate_hz, highest / 3.2);
-  const double steps =
-      std::max(rate_hz, 2 * std::numbers::pi * upper_frequency_hz / std::sqrt(12 * accuracy));
-  return explicit_work > 60 * steps ? ResponseSolver::implicit_motion
-                                    : ResponseSolver::explicit_motion;
+  return explicit_work > 12 * std::max(rate_hz, 40 * upper_frequency_hz);
 }
 
 }  // namespace
@@ -109,16 +106,10 @@ const char* name_of(ResponseSolver solver) {
       return "auto";
     case ResponseSolver::modal:
       return "modal";
-    case ResponseSolver::large_motion:
-      return "large-motion";
     case ResponseSolver::explicit_motion:
       return "explicit";
-    case ResponseSolver::implicit_motion:
-      return "implicit";
-    case ResponseSolver::cvode_adams:
-      return "cvode-adams";
-    case ResponseSolver::cvode_banded:
-      return "cvode-banded";
+    case ResponseSolver::stiff_motion:
+      return "stiff";
   }
   return "";
 }
@@ -139,7 +130,7 @@ class Simulation {
     out_.completed = out_.samples.allFinite();
     if (!out_.completed) out_.reason = "the motion is not finite";
     if (linear()) {
-      out_.energy = linear_account(modes_, answer_, scene_, records_, options_.sampling);
+      out_.energy = linear_balance(answer_, scene_, records_, options_.sampling);
     }
     out_.energy_drift = out_.energy.drift();
     say_what_was_left_out();
@@ -204,8 +195,14 @@ class Simulation {
     out_.frequency_moving_hz = shift_.frequency_moving_hz;
     out_.nonlinear = shift_.frequency_shift > scene_.accuracy;
     out_.solver = options_.solver;
-    if (out_.solver == ResponseSolver::automatic) {
-      out_.solver = out_.nonlinear ? ResponseSolver::large_motion : ResponseSolver::modal;
+    if (out_.solver == ResponseSolver::automatic && !out_.nonlinear) {
+      out_.solver = ResponseSolver::modal;
+    } else if (out_.solver == ResponseSolver::modal && out_.nonlinear) {
+      // In the middle of the duration, as a difference of two oscillations.
+      out_.linear_error =
+          2 * std::sin(std::min(std::numbers::pi / 2,
+                                std::numbers::pi / 2 * shift_.frequency_shift *
+                                    shift_.frequency_at_rest_hz * options_.sampling.duration_s));
     }
     for (const Sensor& sensor : scene_.sensors) problem_.quantities.push_back(sensor.quantity);
     return true;
@@ -254,21 +251,19 @@ class Simulation {
       return false;
     }
     problem_.start = std::move(loaded.state);
-    if (out_.solver == ResponseSolver::large_motion) {
-      out_.solver =
-          cheaper(problem_, shift_.upper_frequency_hz, scene_.accuracy, options_.sampling.rate_hz);
-    }
-    if (!kernel_supports(chain, plane_ ? 2 : 3) && out_.solver != ResponseSolver::implicit_motion) {
+    const std::string why = not_explicit(problem_);
+    if (out_.solver == ResponseSolver::automatic) {
+      out_.solver = ResponseSolver::explicit_motion;
+      if (!why.empty()) {
+        out_.told = why;
+      } else if (stiff_is_cheaper(problem_, shift_.upper_frequency_hz, options_.sampling.rate_hz)) {
+        out_.told = "the explicit solver would take many times the steps";
+      }
+      if (!out_.told.empty()) out_.solver = ResponseSolver::stiff_motion;
+    } else if (out_.solver == ResponseSolver::explicit_motion && !why.empty()) {
       out_.impossible = true;
-      out_.reason = std::string("the solver ") + name_of(out_.solver) +
-                    " takes neither torsion nor, in space, nodes that turn; use implicit";
+      out_.reason = why + ": use stiff";
       return false;
-    }
-    if (out_.solver == ResponseSolver::explicit_motion && overdamped(problem_)) {
-      out_.warning =
-          "joint dampers overdamp waves of segments: the explicit solver splits them from the "
-          "elastic forces that they are in balance with, and errs by a thousandth to several per "
-          "cent of the response whatever its step; use the implicit solver";
     }
     MotionOutput motion = integrate();
     out_.samples = std::move(motion.samples);
@@ -281,49 +276,39 @@ class Simulation {
   }
 
   MotionOutput integrate() {
-    switch (out_.solver) {
-      case ResponseSolver::implicit_motion: {
-        ImplicitOptions run;
-        run.sampling = options_.sampling;
-        run.step_s = options_.step_s;
-        run.frequency_hz = shift_.upper_frequency_hz;
-        run.accuracy = scene_.accuracy;
-        return implicit_motion(problem_, run);
+    if (out_.solver == ResponseSolver::stiff_motion) {
+      StiffOptions run;
+      run.sampling = options_.sampling;
+      run.relative_tolerance = options_.relative_tolerance.value_or(scene_.accuracy / 1000);
+      double mass = 0;
+      for (const Segment& segment : modes_.chain->segments) mass += segment.mass;
+      if (shift_.energy_J > 0 && shift_.frequency_at_rest_hz > 0) {
+        run.velocity_m_s = std::sqrt(2 * shift_.energy_J / mass);
+        run.displacement_m =
+            run.velocity_m_s / (2 * std::numbers::pi * shift_.frequency_at_rest_hz);
       }
-      case ResponseSolver::cvode_adams:
-      case ResponseSolver::cvode_banded: {
-        CvodeOptions run;
-        run.sampling = options_.sampling;
-        run.method = out_.solver == ResponseSolver::cvode_adams ? CvodeMethod::adams_fixed_point
-                                                                : CvodeMethod::bdf_banded;
-        run.relative_tolerance = options_.relative_tolerance;
-        run.absolute_displacement_m = 1e-3 * options_.relative_tolerance;
-        run.absolute_velocity_m_s = options_.relative_tolerance;
-        return cvode_response(problem_, run);
-      }
-      default: {
-        ExplicitOptions run;
-        run.sampling = options_.sampling;
-        run.step_s = options_.step_s;
-        // (2 pi / 16)^2 / 24: within a per cent of the damping of the fastest mode that matters.
-        run.damper_interval_s = 1 / (16 * std::max(shift_.upper_frequency_hz, 1e-3));
-        // A step that is asked for is meant for the dampers too: they converge with it.
-        if (options_.step_s) {
-          run.damper_interval_s = std::min(run.damper_interval_s, 4 * *options_.step_s);
-        }
-        const double interval = 1 / options_.sampling.rate_hz;
-        // Waves slowed because they were told to may cost energy; nothing else may.
-        if (options_.axial.value_or(true)) run.drift = scene_.accuracy;
-        if (options_.axial) {
-          run.slowed_step_s = *options_.axial ? 0 : interval;
-        } else if (shift_.frequency_shift < 1) {
-          // A third of what is asked for: the number of segments and the estimates take theirs.
-          run.slowed_step_s = slowed_step(modes_, answer_, weights_, shift_.frequency_shift,
-                                          interval, scene_.accuracy / 3);
-        }
-        return explicit_motion(problem_, run);
-      }
+      return stiff_motion(problem_, run);
     }
+    ExplicitOptions run;
+    run.sampling = options_.sampling;
+    run.step_s = options_.step_s;
+    // (2 pi / 16)^2 / 24: within a per cent of the damping of the fastest mode that matters.
+    run.damper_interval_s = 1 / (16 * std::max(shift_.upper_frequency_hz, 1e-3));
+    // A step that is asked for is meant for the dampers too: they converge with it.
+    if (options_.step_s) {
+      run.damper_interval_s = std::min(run.damper_interval_s, 4 * *options_.step_s);
+    }
+    const double interval = 1 / options_.sampling.rate_hz;
+    // Waves slowed because they were told to may cost energy; nothing else may.
+    if (options_.axial.value_or(true)) run.drift = scene_.accuracy;
+    if (options_.axial) {
+      run.slowed_step_s = *options_.axial ? 0 : interval;
+    } else if (shift_.frequency_shift < 1) {
+      // A third of what is asked for: the number of segments and the estimates take theirs.
+      run.slowed_step_s = slowed_step(modes_, answer_, weights_, shift_.frequency_shift, interval,
+                                      scene_.accuracy / 3);
+    }
+    return explicit_motion(problem_, run);
   }
 
   void say_what_was_left_out() {
@@ -357,8 +342,6 @@ class Simulation {
           "what happens within a step",
           explicit_step_errors(modes_, answer, weights_, shift_.frequency_shift, out_.step_s, 0)
               .scheme);
-    } else if (out_.solver == ResponseSolver::implicit_motion) {
-      leave_out("what happens within a step", implicit_step_error(answer, weights_, out_.step_s));
     }
     if (chain.torsion) {
       out_.kept.push_back("torsion");

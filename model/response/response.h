@@ -3,8 +3,9 @@
 // The linear answer comes first; from it the shift of frequencies by the size of the motion is
 // estimated (nonlinearity.h). Within the scene's accuracy the exact
 // modal response is the answer; beyond it the equations are integrated as they are, in the plane
-// when nothing pushes the scene out of it, explicitly unless that would take many times the work of
-// the implicit scheme or joint dampers overdamp waves. Only the motions that a load drives are
+// when nothing pushes the scene out of it: explicitly unless that would take many times the work of
+// the stiff scheme or cannot be had of the scene (joint dampers that overdamp waves, torsion, nodes
+// that turn in space). Only the motions that a load drives are
 // looked at; axial waves are slowed (explicit_motion.h) where the estimate of what that costs
 // allows it; members that say "auto" get the segments that bring the error of frequencies below the
 // scene's accuracy. Every choice can be forced, and what was left out is listed with its estimated
@@ -29,12 +30,9 @@ namespace rigfit::model {
 /// How the equations of motion are solved.
 enum class ResponseSolver {
   automatic,
-  modal,         ///< linear, exact
-  large_motion,  ///< explicit or implicit, whichever is less work
-  explicit_motion,
-  implicit_motion,
-  cvode_adams,   ///< reference: Adams formulas, fixed point (the paper's)
-  cvode_banded,  ///< reference: BDF, banded Newton
+  modal,            ///< linear, exact
+  explicit_motion,  ///< explicit_motion.h
+  stiff_motion,     ///< stiff_motion.h
 };
 /// The word in JSON, such as "modal".
 [[nodiscard]] const char* name_of(ResponseSolver solver);
@@ -48,9 +46,10 @@ struct ResponseOptions {
   /// Axial waves as they are, or not: the modal solver then lets modes along the members follow
   /// at once, explicit steps slow them as far as one step a sample needs. Else by estimate.
   std::optional<bool> axial;
-  std::optional<int> segments;        ///< overrides every member's number
-  std::optional<double> step_s;       ///< largest step of the explicit and implicit schemes
-  double relative_tolerance = 1e-6;   ///< of the CVODE solvers
+  std::optional<int> segments;   ///< overrides every member's number
+  std::optional<double> step_s;  ///< largest step of the explicit scheme
+  /// Local, of the stiff scheme; else a thousandth of the scene's accuracy.
+  std::optional<double> relative_tolerance;
   std::vector<ForceHistory> records;  ///< by load of the scene; used for kind `record`
   int modes = 0;  ///< of the linear answer, of each motion; 0: all up to 400 unknowns a motion,
                   ///< else the lowest 200
@@ -64,7 +63,10 @@ struct ResponseResult {
   bool completed = false;
   bool impossible = false;  ///< what was asked for cannot be had of this scene
   std::string reason;       ///< for a person, when not completed
-  std::string warning;  ///< for a person: why the samples err by more than is estimated; or empty
+  /// Of samples that were forced to be linear while the motion is not, estimated: the phase that
+  /// the shift of frequencies runs up over half of the duration; else 0.
+  double linear_error = 0;
+  std::string told;  ///< why a scheme slower than the explicit one was taken; or empty
 
   double rate_hz = 0;
   std::vector<std::string> sensors;  ///< names
@@ -83,8 +85,8 @@ struct ResponseResult {
   double energy_drift = 0;
   std::vector<int> segments;     ///< by member
   double resolution_error = -1;  ///< of frequencies, weighted by energy; negative: not asked for
-  EnergyHistory energy;
-  std::vector<std::string> members;  ///< names, in the order of the account
+  EnergyBalance energy;
+  std::vector<std::string> members;  ///< names
   std::vector<std::string> kept;
   std::vector<LeftOut> left_out;
 };

@@ -51,15 +51,6 @@ StepErrors explicit_step_errors(const ChainModes& modes, const LinearAnswer& ans
   return out;
 }
 
-double implicit_step_error(const LinearAnswer& answer, const ModeWeights& weights, double step_s) {
-  double error = 0;
-  for (Eigen::Index p = 0; p < weights.sensors.size(); ++p) {
-    error +=
-        weights.sensors(p) * std::min(1.0, std::norm(answer.modal.poles(p)) * step_s * step_s / 12);
-  }
-  return error;
-}
-
 double slowed_step(const ChainModes& modes, const LinearAnswer& answer, const ModeWeights& weights,
                    double shift, double interval_s, double accuracy) {
   for (int n = 1; n <= 64; ++n) {

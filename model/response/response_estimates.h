@@ -8,7 +8,7 @@
 //                                         cable comes and goes at 2 w and lags by kappa (2 w)^2;
 //                                         w^2 is the mean by energy of the modes that stretch it,
 //                                         or omega^2 itself where that is more,
-// and by (omega h)^2 / 12 in an implicit run. All are weighted by what the sensors read of a mode.
+// weighted by what the sensors read of a mode.
 #pragma once
 
 #include "model/response/response_modes.h"
@@ -23,8 +23,6 @@ struct StepErrors {
 [[nodiscard]] StepErrors explicit_step_errors(const ChainModes& modes, const LinearAnswer& answer,
                                               const ModeWeights& weights, double shift,
                                               double step_s, double kappa);
-[[nodiscard]] double implicit_step_error(const LinearAnswer& answer, const ModeWeights& weights,
-                                         double step_s);
 
 /// Largest step, the sampling interval over a whole number, at which explicit steps with axial
 /// waves slowed keep both errors below `accuracy`; zero when none of 1 to 64 does.

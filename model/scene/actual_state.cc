@@ -21,8 +21,29 @@ double distance(const Scene& scene, const Member& member) {
 
 }  // namespace
 
+double installed_strain(const Scene& scene, const Member& member) {
+  if (member.kind == Member::Kind::beam) return 0;
+  if (member.tension) return *member.tension / member.EA;
+  const double chord = distance(scene, member);
+  if (member.stretch) return *member.stretch / (chord - *member.stretch);
+  return member.unstretched_length ? std::max(0.0, chord / *member.unstretched_length - 1) : 0;
+}
+
+double undecided_mass(const Scene& scene) {
+  constexpr double kUnnoticed = 0.005;  // a quarter of a per cent of a frequency
+  double largest = 0;
+  for (const Member& member : scene.members) {
+    if (member.mass_of == Member::MassOf::unsaid) {
+      largest = std::max(largest, installed_strain(scene, member));
+    }
+  }
+  return largest > kUnnoticed ? largest : 0;
+}
+
 bool is_actual(const Scene& scene) {
-  return scene.load_cell.scale == 1 && scene.load_cell.zero == 0 && scene.temperature_change == 0;
+  return std::none_of(scene.members.begin(), scene.members.end(),
+                      [](const Member& m) { return m.mass_of == Member::MassOf::installed; }) &&
+         scene.load_cell.scale == 1 && scene.load_cell.zero == 0 && scene.temperature_change == 0;
 }
 
 Scene actual_state(const Scene& scene) {
@@ -41,11 +62,14 @@ Scene actual_state(const Scene& scene) {
       }
     }
     const double stretch = 1 + member.thermal_expansion * scene.temperature_change;
-    if (stretch == 1) continue;
     if (member.unstretched_length) *member.unstretched_length *= stretch;
-    if (member.stretch) {
+    if (member.stretch && stretch != 1) {
       const double chord = distance(scene, member);
       member.stretch = chord - (chord - *member.stretch) * stretch;
+    }
+    if (member.mass_of == Member::MassOf::installed) {
+      member.mass_per_length *= 1 + installed_strain(actual, member);
+      member.mass_of = Member::MassOf::unstretched;
     }
   }
   return actual;

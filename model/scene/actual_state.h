@@ -6,6 +6,8 @@
 //   displacement
 //                                     of its end (then L is the distance of its nodes less the
 //                                     displacement)
+//   m0 = m (1 + strain)               of every cable whose mass per length is of the length as it
+//                                     hangs (`mass_of`): per unstretched length then
 //
 // A load cell that several states share makes scale and zero common unknowns of a fit; T depends on
 // neither temperature nor thermal expansion, since it was read in the state. Beams are drawn as
@@ -21,5 +23,12 @@ namespace rigfit::model {
 /// The scene with corrected tensions and lengths, load cell and temperature at their defaults.
 /// Throws SceneError where a corrected tension is not positive.
 [[nodiscard]] Scene actual_state(const Scene& scene);
+
+/// Strain of a cable as it hangs, between its nodes, by its tension or length; zero of a beam.
+[[nodiscard]] double installed_strain(const Scene& scene, const Member& member);
+
+/// Largest strain above 0.5 % of a cable that does not say what its mass per length is of: what its
+/// mass would be off by. Zero: none.
+[[nodiscard]] double undecided_mass(const Scene& scene);
 
 }  // namespace rigfit::model

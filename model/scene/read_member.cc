@@ -113,6 +113,11 @@ Member read_member(TomlTable& table) {
   member.nodes = {nodes[0], nodes[1]};
   member.segments = segments_of(table);
   member.mass_per_length = table.number("mass_per_length", Bound::positive, "kg/m");
+  if (table.has("mass_of")) {
+    member.mass_of = table.choice_or("mass_of", {"unstretched", "installed"}, "") == "installed"
+                         ? Member::MassOf::installed
+                         : Member::MassOf::unstretched;
+  }
   member.EA = table.number("EA", Bound::positive, "N");
   member.EI = bending_stiffness(table, member.kind);
   member.GJ = table.number_or("GJ", Bound::not_negative, "N m2", 0);

@@ -52,6 +52,8 @@ struct Member {
   enum class Kind { cable, beam };
   /// Whether rigid ends are stress-free at the equilibrium or along the straight line.
   enum class Assembled { hanging, straight };
+  /// Of which length a mass per length is (actual_state.h); unsaid: of the unstretched one.
+  enum class MassOf { unsaid, unstretched, installed };
   /// How a member meets a free node.
   enum class Joint { rigid, pinned };
 
@@ -60,6 +62,7 @@ struct Member {
   std::array<std::string, 2> nodes;
   int segments = 0;            ///< 0: "auto" by the scene's accuracy
   double mass_per_length = 0;  ///< kg/m at the first node
+  MassOf mass_of = MassOf::unsaid;
   double EA = 0;               ///< N
   std::array<double, 2> EI{
       0, 0};      ///< N m^2 about z (in-plane bending), about the horizontal in-plane axis

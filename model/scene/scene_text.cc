@@ -70,6 +70,8 @@ std::string member_text(const Member& member) {
   text += member.segments > 0 ? fmt::format("segments = {}\n", member.segments)
                               : std::string("segments = \"auto\"\n");
   line("mass_per_length", member.mass_per_length, "kg/m");
+  if (member.mass_of == Member::MassOf::installed) text += "mass_of = \"installed\"\n";
+  if (member.mass_of == Member::MassOf::unstretched) text += "mass_of = \"unstretched\"\n";
   line("EA", member.EA, "N");
   if (member.EI[0] == member.EI[1]) {
     line("EI", member.EI[0], "N m2");

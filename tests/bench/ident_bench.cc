@@ -10,13 +10,13 @@
 #include <numbers>
 #include <vector>
 
-#include "apps/bench/cable_update.h"
-#include "apps/bench/exact_bending_ratio.h"
 #include "ident/axial/axial_identification.h"
 #include "ident/bending/bending_analysis.h"
 #include "ident/campaign/modal/mode_lines.h"
 #include "ident/predict/scene_prediction.h"
 #include "ident/virtual_rig/virtual_axial.h"
+#include "tests/bench/cable_update.h"
+#include "tests/reference/exact_bending_ratio.h"
 #include "ident/virtual_rig/virtual_bending.h"
 #include "signal/decay/decay.h"
 #include "tests/model/test_scenes.h"

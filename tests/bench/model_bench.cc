@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "apps/bench/utility_line.h"
+#include "tests/reference/utility_line.h"
 #include "model/frfs/frf_sensitivities.h"
 #include "model/linear/modal_analysis.h"
 #include "model/linear/modes.h"

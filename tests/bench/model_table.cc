@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/bench/utility_line.h"
+#include "tests/reference/utility_line.h"
 #include "model/linear/modes.h"
 #include "model/linear/segment_choice.h"
 #include "tests/model/test_scenes.h"

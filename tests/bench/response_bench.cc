@@ -80,12 +80,6 @@ void release_by_need(benchmark::State& state) { run(state, released(1, 0, true),
 void release_damped_by_need(benchmark::State& state) {
   run(state, released(1, 0.005, true), {}, 200);
 }
-void release_joint_dampers(benchmark::State& state) {
-  Scene scene = released(1, 0, true);
-  scene.members[0].damping = {.axial = 30, .bending = 0.05, .torsion = 0};
-  run(state, scene, {}, 200);
-}
-
 BENCHMARK(linear_release)->Unit(benchmark::kMicrosecond);
 BENCHMARK(linear_hit)->Unit(benchmark::kMicrosecond);
 BENCHMARK(linear_hit_with_energy)->Unit(benchmark::kMicrosecond);
@@ -93,7 +87,6 @@ BENCHMARK(release)->Unit(benchmark::kMillisecond);
 BENCHMARK(release_damped)->Unit(benchmark::kMillisecond);
 BENCHMARK(release_by_need)->Unit(benchmark::kMillisecond);
 BENCHMARK(release_damped_by_need)->Unit(benchmark::kMillisecond);
-BENCHMARK(release_joint_dampers)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace rigfit::model

@@ -1,4 +1,4 @@
-// How honest the estimate of extrapolated frequencies is, what they cost, and what batches save.
+// How honest the estimate of extrapolated frequencies is, and what they cost.
 //
 //   segments_truth [SCENES [FIRST SEED]]   (default: 200 from 0; only the first table with a seed)
 //
@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "model/linear/modal_analysis.h"
-#include "model/linear/mode_batch.h"
 #include "model/linear/segment_extrapolation.h"
 #include "tests/model/test_scenes.h"
 
@@ -144,54 +143,11 @@ void costs() {
   row("rig, 12 modes", testing::cable_beam_rig(200, 0.5972, 0), 12);
 }
 
-void batches() {
-  std::printf(
-      "\n| 200 scenes | asked | one by one, ms | batch, ms | ratio | estimate | error |\n"
-      "|---|---|---|---|---|---|---|\n");
-  for (const bool rig : {false, true}) {
-    std::mt19937 generator(3);
-    std::normal_distribution<> normal;
-    std::vector<Scene> scenes;
-    for (int i = 0; i < 200; ++i) {
-      const double tension = 200 * std::exp(0.03 * normal(generator));
-      const double EI = 0.5972 * std::exp(0.1 * normal(generator));
-      scenes.push_back(rig ? testing::cable_beam_rig(tension, EI, 0)
-                           : testing::paper_cable(tension, EI, 0));
-    }
-    ModesOptions options = modes_of(rig ? 5 : 0);
-    options.shapes = options.damped = false;
-    for (const double accuracy : {1e-4, 1e-6}) {
-      for (Scene& scene : scenes) scene.accuracy = accuracy;
-      ModeBatch batch;
-      const double alone = least_ms([&] {
-        for (const Scene& scene : scenes) (void)analyse_modes(scene, options);
-      });
-      const double together = least_ms([&] { batch = batch_modes(scenes, options, accuracy); });
-      double worst = 0;
-      for (std::size_t i = 0; i < scenes.size(); i += 10) {
-        Scene scene = scenes[i];
-        scene.accuracy = 1e-8;
-        const ModalAnalysis truth = analyse_modes(scene, options);
-        for (int k = 0; k < options.count; ++k) {
-          worst =
-              std::max(worst, std::abs(batch.frequency_hz(static_cast<Eigen::Index>(i), k) /
-                                           truth.modes[static_cast<std::size_t>(k)].frequency_hz -
-                                       1));
-        }
-      }
-      std::printf("| %s | %.0e | %.1f | %.1f | %.1f | %.1e | %.1e |\n",
-                  rig ? "rig, 12 modes" : "cable, 6 modes", accuracy, alone, together,
-                  alone / together, batch.relative_error_estimate, worst);
-    }
-  }
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   honesty(argc > 1 ? std::atoi(argv[1]) : 200, argc > 2 ? std::atoi(argv[2]) : 0);
   if (argc > 2) return 0;
   costs();
-  batches();
   return 0;
 }

@@ -124,7 +124,7 @@ class Arrays(unittest.TestCase):
         thread = threading.Thread(target=tick)
         thread.start()
         started = time.monotonic()
-        rigfit.respond(DATA / "scenes/cable-release.toml", duration=1, rate=2000, solver="implicit")
+        rigfit.respond(DATA / "scenes/cable-release.toml", duration=1, rate=2000, solver="stiff")
         ended = time.monotonic()
         stop.set()
         thread.join()

@@ -145,13 +145,13 @@ struct ModesCommand {
                                 VerbContext& context);
 
 struct RespondCommand {
-  std::string scene, out, energy;
+  std::string scene, out;
   double duration_s = 0, rate_hz = 0;
   std::string solver = "auto";
   std::string plane = "auto", torsion = "auto", axial = "auto";
   int segments = 0;
   double step_s = 0;
-  double tolerance = 1e-6;
+  double tolerance = 0;
 };
 /// The response with its samples goes to `response`.
 [[nodiscard]] Json respond_result(const model::Scene& scene, const RespondCommand& command,

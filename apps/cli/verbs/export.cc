@@ -2,26 +2,65 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/cli/verbs/fit_file.h"
 #include "model/export/write_calculix.h"
+#include "model/export/write_moordyn.h"
 #include "model/linear/modal_analysis.h"
+#include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
 
 struct ExportOptions {
-  std::string scene;
-  std::string calculix;
+  std::string scene, calculix, moordyn, from;
   model::CalculixOptions deck;
 };
 
+/// Sets the parameters of a fit; a line of each with its 95 % interval.
+std::vector<std::string> fitted_into(model::Scene& scene, const std::string& path,
+                                     VerbContext& context) {
+  std::vector<std::string> lines;
+  if (path.empty()) return lines;
+  context.input(path);
+  for (const auto& known : read_fit(path, context).parameters) {
+    model::set_parameter(scene, known.name, known.value);
+  }
+  std::ifstream file(path, std::ios::binary);
+  for (const auto& row : Json::parse(file)["parameters"]) {
+    if (!row.contains("low") || !row["low"].is_number() || !row["high"].is_number()) continue;
+    lines.push_back(fmt::format("{} = {:.6g}, 95 %: {:.6g} to {:.6g}",
+                                row["name"].get<std::string>(), row["value"].get<double>(),
+                                row["low"].get<double>(), row["high"].get<double>()));
+  }
+  return lines;
+}
+
+/// Writes `text`, with `comments` before it that begin with `mark`.
+std::filesystem::path write_deck(const std::string& folder, const std::string& name,
+                                 const std::string& text, const char* mark,
+                                 const std::vector<std::string>& comments, VerbContext& context) {
+  make_output_folder(folder);
+  const std::filesystem::path path = std::filesystem::path(folder) / name;
+  std::string all;
+  for (const auto& line : comments) all += fmt::format("{} {}\n", mark, line);
+  context.write(path, all + text);
+  return path;
+}
+
 Json run(const ExportOptions& options, VerbContext& context) {
+  if (options.calculix.empty() && options.moordyn.empty()) {
+    throw UsageError("give --calculix DIR or --moordyn DIR");
+  }
   context.input(options.scene);
-  const model::Scene scene = model::read_scene(options.scene);
+  const std::string stem = std::filesystem::path(options.scene).stem().string();
+  model::Scene scene = model::read_scene(options.scene);
+  const std::vector<std::string> comments = fitted_into(scene, options.from, context);
   model::ModesOptions modes;
   modes.count = 1;
   modes.shapes = false;
@@ -30,13 +69,20 @@ Json run(const ExportOptions& options, VerbContext& context) {
     throw NotConverged(options.scene +
                        ": no equilibrium to export: " + analysis.equilibrium.reason);
   }
+  Json result;
+  result["files"] = Json::array();
+  if (!options.moordyn.empty()) {
+    const auto input = model::moordyn_input(scene, analysis.equilibrium);
+    for (const auto& note : input.notes) context.warn("not_exported_exactly", note, options.scene);
+    const auto path =
+        write_deck(options.moordyn, stem + ".txt", input.text, "!", comments, context);
+    context.out << fmt::format("wrote {}\n", path.string());
+    result["files"].push_back(path.string());
+  }
+  if (options.calculix.empty()) return result;
   const auto deck = model::calculix_deck(scene, analysis.equilibrium, options.deck);
   for (const auto& note : deck.notes) context.warn("not_exported_exactly", note, options.scene);
-  make_output_folder(options.calculix);
-  const std::filesystem::path path =
-      std::filesystem::path(options.calculix) /
-      (std::filesystem::path(options.scene).stem().string() + ".inp");
-  context.write(path, deck.text);
+  const auto path = write_deck(options.calculix, stem + ".inp", deck.text, "**", comments, context);
   context.out << fmt::format("wrote {}\nrun it there with: ccx {}\n", path.string(),
                              path.stem().string());
   Json members = Json::array();
@@ -48,9 +94,8 @@ Json run(const ExportOptions& options, VerbContext& context) {
                        {"scene_tension_N", member.scene_tension_N},
                        {"axial_stiffness_ratio", member.axial_stiffness_ratio}});
   }
-  Json result;
   result["members"] = std::move(members);
-  result["files"] = Json::array({path.string()});
+  result["files"].push_back(path.string());
   return result;
 }
 
@@ -60,8 +105,13 @@ describe::Options options_of(ExportOptions& c) {
       option("scene", c.scene, "Scene file (TOML)").required().type("SCENE"),
       option("--calculix", c.calculix,
              "Write a CalculiX deck (prestress, sag, frequencies) to this folder")
-          .required()
           .type("DIR"),
+      option("--moordyn", c.moordyn,
+             "Write the cables as a MoorDyn (version 2) input file to this folder")
+          .type("DIR"),
+      option("--from", c.from,
+             "JSON result of an update: its values, with their intervals in comments")
+          .type("FIT.json"),
       option("--elements", c.deck.elements_per_member, "Beam elements a member").within(2, 2000),
       option("--count", c.deck.frequencies, "Natural frequencies to ask for").within(1, 1000)};
 }
@@ -69,9 +119,9 @@ describe::Options options_of(ExportOptions& c) {
 
 Verb export_verb() {
   return verb_of<ExportOptions>(
-      "export", "Write a scene as input of another program (CalculiX)",
-      "The deck's tensions at rest are the scene's; both are printed, with the ratio of the axial "
-      "stiffnesses about rest (1 + 1.5 T/EA) in the JSON.\nExample:\n  rigfit export "
+      "export", "Write a scene as input of another program (CalculiX, MoorDyn)",
+      "The CalculiX deck's tensions at rest are the scene's; both are printed, with the ratio of "
+      "the axial stiffnesses about rest (1 + 1.5 T/EA) in the JSON.\nExample:\n  rigfit export "
       "testdata/jalali2021/scenes/cable.toml --calculix build/ccx",
       [](const ExportOptions& c, VerbContext& context) { return run(c, context); });
 }

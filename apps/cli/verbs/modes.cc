@@ -7,6 +7,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "model/linear/modal_analysis.h"
+#include "model/scene/actual_state.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
@@ -138,12 +139,32 @@ Json modes_result(const model::Scene& scene, const ModesCommand& options, VerbCo
   if (!options.band.empty() && analysis.modes.empty()) {
     context.warn("empty_band", "no natural frequency lies in the band", options.scene);
   }
+  for (const auto& one : analysis.left_out) {
+    if (one.what.find("section inertia") == std::string::npos ||
+        !(one.relative_error > scene.accuracy)) {
+      continue;
+    }
+    context.warn("section_inertia",
+                 fmt::format("lower the highest frequencies of stocky beams by hand: {}, which the "
+                             "model leaves out, take up to about {:.2g} % off them (radius of "
+                             "gyration from EI / EA)",
+                             one.what, 100 * one.relative_error),
+                 options.scene);
+  }
   if (analysis.relative_error_estimate > scene.accuracy) {
     context.warn("segments_too_few",
                  fmt::format("the frequencies' relative error is about {:.2g}, more than the "
                              "scene's accuracy of {:.2g}: use more segments or \"auto\"",
                              analysis.relative_error_estimate, scene.accuracy),
                  options.scene);
+  }
+  if (const double strain = model::undecided_mass(scene)) {
+    context.warn(
+        "mass_of",
+        fmt::format("say mass_of = \"installed\" or \"unstretched\" of the cables: which one "
+                    "changes the mass by {:.2g} %, frequencies by half of that",
+                    100 * strain),
+        options.scene);
   }
   print(context.out, analysis, scene);
   if (context.plots) draw_modes(*context.plots, scene, analysis);

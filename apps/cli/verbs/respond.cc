@@ -10,6 +10,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "model/response/response.h"
+#include "model/scene/actual_state.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"
@@ -23,11 +24,8 @@ using model::ResponseSolver;
 const std::vector<std::pair<std::string, ResponseSolver>> kSolvers{
     {"auto", ResponseSolver::automatic},
     {"modal", ResponseSolver::modal},
-    {"large-motion", ResponseSolver::large_motion},
     {"explicit", ResponseSolver::explicit_motion},
-    {"implicit", ResponseSolver::implicit_motion},
-    {"cvode-adams", ResponseSolver::cvode_adams},
-    {"cvode-banded", ResponseSolver::cvode_banded},
+    {"stiff", ResponseSolver::stiff_motion},
 };
 
 std::optional<bool> forced(const std::string& word) {
@@ -100,61 +98,6 @@ std::string samples_csv(const model::Scene& scene, const model::ResponseResult& 
   return fmt::to_string(text);
 }
 
-std::string energy_csv(const model::ResponseResult& response) {
-  fmt::memory_buffer text;
-  auto out = std::back_inserter(text);
-  fmt::format_to(out, "time_s");
-  std::vector<std::string> names = response.members;
-  names.push_back("nodes");
-  for (const std::string& name : names) {
-    for (const char* kind : {"kinetic", "axial", "bending", "torsion", "gravity"}) {
-      fmt::format_to(out, ",{}", csv_cell(name + " " + kind + " (J)"));
-    }
-  }
-  fmt::format_to(out, ",supplied (J),dissipated (J)\n");
-  const auto write = [&](const model::Energy& e) {
-    fmt::format_to(out, ",{:.12g},{:.12g},{:.12g},{:.12g},{:.12g}", e.kinetic, e.axial, e.bending,
-                   e.torsion, e.gravity);
-  };
-  for (std::size_t i = 0; i < response.energy.time_s.size(); ++i) {
-    fmt::format_to(out, "{:.10g}", response.energy.time_s[i]);
-    for (const model::Energy& member : response.energy.account[i].members) write(member);
-    write(response.energy.account[i].nodes);
-    fmt::format_to(out, ",{:.12g},{:.12g}\n", response.energy.supplied[i],
-                   response.energy.dissipated[i]);
-  }
-  return fmt::to_string(text);
-}
-
-Json energy_json(const model::Energy& now, const model::Energy& start) {
-  return {{"kinetic", now.kinetic},
-          {"axial", now.axial - start.axial},
-          {"bending", now.bending - start.bending},
-          {"torsion", now.torsion - start.torsion},
-          {"gravity", now.gravity - start.gravity}};
-}
-
-/// At the start and at the end: changes against the start, J.
-Json account_json(const model::ResponseResult& response) {
-  const model::EnergyHistory& energy = response.energy;
-  if (energy.time_s.empty()) return nullptr;
-  const model::EnergyAccount &first = energy.account.front(), &last = energy.account.back();
-  Json members = Json::array();
-  for (std::size_t m = 0; m < response.members.size(); ++m) {
-    Json entry{{"member", response.members[m]}};
-    entry["change_J"] = energy_json(last.members[m], first.members[m]);
-    members.push_back(std::move(entry));
-  }
-  double largest = 0;
-  for (const auto& account : energy.account) largest = std::max(largest, account.sum().kinetic);
-  return {{"time_s", energy.time_s.back()},
-          {"members", std::move(members)},
-          {"nodes", {{"change_J", energy_json(last.nodes, first.nodes)}}},
-          {"largest_kinetic_J", largest},
-          {"supplied_J", energy.supplied.back()},
-          {"dissipated_J", energy.dissipated.back()}};
-}
-
 }  // namespace
 
 Json respond_result(const model::Scene& scene, const RespondCommand& options, VerbContext& context,
@@ -179,11 +122,10 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
   wanted.torsion = forced(options.torsion);
   wanted.axial = forced(options.axial);
   wanted.resolution_estimate = true;
-  // At the start, at the end and in between for the drift; over time only where it is written.
-  wanted.sampling.energy_samples = options.energy.empty() ? 20 : 200;
+  wanted.sampling.energy_samples = 20;  // for the drift
   if (options.segments > 0) wanted.segments = options.segments;
   if (options.step_s > 0) wanted.step_s = options.step_s;
-  wanted.relative_tolerance = options.tolerance;
+  if (options.tolerance > 0) wanted.relative_tolerance = options.tolerance;
   wanted.records.resize(scene.loads.size());
   for (std::size_t l = 0; l < scene.loads.size(); ++l) {
     if (scene.loads[l].kind != model::Load::Kind::record) continue;
@@ -207,9 +149,21 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
         fmt::format("{}: {}: {}", options.scene, name_of(response.solver), response.reason));
   }
 
-  if (!response.warning.empty()) {
-    context.warn("overdamped_joints_split", response.warning + " (--solver implicit)",
-                 options.scene);
+  if (const double strain = model::undecided_mass(scene)) {
+    context.warn(
+        "mass_of",
+        fmt::format("say mass_of = \"installed\" or \"unstretched\" of the cables: which one "
+                    "changes the mass by {:.2g} %, frequencies by half of that",
+                    100 * strain),
+        options.scene);
+  }
+  if (response.linear_error > 0) {
+    context.warn(
+        "motion_not_linear",
+        fmt::format("use --solver auto: the motion shifts frequencies by {:.2g} %, so that "
+                    "the linear response errs by about {:.2g} %",
+                    100 * response.frequency_shift, 100 * response.linear_error),
+        options.scene);
   }
 
   Json left_out = Json::array();
@@ -232,6 +186,7 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
          {"rms", std::sqrt(column.squaredNorm() / static_cast<double>(column.size()))}});
   }
   Json result{{"solver", name_of(response.solver)},
+              {"solver_reason", response.told},
               {"nonlinear", response.nonlinear},
               {"frequency_shift", response.frequency_shift},
               {"frequency_at_rest_hz", response.frequency_at_rest_hz},
@@ -240,7 +195,6 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
               {"step_s", response.step_s},
               {"wall_s", response.wall_s},
               {"energy_drift", response.energy_drift},
-              {"energy", account_json(response)},
               {"samples", response.samples.rows()},
               {"sample_rate_hz", response.rate_hz},
               {"sensors", std::move(sensors)},
@@ -267,11 +221,8 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
       "{}: {} Hz at rest, about {} Hz in motion (shift {:.2g}, accuracy asked {:.2g})\n",
       response.nonlinear ? "non-linear" : "linear", hz(response.frequency_at_rest_hz),
       hz(response.frequency_moving_hz), response.frequency_shift, scene.accuracy);
-  if (!response.energy.time_s.empty()) {
-    context.out << fmt::format("energy: supplied {:.4g} J, dissipated {:.4g} J, drift {:.2g}\n",
-                               response.energy.supplied.back(), response.energy.dissipated.back(),
-                               response.energy_drift);
-  }
+  context.out << fmt::format("energy drift {:.2g}\n", response.energy_drift);
+  if (!response.told.empty()) context.out << "stiff solver: " << response.told << '\n';
   for (const model::LeftOut& what : response.left_out) {
     context.out << fmt::format("left out: {}: about {:.2g} in {}\n", what.what, what.relative_error,
                                what.of);
@@ -281,11 +232,6 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
     context.write(options.out, samples_csv(scene, response));
     result["out"] = options.out;
     context.out << "response: " << options.out << '\n';
-  }
-  if (!options.energy.empty()) {
-    context.write(options.energy, energy_csv(response));
-    result["energy_out"] = options.energy;
-    context.out << "energy account: " << options.energy << '\n';
   }
   return result;
 }
@@ -302,9 +248,6 @@ describe::Options options_of(RespondCommand& c) {
           .writes()
           .required()
           .type("F.csv"),
-      option("--energy", c.energy, "CSV of the energy by member and kind over time")
-          .writes()
-          .type("F.csv"),
       option("--solver", c.solver,
              "auto: modal when the estimated frequency shift is within the scene's accuracy")
           .one_of(names),
@@ -316,9 +259,10 @@ describe::Options options_of(RespondCommand& c) {
           .one_of({"auto", "on", "off"}),
       option("--segments", c.segments, "Segments of every member, instead of the scene's")
           .within(2, 10000),
-      option("--step", c.step_s, "Largest step of the explicit and implicit solvers", "s")
-          .positive(),
-      option("--tolerance", c.tolerance, "Relative tolerance of the CVODE solvers")
+      option("--step", c.step_s, "Largest step of the explicit solver", "s").positive(),
+      option("--tolerance", c.tolerance,
+             "Relative tolerance of the stiff solver, instead of a thousandth of the scene's "
+             "accuracy")
           .within(1e-13, 1e-1)};
 }
 
@@ -327,7 +271,7 @@ Verb respond_verb() {
       "respond", "Time response of a scene at its sensors: linear or geometrically exact by need",
       "Example:\n"
       "  rigfit respond testdata/scenes/cable-release.toml --duration 10 --rate 2000 "
-      "--out response.csv --energy energy.csv",
+      "--out response.csv",
       [](const RespondCommand& c, VerbContext& context) {
         context.input(c.scene);
         model::ResponseResult response;

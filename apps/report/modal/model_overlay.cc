@@ -79,7 +79,7 @@ ModelCost response_cost(const std::string& what, const model::ResponseResult& re
   }
   cost.wall_s = result.wall_s;
   cost.relative_error = !result.nonlinear              ? result.frequency_shift
-                        : result.energy.time_s.empty() ? std::numeric_limits<double>::quiet_NaN()
+                        : !(result.energy.kinetic > 0) ? std::numeric_limits<double>::quiet_NaN()
                                                        : std::abs(result.energy_drift);
   return cost;
 }

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "apps/bench/exact_bending_ratio.h"
+#include "tests/reference/exact_bending_ratio.h"
 #include "ident/bending/bending_equation.h"
 #include "tests/bench/hard_cases/hard_case.h"
 

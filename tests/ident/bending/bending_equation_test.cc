@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "apps/bench/exact_bending_ratio.h"
+#include "tests/reference/exact_bending_ratio.h"
 
 namespace rigfit::ident::bending_equation_test {
 namespace {

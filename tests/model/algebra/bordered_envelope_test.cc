@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <random>
 
-#include "apps/bench/utility_line.h"
+#include "tests/reference/utility_line.h"
 #include "model/linear/modes.h"
 #include "tests/expect_matrix.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/bench/utility_line.h"
+#include "tests/reference/utility_line.h"
 #include "model/linear/modes.h"
 
 namespace rigfit::model::eigenpairs_test {

@@ -7,7 +7,6 @@
 #include <random>
 
 #include "model/linear/modal_analysis.h"
-#include "model/linear/mode_batch.h"
 #include "tests/model/test_scenes.h"
 #include "tests/reference/closed_forms.h"
 
@@ -173,40 +172,6 @@ TEST(ExtrapolatedModes, MeetAMillionth) {
   }
   EXPECT_TRUE(found.extrapolated);
   EXPECT_LE(found.equilibrium.members[0].segments, 100);
-}
-
-/// Every scene of a batch as by itself, most of them without an extrapolation of their own; one
-/// that cannot stand is said to be unsolved.
-TEST(ModeBatch, AgreesWithScenesOneByOne) {
-  std::vector<Scene> scenes;
-  for (int i = 0; i < 40; ++i) {
-    scenes.push_back(paper_cable(150 + 3 * i, 0.5 + 0.005 * ((7 * i) % 40), 0));
-  }
-  scenes[20].members[0].tension.reset();
-  scenes[20].members[0].unstretched_length = 2.4 * 40;
-  scenes[20].members[0].EI = {5e3, 5e3};
-  const bool stands = analyse_modes(scenes[20]).equilibrium.status == EquilibriumStatus::converged;
-  ModesOptions options;
-  const double accuracy = 1e-5;
-  const ModeBatch batch = batch_modes(scenes, options, accuracy);
-  EXPECT_LE(batch.relative_error_estimate, accuracy);
-  EXPECT_LE(batch.extrapolated, 1);
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    if (i == 20) {
-      EXPECT_EQ(batch.solved[i], stands);
-      continue;
-    }
-    ASSERT_TRUE(batch.solved[i]) << i;
-    if (i % 4 != 0) continue;
-    scenes[i].accuracy = 1e-8;
-    const ModalAnalysis alone = analyse_modes(scenes[i], options);
-    for (int k = 0; k < 6; ++k) {
-      EXPECT_NEAR(batch.frequency_hz(static_cast<Eigen::Index>(i), k) /
-                      alone.modes[static_cast<std::size_t>(k)].frequency_hz,
-                  1, accuracy)
-          << i << ' ' << k;
-    }
-  }
 }
 
 }  // namespace

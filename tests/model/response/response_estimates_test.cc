@@ -81,19 +81,6 @@ TEST(ResponseEstimates, SlowedAxialWaves) {
   EXPECT_LT(cost(chosen, "axial waves"), scene.accuracy / 3);
 }
 
-TEST(ResponseEstimates, StepsOfTheImplicitScheme) {
-  const Scene scene = released(10, 0.3, 0.5);
-  ResponseOptions options;
-  options.solver = ResponseSolver::implicit_motion;
-  options.step_s = 0.0005;
-  const ResponseResult coarse = respond(scene, options, 0.5, 2000);
-  options.solver = ResponseSolver::explicit_motion;
-  options.step_s.reset();
-  options.axial = true;
-  const ResponseResult fine = respond(scene, options, 0.5, 2000);
-  expect_honest(cost(coarse, "what happens within a step"), frequency_difference(coarse, fine));
-}
-
 TEST(ResponseEstimates, ChangeOfStiffnessWithMotion) {
   for (const double mass : {0.25, 0.5}) {
     const Scene scene = released(16, mass, 0.5);

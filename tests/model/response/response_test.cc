@@ -5,9 +5,7 @@
 #include <cmath>
 
 #include "model/linear/modes.h"
-#include "model/motion/cvode_response.h"
 #include "model/motion/explicit_motion.h"
-#include "model/motion/implicit_motion.h"
 #include "model/statics/loaded_state.h"
 #include "tests/expect_matrix.h"
 #include "tests/model/motion_scenes.h"
@@ -98,88 +96,46 @@ TEST(Response, SmallHitOutOfThePlaneIsLinear) {
     EXPECT_LT(result.frequency_shift, 1e-5);
     EXPECT_EQ(result.solver, ResponseSolver::modal);
   }
-  // Torsion and a node that turns: the implicit scheme, which takes them, agrees. Its steps of 20
-  // us slow waves of 1 kHz by (omega h)^2/12 = 1.3e-3.
-  ResponseOptions options;
-  options.sampling = {.duration_s = 0.1, .rate_hz = 1000, .energy_samples = 10};
-  options.solver = ResponseSolver::implicit_motion;
-  options.step_s = 2e-5;
-  const ResponseResult exact = simulate_response(scene, options);
-  ASSERT_TRUE(exact.completed) << exact.reason;
+  // Torsion and a node that turns: the stiff scheme, which takes them, agrees.
+  const ResponseResult exact = respond(scene, ResponseSolver::stiff_motion, 0.1, 1000, 1e-8);
   EXPECT_EQ(exact.motion, "space");
-  EXPECT_LT(relative_difference(out.samples, exact.samples, 0), 2e-2);
-  EXPECT_LT(exact.energy_drift, 1e-6);
+  EXPECT_LT(relative_difference(out.samples, exact.samples, 0), 1e-3);
+  EXPECT_LT(exact.energy_drift, 1e-4);
 }
 
-TEST(Response, ThreeIntegratorsAgreeOnTheRelease) {
+TEST(Response, BothSchemesAgreeOnTheRelease) {
   Scene scene = testing::released_cable(10);
   scene.sensors.push_back(testing::sensor("cable", 0.3, Sensor::Quantity::velocity));
-  const ResponseResult truth = respond(scene, ResponseSolver::explicit_motion, 0.3, 500);
-  const ResponseResult adams = respond(scene, ResponseSolver::cvode_adams, 0.3, 500, 1e-8);
-  const ResponseResult banded = respond(scene, ResponseSolver::cvode_banded, 0.3, 500, 1e-7);
-  EXPECT_LT(relative_difference(adams.samples, truth.samples, 0), 1e-4);
-  EXPECT_LT(relative_difference(adams.samples, truth.samples, 2), 1e-3);
-  EXPECT_LT(relative_difference(banded.samples, truth.samples, 0), 1e-4);
-  ResponseOptions options;
-  options.sampling = {.duration_s = 0.3, .rate_hz = 500, .energy_samples = 50};
-  options.solver = ResponseSolver::implicit_motion;
-  const auto implicit = [&](double step) {
-    options.step_s = step;
-    const ResponseResult result = simulate_response(scene, options);
-    EXPECT_TRUE(result.completed) << result.reason;
-    // Gauss's rule for the work of the forces: far below any of the schemes' other errors.
-    EXPECT_LT(result.energy_drift, 1e-6);
-    return relative_difference(result.samples, truth.samples, 0);
-  };
-  const double coarse = implicit(0.0004), fine = implicit(0.0002);
-  EXPECT_LT(fine, 1e-2);
-  EXPECT_GT(coarse / fine, 3.2);  // second order
-  EXPECT_LT(coarse / fine, 4.8);
+  const ResponseResult own = respond(scene, ResponseSolver::explicit_motion, 0.3, 500);
+  const ResponseResult stiff = respond(scene, ResponseSolver::stiff_motion, 0.3, 500, 1e-8);
+  EXPECT_LT(relative_difference(stiff.samples, own.samples, 0), 1e-4);
+  EXPECT_LT(relative_difference(stiff.samples, own.samples, 2), 1e-3);
 }
 
-TEST(Response, DampedReleaseAgreesBetweenIntegratorsAndItsAccountCloses) {
+TEST(Response, DampedReleaseAgreesBetweenSchemesAndItsBalanceCloses) {
   for (bool joints : {false, true}) {
     Scene scene = testing::released_cable(10);
     scene.sensors.push_back(testing::sensor("cable", 0.35, Sensor::Quantity::force));
-    if (joints) {
-      scene.members[0].damping = {.axial = 30, .bending = 0.05, .torsion = 0};
+    if (joints) {  // d omega / (2 EA) = 0.03 of the fastest waves, of bending 0.007
+      scene.members[0].damping = {.axial = 1, .bending = 5e-5, .torsion = 0};
     } else {
       scene.members[0].damping_ratio = 0.02;
     }
     const ResponseResult own = respond(scene, ResponseSolver::explicit_motion, 0.3, 500);
-    const ResponseResult adams = respond(scene, ResponseSolver::cvode_adams, 0.3, 500, 1e-8);
-    EXPECT_GT(own.energy.dissipated.back(), 0.01);
-    EXPECT_NEAR(own.energy.dissipated.back() / adams.energy.dissipated.back(), 1, 1e-2);
-    // What dampers take is counted in processed velocities, so the account closes as without them
+    const ResponseResult stiff = respond(scene, ResponseSolver::stiff_motion, 0.3, 500, 1e-8);
+    EXPECT_GT(own.energy.dissipated, joints ? 1e-5 : 0.01);
+    EXPECT_NEAR(own.energy.dissipated / stiff.energy.dissipated, 1, 1e-2);
+    // What dampers take is counted in processed velocities, so the balance closes as without them
     // (1e-8) but for the difference that stands for da/dq there: a thousandth (h times the rate of
     // turning) of (omega h)^2/6 < 1.7 of what the fastest waves lose, a few thousandths of all.
     EXPECT_LT(own.energy_drift, 1e-5);
     // Strang splitting over a sample's time: zeta (omega H)^2/24 of the fastest waves.
-    EXPECT_LT(relative_difference(own.samples, adams.samples, 0), 2e-3);
-    const ResponseResult banded = respond(scene, ResponseSolver::cvode_banded, 0.3, 500, 1e-7);
-    EXPECT_LT(relative_difference(banded.samples, adams.samples, 0), 1e-4);
-    EXPECT_LT(changes_apart(banded.samples, adams.samples, 2), 1e-3);
-    EXPECT_LT(changes_apart(own.samples, adams.samples, 2), 2e-2);
-    // The implicit scheme is of second order, joint dampers included.
-    ResponseOptions options;
-    options.sampling = {.duration_s = 0.3, .rate_hz = 500, .energy_samples = 50};
-    options.solver = ResponseSolver::implicit_motion;
-    double apart[2];
-    for (int k = 0; k < 2; ++k) {
-      options.step_s = k == 0 ? 0.0004 : 0.0002;
-      const ResponseResult implicit = simulate_response(scene, options);
-      ASSERT_TRUE(implicit.completed) << implicit.reason;
-      apart[k] = relative_difference(implicit.samples, adams.samples, 0);
-      EXPECT_LT(changes_apart(implicit.samples, adams.samples, 2), 0.2);
-      EXPECT_NEAR(implicit.energy.dissipated.back() / adams.energy.dissipated.back(), 1, 0.05);
-    }
-    EXPECT_LT(apart[1], 1e-2);
-    EXPECT_GT(apart[0] / apart[1], 3.2);
-    EXPECT_LT(apart[0] / apart[1], 4.8);
+    EXPECT_LT(relative_difference(own.samples, stiff.samples, 0), 2e-3);
+    EXPECT_LT(changes_apart(own.samples, stiff.samples, 2), 2e-2);
   }
 }
 
-TEST(Response, OverdampedJointsGoTheImplicitWay) {
+TEST(Response, OverdampedJointsGoTheStiffWay) {
   // The fastest waves' damping: d omega / (2 EA) = 0.8 and 80, of bending d omega / (2 EI) = 6.7.
   Scene scene = testing::released_cable(10);
   scene.sensors[1].quantity = Sensor::Quantity::force;
@@ -187,34 +143,43 @@ TEST(Response, OverdampedJointsGoTheImplicitWay) {
   options.sampling = {.duration_s = 0.2, .rate_hz = 1000, .energy_samples = 20};
   for (const double axial : {30.0, 3000.0}) {
     scene.members[0].damping = {.axial = axial, .bending = 0.05, .torsion = 0};
-    options.solver = ResponseSolver::cvode_banded;
-    options.relative_tolerance = 1e-9;
-    const ResponseResult truth = simulate_response(scene, options);
-    ASSERT_TRUE(truth.completed) << truth.reason;
+    const ResponseResult truth = respond(scene, ResponseSolver::stiff_motion, 0.2, 1000, 1e-9);
     options.solver = ResponseSolver::automatic;
     const ResponseResult own = simulate_response(scene, options);
     ASSERT_TRUE(own.completed) << own.reason;
-    EXPECT_EQ(own.solver, ResponseSolver::implicit_motion);
+    EXPECT_EQ(own.solver, ResponseSolver::stiff_motion);
+    EXPECT_NE(own.told.find("overdamp"), std::string::npos) << own.told;
     EXPECT_LT(relative_difference(own.samples, truth.samples, 0), 1e-4);
     EXPECT_LT(changes_apart(own.samples, truth.samples, 1), 1e-4);
-    EXPECT_LT(own.energy_drift, 1e-5);
-    EXPECT_EQ(own.warning, "");
-    // Forced to split them: an error far above what the right scheme has is told, with the remedy.
+    EXPECT_LT(own.energy_drift, 1e-4);
+    // The explicit scheme would split them off: it refuses, with the remedy.
     options.solver = ResponseSolver::explicit_motion;
     const ResponseResult split = simulate_response(scene, options);
-    ASSERT_TRUE(split.completed) << split.reason;
-    EXPECT_GT(relative_difference(split.samples, truth.samples, 0), 1e-4);
-    EXPECT_NE(split.warning.find("use the implicit solver"), std::string::npos) << split.warning;
+    EXPECT_TRUE(split.impossible);
+    EXPECT_NE(split.reason.find("use stiff"), std::string::npos) << split.reason;
   }
-  // d omega / (2 EA) = 0.03, of bending 0.007.
   scene.members[0].damping = {.axial = 1, .bending = 5e-5, .torsion = 0};
   options.solver = ResponseSolver::automatic;
   const ResponseResult mild = simulate_response(scene, options);
   EXPECT_EQ(mild.solver, ResponseSolver::explicit_motion);
-  EXPECT_EQ(mild.warning, "");
+  EXPECT_EQ(mild.told, "");
 }
 
-TEST(Response, DampedMotionNeedsNoAccount) {
+// A release forced to be linear runs out of phase with the motion: the estimate of that is within a
+// factor of three of what it is.
+TEST(Response, TellsWhatALinearAnswerToALargeMotionErrsBy) {
+  const Scene scene = testing::released_cable(10);
+  for (const double duration : {0.2, 0.5, 2.0}) {
+    const ResponseResult linear = respond(scene, ResponseSolver::modal, duration, 500);
+    const ResponseResult exact = respond(scene, ResponseSolver::explicit_motion, duration, 500);
+    const double error = relative_difference(linear.samples, exact.samples, 0);
+    EXPECT_GT(linear.linear_error, error / 3) << duration;
+    EXPECT_LT(linear.linear_error, 3 * error) << duration;
+    EXPECT_EQ(exact.linear_error, 0);
+  }
+}
+
+TEST(Response, DampedMotionNeedsNoBalance) {
   // What dampers take is only counted for an account: without one the run must not be taken for
   // unstable, and goes the same way but for rounding (a damper in two halves or in one).
   Scene scene = testing::released_cable(10);
@@ -233,7 +198,7 @@ TEST(Response, DampedMotionNeedsNoAccount) {
 
 TEST(Response, BeamThrownBeyondNinetyDegreesInSpace) {
   // A cantilever, vertical, hit so that its tip swings past the level of its foot: explicit in the
-  // plane, explicit in space and the implicit scheme, which works on other unknowns, agree.
+  // plane, explicit in space and the stiff scheme, which works on other unknowns, agree.
   Scene scene;
   scene.nodes = {testing::node("foot", {0, 0, 0}, Support::Kind::clamped),
                  testing::node("tip", {0, 0.75, 0})};
@@ -272,13 +237,12 @@ TEST(Response, BeamThrownBeyondNinetyDegreesInSpace) {
   ASSERT_TRUE(space.completed) << space.reason;
   EXPECT_EQ(space.motion, "space");
   EXPECT_LT(relative_difference(space.samples, plane.samples, 0), 1e-6);
-  options.solver = ResponseSolver::implicit_motion;
-  options.step_s = 0.0001;
-  const ResponseResult implicit = simulate_response(scene, options);
-  ASSERT_TRUE(implicit.completed) << implicit.reason;
-  // Second order: bending waves of 1 kHz have (omega h)^2/12 = 3e-2 but little energy.
-  EXPECT_LT(relative_difference(implicit.samples, plane.samples, 0), 1e-2);
-  EXPECT_LT(implicit.energy_drift, 1e-5);
+  options.solver = ResponseSolver::stiff_motion;
+  options.relative_tolerance = 1e-8;
+  const ResponseResult stiff = simulate_response(scene, options);
+  ASSERT_TRUE(stiff.completed) << stiff.reason;
+  EXPECT_LT(relative_difference(stiff.samples, plane.samples, 0), 1e-3);
+  EXPECT_LT(stiff.energy_drift, 1e-4);
 }
 
 TEST(Response, RecordWithoutItsHistoryIsRefused) {

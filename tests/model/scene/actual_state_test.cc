@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
@@ -90,6 +92,26 @@ TEST(ActualState, WhatChangesNothingOrLeavesNoTensionIsRefused) {
   scene.members[0].stretch = 0.002;
   scene.load_cell = {1.01, 0};
   expect_refused(scene, "none is given by its tension");
+}
+
+// A string whose mass is that of its length as it hangs: f = sqrt(T / m) / (2 L) of that m, at a
+// strain of 2 % where the unstretched length's would be 1 % off; the same by its stretch.
+TEST(ActualState, MassOfTheInstalledLength) {
+  Scene string = testing::paper_cable(2000, 0, 0);
+  string.gravity.setZero();
+  Member& cable = string.members[0];
+  cable.EA = 1e5;
+  EXPECT_NEAR(undecided_mass(string), 0.02, 1e-12);
+  cable.mass_of = Member::MassOf::installed;
+  EXPECT_EQ(undecided_mass(string), 0);
+  string.accuracy = 1e-7;
+  const double hz = std::sqrt(2000 / 0.16667) / (2 * 2.4);
+  EXPECT_NEAR(frequencies(string)[0] / hz, 1, 1e-6);
+  cable.tension.reset();
+  cable.stretch = 2.4 * 0.02 / 1.02;
+  EXPECT_NEAR(frequencies(string)[0] / hz, 1, 1e-6);
+  const Scene again = parse_scene(scene_text(string), "again.toml");
+  EXPECT_EQ(again.members[0].mass_of, Member::MassOf::installed);
 }
 
 }  // namespace

@@ -29,13 +29,11 @@ std::vector<std::vector<double>> columns(const std::string& csv, std::string* he
   return result;
 }
 
-TEST(Respond, ReleaseIsNonlinearAndItsEnergyAccountCloses) {
+TEST(Respond, ReleaseIsNonlinearAndItsEnergyBalanceCloses) {
   const TemporaryFolder folder;
   const std::string csv = (folder.path() / "y.csv").string();
-  const std::string energy = (folder.path() / "energy.csv").string();
-  const ProgramRun run =
-      run_program({"respond", kScenes + "cable-release.toml", "--duration", "0.5", "--rate", "2000",
-                   "--out", csv, "--energy", energy, "--json", "-"});
+  const ProgramRun run = run_program({"respond", kScenes + "cable-release.toml", "--duration",
+                                      "0.5", "--rate", "2000", "--out", csv, "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json document = parsed(run.out);
   EXPECT_EQ(document["command"], "respond");
@@ -47,7 +45,6 @@ TEST(Respond, ReleaseIsNonlinearAndItsEnergyAccountCloses) {
   EXPECT_GT(document["steps"].get<long>(), 1000);
   EXPECT_EQ(document["inputs"].size(), 1u);
   EXPECT_EQ(document["modelled"]["motion"], "plane");
-  EXPECT_GT(document["energy"]["dissipated_J"].get<double>(), 0);
 
   std::string header;
   const auto samples = columns(folder.read("y.csv"), &header);
@@ -55,20 +52,6 @@ TEST(Respond, ReleaseIsNonlinearAndItsEnergyAccountCloses) {
   ASSERT_EQ(samples.size(), 2u);
   ASSERT_EQ(samples[0].size(), 1001u);
   EXPECT_NEAR(samples[0][1000], 0.5, 1e-12);
-
-  // By kind and member, the sum of every row less what was dissipated is that of the first.
-  const auto account = columns(folder.read("energy.csv"), &header);
-  ASSERT_EQ(account.size(), 1u + 10u + 2u) << header;
-  double largest_kinetic = 0, worst = 0, first = 0;
-  for (std::size_t i = 0; i < account[0].size(); ++i) {
-    double sum = account[12][i] - account[11][i];
-    for (std::size_t k = 1; k <= 10; ++k) sum += account[k][i];
-    if (i == 0) first = sum;
-    worst = std::max(worst, std::abs(sum - first));
-    largest_kinetic = std::max(largest_kinetic, account[1][i]);
-  }
-  EXPECT_GT(largest_kinetic, 0.01);
-  EXPECT_LT(worst, 1e-4 * largest_kinetic);
 }
 
 TEST(Respond, SmallHitIsLinearAndAgreesWithTheExactEquations) {
@@ -119,9 +102,8 @@ TEST(Respond, SaysWhatItLeftOutAndWhatThatCosts) {
   const Json linear = respond(kScenes + "cable-release.toml", {"--solver", "modal"});
   EXPECT_TRUE(linear["nonlinear"].get<bool>());
   EXPECT_GT(cost(linear, "change of stiffness"), 0.01);
-  // The linear answer has its energy account too.
+  // The linear answer has its energy balance too.
   EXPECT_LT(linear["energy_drift"].get<double>(), 1e-6);
-  EXPECT_GT(linear["energy"]["dissipated_J"].get<double>(), 0);
   // Axial waves by need, in full, and slowed to one step a sample.
   const Json full = respond(kScenes + "cable-release.toml", {"--axial", "on"});
   const Json slowed = respond(kScenes + "cable-release.toml", {"--axial", "off"});
@@ -229,14 +211,12 @@ duration = 0.02
   }
   const std::string rig = folder.write("rig.toml", scene);
   std::vector<std::vector<double>> first;
-  for (const std::string solver :
-       {"explicit", "modal", "implicit", "cvode-adams", "cvode-banded"}) {
+  for (const std::string solver : {"explicit", "modal", "stiff"}) {
     SCOPED_TRACE(solver);
     std::vector<std::string> call{
         "respond", rig,        "--duration", "0.1",   "--rate",
         "1000",    "--solver", solver,       "--out", (folder.path() / "y.csv").string()};
-    if (solver == "implicit") call.insert(call.end(), {"--step", "1e-4"});
-    if (solver[0] == 'c') call.insert(call.end(), {"--tolerance", "1e-8"});
+    if (solver == "stiff") call.insert(call.end(), {"--tolerance", "1e-8"});
     const auto run = run_program(call);
     ASSERT_EQ(run.exit_code, 0) << run.err;
     std::string header;
@@ -251,11 +231,29 @@ duration = 0.02
         apart += std::pow(found[c][k] - first[c][k], 2);
         size += std::pow(first[c][k], 2);
       }
-      // The implicit scheme's frequency, (omega h)^2 / 12 off at the pulse's 50 Hz, over 0.1
-      // s: 2.6e-3.
       EXPECT_LT(std::sqrt(apart / size), solver == "modal" ? 0.01 : 3e-3) << c;
     }
     for (const double tension : found[4]) EXPECT_NEAR(tension, 200, 0.1);
+  }
+}
+
+// A release forced to be linear: the warning says by how much the response errs, the sound way
+// says nothing.
+TEST(Respond, WarnsOfALinearAnswerToALargeMotion) {
+  const TemporaryFolder folder;
+  for (const std::string solver : {"modal", "auto"}) {
+    const auto run = run_program({"respond", kScenes + "cable-release.toml", "--duration", "2",
+                                  "--rate", "500", "--solver", solver, "--out",
+                                  (folder.path() / "y.csv").string(), "--json", "-"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const Json document = parsed(run.out);
+    bool warned = false;
+    for (const auto& warning : document["warnings"]) {
+      if (warning["code"] != "motion_not_linear") continue;
+      warned = true;
+      EXPECT_NE(warning["message"].get<std::string>().find("errs by about"), std::string::npos);
+    }
+    EXPECT_EQ(warned, solver == "modal");
   }
 }
 

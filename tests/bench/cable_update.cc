@@ -1,4 +1,4 @@
-#include "apps/bench/cable_update.h"
+#include "tests/bench/cable_update.h"
 
 #include <fmt/format.h>
 
@@ -6,13 +6,14 @@
 #include <cmath>
 #include <utility>
 
-#include "apps/bench/bench_scenes.h"
+#include "apps/cli/assets.h"
+#include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
 
 model::Scene cable_at(double tension_N, int segments) {
-  model::Scene scene = bench_cable();
+  model::Scene scene = model::parse_scene(assets::new_cable_toml, "cable.toml");
   scene.members[0].segments = segments;
   model::set_parameter(scene, scene.members[0].name + ".tension", tension_N);
   return scene;
