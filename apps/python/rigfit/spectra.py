@@ -57,7 +57,7 @@ def frfs_of_arrays(frequency_hz, H, *, form, responses=None, inputs=None, cohere
         if coherence.min() < 0 or coherence.max() > 1:
             checks.fail("coherence", "must be between 0 and 1")
     options["averages"] = 0 if averages is None else checks.integer("averages", averages, 1, 1000000)
-    options["exponential_window"] = checks.number("exponential_window", exponential_window or 0, 0, 1e6)
+    options["exponential_window"] = checks.number("exponential_window", 0 if exponential_window is None else exponential_window, 0, 1e6)
     return _core.frfs_of_arrays(lines, H, coherence, options)
 
 
