@@ -22,7 +22,7 @@ model::Scene cable_at(double tension_N, int segments) {
 }  // namespace
 
 CableUpdate::CableUpdate(int fine_segments)
-    : fine_(fine_segments), EI_Nm2_(bench_cable().members[0].EI[0]) {
+    : fine_(fine_segments), EI_Nm2_(cable_at(200, fine_segments).members[0].EI[0]) {
   model::ModesOptions options;
   options.count = 14;
   options.shapes = options.error_estimate = false;
