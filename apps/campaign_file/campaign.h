@@ -10,6 +10,7 @@
 //     kind = "bending"   span (m), and a [test.table] with columns tension, EI, or recordings:
 //                        span_std (m), tension_zero_std (N), tension_calibration_std,
 //                        load_calibration_std, deflection_calibration_std (relative),
+//                        clamp_stiffness (N m/rad; 1 over the std of a clamp's flexibility),
 //                        channels = { tension, load, deflection } (default: as
 //                        `rigfit bending` finds them); a table may hold several tensions;
 //                        tension = 0: a beam without tension, by dead weights or a testing

@@ -211,6 +211,7 @@ void CampaignTestReader::read_bending(TomlTable& table, CampaignTest& test) {
   };
   test.span_std_m = std_of("span_std", "m");
   test.tension_zero_std_N = std_of("tension_zero_std", "N");
+  test.clamp_stiffness_Nm_rad = std_of("clamp_stiffness", "N m/rad");
   test.tension_calibration_std = std_of("tension_calibration_std", "");
   test.load_calibration_std = std_of("load_calibration_std", "");
   test.deflection_calibration_std = std_of("deflection_calibration_std", "");
@@ -231,7 +232,7 @@ void CampaignTestReader::read_axial(TomlTable& table, CampaignTest& test) {
   setup.mass_per_length_kg_m = {
       table.number_or("mass_per_length", Bound::not_negative, "kg/m", 0),
       table.number_or("mass_per_length_std", Bound::not_negative, "kg/m", 0)};
-  setup.length_std_m = table.number_or("length_std", Bound::not_negative, "m", 0);
+  setup.length_std_m = table.optional_number("length_std", Bound::not_negative, "m");
   setup.adapter_stiffness_N_m = {
       table.number_or("adapter_stiffness", Bound::not_negative, "N/m", 0),
       table.number_or("adapter_stiffness_std", Bound::not_negative, "N/m", 0)};

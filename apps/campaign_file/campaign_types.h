@@ -70,9 +70,10 @@ struct CampaignTest {
   std::string name;
   std::string title;
   Kind kind = Kind::modal;
-  double span_m = 0;              ///< bending
-  double span_std_m = 0;          ///< its standard uncertainty
-  double tension_zero_std_N = 0;  ///< bending: of the tension cell's zero
+  double span_m = 0;                  ///< bending
+  double span_std_m = 0;              ///< its standard uncertainty
+  double tension_zero_std_N = 0;      ///< bending: of the tension cell's zero
+  double clamp_stiffness_Nm_rad = 0;  ///< bending: 1 over the std of its flexibility; 0: rigid
   // Bending: relative standard uncertainties of calibration.
   double tension_calibration_std = 0, load_calibration_std = 0, deflection_calibration_std = 0;
   /// Bending: names of the channels; empty: as `rigfit bending` finds them.

@@ -55,7 +55,6 @@ constexpr std::array kNotes = std::to_array<std::string_view>({
     "time_rounded",
     "time_unit_overridden",
     "toe",
-    "top",
     "uff_remark",
     "uneven_noise",
     "universal_file",

@@ -77,7 +77,7 @@ std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& 
     case CampaignTest::Kind::bending:
       return bending_part(campaign, test);
     case CampaignTest::Kind::axial:
-      return axial_part(test, context.seed, context.threads);
+      return axial_part(test, context.threads);
     case CampaignTest::Kind::modal:
       return modal_test_part(campaign, test);
     case CampaignTest::Kind::tension:

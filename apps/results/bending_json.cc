@@ -35,8 +35,7 @@ Json analysis_json(const ident::BendingTestResult& result) {
          {"stiffness_N_m", json_estimate(stroke.stiffness_N_m.value, stroke.stiffness_N_m.std)},
          {"offset_N", stroke.offset_N},
          {"residual_rms_N", stroke.residual_rms_N},
-         {"curvature", stroke.curvature},
-         {"load_drops", stroke.load_drops}});
+         {"curvature", stroke.curvature}});
   }
   json["findings"] = Json::array();
   for (const auto& finding : result.findings) {

@@ -1,22 +1,23 @@
-// EA of a cable, and a compliance in series, from the frequencies at several lengths.
+// EA of a cable, and a compliance in series, from the frequencies at several lengths: one problem.
 //
-// At each length i the undamped frequency solves
-//   W M = K(W),   1/K = 1/km + q s + R,   R = (T + r) / (kc (1 - x^2 T r)),
-//   kc = EA_i / L_i,   x^2 = W m L_i / kc,   T = tan(x) / x,   r = kc (1 - q) s,   W = omega^2
-// (rod_stiffness.h; the rod's upper end rests on the part (1 - q) s of the compliance, which is the
-// frame's, the part q s lies below, where the adapter is; a frame that is told adds kc / kf to r).
-// Least squares by Ceres over
-//   ln EA, s and, as normal priors, M, m, km, kf, q, every L_i and, with scatter between lengths,
-//   ln EA_i = ln EA + u_i, var u_i = tau^2,
-// so that what all lengths share (mass, adapter) is shared. Where the unknown compliance lies is
-// not known: q is 1/2 with the standard deviation of a uniform distribution, 0.29; for s EA / L =
-// 0.1 it makes 0.4 % of EA. The records of one length enter as the mean of ln W, which is all that
-// records of equal variance say about it.
+// At length i the undamped frequency solves W M = K (rod_stiffness.h), where the compliance s that
+// is not told lies above the cable with its part 1 - q and below it with its part q. Least squares
+// by Ceres over ln EA and s; hung mass, mass per length, every length, adapter, frame, the sample
+// rate and q are parameters with a prior each, so that what all lengths share is shared. All are
+// functions of a standard normal: q is its distribution function (uniform between the cable's two
+// ends), masses and stiffnesses are exponential in it. s is free, or has a normal prior about zero.
+//
+// The residual of length i is the error of ln W over its standard deviation, to which `between_std`
+// adds a scatter of ln EA from length to length. The covariance is that of the whole problem; each
+// residual's share in the variance of ln EA is a row of the budget, and the change of ln EA by a
+// prior is the sensitivity. An input without a standard uncertainty enters with 1e-7 of its value.
 #pragma once
 
 #include <span>
 #include <string>
 #include <vector>
+
+#include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
 
@@ -29,33 +30,27 @@ struct AxialLengthData {
   double log_omega_squared_std = 0;  ///< of the mean
 };
 
-/// A share of the uncertainty of EA.
-struct AxialContribution {
-  std::string source;
+/// What an input does to ln EA.
+struct AxialShare {
+  std::string source, unit;
+  double value = 0, std = 0;  ///< of the input
+  double by_input = 0;  ///< d ln EA / d input (of all lengths together, where it is each one's)
   double variance = 0;  ///< of ln EA
 };
 
 struct AxialFit {
-  bool series = false;     ///< a compliance in series is fitted
-  double between_std = 0;  ///< tau, relative
   bool converged = false;  ///< false: nothing below holds
   double EA_N = 0;         ///< per unit strain, of the cable alone
   double EA_relative_std = 0;
-  double compliance_m_N = 0, compliance_std_m_N = 0;  ///< s
+  signal::Estimate compliance_m_N{0, 0};  ///< s
   double chi2 = 0;
-  int degrees = 0;              ///< lengths less free parameters
-  double log_likelihood = 0;    ///< of the frequencies, up to a constant that all fits share
-  double between_variance = 0;  ///< share of the variance of ln EA that tau makes
-  std::vector<AxialContribution> contributions;
+  int degrees = 0;                 ///< lengths less free parameters
+  double between_std = 0;          ///< relative
+  std::vector<AxialShare> shares;  ///< frequency, between lengths, then the inputs
 };
 
-/// One fit with tau given (relative to EA; 0: none). `start_EA_N` positive.
+/// `series`: with a compliance in series.
 [[nodiscard]] AxialFit fit_axial(std::span<const AxialLengthData> lengths, const AxialSetup& setup,
-                                 bool series, double between_std, double start_EA_N);
-
-/// The same with tau by Paule and Mandel: the least for which chi-squared is its expectation.
-/// `without`: the fit with tau 0.
-[[nodiscard]] AxialFit fit_axial_with_scatter(std::span<const AxialLengthData> lengths,
-                                              const AxialSetup& setup, const AxialFit& without);
+                                 bool series, double between_std = 0);
 
 }  // namespace rigfit::ident

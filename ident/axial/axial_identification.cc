@@ -5,63 +5,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <stdexcept>
 
-#include "ident/axial/axial_average.h"
-#include "ident/axial/axial_bound.h"
-#include "ident/axial/axial_judgement.h"
-#include "ident/axial/axial_monte_carlo.h"
+#include "ident/axial/axial_fit.h"
 #include "ident/axial/rod_stiffness.h"
-#include "ident/statistics/uncertainty.h"
+#include "ident/statistics/probability_text.h"
 #include "signal/estimation/groups.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-RodOnMass rod_of(const AxialSetup& setup, double omega_squared, double length) {
-  return {omega_squared,
-          setup.mass_kg.value,
-          setup.mass_per_length_kg_m.value,
-          length,
-          setup.adapter_stiffness_N_m.value,
-          setup.frame_stiffness_N_m.value};
-}
-
-double omega_squared(double damped_frequency_hz, double zeta) {
-  const double wd = 2 * std::numbers::pi * damped_frequency_hz;
-  return wd * wd / (1 - zeta * zeta);
-}
-
-// Variance of one record: what the repeats at one length show, which needs no trust in the fits and
-// is Student's; of few repeats, what the fits say where that is more.
-struct Repeatability {
-  double variance = 0;
-  double degrees = 0;  // 0: from the fits
-};
-
-Repeatability repeatability(const std::vector<std::vector<double>>& groups,
-                            const std::vector<double>& stated) {
-  double sum = 0, degrees = 0, mean_stated = 0;
-  for (const auto& group : groups) {
-    double mean = 0;
-    for (double x : group) mean += x / static_cast<double>(group.size());
-    for (double x : group) sum += (x - mean) * (x - mean);
-    degrees += static_cast<double>(group.size()) - 1;
-  }
-  for (double v : stated) mean_stated += v / static_cast<double>(stated.size());
-  constexpr double kEnough = 5;
-  const double seen = degrees > 0 ? sum / degrees : 0;
-  // Far below what the fits say are only repeats that are no repeats: copies, rounded values.
-  if (seen > mean_stated || (degrees >= kEnough && seen > 0.2 * mean_stated)) {
-    return {seen, degrees};
-  }
-  return {mean_stated, 0};
-}
+using signal::coverage_factor, signal::kNaN;
+constexpr double kLengthStd = 1e-3;   // m, stands for one that is not given; never shown as one
+constexpr double kDetermined = 0.25;  // relative std from which on the slope says nothing of EA
 
 void require(bool good, const std::string& what) {
   if (!good) throw std::invalid_argument("axial test: " + what);
@@ -69,21 +28,39 @@ void require(bool good, const std::string& what) {
 
 bool positive(double x) { return std::isfinite(x) && x > 0; }
 bool not_negative(double x) { return std::isfinite(x) && x >= 0; }
+bool not_negative(const signal::Estimate& x) {
+  return not_negative(x.value) && not_negative(x.std);
+}
+
+double omega_squared(const AxialDecay& d) {
+  const double wd = 2 * std::numbers::pi * d.damped_frequency_hz.value;
+  return wd * wd / (1 - d.damping_ratio.value * d.damping_ratio.value);
+}
+
+RodStiffness rod_of(const AxialSetup& setup, double omega_squared, double length) {
+  return rod_stiffness({omega_squared, setup.mass_kg.value, setup.mass_per_length_kg_m.value,
+                        length, setup.adapter_stiffness_N_m.value,
+                        setup.frame_stiffness_N_m.value});
+}
+
+double told_compliance(const AxialSetup& setup) {
+  double sum = 0;
+  for (double k : {setup.adapter_stiffness_N_m.value, setup.frame_stiffness_N_m.value}) {
+    sum += k > 0 ? 1 / k : 0;
+  }
+  return sum;
+}
 
 void check(std::span<const AxialDecay> decays, const AxialSetup& setup) {
   require(!decays.empty(), "no decays");
   require(positive(setup.mass_kg.value) && not_negative(setup.mass_kg.std),
           "the hung mass must be positive, its uncertainty not negative");
-  require(not_negative(setup.mass_per_length_kg_m.value) &&
-              not_negative(setup.mass_per_length_kg_m.std),
+  require(not_negative(setup.mass_per_length_kg_m),
           "the cable's mass per length must not be negative");
-  require(not_negative(setup.length_std_m), "the length's uncertainty must not be negative");
-  require(not_negative(setup.adapter_stiffness_N_m.value) &&
-              not_negative(setup.adapter_stiffness_N_m.std),
-          "the adapter's stiffness must not be negative (0: rigid)");
-  require(
-      not_negative(setup.frame_stiffness_N_m.value) && not_negative(setup.frame_stiffness_N_m.std),
-      "the frame's stiffness must not be negative (0: rigid)");
+  require(not_negative(setup.length_std_m.value_or(0)),
+          "the length's uncertainty must not be negative");
+  require(not_negative(setup.adapter_stiffness_N_m) && not_negative(setup.frame_stiffness_N_m),
+          "the stiffness of adapter and frame must not be negative (0: rigid)");
   require(not_negative(setup.series_compliance_std_m_N.value_or(0)),
           "the compliance's uncertainty must not be negative");
   require(not_negative(setup.catalogue_EA_N), "the catalogue's EA must not be negative");
@@ -91,303 +68,378 @@ void check(std::span<const AxialDecay> decays, const AxialSetup& setup) {
     require(positive(d.length_m), d.name + ": the length must be positive");
     require(positive(d.damped_frequency_hz.value) && not_negative(d.damped_frequency_hz.std),
             d.name + ": the frequency must be positive");
-    require(std::isfinite(d.damping_ratio.value) && std::abs(d.damping_ratio.value) < 1 &&
-                not_negative(d.damping_ratio.std),
+    require(std::abs(d.damping_ratio.value) < 1 && not_negative(d.damping_ratio.std),
             d.name + ": the damping ratio must lie below 1");
-    const double k =
-        setup.mass_kg.value * omega_squared(d.damped_frequency_hz.value, d.damping_ratio.value);
-    double told = 0;  // compliance
-    for (const auto& [what, stiffness] : {std::pair("adapter", setup.adapter_stiffness_N_m.value),
-                                          std::pair("frame", setup.frame_stiffness_N_m.value)}) {
-      require(stiffness == 0 || stiffness > k,
-              fmt::format("{}: the {} ({:.4g} N/m) is softer than cable and {} together "
-                          "({:.4g} N/m): check mass and {}",
-                          d.name, what, stiffness, what, k, what));
-      told += stiffness > 0 ? 1 / stiffness : 0;
-    }
-    require(told * k < 1, fmt::format("{}: adapter and frame are together softer ({:.4g} N/m) than "
-                                      "what was measured ({:.4g} N/m): check mass and both",
-                                      d.name, 1 / told, k));
+    const double k = setup.mass_kg.value * omega_squared(d);
+    require(told_compliance(setup) * k < 1,
+            fmt::format("{}: adapter and frame ({:.4g} N/m) are softer than the whole chain that "
+                        "was measured ({:.4g} N/m): check the mass and both stiffnesses",
+                        d.name, 1 / told_compliance(setup), k));
   }
 }
 
-// What the result is worked out from, kept for budget and Monte Carlo.
-struct Pieces {
-  std::vector<AxialLengthData> lengths;
-  std::vector<AxialCandidate> candidates;
-  double repeat_degrees = 0;
-  double zeta_share = 0;  // of the damping ratio in the variance of the records' ln omega^2
+// Variance of one record: what the repeats at one length show, which needs no trust in the fits and
+// is Student's; of few repeats, what the fits say where that is more. Far below what the fits say
+// are only repeats that are no repeats: copies, rounded values.
+struct Repeatability {
+  double variance = 0, degrees = 0;  // degrees 0: from the fits
 };
 
-// EA with other inputs: the candidates' average with the weights kept.
-double value_at(const Pieces& pieces, const AxialSetup& setup) {
-  double sum = 0;
-  for (const auto& c : pieces.candidates) {
-    const auto fit = fit_axial(pieces.lengths, setup, c.fit.series, c.fit.between_std, c.fit.EA_N);
-    sum += c.weight * (fit.converged ? fit.EA_N : kNan);
+Repeatability repeatability(const std::vector<std::vector<double>>& groups, double stated) {
+  double squares = 0, degrees = 0;
+  for (const auto& group : groups) {
+    double mean = 0;
+    for (double x : group) mean += x / static_cast<double>(group.size());
+    for (double x : group) squares += (x - mean) * (x - mean);
+    degrees += static_cast<double>(group.size()) - 1;
   }
-  return sum;
+  const double seen = degrees > 0 ? squares / degrees : 0;
+  if (seen > stated || (degrees >= 5 && seen > 0.2 * stated)) return {seen, degrees};
+  return {stated, 0};
 }
 
-double sensitivity(const Pieces& pieces, const AxialSetup& setup, signal::Estimate AxialSetup::*at,
-                   double step) {
-  AxialSetup up = setup, down = setup;
-  (up.*at).value += step, (down.*at).value -= step;
-  return (value_at(pieces, up) - value_at(pieces, down)) / (2 * step);
-}
+class Identification {
+ public:
+  Identification(const AxialSetup& setup, const AxialOptions& options)
+      : setup_(setup), length_std_(setup.length_std_m), options_(options) {
+    if (!length_std_) setup_.length_std_m = kLengthStd;  // for the weights
+  }
 
-double sensitivity_to_lengths(Pieces pieces, const AxialSetup& setup, double step) {
-  for (auto& one : pieces.lengths) one.length_m += step;
-  const double up = value_at(pieces, setup);
-  for (auto& one : pieces.lengths) one.length_m -= 2 * step;
-  return (up - value_at(pieces, setup)) / (2 * step);
-}
+  AxialTestResult run(std::span<const AxialDecay> decays) {
+    gather(decays);
+    fit();
+    damper();
+    judge();
+    return std::move(result_);
+  }
 
-// Rows of the inputs, of the average of the candidates; what they differ by is a row of its own.
-// All are brought to the standard uncertainty of the mixture.
-void budget_of(AxialTestResult& result, const AxialSetup& setup, const Pieces& pieces) {
-  std::map<std::string, double> variance;
-  double between_models = 0;
-  bool series = false;
-  for (const auto& c : pieces.candidates) {
-    for (const auto& part : c.fit.contributions) {
-      variance[part.source] += c.weight * part.variance * c.fit.EA_N * c.fit.EA_N;
+ private:
+  void note(const char* code, std::string message) {
+    result_.notes.push_back({code, std::move(message), ""});
+  }
+
+  void gather(std::span<const AxialDecay> decays) {
+    std::map<double, std::vector<std::size_t>> by_length;
+    double stated = 0, stated_zeta = 0;  // variances of ln omega^2 and of zeta, of one record
+    const double each = 1 / static_cast<double>(decays.size());
+    for (std::size_t i = 0; i < decays.size(); ++i) {
+      const auto& d = decays[i];
+      by_length[d.length_m].push_back(i);
+      const double zeta = d.damping_ratio.value;
+      const auto rod = rod_of(setup_, omega_squared(d), d.length_m);
+      const double std = 2 * std::hypot(d.damped_frequency_hz.std / d.damped_frequency_hz.value,
+                                        zeta / (1 - zeta * zeta) * d.damping_ratio.std);
+      const double EA = rod.cable_N_m * d.length_m;
+      result_.samples.push_back({d.name,
+                                 d.length_m,
+                                 rod.series_N_m,
+                                 rod.cable_N_m,
+                                 {EA, EA * rod.by_omega_squared * std},
+                                 d.damping_ratio,
+                                 damper_of(zeta, rod.series_N_m)});
+      stated += each * std * std;
+      stated_zeta += each * d.damping_ratio.std * d.damping_ratio.std;
     }
-    between_models += c.weight * std::pow(c.fit.EA_N - result.EA_N.value, 2);
-    series = series || c.fit.series;
-  }
-  double total = between_models;
-  for (const auto& [source, v] : variance) total += v;
-  const double scale = total > 0 ? result.EA_N.std * result.EA_N.std / total : 0;
-  const auto add = [&](const char* source, const char* unit, double value, double std, double by,
-                       double raw, char type, double degrees) {
-    BudgetRow row;
-    row.source = source, row.unit = unit, row.value = value, row.std = std;
-    row.sensitivity = by, row.contribution_N = std::sqrt(scale * raw);
-    row.share = total > 0 ? raw / total : 0;
-    row.type = type, row.degrees_of_freedom = degrees;
-    result.budget.push_back(row);
-  };
-  double f = 0;
-  for (const auto& one : pieces.lengths) {
-    f += std::exp(0.5 * one.log_omega_squared) / (2 * std::numbers::pi * pieces.lengths.size());
-  }
-  const double by_f = 2 * result.EA_N.value / f;
-  const double frequency = variance["frequency"] * (1 - pieces.zeta_share);
-  add("frequency", "Hz", f, std::sqrt(frequency) / by_f, by_f, frequency, 'A',
-      pieces.repeat_degrees);
-  const double zeta = result.damping_ratio.value;
-  const double by_zeta = result.EA_N.value * 2 * zeta / (1 - zeta * zeta);
-  const double of_zeta = variance["frequency"] * pieces.zeta_share;
-  add("damping ratio", "1", zeta, by_zeta != 0 ? std::sqrt(of_zeta) / std::abs(by_zeta) : 0,
-      by_zeta, of_zeta, 'A', pieces.repeat_degrees);
-  const auto input = [&](const char* source, const char* unit, signal::Estimate AxialSetup::*at,
-                         double step) {
-    add(source, unit, (setup.*at).value, (setup.*at).std,
-        step > 0 ? sensitivity(pieces, setup, at, step) : 0, variance[source], 'B', 0);
-  };
-  const double mass = setup.mass_kg.value;
-  input("hung mass", "kg", &AxialSetup::mass_kg, 1e-4 * mass);
-  input("cable mass per length", "kg/m", &AxialSetup::mass_per_length_kg_m,
-        1e-4 * std::max(setup.mass_per_length_kg_m.value, 1e-3 * mass));
-  add("length", "m", result.reference_length_m, setup.length_std_m,
-      sensitivity_to_lengths(pieces, setup, 1e-4 * result.lengths.front().length_m),
-      variance["length"], 'B', 0);
-  input("adapter stiffness", "N/m", &AxialSetup::adapter_stiffness_N_m,
-        1e-4 * setup.adapter_stiffness_N_m.value);
-  input("frame stiffness", "N/m", &AxialSetup::frame_stiffness_N_m,
-        1e-4 * setup.frame_stiffness_N_m.value);
-  if (series) {
-    if (setup.series_compliance_std_m_N) {
-      add("compliance in series", "m/N", 0, *setup.series_compliance_std_m_N,
-          std::sqrt(variance["compliance in series"]) / *setup.series_compliance_std_m_N,
-          variance["compliance in series"], 'B', 0);
+    std::vector<std::vector<double>> log_groups, zeta_groups;
+    for (const auto& [length, members] : by_length) {
+      log_groups.emplace_back(), zeta_groups.emplace_back();
+      for (std::size_t i : members) {
+        log_groups.back().push_back(std::log(omega_squared(decays[i])));
+        zeta_groups.back().push_back(decays[i].damping_ratio.value);
+      }
     }
-    const double v = variance["place of the compliance"];
-    add("place of the compliance", "1", 0.5, 0.5, 2 * std::sqrt(v), v, 'B', 0);
-    add("compliance or none", "N", kNan, std::sqrt(between_models), 1, between_models, 'B', 0);
+    const auto repeat = repeatability(log_groups, stated);
+    const auto repeat_zeta = repeatability(zeta_groups, stated_zeta);
+    repeat_degrees_ = repeat.degrees;
+    std::vector<double> zeta, zeta_variance;
+    for (std::size_t g = 0; g < log_groups.size(); ++g) {
+      const double count = static_cast<double>(log_groups[g].size());
+      const double length = std::next(by_length.begin(), static_cast<std::ptrdiff_t>(g))->first;
+      double mean_log = 0, mean_zeta = 0;
+      for (double x : log_groups[g]) mean_log += x / count;
+      for (double x : zeta_groups[g]) mean_zeta += x / count;
+      const double std = std::sqrt(repeat.variance / count);
+      lengths_.push_back({length, mean_log, std});
+      zeta.push_back(mean_zeta);
+      zeta_variance.push_back(std::max(repeat_zeta.variance / count, 1e-24));
+      const auto rod = rod_of(setup_, std::exp(mean_log), length);
+      const double EA = rod.cable_N_m * length;
+      const double of_length = (1 + rod.by_length) * length_std_.value_or(kNaN) / length;
+      result_.lengths.push_back({length,
+                                 static_cast<int>(log_groups[g].size()),
+                                 {EA, EA * std::hypot(rod.by_omega_squared * std, of_length)},
+                                 {mean_zeta, std::sqrt(repeat_zeta.variance / count)},
+                                 damper_of(mean_zeta, rod.series_N_m)});
+      result_.reference_length_m += length / static_cast<double>(log_groups.size());
+    }
+    const auto damping = signal::mean_over_groups(zeta, zeta_variance);
+    result_.damping_ratio = {damping.mean, std::sqrt(damping.variance)};
+    const double half =
+        result_.damping_ratio.std * coverage_factor(options_.coverage, damping.degrees > 0
+                                                                           ? damping.degrees
+                                                                           : repeat_zeta.degrees);
+    result_.damping_low = damping.mean - half, result_.damping_high = damping.mean + half;
   }
-  const auto& best = pieces.candidates.front().fit;
-  add("between lengths", "N", kNan, best.between_std * best.EA_N, 1, variance["between lengths"],
-      'A', std::max(1.0, static_cast<double>(best.degrees)));
-  std::stable_sort(result.budget.begin(), result.budget.end(),
-                   [](const BudgetRow& a, const BudgetRow& b) { return a.share > b.share; });
-}
 
-void alternatives_of(AxialTestResult& result, const Pieces& pieces, double coverage) {
-  for (const auto& c : pieces.candidates) {
-    AxialAlternative a;
-    a.name = c.fit.series ? "compliance in series" : "cable alone";
-    if (c.fit.between_std > 0) a.name += ", lengths scatter";
-    a.weight = c.weight;
-    a.EA_N = {c.fit.EA_N, c.fit.EA_N * c.fit.EA_relative_std};
-    AxialCandidate whole = c;
-    whole.weight = 1;
-    const std::span<const AxialCandidate> one(&whole, 1);
-    a.EA_low_N = axial_quantile(one, 0.5 - 0.5 * coverage);
-    a.EA_high_N = axial_quantile(one, 0.5 + 0.5 * coverage);
-    a.series_compliance_m_N = {c.fit.compliance_m_N, c.fit.compliance_std_m_N};
-    a.between_lengths_std_N = c.fit.between_std * c.fit.EA_N;
-    a.chi2 = c.fit.chi2, a.degrees_of_freedom = c.fit.degrees;
-    result.alternatives.push_back(a);
-    // Of either kind the heaviest: candidates are in the order of their weights.
-    if (!c.fit.series && !(result.plain_EA_N > 0)) result.plain_EA_N = c.fit.EA_N;
-    if (c.fit.series && !std::isfinite(result.EA_without_series_N)) {
-      result.EA_without_series_N = c.fit.EA_N;
-      result.series_compliance_m_N = a.series_compliance_m_N;
+  [[nodiscard]] double damper_of(double zeta, double k) const {
+    return 2 * zeta * std::sqrt(k * setup_.mass_kg.value);
+  }
+
+  void fit() {
+    const auto& known = setup_.series_compliance_std_m_N;
+    const bool told = setup_.frame_stated || (known && *known == 0);
+    bool series = known ? *known > 0 : !told && lengths_.size() > 1;
+    AxialFit best = fit_axial(lengths_, setup_, series);
+    const bool too_close =
+        series && !known && !(best.converged && best.EA_relative_std < kDetermined);
+    if (too_close) best = fit_axial(lengths_, setup_, series = false);
+    result_.conditional = too_close || (!known && !told && !series);
+    if (best.converged && best.degrees > 0 && !result_.conditional) {
+      result_.homogeneity_p = gsl_cdf_chisq_Q(best.chi2, best.degrees);
+      if (result_.homogeneity_p < 0.05) best = with_scatter(best, series);
+    }
+    require(best.converged, "no EA fits these frequencies: check mass and lengths");
+    const auto U = expanded(best, options_.coverage);
+    const double EA = best.EA_N;
+    result_.EA_N = {EA, EA * best.EA_relative_std};
+    result_.EA_low_N = EA / (1 + U);
+    result_.EA_high_N = U < 1 ? EA / (1 - U) : std::numeric_limits<double>::infinity();
+    result_.coverage_factor = U / best.EA_relative_std;
+    result_.between_lengths_std_N = EA * best.between_std;
+    result_.series_compliance_m_N = series ? best.compliance_m_N : signal::Estimate{};
+    budget(best);
+    if (lengths_.size() == 1) assembly();
+    if (!length_std_) {
+      result_.EA_N.std = result_.EA_low_N = result_.EA_high_N = result_.coverage_factor = kNaN;
+    }
+    if (result_.conditional) bound(EA / (1 + expanded(best, 2 * options_.coverage - 1)));
+  }
+
+  // The least scatter for which chi-squared is its expectation.
+  AxialFit with_scatter(const AxialFit& without, bool series) const {
+    double low = 0, high = 1e-4;
+    AxialFit fit = without;
+    const auto at = [&](double tau) { return fit_axial(lengths_, setup_, series, tau); };
+    for (int k = 0; k < 14 && (fit = at(high)).chi2 > fit.degrees; ++k) low = high, high *= 2;
+    for (int k = 0; k < 12; ++k) {  // to 1/4096 of it
+      const double middle = 0.5 * (low + high);
+      (at(middle).chi2 > fit.degrees ? low : high) = middle;
+    }
+    return at(high);
+  }
+
+  // Half the interval of ln EA.
+  [[nodiscard]] double expanded(const AxialFit& fit, double coverage) const {
+    double scattering = fit.shares[0].variance, degrees = repeat_degrees_;
+    if (fit.between_std > 0) {
+      scattering += fit.shares[1].variance, degrees = std::max(1, fit.degrees);
+    }
+    const double rest = fit.EA_relative_std * fit.EA_relative_std - scattering;
+    return std::hypot(coverage_factor(coverage, degrees) * std::sqrt(scattering),
+                      coverage_factor(coverage, 0) * std::sqrt(std::max(0.0, rest)));
+  }
+
+  void budget(const AxialFit& fit) {
+    const double total = fit.EA_relative_std * fit.EA_relative_std, EA = fit.EA_N;
+    for (auto share : fit.shares) {
+      const bool frequency = share.source == "frequency", scatter = share.unit == "N";
+      if (scatter && !(fit.between_std > 0)) continue;
+      if (frequency) {
+        for (const auto& one : lengths_) {
+          share.value += std::exp(0.5 * one.log_omega_squared) /
+                         (2 * std::numbers::pi * static_cast<double>(lengths_.size()));
+        }
+        share.by_input = 2 / share.value, share.std = std::sqrt(share.variance) / share.by_input;
+      }
+      BudgetRow row{share.source,
+                    share.unit,
+                    share.value,
+                    share.std,
+                    EA * share.by_input,
+                    EA * std::sqrt(share.variance),
+                    share.variance / total,
+                    0,
+                    'B'};
+      if (scatter) row.value = kNaN, row.std = EA * fit.between_std, row.sensitivity = 1;
+      if (frequency || scatter) {
+        row.type = 'A', row.degrees_of_freedom = frequency ? repeat_degrees_ : fit.degrees;
+      }
+      if (share.source == "length" && !length_std_) {
+        by_lengths_ = row.contribution_N, row.std = row.contribution_N = row.share = kNaN;
+      }
+      result_.budget.push_back(std::move(row));
+    }
+    std::stable_sort(result_.budget.begin(), result_.budget.end(),
+                     [](const BudgetRow& a, const BudgetRow& b) {
+                       return std::isfinite(b.share) && !(a.share <= b.share);
+                     });
+  }
+
+  // k = W (M + moving part of the cable's mass): a third under a rigid frame, all of it under a
+  // soft one, none above a soft adapter; rectangular where nothing is told.
+  void assembly() {
+    const auto& one = lengths_.front();
+    const double W = std::exp(one.log_omega_squared), third = one.length_m / 3;
+    const double k = rod_of(setup_, W, one.length_m).series_N_m;
+    const double place =
+        result_.conditional ? third * setup_.mass_per_length_kg_m.value / std::sqrt(3.0) : 0;
+    const double rate = 2 * k * setup_.rate_relative_std;
+    result_.assembly_stiffness_N_m = {
+        k, std::hypot(std::hypot(k * one.log_omega_squared_std, W * place, rate),
+                      W * setup_.mass_kg.std, W * third * setup_.mass_per_length_kg_m.std)};
+  }
+
+  void bound(double low) {
+    auto& r = result_;
+    r.EA_if_rigid_N = r.EA_N, r.EA_if_rigid_low_N = r.EA_low_N, r.EA_if_rigid_high_N = r.EA_high_N;
+    const double solid = setup_.mass_per_length_kg_m.value / options_.steel_density_kg_m3 *
+                         options_.solid_modulus_Pa;
+    const double most = std::max({solid, setup_.catalogue_EA_N, solid > 0 ? r.EA_N.value : 0});
+    const double own = r.EA_N.value * (r.EA_N.value / low - 1) / coverage_factor(0.9, 0);
+    r.EA_low_N = low;
+    r.EA_high_N = most > 0 ? most : std::numeric_limits<double>::infinity();
+    r.EA_N.std = (r.EA_high_N - low) / std::sqrt(12.0);
+    r.coverage_factor = std::sqrt(3.0);  // half the width over the std
+    if (!std::isfinite(r.EA_N.std)) return;
+    const double share = std::max(0.0, 1 - std::pow(own / r.EA_N.std, 2));
+    for (auto& row : r.budget) row.share *= 1 - share;
+    r.budget.insert(r.budget.begin(),
+                    {"what else gives way, not told", "N", kNaN, r.EA_N.std * std::sqrt(share), 1,
+                     r.EA_N.std * std::sqrt(share), share, 0, 'B'});
+  }
+
+  // c = 2 zeta sqrt(k M) at the mean length. The chain's stiffness is that measured: it goes with
+  // the mass, and so c is proportional to it. What the cable's part of it is known to adds nothing
+  // but is left in, as an upper limit.
+  void damper() {
+    const double own = result_.reference_length_m / result_.EA_N.value;
+    const double s = std::isfinite(result_.series_compliance_m_N.value)
+                         ? result_.series_compliance_m_N.value
+                         : 0;
+    const double k = 1 / std::max(own + told_compliance(setup_) + s, 0.1 * own);
+    const double zeta = result_.damping_ratio.value, c = damper_of(zeta, k);
+    const double by_EA = result_.conditional || !std::isfinite(result_.EA_N.std)
+                             ? 0
+                             : 0.5 * k * own * result_.EA_N.std / result_.EA_N.value;
+    result_.damping_Ns_m = {c, std::hypot(damper_of(1, k) * result_.damping_ratio.std, c * by_EA,
+                                          c * setup_.mass_kg.std / setup_.mass_kg.value)};
+  }
+
+  void judge() {
+    if (!length_std_) {
+      note("length_std",
+           fmt::format("Give the standard uncertainty of the lengths (--length-std): without it "
+                       "that of EA is not known; 1 mm of each length changes EA by {:.2g} N",
+                       by_lengths_));
+    }
+    judge_lengths();
+    judge_inputs();
+    judge_size();
+  }
+
+  void judge_lengths() {
+    const auto& r = result_;
+    if (r.conditional) {
+      const bool one = r.lengths.size() < 2;
+      note(one ? "one_length" : "lengths_too_close",
+           fmt::format("Test {}, or state the frame's stiffness (or that it is rigid): {} from {}, "
+                       "so that EA is known from below only, {:.4g} N or more; {:.2g} m/N of "
+                       "compliance elsewhere makes EA 10 % higher",
+                       one ? "a second length" : "lengths further apart",
+                       "grips, load cell, adapter and frame cannot be told",
+                       one ? "one length" : "lengths this close together", r.EA_low_N,
+                       0.1 / 1.1 * r.reference_length_m / r.EA_N.value));
+      return;
+    }
+    if (r.between_lengths_std_N > 0) {
+      note("lengths_disagree",
+           fmt::format("Measure the lengths and clamp them again: EA differs between lengths by "
+                       "more than their uncertainties ({}); a scatter of {:.2g} N between lengths "
+                       "is in the uncertainty",
+                       p_text(r.homogeneity_p), r.between_lengths_std_N));
+    }
+    const auto& s = r.series_compliance_m_N;
+    if (!(std::abs(s.value) > 2 * s.std) || r.lengths.size() < 2) return;
+    note("series_compliance",
+         s.value > 0
+             ? fmt::format("the lengths show a compliance in series of {:.2g} m/N (std {:.1g}): "
+                           "grips, load cell, adapter or frame give way. EA is the slope of 1/k "
+                           "over length, which leaves it out; it is {:.2g} % of the chain's",
+                           s.value, s.std,
+                           100 * s.value / (s.value + r.reference_length_m / r.EA_N.value))
+             : fmt::format("Check how the lengths are measured: stiffness falls faster with length "
+                           "than a cable's does (compliance in series {:.2g} m/N, std {:.1g}); a "
+                           "length added to all of them does not change EA",
+                           s.value, s.std));
+  }
+
+  void judge_inputs() {
+    if (setup_.mass_per_length_kg_m.value == 0) {
+      note("massless_cable",
+           "Give the mass per length (--mass-per-length): a third of the cable's mass is missing "
+           "from the oscillating mass, and EA comes out low by that share");
+    }
+    std::string exact;
+    for (const auto& row : result_.budget) {
+      if (row.type == 'A' || row.std != 0 || row.source == "sample rate") continue;
+      exact += fmt::format("{}{} ({:.2g} N for 0.1 %)", exact.empty() ? "" : ", ", row.source,
+                           std::abs(1e-3 * row.value * row.sensitivity));
+    }
+    if (exact.empty()) return;
+    note("exact_inputs",
+         "Give standard uncertainties of what is taken as exact (in brackets what it changes EA "
+         "by): " +
+             exact);
+  }
+
+  void judge_size() {
+    auto& r = result_;
+    r.catalogue_EA_N = setup_.catalogue_EA_N > 0
+                           ? setup_.catalogue_EA_N
+                           : setup_.mass_per_length_kg_m.value / options_.steel_density_kg_m3 *
+                                 options_.rope_modulus_Pa;
+    if (!(r.catalogue_EA_N > 0)) return;
+    r.share_of_catalogue = r.EA_N.value / r.catalogue_EA_N;
+    r.plausibility =
+        fmt::format("EA = {:.4g} kN is {:.0f} % of {:.4g} kN, {}", 1e-3 * r.EA_N.value,
+                    100 * r.share_of_catalogue, 1e-3 * r.catalogue_EA_N,
+                    setup_.catalogue_EA_N > 0
+                        ? "the catalogue's"
+                        : fmt::format("what {:.0f} GPa on the metal of this mass per length gives",
+                                      options_.rope_modulus_Pa / 1e9));
+    if (r.share_of_catalogue < 0.5) {
+      const double missing = r.reference_length_m * (1 / r.EA_N.value - 1 / r.catalogue_EA_N);
+      r.plausibility += fmt::format(
+          ": that is low: either the strand is nearly slack, or grips and frame add {:.2g} µm/N",
+          1e6 * missing);
+      const auto& s = r.series_compliance_m_N;
+      const double most = s.value + 2 * s.std;
+      if (std::isfinite(most) && most < missing) {
+        r.plausibility += fmt::format(" (the lengths allow {:.2g} µm/N beyond what is fitted)",
+                                      1e6 * std::max(0.0, 2 * s.std));
+      }
+      note("below_catalogue", r.plausibility);
+    } else if (r.share_of_catalogue > 1.3) {
+      r.plausibility +=
+          ": stiffer than a rope of that much steel; check mass, length and frequency";
+      note("above_catalogue", r.plausibility);
     }
   }
-}
 
-// EA with its interval, from the mixture of the candidates.
-void average(AxialTestResult& result, const AxialSetup& setup, const AxialOptions& options,
-             const Pieces& pieces) {
-  const auto& all = pieces.candidates;
-  result.EA_N.value = axial_quantile(all, 0.5);
-  const double one = 0.5 * std::erf(std::sqrt(0.5));
-  result.EA_N.std = 0.5 * (axial_quantile(all, 0.5 + one) - axial_quantile(all, 0.5 - one));
-  result.EA_low_N = axial_quantile(all, 0.5 - 0.5 * options.coverage);
-  result.EA_high_N = axial_quantile(all, 0.5 + 0.5 * options.coverage);
-  result.coverage_factor = result.EA_N.std > 0
-                               ? (result.EA_high_N - result.EA_low_N) / (2 * result.EA_N.std)
-                               : coverage_factor(options.coverage, 0);
-  result.degrees_of_freedom = all.front().degrees;
-  result.between_lengths_std_N = all.front().fit.between_std * all.front().fit.EA_N;
-  alternatives_of(result, pieces, options.coverage);
-  budget_of(result, setup, pieces);
-  if (options.draws <= 0) return;
-  const auto values = axial_monte_carlo(pieces.lengths, setup, all, pieces.repeat_degrees,
-                                        options.draws, options.seed);
-  if (values.size() < 100) return;
-  const auto at = [&](double p) {
-    const double n = static_cast<double>(values.size());
-    return values[static_cast<std::size_t>(std::clamp(p * n, 0.0, n - 1))];
-  };
-  result.draws = static_cast<int>(values.size());
-  result.monte_carlo_EA_N = {at(0.5), 0.5 * (at(0.5 + one) - at(0.5 - one))};
-  result.monte_carlo_low_N = at(0.5 - 0.5 * options.coverage);
-  result.monte_carlo_high_N = at(0.5 + 0.5 * options.coverage);
-}
-
-// c = 2 zeta sqrt(k M) at the mean length.
-void damper_of(AxialTestResult& result, const AxialSetup& setup) {
-  double s = 0;
-  for (const double told : {setup.adapter_stiffness_N_m.value, setup.frame_stiffness_N_m.value}) {
-    s += told > 0 ? 1 / told : 0;
-  }
-  for (const auto& a : result.alternatives) s += a.weight * a.series_compliance_m_N.value;
-  const double own = result.reference_length_m / result.EA_N.value;
-  const double k = 1 / std::max(own + s, 1e-6 * own);
-  const double zeta = result.damping_ratio.value;
-  const double by_zeta = 2 * std::sqrt(k * setup.mass_kg.value);
-  const double c = by_zeta * zeta;
-  // The chain's stiffness is that measured: it goes with the mass, and so c is proportional to it.
-  // What the cable's part of it is known to adds nothing but is left in, as an upper limit.
-  const double by_EA = 0.5 * c * k * own * result.EA_N.std / result.EA_N.value;
-  const double by_mass = c * setup.mass_kg.std / setup.mass_kg.value;
-  result.damping_Ns_m = {c, std::hypot(by_zeta * result.damping_ratio.std, by_EA, by_mass)};
-}
+  AxialSetup setup_;
+  std::optional<double> length_std_;  // as given
+  const AxialOptions& options_;
+  AxialTestResult result_;
+  std::vector<AxialLengthData> lengths_;
+  double repeat_degrees_ = 0, by_lengths_ = 0;
+};
 
 }  // namespace
 
-AxialTestResult axial_test(std::span<const AxialDecay> decays, const AxialSetup& setup,
-                           const AxialOptions& options) {
+AxialTestResult identify_axial(std::span<const AxialDecay> decays, const AxialSetup& setup,
+                               const AxialOptions& options) {
   check(decays, setup);
-  AxialTestResult result;
-  result.series_compliance_m_N = {kNan, kNan};
-  result.EA_without_series_N = kNan;
-  Pieces pieces;
-  std::map<double, std::vector<std::size_t>> by_length;
-  std::vector<double> stated_log, stated_zeta;  // variances of ln omega^2 and of zeta, each record
-  std::vector<double> log_omega2;
-  for (std::size_t i = 0; i < decays.size(); ++i) {
-    const auto& d = decays[i];
-    by_length[d.length_m].push_back(i);
-    const double zeta = d.damping_ratio.value;
-    const double W = omega_squared(d.damped_frequency_hz.value, zeta);
-    const auto s = rod_stiffness(rod_of(setup, W, d.length_m));
-    log_omega2.push_back(std::log(W));
-    const double by_f = 2 * d.damped_frequency_hz.std / d.damped_frequency_hz.value;
-    const double by_zeta = 2 * zeta / (1 - zeta * zeta) * d.damping_ratio.std;
-    stated_log.push_back(by_f * by_f + by_zeta * by_zeta);
-    stated_zeta.push_back(d.damping_ratio.std * d.damping_ratio.std);
-    if (stated_log.back() > 0) {
-      pieces.zeta_share +=
-          by_zeta * by_zeta / stated_log.back() / static_cast<double>(decays.size());
-    }
-    AxialSample sample;
-    sample.name = d.name, sample.length_m = d.length_m;
-    sample.stiffness_N_m = s.series_N_m, sample.cable_stiffness_N_m = s.cable_N_m;
-    const double EA = s.cable_N_m * d.length_m;
-    sample.EA_N = {EA, EA * s.by_omega_squared * std::sqrt(stated_log.back())};
-    sample.damping_ratio = d.damping_ratio;
-    sample.damping_Ns_m = 2 * zeta * std::sqrt(s.series_N_m * setup.mass_kg.value);
-    result.samples.push_back(std::move(sample));
-  }
-  std::vector<std::vector<double>> log_groups, zeta_groups;
-  for (const auto& [length, members] : by_length) {
-    log_groups.emplace_back(), zeta_groups.emplace_back();
-    for (std::size_t i : members) {
-      log_groups.back().push_back(log_omega2[i]);
-      zeta_groups.back().push_back(decays[i].damping_ratio.value);
-    }
-  }
-  const auto repeat = repeatability(log_groups, stated_log);
-  const auto repeat_zeta = repeatability(zeta_groups, stated_zeta);
-  pieces.repeat_degrees = repeat.degrees;
-
-  std::vector<double> EA, EA_variance, zeta, zeta_variance;
-  std::size_t g = 0;
-  for (const auto& [length, members] : by_length) {
-    const double count = static_cast<double>(members.size());
-    double mean_log = 0, mean_zeta = 0;
-    for (double x : log_groups[g]) mean_log += x / count;
-    for (double x : zeta_groups[g]) mean_zeta += x / count;
-    ++g;
-    const auto rod = rod_stiffness(rod_of(setup, std::exp(mean_log), length));
-    const double std = std::sqrt(repeat.variance / count);
-    AxialLength l;
-    l.length_m = length, l.records = static_cast<int>(members.size());
-    l.EA_N.value = rod.cable_N_m * length;
-    l.EA_N.std = l.EA_N.value * std::hypot(rod.by_omega_squared * std,
-                                           (1 + rod.by_length) * setup.length_std_m / length);
-    l.damping_ratio = {mean_zeta, std::sqrt(repeat_zeta.variance / count)};
-    l.damping_Ns_m = 2 * mean_zeta * std::sqrt(rod.series_N_m * setup.mass_kg.value);
-    pieces.lengths.push_back({length, mean_log, std});
-    EA.push_back(l.EA_N.value);
-    EA_variance.push_back(std::max(l.EA_N.std * l.EA_N.std, 1e-24 * l.EA_N.value * l.EA_N.value));
-    zeta.push_back(mean_zeta);
-    zeta_variance.push_back(std::max(repeat_zeta.variance / count, 1e-24));
-    result.lengths.push_back(l);
-    result.reference_length_m += length / static_cast<double>(by_length.size());
-  }
-  result.cochran_Q = signal::mean_over_groups(EA, EA_variance).cochran_Q;
-  if (EA.size() > 1) {
-    result.homogeneity_p = gsl_cdf_chisq_Q(result.cochran_Q, static_cast<double>(EA.size()) - 1);
-  }
-  const auto damping = signal::mean_over_groups(zeta, zeta_variance);
-  result.damping_ratio = {damping.mean, std::sqrt(damping.variance)};
-  const double zeta_degrees = damping.degrees > 0 ? damping.degrees : repeat_zeta.degrees;
-  const double zeta_factor = coverage_factor(options.coverage, zeta_degrees);
-  result.damping_low = damping.mean - zeta_factor * result.damping_ratio.std;
-  result.damping_high = damping.mean + zeta_factor * result.damping_ratio.std;
-
-  bool too_close = false;
-  pieces.candidates =
-      axial_candidates(pieces.lengths, setup, pieces.repeat_degrees, options.coverage, too_close);
-  require(!pieces.candidates.empty(), "no EA fits these frequencies: check mass and lengths");
-  result.conditional = !setup.series_compliance_std_m_N && !setup.frame_stated &&
-                       (result.lengths.size() < 2 || too_close);
-  average(result, setup, options, pieces);
-  damper_of(result, setup);
-  if (pieces.lengths.size() == 1) {
-    result.assembly_stiffness_N_m = assembly_stiffness(pieces.lengths.front(), setup);
-  }
-  if (result.conditional) {
-    bound_axial(axial_quantile(pieces.candidates, 1 - options.coverage), setup, options, result);
-  }
-  judge_axial(result, setup, options);
-  return result;
+  return Identification(setup, options).run(decays);
 }
 
 }  // namespace rigfit::ident

@@ -1,9 +1,7 @@
 // Decays of a hanging mass, what is asked of them and what they give (axial_identification.h).
 #pragma once
 
-#include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -23,8 +21,9 @@ struct AxialSetup {
   signal::Estimate mass_kg{0, 0};               ///< hung, adapter and clamp included; one for all
   signal::Estimate mass_per_length_kg_m{0, 0};  ///< of cable; 0: massless
   /// Standard uncertainty of a length, m; independent from length to length (cut and measured
-  /// anew).
-  double length_std_m = 0;
+  /// anew). Not given: the uncertainty of EA is not known.
+  std::optional<double> length_std_m;
+  double rate_relative_std = 0;                  ///< of the sample rate, common to all frequencies
   signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series, below; 0: rigid
   signal::Estimate frame_stiffness_N_m{0, 0};    ///< in series, above; 0: rigid
   /// The frame is what is stated above, or rigid: one length then gives EA. Several lengths test
@@ -44,8 +43,6 @@ struct AxialOptions {
   /// Of solid steel: no steel cable is stiffer for its mass, and no aluminium one.
   double solid_modulus_Pa = 210e9;
   double coverage = 0.95;
-  int draws = 20000;  ///< of the Monte Carlo; 0: none
-  std::uint64_t seed = 1;
 };
 
 struct AxialSample {
@@ -66,18 +63,6 @@ struct AxialLength {
   double damping_Ns_m = 0;
 };
 
-/// A way to explain the lengths, and its share in the answer.
-struct AxialAlternative {
-  std::string name;  ///< "cable alone", "compliance in series", each also with ", lengths scatter"
-  double weight = 0;
-  signal::Estimate EA_N;
-  double EA_low_N = 0, EA_high_N = 0;
-  signal::Estimate series_compliance_m_N{0, 0};
-  double between_lengths_std_N = 0;
-  double chi2 = 0;
-  int degrees_of_freedom = 0;
-};
-
 struct BudgetRow {
   std::string source;
   std::string unit;
@@ -90,20 +75,21 @@ struct BudgetRow {
 };
 
 struct AxialTestResult {
+  /// std and interval NaN where the lengths' uncertainty is not given.
   signal::Estimate EA_N;
   /// `coverage` interval; of a bound (`conditional`) the high end is infinite where no mass per
   /// length says what solid metal has, and the std of EA is then infinite too.
   double EA_low_N = 0, EA_high_N = 0;
-  double coverage_factor = 0;     ///< half the interval over the standard uncertainty
-  double degrees_of_freedom = 0;  ///< effective (Welch and Satterthwaite); 0: normal
+  double coverage_factor = 0;  ///< half the interval over the standard uncertainty
   /// The lengths cannot tell what else gives way: `EA_N` is the value if nothing does, the least
-  /// that EA can be; its std and interval are those of a bound (axial_bound.h).
+  /// that EA can be; its std and interval are those of a bound.
   bool conditional = false;
   signal::Estimate EA_if_rigid_N;  ///< where `conditional`: if nothing else gives way
   double EA_if_rigid_low_N = 0, EA_if_rigid_high_N = 0;
   /// Static stiffness of the whole chain (cable, adapter, frame) at the one length; 0 for several.
   signal::Estimate assembly_stiffness_N_m;
-  std::vector<AxialAlternative> alternatives;  ///< heaviest first; weights sum to 1
+  /// Compliance in series that the lengths show, beside what is told; NaN: none is fitted.
+  signal::Estimate series_compliance_m_N;
   signal::Estimate damping_ratio;
   double damping_low = 0, damping_high = 0;
   signal::Estimate damping_Ns_m;  ///< at `reference_length_m`
@@ -112,23 +98,13 @@ struct AxialTestResult {
   std::vector<AxialLength> lengths;
   std::vector<BudgetRow> budget;  ///< of EA, largest first
 
-  double between_lengths_std_N = 0;  ///< tau, of the heaviest alternative
-  double cochran_Q = 0;
-  /// Chance of such disagreement when EA is the same and the cable alone gives way; 1 for one
-  /// length.
+  /// Chance that lengths of one EA disagree as these do; 1 where they are too few to tell.
   double homogeneity_p = 1;
+  double between_lengths_std_N = 0;  ///< scatter of EA between lengths; 0: they agree (5 %)
 
-  int draws = 0;
-  signal::Estimate monte_carlo_EA_N;  ///< median, half the middle 68.27 %
-  double monte_carlo_low_N = 0, monte_carlo_high_N = 0;
-
-  /// Compliance in series that the lengths show: 1/kc = L / EA + s. NaN under two lengths.
-  signal::Estimate series_compliance_m_N;
-  double EA_without_series_N = 0;  ///< EA of that line; NaN under two lengths
-  double plain_EA_N = 0;           ///< EA when the cable alone gives way
-  double catalogue_EA_N = 0;       ///< given or from the mass per length; 0: neither
-  double share_of_catalogue = 0;   ///< EA over it
-  std::string plausibility;        ///< a sentence, empty without a catalogue value
+  double catalogue_EA_N = 0;      ///< given or from the mass per length; 0: neither
+  double share_of_catalogue = 0;  ///< EA over it
+  std::string plausibility;       ///< a sentence, empty without a catalogue value
   std::vector<signal::Note> notes;
 };
 
@@ -146,22 +122,6 @@ struct Described<ident::AxialLength> {
       field("EA_N", &T::EA_N, "N", "EA", "repeats and this length's own uncertainty"),
       field("damping_ratio", &T::damping_ratio, "%", "damping ratio", "mean of the records"),
       field("damping_Ns_m", &T::damping_Ns_m, "N s/m", "damper", "equivalent viscous damper")};
-};
-
-template <>
-struct Described<ident::AxialAlternative> {
-  using T = ident::AxialAlternative;
-  static constexpr std::string_view title = "what may give way, weighed by likelihood";
-  static constexpr auto fields = std::tuple{
-      field("name", &T::name, "", "what gives way", "cable alone or a compliance in series"),
-      field("weight", &T::weight, "%", "weight", "share in the answer", 2),
-      field("EA_N", bounded(&T::EA_N, &T::EA_low_N, &T::EA_high_N), "N", "EA", "if so"),
-      field("series_compliance_m_N", &T::series_compliance_m_N, "m/N", "compliance",
-            "in series with the cable"),
-      field("between_lengths_std_N", &T::between_lengths_std_N, "N", "",
-            "scatter of EA between lengths beyond their own uncertainty"),
-      field("chi2", &T::chi2, "", "", "misfit"),
-      field("degrees_of_freedom", &T::degrees_of_freedom, "", "", "of the misfit")};
 };
 
 template <>
@@ -214,21 +174,15 @@ struct Described<ident::AxialTestResult> {
             "EA against what its mass per length allows, in a sentence"),
       field("lengths", &T::lengths, "", "lengths", "what each length says"),
       field("p_same_EA", &T::homogeneity_p, "", "p that lengths have one EA",
-            "chance of such a disagreement of the lengths with the cable alone giving way", 2),
-      field("alternatives", &T::alternatives, "", "alternatives", "heaviest first"),
+            "chance of such a disagreement; 1: too few lengths to tell", 2),
       field("budget", &T::budget, "", "budget", "contributions to the std of EA, largest first"),
       field("coverage_factor_95", &T::coverage_factor, "", "", "half the interval over the std"),
       field("between_lengths_std_N", &T::between_lengths_std_N, "N", "",
-            "scatter of EA between lengths, of the heaviest alternative"),
-      field("cochran_Q", &T::cochran_Q, "", "", "disagreement of the lengths"),
-      field("monte_carlo_EA_N",
-            where([](const T& r) { return r.draws > 0; },
-                  bounded(&T::monte_carlo_EA_N, &T::monte_carlo_low_N, &T::monte_carlo_high_N)),
-            "N", "EA by Monte Carlo", "closed forms, for comparison (JCGM 101)"),
-      field("draws", &T::draws, "", "", "of the Monte Carlo"),
-      field("series_compliance_m_N", &T::series_compliance_m_N, "m/N", "",
-            "in series, as the lengths show it: 1/kc = L/EA + s"),
-      field("EA_without_series_N", &T::EA_without_series_N, "N", "", "EA of that line"),
+            "scatter of EA between lengths beyond their own uncertainty"),
+      field("series_compliance_m_N",
+            where([](const T& r) { return r.series_compliance_m_N.std > 0; },
+                  &T::series_compliance_m_N),
+            "m/N", "compliance in series", "as the lengths show it: 1/kc = L/EA + s"),
       field("catalogue_EA_N", &T::catalogue_EA_N, "N", "",
             "given or from the mass per length; 0: neither"),
       field("share_of_catalogue", &T::share_of_catalogue, "%", "", "EA over it")};

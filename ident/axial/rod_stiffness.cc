@@ -1,114 +1,69 @@
 #include "ident/axial/rod_stiffness.h"
 
-#include <cmath>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_roots.h>
+
+#include <algorithm>
 #include <limits>
+#include <memory>
 #include <numbers>
 
 namespace rigfit::ident {
 namespace {
 
-// x in (0, pi/2) of x tan x = y: Newton on x sin x - y cos x, which rises there, kept in a bracket.
-double argument_of(double y) {
-  double low = 0, high = 0.5 * std::numbers::pi;
-  double x = std::sqrt(y / (1 + 4 * y / (std::numbers::pi * std::numbers::pi)));
-  for (int i = 0; i < 100; ++i) {
-    const double s = std::sin(x), c = std::cos(x);
-    const double value = x * s - y * c;
-    (value < 0 ? low : high) = x;
-    double next = x - value / (s + x * c + y * s);
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - x) <= 1e-16 * x) return next;
-    x = next;
-  }
-  return x;
-}
+struct Equation {
+  double seen = 0;     // what the rod and the frame have together, N/m
+  double inertia = 0;  // W m L
+  double above = 0;    // compliance of the frame
 
-// ln(omega^2 M / K(omega)) of a rod of stiffness kc: rises with omega, falls with kc.
-double misfit(double kc, const RodOnMass& rod) {
-  const double q = rod.omega_squared * rod.mass_per_length_kg_m * rod.length_m / kc;
-  const double x = std::sqrt(q);
-  const double t = q < 1e-4 ? 1 + q / 3 + q * q * (2.0 / 15) : std::tan(x) / x;
-  const double r = kc / rod.frame_N_m;
-  double compliance = (t + r) / (kc * (1 - q * t * r));
-  if (rod.adapter_N_m > 0) compliance += 1 / rod.adapter_N_m;
-  return std::log(rod.omega_squared * rod.mass_kg * compliance);
-}
+  // The frequency equation times kc x cos x: smooth, and rising through its largest root.
+  [[nodiscard]] double operator()(double kc) const {
+    const double x = std::sqrt(inertia / kc), r = kc * above;
+    const double sinc = x > 0 ? std::sin(x) / x : 1;
+    return kc * (std::cos(x) - x * r * std::sin(x)) - seen * (sinc + r * std::cos(x));
+  }
+};
 
-// Under a frame of finite stiffness, below the frequency at which the rod alone swings under it.
-RodStiffness under_frame(const RodOnMass& rod) {
-  RodStiffness result;
-  RodOnMass without = rod;
-  without.frame_N_m = 0;
-  const double least = rod_stiffness(without).cable_N_m;
-  const double seen = rod.omega_squared * rod.mass_kg;
-  double rest = 1 / seen - 1 / rod.frame_N_m;
-  if (rod.adapter_N_m > 0) rest -= 1 / rod.adapter_N_m;
-  if (!(rest > 0) || !(least > 0)) {
-    result.cable_N_m = result.series_N_m = std::numeric_limits<double>::quiet_NaN();
-    return result;
-  }
-  // The frame only makes the cable stiffer; doubled until the model is stiffer than what was seen.
-  double low = std::log(least), high = low;
-  for (int i = 0; i < 60 && !(misfit(std::exp(high), rod) < 0); ++i) high += 0.7;
-  for (int i = 0; i < 100 && high - low > 1e-16; ++i) {
-    const double middle = 0.5 * (low + high);
-    const double value = misfit(std::exp(middle), rod);
-    (value < 0 ? high : low) = middle;  // NaN and beyond the pole of the rod: softer still
-    if (!std::isfinite(value)) low = middle;
-  }
-  result.cable_N_m = std::exp(0.5 * (low + high));
-  const auto slope = [&](double RodOnMass::*input) {  // of the misfit, by ln of the input
-    constexpr double h = 1e-5;
-    RodOnMass up = rod, down = rod;
-    up.*input *= 1 + h, down.*input *= 1 - h;
-    return (misfit(result.cable_N_m, up) - misfit(result.cable_N_m, down)) / (2 * h);
-  };
-  constexpr double h = 1e-5;
-  const double by_kc =
-      (misfit(result.cable_N_m * (1 + h), rod) - misfit(result.cable_N_m * (1 - h), rod)) / (2 * h);
-  result.by_omega_squared = -slope(&RodOnMass::omega_squared) / by_kc;
-  result.by_mass = -slope(&RodOnMass::mass_kg) / by_kc;
-  result.by_mass_per_length = -slope(&RodOnMass::mass_per_length_kg_m) / by_kc;
-  result.by_length = -slope(&RodOnMass::length_m) / by_kc;
-  result.by_adapter = rod.adapter_N_m > 0 ? -slope(&RodOnMass::adapter_N_m) / by_kc : 0;
-  double compliance = 1 / result.cable_N_m + 1 / rod.frame_N_m;
-  if (rod.adapter_N_m > 0) compliance += 1 / rod.adapter_N_m;
-  result.series_N_m = 1 / compliance;
-  return result;
+double told(double stiffness) { return stiffness > 0 ? 1 / stiffness : 0; }
+
+Equation equation_of(const RodOnMass& rod, double ln_W = 0, double ln_length = 0) {
+  const double W = rod.omega_squared * std::exp(ln_W);
+  return {1 / (1 / (W * rod.mass_kg) - told(rod.adapter_N_m)),
+          W * rod.mass_per_length_kg_m * rod.length_m * std::exp(ln_length), told(rod.frame_N_m)};
 }
 
 }  // namespace
 
 RodStiffness rod_stiffness(const RodOnMass& rod) {
-  if (rod.frame_N_m > 0) return under_frame(rod);
   RodStiffness result;
-  const double seen = rod.omega_squared * rod.mass_kg;
-  const bool adapter = rod.adapter_N_m > 0;
-  const double rod_seen = adapter ? 1 / (1 / seen - 1 / rod.adapter_N_m) : seen;
-  const double inertia = rod.omega_squared * rod.mass_per_length_kg_m * rod.length_m;
-  if (!(rod_seen > 0) || !(inertia >= 0)) {
+  const Equation equation = equation_of(rod);
+  // At x = pi / 2 the equation is negative, and so it is far below what a massless rod would have.
+  double low =
+      std::max(1e-3 * equation.seen, 4 * equation.inertia / (std::numbers::pi * std::numbers::pi));
+  double high = low;
+  for (int i = 0; i < 200 && !(equation(high) > 0); ++i) high *= 2;
+  if (!(equation.seen > 0) || !(equation.inertia >= 0) || !(equation(high) > 0)) {
     result.cable_N_m = result.series_N_m = std::numeric_limits<double>::quiet_NaN();
     return result;
   }
-  const double y = inertia / rod_seen;
-  double by_rod = 1, by_inertia = 0;  // d ln kc / d ln of each
-  if (y < 1e-4) {                     // series of x tan x = y; its next term is below 1e-15
-    result.cable_N_m = rod_seen * (1 + y / 3 + y * y / 45);
-    by_inertia = (y / 3 + 2 * y * y / 45) / (1 + y / 3 + y * y / 45);
-    by_rod = 1 - by_inertia;
-  } else {
-    const double x = argument_of(y);
-    result.cable_N_m = inertia / (x * x);
-    const double half = 0.5 * std::sin(2 * x);
-    by_rod = 2 * half / (x + half);
-    by_inertia = (x - half) / (x + half);
+  gsl_function function{[](double kc, void* of) { return (*static_cast<const Equation*>(of))(kc); },
+                        const_cast<Equation*>(&equation)};
+  const std::unique_ptr<gsl_root_fsolver, void (*)(gsl_root_fsolver*)> brent(
+      gsl_root_fsolver_alloc(gsl_root_fsolver_brent), gsl_root_fsolver_free);
+  gsl_root_fsolver_set(brent.get(), &function, low, high);
+  for (int i = 0; i < 200; ++i) {
+    if (gsl_root_fsolver_iterate(brent.get()) != GSL_SUCCESS) break;
+    const double a = gsl_root_fsolver_x_lower(brent.get());
+    const double b = gsl_root_fsolver_x_upper(brent.get());
+    if (gsl_root_test_interval(a, b, 0, 4e-16) == GSL_SUCCESS) break;
   }
-  const double by_seen = by_rod * rod_seen / seen;
-  result.by_mass = by_seen;
-  result.by_omega_squared = by_inertia + by_seen;
-  result.by_mass_per_length = result.by_length = by_inertia;
-  result.by_adapter = adapter ? -by_rod * rod_seen / rod.adapter_N_m : 0;
-  result.series_N_m = adapter ? 1 / (1 / result.cable_N_m + 1 / rod.adapter_N_m) : result.cable_N_m;
+  const double kc = result.cable_N_m = gsl_root_fsolver_root(brent.get());
+  result.series_N_m = 1 / (1 / kc + told(rod.adapter_N_m) + told(rod.frame_N_m));
+  constexpr double h = 1e-5;
+  const auto slope = [&](auto at) { return at(h) - at(-h); };
+  const double by_kc = slope([&](double d) { return equation(kc * std::exp(d)); });
+  result.by_omega_squared = -slope([&](double d) { return equation_of(rod, d)(kc); }) / by_kc;
+  result.by_length = -slope([&](double d) { return equation_of(rod, 0, d)(kc); }) / by_kc;
   return result;
 }
 

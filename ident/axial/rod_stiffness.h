@@ -1,20 +1,30 @@
 // Axial stiffness of a cable from the undamped frequency of a mass that hangs on it.
 //
-// The cable is an elastic rod with its own mass mc = m L, fixed above, a massless adapter km in
-// series below it, then the mass M. What the mass sees at omega is
-//   omega^2 M = k(omega),   1/k(omega) = 1/km + 1/kr,   kr = kc x cot x,   x = omega sqrt(mc / kc)
-// (Meirovitch, Fundamentals of Vibrations, sec. 8.3), so kr follows from omega and M, and
-//   x tan x = omega^2 mc / kr,   kc = omega^2 mc / x^2
-// gives the static stiffness kc = EA / L without approximation. To first order in mc / M it is the
-// usual omega^2 (M + mc / 3) for a rigid adapter (exact to (mc / M)^2 / 45); behind an adapter only
-// the rod's share of the motion counts, omega^2 (M + (mc / 3) (1 - k / km)^2).
-//
-// Under a frame that gives way by kf at the rod's upper end,
-//   1/kr = (T + r) / (kc (1 - x^2 T r)),   T = tan(x) / x,   r = kc / kf,
-// which is solved for kc by bisection.
+// The cable is an elastic rod with its own mass m L under a frame kf, above an adapter km (both
+// massless springs) and the mass M. With W = omega^2, x^2 = W m L / kc and kc = EA / L:
+//   W M = K,   1/K = 1/km + (T + r) / (kc (1 - x^2 T r)),   T = tan(x) / x,   r = kc / kf
+// (Meirovitch, Fundamentals of Vibrations, sec. 8.3). For rigid frame and adapter this is
+// kc = W (M + m L / 3) to first order in m L / M.
 #pragma once
 
+#include <cmath>
+
 namespace rigfit::ident {
+
+/// 1/K without the adapter: what gives way under the mass, from the rod's static stiffness kc, its
+/// inertia W m L and the compliance above it. Scalar: double or ceres::Jet.
+template <class T>
+T rod_compliance(const T& kc, const T& inertia, const T& above) {
+  using std::sqrt, std::tan;
+  const T q = inertia / kc;
+  T t = 1.0 + q / 3.0 + q * q * (2.0 / 15);  // next term below 1e-13 where q < 1e-4
+  if (!(q < 1e-4)) {
+    const T x = sqrt(q);
+    t = tan(x) / x;
+  }
+  const T r = kc * above;
+  return (t + r) / (kc * (1.0 - q * t * r));
+}
 
 struct RodOnMass {
   double omega_squared = 0;         ///< of the undamped oscillation, 1/s^2
@@ -28,11 +38,11 @@ struct RodOnMass {
 struct RodStiffness {
   /// kc; NaN when adapter and frame are together softer than what was measured.
   double cable_N_m = 0;
-  double series_N_m = 0;  ///< static, adapter and frame included
-  /// d ln kc / d ln input.
-  double by_omega_squared = 0, by_mass = 0, by_mass_per_length = 0, by_length = 0, by_adapter = 0;
+  double series_N_m = 0;                       ///< static, adapter and frame included
+  double by_omega_squared = 0, by_length = 0;  ///< d ln kc / d ln input
 };
 
+/// Solved to rounding by Brent's method (GSL) on the frequency equation without its poles.
 [[nodiscard]] RodStiffness rod_stiffness(const RodOnMass& rod);
 
 }  // namespace rigfit::ident

@@ -61,8 +61,7 @@ struct CurvePart {
 
 class ElasticSearch {
  public:
-  ElasticSearch(const StrokeRange& run, const StrokeData& data, const BendingTestOptions& options)
-      : run_(run), data_(data), options_(options) {
+  ElasticSearch(const StrokeRange& run, const StrokeData& data) : run_(run), data_(data) {
     loading_ = run.direction > 0;
     rows_ = run.last - run.first + 1;
   }
@@ -192,7 +191,7 @@ class ElasticSearch {
         const double apart = std::abs(a - b) / std::max(std::abs(a), std::abs(b));
         if (apart < least) least = apart, nearest = k;
       }
-      if (!(least < options_.curvature_warning)) return;
+      if (!(least < kCurvatureWarning)) return;
       CurvePart& one = parts_[nearest];
       one.last = parts_[nearest + 1].last;
       one.slope = between(one.first, one.last).slope();
@@ -267,7 +266,6 @@ class ElasticSearch {
 
   const StrokeRange& run_;
   const StrokeData& data_;
-  const BendingTestOptions& options_;
   bool loading_ = true;
   Eigen::Index rows_ = 0;
   double range_x_ = 0, range_y_ = 0, floor2_ = 0;
@@ -279,9 +277,8 @@ class ElasticSearch {
 
 }  // namespace
 
-ElasticPart find_elastic_part(const StrokeRange& run, const StrokeData& data,
-                              const BendingTestOptions& options) {
-  ElasticPart part = ElasticSearch(run, data, options).run();
+ElasticPart find_elastic_part(const StrokeRange& run, const StrokeData& data) {
+  ElasticPart part = ElasticSearch(run, data).run();
   if (!(part.stroke.stiffness_N_m.value > 0)) {
     part.stroke.stiffness_N_m = {signal::kNaN, signal::kNaN};
   }

@@ -7,7 +7,7 @@
 // upright). More segments are taken when an F-test on the bins' distances, 3 parameters a segment,
 // gives under 1 % times the number of places for the breaks; the variance is what the better fit
 // leaves, no less than the resolution of the numbers. Neighbours whose slopes differ by less than
-// `curvature_warning` are one.
+// `kCurvatureWarning` are one.
 //
 //   toe      segments up to a quarter of the load, each followed by a steeper one
 //   elastic  the first segment after them; its line is Deming's, with the change of slope within it
@@ -32,7 +32,6 @@ struct ElasticPart {
   std::vector<BendingFinding> findings;  ///< "toe", "stop", "yield", "break", "curved"
 };
 
-[[nodiscard]] ElasticPart find_elastic_part(const StrokeRange& run, const StrokeData& data,
-                                            const BendingTestOptions& options);
+[[nodiscard]] ElasticPart find_elastic_part(const StrokeRange& run, const StrokeData& data);
 
 }  // namespace rigfit::ident

@@ -8,9 +8,7 @@
 #include <stdexcept>
 
 #include "ident/bending/beam_segments.h"
-#include "ident/bending/bending_judgement.h"
 #include "ident/bending/bending_pooling.h"
-#include "ident/bending/bending_spikes.h"
 #include "ident/bending/bending_strokes.h"
 #include "ident/bending/friction_transient.h"
 #include "ident/bending/table_line.h"
@@ -22,6 +20,24 @@ namespace {
 
 /// Strokes of fewer rows are analysed as a table: the noise is not seen from row to row.
 constexpr Eigen::Index kShortStroke = 40;
+constexpr double kLeastStraight = 0.4;  // of a stroke's deflection
+constexpr const char* kNoStiffness =
+    ": a curved load-deflection diagram has no one EI; load less, cut off the rows of a toe or a "
+    "stop, or look for slip and loose clamps";
+
+/// Rows of a short table that lie off the line of the others by more than half the load's range
+/// (of the middle 80 %): they would tear the strokes apart.
+std::vector<Eigen::Index> table_spikes(const Eigen::VectorXd& d, const Eigen::VectorXd& Q) {
+  std::vector<Eigen::Index> spikes;
+  const TableLine line = d.size() < 5 ? TableLine{} : fit_table_line({{true, d, Q}}, 0, 0);
+  if (!line.usable) return spikes;
+  const double limit = 0.5 * central_range({Q.begin(), Q.end()});
+  for (Eigen::Index i = 0; i < d.size(); ++i) {
+    const double off = Q[i] - line.offsets_N[0] - line.slope_N_m * d[i];
+    if (!line.used[0][static_cast<std::size_t>(i)] && std::abs(off) > limit) spikes.push_back(i);
+  }
+  return spikes;
+}
 
 class Analysis {
  public:
@@ -55,7 +71,9 @@ class Analysis {
                                        mean_tension_));
       return finish();
     }
-    if (Q_.dot((d_.array() - d_.mean()).matrix()) < 0) d_ = -d_;  // deflection counted against load
+    // Counted positive both: the deflection along the load, and the load away from zero.
+    if (Q_.dot((d_.array() - d_.mean()).matrix()) < 0) d_ = -d_;
+    if (-Q_.minCoeff() > Q_.maxCoeff()) Q_ = -Q_, d_ = -d_;
 
     // Zero of the deflection: the least there is, within its noise.
     const double lowest = d_.minCoeff();
@@ -68,7 +86,9 @@ class Analysis {
     find_clamp_slip();
     fit_strokes();
     if (!result_.strokes.empty()) {
-      judge_bending({P_, Q_, d_, range_d_, range_Q_}, table_, options_, result_);
+      survey();
+      table_.usable ? judge_table() : judge_strokes();
+      judge_slope();
     }
     return finish();
   }
@@ -104,31 +124,24 @@ class Analysis {
   }
 
   void leave_spikes_out() {
-    const bool table = d_.size() < kShortStroke;
-    std::vector<std::pair<Eigen::Index, std::string>> rows;
-    if (table) {
-      for (const auto i : find_table_spikes(d_, Q_)) rows.emplace_back(i, "load or deflection");
+    std::vector<Eigen::Index> rows, kept;
+    if (d_.size() < kShortStroke) {
+      rows = table_spikes(d_, Q_);
     } else {
-      for (const auto& [channel, name] :
-           {std::pair{&d_, "deflection"}, {&Q_, "load"}, {&P_, "tension"}}) {
-        for (const auto i : find_spikes(*channel)) rows.emplace_back(i, name);
+      for (const Eigen::VectorXd* channel : {&d_, &Q_, &P_}) {
+        for (const auto i : find_spikes(*channel)) rows.push_back(i);
       }
     }
     if (rows.empty()) return;
     std::sort(rows.begin(), rows.end());
-    const auto& [first, channel] = rows.front();
-    const std::string where =
-        fmt::format("row {} ({} {:.4g} N, {:.4g} m)", first + 1, channel, Q_[first], d_[first]);
-    std::vector<Eigen::Index> kept;
-    std::size_t at = 0;
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    note("spike", fmt::format("{} rows hold a spike and were left out, the first: row {} ({:.4g} "
+                              "N, {:.4g} m)",
+                              rows.size(), rows[0] + 1, Q_[rows[0]], d_[rows[0]]));
     for (Eigen::Index i = 0; i < d_.size(); ++i) {
-      while (at < rows.size() && rows[at].first < i) ++at;
-      if (at == rows.size() || rows[at].first != i) kept.push_back(i);
+      if (!std::binary_search(rows.begin(), rows.end(), i)) kept.push_back(i);
     }
-    const auto left_out = d_.size() - static_cast<Eigen::Index>(kept.size());
     P_ = P_(kept).eval(), Q_ = Q_(kept).eval(), d_ = d_(kept).eval();
-    note("spike",
-         fmt::format("{} rows hold a spike and were left out, the first: {}", left_out, where));
   }
 
   void note(std::string code, std::string message) {
@@ -218,8 +231,7 @@ class Analysis {
       for (const StrokeRange& run : runs) {
         double freedom = 0;
         BendingStroke stroke = fit_straight_part(
-            run, {d_, x, Q_, range_Q_, result_.load_noise_N, result_.deflection_noise_m}, options_,
-            freedom);
+            run, {d_, x, Q_, range_Q_, result_.load_noise_N, result_.deflection_noise_m}, freedom);
         if (!(stroke.stiffness_N_m.value > 0) || !std::isfinite(stroke.stiffness_N_m.std)) continue;
         result_.strokes.push_back(stroke);
         freedoms.push_back(freedom);
@@ -251,7 +263,7 @@ class Analysis {
       for (const StrokeRange& run : runs) {
         if ((run.direction > 0) != loading || (yielded && !loading)) continue;
         ElasticPart part = find_elastic_part(
-            run, {d_, x, Q_, range_Q_, result_.load_noise_N, result_.deflection_noise_m}, options_);
+            run, {d_, x, Q_, range_Q_, result_.load_noise_N, result_.deflection_noise_m});
         for (auto& finding : part.findings) {
           yielded |= finding.code == "yield" || finding.code == "break";
           result_.refused |= finding.refuses;
@@ -290,12 +302,12 @@ class Analysis {
             tension_spread(P_.segment(first, last - first + 1), sample_noise(P_));
       }
     }
-    result_.stiffness =
-        stiffness_from_compliance({result_.compliance_m_N, result_.tension_N, options_.span_m,
-                                   result_.degrees_of_freedom, options_.ends});
+    result_.stiffness = stiffness_from_compliance({result_.compliance_m_N, result_.tension_N,
+                                                   options_.span_m, result_.degrees_of_freedom,
+                                                   options_.ends, options_.clamp_stiffness_Nm_rad});
   }
 
-  /// Strokes of few rows: nothing is left out before an F-test says so (table_line.h).
+  /// Strokes of few rows (table_line.h).
   void fit_table(std::vector<StrokeRange> runs) {
     Eigen::Index in_runs = 0;
     for (const auto& run : runs) in_runs += run.last - run.first + 1;
@@ -379,6 +391,133 @@ class Analysis {
     take(pooled);
   }
 
+  /// What lies before and after the straight parts, and between loading and unloading.
+  void survey() {
+    double loadings = 0, unloadings = 0, loading_offset = 0, unloading_offset = 0;
+    result_.tension_low_N = std::numeric_limits<double>::infinity();
+    for (const auto& s : result_.strokes) {
+      (s.loading ? loadings : unloadings) += 1;
+      (s.loading ? loading_offset : unloading_offset) += s.offset_N;
+      const double travel = d_[s.last] - d_[s.first];
+      const double before = (d_[s.used_first] - d_[s.first]) / travel;
+      const double after = (d_[s.last] - d_[s.used_last]) / travel;
+      least_straight_ = std::min(least_straight_, 1 - before - after);
+      toe_ = std::max(toe_, s.loading ? before : after);
+      if (s.loading) top_ = std::max(top_, after);
+      // A stop: the load goes on rising where the deflection hardly does.
+      const Eigen::Index end = s.loading ? s.last : s.first;
+      const Eigen::Index knee = s.loading ? s.used_last : s.used_first;
+      const double rise = std::abs(Q_[end] - Q_[knee]), way = std::abs(d_[end] - d_[knee]);
+      if (rise > 0.02 * range_Q_) {
+        steepest_ =
+            std::max(steepest_, rise / std::max(way, 1e-12 * range_d_) / s.stiffness_N_m.value);
+      }
+      if (std::abs(s.curvature) > std::abs(curvature_.value)) {
+        curvature_ = {s.curvature, s.curvature_std};
+      }
+      const auto used = P_.segment(s.used_first, s.used_last - s.used_first + 1);
+      result_.tension_low_N = std::min(result_.tension_low_N, used.minCoeff());
+      result_.tension_high_N = std::max(result_.tension_high_N, used.maxCoeff());
+    }
+    result_.hysteresis_N = table_.usable ? table_.hysteresis_N
+                           : loadings > 0 && unloadings > 0
+                               ? 0.5 * (loading_offset / loadings - unloading_offset / unloadings)
+                               : 0;
+  }
+
+  void judge_strokes() {
+    const bool tensioned = !beam();
+    if (tensioned && result_.friction_probability > 0.5 &&
+        std::abs(result_.relative_friction_correction) > 1e-3) {
+      note("friction",
+           fmt::format("wire friction stiffens the first {:.2g} mm after every turn (by {:.2g} N "
+                       "in all); without it the slope is {:+.1f} % of a straight line's",
+                       1e3 * result_.friction_travel_m, 2 * result_.friction_load_N,
+                       100 * result_.relative_friction_correction));
+    } else if (tensioned && toe_ > kTurnShare + 0.05) {
+      note("toe", fmt::format("the first {:.0f} % of the deflection are a toe (slack or friction "
+                              "being taken up) and were left out",
+                              100 * toe_));
+    }
+    if (tensioned && (steepest_ > 2 || top_ > kTurnShare + 0.05)) {
+      note("stop", fmt::format("the last {:.0f} % of the loading leave the straight line ({:.1f} "
+                               "times as steep: a stop or a sensor's end, where above 2) and were "
+                               "left out",
+                               100 * top_, steepest_));
+    }
+    if (tensioned && least_straight_ < kLeastStraight) {
+      return refuse("curved", fmt::format("only {:.0f} % of a stroke are straight within {:.1f} % "
+                                          "of the load{}",
+                                          100 * std::max(0.0, least_straight_), 100 * kStraight,
+                                          kNoStiffness));
+    }
+    if (std::abs(curvature_.value) > 3 * curvature_.std) judge_curvature(curvature_.value);
+  }
+
+  void judge_curvature(double curvature) {
+    if (!(std::abs(curvature) > kCurvatureWarning)) return;
+    const std::string message =
+        fmt::format("the slope changes by {:+.0f} % over the straight part", 100 * curvature);
+    const bool friction = result_.friction_probability > 0.9;
+    if (std::abs(curvature) > (friction ? 2 * kCurvatureWarning : kCurvatureRefusal)) {
+      refuse(friction ? "friction" : "curved",
+             message + (friction ? ", with wire friction after the turns taken out: it turns round "
+                                   "over most of a stroke; deflect further"
+                                 : kNoStiffness));
+    } else {
+      note("curved", message + "; EI is that of its mean slope");
+    }
+  }
+
+  void judge_table() {
+    const TableLine& t = table_;
+    if (t.too_many_off) {
+      refuse("curved", std::string("more than one row in four lie off the line of the others") +
+                           kNoStiffness);
+    }
+    if (t.left_out > 0) {
+      note("spike",
+           fmt::format("{} {} off the line of the others (a stop, a toe, a misreading) and left "
+                       "out",
+                       t.left_out, t.left_out == 1 ? "row lies" : "rows lie"));
+    }
+    if (t.hysteresis_N > 0) {
+      note("friction", fmt::format("loading and unloading lie {:.2g} N apart: wire friction, which "
+                                   "stiffens the strand after every turn; the rows after the turns "
+                                   "are left out and what that changes is uncertainty",
+                                   2 * t.hysteresis_N));
+    }
+    if (t.strokes_differ) {
+      note("strokes_differ",
+           "the slopes of the strokes differ by more than their noise (5 %): "
+           "their scatter is in the uncertainty");
+    }
+    if (t.curved) {
+      judge_curvature(t.curvature);
+    } else if (t.curvature_half > kCurvatureRefusal) {
+      note("straightness_unknown",
+           fmt::format("Add rows: too few or too scattered to show whether the diagram is straight "
+                       "(its slope may change by {:.0f} % unseen)",
+                       100 * std::min(10.0, std::abs(t.curvature) + t.curvature_half)));
+    }
+  }
+
+  void judge_slope() {
+    const double relative = result_.compliance_m_N.std / result_.compliance_m_N.value;
+    if (relative > 0.3) {
+      refuse("no_slope", fmt::format("the slope is uncertain by {:.0f} %: noise, or strokes that "
+                                     "do not agree",
+                                     100 * relative));
+    }
+    const auto status = result_.stiffness.status;
+    if (status == BendingStatus::upper_bound_only) {
+      note("upper_bound_only", result_.stiffness.reason);
+    } else if (status != BendingStatus::solved) {
+      refuse(status == BendingStatus::string_like ? "string_like" : "no_EI",
+             result_.stiffness.reason);
+    }
+  }
+
   // 0 for what is softer than a string: its changing tension is then that of a string.
   double EI_of_slope() const {
     if (beam()) return 0;
@@ -392,12 +531,20 @@ class Analysis {
   // short to tell.
   bool take_friction(const Eigen::VectorXd& x) {
     std::vector<FrictionStroke> strokes;
+    // A stop that ends the straight part of loading is at the beginning of unloading.
+    double stop = std::numeric_limits<double>::infinity();
+    for (const auto& s : result_.strokes) {
+      if (s.loading && d_[s.last] - d_[s.used_last] > 0.05 * range_d_) {
+        stop = std::min(stop, d_[s.used_last]);
+      }
+    }
     for (const auto& s : result_.strokes) {
       if (s.last - s.first + 1 < 40) return false;
       // What lies beyond the straight part at the far end is a stop or a toe, no friction.
       const double travel = std::abs(d_[s.last] - d_[s.first]);
       Eigen::Index first = s.first;
       while (first < s.used_first && std::abs(d_[first] - d_[s.first]) < 0.01 * travel) ++first;
+      while (!s.loading && first < s.used_first && d_[first] > stop) ++first;
       const Eigen::Index n = s.used_last - first + 1;
       FrictionStroke stroke;
       stroke.sign = s.loading ? 1 : -1;
@@ -424,7 +571,6 @@ class Analysis {
   }
 
   void take(const PooledSlope& pooled) {
-    result_.relative_std_strokes = std::sqrt(pooled.variance) / pooled.K;
     const double relative2 = pooled.variance / (pooled.K * pooled.K) +
                              std::pow(options_.load_calibration_std, 2) +
                              std::pow(options_.deflection_calibration_std, 2);
@@ -440,6 +586,10 @@ class Analysis {
   PooledSlope straight_;  // by the straight parts alone
   TableLine table_;       // of strokes of few rows
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;
+  // Of all strokes: shares of the travel left out, the slope beyond the straight part relative to
+  // it, the largest curvature.
+  double toe_ = 0, top_ = 0, least_straight_ = 1, steepest_ = 0;
+  signal::Estimate curvature_{0, 0};
 };
 
 }  // namespace

@@ -9,7 +9,7 @@
 // bends their beginnings. Line: Deming's (errors in both channels, ratio of variances from the
 // channels' own noise), Huber weights; variance from the larger of the textbook formula and a block
 // jackknife, which sees that residuals of one stroke are not independent. Strokes are pooled with
-// the scatter between them (DerSimonian and Laird 1986), degrees of freedom after Welch and
+// the scatter between them (estimation/groups.h), degrees of freedom after Welch and
 // Satterthwaite (GUM G.4). Where strokes have 40 samples or more the slope is averaged over what
 // wire friction may do after the turns (friction_transient.h), with the spread between its laws in
 // the uncertainty. Then `stiffness_from_compliance`.

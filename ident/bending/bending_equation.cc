@@ -74,19 +74,21 @@ double EI_of_draw(double compliance, double tension, double span, BeamEnds ends)
   return tension * span * span / (4 * lambda * lambda);
 }
 
-std::vector<double> sorted_draws(const ComplianceMeasurement& measured) {
+// `turning`: relative change of the compliance by one standard uncertainty of the clamps.
+std::vector<double> sorted_draws(const ComplianceMeasurement& measured, double turning) {
   constexpr int kDraws = 4096;
-  const std::unique_ptr<gsl_qrng, void (*)(gsl_qrng*)> points(gsl_qrng_alloc(gsl_qrng_sobol, 3),
+  const std::unique_ptr<gsl_qrng, void (*)(gsl_qrng*)> points(gsl_qrng_alloc(gsl_qrng_sobol, 4),
                                                               gsl_qrng_free);
   std::vector<double> draws(kDraws);
   for (double& draw : draws) {
-    std::array<double, 3> u;
+    std::array<double, 4> u;
     gsl_qrng_get(points.get(), u.data());
     const double slope_score = measured.degrees_of_freedom > 0
                                    ? gsl_cdf_tdist_Pinv(u[0], measured.degrees_of_freedom)
                                    : gsl_cdf_ugaussian_Pinv(u[0]);
+    const double clamps = std::exp(-turning * gsl_cdf_ugaussian_Pinv(u[3]));
     draw = EI_of_draw(
-        measured.compliance_m_N.value + measured.compliance_m_N.std * slope_score,
+        clamps * (measured.compliance_m_N.value + measured.compliance_m_N.std * slope_score),
         measured.tension_N.value + measured.tension_N.std * gsl_cdf_ugaussian_Pinv(u[1]),
         measured.span_m.value + measured.span_m.std * gsl_cdf_ugaussian_Pinv(u[2]), measured.ends);
   }
@@ -193,10 +195,11 @@ double midspan_compliance(double EI_Nm2, double tension_N, double span_m) {
   return span_m * span_m * span_m / (192 * EI_Nm2) * tension_factor(lambda);
 }
 
-double clamp_compliance(double EI_Nm2, double tension_N, double span_m) {
+double clamp_compliance(double EI_Nm2, double tension_N, double span_m, BeamEnds ends) {
+  if (ends == BeamEnds::pinned) return 0;
+  if (ends == BeamEnds::cantilever) return 3 * EI_Nm2 / span_m;
   const double lambda = span_m / 2 * std::sqrt(tension_N / EI_Nm2);
-  const double beam = 6 * EI_Nm2 / span_m;
-  if (!(lambda > 1e-4)) return beam;
+  if (!(lambda > 1e-4)) return 6 * EI_Nm2 / span_m;
   const double tanh = std::tanh(lambda / 2);
   return 2 * EI_Nm2 * tanh * tanh / (span_m * bending_ratio(lambda));
 }
@@ -217,12 +220,14 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
   const bool interval = std::isfinite(measured.compliance_m_N.std) &&
                         std::isfinite(measured.tension_N.std) && std::isfinite(measured.span_m.std);
   std::vector<double> draws;
-  if (interval) {
-    draws = sorted_draws(measured);
+  const auto draw = [&](double turning) {
+    if (!interval) return;
+    draws = sorted_draws(measured, turning);
     result.low = quantile(draws, 0.025);
     result.high = quantile(draws, 0.975);
-  }
+  };
   if (result.ratio >= 1) {
+    draw(0);
     result.status = BendingStatus::string_like;
     result.reason = fmt::format(
         "4 P d / (Q l) = {:.5f} is not below 1: the cable yields as much as a string without "
@@ -254,6 +259,8 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
   result.log_sensitivity_tension = 1 - k;
   result.log_sensitivity_span = 2 + k;
   result.status = BendingStatus::solved;
+  const double clamp = measured.clamp_stiffness_Nm_rad;
+  draw(clamp > 0 ? clamp_compliance(result.EI_Nm2.value, tension, span, measured.ends) / clamp : 0);
   if (!interval) return result;
 
   result.EI_Nm2.std = 0.5 * (quantile(draws, 0.841344746) - quantile(draws, 0.158655254));

@@ -43,8 +43,10 @@ struct LambdaSolution {
 [[nodiscard]] double midspan_compliance(double EI_Nm2, double tension_N, double span_m);
 
 /// Relative change of the compliance by clamps that turn, times their rotational stiffness k (each,
-/// N m/rad), to first order in 1/k: 2 EI tanh^2(lambda / 2) / (l F). Without tension 6 EI / l.
-[[nodiscard]] double clamp_compliance(double EI_Nm2, double tension_N, double span_m);
+/// N m/rad), to first order in 1/k: 2 EI tanh^2(lambda / 2) / (l F), without tension 6 EI / l, of a
+/// cantilever 3 EI / l.
+[[nodiscard]] double clamp_compliance(double EI_Nm2, double tension_N, double span_m,
+                                      BeamEnds ends = BeamEnds::tensioned);
 
 /// What was measured at one tension. A standard uncertainty of zero means exactly known; one that
 /// is not finite means that it is not known, and no interval is given then.
@@ -55,6 +57,8 @@ struct ComplianceMeasurement {
   double degrees_of_freedom = 0;  ///< of the slope's uncertainty (Student's t); 0: normal
   /// Not `tensioned`: the tension is not used, EI = L^3 / (c s) (beam_ends.h).
   BeamEnds ends = BeamEnds::tensioned;
+  /// Of each clamp, N m/rad: its flexibility has a standard uncertainty of 1 over it. 0: rigid.
+  double clamp_stiffness_Nm_rad = 0;
 };
 
 enum class BendingStatus {
@@ -82,9 +86,9 @@ struct StiffnessFromBending {
   double log_sensitivity_span = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// EI with its interval. The interval comes from the distributions of slope, tension and span
-/// pushed through the equation (4096 Sobol points, the same in every run), so it is right where a
-/// linear formula is not; draws that are softer than a string count as EI = 0.
+/// EI with its interval. The interval comes from the distributions of slope, tension, span
+/// and clamps pushed through the equation (4096 Sobol points, the same in every run), so it is
+/// right where a linear formula is not; draws that are softer than a string count as EI = 0.
 [[nodiscard]] StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& measured);
 
 }  // namespace rigfit::ident

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "signal/estimation/groups.h"
+
 namespace rigfit::ident {
 namespace {
 
@@ -22,34 +24,19 @@ double slope_variance(const signal::Estimate& slope) {
 
 PooledSlope pool_slopes(const std::vector<signal::Estimate>& slopes,
                         const std::vector<double>& freedoms) {
-  const auto count = static_cast<double>(slopes.size());
-  double weight = 0, weight2 = 0, mean = 0;
-  for (const auto& K : slopes) {
-    const double w = 1 / slope_variance(K);
-    weight += w, weight2 += w * w, mean += w * K.value;
-  }
-  mean /= weight;
-  double chi = 0;
-  for (const auto& K : slopes) chi += std::pow(K.value - mean, 2) / slope_variance(K);
-  // Variance between strokes beyond what their own lines promise.
-  const double between =
-      count > 1 ? std::max(0.0, (chi - (count - 1)) / (weight - weight2 / weight)) : 0;
-  PooledSlope pooled;
-  double pooled_weight = 0, within = 0;
+  std::vector<double> values, variances;
+  for (const auto& K : slopes) values.push_back(K.value), variances.push_back(slope_variance(K));
+  const auto mean = signal::mean_over_groups(values, variances);
+  PooledSlope pooled{mean.mean, mean.variance, 0};
+  double scatter = mean.variance;  // what the strokes' own variances do not explain
   for (std::size_t i = 0; i < slopes.size(); ++i) {
-    const double own = slope_variance(slopes[i]);
-    const double w = 1 / (own + between);
-    pooled_weight += w;
-    pooled.K += w * slopes[i].value;
-    within += w * w * own;
-    pooled.welch += std::pow(w * w * own, 2) / std::max(1.0, freedoms[i]);
+    const double own = mean.weights[i] * mean.weights[i] * variances[i];
+    pooled.welch += own * own / std::max(1.0, freedoms[i]);
+    scatter -= own;
   }
-  pooled.K /= pooled_weight;
-  within /= pooled_weight * pooled_weight;
-  pooled.welch /= std::pow(pooled_weight, 4);
-  pooled.variance = 1 / pooled_weight;
-  const double scatter = std::max(0.0, pooled.variance - within);
-  if (count > 1) pooled.welch += scatter * scatter / (count - 1);
+  if (slopes.size() > 1 && scatter > 0) {
+    pooled.welch += scatter * scatter / static_cast<double>(slopes.size() - 1);
+  }
   return pooled;
 }
 

@@ -1,7 +1,7 @@
 // One slope of several strokes. Inside of bending_analysis.
 //
-// Strokes are pooled with the scatter between them (DerSimonian and Laird 1986), degrees of freedom
-// after Welch and Satterthwaite (GUM G.4); or averaged over the laws of wire friction
+// Strokes are pooled with the scatter between them (estimation/groups.h), degrees of freedom after
+// Welch and Satterthwaite (GUM G.4); or averaged over the laws of wire friction
 // (friction_transient.h) by their Akaike weights, with the spread between laws in the variance.
 #pragma once
 

@@ -29,17 +29,8 @@ struct BendingTestOptions {
   // table).
   double load_noise_N = 0;
   double deflection_noise_m = 0;
-  /// After every turn friction first changes sign: this share of a stroke's travel is not used
-  /// (strokes of 20 samples and more).
-  double turn_share = 0.15;
-  /// Where the local median over a twentieth of a stroke leaves the line by more than this share of
-  /// the load range (and four times its noise), toe, stop or slip begin.
-  double straightness = 0.005;
-  /// Relative change of slope over the straight part: above the first it is warned of, above the
-  /// second there is no one EI and the test is refused.
-  double curvature_warning = 0.05, curvature_refusal = 0.25;
-  /// Part of a stroke's deflection that must remain straight.
-  double least_straight_share = 0.4;
+  /// Of each clamp, N m/rad: the standard uncertainty of its flexibility is 1 over it. 0: rigid.
+  double clamp_stiffness_Nm_rad = 0;
 };
 
 struct BendingStroke {
@@ -51,11 +42,10 @@ struct BendingStroke {
   double residual_rms_N = 0;
   double curvature = 0;  ///< relative change of slope over the straight part
   double curvature_std = 0;
-  int load_drops = 0;  ///< stick-slip: sudden losses of load against the stroke
 };
 
 struct BendingFinding {
-  std::string code;  ///< "toe", "stop", "stick_slip", "clamp_slip", "curved", "set", "missing" ...
+  std::string code;  ///< "toe", "stop", "clamp_slip", "curved", "set", "missing" ...
   std::string message;
   bool refuses = false;  ///< there is no EI because of it
 };
@@ -71,11 +61,8 @@ struct BendingTestResult {
   signal::Estimate compliance_m_N;  ///< 1/K, calibration included
   double degrees_of_freedom = 0;    ///< of the compliance; 0: many
   std::vector<BendingStroke> strokes;
-  signal::Estimate loading_stiffness_N_m, unloading_stiffness_N_m;  ///< NaN: no such stroke
   double hysteresis_N = 0;  ///< half the distance between loading and unloading lines
   double load_noise_N = 0, deflection_noise_m = 0;  ///< as used
-  /// Relative standard uncertainty of K from the strokes, friction included, calibrations left out.
-  double relative_std_strokes = 0;
   // Wire friction after the turns, averaged over its laws; zero where strokes are too short to
   // tell.
   double friction_probability = 0;          ///< Akaike weight of the laws with friction

@@ -10,31 +10,6 @@
 namespace rigfit::ident {
 namespace {
 
-int load_drops(const StrokeRange& run, const StrokeData& data) {
-  const double least = std::max(0.01 * data.load_range, 8 * data.load_noise);
-  double highest = run.direction * data.load[run.first];
-  bool falling = false;
-  int drops = 0;
-  double lowest = highest;
-  for (Eigen::Index i = run.first + 1; i <= run.last; ++i) {
-    const double q = run.direction * data.load[i];
-    if (!falling && q > highest) highest = q;
-    if (!falling && highest - q > least) {
-      ++drops;
-      falling = true;
-      lowest = q;
-    }
-    if (falling) {
-      lowest = std::min(lowest, q);
-      if (q - lowest > 0.5 * least) {
-        falling = false;
-        highest = q;
-      }
-    }
-  }
-  return drops;
-}
-
 DemingLine line_through(const StrokeData& data, Eigen::Index first, Eigen::Index last,
                         bool uncertainty) {
   const Eigen::Index n = last - first + 1;
@@ -55,6 +30,30 @@ double sample_noise(const Eigen::VectorXd& x) {
   const double robust = 1.4826 * signal::median(seconds) / std::sqrt(6.0);
   // A coarse converter repeats its value more often than not.
   return robust > 0 ? robust : std::sqrt(squares / static_cast<double>(seconds.size()) / 6);
+}
+
+double central_range(const std::vector<double>& values) {
+  return signal::quantile(values, 0.9) - signal::quantile(values, 0.1);
+}
+
+std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& x) {
+  std::vector<Eigen::Index> spikes;
+  const Eigen::Index n = x.size();
+  if (n < 20) return spikes;
+  std::vector<double> off(static_cast<std::size_t>(n));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    double least = std::numeric_limits<double>::infinity();
+    if (i >= 2) least = std::min(least, std::abs(x[i] - 2 * x[i - 1] + x[i - 2]));
+    if (i + 2 < n) least = std::min(least, std::abs(x[i] - 2 * x[i + 1] + x[i + 2]));
+    if (i >= 1 && i + 1 < n) least = std::min(least, std::abs(x[i] - 0.5 * (x[i - 1] + x[i + 1])));
+    off[static_cast<std::size_t>(i)] = least;
+  }
+  const double scale = 1.4826 * signal::median(off);
+  const double limit = std::max(12 * scale, 0.05 * central_range({x.begin(), x.end()}));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (off[static_cast<std::size_t>(i)] > limit) spikes.push_back(i);
+  }
+  return spikes;
 }
 
 std::vector<StrokeRange> find_strokes(const Eigen::VectorXd& d, double least) {
@@ -86,19 +85,18 @@ std::vector<StrokeRange> find_strokes(const Eigen::VectorXd& d, double least) {
 }
 
 BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data,
-                                const BendingTestOptions& options, double& degrees_of_freedom) {
+                                double& degrees_of_freedom) {
   const Eigen::VectorXd &x = data.x, &d = data.deflection;
   BendingStroke stroke;
   stroke.loading = run.direction > 0;
   stroke.first = run.first;
   stroke.last = run.last;
-  stroke.load_drops = load_drops(run, data);
   const Eigen::Index samples = run.last - run.first + 1;
   const double start = d[run.first], travel = d[run.last] - start;
   const auto share = [&](Eigen::Index i) { return (d[i] - start) / travel; };
   Eigen::Index earliest = run.first;
   if (samples >= 20) {
-    while (share(earliest) < options.turn_share) ++earliest;
+    while (share(earliest) < kTurnShare) ++earliest;
   }
   // Toe lies at the bottom, stop and friction's turn at the top of the loading stroke.
   const double from = stroke.loading ? 0.35 : 0.15, to = stroke.loading ? 0.85 : 0.65;
@@ -118,7 +116,7 @@ BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data,
   std::vector<char> known(static_cast<std::size_t>(samples / grid + 1));
   for (int pass = 0; pass < 4 && line.usable; ++pass) {
     const double noise = std::hypot(data.load_noise, line.slope * data.deflection_noise);
-    const double limit = std::max(options.straightness * data.load_range, 4 * noise / averaged);
+    const double limit = std::max(kStraight * data.load_range, 4 * noise / averaged);
     for (Eigen::Index k = 0; k < samples; ++k) {
       residuals[static_cast<std::size_t>(k)] =
           data.load[run.first + k] - line.offset - line.slope * x[run.first + k];

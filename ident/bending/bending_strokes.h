@@ -1,5 +1,5 @@
-// Strokes of a load-deflection record: where it turns, how noisy it is, and the straight part of a
-// stroke with its line. Inside of bending_analysis.
+// Strokes of a load-deflection record: spikes, where it turns, how noisy it is, and the straight
+// part of a stroke with its line. Inside of bending_analysis.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,7 +31,25 @@ struct StrokeData {
 /// Straight part of a stroke: a Deming line through its middle, followed outwards to where the
 /// local mean leaves it. `degrees_of_freedom` of its slope.
 [[nodiscard]] BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data,
-                                              const BendingTestOptions& options,
                                               double& degrees_of_freedom);
+
+/// Samples of one channel (20 at least, else none) that lie off the mean of their neighbours and
+/// off the straight lines through the two samples before and after, all three, by more than 12
+/// robust standard deviations of that and by a twentieth of the channel's central range. A turn is
+/// on one of the two lines, a step too.
+[[nodiscard]] std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& channel);
+
+/// Of the middle 80 %.
+[[nodiscard]] double central_range(const std::vector<double>& values);
+
+/// After every turn friction first changes sign: this share of a stroke's travel is not used
+/// (strokes of 20 samples and more).
+inline constexpr double kTurnShare = 0.15;
+/// Where the local median over a twentieth of a stroke leaves the line by more than this share of
+/// the load range (and four times its noise), toe, stop or slip begin.
+inline constexpr double kStraight = 0.005;
+/// Relative change of slope over the straight part: above the first it is warned of, above the
+/// second there is no one EI.
+inline constexpr double kCurvatureWarning = 0.05, kCurvatureRefusal = 0.25;
 
 }  // namespace rigfit::ident

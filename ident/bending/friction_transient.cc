@@ -208,18 +208,7 @@ BinNoise noise_of(const std::vector<Binned>& strokes, const std::vector<Line>& l
 
 // Largest delta over a stroke's travel: by half of the stroke at most an eighth of the transient is
 // left. What lasts longer cannot be told from the slope; the diagram is curved then.
-double longest(FrictionLaw law) {
-  switch (law) {
-    case FrictionLaw::ramp:
-      return 0.5;
-    case FrictionLaw::parabola:
-      return 0.37;
-    case FrictionLaw::hyperbola:
-      return 0.071;
-    default:
-      return law == FrictionLaw::exponential ? 0.24 : 0.135;
-  }
-}
+double longest(FrictionLaw law) { return law == FrictionLaw::exponential ? 0.24 : 0.135; }
 
 // delta with the least squares, by profile: a grid in its logarithm, then Brent's minimiser.
 double best_travel(const std::vector<Binned>& strokes, FrictionLaw law, double whole) {
@@ -250,40 +239,9 @@ double best_travel(const std::vector<Binned>& strokes, FrictionLaw law, double w
 
 }  // namespace
 
-const char* name_of(FrictionLaw law) {
-  switch (law) {
-    case FrictionLaw::none:
-      return "none";
-    case FrictionLaw::ramp:
-      return "ramp";
-    case FrictionLaw::exponential:
-      return "exponential";
-    case FrictionLaw::long_tail:
-      return "long tail";
-    case FrictionLaw::parabola:
-      return "parabola";
-    case FrictionLaw::hyperbola:
-      return "hyperbola";
-  }
-  return "none";
-}
-
 double friction_transient(FrictionLaw law, double z) {
-  switch (law) {
-    case FrictionLaw::none:
-      return 0;
-    case FrictionLaw::ramp:
-      return std::max(0.0, 1 - z);
-    case FrictionLaw::exponential:
-      return std::exp(-z);
-    case FrictionLaw::long_tail:
-      return 1 / ((1 + 0.5 * z) * (1 + 0.5 * z));
-    case FrictionLaw::hyperbola:
-      return 1 / (1 + z);
-    case FrictionLaw::parabola:
-      return z < 2 ? (1 - 0.5 * z) * (1 - 0.5 * z) : 0;
-  }
-  return 0;
+  if (law == FrictionLaw::none) return 0;
+  return law == FrictionLaw::exponential ? std::exp(-z) : 1 / ((1 + 0.5 * z) * (1 + 0.5 * z));
 }
 
 FrictionFit fit_friction(const std::vector<FrictionStroke>& strokes, FrictionLaw law,

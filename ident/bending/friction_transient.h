@@ -6,9 +6,8 @@
 // Wires that rubbed one way must first be dragged the other way: over a travel delta the strand is
 // stiffer than it will be, then friction is constant and K is the slope. A straight line through
 // such a stroke is too steep by about a / travel. u falls from 1 to 0; which law it follows is not
-// known, so several are fitted, Dahl's (1968) with different exponents,
-//   du/ds = -u^i / delta:  i = 0 a ramp (bilinear), 1/2 a parabola, 1 exponential, 3/2 a long tail,
-//   2 a longer one,
+// known, so two of Dahl's (1968) are fitted,
+//   du/ds = -u^i / delta:  i = 1 exponential, 3/2 a long tail,
 // all strokes of a record together with one delta, and the caller averages over the laws by AICc
 // (Burnham and Anderson 2002, ch. 4), "no friction" among them. Linear in c, K, a for given delta,
 // which is found by profile. Strokes are averaged into bins first; Huber weights. A stroke in which
@@ -27,11 +26,9 @@
 
 namespace rigfit::ident {
 
-enum class FrictionLaw { none, ramp, parabola, exponential, long_tail, hyperbola };
-inline constexpr std::array<FrictionLaw, 6> kFrictionLaws{
-    FrictionLaw::none,        FrictionLaw::ramp,      FrictionLaw::parabola,
-    FrictionLaw::exponential, FrictionLaw::long_tail, FrictionLaw::hyperbola};
-[[nodiscard]] const char* name_of(FrictionLaw law);
+enum class FrictionLaw { none, exponential, long_tail };
+inline constexpr std::array<FrictionLaw, 3> kFrictionLaws{
+    FrictionLaw::none, FrictionLaw::exponential, FrictionLaw::long_tail};
 
 /// u(z), z = s / delta.
 [[nodiscard]] double friction_transient(FrictionLaw law, double z);

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -18,22 +18,13 @@ using Mask = std::vector<std::vector<char>>;
 
 /// Least squares of a line (and parabola) common to the strokes.
 struct Fit {
+  bool usable = false;
   double squares = 0, freedom = 0;
   double slope = 0, slope_variance_factor = 0;  // of the noise's variance
   double bend = 0, bend_variance_factor = 0;    // relative change of slope over the range
   std::vector<double> offsets;
-  bool usable = false;
-};
-
-enum class Kind { spike, toe, top, turns, curve };
-struct Candidate {
-  Kind kind = Kind::spike;
-  Mask mask;
-  double share = 0;
-  int rows = 0;
-  std::size_t stroke = 0;
-  Eigen::Index row = 0;
-  double probability = 1;
+  std::vector<std::pair<std::size_t, std::size_t>> rows;  // stroke, row
+  Eigen::VectorXd residual, leverage;
 };
 
 class Table {
@@ -47,7 +38,7 @@ class Table {
       least = std::min(least, stroke.load_N.minCoeff());
       most = std::max(most, stroke.load_N.maxCoeff());
     }
-    low_ = low, range_ = high - low, load_range_ = most - least;
+    low_ = low, range_ = high - low, least_ = least, load_range_ = most - least;
   }
 
   TableLine run() {
@@ -58,9 +49,9 @@ class Table {
         gsl_cdf_chisq_P(all.squares / (resolution_ * resolution_), all.freedom) < 0.01) {
       resolution_ = 0;
     }
-    std::size_t rows = 0;
-    for (const auto& used : line_.used) rows += used.size();
-    for (std::size_t step = 0; step <= rows / 5 && improve(); ++step) {
+    leave_block_out();
+    while (!line_.too_many_off && improve()) {
+      line_.too_many_off = 4 * ++line_.left_out > static_cast<int>(all.rows.size()) + 3;
     }
     leave_turns_out();
     finish();
@@ -68,39 +59,43 @@ class Table {
   }
 
  private:
-  [[nodiscard]] Fit fit(const Mask& mask, bool parabola) const {
+  /// `over_load`: the deflection over the load instead, in the load's unit.
+  [[nodiscard]] Fit fit(const Mask& mask, bool parabola, bool over_load = false) const {
     Fit fit;
     std::vector<Eigen::Index> column(strokes_.size(), -1);
-    Eigen::Index rows = 0, offsets = 0;
+    Eigen::Index offsets = 0;
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
-      const auto here = std::count(mask[s].begin(), mask[s].end(), 1);
-      if (here > 0) column[s] = offsets++;
-      rows += here;
+      for (std::size_t i = 0; i < mask[s].size(); ++i) {
+        if (!mask[s][i]) continue;
+        if (column[s] < 0) column[s] = offsets++;
+        fit.rows.emplace_back(s, i);
+      }
     }
+    const auto rows = static_cast<Eigen::Index>(fit.rows.size());
     const Eigen::Index parameters = offsets + 1 + (parabola ? 1 : 0);
     fit.freedom = static_cast<double>(rows - parameters);
     if (rows < parameters) return fit;
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(rows, parameters);
     Eigen::VectorXd y(rows);
-    Eigen::Index at = 0;
     double least = 1, most = 0;
-    for (std::size_t s = 0; s < strokes_.size(); ++s) {
-      for (std::size_t i = 0; i < mask[s].size(); ++i) {
-        if (!mask[s][i]) continue;
-        const auto k = static_cast<Eigen::Index>(i);
-        const double u = (strokes_[s].x_m[k] - low_) / range_;
-        least = std::min(least, u), most = std::max(most, u);
-        A(at, column[s]) = 1;
-        A(at, offsets) = u - 0.5;
-        if (parabola) A(at, offsets + 1) = (u - 0.5) * (u - 0.5);
-        y[at++] = strokes_[s].load_N[k];
-      }
+    for (Eigen::Index r = 0; r < rows; ++r) {
+      const auto [s, i] = fit.rows[static_cast<std::size_t>(r)];
+      const double x = (strokes_[s].x_m[static_cast<Eigen::Index>(i)] - low_) / range_;
+      const double Q = strokes_[s].load_N[static_cast<Eigen::Index>(i)];
+      const double u = over_load ? (Q - least_) / load_range_ : x;
+      least = std::min(least, u), most = std::max(most, u);
+      A(r, column[s]) = 1;
+      A(r, offsets) = u - 0.5;
+      if (parabola) A(r, offsets + 1) = (u - 0.5) * (u - 0.5);
+      y[r] = over_load ? x * load_range_ : Q;
     }
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
     if (qr.rank() < parameters) return fit;
     const Eigen::VectorXd p = qr.solve(y);
-    fit.squares = (y - A * p).squaredNorm();
+    fit.residual = y - A * p;
+    fit.squares = fit.residual.squaredNorm();
     const Eigen::MatrixXd inverse = (A.transpose() * A).inverse();
+    fit.leverage = (A * inverse).cwiseProduct(A).rowwise().sum();
     fit.slope = p[offsets] / range_;
     fit.slope_variance_factor = inverse(offsets, offsets) / (range_ * range_);
     if (parabola && p[offsets] != 0) {
@@ -110,181 +105,155 @@ class Table {
     }
     fit.offsets.assign(strokes_.size(), kNaN);
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
-      if (column[s] >= 0) {
-        fit.offsets[s] = p[column[s]] - (low_ / range_ + 0.5) * p[offsets];
-      }
+      if (column[s] >= 0) fit.offsets[s] = p[column[s]] - (low_ / range_ + 0.5) * p[offsets];
     }
     fit.usable = true;
     return fit;
   }
 
-  /// Variance of the noise by a fit, not below what the numbers resolve.
-  [[nodiscard]] double variance(const Fit& fit) const {
-    const double shown = fit.freedom > 0 ? fit.squares / fit.freedom : 0;
+  /// Variance of the noise by a fit, not below what the numbers resolve; hardly any are good to
+  /// more than six digits.
+  [[nodiscard]] double variance(double squares, double freedom) const {
+    const double shown = freedom > 0 ? squares / freedom : 0;
     return std::max({shown, noise_ * noise_, resolution_ * resolution_});
   }
-
-  /// Probability that the line is right and `better` fits by chance as much better.
-  [[nodiscard]] double probability(const Fit& line, const Fit& better) const {
-    const double more = line.freedom - better.freedom;
-    if (!better.usable || !(more > 0) || !(better.freedom >= 1) || !(better.slope > 0)) return 1;
-    // Numbers are hardly ever good to more than six digits.
-    const double floor = std::pow(1e-6 * load_range_, 2);
-    const double F =
-        std::max(0.0, line.squares - better.squares) / more / std::max(variance(better), floor);
-    return gsl_cdf_fdist_Q(F, more, better.freedom);
+  [[nodiscard]] double tested(double squares, double freedom) const {
+    return std::max(variance(squares, freedom), std::pow(1e-6 * load_range_, 2));
   }
 
-  template <typename Drop>
-  [[nodiscard]] std::pair<Mask, int> without(Drop drop) const {
+  struct Curve {
+    double chance = 1;                   // that the line is right
+    signal::Estimate bend{0, INFINITY};  // relative change of slope, half its 95 % interval
+  };
+
+  /// A parabola against the line, of the load over the deflection (a toe, a curve) and of the
+  /// deflection over the load (a stop).
+  [[nodiscard]] Curve curve(const Mask& mask) const {
+    Curve best;
+    for (const bool over_load : {false, true}) {
+      const Fit line = fit(mask, false, over_load), parabola = fit(mask, true, over_load);
+      if (!line.usable || !parabola.usable || !(parabola.freedom >= 1) || !(parabola.slope > 0)) {
+        continue;
+      }
+      const double F = std::max(0.0, line.squares - parabola.squares) /
+                       tested(parabola.squares, parabola.freedom);
+      const double chance = std::min(1.0, 2 * gsl_cdf_fdist_Q(F, 1, parabola.freedom));
+      if (std::isfinite(best.bend.std) && !(chance < best.chance)) continue;
+      best.chance = chance;
+      best.bend = {over_load ? -parabola.bend : parabola.bend,
+                   gsl_cdf_tdist_Qinv(0.025, parabola.freedom) *
+                       std::sqrt(variance(parabola.squares, parabola.freedom) *
+                                 parabola.bend_variance_factor)};
+    }
+    return best;
+  }
+
+  /// Rows off a line that three quarters of them share (a stop, a toe), against the robust line by
+  /// the median of all slopes (Theil and Sen); where the others are no straight line all stay.
+  void leave_block_out() {
+    std::vector<double> slopes, off;
+    for (const auto& stroke : strokes_) {
+      for (Eigen::Index i = 0; i < stroke.x_m.size(); ++i) {
+        for (Eigen::Index k = i + 1; k < stroke.x_m.size(); ++k) {
+          const double step = stroke.x_m[k] - stroke.x_m[i];
+          if (step != 0) slopes.push_back((stroke.load_N[k] - stroke.load_N[i]) / step);
+        }
+      }
+    }
+    const double slope = signal::median(slopes);
+    for (const auto& stroke : strokes_) {
+      const Eigen::VectorXd rest = stroke.load_N - slope * stroke.x_m;
+      const double offset = signal::median({rest.begin(), rest.end()});
+      for (const double r : rest) off.push_back(std::abs(r - offset));
+    }
+    const double scale = std::max(1.4826 * signal::median(off), std::sqrt(tested(0, 0)));
     Mask mask = line_.used;
-    int dropped = 0;
-    for (std::size_t s = 0; s < mask.size(); ++s) {
-      for (std::size_t i = 0; i < mask[s].size(); ++i) {
-        if (!mask[s][i] || !drop(s, static_cast<Eigen::Index>(i))) continue;
-        mask[s][i] = 0;
-        ++dropped;
+    std::size_t row = 0;
+    int out = 0;
+    for (auto& stroke : mask) {
+      for (char& used : stroke) {
+        if (off[row++] > 8 * scale) used = 0, ++out;
       }
     }
-    return {std::move(mask), dropped};
+    if (out < 2 || 4 * out > static_cast<int>(off.size()) || off.size() < 6) return;
+    const Fit rest = fit(mask, false);
+    if (!rest.usable || rest.freedom < 3 || curve(mask).chance < 0.01) return;
+    line_.used = mask, line_.left_out = out;
   }
 
-  [[nodiscard]] double share(std::size_t s, Eigen::Index i) const {
-    return (strokes_[s].x_m[i] - low_) / range_;
-  }
-
-  [[nodiscard]] std::vector<Candidate> candidates() const {
-    std::vector<Candidate> list;
-    const auto add = [&](Kind kind, std::pair<Mask, int> without, double share_out) {
-      if (without.second == 0) return;
-      Candidate one;
-      one.kind = kind, one.mask = std::move(without.first), one.rows = without.second;
-      one.share = share_out;
-      list.push_back(std::move(one));
-    };
-    std::set<double> low, high;
-    Eigen::Index longest = 0;
-    for (std::size_t s = 0; s < strokes_.size(); ++s) {
-      longest = std::max(longest, strokes_[s].x_m.size());
-      for (Eigen::Index i = 0; i < strokes_[s].x_m.size(); ++i) {
-        if (!line_.used[s][static_cast<std::size_t>(i)]) continue;
-        const double u = share(s, i);
-        (u <= 0.4 ? low : high).insert(u);
-        add(Kind::spike, without([&](std::size_t t, Eigen::Index k) { return t == s && k == i; }),
-            0);
-        list.back().stroke = s, list.back().row = i;
-      }
-    }
-    for (const double u : low) {
-      add(Kind::toe, without([&](std::size_t s, Eigen::Index i) { return share(s, i) <= u; }), u);
-    }
-    for (const double u : high) {
-      if (u < 0.6) continue;
-      add(Kind::top, without([&](std::size_t s, Eigen::Index i) { return share(s, i) >= u; }),
-          1 - u);
-    }
-    for (Eigen::Index m = 1; strokes_.size() > 1 && 5 * m <= 2 * longest; ++m) {
-      add(Kind::turns, without([&](std::size_t, Eigen::Index i) { return i < m; }), 0);
-      list.back().rows = static_cast<int>(m);
-    }
-    Candidate curve;
-    curve.kind = Kind::curve, curve.mask = line_.used;
-    list.push_back(std::move(curve));
-    return list;
-  }
-
-  /// Takes the most significant alternative to the line; false: the line stands.
+  /// Leaves the row out that is furthest off the others' line; false: the line, or a curve, stands.
   bool improve() {
     const Fit line = fit(line_.used, false);
     if (!line.usable || line.freedom < 2) return false;
-    auto list = candidates();
-    for (auto& one : list) {
-      one.probability = probability(line, fit(one.mask, one.kind == Kind::curve));
+    double worst = 1;
+    std::size_t row = 0;
+    for (Eigen::Index r = 0; r < line.residual.size(); ++r) {
+      const double rest = std::max(1e-12, 1 - line.leverage[r]);
+      const double own = line.residual[r] * line.residual[r] / rest;
+      const double t = std::sqrt(own / tested(std::max(0.0, line.squares - own), line.freedom - 1));
+      const double chance =
+          2 * gsl_cdf_tdist_Q(t, line.freedom - 1) * static_cast<double>(line.residual.size());
+      if (chance < worst) worst = chance, row = static_cast<std::size_t>(r);
     }
-    const auto best = std::min_element(list.begin(), list.end(), [](const auto& a, const auto& b) {
-      return a.probability < b.probability;
-    });
-    if (!(best->probability * static_cast<double>(list.size()) < 0.01)) return false;
-    const double curve = list.back().probability;
-    if (best->kind == Kind::curve || (best->kind != Kind::spike && best->kind != Kind::turns &&
-                                      curve < 10 * best->probability)) {
-      line_.curved = true;
-      return false;
-    }
-    line_.used = best->mask;
-    if (best->kind == Kind::spike) line_.spikes.emplace_back(best->stroke, best->row);
-    if (best->kind == Kind::toe) line_.toe_share = std::max(line_.toe_share, best->share);
-    if (best->kind == Kind::top) line_.top_share = std::max(line_.top_share, best->share);
-    if (best->kind == Kind::turns) line_.turn_rows = std::max(line_.turn_rows, best->rows);
+    if (!(worst < 0.01) || curve(line_.used).chance <= worst) return false;
+    const auto [s, i] = line.rows[row];
+    line_.used[s][i] = 0;
     return true;
   }
 
-  /// Loading and unloading lines apart: wires rub, and after a turn they stiffen the strand. The
-  /// first quarter of every stroke goes; what that changes is added to the uncertainty.
   void leave_turns_out() {
     const Fit all = fit(line_.used, false);
-    if (line_.curved || !all.usable || all.freedom < 3) return;
+    if (!all.usable || all.freedom < 3 || curve(line_.used).chance < 0.01) return;
     double up = 0, down = 0, ups = 0, downs = 0, rows_up = 0, rows_down = 0;
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
       if (!std::isfinite(all.offsets[s])) continue;
       const auto rows = std::count(line_.used[s].begin(), line_.used[s].end(), 1);
-      auto& sum = strokes_[s].loading ? up : down;
-      sum += all.offsets[s];
+      (strokes_[s].loading ? up : down) += all.offsets[s];
       (strokes_[s].loading ? ups : downs) += 1;
       (strokes_[s].loading ? rows_up : rows_down) += static_cast<double>(rows);
     }
     if (ups == 0 || downs == 0) return;
     const double apart = up / ups - down / downs;
-    const double std = std::sqrt(variance(all) * (1 / rows_up + 1 / rows_down));
+    const double std =
+        std::sqrt(variance(all.squares, all.freedom) * (1 / rows_up + 1 / rows_down));
     if (!(apart > gsl_cdf_tdist_Qinv(0.005, all.freedom) * std)) return;
     line_.hysteresis_N = 0.5 * apart;
-    const auto [mask, dropped] = without([&](std::size_t s, Eigen::Index i) {
+    Mask mask = line_.used;
+    for (std::size_t s = 0; s < mask.size(); ++s) {
       const auto& x = strokes_[s].x_m;
-      return std::abs(x[i] - x[0]) < 0.27 * std::abs(x[x.size() - 1] - x[0]);
-    });
+      for (std::size_t i = 0; i < mask[s].size(); ++i) {
+        const double way = std::abs(x[static_cast<Eigen::Index>(i)] - x[0]);
+        if (way < 0.27 * std::abs(x[x.size() - 1] - x[0])) mask[s][i] = 0;
+      }
+    }
     const Fit rest = fit(mask, false);
     if (!rest.usable || rest.freedom < 2 || !(rest.slope > 0)) {
       line_.friction_std_N_m = 0.5 * apart / range_;
       return;
     }
     line_.used = mask;
-    line_.turn_rows = std::max(line_.turn_rows, 1);
-    // Against all rows but spikes: what is left of the transient is at most of that size.
-    Mask whole = line_.used;
-    for (auto& stroke : whole) std::fill(stroke.begin(), stroke.end(), 1);
-    for (const auto& [stroke, row] : line_.spikes) whole[stroke][static_cast<std::size_t>(row)] = 0;
-    const Fit with = fit(whole, false);
-    line_.friction_std_N_m =
-        std::max(std::abs(rest.slope - all.slope), std::abs(rest.slope - with.slope));
+    line_.friction_std_N_m = std::abs(rest.slope - all.slope);
   }
 
   void finish() {
     const Fit best = fit(line_.used, false);
     if (!best.usable || best.freedom < 1 || !(best.slope > 0)) return;
-    const double noise2 = variance(best);
+    const double noise2 = variance(best.squares, best.freedom);
     line_.noise_N = std::sqrt(noise2);
     line_.residual_N = std::sqrt(best.squares / best.freedom);
     line_.degrees_of_freedom = best.freedom;
-    // Errors in both coordinates, equal in relation to their ranges: OLS over its correlation.
-    double Sxx = 0, Syy = 0;
     line_.offsets_N = best.offsets;
-    std::vector<double> own;
-    double chi = 0, weights = 0;
+    // Errors in both coordinates, equal in relation to their ranges: OLS over its correlation.
+    double Sxx = 0, Syy = 0, chi = 0, weights = 0;
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
-      double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+      std::vector<Eigen::Index> used;
       for (std::size_t i = 0; i < line_.used[s].size(); ++i) {
-        if (!line_.used[s][i]) continue;
-        const auto k = static_cast<Eigen::Index>(i);
-        n += 1, x += strokes_[s].x_m[k], y += strokes_[s].load_N[k];
+        if (line_.used[s][i]) used.push_back(static_cast<Eigen::Index>(i));
       }
-      if (n > 0) x /= n, y /= n;
-      for (std::size_t i = 0; i < line_.used[s].size(); ++i) {
-        if (!line_.used[s][i]) continue;
-        const auto k = static_cast<Eigen::Index>(i);
-        const double dx = strokes_[s].x_m[k] - x, dy = strokes_[s].load_N[k] - y;
-        xx += dx * dx, xy += dx * dy, yy += dy * dy;
-      }
-      Sxx += xx, Syy += yy;
+      Eigen::ArrayXd x = strokes_[s].x_m(used), y = strokes_[s].load_N(used);
+      if (!used.empty()) x -= x.mean(), y -= y.mean();
+      const double xx = x.square().sum(), xy = (x * y).sum();
+      Sxx += xx, Syy += y.square().sum();
       line_.stroke_slopes.push_back(xx > 0 ? signal::Estimate{xy / xx, std::sqrt(noise2 / xx)}
                                            : signal::Estimate{});
       if (!(xx > 0)) continue;
@@ -299,19 +268,19 @@ class Table {
     line_.slope_std_N_m = std::sqrt(noise2 * best.slope_variance_factor);
     line_.usable = true;
 
-    const Fit parabola = fit(line_.used, true);
-    line_.curvature = parabola.bend;
-    line_.curvature_half = std::numeric_limits<double>::infinity();
-    if (parabola.usable && parabola.freedom >= 1) {
-      line_.curvature_half = gsl_cdf_tdist_Qinv(0.025, parabola.freedom) *
-                             std::sqrt(variance(parabola) * parabola.bend_variance_factor);
-      line_.curved = line_.curved || probability(best, parabola) < 0.01;
+    const Curve bent = curve(line_.used);
+    line_.curvature = bent.bend.value, line_.curvature_half = bent.bend.std;
+    line_.curved = bent.chance < 0.01;
+    // Where on a curve the slope is that of small deflections is not known: rectangular.
+    if (line_.curved) {
+      line_.slope_std_N_m =
+          std::hypot(line_.slope_std_N_m, line_.slope_N_m * line_.curvature / std::sqrt(12.0));
     }
   }
 
   const std::vector<TableStroke>& strokes_;
   double resolution_ = 0, noise_ = 0;
-  double low_ = 0, range_ = 0, load_range_ = 0;
+  double low_ = 0, range_ = 0, least_ = 0, load_range_ = 0;
   TableLine line_;
 };
 

@@ -6,16 +6,15 @@
 // Least squares over all strokes, K common; the noise is what the residuals show on
 // rows - strokes - 1 degrees of freedom, and no less than the resolution of the numbers
 // (half-widths of a last digit, variance r^2 / 12) as long as the residuals do not contradict it.
-// Nothing is left out before an F-test says so: against the line stand
-//   a spike      one row left out
-//   a toe        the rows below some deflection left out
-//   a top        the rows above some deflection left out
-//   turns        the first rows of every stroke left out (wire friction)
-//   a curve      a parabola, the same for all strokes
-// each with as many further parameters as rows left out; the most significant one is taken when its
-// probability times the number of alternatives is under 1 %. A toe or top that a parabola explains
-// as well (within a factor of 10 in probability) counts as a curve. Source: Draper and Smith,
-// Applied Regression Analysis, 6.1 and 8.
+// Rows off a robust line (Theil and Sen) that three quarters share, a stop or a toe, are left out
+// where the others are straight. Two things then stand against the line: one row that lies off the
+// line through all others (its deleted studentised residual, times the number of rows), and a
+// parabola that all strokes share (F-test; of the load over the deflection, and of the deflection
+// over the load, which shows a stop). The more probable one is taken while it has a probability
+// under 1 %: the row is left out, or the table is curved; more than one row in four left out are no
+// line. Source: Draper and Smith, Applied Regression Analysis, 6.1 and 8. Loading and unloading
+// that lie apart show wire friction, which stiffens the strand after every turn: the first quarter
+// of every stroke then goes, and what that changes is uncertainty.
 #pragma once
 
 #include <Eigen/Core>
@@ -41,13 +40,10 @@ struct TableLine {
   double noise_N = 0;                   ///< standard deviation about the line, as used
   double residual_N = 0;                ///< as the residuals show it
   bool strokes_differ = false;          ///< slopes of strokes, at 5 %
-
-  std::vector<std::pair<std::size_t, Eigen::Index>> spikes;  ///< stroke, row
-  double toe_share = 0, top_share = 0;                       ///< of the travel, left out
-  int turn_rows = 0;            ///< left out at the beginning of every stroke
-  double friction_std_N_m = 0;  ///< of K, included: what leaving the turns out changes
-  double hysteresis_N = 0;      ///< half the distance of loading and unloading; 0: none seen
-
+  int left_out = 0;                     ///< rows off the line
+  bool too_many_off = false;            ///< more of them than one in four: there is no line
+  double friction_std_N_m = 0;          ///< of K, included: what leaving the turns out changes
+  double hysteresis_N = 0;    ///< half the distance of loading and unloading; 0: none seen
   bool curved = false;        ///< a parabola explains it significantly better
   double curvature = 0;       ///< relative change of slope over the range, of the rows used
   double curvature_half = 0;  ///< half-width of its 95 % interval; infinite: cannot be told

@@ -29,6 +29,9 @@ struct StiffnessPoint {
   double tension_std_N = 0;
 };
 
+/// Standard deviation of a point without what it shares with others; NaN: not known.
+[[nodiscard]] double own_std(const StiffnessPoint& point);
+
 struct StiffnessLawOptions {
   std::vector<LawKind> laws{LawKind::linear, LawKind::square_root, LawKind::power,
                             LawKind::saturating};
@@ -52,10 +55,7 @@ struct FittedLaw {
   LawKind kind = LawKind::linear;
   std::string formula;  ///< with numbers
   std::vector<LawParameter> parameters;
-  Eigen::MatrixXd covariance;  ///< of the free parameters in their order
-  /// Change of the free parameters where all points belong to a tension one standard uncertainty
-  /// off; part of the covariance. Empty: the points' tensions are taken as they are.
-  Eigen::VectorXd by_tension;
+  Eigen::MatrixXd covariance;      ///< of the free parameters in their order
   double reference_tension_N = 1;  ///< T0 of the power law
   bool converged = false;
   std::string message;     ///< when it has not, or a parameter is not determined

@@ -20,15 +20,6 @@ using signal::kNaN;
 constexpr double kNormal95 = 1.959964;
 constexpr const char* kByTension = "EI(T), tension within the bending tests";
 
-/// Standard deviation of a point without what it shares with others; NaN: not known.
-double own_std(const StiffnessPoint& point) {
-  const double whole = std::isfinite(point.low) && std::isfinite(point.high)
-                           ? (point.high - point.low) / (2 * kNormal95)
-                           : point.std;
-  const double shared = point.shared_relative_std * point.EI_Nm2;
-  return std::sqrt(std::max(whole * whole - shared * shared, 0.0));
-}
-
 bool has_covariance(const FittedLaw& law) {
   return law.covariance.size() > 0 && law.covariance.allFinite();
 }
@@ -257,16 +248,7 @@ std::vector<StiffnessTerm> StiffnessCurve::uncertainty(std::span<const double> t
       }
       if (source_ == StiffnessSource::law && k > 0) continue;
       const double scale = std::sqrt(weight) * law.coverage_factor / kNormal95;
-      Eigen::MatrixXd own = law.covariance;
-      if (law.by_tension.size() > 0) {
-        own -= law.by_tension * law.by_tension.transpose();
-        const std::string which =
-            weights_.size() > 1 ? fmt::format(", {} law", name_of(law.kind)) : "";
-        add(kByTension + which, each([&](double T) {
-              return std::sqrt(weight) * law_gradient(law, clamped(T)).dot(law.by_tension);
-            }));
-      }
-      const Eigen::MatrixXd factor = own.llt().matrixL();
+      const Eigen::MatrixXd factor = law.covariance.llt().matrixL();
       for (Eigen::Index j = 0; j < factor.cols(); ++j) {
         add(fmt::format("EI(T), {} law, term {}", name_of(law.kind), j + 1), each([&](double T) {
               return scale * law_gradient(law, clamped(T)).dot(factor.col(j));

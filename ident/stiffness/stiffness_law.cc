@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "ident/statistics/uncertainty.h"
-#include "ident/stiffness/law_choice.h"
 #include "ident/stiffness/tension_spread.h"
 #include "signal/numerics/numbers.h"
 
@@ -44,41 +43,38 @@ double evaluate(LawKind kind, double T, double T0, const double* p, Gradient& gr
   return kNaN;
 }
 
-struct Weights {
-  double below = 1, above = 1;  // one standard deviation of the point to either side
-};
-
 struct Data {
   std::vector<StiffnessPoint> points;
-  std::vector<Weights> weights;
-  Eigen::VectorXd by_tension;  // change of EI by the spread of tension, part of the weights
+  Eigen::VectorXd sigma;   // of each point by itself
+  Eigen::VectorXd change;  // of EI by one standard uncertainty of where the tests' tension lies
   double reference_tension = 1;
-  bool weighted = false;
+  bool weighted = true;
 };
 
+// Points, then where the tension lies within the tests, a standard normal of all together.
 class LawCost : public ceres::CostFunction {
  public:
   LawCost(LawKind kind, const Data& data, int parameters) : kind_(kind), data_(data) {
-    set_num_residuals(static_cast<int>(data.points.size()));
-    mutable_parameter_block_sizes()->push_back(parameters);
+    set_num_residuals(static_cast<int>(data.points.size()) + 1);
+    *mutable_parameter_block_sizes() = {parameters, 1};
   }
-  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    const int parameters = parameter_block_sizes()[0];
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const Eigen::Index n = data_.sigma.size(), p = parameter_block_sizes()[0];
     Gradient gradient;
-    for (std::size_t i = 0; i < data_.points.size(); ++i) {
-      const auto& point = data_.points[i];
-      const double EI =
-          evaluate(kind_, point.tension_N, data_.reference_tension, blocks[0], gradient);
-      const double difference = EI - point.EI_Nm2;
-      const double sigma = difference > 0 ? data_.weights[i].above : data_.weights[i].below;
-      residuals[i] = difference / sigma;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto& point = data_.points[static_cast<std::size_t>(i)];
+      const double EI = evaluate(kind_, point.tension_N, data_.reference_tension, x[0], gradient);
+      residuals[i] = (EI + data_.change[i] * x[1][0] - point.EI_Nm2) / data_.sigma[i];
       if (!std::isfinite(residuals[i])) return false;
-      if (jacobians != nullptr && jacobians[0] != nullptr) {
-        for (int j = 0; j < parameters; ++j) {
-          jacobians[0][static_cast<int>(i) * parameters + j] = gradient[j] / sigma;
-        }
+      if (!jacobians) continue;
+      for (Eigen::Index j = 0; jacobians[0] && j < p; ++j) {
+        jacobians[0][i * p + j] = gradient[j] / data_.sigma[i];
       }
+      if (jacobians[1]) jacobians[1][i] = data_.change[i] / data_.sigma[i];
     }
+    residuals[n] = x[1][0];
+    if (jacobians && jacobians[0]) std::fill_n(jacobians[0] + n * p, p, 0.0);
+    if (jacobians && jacobians[1]) jacobians[1][n] = 1;
     return true;
   }
 
@@ -90,43 +86,27 @@ class LawCost : public ceres::CostFunction {
 Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOptions& options) {
   Data data;
   data.points = points;
-  data.weighted = true;
+  const auto n = static_cast<Eigen::Index>(points.size());
+  data.sigma.resize(n), data.change = Eigen::VectorXd::Zero(n);
   double log_sum = 0;
-  for (const auto& point : points) {
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& point = points[static_cast<std::size_t>(i)];
     if (!(std::isfinite(point.tension_N) && point.tension_N > 0 && std::isfinite(point.EI_Nm2) &&
           point.EI_Nm2 > 0)) {
       throw std::invalid_argument("stiffness law: tension and EI of every point must be positive");
     }
     log_sum += std::log(point.tension_N);
-    Weights weights;
-    // What the points share is no weight between them.
-    const double shared = std::min(0.999 * point.std, point.shared_relative_std * point.EI_Nm2);
-    const double own = shared > 0 ? std::sqrt(1 - std::pow(shared / point.std, 2)) : 1;
-    if (point.low < point.EI_Nm2 && point.EI_Nm2 < point.high) {
-      weights.below = own * (point.EI_Nm2 - point.low) / 1.959964;
-      weights.above = own * (point.high - point.EI_Nm2) / 1.959964;
-    } else if (std::isfinite(point.std) && point.std > 0) {
-      weights.below = weights.above = own * point.std;
-    } else if (options.assumed_relative_std > 0) {
-      weights.below = weights.above = options.assumed_relative_std * point.EI_Nm2;
-    } else {
-      data.weighted = false;
-    }
-    data.weights.push_back(weights);
+    const double own = own_std(point);
+    data.sigma[i] = own > 0 ? own : options.assumed_relative_std * point.EI_Nm2;
+    data.weighted &= data.sigma[i] > 0;
   }
-  data.reference_tension = std::exp(log_sum / static_cast<double>(points.size()));
-  data.by_tension = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(points.size()));
+  data.reference_tension = std::exp(log_sum / static_cast<double>(n));
   if (data.weighted) {
     const auto change = change_by_tension(points);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      data.by_tension[static_cast<Eigen::Index>(i)] = change[i];
-      data.weights[i].below = std::hypot(data.weights[i].below, change[i]);
-      data.weights[i].above = std::hypot(data.weights[i].above, change[i]);
-    }
-  }
-  if (!data.weighted) {  // one without an interval: none can be compared, all by their value
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      data.weights[i].below = data.weights[i].above = points[i].EI_Nm2;
+    data.change = Eigen::Map<const Eigen::VectorXd>(change.data(), n);
+  } else {  // one without an interval: none can be compared, all by their value
+    for (Eigen::Index i = 0; i < n; ++i) {
+      data.sigma[i] = points[static_cast<std::size_t>(i)].EI_Nm2;
     }
   }
   return data;
@@ -158,22 +138,12 @@ std::vector<std::vector<double>> starts(LawKind kind, const Data& data,
   Eigen::VectorXd y(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& point = data.points[static_cast<std::size_t>(i)];
-    const double w = 1 / point.EI_Nm2;
-    switch (kind) {
-      case LawKind::linear:
-      case LawKind::saturating:
-        A.row(i) << w, w * point.tension_N;
-        y[i] = w * point.EI_Nm2;
-        break;
-      case LawKind::square_root:
-        A.row(i) << w, w * std::sqrt(point.tension_N);
-        y[i] = w * point.EI_Nm2;
-        break;
-      case LawKind::power:
-        A.row(i) << 1, std::log(point.tension_N / data.reference_tension);
-        y[i] = std::log(point.EI_Nm2);
-        break;
-    }
+    const double T = point.tension_N, w = 1 / point.EI_Nm2;
+    A.row(i) << w, w * (kind == LawKind::square_root ? std::sqrt(T) : T);
+    y[i] = 1;
+    if (kind != LawKind::power) continue;
+    A.row(i) << 1, std::log(T / data.reference_tension);
+    y[i] = std::log(point.EI_Nm2);
   }
   const Eigen::Vector2d line = A.colPivHouseholderQr().solve(y);
   if (kind == LawKind::power) return {{std::exp(line[0]), line[1]}};
@@ -242,7 +212,8 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   std::vector<double> best;
   for (auto start : starts(kind, data, options)) {
     ceres::Problem problem;
-    problem.AddResidualBlock(new LawCost(kind, data, size), nullptr, start.data());
+    double place = 0;
+    problem.AddResidualBlock(new LawCost(kind, data, size), nullptr, start.data(), &place);
     if (!fixed.empty()) {
       problem.SetManifold(start.data(), new ceres::SubsetManifold(size, fixed));
     }
@@ -273,22 +244,18 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
 
   const auto n = static_cast<Eigen::Index>(data.points.size());
   const auto p = static_cast<Eigen::Index>(free.size());
-  Eigen::MatrixXd jacobian(n, p);
-  Eigen::VectorXd sigmas(n);
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n + 1, p + 1);
   Gradient gradient;
   double squares = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const auto& point = data.points[k];
+    const auto& point = data.points[static_cast<std::size_t>(i)];
     const double EI =
         evaluate(kind, point.tension_N, data.reference_tension, best.data(), gradient);
-    const double sigma = EI > point.EI_Nm2 ? data.weights[k].above : data.weights[k].below;
-    sigmas[i] = sigma;
-    for (Eigen::Index j = 0; j < p; ++j) {
-      jacobian(i, j) = gradient[free[static_cast<std::size_t>(j)]] / sigma;
-    }
+    jacobian.row(i).head(p) = gradient(free).transpose() / data.sigma[i];
+    jacobian(i, p) = data.change[i] / data.sigma[i];
     squares += std::pow(EI / point.EI_Nm2 - 1, 2);
   }
+  jacobian(n, p) = 1;
   law.chi_squared = 2 * best_cost;
   law.degrees_of_freedom = static_cast<double>(n - p);
   law.rms_relative_error = std::sqrt(squares / static_cast<double>(n));
@@ -297,22 +264,18 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   // points than would show the scatter are left as they are.
   const double reduced =
       law.degrees_of_freedom > 0 ? law.chi_squared / law.degrees_of_freedom : kNaN;
-  double variance = 1;
-  if (!data.weighted) {
-    variance = reduced;
-  } else if (reduced > 1) {
-    variance = reduced;
-  }
+  const double variance = data.weighted && !(reduced > 1) ? 1 : reduced;
   const bool from_scatter = !data.weighted || variance > 1;
   law.coverage_factor = coverage_factor(0.95, from_scatter ? law.degrees_of_freedom : 0);
 
   std::vector<std::string> names;
-  Eigen::VectorXd scales(p);
+  Eigen::VectorXd scales = Eigen::VectorXd::Constant(p + 1, 10);  // a prior of 1 is no open end
   for (Eigen::Index j = 0; j < p; ++j) {
     const auto k = static_cast<std::size_t>(free[static_cast<std::size_t>(j)]);
     names.push_back(law.parameters[k].name);
     scales[j] = std::max(std::abs(best[k]), 1e-12);
   }
+  names.emplace_back("tension");
   for (std::size_t j = 0; j < law.parameters.size(); ++j) law.parameters[j].value = best[j];
   law.covariance = Eigen::MatrixXd::Constant(p, p, kNaN);
   if (std::isfinite(variance)) {
@@ -322,17 +285,10 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
     const auto known =
         identifiability(jacobian, scales, names,
                         {.max_relative_std = limit, .variance_factor = std::max(variance, 1e-300)});
-    law.covariance = known.covariance;
-    Eigen::VectorXd std = known.std;
-    if (law.covariance.allFinite() && !data.by_tension.isZero(0)) {
-      const auto effect =
-          abscissa_effect(known.covariance, variance, jacobian, sigmas, data.by_tension);
-      law.by_tension = effect.by_tension, law.covariance = effect.covariance;
-      std = effect.covariance.diagonal().cwiseSqrt();
-    }
+    law.covariance = known.covariance.topLeftCorner(p, p);
     for (Eigen::Index j = 0; j < p; ++j) {
-      const auto k = static_cast<std::size_t>(free[static_cast<std::size_t>(j)]);
-      law.parameters[k].std = std[j];
+      law.parameters[static_cast<std::size_t>(free[static_cast<std::size_t>(j)])].std =
+          known.std[j];
     }
     for (const auto& open : known.open) {
       law.message += (law.message.empty() ? "" : "; ") + open.message;
@@ -347,9 +303,9 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   law.formula = formula_of(law);
 
   double mean_relative = 0;
-  for (std::size_t i = 0; i < data.points.size(); ++i) {
-    const double sigma = 0.5 * (data.weights[i].below + data.weights[i].above);
-    mean_relative += std::pow(sigma / data.points[i].EI_Nm2, 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double EI = data.points[static_cast<std::size_t>(i)].EI_Nm2;
+    mean_relative += (std::pow(data.sigma[i], 2) + std::pow(data.change[i], 2)) / (EI * EI);
   }
   law.scatter_relative_std = std::sqrt(mean_relative / static_cast<double>(n) * variance);
 
@@ -399,6 +355,72 @@ double evaluate(const FittedLaw& law, double tension_N, Eigen::VectorXd& by) {
   return EI;
 }
 
+std::string list_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
+  }
+  return text;
+}
+
+// Orders the laws, best first, and sets their Akaike weights, `decided` and `sentence`. `left_out`:
+// names of laws with more parameters than points.
+void rank_laws(StiffnessLaws& result, std::size_t points,
+               const std::vector<std::string>& left_out) {
+  auto& laws = result.laws;
+  std::stable_sort(laws.begin(), laws.end(), [](const FittedLaw& a, const FittedLaw& b) {
+    const bool first = std::isfinite(a.aicc), second = std::isfinite(b.aicc);
+    if (first != second) return first;
+    return first ? a.aicc < b.aicc : a.rms_relative_error < b.rms_relative_error;
+  });
+  double total = 0;
+  for (const auto& law : laws) {
+    if (std::isfinite(law.aicc)) total += std::exp(-0.5 * (law.aicc - laws[0].aicc));
+  }
+  std::vector<std::string> ranked, close, unranked;
+  for (auto& law : laws) {
+    if (std::isfinite(law.aicc)) {
+      law.akaike_weight = std::exp(-0.5 * (law.aicc - laws[0].aicc)) / total;
+      ranked.push_back(name_of(law.kind));
+      if (law.aicc - laws[0].aicc < 2) close.push_back(name_of(law.kind));
+    } else {
+      unranked.push_back(name_of(law.kind));
+    }
+  }
+  if (laws.empty()) {
+    result.sentence = fmt::format("{} points are too few for any law.", points);
+    return;
+  }
+  if (ranked.size() < 2) {
+    // One that could be ranked among several that could not says nothing about the choice.
+    std::stable_sort(laws.begin(), laws.end(), [](const FittedLaw& x, const FittedLaw& y) {
+      return x.rms_relative_error < y.rms_relative_error;
+    });
+    if (laws.size() > 1) {
+      for (auto& law : laws) law.akaike_weight = kNaN;
+    }
+    result.sentence = fmt::format(
+        "{} points{} are too few to choose between the laws (AICc needs more); they are listed by "
+        "their misfit, which always favours the law with the most parameters.",
+        points, result.weighted ? "" : " without stated uncertainty");
+  } else if (close.size() > 1) {
+    result.sentence =
+        fmt::format("The points cannot choose between {}: their AICc lie within 2 of each other.",
+                    list_of(close));
+  } else {
+    result.decided = true;
+    result.sentence = fmt::format("The points favour the {} law (AICc lower by {:.1f} than {}).",
+                                  ranked[0], laws[1].aicc - laws[0].aicc, ranked[1]);
+  }
+  if (ranked.size() > 1 && !unranked.empty()) {
+    result.sentence += fmt::format(" Too few points to rank {}.", list_of(unranked));
+  }
+  if (!left_out.empty()) {
+    result.sentence +=
+        fmt::format(" Left out, with more parameters than points: {}.", list_of(left_out));
+  }
+}
+
 }  // namespace
 
 Eigen::VectorXd law_gradient(const FittedLaw& law, double tension_N) {
@@ -412,18 +434,12 @@ StiffnessPrediction predict(const FittedLaw& law, double tension_N) {
   Eigen::VectorXd by;
   prediction.EI_Nm2 = evaluate(law, tension_N, by);
   const double own = law.covariance.rows() == by.size() ? by.dot(law.covariance * by) : kNaN;
-  // The spread of tension is no estimate from the scatter: 1.96 of it, not Student's factor.
-  const double tension = law.by_tension.size() == by.size() ? by.dot(law.by_tension) : 0;
   const double common = law.common_relative_std * prediction.EI_Nm2;
   const double scatter = law.scatter_relative_std * prediction.EI_Nm2;
   prediction.std = std::sqrt(own + common * common);
-  const double rest =
-      (own > tension * tension ? own - tension * tension : 0 * own) + common * common;
-  const double half = std::hypot(law.coverage_factor * std::sqrt(rest), 1.959964 * tension);
-  const double test_half =
-      std::hypot(law.coverage_factor * std::sqrt(rest + scatter * scatter), 1.959964 * tension);
-  prediction.low = prediction.EI_Nm2 - half;
-  prediction.high = prediction.EI_Nm2 + half;
+  const double half = law.coverage_factor * prediction.std;
+  const double test_half = law.coverage_factor * std::hypot(prediction.std, scatter);
+  prediction.low = prediction.EI_Nm2 - half, prediction.high = prediction.EI_Nm2 + half;
   prediction.test_low = prediction.EI_Nm2 - test_half;
   prediction.test_high = prediction.EI_Nm2 + test_half;
   return prediction;

@@ -6,12 +6,12 @@
 //   saturating   EI = EImin + (EImax - EImin) T / (T + Th): free slip at rest, no slip at T >> Th;
 //                EImin and EImax are fixed where the strand's geometry gives them, else fitted
 //
-// Weighted least squares (Ceres, analytic derivatives). A point's weight comes from its 95 %
-// interval, each side by itself, and the spread of tension within its test; without intervals all
-// points are taken as equally good relative to their value and the scatter itself gives the
-// variance. Ranking: AICc (Burnham and Anderson, Model Selection and Multimodel Inference,
-// 2002, 2.4), chi^2 + 2 k + 2 k (k + 1) / (n - k - 1) with known weights, n ln(RSS / n) + ... with
-// one parameter more without.
+// Weighted least squares (Ceres, analytic derivatives) by the points' own standard deviations;
+// where in their tests the tension lies that EI belongs to is one more parameter, common to all
+// points, with a prior (tension_spread.h). Without intervals all points are taken as equally good
+// relative to their value and the scatter itself gives the variance. Ranking: AICc (Burnham and
+// Anderson, Model Selection and Multimodel Inference, 2002, 2.4), chi^2 + 2 k + 2 k (k + 1) / (n -
+// k - 1) with known weights, n ln(RSS / n) + ... with one parameter more without.
 #pragma once
 
 #include <Eigen/Core>

@@ -39,19 +39,12 @@ std::vector<double> change_by_tension(const std::vector<StiffnessPoint>& points)
   return change;
 }
 
-AbscissaEffect abscissa_effect(const Eigen::Ref<const Eigen::MatrixXd>& covariance,
-                               double variance_factor,
-                               const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
-                               const Eigen::Ref<const Eigen::VectorXd>& sigma,
-                               const Eigen::Ref<const Eigen::VectorXd>& change) {
-  const Eigen::VectorXd relative = change.cwiseQuotient(sigma);
-  const Eigen::MatrixXd A = covariance / variance_factor * jacobian.transpose();
-  const Eigen::VectorXd own = variance_factor * (1 - relative.array().square());
-  AbscissaEffect effect;
-  effect.by_tension = A * relative;
-  effect.covariance = A * own.asDiagonal() * A.transpose();
-  effect.covariance += effect.by_tension * effect.by_tension.transpose();
-  return effect;
+double own_std(const StiffnessPoint& point) {
+  const double whole = std::isfinite(point.low) && std::isfinite(point.high)
+                           ? (point.high - point.low) / (2 * 1.959964)
+                           : point.std;
+  const double shared = point.shared_relative_std * point.EI_Nm2;
+  return std::sqrt(std::max(whole * whole - shared * shared, 1e-6 * whole * whole));
 }
 
 }  // namespace rigfit::ident

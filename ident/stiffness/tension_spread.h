@@ -5,11 +5,10 @@
 // that EI belongs to some tension between the lowest and the highest of the test. About the mean
 // tension Tm, where a test states its EI, that is a rectangular distribution (GUM 4.3.7):
 //   u_T^2 = (T_low + T_high - 2 Tm)^2 / 4 + (T_high - T_low)^2 / 12
-// In a fit of EI(T) it counts as an uncertainty of the abscissa (effective variance, Orear, Am. J.
-// Phys. 50 (1982) 912; York, Can. J. Phys. 44 (1966) 1079): a weight is
-// 1 / (u_EI^2 + (dEI/dT u_T)^2), with dEI/dT by the power law through the points, one for all laws,
-// so that their chi-squares compare. Which of the two it is holds for all tests of a cable: u_T
-// shifts them together, and repeats do not average it.
+// Which of the two it is holds for all tests of a cable: in a fit of EI(T) it is one standard
+// normal parameter that moves the EI of all points together by d EI / dT u_T, with dEI/dT by the
+// power law through the points, one for all laws, so that their chi-squares compare. Repeats do not
+// average it.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,20 +26,5 @@ namespace rigfit::ident {
 /// Change of each point's EI, N m2, by its `tension_std_N`: d EI / d T times it. Zero where the
 /// tensions lie within 5 % of each other: dEI/dT is not known.
 [[nodiscard]] std::vector<double> change_by_tension(const std::vector<StiffnessPoint>& points);
-
-/// Covariance and change by the shared abscissa of a weighted fit.
-struct AbscissaEffect {
-  Eigen::MatrixXd covariance;  ///< of the parameters, abscissa included
-  Eigen::VectorXd by_tension;  ///< change of the parameters by one standard uncertainty
-};
-
-/// `covariance` (J'J)^-1 times `variance_factor`, `jacobian` of residuals over the effective
-/// standard deviations `sigma`, `change` of the points by the abscissa:
-///   A = (J'J)^-1 J' / sigma,  b = A change,  covariance = A (sigma^2 - change^2) A' + b b'
-[[nodiscard]] AbscissaEffect abscissa_effect(const Eigen::Ref<const Eigen::MatrixXd>& covariance,
-                                             double variance_factor,
-                                             const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
-                                             const Eigen::Ref<const Eigen::VectorXd>& sigma,
-                                             const Eigen::Ref<const Eigen::VectorXd>& change);
 
 }  // namespace rigfit::ident

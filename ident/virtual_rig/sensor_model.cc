@@ -35,6 +35,17 @@ Eigen::VectorXd recorded(const Eigen::Ref<const Eigen::VectorXd>& signal,
   return out;
 }
 
+signal::Channel virtual_channel(std::string name, const char* unit, signal::Quantity quantity,
+                                Eigen::VectorXd samples, const Eigen::Vector3d& direction) {
+  signal::Channel channel;
+  channel.name = std::move(name);
+  channel.unit = channel.source_unit = unit;
+  channel.quantity = quantity;
+  channel.direction = {direction.x(), direction.y(), direction.z()};
+  channel.samples = std::move(samples);
+  return channel;
+}
+
 Random random_stream(std::uint64_t seed, std::uint64_t stream) {
   std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
                          static_cast<std::uint32_t>(stream),

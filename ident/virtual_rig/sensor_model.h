@@ -9,6 +9,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <random>
+#include <string>
+
+#include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 
@@ -22,6 +25,39 @@ struct SensorModel {
   int bits = 0;                       ///< of the converter over 2 full_scale; 0: not quantised
 };
 
+/// The instruments of the paper's rig. Ranges and noise are those of the classes of instruments
+/// named (data sheets round them so): a hammer of about 2 mV/N into a 24-bit converter of +-10 V,
+/// accelerometers of 100 mV/g with 1 % to 5 % transverse sensitivity, a 500 N tension cell and a
+/// 50 N load cell on 16-bit converters, an LVDT of +-25 mm.
+struct VirtualInstruments {
+  SensorModel hammer{.noise_std = 0.02, .offset_std = 0.05, .full_scale = 4400, .bits = 24};  ///< N
+  SensorModel accelerometer{.noise_std = 3e-3,
+                            .offset_std = 0.02,
+                            .drift_per_s = 1e-3,
+                            .random_walk_per_root_s = 1e-3,
+                            .transverse_sensitivity = 0.03,
+                            .full_scale = 690,
+                            .bits = 24};  ///< m/s^2
+  SensorModel tension_cell{.noise_std = 0.05,
+                           .offset_std = 0.1,
+                           .drift_per_s = 1e-4,
+                           .random_walk_per_root_s = 1e-3,
+                           .full_scale = 500,
+                           .bits = 16};  ///< N
+  SensorModel load_cell{.noise_std = 0.005,
+                        .offset_std = 0.02,
+                        .drift_per_s = 1e-4,
+                        .random_walk_per_root_s = 5e-4,
+                        .full_scale = 50,
+                        .bits = 16};  ///< N
+  SensorModel lvdt{.noise_std = 2e-6,
+                   .offset_std = 5e-5,
+                   .drift_per_s = 1e-8,
+                   .random_walk_per_root_s = 1e-7,
+                   .full_scale = 0.025,
+                   .bits = 16};  ///< m
+};
+
 /// Seeded random numbers that are the same on every run.
 using Random = std::mt19937_64;
 
@@ -31,6 +67,11 @@ using Random = std::mt19937_64;
 [[nodiscard]] Eigen::VectorXd recorded(const Eigen::Ref<const Eigen::VectorXd>& signal,
                                        const Eigen::Ref<const Eigen::VectorXd>& transverse,
                                        double dt_s, const SensorModel& sensor, Random& random);
+
+/// A channel of a virtual recording.
+[[nodiscard]] signal::Channel virtual_channel(std::string name, const char* unit,
+                                              signal::Quantity quantity, Eigen::VectorXd samples,
+                                              const Eigen::Vector3d& direction = {0, 0, 0});
 
 /// A generator for one part of a laboratory, independent of the others for the same seed.
 [[nodiscard]] Random random_stream(std::uint64_t seed, std::uint64_t stream);

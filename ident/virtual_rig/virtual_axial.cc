@@ -94,12 +94,9 @@ signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& ran
   signal::Recording recording;
   recording.format = "synthetic";
   recording.sample_rate_hz = test.sample_rate_hz;
-  signal::Channel channel;
-  channel.name = "tension";
-  channel.unit = channel.source_unit = "N";
-  channel.quantity = signal::Quantity::force;
-  channel.samples = recorded(tension, Eigen::VectorXd(), dt, test.load_cell, random);
-  recording.channels.push_back(std::move(channel));
+  recording.channels.push_back(
+      virtual_channel("tension", "N", signal::Quantity::force,
+                      recorded(tension, Eigen::VectorXd(), dt, test.load_cell, random)));
   return recording;
 }
 

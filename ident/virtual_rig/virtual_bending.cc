@@ -62,12 +62,8 @@ signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random&
   recording.sample_rate_hz = test.sample_rate_hz;
   const auto add = [&](const char* name, const char* unit, signal::Quantity quantity, int column,
                        const SensorModel& sensor) {
-    signal::Channel channel;
-    channel.name = name;
-    channel.unit = channel.source_unit = unit;
-    channel.quantity = quantity;
-    channel.samples = recorded(truth.col(column), Eigen::VectorXd(), dt, sensor, random);
-    recording.channels.push_back(std::move(channel));
+    recording.channels.push_back(virtual_channel(
+        name, unit, quantity, recorded(truth.col(column), Eigen::VectorXd(), dt, sensor, random)));
   };
   add("tension", "N", signal::Quantity::force, 0, test.tension_cell);
   add("load", "N", signal::Quantity::force, 1, test.load_cell);

@@ -87,17 +87,6 @@ Eigen::VectorXd hammer_force(const std::vector<model::Load>& loads, const Eigen:
   return force;
 }
 
-signal::Channel channel(std::string name, const char* unit, signal::Quantity quantity,
-                        const Eigen::Vector3d& direction, Eigen::VectorXd samples) {
-  signal::Channel result;
-  result.name = std::move(name);
-  result.unit = result.source_unit = unit;
-  result.quantity = quantity;
-  result.direction = {direction.x(), direction.y(), direction.z()};
-  result.samples = std::move(samples);
-  return result;
-}
-
 class Laboratory {
  public:
   Laboratory(const model::Scene& scene, const VirtualRigOptions& options, const Simulate& simulate,
@@ -166,9 +155,10 @@ class Laboratory {
     if (hammer) {
       const Eigen::VectorXd force = decimated(
           hammer_force(scene_.loads, hammer->direction, 1 / rate, response.rows()), oversampled);
-      recording.channels.push_back(
-          channel("force", "N", signal::Quantity::force, hammer->direction,
-                  recorded(force, Eigen::VectorXd(), dt, options_.instruments.hammer, random)));
+      recording.channels.push_back(virtual_channel(
+          "force", "N", signal::Quantity::force,
+          recorded(force, Eigen::VectorXd(), dt, options_.instruments.hammer, random),
+          hammer->direction));
     }
     for (std::size_t i = 0; i < sensors_.size(); ++i) {
       const auto column = static_cast<Eigen::Index>(2 * i);
@@ -180,29 +170,22 @@ class Laboratory {
   void add_sensor(signal::Recording& recording, const model::Sensor& sensor,
                   const Eigen::VectorXd& along, const Eigen::VectorXd& across,
                   Random& random) const {
-    const double dt = 1 / options_.sample_rate_hz;
+    using Quantity = model::Sensor::Quantity;
     const auto& instruments = options_.instruments;
-    switch (sensor.quantity) {
-      case model::Sensor::Quantity::acceleration:
-        recording.channels.push_back(
-            channel(sensor.name, "m/s^2", signal::Quantity::acceleration, sensor.direction,
-                    recorded(along, across, dt, instruments.accelerometer, random)));
-        return;
-      case model::Sensor::Quantity::force:
-        recording.channels.push_back(
-            channel(sensor.name, "N", signal::Quantity::force, sensor.direction,
-                    recorded(along, Eigen::VectorXd(), dt, instruments.tension_cell, random)));
-        return;
-      case model::Sensor::Quantity::displacement:
-        recording.channels.push_back(
-            channel(sensor.name, "m", signal::Quantity::displacement, sensor.direction,
-                    recorded(along, Eigen::VectorXd(), dt, instruments.lvdt, random)));
-        return;
-      case model::Sensor::Quantity::velocity:
-        recording.channels.push_back(
-            channel(sensor.name, "m/s", signal::Quantity::velocity, sensor.direction, along));
-        return;
+    const SensorModel* sees = nullptr;
+    const char* unit = "m/s";
+    auto quantity = signal::Quantity::velocity;
+    if (sensor.quantity == Quantity::acceleration) {
+      sees = &instruments.accelerometer, unit = "m/s^2", quantity = signal::Quantity::acceleration;
+    } else if (sensor.quantity == Quantity::force) {
+      sees = &instruments.tension_cell, unit = "N", quantity = signal::Quantity::force;
+    } else if (sensor.quantity == Quantity::displacement) {
+      sees = &instruments.lvdt, unit = "m", quantity = signal::Quantity::displacement;
     }
+    recording.channels.push_back(virtual_channel(
+        sensor.name, unit, quantity,
+        sees ? recorded(along, across, 1 / options_.sample_rate_hz, *sees, random) : along,
+        sensor.direction));
   }
 
   model::Scene scene_;

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/virtual_rig/virtual_laboratory.h"
+#include "ident/virtual_rig/sensor_model.h"
 #include "model/scene/scene.h"
 #include "signal/recording/recording.h"
 

@@ -112,13 +112,11 @@ void axial_EA(benchmark::State& state) {
       decays.push_back({"tap", length, {hz, 1e-4 * hz}, {kDamping, 1e-3 * kDamping}});
     }
   }
-  AxialOptions options;
-  options.draws = static_cast<int>(state.range(0));
   AxialTestResult found;
-  for (auto _ : state) found = axial_test(decays, axial_setup(), options);
+  for (auto _ : state) found = identify_axial(decays, axial_setup());
   count(state, found.EA_N, kEA);
 }
-BENCHMARK(axial_EA)->ArgName("draws")->Arg(0)->Arg(4000)->Arg(20000)->Unit(benchmark::kMicrosecond);
+BENCHMARK(axial_EA)->Unit(benchmark::kMicrosecond);
 
 /// From fifteen records of the load cell on.
 void axial_records(benchmark::State& state) {
@@ -138,7 +136,7 @@ void axial_records(benchmark::State& state) {
       decays.push_back(
           {"tap", length, decay.modes[0].damped_frequency_hz, decay.modes[0].damping_ratio});
     }
-    found = axial_test(decays, axial_setup());
+    found = identify_axial(decays, axial_setup());
   }
   count(state, found.EA_N, kEA);
   state.counters["damping_error"] = std::abs(found.damping_ratio.value / kDamping - 1);

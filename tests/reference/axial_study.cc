@@ -18,7 +18,6 @@ AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned se
     inputs.setup.mass_kg = {study.rig.mass_kg, study.mass_std_kg};
     inputs.setup.mass_per_length_kg_m = {study.rig.mass_per_length_kg_m, study.per_length_std};
     inputs.setup.length_std_m = study.length_std_m;
-    inputs.options.draws = 0;
     if (study.with_band) inputs.band_low_hz = 20, inputs.band_high_hz = 100;
     AxialRig rig = study.rig;
     if (study.frame_told_relative_std > 0) {

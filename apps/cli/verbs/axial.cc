@@ -80,7 +80,7 @@ Json axial_result(const AxialCommand& command, std::vector<signal::Recording> re
   auto& setup = inputs.setup;
   setup.mass_kg = {command.mass, command.mass_std};
   setup.mass_per_length_kg_m = {command.mass_per_length, command.mass_per_length_std};
-  setup.length_std_m = command.length_std;
+  if (command.length_std >= 0) setup.length_std_m = command.length_std;
   setup.adapter_stiffness_N_m = {command.adapter, command.adapter_std};
   state_frame(command, setup);
   if (command.compliance_std >= 0) setup.series_compliance_std_m_N = command.compliance_std;
@@ -95,8 +95,6 @@ Json axial_result(const AxialCommand& command, std::vector<signal::Recording> re
   }
   setup.catalogue_EA_N = command.catalogue;
   inputs.channel = command.channel;
-  inputs.options.draws = command.draws;
-  inputs.options.seed = context.seed;
   inputs.threads = context.threads;
   double slowest = 0;
   for (std::size_t i = 0; i < command.files.size(); ++i) {
@@ -143,7 +141,9 @@ describe::Options options_of(AxialCommand& c) {
       option("--channel", c.channel, "Name or #number").type("C"),
       option("--mass-per-length", c.mass_per_length, "Of the cable", "kg/m").from_zero(),
       option("--mass-std", c.mass_std, "Standard uncertainty", "kg").from_zero(),
-      option("--length-std", c.length_std, "Standard uncertainty of each length", "m").from_zero(),
+      option("--length-std", c.length_std,
+             "Standard uncertainty of each length, m (not given: EA has no uncertainty)")
+          .from_zero(),
       option("--mass-per-length-std", c.mass_per_length_std, "Standard uncertainty", "kg/m")
           .from_zero(),
       option("--adapter-stiffness", c.adapter, "In series with the cable, N/m (default: rigid)")
@@ -165,8 +165,7 @@ describe::Options options_of(AxialCommand& c) {
              "What EA should be, N (default: 80 GPa on the metal of the mass per length)")
           .from_zero(),
       option("--band", c.band, "Where the axial frequency is", "Hz").count(2).type("HZ"),
-      option("--sample-rate", c.sample_rate_hz, "Where a file gives none", "Hz").positive(),
-      option("--draws", c.draws, "Monte Carlo draws, 0 for none").within(0, 10000000)};
+      option("--sample-rate", c.sample_rate_hz, "Where a file gives none", "Hz").positive()};
 }
 
 Verb axial_verb() {

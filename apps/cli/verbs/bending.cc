@@ -256,6 +256,10 @@ describe::Options options_of(BendingCommand& c) {
           option("--tension-zero-std", c.campaign.test.tension_zero_std_N,
                  "Standard uncertainty of the tension cell's zero, N (offset and drift)")
               .from_zero(),
+          option("--clamp-stiffness", c.campaign.test.clamp_stiffness_Nm_rad,
+                 "Clamps may turn, each with this rotational stiffness or a larger one, N m/rad: "
+                 "the standard uncertainty of their flexibility is 1 over it (default: rigid)")
+              .positive(),
           option("--tension-calibration", c.campaign.test.tension_calibration_std,
                  "Relative standard uncertainty of the tension cell's calibration")
               .within(0.0, 1.0),

@@ -120,13 +120,13 @@ struct AxialCommand {
   std::vector<std::string> files;     ///< names of the recordings
   std::vector<double> lengths, band;  ///< m: one, one a file, or one a group of files; Hz
   std::string channel;
-  double mass = 0, mass_std = 0, length_std = 0, mass_per_length = 0, mass_per_length_std = 0;
+  double mass = 0, mass_std = 0, mass_per_length = 0, mass_per_length_std = 0;
+  double length_std = -1;  ///< negative: not given
   double adapter = 0, adapter_std = 0, catalogue = 0, sample_rate_hz = 0;
   double compliance_std = -1;  ///< negative: not given
   std::string frame;           ///< stiffness, N/m, or "rigid"; empty: not given
   double frame_std = 0;
   std::vector<double> adapter_bar;  ///< E Pa, A m2, l m
-  int draws = ident::AxialOptions{}.draws;
 };
 /// `recordings`: one for each of `command.files`, in that order.
 [[nodiscard]] Json axial_result(const AxialCommand& command,

@@ -18,12 +18,11 @@ namespace {
 
 class AxialPart : public TestPart {
  public:
-  AxialPart(const CampaignTest& test, std::uint64_t seed, int threads) : test_(test) {
+  AxialPart(const CampaignTest& test, int threads) : test_(test) {
     part_.id = test.name;
     part_.title = test.title;
     part_.json_key = "axial";
     part_.json["test"] = test.name;
-    inputs_.options.seed = seed;
     inputs_.threads = threads;
   }
 
@@ -83,16 +82,7 @@ class AxialPart : public TestPart {
     }
     part_.blocks.push_back(axial_length_plot(test_.name + "-EA", r, origin_, reference_EA()));
     part_.blocks.push_back(length_table(r));
-    if (r.alternatives.size() > 1) part_.blocks.push_back(alternatives_table(r));
     part_.blocks.push_back(budget_table(r));
-    if (r.draws > 0) {
-      part_.blocks.push_back(Paragraph{
-          fmt::format("Checked by a Monte Carlo of {} draws on closed forms: {} N, 95 % between {} "
-                      "and {} N.",
-                      r.draws, shown_estimate(r.monte_carlo_EA_N.value, r.monte_carlo_EA_N.std),
-                      shown_bound(r.monte_carlo_low_N, r.monte_carlo_EA_N.std),
-                      shown_bound(r.monte_carlo_high_N, r.monte_carlo_EA_N.std))});
-    }
     if (!r.plausibility.empty()) {
       part_.blocks.push_back(Paragraph{r.plausibility, Paragraph::Kind::note});
     }
@@ -135,26 +125,6 @@ class AxialPart : public TestPart {
               origin_),
          Cell(shown_estimate(100 * r.damping_ratio.value, 100 * r.damping_ratio.std), origin_),
          shown_estimate(r.damping_Ns_m.value, r.damping_Ns_m.std)});
-    return table;
-  }
-
-  ReportTable alternatives_table(const ident::AxialTestResult& r) const {
-    ReportTable table;
-    table.id = test_.name + "-alternatives";
-    table.caption =
-        "What may explain the lengths, weighed by likelihood; the result is the weighted average.";
-    table.columns = {{"what gives way", {}, false},
-                     {"weight", {}, true},
-                     {"EA, N", origin_},
-                     {"compliance in series, µm/N", {}, true}};
-    for (const auto& a : r.alternatives) {
-      const auto& s = a.series_compliance_m_N;
-      Cell weight(fmt::format("{:.2g}", a.weight));
-      weight.shade = a.weight;
-      table.rows.push_back(
-          {a.name, weight, Cell(shown_estimate(a.EA_N.value, a.EA_N.std), origin_),
-           s.std > 0 ? shown_estimate(1e6 * s.value, 1e6 * s.std) : std::string("–")});
-    }
     return table;
   }
 
@@ -252,8 +222,8 @@ class AxialPart : public TestPart {
 
 }  // namespace
 
-std::unique_ptr<TestPart> axial_part(const CampaignTest& test, std::uint64_t seed, int threads) {
-  return std::make_unique<AxialPart>(test, seed, threads);
+std::unique_ptr<TestPart> axial_part(const CampaignTest& test, int threads) {
+  return std::make_unique<AxialPart>(test, threads);
 }
 
 }  // namespace rigfit::apps

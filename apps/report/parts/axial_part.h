@@ -2,14 +2,12 @@
 // length, with the uncertainty budget.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 
 #include "apps/report/page/test_part.h"
 
 namespace rigfit::apps {
 
-[[nodiscard]] std::unique_ptr<TestPart> axial_part(const CampaignTest& test, std::uint64_t seed,
-                                                   int threads);
+[[nodiscard]] std::unique_ptr<TestPart> axial_part(const CampaignTest& test, int threads);
 
 }  // namespace rigfit::apps

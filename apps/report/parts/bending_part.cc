@@ -184,6 +184,7 @@ class BendingPart : public TestPart {
     auto& options = tests_.campaign.test;
     options.span_m = {test_.span_m, test_.span_std_m};
     options.tension_zero_std_N = test_.tension_zero_std_N;
+    options.clamp_stiffness_Nm_rad = test_.clamp_stiffness_Nm_rad;
     options.tension_calibration_std = test_.tension_calibration_std;
     options.load_calibration_std = test_.load_calibration_std;
     options.deflection_calibration_std = test_.deflection_calibration_std;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 
@@ -20,6 +21,8 @@
 
 namespace rigfit::ident {
 namespace {
+
+constexpr double kNoShare = std::numeric_limits<double>::quiet_NaN();
 
 // What one recording holds.
 struct Found {
@@ -173,31 +176,83 @@ void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
   }
 }
 
-/// The hung mass carries the uncertainty of the rate; the budget parts them again.
-void part_axial_budget(const signal::Estimate& mass, double rate_relative_std,
-                       AxialCampaignResult& result) {
-  auto& budget = result.test->budget;
-  const auto row = std::find_if(budget.begin(), budget.end(),
-                                [](const BudgetRow& one) { return one.source == "hung mass"; });
-  if (row == budget.end()) return;
-  const auto [own, rate] = parts_of_mass(row->contribution_N, mass, rate_relative_std);
-  const double squares = own * own + rate * rate;
-  BudgetRow of_rate = *row;
-  of_rate.source = kRateSource;
-  of_rate.unit = "1";
-  of_rate.value = 1;
-  of_rate.std = rate_relative_std;
-  of_rate.sensitivity = 2 * mass.value * row->sensitivity;
-  of_rate.contribution_N = rate;
-  row->contribution_N = own;
-  row->std = mass.std;
-  if (squares > 0) {
-    of_rate.share = row->share * rate * rate / squares;
-    row->share -= of_rate.share;
+constexpr double kLongest = 100;  // m of cable in a hanging-mass test
+
+// Mean tension of a channel of force over the weight that hangs on the cable; NaN: no force, or a
+// cell that was set to zero under the mass. Such a cell swings by a share of the weight about a
+// mean of next to nothing; what swings by a thousandth of it has another unit.
+double share_of_weight(const signal::Channel& channel, double weight) {
+  if (channel.unit != "N" && channel.quantity != signal::Quantity::force) return kNoShare;
+  std::vector<double> samples;
+  for (const double x : channel.samples) {
+    if (std::isfinite(x)) samples.push_back(x);
   }
-  budget.push_back(std::move(of_rate));
-  std::stable_sort(budget.begin(), budget.end(),
-                   [](const BudgetRow& a, const BudgetRow& b) { return a.share > b.share; });
+  if (samples.empty()) return kNoShare;
+  const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
+  const double swing = (*high - *low) / weight, share = std::abs(signal::median(samples)) / weight;
+  return share < 0.05 && swing > 0.02 ? kNoShare : share;
+}
+
+// Inputs that contradict the recordings; each is refused before an EA is shown.
+void contradictions(const AxialInputs& inputs, AxialCampaignResult& result) {
+  const auto refuse = [&](const char* code, std::string message, const std::string& where) {
+    result.findings.push_back({code, std::move(message), where, true});
+  };
+  struct Seen {
+    double low = INFINITY, high = 0;
+    std::string lowest, highest;
+  };
+  std::map<double, Seen> by_length;
+  std::vector<double> shares;
+  for (const auto& d : result.decays) {
+    if (!d.mode) continue;
+    const auto& one = inputs.recordings[d.recording];
+    const double f = d.result.modes[*d.mode].damped_frequency_hz.value;
+    auto& seen = by_length[one.length_m];
+    if (f < seen.low) seen.low = f, seen.lowest = one.name;
+    if (f > seen.high) seen.high = f, seen.highest = one.name;
+    const double weight =
+        model::kStandardGravity *
+        (inputs.setup.mass_kg.value + 0.5 * inputs.setup.mass_per_length_kg_m.value * one.length_m);
+    const double share = share_of_weight(one.recording.channel(d.channel), weight);
+    if (std::isfinite(share)) shares.push_back(share);
+  }
+  for (const auto& [length, seen] : by_length) {
+    if (length > kLongest) {
+      refuse("length_suspected",
+             fmt::format("Give lengths in m: {:.4g} m of cable is no hanging-mass test (as mm: "
+                         "{:.4g} m); EA is proportional to the length",
+                         length, 1e-3 * length),
+             "");
+    }
+    // 5 % of frequency: 10 % of length, or of the mass.
+    if (seen.high > 1.05 * seen.low) {
+      refuse("lengths_mixed",
+             fmt::format("Give each file its length (--length, one a file or a group of files): "
+                         "at {:.4g} m one record swings at {:.4g} Hz, {} at {:.4g} Hz; as one "
+                         "length EA would be off by up to {:.0f} %",
+                         length, seen.low, seen.highest, seen.high,
+                         100 * (std::pow(seen.high / seen.low, 2) - 1)),
+             seen.lowest);
+    }
+  }
+  const double share = shares.empty() ? 1 : signal::median(shares);
+  if (share > 0.5 && share < 2) return;
+  refuse(
+      "force_mismatch",
+      fmt::format("Check the hung mass (kg) and the unit or sensitivity of the tension channel: "
+                  "its mean is {:.3g} of the weight of {:.4g} kg; EA is proportional to the mass",
+                  share, inputs.setup.mass_kg.value),
+      "");
+}
+
+// No fibre is stiffer for its mass: carbon of 590 GPa and 1900 kg/m3 has 12 times the modulus over
+// density of steel.
+bool beyond_any_material(const AxialInputs& inputs, const AxialTestResult& test) {
+  const auto& options = inputs.options;
+  const double solid = inputs.setup.mass_per_length_kg_m.value / options.steel_density_kg_m3 *
+                       options.solid_modulus_Pa;
+  return solid > 0 && test.EA_N.value > 12 * solid;
 }
 
 }  // namespace
@@ -212,13 +267,13 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
   }
   choose_modes(inputs, result);
   std::vector<AxialDecay> decays;
-  double rate_relative_std = 0, longest_m = 0;
+  AxialSetup setup = inputs.setup;
   for (const auto& d : result.decays) {
     if (!d.mode) continue;
     const auto& mode = d.result.modes[*d.mode];
     const auto& recording = inputs.recordings[d.recording];
-    rate_relative_std = std::max(rate_relative_std, recording.recording.sample_rate_relative_std);
-    longest_m = std::max(longest_m, recording.length_m);
+    setup.rate_relative_std =
+        std::max(setup.rate_relative_std, recording.recording.sample_rate_relative_std);
     decays.push_back({fmt::format("{} at {:.4g} s", recording.name, d.start_s), recording.length_m,
                       mode.damped_frequency_hz, mode.damping_ratio});
   }
@@ -227,23 +282,30 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
         {"no_decay", "none of the records holds a decay that can be used", "", true});
     return result;
   }
+  const std::size_t before = result.findings.size();
+  contradictions(inputs, result);
+  if (result.findings.size() > before) return result;
   try {
-    AxialSetup setup = inputs.setup;
-    // The cable's own mass, a third of it, is scaled along with the hung one.
-    const double moved = setup.mass_kg.value + setup.mass_per_length_kg_m.value * longest_m / 3;
-    const double rate = rate_relative_std * moved / setup.mass_kg.value;
-    if (rate > 0) setup.mass_kg = mass_with_rate(setup.mass_kg, rate);
-    result.test = axial_test(decays, setup, inputs.options);
-    if (rate > 0) {
-      part_axial_budget(inputs.setup.mass_kg, rate, result);
-      const auto& first = decays.front().damped_frequency_hz;
-      if (auto said = rate_finding(rate_relative_std, first.value, first.std, "")) {
-        result.findings.push_back(std::move(*said));
-      }
+    auto test = identify_axial(decays, setup, inputs.options);
+    if (beyond_any_material(inputs, test)) {
+      result.findings.push_back(
+          {"length_suspected",
+           fmt::format("Check lengths (m), hung mass (kg) and mass per length (kg/m): EA = {:.3g} "
+                       "N is {:.0f} times what solid steel of this mass per length has",
+                       test.EA_N.value,
+                       test.EA_N.value * inputs.options.steel_density_kg_m3 /
+                           (setup.mass_per_length_kg_m.value * inputs.options.solid_modulus_Pa)),
+           "", true});
+      return result;
     }
+    result.test = std::move(test);
   } catch (const std::invalid_argument& error) {
     result.findings.push_back({"axial", error.what(), "", true});
     return result;
+  }
+  const auto& first = decays.front().damped_frequency_hz;
+  if (auto said = rate_finding(setup.rate_relative_std, first.value, first.std, "")) {
+    result.findings.push_back(std::move(*said));
   }
   for (const auto& n : result.test->notes) {
     result.findings.push_back({n.code, n.message, n.where, false});
@@ -254,7 +316,7 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
 AxialKnowledge knowledge_of(const AxialTestResult& result) {
   auto EA = result.EA_N;
   // A bound without an upper end is no value for a scene.
-  if (!std::isfinite(EA.std)) EA.value = EA.std = std::numeric_limits<double>::quiet_NaN();
+  if (std::isinf(EA.std)) EA.value = EA.std = std::numeric_limits<double>::quiet_NaN();
   return {EA, result.damping_ratio};
 }
 

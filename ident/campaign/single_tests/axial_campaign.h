@@ -55,7 +55,8 @@ struct AxialCampaignResult {
   std::vector<AxialFoundDecay> decays;  ///< in the order of recordings, then of time
   /// Empty: see `findings`. Its samples are the decays that have a mode, in order.
   std::optional<AxialTestResult> test;
-  /// Refused: "not_uniform", "channel", "no_decay" (a recording, or all of them), "axial".
+  /// Refused: "not_uniform", "channel", "no_decay" (a recording, or all of them), "axial",
+  /// "lengths_mixed", "length_suspected", "force_mismatch" (inputs that contradict the recordings).
   /// Warnings: "other_mode", and those of the decays and of the test.
   std::vector<Finding> findings;
 };

@@ -1,11 +1,10 @@
-#include "ident/axial/axial_bound.h"
+#include "ident/axial/axial_identification.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "ident/axial/axial_identification.h"
 #include "ident/axial/rod_stiffness.h"
 #include "ident/virtual_rig/virtual_axial.h"
 #include "tests/reference/axial_study.h"
@@ -52,7 +51,7 @@ TEST(AxialBound, OneLengthGivesTheChainAndEAFromBelow) {
   setup.mass_kg = {2.2, 0.001}, setup.mass_per_length_kg_m = {0.16667, 0.0005};
   setup.length_std_m = 0.001;
   for (const double adapter : {0.0, 5e6, 2e6, 5e5}) {
-    const auto r = axial_test(std::vector{decay_of(205000, adapter)}, setup);
+    const auto r = identify_axial(std::vector{decay_of(205000, adapter)}, setup);
     ASSERT_TRUE(r.conditional);
     EXPECT_LT(r.EA_low_N, 205000);
     EXPECT_EQ(r.EA_high_N, 0.16667 / 7850 * 210e9);
@@ -65,12 +64,12 @@ TEST(AxialBound, OneLengthGivesTheChainAndEAFromBelow) {
     EXPECT_NEAR(r.assembly_stiffness_N_m.std / chain, 0.0146, 0.001);
   }
   setup.mass_per_length_kg_m = {0, 0};
-  const auto open = axial_test(std::vector{decay_of(205000, 2e6)}, setup);
+  const auto open = identify_axial(std::vector{decay_of(205000, 2e6)}, setup);
   EXPECT_TRUE(std::isinf(open.EA_high_N));
   // A statement makes it a value again, and so does a second length.
   setup.mass_per_length_kg_m = {0.16667, 0.0005};
   setup.frame_stated = true;
-  EXPECT_FALSE(axial_test(std::vector{decay_of(205000, 0)}, setup).conditional);
+  EXPECT_FALSE(identify_axial(std::vector{decay_of(205000, 0)}, setup).conditional);
 }
 
 TEST(AxialBound, AFrameThatIsToldGivesEAFromOneLength) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "ident/virtual_rig/virtual_bending.h"
+#include "tests/ident/bending/simulated_bending.h"
 
 namespace rigfit::ident::bending_analysis_test {
 namespace {
@@ -127,17 +128,39 @@ TEST(BendingTest, ASlippingClampIsRefusedOrFlagged) {
   }
 }
 
-TEST(BendingTest, StickSlipIsCounted) {
-  auto record = exact_record(0.6, 100, 0.5, 0, 400);
-  const double peak = record.load_N.maxCoeff();
-  for (Eigen::Index i = 0; i < 400; ++i) {
-    // Sawtooth: every 40 samples the load has risen 4 % too high and falls back at once.
-    record.load_N[i] += 0.04 * peak * static_cast<double>(i % 40) / 40;
+// Compression counted negative, the default of testing machines: load and deflection both fall.
+TEST(BendingTest, BothChannelsNegativeGiveTheSameStiffness) {
+  for (const int points : {50, 8}) {
+    auto record = exact_record(0.6, 100, 0.5, 25 / 1e-6, points);
+    const auto plain = analyse_bending_test(record, span_of(0.5));
+    record.load_N = -record.load_N, record.deflection_m = -record.deflection_m;
+    const auto negative = analyse_bending_test(record, span_of(0.5));
+    ASSERT_FALSE(plain.refused || negative.refused) << codes(negative);
+    EXPECT_DOUBLE_EQ(negative.stiffness.EI_Nm2.value, plain.stiffness.EI_Nm2.value);
+    EXPECT_NEAR(negative.stiffness.EI_Nm2.value, 0.6, 1e-6);
+    EXPECT_EQ(negative.strokes[0].loading, plain.strokes[0].loading);
   }
-  const auto result = analyse_bending_test(record, span_of(0.5));
-  ASSERT_TRUE(has(result, "stick_slip")) << codes(result);
-  EXPECT_EQ(result.strokes[0].load_drops, 9);
-  EXPECT_EQ(result.strokes[1].load_drops, 0);
+}
+
+// Clamps that turn with a stiffness drawn from the prior: the interval holds; taken as rigid, not.
+TEST(BendingTest, ClampsThatTurnAreInTheInterval) {
+  int held = 0, rigid_held = 0;
+  constexpr int kTests = 60;
+  for (int k = 0; k < kTests; ++k) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(k));
+    simulated::Bending test;
+    test.load_noise = test.deflection_noise = 0.001;
+    test.clamp_Nm_rad = 200 / std::abs(std::normal_distribution<double>()(random));
+    const auto record = simulated::record(test, random);
+    auto options = span_of(test.span_m);
+    const auto rigid = analyse_bending_test(record, options);
+    options.clamp_stiffness_Nm_rad = 200;
+    const auto result = analyse_bending_test(record, options);
+    held += result.stiffness.low <= test.EI_Nm2 && test.EI_Nm2 <= result.stiffness.high;
+    rigid_held += rigid.stiffness.low <= test.EI_Nm2 && test.EI_Nm2 <= rigid.stiffness.high;
+  }
+  EXPECT_GE(held, 52);  // 95 % of 60: 57 +- 1.7, three of these
+  EXPECT_LT(rigid_held, 15);
 }
 
 TEST(BendingTest, ASpanThatIsWrongIsStringLikeAndRefused) {

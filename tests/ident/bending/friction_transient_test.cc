@@ -36,17 +36,15 @@ std::vector<FrictionStroke> strokes_of(FrictionLaw law, double K, double a, doub
 
 TEST(FrictionTransient, LawsSolveTheirOwnEquation) {
   // du/dz = -u^i by central differences, h^2 / 6 u''' < 1e-7.
-  const std::pair<FrictionLaw, double> laws[] = {{FrictionLaw::ramp, 0},
-                                                 {FrictionLaw::parabola, 0.5},
-                                                 {FrictionLaw::exponential, 1},
+  const std::pair<FrictionLaw, double> laws[] = {{FrictionLaw::exponential, 1},
                                                  {FrictionLaw::long_tail, 1.5}};
   for (const auto& [law, exponent] : laws) {
-    EXPECT_EQ(friction_transient(law, 0), 1) << name_of(law);
+    EXPECT_EQ(friction_transient(law, 0), 1);
     for (const double z : {0.1, 0.5, 0.9}) {
       const double h = 1e-3;
       const double slope =
           (friction_transient(law, z + h) - friction_transient(law, z - h)) / (2 * h);
-      EXPECT_NEAR(slope, -std::pow(friction_transient(law, z), exponent), 1e-6) << name_of(law);
+      EXPECT_NEAR(slope, -std::pow(friction_transient(law, z), exponent), 1e-6);
     }
   }
 }
@@ -54,15 +52,13 @@ TEST(FrictionTransient, LawsSolveTheirOwnEquation) {
 TEST(FrictionTransient, TheRightLawGivesSlopeTravelAndLoadBack) {
   for (const FrictionLaw law : kFrictionLaws) {
     if (law == FrictionLaw::none) continue;
-    // The hyperbola's tail is long: half the travel, below the largest that is told from the slope.
-    const double travel = law == FrictionLaw::hyperbola ? 5e-5 : 1e-4;
+    const double travel = 1e-4;
     const auto fit = fit_friction(strokes_of(law, 4000, 0.1, travel, 0, 1), law, 0);
-    ASSERT_TRUE(fit.usable) << name_of(law);
-    // Averaging into bins bends the transient by (bin / delta)^2 / 24 = 7e-5 of its 0.1 N; the
-    // ramp's corner lies within one bin: a hundredth of a's slope.
-    for (const auto& K : fit.stiffness_N_m) EXPECT_NEAR(K.value, 4000, 2) << name_of(law);
-    EXPECT_NEAR(fit.travel_m, travel, 0.02e-4) << name_of(law);
-    for (const double a : fit.load_N) EXPECT_NEAR(a, 0.1, 0.002) << name_of(law);
+    ASSERT_TRUE(fit.usable);
+    // Averaging into bins bends the transient by (bin / delta)^2 / 24 = 7e-5 of its 0.1 N.
+    for (const auto& K : fit.stiffness_N_m) EXPECT_NEAR(K.value, 4000, 2);
+    EXPECT_NEAR(fit.travel_m, travel, 0.02e-4);
+    for (const double a : fit.load_N) EXPECT_NEAR(a, 0.1, 0.002);
   }
 }
 

@@ -84,17 +84,6 @@ TEST(StiffnessLaws, CovarianceOfALineIsThatOfTheNormalEquations) {
   EXPECT_GT(prediction.test_high, prediction.high);
 }
 
-TEST(StiffnessLaws, OneSidedIntervalsPullLess) {
-  // Two points at the same place, apart by 0.2: the first may be too low by much, the second too
-  // high by little, so the law passes where both are equally many of their own sigmas away.
-  std::vector<StiffnessPoint> points{{100, 1.0, NAN, 0.9, 1.4}, {100, 1.2, NAN, 1.1, 1.3}};
-  points.push_back({200, 1.1, 0.001});
-  const auto laws = fit_stiffness_laws(points, {.laws = {LawKind::linear}});
-  // Minimum of (x - 1)^2 / 0.4^2 + (1.2 - x)^2 / 0.1^2: x = (1 / 0.16 + 1.2 / 0.01) / (1 / 0.16 +
-  // 1 / 0.01)
-  EXPECT_NEAR(predict(laws.laws[0], 100).EI_Nm2, (6.25 + 120) / 106.25, 1e-6);
-}
-
 // Table 1 of the paper: four points without uncertainty. Four laws fit within a few per cent and
 // nothing chooses between them.
 TEST(StiffnessLaws, ThePapersFourPointsCannotChoose) {

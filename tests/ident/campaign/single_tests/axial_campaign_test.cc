@@ -16,7 +16,6 @@ AxialInputs inputs_of(reference::AxialRig rig, std::vector<double> lengths, unsi
   inputs.setup.mass_kg = {rig.mass_kg, 0.001};
   inputs.setup.mass_per_length_kg_m = {rig.mass_per_length_kg_m, 0.001};
   inputs.setup.length_std_m = 0.0005;
-  inputs.options.draws = 0;
   auto random = random_stream(seed, 1);
   for (const double length : lengths) {
     rig.length_m = length;
@@ -42,7 +41,7 @@ TEST(AxialCampaign, ACompliantRigIsToldFromItsLengths) {
   const auto& r = *result.test;
   EXPECT_LT(r.EA_low_N, rig.EA_N);
   EXPECT_GT(r.EA_high_N, rig.EA_N);
-  EXPECT_LT(r.plain_EA_N, 0.97 * rig.EA_N);
+  for (const auto& one : r.lengths) EXPECT_LT(one.EA_N.value, 0.98 * rig.EA_N);
   EXPECT_NEAR(r.series_compliance_m_N.value, 1 / 5e6, 4 * r.series_compliance_m_N.std);
   EXPECT_TRUE(says(result, "series_compliance"));
   EXPECT_FALSE(r.conditional);
@@ -118,6 +117,46 @@ TEST(AxialCampaign, IntervalsHoldOverRigs) {
   const auto rigid = reference::axial_coverage(study, 30, 22);
   EXPECT_GE(rigid.covered, 25);
   EXPECT_LE(rigid.warned, 5);
+}
+
+TEST(AxialCampaign, RecordsOfTwoLengthsGivenAsOneAreRefused) {
+  reference::AxialRig rig;
+  auto inputs = inputs_of(rig, {1.0, 1.5}, 8);
+  for (auto& one : inputs.recordings) one.length_m = 1.0;
+  const auto mixed = axial_campaign(inputs);
+  EXPECT_FALSE(mixed.test);
+  ASSERT_TRUE(says(mixed, "lengths_mixed"));
+  EXPECT_NE(mixed.findings.back().message.find("--length"), std::string::npos);
+  for (auto& one : inputs.recordings) one.length_m = &one - inputs.recordings.data() < 2 ? 1 : 1.5;
+  EXPECT_TRUE(axial_campaign(inputs).test);
+}
+
+TEST(AxialCampaign, UnitsThatContradictTheRecordsAreRefused) {
+  reference::AxialRig rig;
+  const auto inputs = inputs_of(rig, {0.8}, 9);
+  ASSERT_TRUE(axial_campaign(inputs).test);
+  auto millimetres = inputs;
+  for (auto& one : millimetres.recordings) one.length_m = 800;
+  const auto long_cable = axial_campaign(millimetres);
+  EXPECT_FALSE(long_cable.test);
+  EXPECT_TRUE(says(long_cable, "length_suspected"));
+  // The cell's mean is the weight: a mass in grams, or volts taken as millivolts, is off by 1000.
+  auto grams = inputs;
+  grams.setup.mass_kg = {1000 * rig.mass_kg, 1};
+  EXPECT_FALSE(axial_campaign(grams).test);
+  EXPECT_TRUE(says(axial_campaign(grams), "force_mismatch"));
+  for (const double factor : {1e-3, 1e3, 1 / 9.80665}) {
+    auto scaled = inputs;
+    for (auto& one : scaled.recordings) one.recording.channels[0].samples *= factor;
+    EXPECT_TRUE(says(axial_campaign(scaled), "force_mismatch")) << factor;
+  }
+  // A cell set to zero under the mass says nothing of it.
+  auto tared = inputs;
+  for (auto& one : tared.recordings) {
+    auto& samples = one.recording.channels[0].samples;
+    samples.array() -= samples.mean() + 0.3;
+  }
+  EXPECT_TRUE(axial_campaign(tared).test);
 }
 
 TEST(AxialCampaign, RefusesWithReasons) {
