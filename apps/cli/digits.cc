@@ -14,9 +14,11 @@ int decimals_of_std(double std) {
 }
 
 std::string to_place(double value, int decimals) {
-  if (decimals >= 0) return fmt::format("{:.{}f}", value, decimals);
-  const double unit = std::pow(10.0, -decimals);
-  return fmt::format("{:.0f}", std::round(value / unit) * unit);
+  const double unit = decimals < 0 ? std::pow(10.0, -decimals) : 1;
+  const double rounded = decimals < 0 ? std::round(value / unit) * unit : value;
+  const std::string text = fmt::format("{:.{}f}", rounded, std::max(0, decimals));
+  const bool minus_zero = text.starts_with('-') && text.find_first_not_of("-0.") == text.npos;
+  return minus_zero ? text.substr(1) : text;
 }
 
 }  // namespace
