@@ -92,6 +92,9 @@ std::optional<SlopeWithFriction> average_over_friction(const std::vector<Frictio
   averaged.pooled.welch = welch * averaged.pooled.variance * averaged.pooled.variance;
   if (!(K > 0) || !std::isfinite(averaged.pooled.variance)) return std::nullopt;
   const double share = 1 - none / weight;
+  // Neither law need be right, however well one of them fits: rectangular between them.
+  const double law = share * (candidates[1].pooled.K - candidates[2].pooled.K) / std::sqrt(12.0);
+  averaged.pooled.variance += law * law, spread += law * law;
   averaged.probability = share;
   averaged.travel_m = share > 0.5 ? travel / (weight - none) : 0;
   averaged.load_N = share > 0.5 ? load / (weight - none) : 0;

@@ -208,7 +208,7 @@ BinNoise noise_of(const std::vector<Binned>& strokes, const std::vector<Line>& l
 
 // Largest delta over a stroke's travel: by half of the stroke at most an eighth of the transient is
 // left. What lasts longer cannot be told from the slope; the diagram is curved then.
-double longest(FrictionLaw law) { return law == FrictionLaw::exponential ? 0.24 : 0.135; }
+double longest(FrictionLaw law) { return law == FrictionLaw::exponential ? 0.24 : 0.071; }
 
 // delta with the least squares, by profile: a grid in its logarithm, then Brent's minimiser.
 double best_travel(const std::vector<Binned>& strokes, FrictionLaw law, double whole) {
@@ -241,7 +241,7 @@ double best_travel(const std::vector<Binned>& strokes, FrictionLaw law, double w
 
 double friction_transient(FrictionLaw law, double z) {
   if (law == FrictionLaw::none) return 0;
-  return law == FrictionLaw::exponential ? std::exp(-z) : 1 / ((1 + 0.5 * z) * (1 + 0.5 * z));
+  return law == FrictionLaw::exponential ? std::exp(-z) : 1 / (1 + z);
 }
 
 FrictionFit fit_friction(const std::vector<FrictionStroke>& strokes, FrictionLaw law,

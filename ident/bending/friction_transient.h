@@ -7,9 +7,10 @@
 // stiffer than it will be, then friction is constant and K is the slope. A straight line through
 // such a stroke is too steep by about a / travel. u falls from 1 to 0; which law it follows is not
 // known, so two of Dahl's (1968) are fitted,
-//   du/ds = -u^i / delta:  i = 1 exponential, 3/2 a long tail,
+//   du/ds = -u^i / delta:  i = 1 exponential, 2 a long tail,
 // all strokes of a record together with one delta, and the caller averages over the laws by AICc
-// (Burnham and Anderson 2002, ch. 4), "no friction" among them. Linear in c, K, a for given delta,
+// (Burnham and Anderson 2002, ch. 4), "no friction" among them; what the two laws differ by is
+// uncertainty besides, whichever fits. Linear in c, K, a for given delta,
 // which is found by profile. Strokes are averaged into bins first; Huber weights. A stroke in which
 // the transient would soften the beginning (a toe, not friction) has none.
 //
@@ -26,9 +27,9 @@
 
 namespace rigfit::ident {
 
-enum class FrictionLaw { none, exponential, long_tail };
+enum class FrictionLaw { none, exponential, hyperbola };
 inline constexpr std::array<FrictionLaw, 3> kFrictionLaws{
-    FrictionLaw::none, FrictionLaw::exponential, FrictionLaw::long_tail};
+    FrictionLaw::none, FrictionLaw::exponential, FrictionLaw::hyperbola};
 
 /// u(z), z = s / delta.
 [[nodiscard]] double friction_transient(FrictionLaw law, double z);
