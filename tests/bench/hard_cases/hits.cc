@@ -110,12 +110,7 @@ class Tally {
     const Index modes = test.truth.frequency_hz.size();
     if (static_cast<Index>(sure.size()) != modes) {
       ++other_number_;
-      // One mode for two is honest only where it explains the FRFs within their error bars.
-      const bool said = sure.size() < result.model.modes.size() ||
-                        std::any_of(result.model.notes.begin(), result.model.notes.end(),
-                                    [](const auto& n) { return n.code == "systematic_misfit"; });
-      require(said || (static_cast<Index>(sure.size()) < modes &&
-                       result.misfit_over_error_bars.value_or(2) < 1.1),
+      require(sure.size() < result.model.modes.size(),
               fmt::format("{} modes instead of {} and no doubt", sure.size(), modes));
       return;
     }
