@@ -2,6 +2,7 @@
 // document.
 #include <fmt/format.h>
 #include <glog/logging.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <streambuf>
 #include <string_view>
@@ -26,9 +28,34 @@
 #include "apps/cli/terminal.h"
 #include "apps/cli/usage.h"
 #include "apps/cli/verb.h"
+#include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
 namespace {
+
+/// Refuses two outputs that are one file. Devices and pipes may take several.
+void check_outputs(const std::vector<std::string>& arguments) {
+  std::map<std::filesystem::path, std::string> taken;
+  for (std::size_t k = 0; k < arguments.size(); ++k) {
+    for (const std::string name : {"--json", "--out", "--csv", "--plot"}) {
+      const std::string& text = arguments[k];
+      std::string file;
+      if (text.starts_with(name + "=")) file = text.substr(name.size() + 1);
+      if (text == name && k + 1 < arguments.size()) file = arguments[k + 1];
+      std::error_code none;
+      const auto kind = std::filesystem::status(file, none).type();
+      const bool fresh = kind == std::filesystem::file_type::not_found;
+      if (file.empty() || file == "-" || !(fresh || kind == std::filesystem::file_type::regular)) {
+        continue;
+      }
+      const auto path = std::filesystem::weakly_canonical(std::filesystem::absolute(file), none);
+      if (const auto [at, is_new] = taken.emplace(path, name); !is_new) {
+        throw UsageError(at->second + " and " + name + " name one file, " + file +
+                         "; give each its own");
+      }
+    }
+  }
+}
 
 /// Standard input, which "-" names among the files, as a file; removed with the object.
 class StandardInput {
@@ -50,6 +77,12 @@ class StandardInput {
       if (::mkdtemp(name.data()) == nullptr)
         throw std::runtime_error("cannot make a folder in " + name);
       folder_ = name;
+      struct stat input {};
+      if (::fstat(STDIN_FILENO, &input) == 0 && S_ISCHR(input.st_mode) && !::isatty(STDIN_FILENO) &&
+          std::cin.peek() != std::char_traits<char>::eof()) {
+        throw signal::RecordingError({.file = "standard input"}, "is a device without an end",
+                                     "give a file or a pipe");
+      }
       const auto file = folder_ / "standard-input";
       std::ofstream out(file, std::ios::binary);
       if (std::cin.peek() != std::char_traits<char>::eof()) out << std::cin.rdbuf();
@@ -105,6 +138,7 @@ int run(int argc, char** argv) {
   standard_input.replace(arguments);
   parse_options(verb, arguments);
 
+  check_outputs(arguments);
   NullBuffer nothing;
   std::ostream sink(&nothing);
   ResultBuffer result_buffer(std::cout.rdbuf());

@@ -10,10 +10,12 @@
 #include <ostream>
 #include <streambuf>
 
+#include "apps/campaign_file/load_deflection.h"
 #include "apps/cli/exit_code.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 
 namespace rigfit::apps {
 namespace {
@@ -54,6 +56,11 @@ const signal::Channel* only_in(const signal::Recording& recording, const std::st
   return only;
 }
 
+const std::vector<std::string> kLoadNames = {"load", "force",  "standard force",
+                                             "q",    "weight", "mass"};
+const std::vector<std::string> kDeflectionNames = {"deflection", "displacement", "lvdt",
+                                                   "extension",  "crosshead",    "d"};
+
 class Columns {
  public:
   Columns(const signal::Recording& recording, const BendingColumns& names,
@@ -68,29 +75,36 @@ class Columns {
     } else {
       auto& record = source.record;
       if (!names_.without_tension) {
-        record.tension_N = column("tension", names_.tension, {"tension", "preload"}, "N").samples;
+        record.tension_N =
+            column("tension", name_of("tension"), {"tension", "preload"}, "N").samples;
       }
       record.load_N = load();
       if (names_.without_tension) record.tension_N.setZero(record.load_N.size());
       record.deflection_m =
-          column("deflection", names_.deflection,
-                 {"deflection", "displacement", "lvdt", "extension", "crosshead", "d"}, "m")
-              .samples;
+          column("deflection", name_of("deflection"), kDeflectionNames, "m").samples;
     }
     return source;
   }
 
  private:
+  /// The name that a person gives, else the one by which the table shows what it is.
+  [[nodiscard]] std::string name_of(const std::string& what) const {
+    const std::string& given = what == "tension" ? names_.tension
+                               : what == "load"  ? names_.load
+                                                 : names_.deflection;
+    if (!given.empty() && !(what == "tension" && given == "0")) return given;
+    if (!table_) return "";
+    return what == "tension" ? table_->tension : what == "load" ? table_->load : table_->deflection;
+  }
+
   /// In newtons; masses as dead weights.
   Eigen::VectorXd load() const {
-    const std::vector<std::string> names = {"load", "force",  "standard force",
-                                            "q",    "weight", "mass"};
-    const auto* found = find(recording_, names_.load, names);
+    const auto* found = find(recording_, name_of("load"), kLoadNames);
     const bool named = found != nullptr && lower(found->name).starts_with("mass");
-    // "g" is the standard gravity to the reader, grams on a mass.
-    const bool grams = named && found->source_unit == "g";
-    if (found == nullptr || !(named || found->unit == "kg")) {
-      return column("load", names_.load, names, "N").samples;
+    // "g" is the standard gravity to the reader, grams on a mass or load.
+    const bool grams = found != nullptr && found->source_unit == "g";
+    if (found == nullptr || !(named || grams || found->unit == "kg")) {
+      return column("load", name_of("load"), kLoadNames, "N").samples;
     }
     if (!grams && found->unit != "kg") {
       throw signal::RecordingError(
@@ -113,14 +127,12 @@ class Columns {
     }
     const std::string remedy = fmt::format(fmt::runtime(names_.remedy), what);
     if (found == nullptr) {
-      std::string known;
-      for (const auto& one : recording_.channels) known += (known.empty() ? "" : ", ") + one.name;
       throw signal::RecordingError(
           {.file = file_, .channel = asked.empty() ? what : asked, .value = ""}, "no such column",
           fmt::format(
               "{}{}; there are: {}", remedy,
               what == "tension" && asked.empty() ? ", or say that there is none (--tension 0)" : "",
-              known));
+              signal::listed_names(recording_.channels)));
     }
     if (found->unit.empty()) {
       warnings_.push_back({"unit_unknown", fmt::format("no unit given, taken as {}", si),
@@ -168,6 +180,7 @@ class Columns {
   }
 
   const signal::Recording& recording_;
+  const std::optional<LoadDeflection> table_ = load_deflection(recording_);
   const BendingColumns& names_;
   std::vector<Warning>& warnings_;
   std::string file_;

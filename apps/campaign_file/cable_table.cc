@@ -68,7 +68,7 @@ class CableRows {
 
  private:
   /// Under "name" or "cable". "name" above the first column labels a line of names in logger files
-  /// (csv_header.cc) and is then no title.
+  /// (csv_layout.cc) and is then no title.
   [[nodiscard]] std::string name_of_row(const TextTable::Row& row) const {
     for (const char* title : {"name", "cable"}) {
       if (find_column(names_, title) >= 0) return text(row, title);

@@ -5,6 +5,7 @@
 
 #include "apps/cli/progress.h"
 #include "signal/readers/read_recording.h"
+#include "signal/recording/recording_time.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
@@ -47,10 +48,8 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
 const signal::Channel& chosen_channel(const signal::Recording& recording, const std::string& name) {
   if (!name.empty()) return recording.channel(name);
   if (recording.channels.size() == 1) return recording.channels.front();
-  std::string names;
-  for (const auto& c : recording.channels) names += (names.empty() ? "" : ", ") + c.name;
-  throw UsageError(recording.path.string() +
-                   ": name the channel with --channel; there are: " + names);
+  throw UsageError(recording.path.string() + ": name the channel with --channel; there are: " +
+                   signal::listed_names(recording.channels));
 }
 
 }  // namespace rigfit::apps

@@ -1,5 +1,6 @@
 #include "apps/cli/exit_code.h"
 
+#include "apps/cli/output_file.h"
 #include "model/scene/scene_error.h"
 #include "signal/recording/recording_error.h"
 
@@ -10,6 +11,7 @@ ExitCode exit_code_of(const std::exception& error) {
   if (dynamic_cast<const signal::RecordingError*>(&error)) return ExitCode::bad_input;
   if (dynamic_cast<const model::SceneError*>(&error)) return ExitCode::bad_input;
   if (dynamic_cast<const InputChanged*>(&error)) return ExitCode::bad_input;
+  if (dynamic_cast<const OutputError*>(&error)) return ExitCode::bad_input;
   if (dynamic_cast<const Refused*>(&error)) return ExitCode::refused;
   if (dynamic_cast<const NotConverged*>(&error)) return ExitCode::not_converged;
   return ExitCode::fault;

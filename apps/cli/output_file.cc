@@ -5,9 +5,11 @@
 
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <csignal>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "apps/cli/exit_code.h"
@@ -15,36 +17,83 @@
 namespace rigfit::apps {
 namespace fs = std::filesystem;
 
-void write_whole_file(const fs::path& path, std::string_view content) {
-  const fs::path temporary = path.string() + "." + std::to_string(::getpid()) + ".part";
-  const auto fail = [&](const char* what) {
-    const int reason = errno;
-    ::unlink(temporary.c_str());
-    throw std::system_error(reason, std::generic_category(),
-                            std::string(what) + " " + path.string());
-  };
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) fail("cannot write");
-  std::size_t written = 0;
-  while (written < content.size()) {
-    const ssize_t n = ::write(file, content.data() + written, content.size() - written);
+namespace {
+
+/// The file that a chain of links ends at, whether it is there or not.
+fs::path target_of(fs::path path) {
+  constexpr int kMostLinks = 40;  // as the kernel follows
+  std::error_code none;
+  for (int k = 0; k < kMostLinks && fs::is_symlink(path, none); ++k) {
+    const fs::path next = fs::read_symlink(path, none);
+    if (none) break;
+    path = next.is_absolute() ? next : path.parent_path() / next;
+  }
+  return path;
+}
+
+[[noreturn]] void cannot_write(const fs::path& path, int reason) {
+  const char* remedy = reason == ENOSPC || reason == EDQUOT || reason == EFBIG
+                           ? "free space there, or name another file"
+                       : reason == ENOENT || reason == ENOTDIR ? "make its folder, or name another"
+                       : reason == ENXIO || reason == EPIPE
+                           ? "start the program that reads from it before this one"
+                           : "name another file, or change its rights";
+  throw OutputError("cannot write " + path.string() + ": " +
+                    std::generic_category().message(reason) + "; " + remedy);
+}
+
+/// 0, or why not all of it could be written.
+int write_all(int file, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t n = ::write(file, content.data(), content.size());
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) {
-      const int reason = errno;
-      ::close(file);
-      errno = reason;
-      fail("cannot write");
-    }
-    written += static_cast<std::size_t>(n);
+    if (n < 0) return errno;
+    content.remove_prefix(static_cast<std::size_t>(n));
   }
-  if (::fsync(file) != 0 && errno != EINVAL && errno != ENOTSUP) {
-    const int reason = errno;
-    ::close(file);
-    errno = reason;
-    fail("cannot write");
+  return 0;
+}
+
+/// Devices and pipes: into what is there.
+void write_through(const fs::path& path, std::string_view content) {
+  constexpr int kTries = 500;
+  constexpr auto kWait = std::chrono::milliseconds(20);  // 10 s for a pipe's reader to come
+  int file = -1;
+  for (int k = 0; k < kTries; ++k) {
+    file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (file >= 0 || errno != ENXIO) break;
+    std::this_thread::sleep_for(kWait);
+    errno = ENXIO;
   }
-  if (::close(file) != 0) fail("cannot write");
-  if (::rename(temporary.c_str(), path.c_str()) != 0) fail("cannot put in place");
+  if (file < 0) cannot_write(path, errno);
+  ::fcntl(file, F_SETFL, 0);  // waits while a pipe is full
+  auto* const before = std::signal(SIGPIPE, SIG_IGN);
+  const int reason = write_all(file, content);
+  std::signal(SIGPIPE, before);
+  ::close(file);
+  if (reason != 0) cannot_write(path, reason);
+}
+
+}  // namespace
+
+void write_whole_file(const fs::path& named, std::string_view content) {
+  const fs::path path = target_of(named);
+  std::error_code none;
+  const auto kind = fs::status(path, none).type();
+  if (kind == fs::file_type::directory) cannot_write(path, EISDIR);
+  if (kind != fs::file_type::regular && kind != fs::file_type::not_found &&
+      kind != fs::file_type::none && kind != fs::file_type::unknown) {
+    return write_through(path, content);
+  }
+  const fs::path temporary = path.string() + "." + std::to_string(::getpid()) + ".part";
+  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (file < 0) cannot_write(path, errno);
+  int reason = write_all(file, content);
+  if (reason == 0 && ::fsync(file) != 0 && errno != EINVAL && errno != ENOTSUP) reason = errno;
+  if (::close(file) != 0 && reason == 0) reason = errno;
+  if (reason == 0 && ::rename(temporary.c_str(), path.c_str()) != 0) reason = errno;
+  if (reason == 0) return;
+  ::unlink(temporary.c_str());
+  cannot_write(path, reason);
 }
 
 void sweep_parts(const fs::path& folder) {
@@ -70,11 +119,14 @@ void sweep_parts(const fs::path& folder) {
 void make_output_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder)) {
-    throw UsageError("cannot make the output folder " + folder.string() + ": " +
-                     (error ? error.message() : "a file of that name exists") +
-                     "; name another with --out");
+  if (!error && fs::is_directory(folder)) return;
+  const std::string text = "cannot make the output folder " + folder.string() + ": " +
+                           (error ? error.message() : "a file of that name exists") +
+                           "; name another with --out";
+  if (error && error != std::errc::not_a_directory && error != std::errc::file_exists) {
+    throw OutputError(text);
   }
+  throw UsageError(text);
 }
 
 }  // namespace rigfit::apps

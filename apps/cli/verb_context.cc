@@ -19,7 +19,7 @@ Input stamp_of(const std::string& path) {
   Input input;
   input.path = path;
   struct stat file {};
-  if (::stat(path.c_str(), &file) != 0) return input;
+  if (::stat(path.c_str(), &file) != 0 || !S_ISREG(file.st_mode)) return input;
   input.size = file.st_size;
   input.changed_ns = file.st_mtim.tv_sec * 1'000'000'000LL + file.st_mtim.tv_nsec;
   input.file_id = file.st_ino;

@@ -141,7 +141,15 @@ Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y) {
       longest = std::max(longest, run);
     }
   }
-  return tail > 3 * longest ? n - tail : n;
+  if (tail <= 3 * longest) return n;
+  // A swing that came to rest on a coarse scale: within two of its steps before, too.
+  double step = std::numeric_limits<double>::infinity();
+  for (Index j = 1; j < n - tail; ++j) {
+    if (y(j) != y(j - 1)) step = std::min(step, std::abs(y(j) - y(j - 1)));
+  }
+  const auto before =
+      y.segment(std::max<Index>(0, n - tail - kFewest), std::min(kFewest, n - tail));
+  return (before.array() - y(n - 1)).abs().maxCoeff() <= 2 * step ? n : n - tail;
 }
 
 namespace {

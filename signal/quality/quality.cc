@@ -3,15 +3,31 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
+#include <complex>
+#include <numbers>
 #include <vector>
 
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
-#include "signal/quality/quality_spectrum.h"
+#include "signal/recording/clipping.h"
+#include "signal/spectra/fft.h"
 
 namespace rigfit::signal {
 namespace {
+
+// Samples of the same value in a row that can make a dropout, and the number of runs as long that
+// chance explains, given how often neighbours are equal around them, below which they do.
+constexpr Eigen::Index kDropoutRun = 8;
+constexpr double kDropoutChance = 1e-3;
+// Amplitude of a line over the median of its neighbourhood above which it can be mains hum; in
+// white noise P(> r) = 2^(-r^2): once in 3e7 lines for 5. Hum is steady: its largest amplitude in a
+// quarter of the record is not twice its smallest, as that of a decay near 50 Hz is.
+constexpr double kHumRatio = 5, kHumSteadiness = 2;
+// Quanta in a standard deviation below which quantisation is coarse: its rounding noise, q /
+// sqrt(12), is then more than 3 % of the signal.
+constexpr double kStepsPerRms = 10;
 
 struct Run {
   Eigen::Index first = 0, length = 0;
@@ -31,11 +47,7 @@ std::string at_time(Eigen::Index sample, const Recording& recording) {
   return fmt::format("{:.6g} s", time);
 }
 
-double median_of(Eigen::VectorXd values) {
-  const auto middle = values.data() + values.size() / 2;
-  std::nth_element(values.data(), middle, values.data() + values.size());
-  return *middle;
-}
+double median_of(const Eigen::VectorXd& values) { return median({values.begin(), values.end()}); }
 
 /// Missing samples replaced by the line between their neighbours, for the spectrum only.
 Eigen::VectorXd without_gaps(const Eigen::VectorXd& samples) {
@@ -76,48 +88,15 @@ double quantum_of(const Eigen::VectorXd& samples, double range, long& distinct) 
   return quantum;
 }
 
-/// Flat tops at one extreme: samples at it, when at least one of them is no smooth peak.
-struct Tops {
-  long tops = 0, samples = 0;
-  Eigen::Index first = -1;
-};
-
-Tops flat_tops(const Eigen::VectorXd& x, double level, double range, double quantum,
-               const QualityOptions& options) {
-  Tops result;
-  long at_level = 0;
-  const double equal = 1e-9 * range;
-  for (Eigen::Index k = 0; k < x.size();) {
-    if (!(std::abs(x[k] - level) <= equal)) {
-      ++k;
-      continue;
-    }
-    Eigen::Index end = k + 1;
-    while (end < x.size() && std::abs(x[end] - level) <= equal) ++end;
-    at_level += end - k;
-    if (end - k >= options.clip_run) {
-      const double in = k > 0 ? std::abs(x[k - 1] - level) : 0;
-      const double out = end < x.size() ? std::abs(x[end] - level) : 0;
-      const double step = std::max(std::isfinite(in) ? in : 0, std::isfinite(out) ? out : 0);
-      if (step >= options.clip_step_quanta * quantum && step > 0) {
-        if (result.tops++ == 0) result.first = k;
-      }
-    }
-    k = end;
-  }
-  if (result.tops > 0) result.samples = at_level;
-  return result;
-}
-
 /// Runs of the same value that chance does not explain, those at `low` and `high` left to clipping.
-std::vector<Run> improbable_runs(const Eigen::VectorXd& x, const QualityOptions& options) {
+std::vector<Run> improbable_runs(const Eigen::VectorXd& x) {
   std::vector<Run> runs;
   const Eigen::Index n = x.size();
   for (Eigen::Index k = 0; k < n;) {
     Eigen::Index end = k + 1;
     while (end < n && x[end] == x[k]) ++end;
     const Eigen::Index length = end - k;
-    if (length >= options.dropout_run) {
+    if (length >= kDropoutRun) {
       const Eigen::Index reach = std::max<Eigen::Index>(100, 10 * length);
       long pairs = 0, equal = 0, from_value = 0, stays = 0;
       const auto count = [&](Eigen::Index from, Eigen::Index to) {
@@ -141,13 +120,152 @@ std::vector<Run> improbable_runs(const Eigen::VectorXd& x, const QualityOptions&
       }
       const double expected =
           static_cast<double>(n) * std::pow(chance, static_cast<double>(length - 1));
-      if (expected < options.dropout_chance && pairs > 2 * options.dropout_run) {
+      if (expected < kDropoutChance && pairs > 2 * static_cast<long>(kDropoutRun)) {
         runs.push_back({k, length});
       }
     }
     k = end;
   }
   return runs;
+}
+
+Eigen::VectorXd hann(Eigen::Index n) {
+  return (0.5 - 0.5 * (Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)) * kTwoPi /
+                       static_cast<double>(n))
+                          .cos())
+      .matrix();
+}
+
+/// Power density of Hann-windowed pieces, averaged; unit^2 / Hz.
+Eigen::VectorXd power_density(const Eigen::Ref<const Eigen::VectorXd>& samples, Eigen::Index length,
+                              double rate, int most, int& averages) {
+  const Eigen::VectorXd window = hann(length);
+  RealFft fft(length);
+  Eigen::VectorXd density = Eigen::VectorXd::Zero(fft.lines());
+  const Eigen::Index room = samples.size() - length;
+  averages = static_cast<int>(std::min<Eigen::Index>(most, 1 + 2 * room / length));
+  for (int k = 0; k < averages; ++k) {
+    const Eigen::Index at = averages == 1 ? 0 : room * k / (averages - 1);
+    const auto piece = samples.segment(at, length);
+    fft.time() = ((piece.array() - piece.mean()) * window.array()).matrix();
+    fft.forward();
+    density += fft.spectrum().cwiseAbs2();
+  }
+  return density * (2 / (rate * window.squaredNorm() * averages));
+}
+
+/// Rms of the sinusoid of that frequency in `samples` under a Hann window.
+double line_rms(const Eigen::Ref<const Eigen::VectorXd>& samples, double frequency, double rate) {
+  const Eigen::Index n = samples.size();
+  std::complex<double> sum = 0;
+  double weight = 0;
+  const double mean = samples.mean();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double w = 0.5 - 0.5 * std::cos(kTwoPi * static_cast<double>(k) / static_cast<double>(n));
+    sum += w * (samples[k] - mean) *
+           std::polar(1.0, -kTwoPi * frequency * static_cast<double>(k) / rate);
+    weight += w;
+  }
+  return std::numbers::sqrt2 * std::abs(sum) / weight;
+}
+
+struct SpectralLine {
+  bool found = false;
+  double rms = 0;
+};
+
+/// A narrow, steady line near `frequency`.
+SpectralLine find_line(const Eigen::Ref<const Eigen::VectorXd>& samples,
+                       const Eigen::VectorXd& density, double frequency, double rate) {
+  SpectralLine line;
+  const double spacing = rate / static_cast<double>(samples.size());
+  // European and American grids keep within 0.2 Hz.
+  const double search = 0.004 * frequency + spacing;
+  const auto low = static_cast<Eigen::Index>(std::floor((frequency - search) / spacing));
+  const auto high = static_cast<Eigen::Index>(std::ceil((frequency + search) / spacing));
+  if (low < 8 || high + 8 >= density.size()) return line;
+  Eigen::Index peak = 0;
+  density.segment(low, high - low + 1).maxCoeff(&peak);
+  peak += low;
+  // The neighbourhood: some 40 lines on either side, without the window's main lobe.
+  std::vector<double> around;
+  for (Eigen::Index k = std::max<Eigen::Index>(1, peak - 44);
+       k <= std::min(density.size() - 1, peak + 44); ++k) {
+    if (std::abs(k - peak) > 3) around.push_back(density[k]);
+  }
+  const double floor = median(around);
+  const double ratio = kHumRatio * kHumRatio;
+  if (!(density[peak] > ratio * floor)) return line;
+  // As narrow as the window: from the fourth line on a steady sinusoid has below 1e-3 of its power.
+  for (const Eigen::Index offset : {-6, -5, -4, 4, 5, 6}) {
+    if (density[peak + offset] > 0.02 * density[peak]) return line;
+  }
+  const double at = static_cast<double>(peak) * spacing;
+  double least = 0, most = 0;
+  const Eigen::Index quarter = samples.size() / 4;
+  for (int q = 0; q < 4; ++q) {
+    const double rms = line_rms(samples.segment(q * quarter, quarter), at, rate);
+    least = q == 0 ? rms : std::min(least, rms);
+    most = std::max(most, rms);
+  }
+  if (most > kHumSteadiness * least) return line;
+  // The lobe's power is that of the line.
+  line.rms = std::sqrt(density.segment(peak - 3, 7).sum() * spacing);
+  line.found = true;
+  return line;
+}
+
+struct SpectralQuality {
+  double noise_floor = 0;  ///< rms of white noise with the spectrum's median density
+  double mains_hz = 0;     ///< 0: none found
+  double mains_rms = 0;
+  int harmonics = 0;  ///< lines found, the fundamental included
+};
+
+/// `samples` without NaN. Hann windows; the median density of averaged periodograms, corrected for
+/// the bias of a median (Wilson and Hilferty); hum from one long transform.
+SpectralQuality spectral_quality(const Eigen::Ref<const Eigen::VectorXd>& samples,
+                                 double sample_rate_hz) {
+  SpectralQuality result;
+  const Eigen::Index n = samples.size();
+  if (n < 64 || !(sample_rate_hz > 0)) return result;
+  constexpr Eigen::Index kPiece = 8192;
+  int averages = 1;
+  const Eigen::VectorXd density = power_density(samples, good_fft_length_below(std::min(n, kPiece)),
+                                                sample_rate_hz, 64, averages);
+  std::vector<double> lines(density.data() + 1, density.data() + density.size());
+  // Pieces overlap by half: with a Hann window about 0.95 of them count as independent.
+  const double independent = 1 + 0.95 * (averages - 1);
+  const double bias = std::pow(1 - 1 / (9 * independent), 3);
+  result.noise_floor = std::sqrt(median(std::move(lines)) / bias * sample_rate_hz / 2);
+
+  // Hum: one transform of up to a million samples from the middle; two seconds separate 50 from 51
+  // Hz.
+  constexpr Eigen::Index kLong = Eigen::Index{1} << 20;
+  const Eigen::Index length = good_fft_length_below(std::min(n, kLong));
+  if (static_cast<double>(length) < 2 * sample_rate_hz) return result;
+  const auto middle = samples.segment((n - length) / 2, length);
+  const Eigen::VectorXd fine = power_density(middle, length, sample_rate_hz, 1, averages);
+  for (const double mains : {50.0, 60.0}) {
+    double power = 0;
+    int found = 0;
+    bool fundamental = false;
+    for (int harmonic = 1; harmonic <= 6; ++harmonic) {
+      const SpectralLine line = find_line(middle, fine, mains * harmonic, sample_rate_hz);
+      if (!line.found) continue;
+      ++found;
+      fundamental = fundamental || harmonic == 1;
+      power += line.rms * line.rms;
+    }
+    // Rectified hum may lack its fundamental, but then has several multiples; one or two alone are
+    // as likely a machine or a shaker.
+    if ((fundamental || found >= 3) && power > result.mains_rms * result.mains_rms) {
+      result.mains_hz = mains;
+      result.mains_rms = std::sqrt(power);
+      result.harmonics = found;
+    }
+  }
+  return result;
 }
 
 bool rests_at_zero(Quantity quantity) {
@@ -164,8 +282,7 @@ bool rests_at_zero(Quantity quantity) {
   }
 }
 
-ChannelQuality check_channel(const Recording& recording, const Channel& channel,
-                             const QualityOptions& options) {
+ChannelQuality check_channel(const Recording& recording, const Channel& channel) {
   ChannelQuality q;
   q.channel = channel.name;
   const Eigen::VectorXd& x = channel.samples;
@@ -217,61 +334,39 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel,
   long distinct = 0;
   q.quantum = quantum_of(x, range, distinct);
   const Eigen::VectorXd filled = without_gaps(x);
-  const double rest = median_of(filled);
   if (count >= 16 && distinct <= 2) {
     add("one_bit", fmt::format("only {} different values", distinct), 0, -1);
-  } else if (count >= 16 && q.quantum > 0 && std < options.steps_per_rms * q.quantum) {
+  } else if (count >= 16 && q.quantum > 0 && std < kStepsPerRms * q.quantum) {
     add("coarse_quantisation",
         fmt::format("steps of {} are coarse for a standard deviation of {}",
                     with_unit(q.quantum, channel), with_unit(std, channel)),
         0, -1);
   }
 
-  // Clipping: at the stated range, or flat tops at an extreme that is not where the signal rests.
-  Eigen::Index first_clipped = -1;
-  long tops = 0;
-  std::string level;
   if (distinct > 2) {
-    for (const double extreme : {high, low}) {
-      if (std::abs(extreme - rest) <= 1e-9 * range) continue;
-      const Tops found = flat_tops(x, extreme, range, q.quantum, options);
-      if (found.tops == 0) continue;
-      q.clipped_samples += found.samples;
-      tops += found.tops;
-      if (first_clipped < 0 || found.first < first_clipped) first_clipped = found.first;
-      level += (level.empty() ? "" : " and ") + with_unit(extreme, channel);
+    const ClippedSamples clipped = clipped_samples(x, channel.nominal_range);
+    q.clipped_samples = clipped.count;
+    std::string level;
+    for (const double rail : clipped.levels) {
+      level += (level.empty() ? "" : " and ") + with_unit(rail, channel);
     }
-  }
-  if (channel.nominal_range > 0) {
-    long beyond = 0;
-    Eigen::Index first = -1;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      if (!(std::abs(x[k]) >= options.range_share * channel.nominal_range)) continue;
-      if (beyond++ == 0) first = k;
+    const double rail = std::max(std::abs(low), std::abs(high));
+    if (clipped.levels.empty()) level = "the range of " + with_unit(channel.nominal_range, channel);
+    if (!clipped.levels.empty() && rail < 0.999 * channel.nominal_range) {
+      level += fmt::format(" (below the range of {})", with_unit(channel.nominal_range, channel));
     }
-    if (beyond > q.clipped_samples) {
-      q.clipped_samples = beyond;
-      first_clipped = first;
-      level = "the range of " + with_unit(channel.nominal_range, channel);
-      tops = std::max(tops, 1L);
+    if (clipped.count > 0) {
+      add("clipped",
+          fmt::format("{} samples clipped at {}, first at {}", clipped.count, level,
+                      at_time(clipped.first, recording)),
+          clipped.count, clipped.first);
     }
-  }
-  if (q.clipped_samples > 0) {
-    const bool below = channel.nominal_range > 0 && std::max(std::abs(low), std::abs(high)) <
-                                                        options.range_share * channel.nominal_range;
-    add("clipped",
-        fmt::format("{} samples clipped at {}{}, first at {}", q.clipped_samples, level,
-                    below ? fmt::format(" (below the range of {})",
-                                        with_unit(channel.nominal_range, channel))
-                          : "",
-                    at_time(first_clipped, recording)),
-        q.clipped_samples, first_clipped);
   }
 
   if (distinct > 2) {
     long dropped = 0, dropouts = 0;
     Eigen::Index longest = 0, first = -1;
-    for (const Run& run : improbable_runs(x, options)) {
+    for (const Run& run : improbable_runs(x)) {
       const double value = x[run.first];
       const bool at_extreme = value == high || value == low;
       if (at_extreme && q.clipped_samples > 0) continue;
@@ -313,7 +408,7 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel,
       left += d * d;
     }
     left = std::sqrt(left / static_cast<double>(n));
-    if (std::abs(q.drift) > options.drift_ratio * left && std::abs(q.drift) > 2 * q.quantum) {
+    if (std::abs(q.drift) > left && std::abs(q.drift) > 2 * q.quantum) {
       add("drift",
           fmt::format("drifts by {} over the record, {}", with_unit(q.drift, channel),
                       std::abs(q.drift) < 1000 * left
@@ -323,8 +418,7 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel,
           0, -1);
     }
   }
-  if (count >= 16 && rests_at_zero(channel.quantity) && std > 0 &&
-      std::abs(q.mean) > options.offset_ratio * std) {
+  if (count >= 16 && rests_at_zero(channel.quantity) && std > 0 && std::abs(q.mean) > std) {
     add("offset",
         fmt::format("mean {} is {:.2g} times the standard deviation", with_unit(q.mean, channel),
                     std::abs(q.mean) / std),
@@ -332,7 +426,7 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel,
   }
 
   if (recording.sample_rate_hz > 0 && recording.time_s.size() == 0) {
-    const SpectralQuality spectrum = spectral_quality(filled, recording.sample_rate_hz, options);
+    const SpectralQuality spectrum = spectral_quality(filled, recording.sample_rate_hz);
     q.noise_floor = spectrum.noise_floor;
     q.mains_hz = spectrum.mains_hz;
     q.mains_rms = spectrum.mains_rms;
@@ -354,11 +448,11 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel,
 
 }  // namespace
 
-QualityResult check_quality(const Recording& recording, const QualityOptions& options) {
+QualityResult check_quality(const Recording& recording) {
   QualityResult result;
   result.channels.reserve(recording.channels.size());
   for (const auto& channel : recording.channels) {
-    result.channels.push_back(check_channel(recording, channel, options));
+    result.channels.push_back(check_channel(recording, channel));
   }
   return result;
 }

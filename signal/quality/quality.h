@@ -8,13 +8,44 @@
 // on them are repeated by `inspect`.
 #pragma once
 
-#include "signal/quality/quality_result.h"
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 
+/// Something found wrong, with its code in JSON.
+struct QualityFinding {
+  std::string code;
+  std::string message;      ///< with numbers and units
+  long samples = 0;         ///< concerned; 0: not countable
+  Eigen::Index first = -1;  ///< sample where it begins; -1: everywhere
+};
+
+/// Figures and findings of one channel.
+struct ChannelQuality {
+  std::string channel;
+  double min = 0, max = 0, mean = 0, rms = 0;  ///< SI, of the samples there are; NaN when none
+  long missing_samples = 0;
+  long clipped_samples = 0;
+  long stuck_samples = 0;  ///< in runs of equal values that chance does not explain
+  double quantum = 0;      ///< smallest step between values, SI; 0: none found
+  double noise_floor =
+      0;                 ///< rms of the broadband floor, SI (from the median line of the spectrum)
+  double mains_hz = 0;   ///< 50 or 60 where hum was found, else 0
+  double mains_rms = 0;  ///< of the hum's lines, SI
+  double drift = 0;      ///< change of the mean over the record, SI
+  std::vector<QualityFinding> findings;
+};
+
+/// One entry a channel, in the recording's order.
+struct QualityResult {
+  std::vector<ChannelQuality> channels;
+};
+
 /// Checks every channel of a recording.
-[[nodiscard]] QualityResult check_quality(const Recording& recording,
-                                          const QualityOptions& options = {});
+[[nodiscard]] QualityResult check_quality(const Recording& recording);
 
 }  // namespace rigfit::signal

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "signal/readers/arrays/read_mat.h"
-#include "signal/readers/csv/frf_columns.h"
+#include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/read_recording.h"

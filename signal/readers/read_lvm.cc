@@ -387,16 +387,12 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
   }
 
   std::set<std::string> used;
-  std::string unitless;
   const double reference_delta = number_at(first.header, "Delta_X", reference);
   for (const std::size_t c : first.value_columns) {
     const CsvColumn& column = first.layout.columns[c];
     Channel channel;
     channel.name = column.name.empty() ? "column " + std::to_string(c + 1) : column.name;
-    const std::string name = channel.name;
-    for (int k = 2; !used.insert(channel.name).second; ++k) {
-      channel.name = name + "_" + std::to_string(k);
-    }
+    channel.name = unused_name(channel.name, used);
     const double delta = number_at(first.header, "Delta_X", c);
     if (has_numbers(first, c) && delta > 0 && reference_delta > 0 &&
         std::abs(delta / reference_delta - 1) > 1e-6) {
@@ -407,32 +403,17 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
                                  channel.name});
       continue;
     }
-    channel.source_unit = column.unit;
-    if (const auto unit = parse_unit(column.unit)) {
-      channel.unit = unit->si;
-      channel.si_per_source = unit->factor;
-      channel.si_offset = unit->offset;
-      channel.quantity = unit->quantity;
-    } else if (!column.unit.empty()) {
-      recording.notes.push_back(
-          {"unknown_unit",
-           "unit \"" + column.unit + "\" is not known: the numbers are kept as they are",
-           channel.name});
-    } else {
-      unitless += (unitless.empty() ? "\"" : ", \"") + channel.name + "\"";
-    }
-    channel.samples.resize(total);
+    take_unit(column.unit, channel, recording.notes);
+    Eigen::VectorXd numbers(total);
     Eigen::Index at = 0;
     double stated = 0;
     for (const auto* segment : joined) {
-      channel.samples.segment(at, segment->body.rows) = segment->body.columns[c];
-      channel.missing_samples += segment->body.missing[c];
+      numbers.segment(at, segment->body.rows) = segment->body.columns[c];
       at += segment->body.rows;
       const double samples = number_at(segment->header, "Samples", c);
       if (std::isfinite(samples)) stated += samples;
     }
-    channel.samples = channel.samples * channel.si_per_source;
-    channel.samples.array() += channel.si_offset;
+    take_samples(std::move(numbers), channel);
     const auto held = static_cast<double>(total - channel.missing_samples);
     if (channel.missing_samples == total) {
       recording.notes.push_back({"no_samples", "holds no number at all", channel.name});
@@ -445,10 +426,7 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
     }
     recording.channels.push_back(std::move(channel));
   }
-  if (!unitless.empty()) {
-    recording.notes.push_back(
-        {"no_unit", "no unit in the file: the numbers are kept as they are", unitless});
-  }
+  note_unitless(recording);
   for (const auto* segment : joined) {
     if (segment->body.incomplete_last) {
       recording.notes.push_back(

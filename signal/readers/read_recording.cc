@@ -14,6 +14,7 @@
 #include "signal/readers/recording_description.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
 
@@ -56,8 +57,10 @@ RecordingFormat format_of(std::string_view bytes) {
   return RecordingFormat::csv;
 }
 
-Recording read_recording(const std::filesystem::path& path, const ReadOptions& options,
-                         const std::function<void(std::size_t)>& done_with) {
+namespace {
+
+Recording read_any(const std::filesystem::path& path, const ReadOptions& options,
+                   const std::function<void(std::size_t)>& done_with) {
   const MappedFile file(path);
   const auto read_to = [&](std::size_t offset) {
     file.release_before(offset);
@@ -84,6 +87,15 @@ Recording read_recording(const std::filesystem::path& path, const ReadOptions& o
       break;
   }
   return read_csv(file.bytes(), path, options, read_to);
+}
+
+}  // namespace
+
+Recording read_recording(const std::filesystem::path& path, const ReadOptions& options,
+                         const std::function<void(std::size_t)>& done_with) {
+  Recording recording = read_any(path, options, done_with);
+  shorten(recording.notes);
+  return recording;
 }
 
 }  // namespace rigfit::signal

@@ -9,6 +9,7 @@
 #include "document/toml_table.h"
 #include "signal/readers/plausibility.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -60,13 +61,15 @@ ChannelDescription read_channel(document::TomlTable& table) {
     throw table.error("sensitivity_unit", "is not a quotient of two units",
                       "write the sensitivity with its unit, such as 2.27 and \"mV/N\"");
   }
-  if (channel.sensitivity && !channel.unit.empty()) {
-    throw table.error("unit", "stands beside a sensitivity",
-                      "the unit follows from sensitivity_unit; leave it out");
-  }
-  if (!channel.unit.empty() && !parse_unit(channel.unit)) {
+  if (channel.unit.empty()) return channel;
+  const auto unit = parse_unit(channel.unit);
+  if (!unit) {
     throw table.error("unit", "\"" + channel.unit + "\" is no unit we know",
                       "write it like \"N\", \"m/s^2\", \"g\", \"mm\"");
+  }
+  if (channel.sensitivity && unit->si != parse_unit(over)->si) {
+    throw table.error("unit", "does not fit a sensitivity in " + channel.sensitivity_unit,
+                      "beside a sensitivity it is the unit of the file's numbers, such as \"V\"");
   }
   return channel;
 }
@@ -81,16 +84,23 @@ void apply_channel(const ChannelDescription& given, Recording& recording) {
     split_quotient(given.sensitivity_unit, over, under);
     const auto from = parse_unit(over);
     const auto to = parse_unit(under);
-    const auto file_unit = parse_unit(channel.source_unit);
-    if (file_unit && file_unit->si != from->si) {
+    const auto file_unit = parse_unit(given.unit.empty() ? channel.source_unit : given.unit);
+    if (!file_unit) {
+      throw RecordingError(
+          {recording.path.string(), 0, 0, channel.name, channel.source_unit},
+          "the file gives no unit for it: its numbers may be in " + from->si + " or in " +
+              (over == from->si ? "m" + over : over) + ", which makes a factor of a thousand",
+          "say unit = \"" + from->si + "\" (or \"" + (over == from->si ? "m" + over : over) +
+              "\") beside sensitivity = ... " + given.sensitivity_unit + "; rigfit new: --unit \"" +
+              given.source + "=" + from->si + "\"");
+    }
+    if (file_unit->si != from->si) {
       throw RecordingError(
           {recording.path.string(), 0, 0, channel.name, channel.source_unit},
           "the file's unit does not fit a sensitivity in " + given.sensitivity_unit,
           "give the sensitivity in that unit per unit of what is measured");
     }
-    // Without a unit in the file its numbers are in the sensitivity's own.
-    const double si_per_number = file_unit ? file_unit->factor : from->factor;
-    a = si_per_number / (*given.sensitivity * from->factor) * to->factor;
+    a = file_unit->factor / (*given.sensitivity * from->factor) * to->factor;
     b = 0;
     channel.unit = to->si;
     channel.quantity = to->quantity;
@@ -110,7 +120,7 @@ void apply_channel(const ChannelDescription& given, Recording& recording) {
     channel.si_offset = b;
   }
   if (given.range > 0) {
-    const auto unit = parse_unit(given.unit);
+    const auto unit = given.sensitivity ? std::nullopt : parse_unit(given.unit);
     channel.nominal_range = given.range * (unit ? unit->factor : 1);
   }
   if (given.direction) channel.direction = *given.direction;
@@ -237,21 +247,15 @@ void apply_description(const RecordingDescription& description, Recording& recor
   for (const auto& channel : recording.channels) judge_values(channel, nullptr, recording);
   note_absent(absent, left, absent.size() == description.channels.size(), recording);
   // What is described has its unit from the description; the reader's remark no longer holds.
-  std::string unitless;
+  std::vector<std::string> unitless;
   for (const auto& channel : recording.channels) {
-    if (channel.unit.empty()) unitless += (unitless.empty() ? "\"" : ", \"") + channel.name + "\"";
+    if (channel.unit.empty()) unitless.push_back(channel.name);
   }
-  auto& notes = recording.notes;
-  for (auto note = notes.begin(); note != notes.end();) {
-    if (note->code != "no_unit") {
-      ++note;
-    } else if (unitless.empty()) {
-      note = notes.erase(note);
-    } else {
-      note->where = unitless;
-      ++note;
-    }
-  }
+  std::erase_if(recording.notes, [&](Note& note) {
+    if (note.code != "no_unit") return false;
+    note.where = listed(unitless);
+    return unitless.empty();
+  });
 }
 
 std::optional<fs::path> description_beside(const fs::path& recording) {

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "signal/estimation/robust.h"
+
 namespace rigfit::signal {
 using Eigen::Index;
 
@@ -109,6 +111,46 @@ bool is_clipped(const Eigen::Ref<const Eigen::VectorXd>& channel, const ClipLeve
     k = end;
   }
   return false;
+}
+
+ClippedSamples clipped_samples(const Eigen::Ref<const Eigen::VectorXd>& channel,
+                               double nominal_range) {
+  const Index n = channel.size();
+  ClippedSamples result;
+  result.at.assign(static_cast<std::size_t>(n), false);
+  const auto mark = [&](Index k) {
+    if (result.at[static_cast<std::size_t>(k)]) return;
+    result.at[static_cast<std::size_t>(k)] = true;
+    if (result.count++ == 0 || k < result.first) result.first = k;
+  };
+  std::vector<double> finite;
+  finite.reserve(static_cast<std::size_t>(n));
+  for (const double x : channel) {
+    if (std::isfinite(x)) finite.push_back(x);
+  }
+  if (finite.empty()) return result;
+  const double rest = median(std::move(finite));
+  const ClipLevels levels = clip_levels(channel);
+  for (const double rail : {levels.high, levels.low}) {
+    bool clipped = false;
+    for (Index k = 0; k < n && !clipped; ++k) {
+      if (channel[k] != rail) continue;
+      Index end = k;
+      while (end + 1 < n && channel[end + 1] == rail) ++end;
+      clipped = is_clipped(channel, levels, rest, k, end);
+      k = end;
+    }
+    if (!clipped) continue;
+    result.levels.push_back(rail);
+    for (Index k = 0; k < n; ++k) {
+      if (channel[k] == rail) mark(k);
+    }
+  }
+  constexpr double kShareOfRange = 0.999;
+  for (Index k = 0; k < n && nominal_range > 0; ++k) {
+    if (std::abs(channel[k]) >= kShareOfRange * nominal_range) mark(k);
+  }
+  return result;
 }
 
 }  // namespace rigfit::signal

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace rigfit::signal {
 
@@ -23,6 +24,19 @@ struct ClipLevels {
 [[nodiscard]] bool is_clipped(const Eigen::Ref<const Eigen::VectorXd>& channel,
                               const ClipLevels& levels, double rest, Eigen::Index first,
                               Eigen::Index last, double nominal_range = 0);
+
+/// The samples of a channel that are clipped.
+struct ClippedSamples {
+  std::vector<bool> at;        ///< by sample
+  long count = 0;              ///< of them
+  Eigen::Index first = -1;     ///< -1: none
+  std::vector<double> levels;  ///< extremes they stand at, the high one first
+};
+
+/// All samples at an extreme that one run of them makes a clipped one (is_clipped), and those that
+/// reach 0.999 of the nominal range (0: not known).
+[[nodiscard]] ClippedSamples clipped_samples(const Eigen::Ref<const Eigen::VectorXd>& channel,
+                                             double nominal_range);
 
 /// Whether more samples equal `rail`, an extreme of `y`, than the values next to it explain, as
 /// when a signal sampled so coarsely that no top is flat for three samples is clipped. An unclipped

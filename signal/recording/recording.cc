@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <map>
 
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -26,6 +28,10 @@ Eigen::Index Recording::channel_index(const std::string& name) const {
   };
   Eigen::Index index = find([&](const Channel& c) { return c.name == name; });
   if (index < 0) index = find([&](const Channel& c) { return same_ignoring_case(c.name, name); });
+  if (index < 0) {  // "acc" of "run.acc", where there is one
+    const auto ends = [&](const Channel& c) { return c.name.ends_with("." + name); };
+    if (std::count_if(channels.begin(), channels.end(), ends) == 1) index = find(ends);
+  }
   if (index < 0 && name.size() > 1 && name.front() == '#') {
     long number = 0;
     const auto [end, error] = std::from_chars(name.data() + 1, name.data() + name.size(), number);
@@ -42,17 +48,58 @@ Eigen::Index Recording::channel_index(const std::string& name) const {
     }
   }
   if (index >= 0) return index;
-  std::string known;
-  for (std::size_t k = 0; k < channels.size(); ++k) {
-    known += (k == 0 ? "" : ", ") + ("\"" + channels[k].name + "\"");
-    if (k == 19 && channels.size() > 20) {
-      known += ", ... (" + std::to_string(channels.size()) + " in all)";
-      break;
-    }
-  }
+  const std::string known = listed_names(channels);
   throw RecordingError({path.string(), 0, 0, name, ""}, "no channel of that name",
                        "the recording has " + (known.empty() ? "none" : known) +
                            "; a channel may also be given by its place as \"#1\", \"#2\" ...");
+}
+
+namespace {
+
+constexpr std::size_t kMostListed = 20;
+
+template <typename Items, typename NameOf>
+std::string list_of(const Items& items, NameOf&& name_of) {
+  std::string text;
+  for (std::size_t k = 0; k < std::min(items.size(), kMostListed); ++k) {
+    text += (k == 0 ? "\"" : ", \"") + name_of(items[k]) + "\"";
+  }
+  return items.size() > kMostListed ? text + ", ... (" + std::to_string(items.size()) + " in all)"
+                                    : text;
+}
+
+}  // namespace
+
+std::string listed(const std::vector<std::string>& names) {
+  return list_of(names, [](const std::string& name) { return name; });
+}
+
+std::string listed_names(const std::vector<Channel>& channels) {
+  return list_of(channels, [](const Channel& channel) { return channel.name; });
+}
+
+void note_unitless(Recording& recording) {
+  std::erase_if(recording.notes, [](const Note& note) { return note.code == "no_unit"; });
+  std::vector<std::string> names;
+  for (const auto& channel : recording.channels) {
+    if (channel.source_unit.empty() && channel.unit.empty()) names.push_back(channel.name);
+  }
+  if (names.empty()) return;
+  recording.notes.push_back(
+      {"no_unit", "no unit in the file: the numbers are kept as they are", listed(names)});
+}
+
+void shorten(std::vector<Note>& notes) {
+  std::map<std::string, std::size_t> count;
+  for (const auto& note : notes) ++count[note.code];
+  std::map<std::string, std::size_t> seen;
+  std::erase_if(notes, [&](Note& note) {
+    const std::size_t place = ++seen[note.code], all = count[note.code];
+    if (place == kMostListed && all > kMostListed) {
+      note.message += " (and " + std::to_string(all - kMostListed) + " more of this kind)";
+    }
+    return place > kMostListed;
+  });
 }
 
 }  // namespace rigfit::signal

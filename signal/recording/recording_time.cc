@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
+#include <utility>
+
+#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 
@@ -18,6 +22,38 @@ void take_stated_rate(double rate_hz, Recording& recording) {
   }
   recording.sample_rate_hz = rate_hz;
   recording.sample_rate_relative_std = 0;
+}
+
+void take_unit(const std::string& text, Channel& channel, std::vector<Note>& notes) {
+  channel.source_unit = text;
+  if (const auto unit = parse_unit(text)) {
+    channel.unit = unit->si;
+    channel.si_per_source = unit->factor;
+    channel.si_offset = unit->offset;
+    if (unit->quantity != Quantity::unknown) channel.quantity = unit->quantity;
+  } else if (!text.empty()) {
+    notes.push_back({"unknown_unit",
+                     "unit \"" + text + "\" is not known: the numbers are kept as they are",
+                     channel.name});
+  }
+}
+
+void take_samples(Eigen::VectorXd numbers, Channel& channel) {
+  channel.samples = std::move(numbers);
+  channel.missing_samples = 0;
+  const double factor = channel.si_per_source, offset = channel.si_offset;
+  for (double& x : channel.samples) {
+    x = x * factor + offset;
+    if (std::isfinite(x)) continue;
+    x = std::numeric_limits<double>::quiet_NaN();
+    ++channel.missing_samples;
+  }
+}
+
+std::string unused_name(const std::string& name, std::set<std::string>& used) {
+  std::string own = name;
+  for (int k = 2; !used.insert(own).second; ++k) own = name + "_" + std::to_string(k);
+  return own;
 }
 
 Note not_uniform_note(const TimeAxis& axis) {

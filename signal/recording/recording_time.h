@@ -1,5 +1,9 @@
-// What readers do alike with the sampling of a recording.
+// What readers do alike: sampling, units, names, notes.
 #pragma once
+
+#include <set>
+#include <string>
+#include <vector>
 
 #include "signal/recording/recording.h"
 #include "signal/recording/time_axis.h"
@@ -10,6 +14,26 @@ namespace rigfit::signal {
 /// is stated. Notes "rate_overridden" where the file's differs by more than 1e-4, relative: then
 /// its times no longer hold either and go.
 void take_stated_rate(double rate_hz, Recording& recording);
+
+/// The unit of a channel as its file writes it: SI symbol, factor, offset and quantity. One that is
+/// not known is noted ("unknown_unit"), unless it is empty.
+void take_unit(const std::string& text, Channel& channel, std::vector<Note>& notes);
+
+/// Numbers of a file as samples in SI; what is no number is missing.
+void take_samples(Eigen::VectorXd numbers, Channel& channel);
+
+/// `name`, or with "_2", "_3" ... behind it where it is used already.
+[[nodiscard]] std::string unused_name(const std::string& name, std::set<std::string>& used);
+
+/// Names in quotes, with commas: the first 20, and how many there are.
+[[nodiscard]] std::string listed(const std::vector<std::string>& names);
+[[nodiscard]] std::string listed_names(const std::vector<Channel>& channels);
+
+/// "no_unit", in one note, for the channels whose file gives none.
+void note_unitless(Recording& recording);
+
+/// Leaves the first 20 notes of each code and says in the last of them how many there were.
+void shorten(std::vector<Note>& notes);
 
 /// "time_not_uniform", with the counts of what is wrong with the times.
 [[nodiscard]] Note not_uniform_note(const TimeAxis& axis);

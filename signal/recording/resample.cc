@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "signal/estimation/robust.h"
+#include "signal/recording/clipping.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/time_axis.h"
 
@@ -75,8 +76,12 @@ double left_out_error(const Eigen::VectorXd& t, const Eigen::VectorXd& y) {
   return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
 }
 
+/// Which samples of each channel are clipped, or lean on one that is.
+using Masks = std::vector<std::vector<bool>>;
+
 /// Uneven samples at even times of `rate_hz`.
-Recording made_even(const Recording& recording, double rate_hz, std::vector<double>& errors) {
+Recording made_even(const Recording& recording, double rate_hz, std::vector<double>& errors,
+                    Masks& clipped) {
   const Eigen::VectorXd& t = recording.time_s;
   const Index n = t.size();
   if (!t.allFinite() || !(t.tail(n - 1).array() > t.head(n - 1).array()).all()) {
@@ -97,7 +102,9 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
   even.time_jitter_s = 0;
   const auto samples = static_cast<Index>(std::floor(span * rate_hz + 1e-9)) + 1;
   Index in_gaps = 0;
-  for (auto& channel : even.channels) {
+  for (std::size_t c = 0; c < even.channels.size(); ++c) {
+    auto& channel = even.channels[c];
+    std::vector<bool> mask(static_cast<std::size_t>(samples), false);
     const Eigen::VectorXd y = channel.samples;
     const Spline spline(t, y);
     channel.samples.resize(samples);
@@ -111,7 +118,10 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
           t[before + 1] - t[before] > kGap * usual && at > t[before] && at < t[before + 1];
       channel.samples[k] = gap ? std::numeric_limits<double>::quiet_NaN() : spline.at(at);
       in_gaps += gap ? 1 : 0;
+      const auto j = static_cast<std::size_t>(before);
+      mask[static_cast<std::size_t>(k)] = clipped[c][j] || clipped[c][j + 1];
     }
+    clipped[c] = std::move(mask);
     channel.missing_samples = static_cast<long>(in_gaps);
     errors.push_back(left_out_error(t, y));
   }
@@ -129,7 +139,7 @@ double kaiser(double x, double beta) {
 }
 
 /// Even samples at another rate.
-void filter_to(double rate_hz, Recording& recording) {
+void filter_to(double rate_hz, Recording& recording, Masks& clipped) {
   const double from = recording.sample_rate_hz;
   const double lower = std::min(from, rate_hz);
   const double cut = 0.5 * (kFlat + kClosed) * lower, width = (kClosed - kFlat) * lower;
@@ -142,6 +152,7 @@ void filter_to(double rate_hz, Recording& recording) {
       static_cast<Index>(std::floor(static_cast<double>(n - 1) * rate_hz / from + 1e-9)) + 1;
   std::vector<Eigen::VectorXd> out(recording.channels.size(), Eigen::VectorXd(samples));
   std::vector<double> weights;
+  Masks masks(out.size(), std::vector<bool>(static_cast<std::size_t>(samples), false));
   for (Index k = 0; k < samples; ++k) {
     const double t = static_cast<double>(k) / rate_hz;
     const auto first = std::max<Index>(0, static_cast<Index>(std::ceil((t - half_s) * from)));
@@ -154,6 +165,10 @@ void filter_to(double rate_hz, Recording& recording) {
       const double w = (std::abs(x) < 1e-12 ? 1 : std::sin(x) / x) * kaiser(d / half_s, beta);
       weights[static_cast<std::size_t>(j - first)] = w;
       sum += w;
+      if (std::abs(x) >= std::numbers::pi) continue;  // beside the kernel's main lobe
+      for (std::size_t c = 0; c < out.size(); ++c) {
+        if (clipped[c][static_cast<std::size_t>(j)]) masks[c][static_cast<std::size_t>(k)] = true;
+      }
     }
     const Eigen::Map<const Eigen::VectorXd> kernel(weights.data(),
                                                    static_cast<Index>(weights.size()));
@@ -162,6 +177,7 @@ void filter_to(double rate_hz, Recording& recording) {
     }
   }
   for (std::size_t c = 0; c < out.size(); ++c) recording.channels[c].samples = std::move(out[c]);
+  clipped = std::move(masks);
   recording.sample_rate_hz = rate_hz;
   recording.notes.push_back(
       {"resampled",
@@ -169,6 +185,25 @@ void filter_to(double rate_hz, Recording& recording) {
                    "first and last {:.3g} s lean on fewer samples",
                    from, rate_hz, kFlat * lower, kClosed * lower, half_s),
        ""});
+}
+
+/// Takes the values at and beside clipped samples out.
+void hide(const Masks& clipped, Recording& recording) {
+  for (std::size_t c = 0; c < clipped.size(); ++c) {
+    Channel& channel = recording.channels[c];
+    long count = 0;
+    for (std::size_t k = 0; k < clipped[c].size(); ++k) {
+      double& x = channel.samples[static_cast<Index>(k)];
+      if (!clipped[c][k] || std::isnan(x)) continue;
+      x = std::numeric_limits<double>::quiet_NaN();
+      ++count;
+    }
+    if (count == 0) continue;
+    channel.missing_samples += count;
+    recording.notes.push_back(
+        {"clipped_left_out",
+         fmt::format("{} samples at or beside clipped ones have no value", count), channel.name});
+  }
 }
 
 }  // namespace
@@ -189,6 +224,10 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
   }
   ResampleResult result;
   result.from_hz = recording.sample_rate_hz;
+  Masks clipped;
+  for (const auto& channel : recording.channels) {
+    clipped.push_back(clipped_samples(channel.samples, channel.nominal_range).at);
+  }
   if (recording.time_s.size() > 0) {
     const Index n = recording.time_s.size();
     const Eigen::VectorXd steps = recording.time_s.tail(n - 1) - recording.time_s.head(n - 1);
@@ -197,14 +236,17 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     // At the times' own rate at least: what is lower is filtered from there.
     const double own = round_rate(result.from_hz, 1e-3);
     const double even = rate_hz > own || rate_hz == 0 ? (rate_hz > 0 ? rate_hz : own) : own;
-    result.recording = made_even(recording, even, result.error_rms);
+    result.recording = made_even(recording, even, result.error_rms, clipped);
     result.recording.notes.push_back(
         {"made_even",
          fmt::format("uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a "
                      "cubic spline",
                      usual, even),
          ""});
-    if (rate_hz == 0 || rate_hz == even) return result;
+    if (rate_hz == 0 || rate_hz == even) {
+      hide(clipped, result.recording);
+      return result;
+    }
     if (result.recording.channels.front().missing_samples > 0) {
       throw refusal(recording, "", "has gaps, across which nothing can be filtered",
                     "resample the parts between the gaps, or ask for the rate of the times");
@@ -231,7 +273,8 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     const double rms = std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
     result.error_rms[c] = std::hypot(result.error_rms[c], kStopBand * rms);
   }
-  filter_to(rate_hz, result.recording);
+  filter_to(rate_hz, result.recording, clipped);
+  hide(clipped, result.recording);
   return result;
 }
 

@@ -132,27 +132,6 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
   out += kMark;
 }
 
-int data_type_of(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::strain:
-      return 3;
-    case Quantity::temperature:
-      return 5;
-    case Quantity::displacement:
-      return 8;
-    case Quantity::force:
-      return 13;
-    case Quantity::velocity:
-      return 11;
-    case Quantity::acceleration:
-      return 12;
-    case Quantity::pressure:
-      return 15;
-    default:
-      return 1;
-  }
-}
-
 int direction_code(const std::array<double, 3>& direction) {
   int code = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -193,14 +172,15 @@ std::string uff_text(const Recording& recording, UffEncoding encoding, const std
     f.id[0] = channel.name;
     f.id[1] = remark;
     f.id[3] =
-        fmt::format("rigfit rate={} start={}{}", rate, recording.start_time_s,
+        fmt::format("rigfit rate={} start={} channels={}{}", rate, recording.start_time_s,
+                    recording.channels.size(),
                     channel.nominal_range > 0 ? fmt::format(" range={}", channel.nominal_range)
                                               : std::string());
     f.response.entity = channel.name;
     f.response.direction = direction_code(channel.direction);
     f.abscissa = time_axis_record();
     f.ordinate = {
-        data_type_of(channel.quantity), {0, 0, 0}, name_of(channel.quantity), channel.unit};
+        uff58_data_type(channel.quantity), {0, 0, 0}, name_of(channel.quantity), channel.unit};
     f.real = channel.samples;
     if (f.even) {
       f.abscissa_start = recording.start_time_s;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -123,9 +124,30 @@ ProgramRun with_file_limit(rlim_t bytes, const std::vector<std::string>& argumen
   return run;
 }
 
+// What is no regular file is written through, one file is no place for two outputs, and what has no
+// end is no recording.
+TEST_F(Faults, DevicesPipesAndOneFileForTwoOutputs) {
+  const std::string record = folder_.write("r.csv", "t (s),x (N)\n0,1\n0.1,2\n0.2,1\n0.3,2\n");
+  EXPECT_EQ(run_program({"inspect", record, "--json", "/dev/null"}).exit_code, 0);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  const auto full = run_program({"inspect", record, "--json", "/dev/full"});
+  EXPECT_EQ(full.exit_code, 3);
+  EXPECT_THAT(full.err, HasSubstr("/dev/full"));
+  const auto both = run_program({"resample", record, "--out", at("x"), "--json", at("./x")});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.err, HasSubstr("name one file"));
+  EXPECT_FALSE(fs::exists(at("x")));
+  ASSERT_EQ(::mkfifo(at("pipe").c_str(), 0600), 0);
+  for (const std::string& endless : {std::string("/dev/zero"), at("pipe")}) {
+    const auto run = run_program({"inspect", endless});
+    EXPECT_EQ(run.exit_code, 3);
+    EXPECT_THAT(run.err, HasSubstr("is not a file"));
+  }
+}
+
 TEST_F(Faults, AFullDiskLeavesNoHalfWrittenFile) {
   const auto run = with_file_limit(20000, report_to("out"));
-  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_EQ(run.exit_code, 3) << run.err;
   EXPECT_THAT(run.err, HasSubstr("cannot write"));
   EXPECT_THAT(run.err, HasSubstr(at("out")));
   EXPECT_FALSE(fs::exists(at("out/report.html")));
@@ -143,7 +165,7 @@ TEST_F(Faults, AFullDiskKeepsTheFileThatWasThere) {
   const auto run =
       with_file_limit(20000, {"respond", RIGFIT_TESTDATA "/scenes/cable-hit.toml", "--duration",
                               "10", "--rate", "2000", "--out", at("r.csv")});
-  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_EQ(run.exit_code, 3) << run.err;
   EXPECT_THAT(run.err, HasSubstr("r.csv"));
   EXPECT_EQ(folder_.read("r.csv"), "before");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 2);  // in, r.csv

@@ -1,7 +1,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "signal/readers/csv/frf_columns.h"
+#include "signal/readers/csv/frequency_table.h"
 #include "tests/fuzz/require_sound.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,18 +4,23 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
+#include <optional>
 #include <system_error>
 #include <utility>
 
+#include "apps/campaign_file/bending_files.h"
+#include "apps/campaign_file/load_deflection.h"
 #include "apps/campaign_file/recording_description.h"
+#include "document/document_error.h"
+#include "document/toml_table.h"
 #include "signal/impact/pulse_shape.h"
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_error.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
@@ -85,9 +90,9 @@ bool looks_like_a_hammer(const signal::Channel& channel) {
 struct Guess {
   std::string kind, why;
   std::string force;                   ///< modal
-  std::vector<std::string> responses;  ///< modal, decay, axial
-  std::string tension, load, deflection;
-  bool without_tension = false;
+  std::vector<std::string> responses;  ///< modal, decay, axial, tension
+  LoadDeflection bent;                 ///< bending
+  std::string channels;                ///< descriptions of channels, lines of TOML
 };
 
 const signal::Channel* hammer_of(const signal::Recording& recording, const GuessOptions& options) {
@@ -117,70 +122,50 @@ const signal::Channel* hammer_of(const signal::Recording& recording, const Guess
   return found;
 }
 
-/// One force and one displacement that rise and fall together, a few times at most.
-bool is_load_deflection(const signal::Recording& recording) {
-  const signal::Channel *load = nullptr, *way = nullptr;
-  for (const auto& channel : recording.channels) {
-    const bool weights = lower_case(channel.name).starts_with("mass");
-    const signal::Channel** slot = weights || channel.quantity == signal::Quantity::force ? &load
-                                   : channel.quantity == signal::Quantity::displacement   ? &way
-                                                                                          : nullptr;
-    if (slot == nullptr) continue;
-    if (*slot != nullptr) return false;
-    *slot = &channel;
-  }
-  if (load == nullptr || way == nullptr || !load->samples.allFinite() ||
-      !way->samples.allFinite()) {
-    return false;
-  }
-  const Eigen::ArrayXd q = load->samples.array() - load->samples.mean(),
-                       d = way->samples.array() - way->samples.mean();
-  constexpr int kMostTurns = 20;  // of a bending test; a vibration has more
-  int crossings = 0;
-  for (Eigen::Index i = 1; i < d.size(); ++i) crossings += (d[i - 1] < 0) != (d[i] < 0) ? 1 : 0;
-  return crossings < kMostTurns &&
-         std::abs((q * d).sum()) > 0.8 * std::sqrt(q.square().sum() * d.square().sum());
-}
-
 Guess guess_of(const signal::Recording& recording, const GuessOptions& options) {
   Guess guess;
   guess.kind = options.kind;
-  const auto* const tension = channel_like(recording, {"tension", "preload"});
-  const auto* const load = channel_like(recording, {"load", "force", "q"});
-  const auto* const deflection = channel_like(recording, {"deflection", "displacement", "lvdt"});
+  guess.why = "as said by --kind";
   const auto* const hammer = hammer_of(recording, options);
+  const auto bent = load_deflection(recording);
   if (guess.kind.empty()) {
-    if (tension != nullptr && load != nullptr && deflection != nullptr) {
+    if (bent && !bent->tension.empty()) {
       guess.kind = "bending";
       guess.why = "channels of tension, load and deflection";
     } else if (hammer != nullptr && recording.channels.size() > 1) {
       guess.kind = "modal";
       guess.why = "pulses of a hammer on channel " + hammer->name;
-      if (hammer->quantity == signal::Quantity::voltage &&
-          !options.sensitivities.contains(hammer->name)) {
+      if (hammer->quantity == signal::Quantity::voltage) {
         guess.why += fmt::format(", in V: say --sensitivity \"{}=X mV/N\"", hammer->name);
       }
-    } else if (hammer == nullptr && tension == nullptr && is_load_deflection(recording)) {
+    } else if (bent) {
       guess.kind = "bending";
       guess.why = "load over deflection, no tension; how it is held is assumed";
     } else {
       guess.kind = "decay";
       guess.why = "no hammer and no load-deflection pair: taken as free vibration";
     }
-  } else {
-    guess.why = "as said by --kind";
   }
   if (guess.kind == "bending") {
-    guess.without_tension = tension == nullptr && is_load_deflection(recording);
-    guess.tension = tension == nullptr ? "" : tension->name;
-    guess.load = load == nullptr ? "" : load->name;
-    guess.deflection = deflection == nullptr ? "" : deflection->name;
+    if (!bent) {
+      throw signal::RecordingError({.file = recording.path.string()},
+                                   "has no load and deflection that belong together",
+                                   "name its columns (tension, load, deflection) by a TOML file");
+    }
+    guess.bent = *bent;
     return guess;
+  }
+  if (recording.sample_rate_hz == 0) {
+    throw signal::RecordingError(
+        {.file = recording.path.string()}, "gives no sample rate",
+        "write sample_rate_hz = ... into a " +
+            fs::path(recording.path).replace_extension(".toml").filename().string() + " beside it");
   }
   if (guess.kind == "modal") {
     if (hammer == nullptr) {
-      throw UsageError(recording.path.string() +
-                       ": which channel is the hammer? say it with --force-channel C");
+      throw signal::RecordingError({.file = recording.path.string()},
+                                   "has no channel that looks like a hammer's",
+                                   "say which it is: --force-channel C");
     }
     guess.force = hammer->name;
   }
@@ -196,81 +181,123 @@ std::string list_of(const std::vector<std::string>& names) {
   return "[" + text + "]";
 }
 
-/// The keys of a test; `files` are relative to the campaign.
-std::string test_text(const std::string& name, const Guess& guess, const GuessOptions& options,
-                      const std::vector<std::string>& files) {
+/// What is said of this recording's channels, as keys of a `channel` table.
+std::string channels_text(const signal::Recording& recording, const GuessOptions& options) {
+  std::string text;
+  for (const auto& channel : recording.channels) {
+    std::string keys = "source = " + quoted(channel.name);
+    const auto unit = options.units.find(channel.name);
+    const auto sensitivity = options.sensitivities.find(channel.name);
+    const char* comment = "  ";
+    if (sensitivity != options.sensitivities.end()) {
+      const std::size_t blank = sensitivity->second.find(' ');
+      const std::string number = sensitivity->second.substr(0, blank);
+      if (blank == std::string::npos || number.empty() ||
+          number.find_first_not_of("+-.0123456789eE") != std::string::npos) {
+        throw UsageError("--sensitivity " + channel.name + "=" + sensitivity->second +
+                         ": write it with its unit, such as \"" + channel.name + "=2.27 mV/N\"");
+      }
+      keys += ", sensitivity = " + number +
+              ", sensitivity_unit = " + quoted(sensitivity->second.substr(blank + 1));
+    } else if (unit == options.units.end()) {
+      if (!channel.unit.empty()) continue;
+      comment = "  # the file gives no unit: ";
+      keys += ", unit = \"m/s^2\"";
+    }
+    if (unit != options.units.end()) keys += ", unit = " + quoted(unit->second);
+    text += comment + ("{ " + keys + " },\n");
+  }
+  return text.empty() ? text : "channel = [\n" + text + "]\n";
+}
+
+signal::RecordingDescription description_of(const std::string& channels, const std::string& file) {
+  auto table = document::TomlTable::parse(channels, file);
+  return signal::read_description(table);
+}
+
+/// m, of a file; 0: none is given.
+double length_of(const std::string& file, std::size_t place, std::size_t files,
+                 const std::vector<std::string>& lengths) {
+  double found = 0;
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    const std::size_t sign = lengths[k].rfind('=');
+    const bool named = sign != std::string::npos;
+    const std::string number = named ? lengths[k].substr(sign + 1) : lengths[k];
+    const std::string of = named ? lengths[k].substr(0, sign) : "";
+    double value = 0;
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+    if (error != std::errc() || end != number.data() + number.size() || !(value > 0) ||
+        !std::isfinite(value)) {
+      throw UsageError("--length " + lengths[k] + ": write metres, or FILE=METRES");
+    }
+    if (named ? of == file || of == fs::path(file).filename() : lengths.size() == 1 || k == place) {
+      found = value;
+    }
+    if (!named && lengths.size() != 1 && lengths.size() != files) {
+      throw UsageError(
+          fmt::format("--length gives {} lengths for {} files: one for all, one each, "
+                      "or FILE=METRES",
+                      lengths.size(), files));
+    }
+  }
+  return found;
+}
+
+/// Recordings of one test that share a length and what is said of their channels.
+struct Group {
+  double length_m = 0;
+  std::string channels;
+  std::vector<std::string> files;
+};
+
+struct Test {
+  Guess guess;
+  std::vector<Group> groups;
+};
+
+void need(bool given, const std::string& file, const char* what) {
+  if (!given) throw UsageError(file + what);
+}
+
+/// The keys of a test; files are relative to the campaign.
+std::string test_text(const std::string& name, const Test& test, const GuessOptions& options) {
+  const Guess& guess = test.guess;
+  const std::string& file = test.groups.front().files.front();
   std::string text =
       fmt::format("\n[[test]]\nname = \"{}\"\nkind = \"{}\"  # {}\n", name, guess.kind, guess.why);
   if (guess.kind == "bending") {
-    if (!(options.span_m > 0)) {
-      throw UsageError(files.front() +
-                       " is a bending test: give its span between the clamps, --span M");
-    }
-    text +=
-        fmt::format("span = {}  # m, {}\n", options.span_m,
-                    guess.without_tension ? "between clamps or supports; cantilever: to the load"
-                                          : "clamp to clamp");
-    if (guess.without_tension) {
+    need(options.span_m > 0, file,
+         " is a bending test: give its span between the clamps, --span M");
+    const bool tensioned = !guess.bent.tension.empty();
+    text += fmt::format(
+        "span = {}  # m, {}\n", options.span_m,
+        tensioned ? "clamp to clamp" : "between clamps or supports; cantilever: to the load");
+    if (!tensioned) {
       text +=
-          "tension = 0\nends = \"clamped\"  # or \"pinned\" (on two supports), "
-          "\"cantilever\"\n"
+          "tension = 0\nends = \"clamped\"  # or \"pinned\" (on two supports), \"cantilever\"\n"
           "# rectangle = [0.02, 0.003]  # m, width and height: gives the modulus\n";
     }
-    if (!guess.tension.empty() && !guess.load.empty() && !guess.deflection.empty()) {
-      text += fmt::format("channels = {{ tension = {}, load = {}, deflection = {} }}\n",
-                          quoted(guess.tension), quoted(guess.load), quoted(guess.deflection));
-    }
+    text += fmt::format("channels = {{ {}load = {}, deflection = {} }}\n",
+                        tensioned ? "tension = " + quoted(guess.bent.tension) + ", " : "",
+                        quoted(guess.bent.load), quoted(guess.bent.deflection));
   } else if (guess.kind == "axial") {
-    if (!(options.mass_kg > 0) || !(options.length_m > 0)) {
-      throw UsageError(files.front() + " is an axial test: give --mass KG and --length M");
-    }
+    need(options.mass_kg > 0, file, " is an axial test: give --mass KG");
     text += fmt::format("mass = {}  # kg, adapter included\n", options.mass_kg);
     if (!guess.responses.empty()) text += "channel = " + quoted(guess.responses.front()) + "\n";
+  } else if (guess.kind == "tension") {
+    need(options.mass_per_length > 0, file, " is a tension test: give --mass-per-length KG_M");
+    text += fmt::format("length = {}  # m\nmass_per_length = {}  # kg/m\n",
+                        test.groups.front().length_m, options.mass_per_length);
   } else if (guess.kind == "modal") {
     text += "force = " + quoted(guess.force) + "\nresponses = " + list_of(guess.responses) + "\n";
-  } else {
+  }
+  if (guess.kind == "decay" || guess.kind == "tension") {
     text += "channels = " + list_of(guess.responses) + "\n";
   }
-  text += "[[test.recording]]\nfiles = " + list_of(files) + "\n";
-  if (guess.kind == "axial") text += fmt::format("length = {}  # m of cable\n", options.length_m);
-  return text;
-}
-
-/// The channels of a folder's recordings, each once, with what a person said of them.
-std::string channels_text(const std::vector<const signal::Recording*>& recordings,
-                          const GuessOptions& options) {
-  std::string text =
-      "# Channels of the recordings in this folder (rigfit help sidecar: every key).\n";
-  std::vector<std::string> done;
-  for (const auto* recording : recordings) {
-    for (const auto& channel : recording->channels) {
-      if (std::find(done.begin(), done.end(), channel.name) != done.end()) continue;
-      done.push_back(channel.name);
-      text += "\n[[channel]]\nsource = " + quoted(channel.name) + "\n";
-      if (const auto given = options.sensitivities.find(channel.name);
-          given != options.sensitivities.end()) {
-        const std::size_t blank = given->second.find(' ');
-        const std::string number = given->second.substr(0, blank);
-        if (blank == std::string::npos || number.empty() ||
-            number.find_first_not_of("+-.0123456789eE") != std::string::npos) {
-          throw UsageError("--sensitivity " + channel.name + "=" + given->second +
-                           ": write it with its unit, such as \"" + channel.name + "=2.27 mV/N\"");
-        }
-        text += "sensitivity = " + number +
-                "\nsensitivity_unit = " + quoted(given->second.substr(blank + 1)) + "\n";
-      } else if (const auto unit = options.units.find(channel.name); unit != options.units.end()) {
-        if (!signal::parse_unit(unit->second)) {
-          throw UsageError("--unit " + channel.name + "=" + unit->second + ": no unit we know");
-        }
-        text += "unit = " + quoted(unit->second) + "\n";
-      } else if (channel.unit.empty()) {
-        text +=
-            "# unit = \"m/s^2\"  # the file gives none; or: sensitivity = 10.0, sensitivity_unit "
-            "= \"mV/g\"\n";
-      } else {
-        text += "# in " + channel.unit + " by the file\n";
-      }
-    }
+  for (const auto& group : test.groups) {
+    text += "[[test.recording]]\nfiles = " + list_of(group.files) + "\n";
+    if (guess.kind == "axial") text += fmt::format("length = {}  # m of cable\n", group.length_m);
+    text += group.channels;
   }
   return text;
 }
@@ -283,76 +310,137 @@ bool over_frequency(const std::string& file, VerbContext& context) {
          signal::read_frequency_table(mapped.bytes(), file, context.reading).has_value();
 }
 
-}  // namespace
-
-GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::string>& files,
-                               const GuessOptions& options, VerbContext& context) {
-  GuessedCampaign result;
-  struct Test {
-    Guess guess;
-    std::vector<std::string> files;
-  };
-  std::vector<Test> tests;
-  std::vector<std::pair<fs::path, signal::Recording>> read;
-  for (const auto& file : files) {
-    if (fs::path(file).extension() == ".toml") continue;
-    context.input(file);
-    if (over_frequency(file, context)) {
-      result.remarks.push_back(file +
-                               ": over frequency, left out; look at it by rigfit inspect or "
-                               "rigfit modal");
+/// Files, and those in folders, which describe nothing and are none of ours.
+std::vector<std::string> files_in(const std::vector<std::string>& given, const fs::path& folder) {
+  std::vector<std::string> files;
+  for (const auto& one : given) {
+    std::error_code none;
+    if (!fs::is_directory(one, none)) {
+      if (fs::path(one).extension() != ".toml") files.push_back(one);
       continue;
     }
-    signal::Recording recording = load_recording(file, context);
-    const Guess guess = guess_of(recording, options);
-    if (recording.sample_rate_hz == 0 && guess.kind != "bending") {
-      throw UsageError(file + " gives no sample rate: write sample_rate_hz = ... into a " +
-                       fs::path(file).replace_extension(".toml").filename().string() +
-                       " beside it");
+    std::vector<std::string> inside;
+    for (const auto& entry : fs::recursive_directory_iterator(one, none)) {
+      const auto& path = entry.path();
+      const fs::path below = fs::absolute(path).lexically_normal().lexically_relative(
+          fs::absolute(folder).lexically_normal());
+      const bool ours = !below.string().starts_with("..");
+      if (entry.is_regular_file(none) && path.extension() != ".toml" && !ours &&
+          !path.filename().string().starts_with(".")) {
+        inside.push_back(path.string());
+      }
     }
-    result.remarks.push_back(fmt::format("{}: {} ({})", file, guess.kind, guess.why));
-    std::error_code error;
-    const fs::path relative = fs::proximate(fs::absolute(file), fs::absolute(folder), error);
-    const std::string name = error ? fs::absolute(file).string() : relative.string();
-    const auto same = std::find_if(tests.begin(), tests.end(), [&](const Test& test) {
-      return test.guess.kind == guess.kind && test.guess.force == guess.force &&
-             test.guess.without_tension == guess.without_tension &&
-             test.guess.responses == guess.responses;
-    });
-    if (same != tests.end()) {
-      same->files.push_back(name);
-    } else {
-      tests.push_back({guess, {name}});
-    }
-    read.emplace_back(fs::path(file).parent_path(), std::move(recording));
+    std::sort(inside.begin(), inside.end());
+    files.insert(files.end(), inside.begin(), inside.end());
   }
-  if (tests.empty()) throw UsageError("none of the files is a recording over time");
+  return files;
+}
+
+/// Options that none of the tests takes, and channels that no recording has.
+void check_options(const std::vector<Test>& tests, const std::vector<std::string>& channels,
+                   const GuessOptions& options) {
+  const auto has = [&](std::initializer_list<const char*> kinds) {
+    return std::any_of(tests.begin(), tests.end(), [&](const Test& test) {
+      return std::find(kinds.begin(), kinds.end(), test.guess.kind) != kinds.end();
+    });
+  };
+  const auto refuse = [](bool given, const char* option, const char* kinds) {
+    if (given)
+      throw UsageError(fmt::format("{} belongs to {} tests; no file is one", option, kinds));
+  };
+  refuse(options.span_m > 0 && !has({"bending"}), "--span", "bending");
+  refuse(options.mass_kg > 0 && !has({"axial"}), "--mass", "axial");
+  refuse(options.mass_per_length > 0 && !has({"tension"}), "--mass-per-length", "tension");
+  refuse(!options.lengths.empty() && !has({"axial", "tension"}), "--length", "axial and tension");
+  refuse(!options.force.empty() && !has({"modal"}), "--force-channel", "modal");
   for (const auto* map : {&options.units, &options.sensitivities}) {
     for (const auto& entry : *map) {
-      const std::string& name = entry.first;
-      const bool known = std::any_of(read.begin(), read.end(), [&](const auto& one) {
-        return std::any_of(one.second.channels.begin(), one.second.channels.end(),
-                           [&](const auto& channel) { return channel.name == name; });
-      });
-      if (!known) throw UsageError("no recording has a channel \"" + name + "\"");
+      if (std::find(channels.begin(), channels.end(), entry.first) == channels.end()) {
+        throw UsageError("no recording has a channel \"" + entry.first + "\"");
+      }
     }
   }
-  std::string text =
-      "# A campaign of your own recordings. Run it: rigfit report campaign.toml --out report\n"
+}
+
+}  // namespace
+
+GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::string>& given,
+                               const GuessOptions& options, VerbContext& context) {
+  GuessedCampaign result;
+  std::vector<Test> tests;
+  std::vector<std::string> channels;
+  const std::vector<std::string> files = files_in(given, folder);
+  std::optional<signal::RecordingError> first_error;
+  for (std::size_t place = 0; place < files.size(); ++place) {
+    const auto& file = files[place];
+    const auto leave_out = [&](const std::string& why) {
+      context.warn("file_left_out", "is left out: " + why, file);
+    };
+    try {
+      context.input(file);
+      if (over_frequency(file, context)) {
+        result.remarks.push_back(file +
+                                 ": over frequency, left out; look at it by rigfit inspect "
+                                 "or rigfit modal");
+        continue;
+      }
+      signal::Recording recording = load_untold(file, context);
+      for (const auto& channel : recording.channels) channels.push_back(channel.name);
+      Group group;
+      group.channels = channels_text(recording, options);
+      signal::apply_description(description_of(group.channels, file), recording);
+      Guess guess = guess_of(recording, options);
+      if (guess.kind == "bending") drop_time_notes(recording);
+      tell_notes(recording, context);
+      if (guess.kind == "axial" || guess.kind == "tension") {
+        group.length_m = length_of(file, place, files.size(), options.lengths);
+        need(group.length_m > 0, file,
+             ": give the length of cable, --length M (or --length FILE=M for each)");
+      }
+      result.remarks.push_back(fmt::format("{}: {} ({})", file, guess.kind, guess.why));
+      std::error_code error;
+      const fs::path relative = fs::proximate(fs::absolute(file), fs::absolute(folder), error);
+      group.files = {error ? fs::absolute(file).string() : relative.string()};
+      const auto same = std::find_if(tests.begin(), tests.end(), [&](const Test& test) {
+        const bool one_cable = test.groups.front().length_m == group.length_m;
+        return test.guess.kind == guess.kind && test.guess.force == guess.force &&
+               test.guess.bent == guess.bent && test.guess.responses == guess.responses &&
+               (guess.kind != "tension" || one_cable);
+      });
+      if (same == tests.end()) {
+        tests.push_back({std::move(guess), {std::move(group)}});
+        continue;
+      }
+      const auto as_before =
+          std::find_if(same->groups.begin(), same->groups.end(), [&](const Group& one) {
+            return one.length_m == group.length_m && one.channels == group.channels;
+          });
+      if (as_before == same->groups.end()) {
+        same->groups.push_back(std::move(group));
+      } else {
+        as_before->files.push_back(group.files.front());
+      }
+    } catch (const signal::RecordingError& error) {
+      if (!first_error) first_error = error;
+      leave_out(error.what());
+    } catch (const document::DocumentError& error) {
+      leave_out(error.what());
+    }
+  }
+  if (tests.empty() && first_error) throw *first_error;
+  if (tests.empty()) throw UsageError("none of the files is a recording over time or a table");
+  check_options(tests, channels, options);
+  result.text =
+      "# A campaign of your own recordings. Run it: rigfit report campaign.toml\n"
       "# Every key: rigfit help campaign. A commented example: rigfit new DIR --example\n\n"
       "title = " +
       quoted(fs::absolute(folder).lexically_normal().filename().string()) + "\n";
   std::map<std::string, int> count;
   for (const auto& test : tests) {
     const int number = ++count[test.guess.kind];
-    text += test_text(number == 1 ? test.guess.kind : fmt::format("{}-{}", test.guess.kind, number),
-                      test.guess, options, test.files);
-  }
-  result.files.push_back({folder / "campaign.toml", std::move(text)});
-  std::map<fs::path, std::vector<const signal::Recording*>> folders;
-  for (const auto& [place, recording] : read) folders[place].push_back(&recording);
-  for (const auto& [place, recordings] : folders) {
-    result.files.push_back({place / "channels.toml", channels_text(recordings, options)});
+    result.text +=
+        test_text(number == 1 ? test.guess.kind : fmt::format("{}-{}", test.guess.kind, number),
+                  test, options);
   }
   return result;
 }

@@ -8,12 +8,14 @@
 #include <string_view>
 #include <utility>
 
+#include "apps/campaign_file/bending_files.h"
+#include "apps/campaign_file/load_deflection.h"
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "signal/quality/quality.h"
-#include "signal/readers/csv/frf_columns.h"
+#include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/read_recording.h"
@@ -107,7 +109,21 @@ signal::Recording load(const std::string& path, VerbContext& context, double rat
   }
   signal::ReadOptions options;
   options.sample_rate_hz = rate;
-  return load_recording(path, context, options);
+  signal::Recording recording = load_untold(path, context, options);
+  if (const auto table = load_deflection(recording); table && recording.sample_rate_hz == 0) {
+    drop_time_notes(recording);
+    recording.notes.push_back(
+        {"load_deflection_table",
+         fmt::format(
+             "has no times and is a load-deflection table (load \"{}\", deflection \"{}\"{}): "
+             "rigfit bending takes it",
+             table->load, table->deflection,
+             table->tension.empty() ? ", no tension: --tension 0"
+                                    : ", tension \"" + table->tension + "\""),
+         ""});
+  }
+  tell_notes(recording, context);
+  return recording;
 }
 
 Json json_of(const signal::Recording& recording, const signal::QualityResult& quality) {

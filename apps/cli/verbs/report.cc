@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 
 #include "apps/cli/verbs/all.h"
@@ -13,8 +14,9 @@ describe::Options options_of(ReportCommand& c) {
   return {option("campaign", c.campaigns,
                  "Campaign (TOML); two: before and after, compared value by value")
               .required(),
-          option("--out", c.out, "Folder for report.html, report.json, data/ and figures/")
-              .required()
+          option("--out", c.out,
+                 "Folder for report.html, report.json, data/ and figures/ [report beside the "
+                 "campaign]")
               .type("DIR"),
           option("--style", c.style,
                  "lab: one page of everything; client: a short report, the appendix beside it")
@@ -50,14 +52,21 @@ Json report_result(const ReportCommand& c, VerbContext& context) {
     report.figures =
         print_size(c.figure_size[0], c.figure_size[1], c.figure_font, c.figure_font_size);
   }
+  std::string out = c.out;
+  if (out.empty() && c.campaigns.size() > 1) {
+    throw UsageError("two campaigns: name the folder of the comparison, --out DIR");
+  }
+  if (out.empty()) {
+    out = (std::filesystem::path(c.campaigns[0]).parent_path() / "report").string();
+  }
   std::vector<Campaign> campaigns;
   for (const auto& file : c.campaigns) {
     context.input(file);
     campaigns.push_back(read_campaign(file));
   }
   return campaigns.size() == 1
-             ? campaign_report(campaigns[0], c.out, report, context)
-             : compared_campaigns(campaigns[0], campaigns[1], c.out, report, context);
+             ? campaign_report(campaigns[0], out, report, context)
+             : compared_campaigns(campaigns[0], campaigns[1], out, report, context);
 }
 
 }  // namespace rigfit::apps

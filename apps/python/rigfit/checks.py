@@ -157,10 +157,15 @@ def band(argument, value):
 
 
 def array(argument, value, dimensions, dtype=np.float64, missing=False):
-    """A contiguous, aligned array of so many dimensions; the very same where it is one already. ``missing``: NaN may stand in it."""
+    """A contiguous, aligned array of so many dimensions; the very same where it is one already. ``missing``: NaN may
+    stand in it, and masked values become NaN."""
     if isinstance(value, (str, bytes)) or hasattr(value, "read"):
         fail(argument, f"must be an array, not {kind(value)}")
     try:
+        if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+            if not missing:
+                fail(argument, f"masks {int(np.ma.count_masked(value))} of its values")
+            value = np.ma.filled(value.astype(np.float64), np.nan)
         given = np.asarray(value)
     except (ValueError, TypeError) as error:
         fail(argument, f"is no array: {error}")

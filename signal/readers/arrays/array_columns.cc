@@ -6,9 +6,9 @@
 #include <set>
 #include <utility>
 
+#include "signal/readers/csv/csv_table.h"
 #include "signal/readers/csv/csv_time.h"
-#include "signal/readers/csv/table_recording.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -68,20 +68,8 @@ Recording recording_of_columns(std::vector<ArrayColumn> columns, const std::file
     entry.name = titled.name.empty() ? "column " + std::to_string(k + 1) : titled.name;
     entry.unit = titled.unit;
     Channel channel;
-    channel.name = entry.name;
-    for (int copy = 2; !used.insert(channel.name).second; ++copy) {
-      channel.name = entry.name + "_" + std::to_string(copy);
-    }
-    channel.source_unit = entry.unit;
-    for (double& x : column.values) {
-      if (std::isinf(x)) x = std::numeric_limits<double>::quiet_NaN();
-    }
-    if (const auto unit = parse_unit(entry.unit)) {
-      channel.unit = unit->si;
-      channel.si_per_source = unit->factor;
-      channel.si_offset = unit->offset;
-      channel.quantity = unit->quantity;
-    }
+    channel.name = unused_name(entry.name, used);
+    take_unit(entry.unit, channel, table.notes);
     const int decimals = decimals_of(column);
     if (k == 0 && columns.size() > 1 && !is_time_name(entry.name) && stated_rate_hz == 0 &&
         looks_like_time(column.values, decimals) &&
@@ -91,9 +79,7 @@ Recording recording_of_columns(std::vector<ArrayColumn> columns, const std::file
           {"time_column_assumed", "rises in equal steps: taken as time in seconds", channel.name});
       entry.name = channel.name = "time";
     }
-    channel.samples = channel.si_per_source * column.values;
-    channel.samples.array() += channel.si_offset;
-    channel.missing_samples = static_cast<long>(channel.samples.array().isNaN().count());
+    take_samples(std::move(column.values), channel);
     entry.filled = 1;
     table.layout.columns.push_back(std::move(entry));
     table.channels.push_back(std::move(channel));

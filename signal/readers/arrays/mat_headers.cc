@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "signal/recording/recording_error.h"
@@ -203,8 +204,18 @@ void check_mat_headers(const std::filesystem::path& path) {
   MatBytes bytes(file);
   MatWalk walk(bytes, swapped);
   Tag element;
+  std::error_code none;
+  const auto size = static_cast<std::uint64_t>(std::filesystem::file_size(path, none));
   while (walk.tag(element)) {
     const std::streamoff start = file.tellg();
+    if (const std::uint64_t held = size - static_cast<std::uint64_t>(start);
+        !none && element.behind > held) {
+      throw RecordingError({path.string(), 0, 0, "", ""},
+                           "breaks off: its last variable states " +
+                               std::to_string(element.behind) + " bytes, of which " +
+                               std::to_string(element.behind - held) + " are missing",
+                           "copy the file again");
+    }
     bool holds = element.type != kMatrix || walk.variable(element.bytes, 0);
     if (element.type == kCompressed) {
       MatBytes unpacked(file, element.bytes);

@@ -39,6 +39,16 @@ struct MatArray {
     const std::size_t dot = name.find_last_of('.');
     return dot == std::string::npos ? name : name.substr(dot + 1);
   }
+  /// The structure it stands in, "run" of "run.acc"; empty: none.
+  [[nodiscard]] std::string parent() const {
+    const std::size_t dot = name.find_last_of('.');
+    return dot == std::string::npos ? "" : name.substr(0, dot);
+  }
+  /// Whether what stands beside it, or above, belongs to an array: "run.t" to "run.acc".
+  [[nodiscard]] bool concerns(const MatArray& array) const {
+    const std::string own = parent(), other = array.parent();
+    return own.empty() || other == own || other.starts_with(own + ".");
+  }
   [[nodiscard]] std::string text() const {
     return fmt::format("{} ({} x {}{})", name, real.rows(), real.cols(),
                        imaginary.size() > 0 ? ", complex" : "");
@@ -226,34 +236,23 @@ std::string list_of(const std::vector<const MatArray*>& arrays) {
 }
 
 /// The rate by a scalar of a usual name; 0: none. A second one that disagrees is noted.
-double stated_rate(const std::vector<MatArray>& arrays, std::vector<Note>& notes) {
-  static constexpr std::array<std::string_view, 14> kRates = {"fs",
-                                                              "fsamp",
-                                                              "samplerate",
-                                                              "samplingrate",
-                                                              "samplefrequency",
-                                                              "samplingfrequency",
-                                                              "sr",
-                                                              "rate",
-                                                              "numberofsamplespersecond",
-                                                              "fsample",
-                                                              "freqsamp",
-                                                              "samplespersecond",
-                                                              "fsampling",
-                                                              "srate"};
-  static constexpr std::array<std::string_view, 9> kSteps = {
-      "dt",      "ts",       "deltat",         "sampletime", "samplingtime",
-      "tsample", "timestep", "sampleinterval", "increment"};
+double stated_rate(const std::vector<MatArray>& arrays, const MatArray& of,
+                   std::vector<Note>& notes) {
+  static constexpr std::string_view kRates =
+      "|fs|fsamp|samplerate|samplingrate|samplefrequency|samplingfrequency|sr|rate|"
+      "numberofsamplespersecond|fsample|freqsamp|samplespersecond|fsampling|srate|";
+  static constexpr std::string_view kSteps =
+      "|dt|ts|deltat|sampletime|samplingtime|tsample|timestep|sampleinterval|increment|";
   double rate = 0;
   std::string by;
   for (const auto& array : arrays) {
-    if (array.real.size() != 1 || array.imaginary.size() > 0) continue;
+    if (array.real.size() != 1 || array.imaginary.size() > 0 || !array.concerns(of)) continue;
     std::string name = lower_case(array.last_name());
     std::erase_if(name, [](char c) { return c == '_'; });
     const double value = array.real(0, 0);
     if (!(value > 0) || !std::isfinite(value) || !std::isfinite(1 / value)) continue;
-    const bool is_rate = std::find(kRates.begin(), kRates.end(), name) != kRates.end();
-    const bool is_step = std::find(kSteps.begin(), kSteps.end(), name) != kSteps.end();
+    const bool is_rate = is_listed(kRates, name);
+    const bool is_step = is_listed(kSteps, name);
     if (!is_rate && !is_step) continue;
     const double found = is_rate ? value : 1 / value;
     if (rate == 0) {
@@ -273,7 +272,7 @@ double stated_rate(const std::vector<MatArray>& arrays, std::vector<Note>& notes
 /// number with N / 2 + 1 lines. Empty: it does not.
 Eigen::VectorXd frequencies_by_rate(const std::vector<MatArray>& arrays, const MatArray& frfs) {
   std::vector<Note> ignored;
-  double rate = stated_rate(arrays, ignored), block = 0;
+  double rate = stated_rate(arrays, frfs, ignored), block = 0;
   for (const auto& array : arrays) {
     if (array.real.size() != 1 || array.imaginary.size() > 0) continue;
     const double value = array.real(0, 0);
@@ -313,6 +312,7 @@ std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
   if (!asked.empty()) {
     for (const auto* array : real) {
       if (array->longer() == taken.front()->longer() && is_time_name(array->last_name()) &&
+          array->concerns(*taken.back()) &&
           std::find(taken.begin(), taken.end(), array) == taken.end()) {
         taken.insert(taken.begin(), array);
       }
@@ -349,22 +349,40 @@ std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
   return by_length.begin()->second;
 }
 
+/// Refuses samples beside the times of another structure.
+void check_times(const std::vector<const MatArray*>& taken, const std::filesystem::path& path) {
+  std::vector<const MatArray*> times;
+  for (const auto* array : taken) {
+    if (is_time_name(array->last_name())) times.push_back(array);
+  }
+  for (const auto* array : taken) {
+    const bool own = std::any_of(times.begin(), times.end(), [&](const MatArray* time) {
+      return time == array ||
+             (time->concerns(*array) && time->real.size() == times.front()->real.size() &&
+              (time->real.reshaped() - times.front()->real.reshaped()).isZero(0));
+    });
+    if (own || times.empty()) continue;
+    throw refusal(path, "holds structures with times of their own: " + list_of(taken),
+                  "say which samples to take: --variable " + array->name, array->name);
+  }
+}
+
 }  // namespace
 
 Recording read_mat(const std::filesystem::path& path, const ReadOptions& options) {
   const std::vector<MatArray> arrays = MatReader(path).read();
   std::vector<Note> notes;
   const auto taken = chosen(arrays, path, options.variables);
+  check_times(taken, path);
   const Eigen::Index samples = taken.front()->longer();
-  std::map<std::string, int> uses;
-  for (const auto* array : taken) ++uses[array->last_name()];
   std::vector<ArrayColumn> columns;
   for (const auto* array : taken) {
     if (array->longer() != samples) {
       throw refusal(path, "the arrays named differ in length: " + list_of(taken),
                     "name arrays of one length");
     }
-    const std::string name = uses[array->last_name()] > 1 ? array->name : array->last_name();
+    const std::string last = array->last_name();
+    const std::string& name = is_time_name(last) ? last : array->name;
     for (auto& column : columns_of(array->real, name, array->single, notes)) {
       columns.push_back(std::move(column));
     }
@@ -380,7 +398,7 @@ Recording read_mat(const std::filesystem::path& path, const ReadOptions& options
     notes.push_back(
         {"variables_left_out", list_of(taken) + " is taken, left out is " + list_of(left), ""});
   }
-  const double rate = stated_rate(arrays, notes);
+  const double rate = stated_rate(arrays, *taken.front(), notes);
   return recording_of_columns(std::move(columns), path, "mat", options, rate, std::move(notes));
 }
 

@@ -116,25 +116,20 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
            ""});
     }
   }
-  std::string names;
   for (std::size_t c = 0; c < channels; ++c) {
     Channel channel;
     channel.name = "channel " + std::to_string(c + 1);
     channel.nominal_range = whole ? 1 : 0;
-    channel.samples = Eigen::Map<const Eigen::VectorXd>(data[c].data(),
-                                                        static_cast<Eigen::Index>(data[c].size()));
-    for (double& x : channel.samples) {
-      if (!std::isfinite(x)) x = std::numeric_limits<double>::quiet_NaN();
-    }
-    channel.missing_samples = static_cast<long>(channel.samples.array().isNaN().count());
-    names += (names.empty() ? "\"" : ", \"") + channel.name + "\"";
+    take_samples(Eigen::Map<const Eigen::VectorXd>(data[c].data(),
+                                                   static_cast<Eigen::Index>(data[c].size())),
+                 channel);
     recording.channels.push_back(std::move(channel));
   }
-  recording.notes.push_back(
-      {"no_unit",
-       whole ? "samples are fractions of full scale: give scale and unit for physical values"
-             : "no unit in the file: the numbers are kept as they are",
-       names});
+  note_unitless(recording);
+  if (whole) {
+    recording.notes.back().message =
+        "samples are fractions of full scale: give scale and unit for physical values";
+  }
   return recording;
 }
 

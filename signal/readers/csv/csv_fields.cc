@@ -41,6 +41,11 @@ std::string_view trim_blanks(std::string_view s) {
   return s;
 }
 
+bool is_listed(std::string_view list, const std::string& word) {
+  return word.find('|') == std::string::npos &&
+         list.find("|" + word + "|") != std::string_view::npos;
+}
+
 std::string lower_case(std::string_view s) {
   std::string out(s);
   std::transform(out.begin(), out.end(), out.begin(),
@@ -92,12 +97,10 @@ bool is_missing_word(std::string_view field) {
   }
   std::string word = lower_case(field);
   if (word.front() == '-' || word.front() == '+') word.erase(0, 1);
-  static constexpr std::array<std::string_view, 26> kWords = {
-      "nan",     "na",       "n/a",    "#n/a",     "null",    "none",    "nil",
-      "inf",     "infinity", "1.#inf", "1.#qnan",  "1.#ind",  "1.#snan", "nan(ind)",
-      "missing", "invalid",  "ovl",    "overload", "#value!", "#div/0!", "#num!",
-      "#ref!",   "?",        "ovr",    "over",     "err"};
-  return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
+  static constexpr std::string_view kWords =
+      "|nan|na|n/a|#n/a|null|none|nil|inf|infinity|1.#inf|1.#qnan|1.#ind|1.#snan|nan(ind)|"
+      "missing|invalid|ovl|overload|#value!|#div/0!|#num!|#ref!|?|ovr|over|err|";
+  return is_listed(kWords, word);
 }
 
 bool parse_clock(std::string_view field, double& seconds, int& decimals) {

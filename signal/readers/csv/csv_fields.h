@@ -41,5 +41,7 @@ void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<
 
 [[nodiscard]] std::string_view trim_blanks(std::string_view s);
 [[nodiscard]] std::string lower_case(std::string_view s);
+/// Whether "|a|b|" lists the word.
+[[nodiscard]] bool is_listed(std::string_view list, const std::string& word);
 
 }  // namespace rigfit::signal

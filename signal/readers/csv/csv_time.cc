@@ -20,11 +20,10 @@ std::string decimal_text(double value) { return fmt::format("{:.9g}", value); }
 
 bool is_index_name(const std::string& name) {
   const std::string word = lower_case(name);
-  static constexpr std::array<std::string_view, 17> kWords = {
-      "sample", "samples", "index", "no",  "no.",    "nr",        "nr.",        "#",
-      "n",      "scan",    "point", "row", "record", "sample no", "sample no.", "sample number",
-      "count"};
-  return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
+  static constexpr std::string_view kWords =
+      "|sample|samples|index|no|no.|nr|nr.|#|n|scan|point|row|record|sample no|sample no.|"
+      "sample number|count|";
+  return is_listed(kWords, word);
 }
 
 /// 0, 1, 2 ... (or from 1), in steps of exactly one.
@@ -112,41 +111,39 @@ double give_unit(double unit_s, Channel& column, Recording& recording) {
   return factor;
 }
 
+/// Titles that stand a column beside their numbers: there is one more or one less than columns, and
+/// the times stand beside the column that is called so.
+void refuse_shifted_titles(const CsvTable& table, const std::optional<std::size_t>& time,
+                           const std::string& file) {
+  const CsvLayout& layout = table.layout;
+  const bool fewer = layout.has_names && !layout.columns.empty() &&
+                     layout.columns.back().name.empty() && layout.columns.back().filled >= 0.5;
+  if (!fewer && !layout.more_titles) return;
+  const auto is_time = [&](std::size_t k) {
+    return k < table.channels.size() && !counts_samples(table.channels[k].samples) &&
+           looks_like_time(table.channels[k].samples, table.decimals[k]);
+  };
+  const std::size_t at = time.value_or(0);
+  const bool beside = time ? !is_time(at) && (is_time(at + 1) || (at > 0 && is_time(at - 1)))
+                           : is_time(0) && !layout.columns[table.column[0]].name.empty();
+  if (!beside) return;
+  throw RecordingError({file, layout.body_line, 0, table.channels[at].name, ""},
+                       "the titles seem to stand a column beside their numbers: there are " +
+                           std::string(fewer ? "fewer" : "more") +
+                           " of them than columns, and the times are under " +
+                           (time ? "another" : "this one"),
+                       "give each column its title");
+}
+
 }  // namespace
 
 bool is_time_name(const std::string& name) {
   const std::string word = lower_case(name);
-  static constexpr std::array<std::string_view, 30> kWords = {"t",
-                                                              "time",
-                                                              "zeit",
-                                                              "temps",
-                                                              "tiempo",
-                                                              "tempo",
-                                                              "tid",
-                                                              "sec",
-                                                              "secs",
-                                                              "second",
-                                                              "seconds",
-                                                              "s",
-                                                              "ms",
-                                                              "msec",
-                                                              "elapsed",
-                                                              "timestamp",
-                                                              "clock",
-                                                              "uhrzeit",
-                                                              "datetime",
-                                                              "date/time",
-                                                              "date time",
-                                                              "x_value",
-                                                              "x value",
-                                                              "time_s",
-                                                              "elapsed time",
-                                                              "t_s",
-                                                              "relative time",
-                                                              "time stamp",
-                                                              "rel time",
-                                                              "time_ms"};
-  if (std::find(kWords.begin(), kWords.end(), word) != kWords.end()) return true;
+  static constexpr std::string_view kWords =
+      "|t|time|zeit|temps|tiempo|tempo|tid|sec|secs|second|seconds|s|ms|msec|elapsed|"
+      "timestamp|clock|uhrzeit|datetime|date/time|date time|x_value|x value|time_s|"
+      "elapsed time|t_s|relative time|time stamp|rel time|time_ms|";
+  if (is_listed(kWords, word)) return true;
   for (const std::string_view stem : {"time", "zeit", "elapsed", "timestamp"}) {
     if (word.size() > stem.size() && word.compare(0, stem.size(), stem) == 0 &&
         std::isalpha(static_cast<unsigned char>(word[stem.size()])) == 0) {
@@ -182,6 +179,7 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
       time = k;
     }
   }
+  refuse_shifted_titles(table, time, file);
   const bool first_unnamed = !table.channels.empty() &&
                              layout.columns[table.column[0]].name.empty() && table.column[0] == 0;
   std::vector<std::size_t> left_out;

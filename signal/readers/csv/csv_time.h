@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/readers/csv/csv_columns.h"
+#include "signal/readers/csv/csv_table.h"
 #include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 

@@ -4,18 +4,22 @@
 // Such a table is known by its first column (title "Frequency", unit Hz) where no column is the
 // time, or by "FFT", "spectrum", "PSD", "FRF", "dB" ... among titles above a first column that
 // rises.
+// Which column is the real or imaginary part, the magnitude, the phase or the coherence of which
+// function is told by its title.
 #pragma once
 
 #include <Eigen/Core>
+
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "signal/readers/csv/csv_columns.h"
+#include "signal/readers/csv/csv_table.h"
 #include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
+#include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
 
@@ -44,5 +48,13 @@ struct FrequencyTable {
 
 /// Whether a function is given in dB, by its unit or title.
 [[nodiscard]] bool in_decibels(const Channel& function);
+
+/// Whether the table has FRFs: real and imaginary parts, or magnitudes and phases.
+[[nodiscard]] bool holds_frfs(const FrequencyTable& table);
+
+/// FRFs of one input: each pair of columns of each table is a response. Magnitudes may be in dB.
+/// Throws RecordingError for tables without phase, of different lines, or with values that are no
+/// numbers.
+[[nodiscard]] FrfSet frfs_of(const std::vector<FrequencyTable>& tables);
 
 }  // namespace rigfit::signal

@@ -6,6 +6,7 @@
 // What is left out is noted, never dropped silently.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <string_view>

@@ -1,7 +1,5 @@
-// Numbers in text, correctly rounded, faster than std::from_chars for the short ones of loggers.
-//
-// Clinger's exact case: a decimal integer below 2^53 times or over a power of ten up to 10^22 is
-// one correctly rounded operation. Everything else goes to std::from_chars.
+// Numbers in text, correctly rounded, by std::from_chars; decimal commas and exponents by d through
+// a copy.
 #pragma once
 
 #include <string_view>

@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "signal/numerics/numbers.h"
 #include "signal/readers/csv/csv_fields.h"
@@ -61,6 +62,10 @@ class UffModesReader {
           break;
         case 2411:
           read_double_points();
+          break;
+        case 2412:
+        case 2414:
+          others_.insert(type);
           break;
         default:
           break;
@@ -381,10 +386,15 @@ class UffModesReader {
     say(still_, "mode of no frequency was left out", "modes of no frequency were left out");
     say(scalars_ + undirected_, "shape without directions was left out (its frequency is taken)",
         "shapes without directions were left out (their frequencies are taken)");
+    std::string others;
+    for (const int type : others_) others += (others.empty() ? "" : ", ") + std::to_string(type);
+    if (!others.empty()) out_.remarks.push_back("datasets that are not read: " + others);
     if (out_.modes.empty()) {
       throw RecordingError(
           {file_, 1, 1, "", ""},
-          any_ ? "holds no mode (dataset 55, analysis type 2, 3 or 7)" : "holds no dataset",
+          any_ ? "holds no mode (dataset 55, analysis type 2, 3 or 7)" +
+                     (others.empty() ? "" : " but datasets " + others)
+               : "holds no dataset",
           "export the mode shapes as UFF 55; FRFs (UFF 58) are taken by rigfit modal and --frf");
     }
     for (auto& [number, node] : points_) {
@@ -412,6 +422,7 @@ class UffModesReader {
   bool any_ = false;
   double per_metre_ = 1;
   int not_modes_ = 0, still_ = 0, scalars_ = 0, undirected_ = 0;
+  std::set<int> others_;  // datasets that are not read
   std::map<int, UffNode> points_;
   std::vector<UffMode> conjugates_;  // of negative frequency, turned round
   UffModes out_;

@@ -11,9 +11,12 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "signal/recording/quantity.h"
 
 namespace rigfit::signal {
 
@@ -68,5 +71,22 @@ struct Uff58File {
 /// anything that cannot be read.
 [[nodiscard]] Uff58File read_uff58(std::string_view bytes, const std::string& file,
                                    const std::function<void(std::size_t)>& done_with = {});
+
+/// "+X" to "-RZ" of a direction's code; empty: none.
+[[nodiscard]] std::string uff58_direction(int direction);
+
+/// Specific data types of axes and the quantities they are.
+[[nodiscard]] Quantity uff58_quantity(int data_type);
+[[nodiscard]] int uff58_data_type(Quantity quantity);
+
+// What dataset 58 has no exact place for is kept in identification lines 4 and 5 as "rigfit
+// key=value ...", so that our own files come back as they were. Other programs see a line of text.
+
+/// {"rate", "51200"} ...; empty when the line is not ours.
+[[nodiscard]] std::map<std::string, std::string> parse_uff58_remark(std::string_view line);
+
+/// The number of that key; `fallback` when there is none or it is not a finite number.
+[[nodiscard]] double remark_number(const std::map<std::string, std::string>& remark,
+                                   const std::string& key, double fallback);
 
 }  // namespace rigfit::signal

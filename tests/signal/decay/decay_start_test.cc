@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "signal/decay/decay_window.h"
+
 namespace rigfit::signal::decay_start_test {
 namespace {
 
@@ -79,6 +81,18 @@ TEST(DecayStart, IsTheFirstThatWillDo) {
     }
   }
   EXPECT_GE(moved, 3);
+}
+
+// A swing that comes to rest on a coarse scale is no logger that stopped; a cut is one.
+TEST(RecordedUntil, RestOnAnIntegerScaleIsNoStop) {
+  Eigen::VectorXd y(400);
+  for (Eigen::Index k = 0; k < y.size(); ++k) {
+    const double t = static_cast<double>(k);
+    y[k] = std::round(20 * std::exp(-0.025 * t) * std::cos(0.7 * t));
+  }
+  EXPECT_EQ(recorded_until(y), 400);
+  y.tail(340).setZero();
+  EXPECT_EQ(recorded_until(y), 60);
 }
 
 }  // namespace

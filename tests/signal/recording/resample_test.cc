@@ -81,5 +81,24 @@ TEST(Resample, ARateThatLeavesNoSamplesIsRefused) {
   EXPECT_EQ(resampled(even, 10).recording.samples(), 10);
 }
 
+// Flat tops stay without value, whether times are made even or the rate is changed.
+TEST(Resample, ClippedSamplesStayInvalid) {
+  Eigen::VectorXd t(400);
+  for (Eigen::Index k = 0; k < t.size(); ++k) {
+    t[k] = 0.002 * static_cast<double>(k) + 0.0003 * std::sin(1.7 * static_cast<double>(k));
+  }
+  Recording uneven = record(t, 500, 12);
+  auto& x = uneven.channels[0].samples;
+  x = x.cwiseMin(0.8).cwiseMax(-0.8);
+  const auto clipped = (x.array().abs() == 0.8).count();
+  Recording even = uneven;
+  uneven.time_s = t;
+  EXPECT_GE(resampled(uneven, 0).recording.channels[0].missing_samples, clipped);
+  const auto slow = resampled(even, 300).recording.channels[0];
+  EXPECT_GE(slow.missing_samples, clipped / 2);
+  EXPECT_EQ((slow.samples.array().abs() > 0.81).count(), 0);
+  EXPECT_EQ(slow.missing_samples, slow.samples.array().isNaN().count());
+}
+
 }  // namespace
 }  // namespace rigfit::signal::resample_test

@@ -83,6 +83,16 @@ TEST(Units, UsualSpellings) {
   }
 }
 
+TEST(Units, InWords) {
+  for (const auto& [text, factor] : {std::pair<const char*, double>{"grams", 1e-3},
+                                     {"kilograms", 1},
+                                     {"centimeters", 1e-2},
+                                     {"Millimetres", 1e-3}}) {
+    ASSERT_TRUE(parse_unit(text)) << text;
+    EXPECT_DOUBLE_EQ(parse_unit(text)->factor, factor) << text;
+  }
+}
+
 TEST(Units, TemperaturesHaveAnOffset) {
   for (const char* text : {"degC", "\u00B0C",
                            "\xB0"

@@ -62,10 +62,11 @@ TEST_F(Inspect, GivesRateChannelsAndClipping) {
 
 TEST_F(Inspect, FileBesideItNamesAndScales) {
   folder.write("b.csv", "t,CH1,CH2\n0,1,10\n0.1,2,20\n0.2,3,15\n0.3,2,10\n");
-  folder.write("b.toml",
-               "[[channel]]\nsource = \"CH1\"\nname = \"hammer\"\nsensitivity = 2.0\n"
-               "sensitivity_unit = \"mV/N\"\n[[channel]]\nsource = \"#2\"\nunit = \"g\"\n"
-               "direction = [0, -2, 0]\n");
+  folder.write(
+      "b.toml",
+      "[[channel]]\nsource = \"CH1\"\nname = \"hammer\"\nsensitivity = 2.0\n"
+      "unit = \"mV\"\nsensitivity_unit = \"mV/N\"\n[[channel]]\nsource = \"#2\"\nunit = \"g\"\n"
+      "direction = [0, -2, 0]\n");
   const auto run = run_program({"inspect", "--json", "-", path("b.csv")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto document = json_of(run);
@@ -81,6 +82,8 @@ TEST_F(Inspect, WrongDescriptionsAreRefused) {
   folder.write("c.csv", "t,CH1\n0,1\n0.1,2\n0.2,3\n");
   for (const std::string text :
        {"[[channel]]\nsource = \"CH9\"\nname = \"x\"\n",
+        // The file gives no unit: volts or millivolts?
+        "[[channel]]\nsource = \"CH1\"\nsensitivity = 20\nsensitivity_unit = \"mV/N\"\n",
         "[[channel]]\nsource = \"CH1\"\nunit = \"blorp\"\n", "sample_rate = 5\n",
         "[[channel]]\nsource = \"CH1\"\nsensitivity = 0.0\nsensitivity_unit = \"mV/N\"\n",
         "sample_rate_hz = -1.0\n", "[[channel\n"}) {

@@ -232,8 +232,37 @@ TEST_F(Mat, FieldsOfStructsAreFound) {
   const auto recording = read_mat(path_);
   EXPECT_NEAR(recording.sample_rate_hz, 100, 1e-9);
   ASSERT_EQ(recording.channels.size(), 1u);
-  EXPECT_EQ(recording.channels[0].name, "signal");
+  EXPECT_EQ(recording.channels[0].name, "run.signal");
+  EXPECT_EQ(&recording.channel("signal"), &recording.channels[0]);
   EXPECT_EQ(recording.channels[0].samples[2], 6);
+}
+
+TEST_F(Mat, SamplesGetTheTimesOfTheirOwnStructure) {
+  const auto run = [&](const char* name, double step) {
+    const char* names[] = {"t", "acc"};
+    std::size_t one[2] = {1, 1};
+    matvar_t* const made = Mat_VarCreateStruct(name, 2, one, names, 2);
+    Mat_VarSetStructFieldByName(made, "t", 0, array("t", ramp(40, step), 40, 1));
+    Mat_VarSetStructFieldByName(made, "acc", 0, array("acc", ramp(40, 3), 40, 1));
+    return made;
+  };
+  write({run("first", 0.01), run("second", 0.002)});
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }),
+              ::testing::HasSubstr("--variable second.acc"));
+  for (const auto& [name, rate] :
+       {std::pair<const char*, double>{"first.acc", 100}, {"second.acc", 500}}) {
+    ReadOptions options;
+    options.variables = {name};
+    const auto recording = read_mat(path_, options);
+    EXPECT_NEAR(recording.sample_rate_hz, rate, 1e-9);
+    EXPECT_EQ(recording.channels[0].name, name);
+  }
+}
+
+TEST_F(Mat, CutShortIsRefusedWithWhatIsMissing) {
+  write({array("acc", ramp(400, 0.5), 400, 1), array("fs", {2000}, 1, 1)});
+  fs::resize_file(path_, fs::file_size(path_) - 40);
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), ::testing::HasSubstr("are missing"));
 }
 
 TEST_F(Mat, SeveralLengthsAreAskedAbout) {

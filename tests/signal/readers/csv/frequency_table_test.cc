@@ -9,7 +9,7 @@
 #include <numbers>
 #include <string>
 
-#include "signal/readers/csv/frf_columns.h"
+#include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/csv/read_csv.h"
 #include "signal/recording/recording_error.h"
 #include "signal/spectra/line_peaks.h"

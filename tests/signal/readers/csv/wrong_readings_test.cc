@@ -165,5 +165,79 @@ TEST(RateOfStep, OfFewDigitsIsTheUsualRateWithItsUncertainty) {
   EXPECT_EQ(rate_of_step(0.0009765625, 5e-11).rate_hz, 1024);
 }
 
+std::string refusal_of(const std::string& text) {
+  try {
+    (void)read(text);
+  } catch (const RecordingError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// `count` lines of `k / 100` seconds and a swing, behind `before` each.
+std::string rows(int count, bool numbered) {
+  std::string text;
+  for (int k = 0; k < count; ++k) {
+    text += (numbered ? fmt::format("{},", k) : "") +
+            fmt::format("{:.2f},{:.4f}\n", 0.01 * k, std::sin(0.3 * k));
+  }
+  return text;
+}
+
+TEST(Titles, AColumnBesideTheirNumbersAreRefused) {
+  EXPECT_THAT(refusal_of("Time (s),Force (N)\n" + rows(40, true)), ::testing::HasSubstr("beside"));
+  EXPECT_THAT(refusal_of("Nr,Time (s),Force (N)\n" + rows(40, false)),
+              ::testing::HasSubstr("beside"));
+  EXPECT_EQ(read("Nr,Time (s),Force (N)\n" + rows(40, true)).sample_rate_hz, 100);
+  EXPECT_EQ(read(",Time (s),Force (N)\n" + rows(40, true)).channels.back().unit, "N");
+}
+
+TEST(Units, OfAllChannelsInALineOfTheirOwn) {
+  for (const char* line : {"Einheit;V\n", "Unit: V\n", "Unit;V;\n"}) {
+    const auto recording =
+        read(std::string(line) + "Zeit;CH1;CH2\n0,0;1,5;2,5\n0,1;2,5;1,5\n0,2;1;2\n");
+    EXPECT_EQ(recording.channels.size(), 2u) << line;
+    for (const auto& channel : recording.channels) EXPECT_EQ(channel.unit, "V") << line;
+    EXPECT_NEAR(recording.sample_rate_hz, 10, 1e-9);
+  }
+}
+
+TEST(Spectra, CalledOverTimeAreAskedAbout) {
+  const std::string table =
+      "Time (s),Acceleration (FFT - (RMS)) (dB)\n0,-20\n1,-10\n2,-30\n3,-40\n";
+  EXPECT_THAT(refusal_of(table), ::testing::HasSubstr("--format csv"));
+  ReadOptions answered;
+  answered.format = "csv";
+  EXPECT_EQ(read(table, answered).channels.size(), 1u);
+}
+
+TEST(FrfTables, FrequenciesThatRepeatAreNamed) {
+  const std::string text = "Frequency (Hz),Real,Imag\n1,1,0\n2,2,0\n3,1,0\n1,1,0\n2,2,0\n3,1,0\n";
+  EXPECT_THAT(refusal_of(text), ::testing::HasSubstr("test.csv:5"));
+  EXPECT_THAT(refusal_of("Frequency (Hz),Real,Imag\n1,1,0\n2,2,0\n2,3,0\n3,1,0\n"),
+              ::testing::HasSubstr("repeats"));
+}
+
+TEST(Utf16, WithoutAMarkIsRead) {
+  const std::string text = "Time (s);Kraft (N)\n0;1\n0,5;2\n1;3\n1,5;2\n";
+  for (const bool little : {true, false}) {
+    std::string wide;
+    for (const char c : text) wide += little ? std::string{c, '\0'} : std::string{'\0', c};
+    const auto recording = read(wide);
+    EXPECT_EQ(recording.sample_rate_hz, 2);
+    EXPECT_EQ(recording.channels[0].name, "Kraft");
+  }
+}
+
+// A message stays readable however many columns a table has.
+TEST(Notes, OfVeryManyColumnsAreShort) {
+  std::string line;
+  for (int k = 0; k < 3000; ++k) line += "1;";
+  const auto recording = read(line + "\n" + line + "\n" + line + "\n");
+  std::size_t length = 0;
+  for (const auto& note : recording.notes) length += note.message.size() + note.where.size();
+  EXPECT_LT(length, 2000u);
+}
+
 }  // namespace
 }  // namespace rigfit::signal::wrong_readings_test

@@ -221,6 +221,10 @@ TEST(Uff, TruncatedAndWrongFilesSayWhere) {
   };
   std::string text = foreign_binary(false, 40, "");
   text.resize(text.size() - 9);
+  // Cut at the end of a dataset.
+  const std::string whole = uff_text(made_recording(100, 9), UffEncoding::binary);
+  EXPECT_THAT(message(whole.substr(0, whole.find("    -1\n", 10) + 7)),
+              ::testing::HasSubstr("and holds 1"));
   EXPECT_THAT(message(text), ::testing::HasSubstr("x.uff:9:11"));
   std::string ascii = uff_text(made_recording(100, 9), UffEncoding::ascii);
   const std::size_t at = ascii.find('.', ascii.find("Time"));

@@ -1,16 +1,23 @@
-#include "signal/readers/csv/csv_columns.h"
+#include "signal/readers/csv/csv_table.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "signal/readers/csv/csv_body.h"
+#include "signal/readers/csv/csv_time.h"
+#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/csv/read_csv.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
+
 namespace {
 
 /// "3", "3 to 5", "3 and 5".
@@ -46,12 +53,11 @@ std::string what_is_in(std::string_view bytes, const CsvLayout& layout,
   return found;
 }
 
-/// UTF-16 with a byte-order mark as UTF-8; characters beyond the basic plane become '?'.
-std::string from_utf16(std::string_view bytes) {
-  const bool little = static_cast<unsigned char>(bytes[0]) == 0xFF;
+/// UTF-16 as UTF-8; characters beyond the basic plane become '?'.
+std::string from_utf16(std::string_view bytes, bool little) {
   std::string out;
   out.reserve(bytes.size() / 2);
-  for (std::size_t i = 2; i + 1 < bytes.size(); i += 2) {
+  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
     const auto low = static_cast<unsigned char>(bytes[little ? i : i + 1]);
     const auto high = static_cast<unsigned char>(bytes[little ? i + 1 : i]);
     const unsigned code = static_cast<unsigned>(high) << 8 | low;
@@ -76,11 +82,20 @@ std::string from_utf16(std::string_view bytes) {
 std::string_view text_without_mark(std::string_view bytes, std::string& converted,
                                    const std::string& file) {
   if (bytes.size() >= 2 && (bytes.substr(0, 2) == "\xFF\xFE" || bytes.substr(0, 2) == "\xFE\xFF")) {
-    converted = from_utf16(bytes);
+    converted = from_utf16(bytes.substr(2), bytes[0] == '\xFF');
     return converted;
   }
   if (bytes.substr(0, 3) == "\xEF\xBB\xBF") bytes.remove_prefix(3);
   const auto head = bytes.substr(0, 4096);
+  // Without a mark: every second byte of (nearly) plain text is zero.
+  long zeros[2] = {0, 0};
+  for (std::size_t k = 0; k < head.size(); ++k) zeros[k % 2] += head[k] == '\0' ? 1 : 0;
+  const auto half = static_cast<long>(head.size() / 2);
+  if (half > 0 && std::min(zeros[0], zeros[1]) == 0 &&
+      std::max(zeros[0], zeros[1]) > half - half / 8) {
+    converted = from_utf16(bytes, zeros[1] > 0);
+    return converted;
+  }
   if (const auto nul = head.find('\0'); nul != std::string_view::npos) {
     throw RecordingError({file, line_number(bytes, nul), 0, "", ""},
                          "holds binary data where text was expected",
@@ -93,6 +108,7 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
                           const std::function<void(std::size_t)>& done_with,
                           const ReadOptions& options) {
   CsvTable table;
+  table.file = file;
   table.layout = find_csv_layout(bytes, file, options);
   const CsvLayout& layout = table.layout;
   const std::size_t n = layout.columns.size();
@@ -185,41 +201,24 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
     Channel channel;
     channel.name = column.name.empty() ? "column " + std::to_string(c + 1) : column.name;
     const std::string first = channel.name;
-    for (int k = 2; !used.insert(channel.name).second; ++k) {
-      channel.name = first + "_" + std::to_string(k);
-    }
+    channel.name = unused_name(first, used);
     if (channel.name != first) {
       table.notes.push_back(
           {"duplicate_name",
            "a second column named \"" + first + "\" is called \"" + channel.name + "\" here",
            channel.name});
     }
-    channel.source_unit = column.unit;
     if (column.kind == ColumnKind::clock) {
+      channel.source_unit = column.unit;
       channel.unit = "s";
       channel.quantity = Quantity::time;
-    } else if (const auto unit = parse_unit(column.unit)) {
-      channel.unit = unit->si;
-      channel.si_per_source = unit->factor;
-      channel.si_offset = unit->offset;
-      channel.quantity = unit->quantity;
-    } else if (!column.unit.empty()) {
-      table.notes.push_back({"unknown_unit",
-                             "unit \"" + column.unit +
-                                 "\" is not known: the numbers are kept as "
-                                 "they are",
-                             channel.name});
+    } else {
+      take_unit(column.unit, channel, table.notes);
     }
     channel.nominal_range = column.range * channel.si_per_source;
-    channel.samples = std::move(body.columns[c]);
-    if (channel.si_per_source != 1) channel.samples *= channel.si_per_source;
-    if (channel.si_offset != 0) channel.samples.array() += channel.si_offset;
-    channel.missing_samples = body.missing[c];
-    double largest = 0;
-    for (const double x : channel.samples) {
-      if (std::abs(x) > largest) largest = std::abs(x);
-    }
-    if (channel.nominal_range > 0 && largest > 1.1 * channel.nominal_range) {
+    take_samples(std::move(body.columns[c]), channel);
+    if (channel.nominal_range > 0 &&
+        (channel.samples.array().abs() > 1.1 * channel.nominal_range).any()) {
       table.notes.push_back({"range_not_used",
                              "the header's range of " + fmt::format("{:.9g}", column.range) +
                                  " is exceeded by the numbers and seems not to be in the "
@@ -235,6 +234,69 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
     table.decimals.push_back(body.decimals[c]);
   }
   return table;
+}
+
+Recording recording_of_table(CsvTable csv, const std::filesystem::path& path,
+                             const std::string& format, const ReadOptions& options) {
+  const CsvLayout& layout = csv.layout;
+  const std::string file = path.string();
+  if (frequency_column(csv)) {
+    throw RecordingError(
+        {file, layout.body_line, 0, csv.channels[*frequency_column(csv)].name, ""},
+        "is a spectrum or FRF over frequency, not a recording over time",
+        "rigfit inspect lists a spectrum's peaks, rigfit modal takes FRFs; for a decay or hits "
+        "export the time signal. Where the first column is time after all, title it so");
+  }
+
+  const std::string spectrum = spectrum_without_frequencies(csv);
+  if (!spectrum.empty() && options.format.empty()) {
+    throw RecordingError(
+        {file, layout.body_line, 0, spectrum, ""},
+        "is a spectrum by its title, without a column of frequencies; not taken as a recording "
+        "over time",
+        "export it with its frequencies (rigfit inspect then lists the peaks), or export the time "
+        "signal; where it is a time signal after all: --format " +
+            format);
+  }
+
+  Recording recording;
+  recording.path = path;
+  recording.format = format;
+  recording.notes = std::move(csv.notes);
+
+  const std::vector<std::size_t> left_out = take_csv_times(csv, file, recording, options);
+  if (recording.sample_rate_hz == 0) recording.sample_rate_hz = layout.stated_rate_hz;
+  take_stated_rate(options.sample_rate_hz, recording);
+  if (recording.sample_rate_hz == 0) {
+    recording.notes.push_back({"no_sample_rate",
+                               "neither times nor a sample rate in the file: give the rate (option "
+                               "or sample_rate_hz in the TOML file beside the recording)",
+                               ""});
+  }
+  for (std::size_t k = 0; k < csv.channels.size(); ++k) {
+    if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
+    if (layout.has_names && layout.columns[csv.column[k]].name.empty()) {
+      recording.notes.push_back(
+          {"unnamed_column", "has no title in the header", csv.channels[k].name});
+    }
+    recording.channels.push_back(std::move(csv.channels[k]));
+  }
+  if (recording.channels.empty()) {
+    throw RecordingError({file, layout.body_line, 0, "", ""},
+                         "holds times but no channel beside them",
+                         "give a recording with at least one channel");
+  }
+  note_unitless(recording);
+  return recording;
+}
+
+Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
+                   const ReadOptions& options, const std::function<void(std::size_t)>& done_with) {
+  const std::string file = path.string();
+  std::string converted;
+  const std::string_view text = text_without_mark(bytes, converted, file);
+  CsvTable csv = read_csv_columns(text, file, converted.empty() ? done_with : nullptr, options);
+  return recording_of_table(std::move(csv), path, "csv", options);
 }
 
 }  // namespace rigfit::signal

@@ -1,19 +1,22 @@
-// The columns of a table of numbers as channels: which are taken, under which names and in which
-// units, and what is left out.
+// A table of columns, of text or of arrays: as channels (which are taken, under which names and in
+// which units, and what is left out), and these as a recording with its times and rate.
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "signal/readers/csv/csv_layout.h"
+#include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 
 struct CsvTable {
+  std::string file;  ///< for messages
   CsvLayout layout;
   std::vector<Channel> channels;
   std::vector<std::size_t> column;  ///< of each channel in the file
@@ -27,9 +30,14 @@ struct CsvTable {
                                         const std::function<void(std::size_t)>& done_with,
                                         const ReadOptions& options = {});
 
-/// Text without its byte-order mark; UTF-16 is put into `converted`. Throws RecordingError for
-/// binary data.
+/// Text without its byte-order mark; UTF-16, with a mark or without, is put into `converted`.
+/// Throws RecordingError for binary data.
 [[nodiscard]] std::string_view text_without_mark(std::string_view bytes, std::string& converted,
                                                  const std::string& file);
+
+/// Throws RecordingError, also for a table over frequency (frequency/frequency_table.h): a spectrum
+/// is no recording over time.
+[[nodiscard]] Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
+                                           const std::string& format, const ReadOptions& options);
 
 }  // namespace rigfit::signal

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
@@ -405,41 +407,84 @@ class Uff58Reader {
 }  // namespace
 
 const char* uff58_function_name(int type) {
-  switch (type) {
-    case 0:
-      return "general function";
-    case 1:
-      return "time response";
-    case 2:
-      return "auto spectrum";
-    case 3:
-      return "cross spectrum";
-    case 4:
-      return "frequency response function";
-    case 5:
-      return "transmissibility";
-    case 6:
-      return "coherence";
-    case 7:
-      return "auto correlation";
-    case 8:
-      return "cross correlation";
-    case 9:
-      return "power spectral density";
-    case 10:
-      return "energy spectral density";
-    case 11:
-      return "probability density";
-    case 12:
-      return "spectrum";
-    default:
-      return "function of another type";
+  static constexpr std::array<const char*, 13> kNames = {"general function",
+                                                         "time response",
+                                                         "auto spectrum",
+                                                         "cross spectrum",
+                                                         "frequency response function",
+                                                         "transmissibility",
+                                                         "coherence",
+                                                         "auto correlation",
+                                                         "cross correlation",
+                                                         "power spectral density",
+                                                         "energy spectral density",
+                                                         "probability density",
+                                                         "spectrum"};
+  return type >= 0 && type < static_cast<int>(kNames.size())
+             ? kNames[static_cast<std::size_t>(type)]
+             : "function of another type";
+}
+
+std::string uff58_direction(int direction) {
+  static constexpr const char* kAxes[] = {"", "X", "Y", "Z", "RX", "RY", "RZ"};
+  if (direction == 0 || std::abs(direction) > 6) return "";
+  return std::string(direction > 0 ? "+" : "-") + kAxes[std::abs(direction)];
+}
+
+namespace {
+
+constexpr std::pair<int, Quantity> kDataTypes[] = {
+    {3, Quantity::strain},        {5, Quantity::temperature}, {8, Quantity::displacement},
+    {13, Quantity::force},        {9, Quantity::force},       {11, Quantity::velocity},
+    {12, Quantity::acceleration}, {15, Quantity::pressure},   {17, Quantity::time}};
+
+}  // namespace
+
+Quantity uff58_quantity(int data_type) {
+  for (const auto& [type, quantity] : kDataTypes) {
+    if (type == data_type) return quantity;
   }
+  return Quantity::unknown;
+}
+
+int uff58_data_type(Quantity quantity) {
+  for (const auto& [type, of] : kDataTypes) {
+    if (of == quantity && of != Quantity::time) return type;
+  }
+  return 1;
 }
 
 Uff58File read_uff58(std::string_view bytes, const std::string& file,
                      const std::function<void(std::size_t)>& done_with) {
   return Uff58Reader(bytes, file, done_with).read();
+}
+
+std::map<std::string, std::string> parse_uff58_remark(std::string_view line) {
+  std::map<std::string, std::string> out;
+  constexpr std::string_view kMark = "rigfit ";
+  if (line.substr(0, kMark.size()) != kMark) return out;
+  line.remove_prefix(kMark.size());
+  while (!line.empty()) {
+    const std::size_t end = std::min(line.find(' '), line.size());
+    const auto word = line.substr(0, end);
+    const std::size_t sign = word.find('=');
+    if (sign != std::string_view::npos) {
+      out.emplace(std::string(word.substr(0, sign)), std::string(word.substr(sign + 1)));
+    }
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+  return out;
+}
+
+double remark_number(const std::map<std::string, std::string>& remark, const std::string& key,
+                     double fallback) {
+  const auto entry = remark.find(key);
+  double value = 0;
+  if (entry == remark.end() || !parse_whole_number(entry->second, '.', value) ||
+      !std::isfinite(value)) {
+    return fallback;
+  }
+  return value;
 }
 
 }  // namespace rigfit::signal
