@@ -43,10 +43,7 @@ struct UpdateMonteCarlo {
 /// frequencies, damping ratios, FRFs and time histories about the fitted model's (by their
 /// uncertainties, the fit's own scatter where they have none), priors, and every input.
 /// `progress` is called after each sample, from any thread.
-[[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
-                                                  const std::vector<UpdateState>& states,
-                                                  const std::vector<FreeParameter>& free,
-                                                  const UpdateOptions& options, int samples,
+[[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution, int samples,
                                                   const std::function<void()>& progress = {});
 
 struct ProfileInterval {
@@ -58,9 +55,6 @@ struct ProfileInterval {
 /// anew, exceeds the solution's by half the squared coverage factor (times the variance factor). Of
 /// data and priors; inputs and segments are not in it. NaN for what is not identifiable.
 /// Source: Bates and Watts, Nonlinear Regression Analysis, 6.1.2.
-[[nodiscard]] std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
-                                                             const std::vector<UpdateState>& states,
-                                                             const std::vector<FreeParameter>& free,
-                                                             const UpdateOptions& options);
+[[nodiscard]] std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution);
 
 }  // namespace rigfit::ident

@@ -202,7 +202,7 @@ struct PredictCommand {
   std::vector<std::string> maps, damage, inputs;
   std::vector<double> band;
   int count = 6, segments = 0, lines = 400;
-  bool sample = false;
+  bool sample = false, accept_fit = false;
 };
 [[nodiscard]] Json predict_result(const model::Scene& scene, const PredictCommand& command,
                                   VerbContext& context);

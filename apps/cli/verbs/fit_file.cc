@@ -18,6 +18,41 @@ namespace {
                           "give the JSON result of `rigfit update SCENE ... --json FIT.json`");
 }
 
+/// The fit's model error, its tensions, and what it ended with.
+void read_outcome(const Json& json, const std::string& path, bool accepted, VerbContext& context,
+                  ident::FittedParameters& fitted) {
+  const auto object = [](const Json& in, const char* key) {
+    return in.contains(key) && in[key].is_object() ? in[key] : Json::object();
+  };
+  const auto number = [](const Json& in, const char* key) {
+    return in.contains(key) && in[key].is_number() ? in[key].get<double>() : 0.0;
+  };
+  const Json fit = object(json, "fit");
+  fitted.model_std = number(fit, "model_std");
+  fitted.frf_model_std = number(fit, "frf_model_std");
+  if (json.contains("tensions_N") && json["tensions_N"].is_array()) {
+    for (const auto& tension : json["tensions_N"]) {
+      if (tension.is_number()) fitted.tensions_N.push_back(tension.get<double>());
+    }
+  }
+  if (json.contains("warnings") && json["warnings"].is_array()) {
+    for (const auto& warning : json["warnings"]) {
+      if (!warning.is_object()) continue;
+      const std::string code = warning.value("code", "");
+      if (code != "model_ruled_out" && code != "not_converged" && code != "mode_unpaired") continue;
+      context.warn("fit_" + code, "in the fit: " + warning.value("message", ""), path);
+    }
+  }
+  const double exit_code = number(object(json, "error"), "exit_code");
+  if (exit_code >= 4 && !accepted) {
+    context.refuse("fit_refused",
+                   fmt::format("mend the fit, or take it with --accept-fit: it ended with exit "
+                               "code {:g}, and its parameters need not be those of the rig",
+                               exit_code),
+                   path);
+  }
+}
+
 /// What the fit's own inputs do to its parameters, from their budgets.
 void read_input_effects(const Json& rows, const std::vector<std::size_t>& kept,
                         ident::FittedParameters& fitted) {
@@ -37,7 +72,7 @@ void read_input_effects(const Json& rows, const std::vector<std::size_t>& kept,
 
 }  // namespace
 
-ident::FittedParameters read_fit(const std::string& path, VerbContext& context) {
+ident::FittedParameters read_fit(const std::string& path, bool accepted, VerbContext& context) {
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path)) refuse_file(path, "cannot be read");
   const Json json = Json::parse(file, nullptr, false);
@@ -74,6 +109,7 @@ ident::FittedParameters read_fit(const std::string& path, VerbContext& context) 
     kept.push_back(i);
   }
   read_input_effects(rows, kept, fitted);
+  read_outcome(json, path, accepted, context, fitted);
   const auto n = static_cast<Eigen::Index>(kept.size());
   fitted.covariance.resize(n, n);
   for (std::size_t i = 0; i < kept.size(); ++i) {

@@ -10,8 +10,10 @@
 namespace rigfit::apps {
 
 /// Values and covariance of the parameters that the fit identifies; warns of the others and of a
-/// fit with several answers. Throws model::SceneError where the file is no such result.
-[[nodiscard]] ident::FittedParameters read_fit(const std::string& path, VerbContext& context);
+/// fit with several answers, carries its findings on, and refuses where it ended with 4 or 5 and is
+/// not `accepted`. Throws model::SceneError where the file is no such result.
+[[nodiscard]] ident::FittedParameters read_fit(const std::string& path, bool accepted,
+                                               VerbContext& context);
 
 /// "NAME=TARGET[,-TARGET...]": what a parameter of the fit is called in the scene. Throws
 /// UsageError.

@@ -299,7 +299,7 @@ Json predict_result(const model::Scene& scene, const PredictCommand& command,
     throw UsageError("--band needs two rising frequencies in Hz");
   }
   context.input(command.from);
-  auto fitted = read_fit(command.from, context);
+  auto fitted = read_fit(command.from, command.accept_fit, context);
   apply_maps(command.maps, fitted);
   if (fitted.parameters.empty()) throw Refused("the fit identifies no parameter", "no_parameter");
   const ident::FittedParameters of_fit = fitted;
@@ -362,6 +362,8 @@ describe::Options options_of(PredictCommand& c) {
           "A number of this scene that is known to a standard uncertainty: NAME=STD, NAME=0.5% or "
           "NAME=VALUE,STD; one of the same name in the fit is the same quantity and counts once")
           .type("INPUT"),
+      option("--accept-fit", c.accept_fit,
+             "Predict from a fit that was refused or did not converge (exit code 4 or 5)"),
       option("--count", c.count, "The first N modes").within(1, 1000),
       option("--segments", c.segments, "Segments of every member, instead of the scene's")
           .within(2, 100000),
