@@ -6,12 +6,10 @@
 
 namespace rigfit::apps::assets {
 
-extern const std::string_view dygraph_js;  ///< dygraphs 2, MIT licence
-extern const std::string_view dygraph_css;
 extern const std::string_view report_css;
 extern const std::string_view page_css;
 extern const std::string_view page_js;
-extern const std::string_view plots_js;
+extern const std::string_view figures_js;
 extern const std::string_view apps_readme;        ///< reference of keys, for `help`
 extern const std::string_view new_campaign_toml;  ///< what `new` writes
 extern const std::string_view new_cable_toml;

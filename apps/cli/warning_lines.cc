@@ -8,12 +8,12 @@
 namespace rigfit::apps {
 namespace {
 
-constexpr std::array<std::string_view, 21> kAnswerMayBeWrong = {
+constexpr std::array<std::string_view, 22> kAnswerMayBeWrong = {
     "model_ruled_out", "not_identifiable", "not_converged", "fit_not_decided", "not_decided",
     "outside_bounds",  "below_catalogue",  "cross-plane",   "hits_disagree",   "clamp_slip",
     "clipped",         "unit_unknown",     "unscaled",      "rates_disagree",  "rate_disagrees",
     "unit_suspected",  "length_suspected", "time_gaps",     "at_bound",        "extrapolated",
-    "curved",
+    "curved",          "unpaired",
 };
 constexpr std::array<std::string_view, 3> kTakenAsSaid = {"taken_as_exact", "exact_inputs",
                                                           "exact_ends"};
@@ -25,6 +25,7 @@ constexpr std::array kNotes = std::to_array<std::string_view>({
     "datasets_left_out",
     "decay_cut_off",
     "double_hit_hidden",
+    "doubtful_mode",
     "empty_rows_left_out",
     "footer_skipped",
     "frequencies_by_rate",
@@ -47,6 +48,7 @@ constexpr std::array kNotes = std::to_array<std::string_view>({
     "segments",
     "segments_joined",
     "start_chosen",
+    "tension_within_test",
     "text_column_left_out",
     "thermal_expansion",
     "time_column_assumed",
@@ -56,7 +58,9 @@ constexpr std::array kNotes = std::to_array<std::string_view>({
     "uff_remark",
     "universal_file",
     "unnamed_column",
+    "values_assumed",
     "variables_left_out",
+    "window_damping",
 });
 
 struct Kind {

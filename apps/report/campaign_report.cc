@@ -11,14 +11,8 @@
 #include "apps/cli/progress.h"
 #include "apps/report/compare_reports.h"
 #include "apps/report/fit/fit_part.h"
-#include "apps/report/modal/recorded_modal.h"
-#include "apps/report/parts/axial_part.h"
-#include "apps/report/parts/bending_part.h"
-#include "apps/report/parts/cost_part.h"
-#include "apps/report/parts/decay_part.h"
-#include "apps/report/parts/overview_part.h"
-#include "apps/report/parts/scenes_part.h"
-#include "apps/report/parts/tension_part.h"
+#include "apps/report/page/findings.h"
+#include "apps/report/parts/parts.h"
 #include "ident/campaign/campaign.h"
 #include "ident/statistics/in_parallel.h"
 
@@ -46,8 +40,6 @@ const char* word_of_kind(SummaryItem::Kind kind) {
       return "result";
     case SummaryItem::Kind::error:
       return "error";
-    case SummaryItem::Kind::distrust:
-      return "distrust";
     case SummaryItem::Kind::recorded:
       return "recorded";
   }
@@ -149,12 +141,17 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
 }  // namespace
 
 Json campaign_report(const Campaign& campaign, const fs::path& folder, const ReportOptions& options,
-                     VerbContext& context) {
+                     VerbContext& context, std::vector<Answer>* given) {
   if (!options.force) require_own_report(folder, campaign.title);
   take_inputs(campaign, context);
   make_output_folder(folder);
   for (const char* place : {"", "data", "figures", "uff"}) sweep_parts(folder / place);
   std::vector<ReportPart> parts = campaign_parts(campaign, context);
+  std::vector<Answer*> found;
+  for (auto& part : parts) {
+    for (auto& answer : part.answers) found.push_back(&answer);
+  }
+  recommend(found);
   parts.insert(parts.begin(), overview_part(campaign, parts));
 
   PageFrame frame;
@@ -186,18 +183,18 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
                          {"text", item.text},
                          {"origin", item.origin ? Json(word_of(*item.origin)) : Json(nullptr)}});
     }
-    for (const auto& warning : part.warnings) {
-      if (!is_note(warning.code)) frame.warnings.push_back(warning);
-      if (warning.refused) {
-        context.refuse(warning.code, warning.message, warning.where);
-      } else {
-        context.warn(warning.code, warning.message, warning.where);
-      }
+  }
+  for (const auto& one : findings_of(parts)) {
+    if (one.refused) {
+      context.refuse(one.code, one.message, one.where);
+    } else {
+      context.warn(one.code, one.message, one.where);
     }
   }
   result["summary"] = std::move(summary);
   Json answers = Json::array();
   for (const auto& answer : all_answers(parts)) answers.push_back(answer_json(answer));
+  if (given) *given = all_answers(parts);
   result["answers"] = std::move(answers);
   for (const auto& part : parts) {
     if (part.json_key.empty()) continue;
@@ -216,9 +213,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
 
   for (const auto& part : parts) {
     for (const auto& item : part.summary) {
-      if (item.kind != SummaryItem::Kind::distrust) {
-        context.out << fmt::format("{}: {}\n", item.label, item.text);
-      }
+      context.out << fmt::format("{}: {}\n", item.label, item.text);
     }
   }
   context.out << fmt::format("report: {}\n", (folder / "report.html").string());
@@ -232,9 +227,16 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
   if (!options.force) require_own_report(folder, title);
   make_output_folder(folder);
   for (const char* place : {"", "data", "figures"}) sweep_parts(folder / place);
-  ComparedReport first{before.title, "before", {}}, second{after.title, "after", {}};
-  first.document = campaign_report(before, folder / "before", options, context);
-  second.document = campaign_report(after, folder / "after", options, context);
+  const auto compared = [](const Campaign& one) {
+    return ComparedReport{one.title,
+                          fs::path(one.file).filename().string(),
+                          one.report.date,
+                          one.report.revision,
+                          {}};
+  };
+  ComparedReport first = compared(before), second = compared(after);
+  static_cast<void>(campaign_report(before, folder / "before", options, context, &first.answers));
+  static_cast<void>(campaign_report(after, folder / "after", options, context, &second.answers));
   std::vector<ReportPart> parts{{}, compare_reports(first, second)};
   parts.front().id = "overview";
 

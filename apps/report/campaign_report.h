@@ -10,9 +10,11 @@
 namespace rigfit::apps {
 
 /// Computes every part (on `context.threads` threads), writes report.html, report.json, data/ and
-/// figures/ under `folder`, and returns the result as in report.json without its envelope.
+/// figures/ under `folder`, and returns the result as in report.json without its envelope;
+/// `given`: gets its answers.
 [[nodiscard]] Json campaign_report(const Campaign& campaign, const std::filesystem::path& folder,
-                                   const ReportOptions& options, VerbContext& context);
+                                   const ReportOptions& options, VerbContext& context,
+                                   std::vector<Answer>* given = nullptr);
 
 /// Two campaigns, before and after (compare_reports.h): each reported under `folder` in a folder of
 /// its own, before/ and after/, and the comparison as report.html and report.json.

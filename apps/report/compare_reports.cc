@@ -13,36 +13,31 @@ namespace {
 constexpr double kPerhaps = 1.96, kSurely = 3;  // standard uncertainties of the difference
 constexpr double kFarthest = 0.15;  // log of the ratio of two values that may be the same mode
 
-double number(const Json& answer, const char* key) {
-  const auto at = answer.find(key);
-  return at != answer.end() && at->is_number() ? at->get<double>() : Answer::kNone;
-}
-
 /// What a value is recognised by among others of its key: the frequency of its mode, or itself.
-double mark_of(const Json& answer) {
-  const double mode = number(answer, "mode_hz");
-  return std::isfinite(mode) ? mode : number(answer, "value");
+double mark_of(const Answer& answer) {
+  return std::isfinite(answer.mode_hz) ? answer.mode_hz : answer.value;
 }
 
 struct Pair {
-  const Json* before = nullptr;
-  const Json* after = nullptr;
+  const Answer* before = nullptr;
+  const Answer* after = nullptr;
+
+  [[nodiscard]] const Answer& one() const { return after ? *after : *before; }
 };
 
 /// Pairs of equal keys, nearest first where a key has several values, such as the modes of a state;
 /// then the lonely ones.
-std::vector<Pair> pairs_of(const Json& before, const Json& after) {
+std::vector<Pair> pairs_of(const std::vector<Answer>& before, const std::vector<Answer>& after) {
   struct Candidate {
     double distance;
     std::size_t a, b;
   };
   std::vector<Candidate> candidates;
   for (std::size_t a = 0; a < before.size(); ++a) {
-    const auto count = std::count_if(before.begin(), before.end(), [&](const Json& one) {
-      return one["key"] == before[a]["key"];
-    });
+    const auto count = std::count_if(before.begin(), before.end(),
+                                     [&](const Answer& one) { return one.key == before[a].key; });
     for (std::size_t b = 0; b < after.size(); ++b) {
-      if (before[a]["key"] != after[b]["key"]) continue;
+      if (before[a].key != after[b].key) continue;
       const double distance = std::abs(std::log(mark_of(after[b]) / mark_of(before[a])));
       if (count > 1 && !(distance < kFarthest)) continue;
       candidates.push_back({std::isfinite(distance) ? distance : 0, a, b});
@@ -77,16 +72,14 @@ Change change_of(const Pair& pair) {
   Change change;
   if (!pair.before || !pair.after) {
     change.verdict = pair.before ? "only before" : "only after";
-    const Json& one = pair.before ? *pair.before : *pair.after;
-    if (one["verdict"] == "doubtful mode") change.verdict += ", a doubtful mode";
+    if (pair.one().verdict == "doubtful mode") change.verdict += ", a doubtful mode";
     return change;
   }
-  const bool known =
-      (*pair.before)["determined"].get<bool>() && (*pair.after)["determined"].get<bool>();
-  const double a = number(*pair.before, "value"), b = number(*pair.after, "value");
+  const bool known = pair.before->determined && pair.after->determined;
+  const double a = pair.before->value, b = pair.after->value;
   change.value = b - a;
   change.relative = b / a - 1;
-  change.std = std::hypot(number(*pair.before, "std"), number(*pair.after, "std"));
+  change.std = std::hypot(pair.before->std, pair.after->std);
   if (!known) {
     change.verdict = "not determined in one of them";
   } else if (!(change.std > 0)) {
@@ -103,35 +96,30 @@ Change change_of(const Pair& pair) {
 
 /// The quantity; a mode by its frequency before, as its number depends on what else was found.
 std::string quantity_of(const Pair& pair) {
-  const Json& one = pair.before ? *pair.before : *pair.after;
-  const auto words = one["quantity"].get<std::string>();
-  const double mode = number(one, "mode_hz");
-  if (!std::isfinite(mode)) return words;
-  return fmt::format("{}, mode near {} Hz", words.substr(0, words.rfind(' ')), shown(mode, 3));
+  const Answer& one = pair.before ? *pair.before : *pair.after;
+  if (!std::isfinite(one.mode_hz)) return quantity_words(one);
+  return fmt::format("{}, mode near {} Hz", one.quantity.substr(0, one.quantity.rfind(' ')),
+                     shown(one.mode_hz, 3));
 }
 
-std::string shown_side(const Json* answer) {
-  if (!answer) return "–";
-  const double scale = (*answer)["unit"] == "1" ? 100 : 1;
-  return shown_estimate(scale * number(*answer, "value"), scale * number(*answer, "std"));
-}
+std::string shown_side(const Answer* answer) { return answer ? value_words(*answer) : "–"; }
 
-Json side_json(const Json* answer) {
+Json side_json(const Answer* answer) {
   if (!answer) return nullptr;
-  return {{"value", (*answer)["value"]}, {"std", (*answer)["std"]}};
+  const Json whole = answer_json(*answer);
+  return {{"value", whole["value"]}, {"std", whole["std"]}};
 }
 
 Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 /// The change for the first page.
 Answer answer_of(const Pair& pair, const Change& change) {
-  const Json& one = *pair.after;
   Answer answer;
-  answer.key = one["key"].get<std::string>();
+  answer.key = pair.after->key;
   answer.quantity = quantity_of(pair);
   answer.how = fmt::format("{} before, {} after", shown_side(pair.before), shown_side(pair.after));
-  answer.percent = one["unit"] == "1";
-  if (!answer.percent) answer.unit = one["unit"].get<std::string>();
+  answer.percent = pair.after->percent;
+  answer.unit = pair.after->unit;
   answer.value = change.value;
   answer.std = change.std;
   answer.verdict = change.verdict + (std::isfinite(change.relative)
@@ -155,8 +143,14 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
       "Before: {}. After: {}. Changed: the difference is three of its standard uncertainties or "
       "more; perhaps changed: between 1.96 and three, as one value in twenty is by chance.",
       before.title, after.title);
-  table.columns = {{"quantity", {}, false}, {"unit", {}, false},  {"before", {}, true},
-                   {"after", {}, true},     {"change", {}, true}, {"relative", {}, true},
+  const auto head = [](const char* side, const ComparedReport& report) {
+    std::string text = std::string(side) + ": " + report.file;
+    if (!report.date.empty()) text += ", " + report.date;
+    if (!report.revision.empty()) text += ", revision " + report.revision;
+    return Column{std::move(text), {}, true};
+  };
+  table.columns = {{"quantity", {}, false}, {"unit", {}, false},  head("before", before),
+                   head("after", after),    {"change", {}, true}, {"relative", {}, true},
                    {"verdict", {}, false}};
   Plot plot;
   plot.id = "comparison-changes";
@@ -169,21 +163,20 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
   series.style = PlotSeries::Style::points;
   Json list = Json::array();
   std::size_t changed = 0, compared = 0;
-  for (const auto& pair : pairs_of(before.document["answers"], after.document["answers"])) {
+  for (const auto& pair : pairs_of(before.answers, after.answers)) {
     const Change change = change_of(pair);
-    const Json& one = pair.after ? *pair.after : *pair.before;
-    const double scale = one["unit"] == "1" ? 100 : 1;
+    const Answer& one = pair.one();
+    const double scale = one.percent ? 100 : 1;
     Cell verdict(change.verdict);
     verdict.doubtful = change.changed;
     table.rows.push_back(
-        {quantity_of(pair), one["unit"] == "1" ? "%" : one["unit"].get<std::string>(),
-         shown_side(pair.before), shown_side(pair.after),
+        {quantity_of(pair), shown_unit(one), shown_side(pair.before), shown_side(pair.after),
          std::isfinite(change.value) ? shown_estimate(scale * change.value, scale * change.std)
                                      : std::string("–"),
          shown_percent(change.relative), std::move(verdict)});
-    list.push_back({{"key", one["key"]},
+    list.push_back({{"key", one.key},
                     {"quantity", quantity_of(pair)},
-                    {"unit", one["unit"]},
+                    {"unit", one.unit.empty() ? "1" : one.unit},
                     {"before", side_json(pair.before)},
                     {"after", side_json(pair.after)},
                     {"change", finite(change.value)},
@@ -196,7 +189,7 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
     changed += change.changed;
     part.answers.push_back(answer_of(pair, change));
     if (!std::isfinite(change.relative) || !(change.std > 0)) continue;
-    const double half = 196 * change.std / std::abs(number(*pair.before, "value"));
+    const double half = 196 * change.std / std::abs(pair.before->value);
     series.x.push_back(static_cast<double>(table.rows.size()));
     series.y.push_back(100 * change.relative);
     series.low.push_back(100 * change.relative - half);
@@ -207,7 +200,7 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
                           fmt::format("{} of {} compared", changed, counted(compared, "value")),
                           {},
                           part.id});
-  part.brief = {table.rows.size() <= 16 ? table.id : std::string(), plot.id};
+  part.brief = {table.id, plot.id};
   if (!series.x.empty()) {
     plot.series.push_back(std::move(series));
     part.blocks.push_back(std::move(plot));

@@ -14,8 +14,8 @@ namespace rigfit::apps {
 
 struct ComparedReport {
   std::string title;
-  std::string folder;  ///< of its own report, relative to the comparison's
-  Json document;       ///< with `answers`
+  std::string file, date, revision;  ///< of the campaign
+  std::vector<Answer> answers;
 };
 
 /// The comparison as a part: a table, a figure, JSON under "comparison" with, by value,

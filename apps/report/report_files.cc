@@ -6,9 +6,9 @@
 #include <iterator>
 
 #include "apps/cli/output_file.h"
+#include "apps/cli/plots/browser.h"
 #include "apps/report/page/block_html.h"
 #include "apps/report/page/page_limits.h"
-#include "apps/report/page/print_pdf.h"
 #include "ident/statistics/in_parallel.h"
 
 namespace rigfit::apps {
@@ -63,9 +63,13 @@ std::string figures_page(std::span<const ReportPart> parts, SvgOptions options) 
 
 void write_pdfs(const fs::path& folder, std::span<const ReportPart> parts,
                 const ReportOptions& options, VerbContext& context) {
-  const std::string browser = find_browser();
+  const fs::path browser = find_chromium();
   if (browser.empty()) {
-    context.refuse("no_browser", std::string(kNoBrowser), folder.string());
+    context.refuse(
+        "no_browser",
+        "no Chromium, Chrome or Edge is on PATH: no PDF is written. Install one (Debian: apt "
+        "install chromium), or open report.html in any browser and print it",
+        folder.string());
     return;
   }
   std::vector<std::string> names{"report"};
@@ -75,9 +79,19 @@ void write_pdfs(const fs::path& folder, std::span<const ReportPart> parts,
     names.emplace_back("figures");
   }
   for (const auto& name : names) {
-    const std::string failure =
-        print_pdf(browser, folder / (name + ".html"), folder / (name + ".pdf"));
-    if (!failure.empty()) context.refuse("not_printed", failure, name + ".pdf");
+    const fs::path part = folder / (name + ".part.pdf"), pdf = folder / (name + ".pdf");
+    std::error_code error;
+    if (run_chromium(browser,
+                     {"--no-pdf-header-footer", "--generate-pdf-document-outline",
+                      "--print-to-pdf=" + fs::absolute(part).string()},
+                     fs::absolute(folder / (name + ".html")))) {
+      fs::rename(part, pdf, error);
+    }
+    if (error || !fs::exists(pdf)) {
+      fs::remove(part, error);
+      context.refuse("not_printed", fmt::format("{} did not print {}.html", browser.string(), name),
+                     name + ".pdf");
+    }
   }
   std::error_code error;
   fs::remove(folder / "figures.html", error);

@@ -42,7 +42,7 @@ WIDER = """
   if (document.documentElement.scrollWidth > wide) out.push('the page: ' + document.documentElement.scrollWidth);
   for (const e of document.querySelectorAll('main *')) {
     const box = e.getBoundingClientRect();
-    if (!box.width || box.right <= wide || e.closest('.table, .hidden, svg, .dygraph-legend')) continue;
+    if (!box.width || box.right <= wide || e.closest('.table, .hidden, svg')) continue;
     out.push(e.tagName + '.' + e.className + '#' + e.id + ' ' + Math.round(box.right));
   }
   return out.slice(0, 10);
@@ -81,8 +81,6 @@ class PageChecks:
             for dark in (False,) if large and width != 1440 else (False, True):
                 with self.subTest(width=width, dark=dark):
                     self.at_width(width, dark=dark)
-                    if not large:
-                        self.browser.run("rigfit_draw_all();")
                     self.assertEqual(self.browser.run(WIDER), [])
                     if width != 1024 and not large:
                         self.assertEqual(self.browser.run(FAINT), [])
@@ -153,14 +151,14 @@ class PageChecks:
 
     def test_first_page_has_answers_with_verdicts(self):
         rows = self.browser.run("return [...document.querySelectorAll('#answers tbody tr')].map(r => [...r.cells].map(c => c.innerText));")
-        self.assertTrue(2 <= len(rows) <= 12)
+        self.assertTrue(2 <= len(rows) <= 14)
         for quantity, value, unit, how, verdict in rows:
             self.assertRegex(quantity, r"^[A-Z]")
             self.assertNotRegex(quantity, r"[A-Za-z]\.\w", "names are words")
             self.assertRegex(value, r"\d|not determined")
             self.assertTrue(how and verdict)
         self.assertEqual(self.browser.run("return document.querySelectorAll('.first-page svg.rig').length;"), 1)
-        self.assertLessEqual(self.browser.run("return document.querySelectorAll('.first-page .distrust li').length;"), 3)
+        self.assertLessEqual(self.browser.run("return document.querySelectorAll('.first-page .distrust li').length;"), 5)
 
     def words_of(self, pdf):
         """By page: (xMin, yMin, xMax, yMax, word), in points."""

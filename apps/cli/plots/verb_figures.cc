@@ -8,15 +8,7 @@
 #include <utility>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/axial_plots.h"
-#include "apps/report/figures/bending_plots.h"
-#include "apps/report/figures/decay_plots.h"
-#include "apps/report/figures/fit_plots.h"
-#include "apps/report/figures/frf_plots.h"
-#include "apps/report/figures/hits_plot.h"
-#include "apps/report/figures/model_plots.h"
-#include "apps/report/figures/recording_plots.h"
-#include "apps/report/figures/tension_plots.h"
+#include "apps/report/figures/figures.h"
 #include "apps/report/page/shaded_tables.h"
 #include "signal/modes/modal_synthesis.h"
 

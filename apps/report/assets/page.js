@@ -43,7 +43,7 @@
   function build() {
     index = [];
     document.querySelectorAll("main h1, main h2, main h3, main h4, main h5, main figcaption, main caption, main p, main li, main tbody tr, main button[role=tab]").forEach(function (e) {
-      if (e.closest("details.values") || e.closest(".contents")) return;
+      if (e.closest(".contents")) return;
       var text = e.tagName === "TR" ? Array.from(e.cells).map(words_of).filter(Boolean).join(", ") : words_of(e);
       if (text) index.push({ element: e, text: text, low: text.toLowerCase(), rank: /^H/.test(e.tagName) ? 0 : 1 });
     });

@@ -99,15 +99,10 @@ std::string shown_estimate(double value, double std, int digits) {
   return with_minus(value_digits(value, std)) + " ± " + std_digits(std);
 }
 
-std::string first_sentence(std::string_view text) {
-  for (std::size_t at = text.find(". "); at != std::string_view::npos;
-       at = text.find(". ", at + 1)) {
-    if (at + 2 < text.size() && std::isupper(static_cast<unsigned char>(text[at + 2]))) {
-      return std::string(text.substr(0, at));
-    }
-  }
-  while (text.ends_with('.')) text.remove_suffix(1);
-  return std::string(text);
+std::string csv_quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + "\"";
 }
 
 std::string counted(std::size_t number, std::string_view what) {
@@ -117,6 +112,14 @@ std::string counted(std::size_t number, std::string_view what) {
 std::string shown_bound(double value, double std) {
   if (!std::isfinite(value) || !(std::isfinite(std) && std > 0)) return shown(value);
   return with_minus(value_digits(value, std));
+}
+
+std::string within_percent(double ratio) {
+  if (100 * ratio < 0.001) return "less than 0.001 %";
+  const double percent = 100 * ratio;
+  return fmt::format(
+      "{:.{}f} %", percent,
+      percent < 9.5 ? -static_cast<int>(std::floor(std::log10(percent * 1.005))) : 0);
 }
 
 }  // namespace rigfit::apps

@@ -1,7 +1,8 @@
-// Colours of figures by origin: one list for SVG, page and script. Any two stay apart for readers
-// with normal vision, deuteranopia and protanopia (distance in CIELAB of at least 20 under the
-// matrices of Machado, Oliveira and Fernandes, IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291), and
-// each has a contrast of 4.5 : 1 against its paper (WCAG 2, text).
+// Colours: of words by origin, of series in figures by their number. Any two origins, and the first
+// four series, stay apart for readers with normal vision, deuteranopia and protanopia (distance in
+// CIELAB of at least 20 under the matrices of Machado, Oliveira and Fernandes, IEEE Trans. Vis.
+// Comput. Graph. 15 (2009) 1291). Contrast against the paper: words 4.5 : 1 (WCAG 2), series 3 : 1
+// (WCAG 2.1, 1.4.11). Series have the hues of Okabe and Ito (Color Universal Design, 2008).
 #pragma once
 
 #include <array>
@@ -11,29 +12,30 @@
 
 namespace rigfit::apps {
 
-struct OriginColour {
-  ident::Origin origin = ident::Origin::measured;
+struct Colour {
   const char* on_light = "";  ///< "#rrggbb", on white
   const char* on_dark = "";   ///< on kDarkPaper
 };
 inline constexpr const char* kDarkPaper = "#14181c";
 
-inline constexpr std::array<OriginColour, 5> kPalette{
-    {{ident::Origin::measured, "#0c54d6", "#8cbcf0"},
-     {ident::Origin::published, "#128174", "#86efb8"},
-     {ident::Origin::published_model, "#9a6b00", "#ffe14a"},
-     {ident::Origin::synthetic, "#5c1a78", "#c06bff"},
-     {ident::Origin::modelled, "#a31028", "#ff7043"}}};
+/// By ident::Origin: measured, published, published model, synthetic, modelled.
+inline constexpr std::array<Colour, 5> kOriginColours{{{"#0c54d6", "#8cbcf0"},
+                                                       {"#128174", "#86efb8"},
+                                                       {"#9a6b00", "#ffe14a"},
+                                                       {"#5c1a78", "#c06bff"},
+                                                       {"#a31028", "#ff7043"}}};
+inline constexpr std::array<Colour, 6> kSeriesColours{{{"#0072b2", "#56b4e9"},
+                                                       {"#d55e00", "#ff8a3d"},
+                                                       {"#111111", "#f2f2f2"},
+                                                       {"#009e73", "#1fbf8f"},
+                                                       {"#a0378a", "#e58fd0"},
+                                                       {"#7a6a00", "#e8dc3a"}}};
 
-/// Shares of the origin's colour in its two shades: the rest is ink or paper. As light as a shade
-/// may be with a contrast of 3 : 1 against its paper (WCAG 2.1, 1.4.11).
-inline constexpr double kTowardsInk = 0.7, kTowardsPaper = 0.75;
+/// On white; numbers beyond the list begin again.
+[[nodiscard]] const char* series_colour(int number);
 
-/// On white, "#rrggbb"; `shade` as in SeriesLook.
-[[nodiscard]] std::string colour_of(ident::Origin origin, int shade = 0);
-
-/// Style sheet with a custom property per origin (--measured ...), for light and dark screens and
-/// for print.
+/// Style sheet with a custom property per origin (--measured ...) and classes .s0 .s1 ... for
+/// series, for light and dark screens and for print.
 [[nodiscard]] std::string palette_css();
 
 }  // namespace rigfit::apps

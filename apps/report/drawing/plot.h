@@ -1,5 +1,4 @@
-// A figure as data: drawn as SVG for print and papers, interactively on the page, listed as a
-// table for readers of screens, and kept as CSV.
+// A figure as data: drawn as SVG for page and papers, and kept as CSV.
 #pragma once
 
 #include <string>
@@ -9,7 +8,7 @@
 
 namespace rigfit::apps {
 
-/// Where a value comes from. Told apart everywhere by colour, marker and word.
+/// Where a value comes from. Told apart by colour and word in text, by marker and dash in figures.
 using ident::Origin;
 /// The word shown, such as "published test".
 [[nodiscard]] const char* name_of(Origin origin);
@@ -23,25 +22,23 @@ struct PlotSeries {
   Style style = Style::line;
   std::vector<double> x, y;       ///< NaN in y: a gap
   std::vector<double> low, high;  ///< interval of y (bars at points, a band at lines); empty: none
-  /// Index that varies shade, marker and dash among series of one origin: states, responses.
+  /// Number among the figure's series (sensors, states, files): its colour.
   int variant = 0;
   /// A group of series switched together in the legend; empty: its own name.
   std::string group;
 };
 
-/// How a series is drawn, in the plot and in its legend alike: colour by origin, shade, marker and
-/// dash by variant.
+/// How a series is drawn, in the figure and in its legend: colour by its number (`variant`), marker
+/// and dash by where it comes from.
 struct SeriesLook {
-  enum class Marker { none, dot, circle, square, triangle, diamond, plus, cross };
+  enum class Marker { none, dot, circle, square, diamond, cross };
   Marker marker = Marker::none;
-  bool hollow = false;       ///< a marker of paper with a coloured edge
-  bool line = false;         ///< its points are joined
-  std::vector<double> dash;  ///< lengths of strokes and gaps, px; empty: full line
-  int shade = 0;             ///< 0: the origin's colour, 1: darker, 2: lighter
+  bool hollow = false;    ///< a marker of paper with a coloured edge
+  bool line = false;      ///< its points are joined
+  const char* dash = "";  ///< as in SVG, for a font of 12 px; empty: full line
 };
-[[nodiscard]] SeriesLook look_of(const PlotSeries& series);
-/// Such as "triangle".
-[[nodiscard]] const char* word_of(SeriesLook::Marker marker);
+/// `overlaid`: a test stands in the same figure, and a model is broken.
+[[nodiscard]] SeriesLook look_of(const PlotSeries& series, bool overlaid = false);
 
 /// An upright line at a place of the abscissa: a mode, an instant.
 struct PlotMark {
@@ -61,7 +58,6 @@ struct Plot {
   std::vector<PlotMark> marks;
   /// Plots with the same word here share the abscissa: the page zooms and reads them together.
   std::string link;
-  bool decibels = false;   ///< the page offers the ordinate in dB too
   bool angle = false;      ///< ordinate in degrees: ticks at parts of a turn
   bool same_axes = false;  ///< both axes have one range: points on the diagonal are equal
 };

@@ -9,14 +9,33 @@
 
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
-#include "apps/report/drawing/svg_series.h"
 
 namespace rigfit::apps {
 namespace {
 
+using Marker = SeriesLook::Marker;
+
 constexpr double kPxPerMm = 96 / 25.4;
 constexpr double kPxPerPt = 96.0 / 72;
-constexpr double kCharacter = 6.6;  // px that a character of 12 px takes, on the mean
+constexpr double kCharacter = 6.6;         // px that a character of 12 px takes, on the mean
+constexpr std::size_t kDenseSeries = 900;  // of more points their extremes by half pixel are drawn
+
+/// The range of values low..high lies between the pixels from..to.
+struct SvgAxis {
+  double low = 0, high = 1, from = 0, to = 1;
+  bool logarithmic = false;
+  std::vector<double> ticks;
+
+  [[nodiscard]] double at(double value) const {
+    const double t =
+        logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
+    return from + t * (to - from);
+  }
+  /// A number that has a place on such an axis.
+  [[nodiscard]] bool shows(double value) const {
+    return std::isfinite(value) && (!logarithmic || value > 0);
+  }
+};
 
 SvgAxis axis_of(const Plot& plot, bool x_axis) {
   SvgAxis axis;
@@ -92,6 +111,151 @@ double length_of(const std::string& text) {
   }));
 }
 
+struct Pixel {
+  double x = 0, y = 0;
+  bool shown = true;
+};
+
+/// Points of a line that a reader can tell apart, zoomed in by two as well: the extremes of every
+/// half pixel, so that long records stay small.
+std::vector<Pixel> visible(const PlotSeries& series, const SvgAxis& x, const SvgAxis& y) {
+  std::vector<Pixel> kept;
+  const bool dense = series.x.size() > kDenseSeries;
+  bool open = false;
+  long column = 0;
+  Pixel one, other;  // extremes of the column
+  const auto flush = [&] {
+    if (!open) return;
+    if (other.x < one.x) std::swap(one, other);
+    kept.push_back(one);
+    if (one.y != other.y) kept.push_back(other);
+    open = false;
+  };
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) {
+      flush();
+      kept.push_back({0, 0, false});  // a gap
+      continue;
+    }
+    const Pixel here{x.at(series.x[i]), y.at(series.y[i])};
+    if (!dense) {
+      kept.push_back(here);
+      continue;
+    }
+    if (const long at = std::lround(2 * here.x); !open || at != column) {
+      flush();
+      column = at, open = true;
+      one = other = here;
+    }
+    if (here.y < one.y) one = here;
+    if (here.y > other.y) other = here;
+  }
+  flush();
+  return kept;
+}
+
+std::string marker(const SeriesLook& look, double x, double y, double r) {
+  std::string path;
+  switch (look.marker) {
+    case Marker::none:
+    case Marker::dot:
+      return "";
+    case Marker::circle:
+      path =
+          fmt::format("M-{0:g} 0a{0:g} {0:g} 0 1 0 {1:g} 0a{0:g} {0:g} 0 1 0 -{1:g} 0z", r, 2 * r);
+      break;
+    case Marker::square:
+      path = fmt::format("M-{0:g} -{0:g}h{1:g}v{1:g}h-{1:g}z", 0.9 * r, 1.8 * r);
+      break;
+    case Marker::diamond:
+      path = fmt::format("M0 -{0:g}l{0:g} {0:g}l-{0:g} {0:g}l-{0:g} -{0:g}z", 1.25 * r);
+      break;
+    case Marker::cross:
+      path = fmt::format("M-{0:g} -{0:g}l{1:g} {1:g}m0 -{1:g}l-{1:g} {1:g}", 1.1 * r, 2.2 * r);
+      break;
+  }
+  const bool strokes = look.marker == Marker::cross;
+  return fmt::format("<path class=\"m{}\" transform=\"translate({:.1f} {:.1f})\" d=\"{}\"{}/>\n",
+                     look.hollow ? " hollow"
+                     : strokes   ? " line"
+                                 : "",
+                     x, y, path,
+                     strokes       ? " fill=\"none\" stroke-width=\"2\""
+                     : look.hollow ? " fill=\"#fff\""
+                                   : "");
+}
+
+/// Upper and lower end of a band.
+std::string band(const PlotSeries& series, const SvgAxis& x, const SvgAxis& y) {
+  PlotSeries ends[2];
+  for (std::size_t i = 0; i < series.x.size() && i < series.low.size(); ++i) {
+    if (!y.shows(series.low[i]) || !y.shows(series.high[i])) continue;
+    for (const int k : {0, 1}) {
+      ends[k].x.push_back(series.x[i]);
+      ends[k].y.push_back(k == 0 ? series.high[i] : series.low[i]);
+    }
+  }
+  std::string path;
+  const auto add = [&](const Pixel& p) {
+    if (p.shown) path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", p.x, p.y);
+  };
+  for (const auto& p : visible(ends[0], x, y)) add(p);
+  const auto below = visible(ends[1], x, y);
+  std::for_each(below.rbegin(), below.rend(), add);
+  if (path.empty()) return path;
+  return fmt::format("<path class=\"band\" d=\"{}z\" fill-opacity=\"0.18\" stroke=\"none\"/>\n",
+                     path);
+}
+
+std::string dash(const SeriesLook& look, double scale) {
+  if (*look.dash == '\0') return {};
+  std::string text;
+  for (const char* at = look.dash; *at != '\0'; ++at) {
+    if (*at != ' ') text += fmt::format("{}{:g}", text.empty() ? "" : " ", (*at - '0') * scale);
+  }
+  return fmt::format(" stroke-dasharray=\"{}\"", text);
+}
+
+std::string points(const PlotSeries& series, const SeriesLook& look, const SvgAxis& x,
+                   const SvgAxis& y, double scale) {
+  std::string svg, dots;
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) continue;
+    const double px = x.at(series.x[i]), py = y.at(series.y[i]);
+    if (i < series.low.size() && y.shows(series.low[i]) && y.shows(series.high[i])) {
+      const double cap = 4 * scale;
+      svg += fmt::format(
+          "<path class=\"line\" d=\"M{0:.1f} {1:.1f}V{2:.1f}M{3:.1f} {1:.1f}h{4:g}M{3:.1f} "
+          "{2:.1f}h{4:g}\" fill=\"none\" stroke-width=\"1.3\"/>\n",
+          px, y.at(series.high[i]), y.at(series.low[i]), px - cap, 2 * cap);
+    }
+    if (look.marker == Marker::dot) {
+      dots += fmt::format("M{:.1f} {:.1f}h0", px, py);
+    } else {
+      svg += marker(look, px, py, 4 * scale);
+    }
+  }
+  if (dots.empty()) return svg;
+  return svg + fmt::format(
+                   "<path class=\"line\" d=\"{}\" fill=\"none\" stroke-width=\"{:g}\" "
+                   "stroke-linecap=\"round\"/>\n",
+                   dots, 3 * scale);
+}
+
+std::string line(const PlotSeries& series, const SeriesLook& look, const SvgAxis& x,
+                 const SvgAxis& y, double scale) {
+  std::string path;
+  bool pen_down = false;
+  for (const auto& p : visible(series, x, y)) {
+    if (p.shown) path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", p.x, p.y);
+    pen_down = p.shown;
+  }
+  return fmt::format(
+      "<path class=\"line\" d=\"{}\" fill=\"none\" stroke-width=\"{:g}\" "
+      "stroke-linejoin=\"round\"{}/>\n",
+      path, (series.x.size() > kDenseSeries ? 1.2 : 1.8) * scale, dash(look, scale));
+}
+
 /// One figure being laid out and drawn.
 class SvgFigure {
  public:
@@ -109,10 +273,14 @@ class SvgFigure {
   std::string drawn() {
     open();
     grid();
-    svg_ += fmt::format("<g clip-path=\"url(#clip-{})\">\n", escaped(plot_.id));
+    // An svg element of its own: the page's script zooms by its viewBox.
+    svg_ += fmt::format(
+        "<svg class=\"in\" x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2:.1f}\" height=\"{3:.1f}\" "
+        "viewBox=\"{0:.1f} {1:.1f} {2:.1f} {3:.1f}\" preserveAspectRatio=\"none\">\n",
+        x_.from, y_.to, x_.to - x_.from, y_.from - y_.to);
     marks();
     series();
-    svg_ += "</g>\n";
+    svg_ += "</svg>\n";
     legend();
     return svg_ + "</svg>\n";
   }
@@ -137,7 +305,7 @@ class SvgFigure {
     double row_width = 0;
     rows_.emplace_back();
     for (const auto& one : plot_.series) {
-      const std::string name = one.group.empty() ? one.name : one.group;
+      const std::string name = group_of(one);
       if (!listed.insert(name).second) continue;
       const double width = em_ * (44 + kCharacter * length_of(name));
       if (row_width + width > options_.width - left - right && row_width > 0) {
@@ -179,15 +347,13 @@ class SvgFigure {
                                                o.width / kPxPerMm, o.height / kPxPerMm)
                                  : fmt::format("width=\"{:g}\" height=\"{:g}\"", o.width, o.height);
     svg_ += fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:g} {:g}\" {} role=\"img\" "
+        "<svg class=\"fig\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:g} {:g}\" {} "
+        "data-x=\"{:g} {:g} {:d}\" data-y=\"{:g} {:g} {:d}\" data-link=\"{}\" role=\"img\" "
         "font-family=\"{}\" font-size=\"{:g}\">\n<title>{}</title>\n<desc>{}</desc>\n",
-        o.width, o.height, size, escaped(o.font), o.font_size, escaped(plot_.title),
+        o.width, o.height, size, x_.low, x_.high, x_.logarithmic, y_.low, y_.high, y_.logarithmic,
+        escaped(plot_.link), escaped(o.font), o.font_size, escaped(plot_.title),
         escaped(plot_.caption));
     if (o.standalone) svg_ += "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-    svg_ += fmt::format(
-        "<clipPath id=\"clip-{}\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
-        "height=\"{:.1f}\"/></clipPath>\n",
-        escaped(plot_.id), x_.from, y_.to, x_.to - x_.from, y_.from - y_.to);
   }
 
   void text(double x, double y, const char* anchor, const std::string& words,
@@ -222,12 +388,14 @@ class SvgFigure {
                           minor);
     }
     const auto x_labels = tick_labels(x_), y_labels = tick_labels(y_);
+    svg_ += "<g class=\"ticks\">\n";
     for (std::size_t i = 0; i < x_.ticks.size(); ++i) {
       const double at = x_.at(x_.ticks[i]);
       svg_ += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:.1f}V{:.1f}\" stroke=\"#ddd\"/>", at,
                           y_.from, y_.to);
       text(at, y_.from + 17 * em_, "middle", x_labels[i]);
     }
+    svg_ += "</g>\n";
     for (std::size_t i = 0; i < y_.ticks.size(); ++i) {
       const double at = y_.at(y_.ticks[i]);
       svg_ += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"#ddd\"/>",
@@ -254,36 +422,49 @@ class SvgFigure {
       if (!x_.shows(mark.x) || mark.x < x_.low || mark.x > x_.high) continue;
       const double at = x_.at(mark.x);
       svg_ += fmt::format(
-          "<path class=\"o-{} line\" d=\"M{:.1f} {:.1f}V{:.1f}\" fill=\"none\" stroke=\"{}\" "
-          "stroke-opacity=\"0.55\"{}/>\n",
-          word_of(mark.origin), at, y_.from, y_.to, colour_of(mark.origin),
-          mark.doubtful ? " stroke-dasharray=\"3 3\"" : "");
+          "<path class=\"mark\" d=\"M{:.1f} {:.1f}V{:.1f}\" fill=\"none\" stroke=\"#888\"{}/>\n",
+          at, y_.from, y_.to, mark.doubtful ? " stroke-dasharray=\"3 3\"" : "");
       const double half = 0.5 * em_ * kCharacter * length_of(mark.label);
       if (at - half < last) continue;  // no room beside the one before
       last = at + half + 4 * em_;
       labels += fmt::format(
-          "<text class=\"o-{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" fill=\"{}\" "
+          "<text class=\"t at\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" fill=\"#222\" "
           "font-size=\"{:g}\">{}</text>\n",
-          word_of(mark.origin),
           std::clamp(at, x_.from + half, std::max(x_.from + half, x_.to - half)), y_.to - 6 * em_,
-          colour_of(mark.origin), 0.9 * options_.font_size, escaped(mark.label));
+          0.9 * options_.font_size, escaped(mark.label));
     }
     labels_ = std::move(labels);
   }
 
+  [[nodiscard]] bool overlaid() const {
+    return std::any_of(plot_.series.begin(), plot_.series.end(), [](const PlotSeries& one) {
+      return one.origin != Origin::modelled && one.style == PlotSeries::Style::line;
+    });
+  }
+
+  [[nodiscard]] static std::string group_of(const PlotSeries& one) {
+    return one.group.empty() ? one.name : one.group;
+  }
+
+  [[nodiscard]] static std::string opened(const PlotSeries& one, const char* more) {
+    const char* ink = series_colour(one.variant);
+    return fmt::format("<g class=\"s{}{}\" data-k=\"{}\" fill=\"{}\" stroke=\"{}\">",
+                       static_cast<std::size_t>(one.variant) % kSeriesColours.size(), more,
+                       escaped(group_of(one)), ink, ink);
+  }
+
+  /// Lines first, points over them.
   void series() {
-    const bool overlaid = std::any_of(
-        plot_.series.begin(), plot_.series.end(),
-        [](const auto& one) { return look_of(one).line && one.origin == Origin::modelled; });
     for (const bool lines : {true, false}) {
       for (const auto& one : plot_.series) {
-        if (look_of(one).line != lines) continue;
-        SvgSeriesOptions how;
-        // Inside a page whole pixels do for what is dense; a figure for a paper has tenths.
-        how.digits = options_.standalone || one.x.size() <= kDenseSeries ? 1 : 0;
-        how.beneath = overlaid && one.origin != Origin::modelled && look_of(one).shade != 2;
-        how.scale = em_;
-        draw_series(svg_, one, x_, y_, how);
+        const SeriesLook look = look_of(one, overlaid());
+        if (look.line != lines) continue;
+        const bool marked = look.marker != Marker::none;
+        svg_ += opened(one, "") + "<title>" + escaped(one.name) + "</title>\n";
+        if (look.line && !marked && !one.low.empty()) svg_ += band(one, x_, y_);
+        if (look.line) svg_ += line(one, look, x_, y_, em_);
+        if (marked) svg_ += points(one, look, x_, y_, em_);
+        svg_ += "</g>\n";
       }
     }
   }
@@ -294,8 +475,22 @@ class SvgFigure {
     for (const auto& row : rows_) {
       double x = x_.from;
       for (const auto& entry : row) {
-        svg_ += legend_key(*entry.series, x, y - 4 * em_, em_);
-        text(x + 30 * em_, y, "start", entry.name);
+        const SeriesLook look = look_of(*entry.series, overlaid());
+        const double middle = x + 12 * em_, height = y - 4 * em_;
+        svg_ += opened(*entry.series, " lg");
+        if (look.line) {
+          svg_ += fmt::format(
+              "<path class=\"line\" d=\"M{:.1f} {:.1f}h{:g}\" fill=\"none\" "
+              "stroke-width=\"{:g}\"{}/>",
+              x, height, 24 * em_, 2 * em_, dash(look, em_));
+        }
+        if (look.marker == Marker::dot) {
+          svg_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\"/>", middle, height,
+                              1.8 * em_);
+        }
+        svg_ += marker(look, middle, height, 4 * em_);
+        text(x + 30 * em_, y, "start", entry.name, " stroke=\"none\"");
+        svg_ += "</g>\n";
         x += entry.width;
       }
       y += 20 * em_;

@@ -1,5 +1,6 @@
 // A figure as SVG, fit for a paper: vector text, axes with round ticks, a legend, points with
-// their intervals. Standing alone it carries its own colours; inside a page it takes the page's.
+// their intervals. Standing alone it carries its own colours; inside a page it takes the page's,
+// and the page's script (assets/figures.js) zooms it and reads its values.
 #pragma once
 
 #include <string>

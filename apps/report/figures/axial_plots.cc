@@ -1,4 +1,4 @@
-#include "apps/report/figures/axial_plots.h"
+#include "apps/report/figures/figures.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/decay_plots.h"
 #include "ident/statistics/uncertainty.h"
 
 namespace rigfit::apps {
@@ -29,7 +28,8 @@ Plot axial_length_plot(const std::string& id, const ident::AxialTestResult& r, O
   each.origin = records.origin = origin;
   each.style = records.style = PlotSeries::Style::points;
   records.name = "each record";
-  records.variant = 1;
+  each.variant = 1;
+  records.variant = 2;
   for (const auto& sample : r.samples) {
     records.x.push_back(sample.length_m);
     records.y.push_back(1e-3 * sample.EA_N.value);
@@ -54,6 +54,7 @@ Plot axial_length_plot(const std::string& id, const ident::AxialTestResult& r, O
     PlotSeries line;
     line.name = reference->name;
     line.origin = reference->origin;
+    line.variant = 3;
     line.style = PlotSeries::Style::dashed;
     line.x = {low - margin, high + margin};
     line.y.assign(2, 1e-3 * reference->value);

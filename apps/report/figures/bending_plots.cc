@@ -1,4 +1,4 @@
-#include "apps/report/figures/bending_plots.h"
+#include "apps/report/figures/figures.h"
 
 #include <fmt/format.h>
 
@@ -75,6 +75,7 @@ std::vector<PlotSeries> stiffness_series(const ident::BendingCampaignResult& res
                                                 : fmt::format("EI, {}", name_of(origin));
       series.origin = origin;
       series.style = PlotSeries::Style::points;
+      series.variant = 2 + static_cast<int>(list.size());
       list.push_back(std::move(series));
       at = list.end() - 1;
     }
@@ -125,7 +126,7 @@ Plot stiffness_plot(const std::string& id, const std::vector<PlotSeries>& points
     PlotSeries series;
     series.name = fmt::format("law: {}", name_of(law.kind));
     series.origin = Origin::modelled;
-    series.variant = variant;
+    series.variant = variant < 2 ? variant : variant + 2;
     for (int i = 0; i <= 80; ++i) {
       const double tension = from + (to - from) * i * i / 6400;  // laws bend most where slack
       const auto predicted = ident::predict(law, tension);
@@ -152,6 +153,7 @@ Plot stiffness_plot(const std::string& id, const std::vector<PlotSeries>& points
                                       std::pair{"EImax, no slip", bounds->EI_max_Nm2}}) {
       PlotSeries series;
       series.name = name;
+      series.variant = 2;
       series.origin = Origin::modelled;
       series.style = PlotSeries::Style::dashed;
       series.x = {from, to};

@@ -1,4 +1,4 @@
-#include "apps/report/figures/decay_overlay.h"
+#include "apps/report/figures/figures.h"
 
 #include <fmt/format.h>
 
@@ -20,10 +20,8 @@ PlotSeries series_of(const ReleaseAnswer& answer, std::size_t k, std::size_t cou
   PlotSeries series;
   series.name = "rigfit model, " + answer.label;
   series.origin = Origin::modelled;
-  if (k + 1 < count) {
-    series.style = PlotSeries::Style::dashed;
-    series.variant = k == 0 ? 2 : 1;
-  }
+  series.variant = static_cast<int>(count - k);
+  if (k + 1 < count) series.style = PlotSeries::Style::dashed;
   return series;
 }
 

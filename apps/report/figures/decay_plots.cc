@@ -1,4 +1,4 @@
-#include "apps/report/figures/decay_plots.h"
+#include "apps/report/figures/figures.h"
 
 #include <fmt/format.h>
 
@@ -38,6 +38,7 @@ Plot decay_plot(const std::string& id, const AnalysedDecay& decay) {
   const auto& r = decay.result;
   if (r.residual.size() == 0) return plot;
   fit.name = "fit";
+  fit.variant = 1;
   fit.origin = Origin::modelled;
   residual.name = "residual";
   residual.origin = decay.origin;
@@ -59,7 +60,7 @@ Plot decay_plot(const std::string& id, const AnalysedDecay& decay) {
       envelope.group = "envelope of the strongest mode";
       envelope.origin = Origin::modelled;
       envelope.style = PlotSeries::Style::dashed;
-      envelope.variant = 1;
+      envelope.variant = 3;
       for (std::size_t i = 0; i + 1 < points.size(); ++i) {  // exponential between the points
         for (int k = 0; k <= 8; ++k) {
           const double part = 0.125 * k,

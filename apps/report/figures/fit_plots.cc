@@ -1,4 +1,4 @@
-#include "apps/report/figures/fit_plots.h"
+#include "apps/report/figures/figures.h"
 
 #include <fmt/format.h>
 

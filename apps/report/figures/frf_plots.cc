@@ -1,4 +1,4 @@
-#include "apps/report/figures/frf_plots.h"
+#include "apps/report/figures/figures.h"
 
 #include <fmt/format.h>
 
@@ -102,7 +102,6 @@ Plot magnitude_plot(const std::string& id, const signal::FrfSet& frfs, const Lin
   plot.x_label = "frequency, Hz";
   plot.y_label = magnitude_label(frfs.unit);
   plot.log_y = true;
-  plot.decibels = true;
   each_frf(frfs, [&](Index r, Index i) {
     auto series = series_of(frfs, range, r, i, origin,
                             [&](Index k, Index c) { return std::abs(frfs.H(k, c)); });
@@ -120,9 +119,10 @@ Plot magnitude_plot(const std::string& id, const signal::FrfSet& frfs, const Lin
     each_frf(*rebuilt, [&](Index r, Index i) {
       PlotSeries series;
       series.name = frf_name(*rebuilt, r, i) + ", from modes";
+      const auto column = static_cast<int>(rebuilt->column(r, i));
+      series.variant = rebuilt->H.cols() > 1 ? column : 1;
       series.group = "rebuilt from modes";
       series.origin = Origin::modelled;
-      series.style = PlotSeries::Style::dashed;
       for (Index k = 0; k < rebuilt->frequency_hz.size(); ++k) {
         series.x.push_back(rebuilt->frequency_hz[k]);
         series.y.push_back(std::abs(rebuilt->H(k, rebuilt->column(r, i))));
@@ -196,6 +196,7 @@ Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found,
   PlotSeries chosen;
   chosen.name = "modes identified";
   chosen.origin = Origin::modelled;
+  chosen.variant = 2;
   for (const auto& mode : found.model.modes) {
     const double f = mode.frequency_hz.value;
     chosen.x.insert(chosen.x.end(), {f, f, f});

@@ -1,4 +1,4 @@
-#include "apps/report/figures/hits_plot.h"
+#include "apps/report/figures/figures.h"
 
 #include <fmt/format.h>
 
@@ -46,9 +46,11 @@ Plot hits_plot(const std::string& id, const std::vector<ident::StruckPlace>& pla
         const auto& recording = places[p].recordings[hit.recording];
         PlotSeries series;
         series.name =
-            fmt::format("{}{}hit {}", places[p].name, places[p].name.empty() ? "" : ", ", h + 1);
+            fmt::format("{}{}hit {}{}{}", places[p].name, places[p].name.empty() ? "" : ", ", h + 1,
+                        hit.reason.empty() ? "" : ": ", hit.reason);
         series.group = accepted ? "kept" : "rejected";
-        series.origin = accepted ? origin : Origin::modelled;
+        series.origin = origin;
+        series.variant = accepted ? 0 : 1;
         if (!accepted) series.style = PlotSeries::Style::dashed;
         add_force(series, recording, recording.channel_index(test.force), hit, search.sign);
         if (!series.x.empty()) plot.series.push_back(std::move(series));

@@ -1,4 +1,4 @@
-#include "apps/report/figures/model_plots.h"
+#include "apps/report/figures/figures.h"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,6 @@
 
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
-#include "apps/report/figures/decay_overlay.h"
-#include "apps/report/figures/decay_plots.h"
-#include "apps/report/figures/recording_plots.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::apps {
@@ -181,9 +178,10 @@ std::string mode_panel(const View& view, const model::Scene& scene,
     if (moved.cols() != rest.cols()) continue;
     svg += fmt::format(
         "<path class=\"rest\" d=\"{}\" fill=\"none\" stroke=\"#888\" stroke-dasharray=\"3 3\"/>\n"
-        "<path class=\"o-modelled line\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2.6\" "
-        "stroke-linejoin=\"round\"/>\n",
-        path_of(view, rest), path_of(view, rest + factor * moved), colour_of(Origin::modelled));
+        "<g class=\"s0\" stroke=\"{}\"><path class=\"line\" d=\"{}\" fill=\"none\" "
+        "stroke-width=\"2.6\" "
+        "stroke-linejoin=\"round\"/></g>\n",
+        path_of(view, rest), series_colour(0), path_of(view, rest + factor * moved));
     svg += nodal_points(view, rest, moved, largest);
   }
   svg += supports(view, scene, equilibrium);
@@ -206,10 +204,10 @@ std::string mode_panel(const View& view, const model::Scene& scene,
     const double value = (fit * measured->shape[static_cast<Index>(s)]).real();
     const auto q = view.at(rest + factor * value * scene.sensors[s].direction);
     svg += fmt::format(
-        "<path class=\"o-{0} line\" d=\"M{1:.1f} {2:.1f}L{3:.1f} {4:.1f}\" fill=\"none\" "
-        "stroke=\"{5}\"/>"
-        "<circle class=\"o-{0}\" cx=\"{3:.1f}\" cy=\"{4:.1f}\" r=\"4.5\" fill=\"{5}\"/>\n",
-        word_of(measured->origin), p[0], p[1], q[0], q[1], colour_of(measured->origin));
+        "<g class=\"s1\" fill=\"{4}\" stroke=\"{4}\"><path class=\"line\" d=\"M{0:.1f} "
+        "{1:.1f}L{2:.1f} "
+        "{3:.1f}\" fill=\"none\"/><circle cx=\"{2:.1f}\" cy=\"{3:.1f}\" r=\"4.5\"/></g>\n",
+        p[0], p[1], q[0], q[1], series_colour(1));
   }
   const auto text = [&](double y, const std::string& words, const std::string& css,
                         const char* more) {
@@ -225,8 +223,7 @@ std::string mode_panel(const View& view, const model::Scene& scene,
         30,
         fmt::format("{} {} Hz{}", name_of(measured->origin), shown(measured->frequency_hz, 5),
                     std::isfinite(measured->mac) ? fmt::format(", MAC {:.3f}", measured->mac) : ""),
-        fmt::format("o-{}", word_of(measured->origin)),
-        fmt::format(" fill=\"{}\"", colour_of(measured->origin)).c_str());
+        "t", " fill=\"#222\"");
   }
   return svg;
 }
@@ -268,7 +265,7 @@ std::vector<Picture> shapes_pictures(const std::string& id, const std::string& s
       picture.title += fmt::format(", {} to {}", drawn[from] + 1, drawn[from + count - 1] + 1);
     }
     if (from > 0) {
-      picture.caption = "As in the figure before.";
+      picture.caption = pictures.front().caption;
     } else {
       picture.caption =
           "Line: the model, enlarged; broken: at rest. Triangles: pinned, filled squares: clamped, "
@@ -297,7 +294,7 @@ std::vector<Picture> shapes_pictures(const std::string& id, const std::string& s
     picture.svg = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:g} {1:g}\" width=\"{0:g}\" "
         "height=\"{1:g}\" role=\"img\" font-family=\"sans-serif\" "
-        "font-size=\"12\">\n<title>{2}</title>\n"
+        "font-size=\"14\">\n<title>{2}</title>\n"
         "<desc>{3}</desc>\n{4}</svg>\n",
         picture.width, picture.height, escaped(picture.title), escaped(picture.caption), body);
     pictures.push_back(std::move(picture));

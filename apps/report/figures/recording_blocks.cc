@@ -1,11 +1,10 @@
-#include "apps/report/figures/recording_blocks.h"
+#include "apps/report/figures/figures.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/decay_plots.h"
 #include "signal/quality/quality.h"
 
 namespace rigfit::apps {
@@ -17,12 +16,6 @@ std::string short_name(const std::string& file) {
 void refuse(ReportPart& part, const std::string& code, const std::string& message,
             const std::string& where) {
   part.warnings.push_back({code, message, where, true});
-  part.summary.push_back({SummaryItem::Kind::distrust,
-                          part.title + ": refused",
-                          short_name(where) + ": " + message,
-                          {},
-                          part.id,
-                          3});
 }
 
 namespace {

@@ -1,4 +1,4 @@
-#include "apps/report/figures/recording_plots.h"
+#include "apps/report/figures/figures.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-
-#include "apps/report/figures/decay_plots.h"
 
 namespace rigfit::apps {
 namespace {

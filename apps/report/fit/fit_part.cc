@@ -7,17 +7,40 @@
 #include <limits>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/fit_plots.h"
-#include "apps/report/figures/recording_blocks.h"
-#include "apps/report/fit/fit_figures.h"
+#include "apps/report/figures/figures.h"
 #include "apps/report/fit/fit_outcome.h"
-#include "apps/report/fit/fit_tables.h"
+#include "apps/report/modal/modal_part.h"
 #include "apps/report/page/parameter_words.h"
+#include "apps/results/modal_files.h"
 #include "apps/results/update_result.h"
 #include "ident/campaign/fit_campaign.h"
 
 namespace rigfit::apps {
 namespace {
+
+/// FRFs, a tab a state; no tab when nothing was recorded.
+PlotGroup fit_overlays(const FitOutcome& of) {
+  PlotGroup group{of.fit.name + "-overlays", "Test and model, laid over each other", {}};
+  for (std::size_t s = 0; s < of.states.size(); ++s) {
+    const auto& modal = *of.states[s].modal;
+    if (!modal.recorded || modal.rig.response.empty() || modal.rig.input.empty() ||
+        !modal.recorded->hammer.amplitudes) {
+      continue;
+    }
+    std::vector<ModelVersion> versions{{"before", of.updates[s].scene}};
+    for (const auto& held : of.held) {
+      if (held.state == static_cast<int>(s) && held.scene) {
+        versions.push_back({"held out", *held.scene});
+      }
+    }
+    versions.push_back({"fitted", of.result.scenes[s]});
+    const std::string id = fmt::format("{}-{}", of.fit.name, file_word(of.updates[s].name));
+    PlotTab tab{state_words(of.updates[s].name), {}};
+    tab.plots.push_back(frf_overlay_plot(id + "-frf", *modal.recorded, modal.rig, versions));
+    group.tabs.push_back(std::move(tab));
+  }
+  return group;
+}
 
 class Fit {
  public:
@@ -58,14 +81,6 @@ class Fit {
       part_.warnings.push_back(
           {finding.code, finding.message,
            finding.where.empty() ? of_.fit.name : parameter_words(finding.where), false});
-      if (finding.refused || finding.code == "model_ruled_out") {
-        part_.summary.push_back({SummaryItem::Kind::distrust,
-                                 of_.fit.title,
-                                 with_parameter_words(finding.message),
-                                 {},
-                                 part_.id,
-                                 2});
-      }
     }
     add_parameters(part_, of_);
     held_rms_ = add_errors(part_, of_);
@@ -121,12 +136,13 @@ class Fit {
     // An error held out that is much larger than the fitted one: too much freedom.
     if (std::isfinite(held_rms_) && held_rms_ > 3 * of_.result.rms_relative_error &&
         held_rms_ > 0.005) {
-      part_.summary.push_back(
-          {SummaryItem::Kind::distrust, of_.fit.title,
-           fmt::format("predicts states that it has not seen {:.1f} times worse than those it was "
-                       "fitted to",
-                       held_rms_ / of_.result.rms_relative_error),
-           Origin::modelled, part_.id});
+      part_.warnings.push_back(
+          {"held_out_worse",
+           fmt::format(
+               "Free fewer parameters or measure more modes: states that it has not seen are "
+               "predicted {:.1f} times worse than those it was fitted to",
+               held_rms_ / of_.result.rms_relative_error),
+           of_.fit.name, false});
     }
   }
 

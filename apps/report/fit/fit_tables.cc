@@ -1,4 +1,4 @@
-#include "apps/report/fit/fit_tables.h"
+#include "apps/report/fit/fit_outcome.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/page/parameter_words.h"
 #include "apps/report/page/shaded_tables.h"
-#include "apps/report/parts/scenes_part.h"
+#include "apps/report/parts/parts.h"
 #include "apps/results/modal_files.h"
 #include "ident/campaign/fit_campaign.h"
 #include "signal/modes/mac.h"
@@ -103,6 +103,17 @@ FoundParameter found_parameter(const FitOutcome& of, const ident::UpdatedParamet
   answer.reference_name = of.fit.reference_name;
   answer.anchor = anchor;
   answer.rank = parameter.state < 0 ? 0 : 1;
+  // A mass at a node is of the structure that was tested, a stiffness of a member that may stand in
+  // several.
+  for (const char* end : {".mass", ".x", ".y", ".z"}) {
+    answer.of_structure = answer.of_structure || target.ends_with(end);
+  }
+  for (const std::size_t test : of.fit.tests) {
+    if (const auto scene = of.campaign.tests[test].scene) {
+      answer.structure = of.campaign.scenes[*scene].name;
+    }
+  }
+  if (!answer.structure.empty()) answer.how += " of the " + answer.structure;
   return found;
 }
 
@@ -121,6 +132,31 @@ ReportTable parameter_table(const FitOutcome& of, bool priors) {
                    {"data alone ±", Origin::modelled},
                    {of.fit.reference_name, {}, true},
                    {"remark", {}, false}};
+  return table;
+}
+
+/// What is taken as exact and moves a parameter by more than a tenth of its standard uncertainty.
+ReportTable exact_table(const FitOutcome& of) {
+  constexpr double kMatters = 0.1;
+  const auto& parameters = of.result.parameters;
+  ReportTable table;
+  table.id = of.fit.name + "-exact";
+  table.caption =
+      "Taken as exact: what is neither fitted nor given an uncertainty, and the change of each "
+      "parameter when it changes, in standard uncertainties of the parameter.";
+  table.columns = {{"input", {}, false}, {"changed by", {}, true}};
+  for (const auto& one : parameters) table.columns.push_back({parameter_words(one.name), {}, true});
+  for (const auto& input : of.result.exact_inputs) {
+    std::vector<Cell> cells{parameter_words(input.name), shown_percent(input.relative_change)};
+    bool matters = false;
+    for (std::size_t p = 0; p < parameters.size(); ++p) {
+      const double stds = input.shift[static_cast<Eigen::Index>(p)] / parameters[p].std;
+      matters = matters || std::abs(stds) > kMatters;
+      cells.emplace_back(std::isfinite(stds) ? fmt::format("{:+.1f}", stds) : "–");
+      cells.back().doubtful = std::abs(stds) > 1;
+    }
+    if (matters) table.rows.push_back(std::move(cells));
+  }
   return table;
 }
 
@@ -145,7 +181,7 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
     const bool known = parameter.identifiable && std::isfinite(parameter.std);
     std::string remark;
     if (!parameter.identifiable) {
-      remark = "these data cannot tell it";
+      remark = "not identifiable from these data";
     } else if (!std::isfinite(parameter.std_from_data)) {
       remark = "known from before only, not from these data";
     }
@@ -154,7 +190,7 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
     remark_cell.doubtful = !remark.empty();
     table.rows.push_back(
         {unit.empty() ? found.words : found.words + ", " + unit,
-         parameter.state < 0 ? "all" : of.name_of_state(parameter.state),
+         parameter.state < 0 ? "all" : state_words(of.name_of_state(parameter.state)),
          shown(scale * parameter.start, 4),
          Cell(known ? value_words(answer) : shown(scale * parameter.value, 4), Origin::modelled),
          known ? interval_words(answer) : std::string("–"),
@@ -178,14 +214,7 @@ void add_parameters(ReportPart& part, const FitOutcome& of) {
   part.blocks.push_back(
       Paragraph{"Fit: " + ident::fit_text(of.result.fit) + ".",
                 of.result.fit.ruled_out() ? Paragraph::Kind::note : Paragraph::Kind::plain});
-  std::string exact;
-  for (const auto& text : ident::exact_input_texts(of.result)) {
-    exact += (exact.empty() ? "T" + text.substr(1) : text) + ". ";
-  }
-  if (!exact.empty()) {
-    exact.pop_back();
-    part.blocks.push_back(Paragraph{with_parameter_words(exact)});
-  }
+  if (auto exact = exact_table(of); !exact.rows.empty()) part.blocks.push_back(std::move(exact));
   if (of.result.alternatives.size() > 1) add_alternatives(part, of);
   if (of.result.starts > 1 && of.result.alternatives.empty()) {
     part.blocks.push_back(Paragraph{
@@ -207,7 +236,8 @@ double add_errors(ReportPart& part, const FitOutcome& of) {
   for (std::size_t s = 0; s < of.states.size(); ++s) {
     const int state = static_cast<int>(s);
     const double before = rms(of.result.pairs_before, state), after = rms(of.result.pairs, state);
-    std::vector<Cell> cells{of.updates[s].name, percent_words(before), percent_words(after)};
+    std::vector<Cell> cells{state_words(of.updates[s].name), percent_words(before),
+                            percent_words(after)};
     Json json{{"state", of.updates[s].name},
               {"rms_relative_error_before", json_number(before)},
               {"rms_relative_error", json_number(after)}};
@@ -245,6 +275,7 @@ void add_pairs(ReportPart& part, const FitOutcome& of) {
                    {"MAC", Origin::modelled},
                    {"remark", {}, false}};
   Json list = Json::array();
+  std::string lonely;
   for (std::size_t s = 0; s < of.updates.size(); ++s) {
     const int state = static_cast<int>(s);
     bool first = true;
@@ -269,8 +300,16 @@ void add_pairs(ReportPart& part, const FitOutcome& of) {
           is ? (after->cross_plane ? "of the other plane: leaked into the test, not fitted" : "")
              : "no mode of the model is near");
       remark.doubtful = !remark.text.empty();
+      if (is && !after->cross_plane) {
+        part.modes.push_back(
+            {"model fitted", Origin::modelled, mode.frequency_hz.value, after->model_hz});
+      }
+      if (!is) {
+        lonely += fmt::format("{}{} Hz ({})", lonely.empty() ? "" : ", ",
+                              shown(mode.frequency_hz.value, 5), state_words(of.updates[s].name));
+      }
       table.rows.push_back(
-          {first ? of.updates[s].name : "",
+          {first ? state_words(of.updates[s].name) : "",
            Cell(std::isfinite(mode.frequency_hz.std)
                     ? shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std)
                     : shown(mode.frequency_hz.value, 4),
@@ -288,6 +327,14 @@ void add_pairs(ReportPart& part, const FitOutcome& of) {
                     {"measured_hz", nullptr},
                     {"model_hz", lone.frequency_hz},
                     {"reason", lone.reason}});
+  }
+  if (!lonely.empty()) {
+    part.warnings.push_back(
+        {"unpaired",
+         "Check these measured modes: the fitted model has no partner for them and they do not "
+         "enter the fit: " +
+             lonely,
+         of.fit.name, false});
   }
   if (table.rows.size() > 16) table.fold = fmt::format("All {} pairs", table.rows.size());
   part.json["pairs"] = std::move(list);
@@ -336,7 +383,7 @@ void add_shapes(ReportPart& part, const FitOutcome& of) {
         fmt::format("{}-mac-{}", of.fit.name, s + 1),
         fmt::format("MAC of shapes, {}. Rows: measured modes; columns: modes of the fitted model. "
                     "Compared at the {} sensors; 1: the same shape.",
-                    of.updates[s].name, of.states[s].modal->rig.response.size()),
+                    state_words(of.updates[s].name), of.states[s].modal->rig.response.size()),
         values, rows, names));
     part.json["mac"].push_back({{"state", of.updates[s].name}, {"matrix", std::move(matrix)}});
     part.files.push_back(

@@ -1,10 +1,9 @@
-#include "apps/report/modal/frequency_plots.h"
+#include "apps/report/modal/modal_part.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "apps/report/modal/modal_tables.h"
 #include "ident/campaign/modal/mode_lines.h"
 
 namespace rigfit::apps {
@@ -24,7 +23,7 @@ PlotSeries points_of(const std::string& name, Origin origin, int variant) {
 /// Measured and published points, common to both kinds of frequency plot; x as `at` says.
 template <class X>
 void add_points(Plot& plot, const CampaignTest& test, const std::vector<ModalState>& states, X at) {
-  int variant = 0;
+  int variant = 2;
   std::size_t k = 0;
   for (const auto& [label, column] : published_models(test)) {
     auto series = points_of(label + " (published model)", Origin::published_model, variant++);
@@ -43,7 +42,7 @@ void add_points(Plot& plot, const CampaignTest& test, const std::vector<ModalSta
   for (const Origin origin : {Origin::published, Origin::measured, Origin::synthetic}) {
     auto series = points_of(
         fmt::format("test ({})", origin == Origin::published ? "published" : name_of(origin)),
-        origin, 0);
+        origin, 1);
     for (const auto& state : states) {
       for (std::size_t i = 0; i < state.rows.size(); ++i) {
         const auto& row = state.rows[i];
@@ -98,7 +97,7 @@ TensionPlot tension_plot(const CampaignTest& test, const ident::SceneUse& use,
     series.y = line.frequency_hz;
     plot.series.push_back(std::move(series));
   }
-  auto crossings = points_of("crossing of two modes", Origin::modelled, 1);
+  auto crossings = points_of("crossing of two modes", Origin::modelled, 4);
   for (const auto& crossing : followed.crossings) {
     crossings.x.push_back(crossing.tension_N);
     crossings.y.push_back(crossing.frequency_hz);

@@ -6,10 +6,7 @@
 #include <cmath>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/model_plots.h"
-#include "apps/report/modal/frequency_plots.h"
-#include "apps/report/modal/modal_states.h"
-#include "apps/report/modal/modal_tables.h"
+#include "apps/report/figures/figures.h"
 #include "apps/results/modal_files.h"
 
 namespace rigfit::apps {
@@ -110,24 +107,16 @@ void add_summary(ReportPart& part, const CampaignTest& test,
     }
   }
   if (!leaked.empty()) {
-    part.summary.push_back({SummaryItem::Kind::distrust,
-                            test.title,
-                            "rows that lie at a mode of the other plane, probably leaked into the "
-                            "test: " +
-                                leaked,
-                            {},
-                            part.id});
-    part.warnings.push_back(
-        {"cross-plane", "measured rows at modes of the other plane: " + leaked, test.name, false});
+    part.warnings.push_back({"cross-plane",
+                             "Check the direction of the test: measured modes lie at modes of the "
+                             "model in the other plane and are left out: " +
+                                 leaked,
+                             test.name, false});
   }
   if (!lonely.empty()) {
-    part.summary.push_back({SummaryItem::Kind::distrust,
-                            test.title,
-                            "measured modes without a mode of the model near them: " + lonely,
-                            {},
-                            part.id});
-    part.warnings.push_back(
-        {"unpaired", "measured rows without a modelled mode: " + lonely, test.name, false});
+    part.warnings.push_back({"unpaired",
+                             "Look at measured modes that no mode of the model is near: " + lonely,
+                             test.name, false});
   }
 }
 
@@ -136,6 +125,19 @@ void add_summary(ReportPart& part, const CampaignTest& test,
 ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
                       const ident::KnownValues& known, const std::vector<ModalState>& states) {
   ReportPart part;
+  for (const auto& state : states) {
+    for (const auto& row : state.rows) {
+      if (row.other_plane) continue;
+      if (row.mode) {
+        part.modes.push_back({"model as given", Origin::modelled, row.measured_hz,
+                              state.analysis.modes[*row.mode].frequency_hz});
+      }
+      for (std::size_t k = 0; k < row.models_hz.size(); ++k) {
+        part.modes.push_back({"published model, " + published_models(test)[k].first,
+                              Origin::published_model, row.measured_hz, row.models_hz[k]});
+      }
+    }
+  }
   part.id = test.name;
   part.title = test.title;
   part.test = test.name;
@@ -156,12 +158,10 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
   for (const auto& state : states) worst = std::max(worst, state.segments_error);
   if (worst > 1e-3) {
     const std::string message = fmt::format(
-        "the number of segments costs an estimated {} % in frequency; give the "
-        "scene's members more, or segments = \"auto\"",
+        "Give the scene's members more segments, or segments = \"auto\": their number changes "
+        "frequencies by an estimated {} %",
         shown(100 * worst, 2));
     part.warnings.push_back({"segments", message, test.name, false});
-    part.summary.push_back(
-        {SummaryItem::Kind::distrust, test.title, message, Origin::modelled, part.id});
   }
   for (const auto& state : states) {
     std::string left;

@@ -1,4 +1,4 @@
-#include "apps/report/modal/modal_states.h"
+#include "apps/report/modal/modal_part.h"
 
 #include <limits>
 

@@ -1,4 +1,4 @@
-#include "apps/report/modal/modal_tables.h"
+#include "apps/report/modal/modal_part.h"
 
 #include <fmt/format.h>
 
@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "apps/report/drawing/html_text.h"
+#include "apps/report/page/parameter_words.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::apps {
@@ -31,7 +32,9 @@ std::string plane_words(model::ModePlane plane) {
 
 }  // namespace
 
-std::string label_of(const ModalState& state) { return ident::state_label(state.tension_N); }
+std::string label_of(const ModalState& state) {
+  return state_words(ident::state_label(state.tension_N));
+}
 
 const std::vector<std::pair<std::string, std::size_t>>& published_models(const CampaignTest& test) {
   static const std::vector<std::pair<std::string, std::size_t>> none;

@@ -1,4 +1,4 @@
-#include "apps/report/modal/model_overlay.h"
+#include "apps/report/modal/modal_part.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/report/figures/frf_plots.h"
+#include "apps/report/figures/figures.h"
 
 namespace rigfit::apps {
 namespace {
@@ -18,8 +18,9 @@ PlotSeries::Style style_of(std::size_t version, std::size_t versions) {
   return version + 1 < versions ? PlotSeries::Style::dashed : PlotSeries::Style::line;
 }
 
-int shade_of(std::size_t version, std::size_t versions) {
-  return version + 1 == versions ? 0 : version == 0 ? 2 : 1;
+/// Sensors have a colour each; a single one leaves the colours to the versions.
+int colour_of(std::size_t version, std::size_t column, std::size_t columns) {
+  return static_cast<int>(columns > 1 ? column : version + 1);
 }
 
 }  // namespace
@@ -51,7 +52,8 @@ Plot frf_overlay_plot(const std::string& id, const ident::ModalTestState& record
         series.group = versions[v].label;
         series.origin = Origin::modelled;
         series.style = style_of(v, versions.size());
-        series.variant = shade_of(v, versions.size());
+        series.variant =
+            colour_of(v, s * rig.input.size() + l, rig.response.size() * rig.input.size());
         for (Index k = 0; k < lines.size(); ++k) {
           series.x.push_back(lines[k]);
           series.y.push_back(std::abs(

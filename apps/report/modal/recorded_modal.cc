@@ -1,4 +1,4 @@
-#include "apps/report/modal/recorded_modal.h"
+#include "apps/report/parts/parts.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,7 @@
 #include <map>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/frf_plots.h"
-#include "apps/report/figures/hits_plot.h"
-#include "apps/report/figures/recording_blocks.h"
+#include "apps/report/figures/figures.h"
 #include "apps/report/modal/modal_part.h"
 #include "apps/results/modal_files.h"
 #include "apps/results/modal_json.h"
@@ -229,11 +227,23 @@ class HitsShown {
       }
       part_.blocks.push_back(std::move(hits_));
     }
+    // Hits alone: the first state's response stands in the short report.
+    if (!scene_ && !tabs_.empty()) {
+      auto& plots = tabs_.front().plots;
+      const auto frf = std::find_if(plots.begin(), plots.end(), [](const Plot& plot) {
+        return plot.title == "Frequency response, magnitude";
+      });
+      if (frf != plots.end()) {
+        part_.brief = {frf->id};
+        part_.blocks.push_back(std::move(*frf));
+        plots.erase(frf);
+      }
+    }
     if (!tabs_.empty()) {
       part_.blocks.push_back(
           PlotGroup{test_.name + "-frfs", "Frequency responses and poles", std::move(tabs_)});
     }
-    if (!scene_) part_.brief = {test_.name + "-identified"};
+    if (!scene_) part_.brief.push_back(modes_.id);
     if (!modes_.rows.empty()) part_.blocks.push_back(std::move(modes_));
     part_.json["hits"] = all_hits_;
     part_.json["hits_rejected"] = rejected_;

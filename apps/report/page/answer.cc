@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apps/report/drawing/html_text.h"
+#include "apps/report/page/parameter_words.h"
 
 namespace rigfit::apps {
 namespace {
@@ -35,13 +36,12 @@ bool holds(const Answer& answer, double value) {
   return value >= answer.low && value <= answer.high;
 }
 
-std::string csv_cell(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return result + "\"";
-}
-
 }  // namespace
+
+std::string quantity_words(const Answer& answer) {
+  const bool named = answer.of_structure && !answer.structure.empty();
+  return state_words(answer.quantity) + (named ? ", " + answer.structure : std::string());
+}
 
 std::string value_words(const Answer& answer) {
   const double scale = scale_of(answer);
@@ -58,19 +58,19 @@ std::string shown_unit(const Answer& answer) { return answer.percent ? "%" : ans
 
 std::string verdict_words(const Answer& answer) {
   if (!answer.verdict.empty()) return answer.verdict;
-  if (!answer.determined) return "these data cannot tell it";
+  if (!answer.determined) return "not identifiable from these data";
   std::string words;
   const double half = relative_half_width(answer);
   if (std::isnan(half)) {
     words = "uncertainty not known";
-  } else if (half < 0.01) {
-    words = fmt::format("well known, within {} %", shown(100 * half, 1));
-  } else if (half < 0.1) {
-    words = fmt::format("known within {} %", shown(100 * half, 2));
   } else if (half < 0.5) {
-    words = fmt::format("known roughly, within {:.0f} %", 100 * half);
+    words = fmt::format("{} within {}",
+                        half < 0.01  ? "well known,"
+                        : half < 0.1 ? "known"
+                                     : "roughly known,",
+                        within_percent(half));
   } else {
-    words = "hardly known";
+    words = "poorly determined";
   }
   if (answer.reference) {
     const double off = answer.value / *answer.reference - 1;
@@ -90,9 +90,36 @@ bool doubtful(const Answer& answer) {
   return !(half < 0.5) || (answer.reference && !holds(answer, *answer.reference));
 }
 
+void recommend(std::vector<Answer*>& answers) {
+  const auto same = [](const Answer& a, const Answer& b) {
+    return a.quantity == b.quantity && a.unit == b.unit && std::isnan(a.mode_hz) &&
+           std::isnan(b.mode_hz) &&
+           (!(a.of_structure || b.of_structure) || a.structure == b.structure);
+  };
+  const auto known = [](const Answer& a) { return a.determined && a.std > 0; };
+  for (auto* one : answers) {
+    for (const auto* other : answers) {
+      if (one == other || !same(*one, *other) || !known(*other)) continue;
+      const bool later = known(*one) && other->std == one->std && other > one;
+      if (known(*one) && (other->std > one->std || later)) continue;
+      one->recommended = false;
+    }
+  }
+  for (auto* one : answers) {
+    if (!one->recommended || !known(*one)) continue;
+    for (const auto* other : answers) {
+      if (one == other || !same(*one, *other) || !known(*other) || !one->verdict.empty()) continue;
+      if (std::abs(one->value - other->value) < 3 * std::hypot(one->std, other->std)) continue;
+      one->verdict = fmt::format("doubtful: {} gives {}", other->how, value_words(*other));
+    }
+  }
+}
+
 nlohmann::ordered_json answer_json(const Answer& answer) {
   return {{"key", answer.key},
           {"quantity", answer.quantity},
+          {"structure", answer.structure},
+          {"recommended", answer.recommended},
           {"value", number(answer.value)},
           {"std", number(answer.std)},
           {"low", number(answer.low)},
@@ -111,11 +138,11 @@ std::string answers_csv(const std::vector<Answer>& answers) {
     return std::isfinite(value) ? fmt::format("{}", value) : std::string();
   };
   for (const auto& answer : answers) {
-    text +=
-        fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(answer.key), csv_cell(answer.quantity),
-                    cell(answer.value), cell(answer.std), cell(answer.low), cell(answer.high),
-                    csv_cell(answer.unit.empty() ? "1" : answer.unit), csv_cell(answer.how),
-                    csv_cell(verdict_words(answer)));
+    text += fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_quoted(answer.key),
+                        csv_quoted(answer.quantity), cell(answer.value), cell(answer.std),
+                        cell(answer.low), cell(answer.high),
+                        csv_quoted(answer.unit.empty() ? "1" : answer.unit), csv_quoted(answer.how),
+                        csv_quoted(verdict_words(answer)));
   }
   return text;
 }

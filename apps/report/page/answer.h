@@ -26,12 +26,18 @@ struct Answer {
   std::optional<double> reference = std::nullopt;
   std::string reference_name = {};  ///< "published", "truth"
   ident::Origin origin = ident::Origin::modelled;
-  std::string anchor = {};   ///< id of the part that says more
-  std::string verdict = {};  ///< instead of that of the interval
-  int rank = 0;              ///< 0: first page; 1: where there is room
-  double mode_hz = kNone;    ///< frequency of the mode that it belongs to, where it does
+  std::string anchor = {};     ///< id of the part that says more
+  std::string verdict = {};    ///< instead of that of the interval
+  int rank = 0;                ///< 0: first page; 1: where there is room
+  std::string structure = {};  ///< what it belongs to where tests have several: "rig"
+  /// A property of the structure (a mass at a node) rather than of a member that several share.
+  bool of_structure = false;
+  bool recommended = true;  ///< no other answer for this quantity is known better
+  double mode_hz = kNone;   ///< frequency of the mode that it belongs to, where it does
 };
 
+/// "Tip mass, rig".
+[[nodiscard]] std::string quantity_words(const Answer& answer);
 /// "2.1714 ± 0.0045", in the unit that is shown.
 [[nodiscard]] std::string value_words(const Answer& answer);
 /// "2.163 to 2.180"; empty where no interval is known.
@@ -43,6 +49,10 @@ struct Answer {
 [[nodiscard]] std::string verdict_words(const Answer& answer);
 /// True when the verdict is a warning.
 [[nodiscard]] bool doubtful(const Answer& answer);
+
+/// Of answers for one quantity the one with the smallest standard uncertainty is recommended. One
+/// that differs from it by more than three standard uncertainties says so in its verdict.
+void recommend(std::vector<Answer*>& answers);
 
 /// The same for programs: SI units, null where there is no number.
 [[nodiscard]] nlohmann::ordered_json answer_json(const Answer& answer);

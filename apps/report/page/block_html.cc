@@ -9,35 +9,14 @@
 #include "apps/cli/assets.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
-#include "apps/report/drawing/plot_data.h"
 #include "apps/report/drawing/svg_plot.h"
 
 namespace rigfit::apps {
 namespace {
 
-constexpr std::size_t kLongestTable = 200;  // rows of a plot's table written into the page; of more
-                                            // points the page makes one when it is opened
-
-// px of a figure drawn for paper, where it stands in one of two columns 8.8 cm wide: its letters of
-// 12 px are 6 pt high there.
-constexpr double kPaperWidth = 480, kPaperHeight = 290;
-
-/// Text inside a script element: nothing in it may end that element.
-std::string guarded(std::string text) {
-  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) {
-    text.replace(at, 2, "<\\/");
-  }
-  for (std::size_t at = 0; (at = text.find("<!--", at)) != std::string::npos; at += 6) {
-    text.replace(at, 1, "\\u003c");
-  }
-  return text;
-}
-
-/// A source map is a separate file that no reader of a page has.
-std::string_view without_map(std::string_view text) {
-  return text.substr(
-      0, std::min(text.find("//# sourceMappingURL"), text.find("/*# sourceMappingURL")));
-}
+// px of a figure on the page: in a column of a screen, a phone or half a sheet of paper its letters
+// of 12 px are 9 to 15 px high; on paper 6.8 pt.
+constexpr double kPageWidth = 440, kPageHeight = 290;
 
 }  // namespace
 
@@ -56,18 +35,10 @@ std::string BlockHtml::links_to(const std::string& id) const {
 }
 
 std::string BlockHtml::styles() {
-  return fmt::format("<style>{}{}{}</style>\n", without_map(assets::dygraph_css),
-                     assets::report_css, palette_css());
+  return fmt::format("<style>{}{}</style>\n", assets::report_css, palette_css());
 }
 
-std::string BlockHtml::scripts() const {
-  std::string text =
-      "<script type=\"application/json\" id=\"plots\">{" + guarded(plots_) + "}</script>\n";
-  for (const auto script : {assets::dygraph_js, assets::plots_js}) {
-    text += fmt::format("<script>{}</script>\n", without_map(script));
-  }
-  return text;
-}
+std::string BlockHtml::script() { return fmt::format("<script>{}</script>\n", assets::figures_js); }
 
 void BlockHtml::add(const Picture& picture) {
   html_ += fmt::format(
@@ -92,7 +63,6 @@ void BlockHtml::add(const ReportTable& table) {
   if (!table.fold.empty()) {
     html_ += fmt::format("<details class=\"fold\"><summary>{}</summary>\n", escaped(table.fold));
   }
-  // A short table stays on one page.
   html_ +=
       fmt::format("<div class=\"table\"><table id=\"{}\"{}><caption>{} {}</caption>\n<thead><tr>",
                   escaped(table.id), table.rows.size() <= 12 ? " class=\"short\"" : "",
@@ -179,56 +149,17 @@ void BlockHtml::add(const PlotGroup& group) {
   html_ += "</div>\n";
 }
 
-void BlockHtml::add(const Plot& whole) {
-  const Plot thin = limits_.points > 0 ? on_screen(whole, limits_.points) : Plot();
-  const Plot& plot = limits_.points > 0 ? thin : whole;
-  const bool picture = limits_.pictures || always_on_paper_;
-  plots_ += (plots_.empty() ? "" : ",\n") + json_text(plot.id) + ":" + plot_data(plot);
+void BlockHtml::add(const Plot& plot) {
   SvgOptions options;
   options.standalone = false;
-  options.width = kPaperWidth;
-  options.height = kPaperHeight;
+  options.width = kPageWidth;
+  options.height = kPageHeight;
   html_ += fmt::format(
       "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{4} id=\"{0}-title\">{1}</h{4}>\n"
-      "<div class=\"plot-tools\" role=\"group\" aria-label=\"{1}: series shown and "
-      "view\"></div>\n<div class=\"plot\" "
-      "data-plot=\"{0}\"></div>\n"
-      "<div class=\"readout\" aria-live=\"polite\"></div>\n<div class=\"static\">{2}</div>\n"
-      "<figcaption>{5} {3}{6}</figcaption>\n",
-      escaped(plot.id), escaped(plot.title),
-      picture ? svg_plot(plot, options) : fmt::format("On paper: figures/{}.svg", escaped(plot.id)),
-      escaped(plot.caption), heading_, number("Figure", ++figures_), links_to(plot.id));
-  values_table(plot);
-  html_ += "</figure>\n";
-}
-
-void BlockHtml::values_table(const Plot& plot) {
-  std::size_t all = 0;
-  for (const auto& series : plot.series) all += series.x.size();
-  html_ += fmt::format(
-      "<details class=\"values\"{}><summary>Values as a table<span class=\"hidden\">: {}</span>"
-      "</summary><div class=\"table\"><table aria-label=\"{}: values\"><thead><tr><th "
-      "scope=\"col\">series</th><th "
-      "scope=\"col\">origin</th><th scope=\"col\" class=\"n\">{}</th><th scope=\"col\" "
-      "class=\"n\">{}</th><th scope=\"col\" class=\"n\">95 % interval</th></tr></thead><tbody>",
-      all > kLongestTable ? fmt::format(" data-of=\"{}\"", escaped(plot.id)) : "",
-      escaped(plot.title), escaped(plot.title), escaped(plot.x_label), escaped(plot.y_label));
-  if (all <= kLongestTable) {
-    html_ += "\n";
-    for (const auto& series : plot.series) {
-      for (std::size_t i = 0; i < series.x.size(); ++i) {
-        if (!std::isfinite(series.y[i])) continue;
-        const bool interval = i < series.low.size() && std::isfinite(series.low[i]);
-        html_ += fmt::format(
-            "<tr><td>{}</td><td class=\"o-{}\">{}</td><td class=\"n\">{}</td><td "
-            "class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
-            escaped(series.name), word_of(series.origin), name_of(series.origin),
-            shown(series.x[i], 5), shown(series.y[i], 5),
-            interval ? shown(series.low[i], 4) + " to " + shown(series.high[i], 4) : "");
-      }
-    }
-  }
-  html_ += "</tbody></table></div></details>\n";
+      "<div class=\"plot\">{2}</div><div class=\"readout\" aria-live=\"polite\"></div>\n"
+      "<figcaption>{5} {3}{6}</figcaption>\n</figure>\n",
+      escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption),
+      heading_, number("Figure", ++figures_), links_to(plot.id));
 }
 
 }  // namespace rigfit::apps

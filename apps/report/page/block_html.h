@@ -9,8 +9,7 @@
 
 namespace rigfit::apps {
 
-/// Collects blocks one after the other; the data of plots go to the end of the page, where the
-/// scripts are.
+/// Collects blocks one after the other.
 class BlockHtml {
  public:
   /// `files`: figures/ID.svg and data/ID.csv lie beside the page, and figures say so.
@@ -26,22 +25,15 @@ class BlockHtml {
   /// Level of the titles of figures from here on; those within a group are one lower.
   void heading(int level) { heading_ = level; }
 
-  /// What the page carries of large figures.
-  void limit(const PageLimits& limits) { limits_ = limits; }
-  /// Whether figures are drawn for paper as well, whatever the limits say.
-  void always_on_paper(bool always) { always_on_paper_ = always; }
-
   /// What was added since the last call.
   [[nodiscard]] std::string taken();
 
   /// Style sheets of a page with blocks: a style element for its head.
   [[nodiscard]] static std::string styles();
-  /// Data and scripts of all plots added: script elements for the end of its body.
-  [[nodiscard]] std::string scripts() const;
+  /// The script that zooms figures and switches tabs: for the end of its body.
+  [[nodiscard]] static std::string script();
 
  private:
-  void values_table(const Plot& plot);
-
   [[nodiscard]] std::string links_to(const std::string& id) const;
 
   bool files_;
@@ -49,11 +41,8 @@ class BlockHtml {
   /// "Figure 3.", "Table 2."
   [[nodiscard]] static std::string number(const char* what, int number);
 
-  PageLimits limits_;
-  bool always_on_paper_ = false;
   int heading_ = 3;               ///< level of a figure's title
   int figures_ = 0, tables_ = 0;  ///< numbered through the page
-  std::string plots_;             ///< JSON members, by the plot's id
 };
 
 }  // namespace rigfit::apps

@@ -36,10 +36,10 @@ std::string figures_page(const std::string& title, const std::string& repeat,
                   escaped(title), BlockHtml::styles(), escaped(title));
   page += html.taken();
   page += fmt::format(
-      "</main>\n<footer><p>To repeat: <code>{}</code></p><p>Plots: dygraphs (MIT licence). This "
-      "page needs no network.</p></footer>\n",
+      "</main>\n<footer><p>To repeat: <code>{}</code></p><p>This page needs no "
+      "network.</p></footer>\n",
       escaped(repeat));
-  return page + html.scripts() + "</body>\n</html>\n";
+  return page + html.script() + "</body>\n</html>\n";
 }
 
 FiguresSvg figures_svg(const std::string& title, const std::vector<Block>& blocks) {

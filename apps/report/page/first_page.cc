@@ -11,16 +11,7 @@
 namespace rigfit::apps {
 namespace {
 
-constexpr std::size_t kMostAnswers = 12, kMostWarnings = 3;
-
-/// The kind of a message: its words without numbers.
-std::string kind_of(const std::string& text) {
-  std::string kind;
-  for (const char c : text) {
-    if (!(c >= '0' && c <= '9') && c != '.') kind += c;
-  }
-  return kind;
-}
+constexpr std::size_t kMostAnswers = 14, kMostWarnings = 5;
 
 std::string today() {
   const std::time_t now = std::time(nullptr);
@@ -60,10 +51,10 @@ void answers_table(std::string& html, std::span<const ReportPart> parts) {
     std::vector<const Answer*> of_rank;
     for (const auto& part : parts) {
       for (const auto& answer : part.answers) {
-        if (answer.rank == rank) of_rank.push_back(&answer);
+        all += rank == 0;
+        if (answer.rank == rank && answer.recommended) of_rank.push_back(&answer);
       }
     }
-    all += of_rank.size();
     if (rank > 0 && list.size() + of_rank.size() > kMostAnswers) continue;
     list.insert(list.end(), of_rank.begin(), of_rank.end());
   }
@@ -83,7 +74,7 @@ void answers_table(std::string& html, std::span<const ReportPart> parts) {
         "<tr><th scope=\"row\"><a href=\"#{}\">{}</a></th><td class=\"n\">{}</td><td "
         "class=\"u\">{}</td>"
         "<td class=\"o-{}\">{}{}</td><td{}>{}</td></tr>\n",
-        escaped(answer->anchor), escaped(answer->quantity), escaped(value_words(*answer)),
+        escaped(answer->anchor), escaped(quantity_words(*answer)), escaped(value_words(*answer)),
         escaped(shown_unit(*answer)), word_of(answer->origin), escaped(answer->how),
         answer->origin == Origin::synthetic ? " (synthetic)" : "",
         doubtful(*answer) ? " class=\"doubt\"" : "", escaped(verdict_words(*answer)));
@@ -99,44 +90,9 @@ void answers_table(std::string& html, std::span<const ReportPart> parts) {
 
 }  // namespace
 
-std::vector<SeriousWarning> serious_warnings(std::span<const ReportPart> parts) {
-  struct Found {
-    SeriousWarning warning;
-    int severity;
-    std::string kind;
-  };
-  std::vector<Found> list;
-  for (const auto& part : parts) {
-    for (const auto& item : part.summary) {
-      if (item.kind != SummaryItem::Kind::distrust) continue;
-      const std::string sentence = first_sentence(item.text), kind = kind_of(sentence);
-      const auto same = std::find_if(list.begin(), list.end(),
-                                     [&](const Found& one) { return one.kind == kind; });
-      if (same != list.end()) {
-        ++same->warning.alike;
-        same->severity = std::max(same->severity, item.severity);
-        continue;
-      }
-      list.push_back({{item.label, sentence, item.anchor, 0}, item.severity, kind});
-    }
-  }
-  std::stable_sort(list.begin(), list.end(),
-                   [](const Found& a, const Found& b) { return a.severity > b.severity; });
-  std::vector<SeriousWarning> warnings;
-  warnings.reserve(list.size());
-  for (auto& one : list) warnings.push_back(std::move(one.warning));
-  return warnings;
-}
-
-std::string warning_line(const SeriousWarning& warning) {
-  return fmt::format(
-      "<li><a href=\"#{}\">{}</a>: {}{}</li>\n", escaped(warning.anchor), escaped(warning.label),
-      escaped(warning.sentence),
-      warning.alike > 0 ? fmt::format(" (and {} more like it)", warning.alike) : std::string());
-}
-
 std::string first_page(const PageFrame& frame, const ReportPart& overview,
-                       std::span<const ReportPart> parts, BlockHtml& blocks) {
+                       std::span<const ReportPart> parts, std::span<const ReportFinding> findings,
+                       BlockHtml& blocks) {
   std::string html = "<section class=\"first-page\" aria-labelledby=\"summary\">\n";
   heading(html, frame);
   html += "<h2 id=\"summary\" class=\"hidden\">Summary</h2>\n<div class=\"overview\">\n";
@@ -144,20 +100,15 @@ std::string first_page(const PageFrame& frame, const ReportPart& overview,
   for (const auto& block : overview.blocks) blocks.add(block);
   html += blocks.taken() + "</div>\n<h3 id=\"results\">Results</h3>\n";
   answers_table(html, parts);
-  const auto warnings = serious_warnings(parts);
   html += "<h3 id=\"warnings\">Warnings</h3>\n";
-  if (warnings.empty()) {
-    html += "<p>No warning that would change these results.</p>\n";
-  } else {
-    html += "<ul class=\"lines distrust\">\n";
-    for (std::size_t i = 0; i < std::min(warnings.size(), kMostWarnings); ++i) {
-      html += warning_line(warnings[i]);
-    }
-    html += "</ul>\n";
-    if (warnings.size() > kMostWarnings) {
-      html += fmt::format("<p class=\"small\"><a href=\"#more-warnings\">{} more</a></p>\n",
-                          warnings.size() - kMostWarnings);
-    }
+  const auto count = static_cast<std::size_t>(std::count_if(
+      findings.begin(), findings.end(), [](const ReportFinding& one) { return !one.note; }));
+  if (count == 0) return html + "<p>No warning that would change these results.</p>\n</section>\n";
+  html += "<ul class=\"lines distrust\">\n" +
+          findings_html(findings.first(std::min(count, kMostWarnings))) + "</ul>\n";
+  if (count > kMostWarnings) {
+    html += fmt::format("<p class=\"small\"><a href=\"#more-warnings\">{} more</a></p>\n",
+                        count - kMostWarnings);
   }
   return html + "</section>\n";
 }

@@ -4,24 +4,15 @@
 
 #include <span>
 #include <string>
-#include <vector>
 
 #include "apps/report/page/block_html.h"
-#include "apps/report/page/page_frame.h"
+#include "apps/report/page/findings.h"
+#include "apps/report/page/report_page.h"
 
 namespace rigfit::apps {
 
 [[nodiscard]] std::string first_page(const PageFrame& frame, const ReportPart& overview,
-                                     std::span<const ReportPart> parts, BlockHtml& blocks);
-
-/// What is not to be trusted, the most serious first, one of each kind, one sentence each.
-struct SeriousWarning {
-  std::string label, sentence, anchor;
-  std::size_t alike = 0;  ///< how many others of its kind there are
-};
-[[nodiscard]] std::vector<SeriousWarning> serious_warnings(std::span<const ReportPart> parts);
-
-/// A list item of the page.
-[[nodiscard]] std::string warning_line(const SeriousWarning& warning);
+                                     std::span<const ReportPart> parts,
+                                     std::span<const ReportFinding> findings, BlockHtml& blocks);
 
 }  // namespace rigfit::apps

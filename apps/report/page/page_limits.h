@@ -1,9 +1,8 @@
-// What a page of thousands of recordings carries itself: curves as a screen shows them, the rows of
-// a table that say something, a number of states. Everything is in data/ and figures/ beside it.
+// What a page of thousands of recordings carries itself: the rows of a table that say something, a
+// number of states. Everything is in data/ and figures/ beside it.
 #pragma once
 
 #include <cstddef>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -19,16 +18,5 @@ inline constexpr std::size_t kMostTabs = 60;   ///< states of a group of figures
 
 /// The whole table for a spreadsheet, as it is shown.
 [[nodiscard]] std::string table_csv(const ReportTable& table);
-
-/// Curves of more than `most` points thinned to the extremes of most / 2 bins of equal length, so
-/// that every peak stays; points and their bars are kept.
-[[nodiscard]] Plot on_screen(const Plot& plot, std::size_t most);
-
-struct PageLimits {
-  std::size_t points = 0;  ///< of a curve; 0: all
-  bool pictures = true;    ///< figures of the appendix are drawn for paper as well
-};
-/// Limits under which the figures of these parts take some 8 MB of the page.
-[[nodiscard]] PageLimits limits_for(std::span<const ReportPart> parts);
 
 }  // namespace rigfit::apps

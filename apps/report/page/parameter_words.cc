@@ -80,6 +80,13 @@ std::string with_parameter_words(std::string sentence) {
   return sentence;
 }
 
+std::string state_words(std::string name) {
+  for (const std::string_view word : {", as built", "as built"}) {
+    if (const auto at = name.find(word); at != std::string::npos) name.erase(at, word.size());
+  }
+  return name;
+}
+
 bool shown_in_percent(std::string_view name) { return name.ends_with("damping_ratio"); }
 
 }  // namespace rigfit::apps

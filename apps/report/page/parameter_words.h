@@ -13,6 +13,9 @@ namespace rigfit::apps {
 /// A sentence with the plain names of the parameters in it.
 [[nodiscard]] std::string with_parameter_words(std::string sentence);
 
+/// The name of a state without the word for the only one: "beam, as built" is "beam".
+[[nodiscard]] std::string state_words(std::string name);
+
 /// True for ratios that are shown in percent: damping ratios.
 [[nodiscard]] bool shown_in_percent(std::string_view name);
 

@@ -70,17 +70,15 @@ double pages_of(const Block& block) {
 class PageWriter {
  public:
   PageWriter(const PageFrame& frame, std::span<const ReportPart> parts)
-      : frame_(frame), parts_(parts), sections_(sections_of(parts)) {
+      : frame_(frame), parts_(parts), sections_(sections_of(parts)), findings_(findings_of(parts)) {
     choose_short();
-    blocks_.limit(limits_for(parts));
-    blocks_.always_on_paper(true);  // until the appendix
   }
 
   std::string report(const ReportPart& overview) {
     const bool all = frame_.style == ReportStyle::lab;
     head(frame_.title);
     navigation(true, all);
-    html_ += "<main>\n" + first_page(frame_, overview, parts_, blocks_);
+    html_ += "<main>\n" + first_page(frame_, overview, parts_, findings_, blocks_);
     html_ += "<div class=\"contents\"><h2>Contents</h2>\n" + contents(true, all) + "</div>\n";
     for (const auto& section : sections_) short_section(section);
     more_warnings();
@@ -138,10 +136,7 @@ class PageWriter {
 
   static bool has_short(const Section& section) {
     return std::any_of(section.parts.begin(), section.parts.end(), [](const ReportPart* part) {
-      return !part->brief.empty() ||
-             std::any_of(part->summary.begin(), part->summary.end(), [](const SummaryItem& item) {
-               return item.kind != SummaryItem::Kind::distrust;
-             });
+      return !part->brief.empty() || !part->summary.empty();
     });
   }
 
@@ -149,8 +144,7 @@ class PageWriter {
   [[nodiscard]] bool has_details(const Section& section) const {
     return !has_short(section) ||
            std::any_of(section.parts.begin(), section.parts.end(), [&](const ReportPart* part) {
-             return !part->warnings.empty() ||
-                    std::any_of(part->blocks.begin(), part->blocks.end(),
+             return std::any_of(part->blocks.begin(), part->blocks.end(),
                                 [&](const Block& block) { return !is_short(block); });
            });
   }
@@ -255,15 +249,12 @@ class PageWriter {
         fmt::format("<section class=\"brief\" aria-labelledby=\"{0}\"><h2 id=\"{0}\">{1}</h2>\n",
                     escaped(section.id), escaped(section.title));
     std::string items;
-    std::size_t warnings = 0;
     for (const auto* part : section.parts) {
-      warnings += grouped(*part).size();
       const bool tabled =
           std::any_of(part->blocks.begin(), part->blocks.end(), [&](const Block& block) {
             return std::holds_alternative<ReportTable>(block) && is_short(block);
           });
       for (const auto& item : part->summary) {
-        if (item.kind == SummaryItem::Kind::distrust) continue;
         // The table says it, and the first page did.
         if (item.kind == SummaryItem::Kind::result && tabled) continue;
         const bool own = item.label == section.title;
@@ -284,38 +275,35 @@ class PageWriter {
     }
     html_ += blocks_.taken() + "</div>\n";
     if (has_details(section)) {
-      html_ += fmt::format("<p class=\"small more\"><a href=\"{}#{}-details\">Details{}</a></p>\n",
+      html_ += fmt::format("<p class=\"small more\"><a href=\"{}#{}-details\">Details</a></p>\n",
                            frame_.style == ReportStyle::client ? "appendix.html" : "",
-                           escaped(section.id),
-                           warnings > 0 ? " and " + counted(warnings, "warning") : std::string());
+                           escaped(section.id));
     }
     html_ += "</section>\n";
   }
 
+  /// All of them; notes folded.
   void more_warnings() {
-    const auto warnings = serious_warnings(parts_);
+    const auto note = std::find_if(findings_.begin(), findings_.end(),
+                                   [](const ReportFinding& one) { return one.note; });
+    const auto warnings = static_cast<std::size_t>(note - findings_.begin());
+    const std::span<const ReportFinding> all(findings_);
     html_ +=
         "<section class=\"brief\" aria-labelledby=\"more-warnings\"><h2 "
         "id=\"more-warnings\">Warnings</h2>\n";
-    if (warnings.empty()) {
-      html_ += "<p>No warning that would change these results.</p>\n</section>\n";
-      return;
-    }
-    constexpr std::size_t kMost = 24;
-    html_ += "<ul class=\"lines distrust\">\n";
-    for (std::size_t i = 0; i < std::min(warnings.size(), kMost); ++i) {
-      html_ += warning_line(warnings[i]);
-    }
-    html_ += "</ul>\n";
-    if (warnings.size() > kMost) {
-      html_ += fmt::format("<p>{} more stand with their tests and in report.json.</p>\n",
-                           warnings.size() - kMost);
+    html_ += warnings == 0 ? "<p>No warning that would change these results.</p>\n"
+                           : "<ul class=\"lines distrust\">\n" +
+                                 findings_html(all.first(warnings)) + "</ul>\n";
+    if (warnings < all.size()) {
+      html_ += fmt::format(
+          "<details class=\"fold\"><summary>{}: normal operation, or allowed for in the values"
+          "</summary>\n<ul class=\"small\">\n{}</ul></details>\n",
+          counted(all.size() - warnings, "note"), findings_html(all.subspan(warnings)));
     }
     html_ += "</section>\n";
   }
 
   void appendix() {
-    blocks_.always_on_paper(false);
     html_ +=
         "<section class=\"appendix\" aria-labelledby=\"appendix\"><h2 id=\"appendix\">Appendix"
         "</h2>\n<p class=\"small\">Where a value comes from, in colour and in words:</p>"
@@ -361,54 +349,8 @@ class PageWriter {
         if (!is_short(block)) blocks_.add(block);
       }
       html_ += blocks_.taken();
-      warnings(*part);
     }
     html_ += "</section>\n";
-  }
-
-  /// Warnings of one code stand once, with all their places.
-  struct Grouped {
-    const PartWarning* first;
-    std::vector<std::string> places;
-  };
-  static std::vector<Grouped> grouped(const ReportPart& part) {
-    std::vector<Grouped> list;
-    for (const auto& warning : part.warnings) {
-      if (warning.refused) continue;
-      const auto same = std::find_if(list.begin(), list.end(), [&](const Grouped& one) {
-        return one.first->code == warning.code;
-      });
-      if (same == list.end()) {
-        list.push_back({&warning, {}});
-      } else if (warning.where != same->first->where &&
-                 std::find(same->places.begin(), same->places.end(), warning.where) ==
-                     same->places.end()) {
-        same->places.push_back(warning.where);
-      }
-    }
-    return list;
-  }
-
-  void warnings(const ReportPart& part) {
-    const auto list = grouped(part);
-    if (list.empty()) return;
-    html_ += fmt::format(
-        "<details class=\"fold\"><summary>{} of {}</summary>\n<ul "
-        "class=\"small\">\n",
-        counted(list.size(), "warning"), escaped(part.title));
-    for (const auto& one : list) {
-      html_ += fmt::format("<li>{}: {}", escaped(one.first->where),
-                           escaped(with_parameter_words(one.first->message)));
-      constexpr std::size_t kMost = 12;
-      for (std::size_t i = 0; i < std::min(one.places.size(), kMost); ++i) {
-        html_ += (i == 0 ? ". Likewise: " : "; ") + escaped(one.places[i]);
-      }
-      if (one.places.size() > kMost) {
-        html_ += fmt::format(" and {} more (report.json)", one.places.size() - kMost);
-      }
-      html_ += "</li>\n";
-    }
-    html_ += "</ul></details>\n";
   }
 
   void provenance() {
@@ -430,19 +372,14 @@ class PageWriter {
                            escaped(hash));
     }
     html_ += "</tbody></table></div></details>\n";
-    if (!frame_.warnings.empty()) {
-      html_ += fmt::format("<p>{} with codes and places: report.json.</p>\n",
-                           counted(frame_.warnings.size(), "warning"));
-    }
     html_ += "</section>\n";
   }
 
   std::string finished() {
     html_ += fmt::format(
-        "</main>\n<footer><p>Made by rigfit {}. Plots: dygraphs (MIT licence). This page needs no "
-        "network.</p></footer>\n",
+        "</main>\n<footer><p>Made by rigfit {}. This page needs no network.</p></footer>\n",
         escaped(frame_.version));
-    html_ += blocks_.scripts();
+    html_ += BlockHtml::script();
     html_ += fmt::format("<script>{}</script>\n</body>\n</html>\n", assets::page_js);
     return std::move(html_);
   }
@@ -450,6 +387,7 @@ class PageWriter {
   const PageFrame& frame_;
   std::span<const ReportPart> parts_;
   std::vector<Section> sections_;
+  std::vector<ReportFinding> findings_;
   std::set<std::string> short_;  ///< ids of what stands in the short report
   std::string html_;
   BlockHtml blocks_;

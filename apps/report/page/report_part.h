@@ -36,7 +36,7 @@ struct Cell {
 
 struct Column {
   std::string name;
-  std::optional<Origin> origin;
+  std::optional<Origin> origin = std::nullopt;
   bool numeric = true;
 };
 
@@ -67,15 +67,17 @@ struct Picture {
 
 using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, Picture>;
 
-/// A line of the summary: a value found or something to know before trusting the rest.
+/// A line of the summary.
 struct SummaryItem {
-  /// A value found; model against test; not to be trusted; what was recorded.
-  enum class Kind { result, error, distrust, recorded };
+  enum class Kind {
+    result,
+    error,
+    recorded
+  };  ///< a value found; model against test; what was recorded
   Kind kind = Kind::result;
   std::string label, text;
-  std::optional<Origin> origin;
+  std::optional<Origin> origin = std::nullopt;
   std::string anchor;  ///< id of the part that says more
-  int severity = 1;    ///< of what is not to be trusted: 3 refused, 2 contradicted, 1 to know
 };
 
 /// A warning of the document, raised when the parts are put together.
@@ -98,6 +100,13 @@ struct ModelCost {
   double relative_error = 0;  ///< estimated; NaN: not known
 };
 
+/// A measured mode and the frequency that a model has for it.
+struct ModeOfModel {
+  std::string label;  ///< of the model: "model fitted", "published model, FE"
+  Origin origin = Origin::modelled;
+  double measured_hz = 0, model_hz = 0;
+};
+
 struct ReportPart {
   std::string id, title;
   std::string test;  ///< name of the test whose section it stands in; empty: a section of its own
@@ -108,6 +117,7 @@ struct ReportPart {
   std::vector<PartWarning> warnings;
   std::vector<OutputFile> files;
   std::vector<ModelCost> costs;
+  std::vector<ModeOfModel> modes;
   std::vector<std::string> inputs;  ///< files read for it besides the campaign's own
   Json json = Json::object();       ///< merged into the document under the part's key
   std::string json_key;  ///< a list in the document that gets `json` appended; empty: none

@@ -1,4 +1,4 @@
-#include "apps/report/parts/axial_part.h"
+#include "apps/report/parts/parts.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,7 @@
 
 #include "apps/describe/sheet.h"
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/axial_plots.h"
-#include "apps/report/figures/recording_blocks.h"
+#include "apps/report/figures/figures.h"
 #include "apps/results/axial_result.h"
 #include "ident/statistics/uncertainty.h"
 
@@ -198,18 +197,6 @@ class AxialPart : public TestPart {
     }
     part_.summary.push_back(
         {SummaryItem::Kind::result, "Axial damping ratio", text, origin_, part_.id});
-    for (const auto& note : r.notes) {
-      for (const char* code :
-           {"one_length", "lengths_too_close", "lengths_disagree", "series_compliance"}) {
-        if (note.code != code) continue;
-        part_.summary.push_back(
-            {SummaryItem::Kind::distrust, "EA by length", note.message, origin_, part_.id});
-      }
-    }
-    if (r.catalogue_EA_N > 0 && (r.share_of_catalogue < 0.5 || r.share_of_catalogue > 1.5)) {
-      part_.summary.push_back(
-          {SummaryItem::Kind::distrust, "Size of EA", r.plausibility, origin_, part_.id});
-    }
   }
 
   const CampaignTest& test_;

@@ -1,64 +1,56 @@
-#include "apps/report/parts/bending_part.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "apps/campaign_file/bending_files.h"
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/bending_plots.h"
-#include "apps/report/figures/recording_blocks.h"
-#include "apps/report/parts/beam_part.h"
-#include "apps/report/parts/bending_records.h"
+#include "apps/report/figures/figures.h"
+#include "apps/report/parts/parts.h"
 #include "apps/results/bending_json.h"
-#include "ident/bending/bending_equation.h"
 #include "signal/numerics/numbers.h"
+#include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
 namespace {
 
-using signal::kNaN;
+std::string setup_words(const CampaignTest& test) {
+  if (!test.beam) {
+    return std::string(
+               "A length of cable is clamped at both ends, pulled to a tension and pressed "
+               "sideways at mid-span. From the slope of deflection over load follows its bending "
+               "stiffness EI.") +
+           (test.results ? " Here the EI values themselves are published." : "");
+  }
+  const char* held =
+      test.beam->ends == ident::BeamEnds::cantilever ? "clamped at one end and loaded at the other"
+      : test.beam->ends == ident::BeamEnds::pinned   ? "laid on two supports and loaded between"
+                                                   : "clamped at both ends and loaded between them";
+  return fmt::format(
+      "A beam is {}, {:g} m, without tension. From the slope of load over deflection in its "
+      "elastic part follows EI = slope span³ / {:g}; shear is left out.",
+      held, test.span_m, ident::beam_stiffness_factor(test.beam->ends));
+}
 
 ReportTable law_table(const CampaignTest& test, const ident::StiffnessLaws& laws) {
-  ReportTable table;
-  table.id = test.name + "-laws";
-  const bool ranked =
-      std::any_of(laws.laws.begin(), laws.laws.end(),
-                  [](const ident::FittedLaw& law) { return std::isfinite(law.akaike_weight); });
-  table.caption = ranked ? "Laws for EI(T), best first by AICc (lower is better)."
-                         : "Laws for EI(T), best first by their deviation from the points.";
-  table.columns = {{"law", {}, false},
-                   {"formula (EI in N m², T in N)", {}, false},
-                   {"rms deviation", Origin::modelled},
-                   {"AICc", Origin::modelled},
-                   {"weight", Origin::modelled},
-                   {"remark", {}, false}};
+  ReportTable table{test.name + "-laws",
+                    "Laws for EI(T), the closest first.",
+                    {{"law", {}, false},
+                     {"formula (EI in N m², T in N)", {}, false},
+                     {"rms deviation", Origin::modelled},
+                     {"weight", Origin::modelled},
+                     {"remark", {}, false}},
+                    {},
+                    {}};
   for (const auto& law : laws.laws) {
-    const double percent = 100 * law.rms_relative_error;
-    table.rows.push_back({name_of(law.kind), law.formula, shown(percent, 2) + " %",
-                          ranked ? shown(law.aicc, 4) : "",
-                          ranked ? shown(law.akaike_weight, 2) : "", law.message});
+    table.rows.push_back(
+        {name_of(law.kind), law.formula, shown(100 * law.rms_relative_error, 2) + " %",
+         std::isfinite(law.akaike_weight) ? shown(law.akaike_weight, 2) : "", law.message});
   }
   return table;
 }
 
-ReportTable published_table(const CampaignTest& test, const ident::BendingCampaignResult& result) {
-  ReportTable table;
-  table.id = test.name + "-points";
-  table.caption = "Published EI at each tension.";
-  table.columns = {{"tension, N", Origin::published}, {"EI, N m²", Origin::published}};
-  for (const auto& one : result.points) {
-    const auto& point = one.point;
-    table.rows.push_back({shown(point.tension_N, 3), std::isfinite(point.std)
-                                                         ? shown_estimate(point.EI_Nm2, point.std)
-                                                         : shown(point.EI_Nm2, 4)});
-  }
-  return table;
-}
-
-BendingTests published(const CampaignTest& test) {
-  BendingTests tests;
+ident::BendingSource published(const CampaignTest& test) {
   const auto& results = *test.results;
   ident::BendingSource source;
   source.name = results.table.file;
@@ -70,90 +62,10 @@ BendingTests published(const CampaignTest& test) {
   };
   const auto std = column("std"), low = column("low"), high = column("high");
   for (const auto& row : results.table.rows) {
-    const auto at = [&](std::optional<std::size_t> index) { return index ? row[*index] : kNaN; };
+    const auto at = [&](std::optional<std::size_t> i) { return i ? row[*i] : signal::kNaN; };
     source.values.push_back({row[*results.tension], row[*results.EI], at(std), at(low), at(high)});
   }
-  tests.campaign.sources.push_back(std::move(source));
-  tests.origins.push_back(Origin::published);
-  return tests;
-}
-
-/// Tests' JSON, tables and warnings; a line on the points for the summary.
-std::string show_points(const CampaignTest& test, const BendingTests& tests,
-                        const ident::BendingCampaignResult& result, ReportPart& part) {
-  Json& list = part.json["tests"];
-  std::size_t usable = 0;
-  for (std::size_t i = 0; i < result.points.size(); ++i) {
-    const auto& one = result.points[i];
-    usable += one.usable();
-    list[i]["origin"] = word_of(tests.origins[one.source]);
-    if (!one.analysis) continue;
-    list[i]["slope_m_N"] = list[i]["compliance_m_N"];
-  }
-  add_findings(tests.campaign, result, part);
-  if (!test.results) {
-    if (!result.points.empty()) {
-      part.blocks.push_back(load_deflection_plot(test.name + "-load-deflection", tests.campaign,
-                                                 tests.origins, result));
-      part.blocks.push_back(bending_records_table(test, tests.campaign, tests.origins, result));
-    }
-    return fmt::format("{} of {} tests gave one", usable, result.points.size());
-  }
-  part.blocks.push_back(published_table(test, result));
-  return fmt::format("published, {}", counted(result.points.size(), "tension"));
-}
-
-void show_laws(const CampaignTest& test, const std::vector<PlotSeries>& series,
-               const ident::BendingCampaignResult& result, ReportPart& part) {
-  const auto& laws = result.curve.laws();
-  const auto& bounds = result.bounds;
-  if (!laws.laws.empty()) {
-    part.blocks.push_back(stiffness_plot(test.name + "-EI", series, result));
-    part.blocks.push_back(
-        Paragraph{"For the model: " + result.curve.sentence(), Paragraph::Kind::note});
-    part.blocks.push_back(law_table(test, laws));
-  }
-  if (bounds) {
-    part.blocks.push_back(
-        Paragraph{fmt::format("Bounds from the strand's geometry: EImin = {} N m² (all wires "
-                              "slip), EImax = {} N m² (none "
-                              "does).",
-                              shown(bounds->EI_min_Nm2, 4), shown(bounds->EI_max_Nm2, 6))});
-  }
-  if (!laws.laws.empty() && !laws.decided) {
-    part.summary.push_back(
-        {SummaryItem::Kind::distrust, "Law for EI(T)", result.curve.sentence(), {}, part.id});
-  }
-}
-
-/// EI at the lowest and the highest tension on the first page, those between where there is room.
-void add_answers(const CampaignTest& test, const ident::BendingCampaignResult& result,
-                 Origin origin, ReportPart& part) {
-  std::vector<const ident::BendingPoint*> points;
-  for (const auto& one : result.points) {
-    if (one.usable()) points.push_back(&one);
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto& point = points[i]->point;
-    Answer answer;
-    answer.key = fmt::format("{}/EI/{}", test.name, i + 1);
-    answer.quantity = fmt::format("Cable bending stiffness EI at {} N", shown(point.tension_N, 3));
-    answer.how = test.results ? "published" : "bending test";
-    answer.unit = "N m²";
-    answer.value = point.EI_Nm2;
-    answer.std = point.std;
-    answer.low = point.low;
-    answer.high = point.high;
-    if (points[i]->analysis) {  // with what the tests share
-      answer.std = points[i]->analysis->stiffness.EI_Nm2.std;
-      answer.low = points[i]->analysis->stiffness.low;
-      answer.high = points[i]->analysis->stiffness.high;
-    }
-    answer.origin = origin;
-    answer.anchor = part.id;
-    answer.rank = i == 0 || i + 1 == points.size() ? 0 : 1;
-    part.answers.push_back(std::move(answer));
-  }
+  return source;
 }
 
 class BendingPart : public TestPart {
@@ -164,64 +76,226 @@ class BendingPart : public TestPart {
     part_.json_key = "bending";
     part_.json["test"] = test.name;
     part_.json["span_m"] = test.span_m;
-    tests_.campaign.strand = campaign.strand;
+    if (!test.beam) bending_.strand = campaign.strand;
   }
 
   void read(const FileRead& file_read) override {
-    std::string words =
-        "A length of cable is clamped at both ends, pulled to a tension and pressed sideways at "
-        "mid-span. From the slope of deflection over load follows its bending stiffness EI.";
+    part_.blocks.push_back(Paragraph{setup_words(test_)});
     if (test_.results) {
-      words += fmt::format(
-          " Here the EI values themselves are published; what uncertainty was published with them "
-          "is shown. The span of {:g} m only sets the slope shown.",
-          test_.span_m);
+      bending_.sources.push_back(published(test_));
+      origins_.push_back(Origin::published);
+    } else {
+      read_recordings(file_read);
     }
-    part_.blocks.push_back(Paragraph{std::move(words)});
-    const auto strand = tests_.campaign.strand;
-    tests_ = test_.results ? published(test_) : recorded_tests(test_, file_read, part_);
-    tests_.campaign.strand = strand;
-    auto& options = tests_.campaign.test;
+    auto& options = bending_.test;
     options.span_m = {test_.span_m, test_.span_std_m};
-    options.tension_zero_std_N = test_.tension_zero_std_N;
-    options.clamp_stiffness_Nm_rad = test_.clamp_stiffness_Nm_rad;
-    options.tension_calibration_std = test_.tension_calibration_std;
     options.load_calibration_std = test_.load_calibration_std;
     options.deflection_calibration_std = test_.deflection_calibration_std;
+    if (test_.beam) {
+      bending_.second_moment_m4 = ident::second_moment(test_.beam->section);
+      options.ends = test_.beam->ends;
+    } else {
+      options.tension_zero_std_N = test_.tension_zero_std_N;
+      options.clamp_stiffness_Nm_rad = test_.clamp_stiffness_Nm_rad;
+      options.tension_calibration_std = test_.tension_calibration_std;
+    }
   }
 
   void add_to(ident::CampaignInputs& inputs) override {
     index_ = inputs.bending.size();
-    inputs.bending.push_back(std::move(tests_.campaign));
+    inputs.bending.push_back(std::move(bending_));
   }
 
   std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
     const auto& result = campaign.bending[index_];
-    tests_.campaign = std::move(campaign.inputs.bending[index_]);
-    part_.json.update(bending_json(tests_.campaign, result));
-    part_.json["laws_decided"] = result.curve.laws().decided;
-    for (const auto& finding : result.findings) {
-      part_.warnings.push_back({finding.code, finding.message, test_.name, false});
+    bending_ = std::move(campaign.inputs.bending[index_]);
+    part_.json.update(bending_json(bending_, result));
+    part_.json["laws_decided"] = !test_.beam && result.curve.laws().decided;
+    for (std::size_t i = 0; i < result.points.size(); ++i) {
+      part_.json["tests"][i]["origin"] = word_of(origins_[result.points[i].source]);
     }
-    const std::string remark = show_points(test_, tests_, result, part_);
-    const auto series = stiffness_series(result, tests_.origins);
-    show_laws(test_, series, result, part_);
-    if (result.curve.empty()) return {std::move(part_)};
-    const Origin origin = series.back().origin;
-    const auto &first = result.curve.points().front(), &last = result.curve.points().back();
-    add_answers(test_, result, origin, part_);
-    part_.brief = {test_.name + "-EI", test_.name + "-points", test_.name + "-results"};
-    part_.summary.push_back({SummaryItem::Kind::result, "EI of the cable",
-                             fmt::format("{} N m² at {} N to {} N m² at {} N ({})",
-                                         shown(first.EI_Nm2, 4), shown(first.tension_N, 3),
-                                         shown(last.EI_Nm2, 4), shown(last.tension_N, 3), remark),
-                             origin, part_.id});
+    tell_findings(result);
+    if (!result.points.empty()) {
+      if (!test_.results) {
+        part_.blocks.push_back(
+            load_deflection_plot(test_.name + "-load-deflection", bending_, origins_, result));
+      }
+      part_.blocks.push_back(points_table(result));
+    }
+    if (!test_.beam) show_laws(result);
+    add_answers(result);
+    part_.brief = {test_.beam ? test_.name + "-load-deflection" : test_.name + "-EI",
+                   test_.name + "-results"};
     return {std::move(part_)};
   }
 
  private:
+  void read_recordings(const FileRead& file_read) {
+    auto loaded = load_recordings(test_.recordings, file_read);
+    for (auto& entry : loaded) {
+      part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
+      if (entry.recording) drop_time_notes(*entry.recording);
+    }
+    add_recordings(part_, test_, loaded);
+    const BendingColumns columns{
+        test_.tension_channel, test_.load_channel, test_.deflection_channel,
+        "name it in the campaign, channels = {{ {} = \"...\" }}", test_.beam.has_value()};
+    for (const auto& entry : loaded) {
+      if (!entry.recording) continue;
+      std::vector<Warning> warnings;
+      try {
+        bending_.sources.push_back(bending_source(*entry.recording, columns, warnings));
+      } catch (const signal::RecordingError& error) {
+        refuse(part_, "channel", error.what(), entry.file);
+        continue;
+      }
+      origins_.push_back(test_.recordings[entry.group].origin());
+      for (auto& one : warnings) {
+        part_.warnings.push_back(
+            {std::move(one.code), std::move(one.message), std::move(one.where), false});
+      }
+    }
+  }
+
+  void tell_findings(const ident::BendingCampaignResult& result) {
+    for (const auto& finding : result.findings) {
+      part_.warnings.push_back({finding.code, finding.message, test_.name, false});
+    }
+    for (const auto& one : result.points) {
+      if (!one.analysis) continue;
+      const auto& file = bending_.sources[one.source].name;
+      const std::string where =
+          one.point.tension_N > 0 ? fmt::format("{} at {:.4g} N", file, one.point.tension_N) : file;
+      for (const auto& finding : one.analysis->findings) {
+        part_.warnings.push_back({finding.code, finding.message, where, finding.refuses});
+      }
+    }
+  }
+
+  [[nodiscard]] ReportTable points_table(const ident::BendingCampaignResult& result) const {
+    const bool section = bending_.second_moment_m4.value > 0;
+    ReportTable table;
+    table.id = test_.name + "-results";
+    table.caption = "EI with its standard uncertainty and 95 % interval.";
+    table.columns = {{"recording", {}, false}, {"origin", {}, false}, {"tension, N", {}, true},
+                     {"slope d/Q, µm/N"},      {"EI, N m²"},          {"95 % interval"},
+                     {"hysteresis, N"},        {"modulus, GPa"},      {"remarks", {}, false}};
+    for (const auto& one : result.points) {
+      const Origin from = origins_[one.source];
+      const auto* r = one.analysis ? &*one.analysis : nullptr;
+      const auto& point = one.point;
+      std::string said, modulus;
+      for (const auto& finding : r ? r->findings : std::vector<ident::BendingFinding>()) {
+        said += (said.empty() ? "" : "; ") + finding.message;
+      }
+      if (r && said.empty()) said = r->stiffness.reason;
+      if (section && one.usable()) {
+        const auto E = ident::bending_modulus(bending_, one);
+        modulus = shown_estimate(1e-9 * E.value, 1e-9 * E.std);
+      }
+      Cell remarks(said);
+      remarks.doubtful = !said.empty();
+      table.rows.push_back(
+          {short_name(bending_.sources[one.source].name), Cell(name_of(from), from),
+           test_.beam ? ""
+           : r        ? shown_estimate(r->tension_N.value, r->tension_N.std)
+                      : shown(point.tension_N, 3),
+           r ? shown_estimate(1e6 * r->compliance_m_N.value, 1e6 * r->compliance_m_N.std) : "",
+           Cell(one.usable() ? shown_estimate(point.EI_Nm2, point.std) : "none", from),
+           one.usable() && std::isfinite(point.low)
+               ? shown_bound(point.low, point.std) + " to " + shown_bound(point.high, point.std)
+               : std::string(),
+           r && !test_.beam ? shown(r->hysteresis_N, 2) : "", modulus, std::move(remarks)});
+    }
+    return table;
+  }
+
+  void show_laws(const ident::BendingCampaignResult& result) {
+    const auto& laws = result.curve.laws();
+    if (!laws.laws.empty()) {
+      part_.blocks.push_back(
+          stiffness_plot(test_.name + "-EI", stiffness_series(result, origins_), result));
+      part_.blocks.push_back(
+          Paragraph{"For the model: " + result.curve.sentence(), Paragraph::Kind::note});
+      part_.blocks.push_back(law_table(test_, laws));
+      if (!laws.decided) {
+        part_.warnings.push_back({"law_not_decided", result.curve.sentence(), test_.name, false});
+      }
+    }
+    if (const auto& bounds = result.bounds) {
+      part_.blocks.push_back(
+          Paragraph{fmt::format("Bounds from the strand's geometry: EImin = {} N m² (all wires "
+                                "slip), EImax = {} N m² (none does).",
+                                shown(bounds->EI_min_Nm2, 4), shown(bounds->EI_max_Nm2, 6))});
+    }
+  }
+
+  /// EI of every point on the first page; of specimens the first one.
+  void add_answers(const ident::BendingCampaignResult& result) {
+    int found = 0;
+    for (const auto& one : result.points) {
+      if (!one.usable()) continue;
+      const auto& point = one.point;
+      const std::string file = short_name(bending_.sources[one.source].name);
+      Answer EI;
+      EI.key = fmt::format("{}/EI/{}", test_.name, ++found);
+      EI.quantity =
+          test_.beam ? fmt::format("Beam bending stiffness EI ({})", file)
+                     : fmt::format("Cable bending stiffness EI at {} N", shown(point.tension_N, 3));
+      EI.how = test_.results ? "published"
+               : test_.beam  ? "bending test without tension"
+                             : "bending test";
+      EI.unit = "N m²";
+      EI.value = point.EI_Nm2;
+      EI.std = point.std;
+      EI.low = point.low;
+      EI.high = point.high;
+      if (!test_.beam && one.analysis) {  // with what the tests share
+        EI.std = one.analysis->stiffness.EI_Nm2.std;
+        EI.low = one.analysis->stiffness.low;
+        EI.high = one.analysis->stiffness.high;
+      }
+      EI.origin = origins_[one.source];
+      EI.anchor = part_.id;
+      EI.rank = test_.beam && found > 1 ? 1 : 0;
+      const auto modulus = ident::bending_modulus(bending_, one);
+      if (test_.beam && std::isfinite(modulus.value)) {
+        Answer E = EI;
+        E.key = fmt::format("{}/modulus/{}", test_.name, found);
+        E.quantity = fmt::format("Beam bending modulus ({})", file);
+        E.unit = "Pa";
+        E.value = modulus.value;
+        E.std = modulus.std;
+        // The section's uncertainty widens the interval of EI.
+        const auto& I = bending_.second_moment_m4;
+        const double width = 1.959964 * I.std / I.value;
+        E.low = modulus.value * (1 - std::hypot(1 - EI.low / EI.value, width));
+        E.high = modulus.value * (1 + std::hypot(EI.high / EI.value - 1, width));
+        part_.answers.push_back(std::move(E));
+      }
+      part_.summary.push_back(
+          {SummaryItem::Kind::result,
+           test_.beam ? "EI of the beam, " + file
+                      : fmt::format("EI of the cable at {} N", shown(point.tension_N, 3)),
+           value_words(EI) + " N m²", EI.origin, part_.id});
+      part_.answers.push_back(std::move(EI));
+    }
+    const bool said = std::any_of(result.points.begin(), result.points.end(),
+                                  [](const auto& one) { return one.refused(); });
+    if (test_.beam && found == 0 && !said) {
+      refuse(part_, "no_EI", "no test gives an EI", test_.name);
+    }
+    if (!result.specimens) return;
+    const auto& all = *result.specimens;
+    part_.blocks.push_back(Paragraph{
+        fmt::format("{} specimens: EI {} N m² on average; standard deviation between them {} %.",
+                    all.count, shown(all.EI_Nm2, 3), shown(100 * all.relative_scatter, 2)),
+        Paragraph::Kind::note});
+  }
+
   const CampaignTest& test_;
-  BendingTests tests_;
+  ident::BendingCampaign bending_;
+  std::vector<Origin> origins_;  ///< of the sources
   std::size_t index_ = 0;
   ReportPart part_;
 };
@@ -229,7 +303,6 @@ class BendingPart : public TestPart {
 }  // namespace
 
 std::unique_ptr<TestPart> bending_part(const Campaign& campaign, const CampaignTest& test) {
-  if (test.beam) return beam_part(test);
   return std::make_unique<BendingPart>(campaign, test);
 }
 

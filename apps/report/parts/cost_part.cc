@@ -1,4 +1,4 @@
-#include "apps/report/parts/cost_part.h"
+#include "apps/report/parts/parts.h"
 
 #include <fmt/format.h>
 

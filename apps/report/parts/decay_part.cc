@@ -1,4 +1,4 @@
-#include "apps/report/parts/decay_part.h"
+#include "apps/report/parts/parts.h"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,8 @@
 #include <numbers>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/decay_overlay.h"
-#include "apps/report/figures/recording_blocks.h"
-#include "apps/report/modal/modal_states.h"
-#include "apps/report/modal/model_overlay.h"
+#include "apps/report/figures/figures.h"
+#include "apps/report/modal/modal_part.h"
 
 namespace rigfit::apps {
 namespace {

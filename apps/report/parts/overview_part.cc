@@ -1,9 +1,8 @@
-#include "apps/report/parts/overview_part.h"
+#include "apps/report/parts/parts.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "apps/report/drawing/rig_drawing.h"
 
@@ -25,62 +24,31 @@ const model::Scene* largest_scene(const Campaign& campaign) {
   return largest;
 }
 
-void add_point(PlotSeries& series, const Json& pair, const char* model_key) {
-  const auto measured = pair.find("measured_hz"), model = pair.find(model_key);
-  if (measured == pair.end() || model == pair.end()) return;
-  if (!measured->is_number() || !model->is_number()) return;
-  series.x.push_back(measured->get<double>());
-  series.y.push_back(100 * (model->get<double>() / measured->get<double>() - 1));
-}
-
 /// Frequencies of the models over those of the tests, every mode of every test.
 Plot all_modes_plot(const std::vector<ReportPart>& parts) {
   Plot plot;
   plot.id = "model-against-test";
   plot.title = "Model against test, all modes";
-  plot.caption =
-      "How far a model's natural frequency lies above the measured one, every paired mode.";
+  plot.caption = "Frequency error of the model, all matched modes.";
   plot.x_label = "measured frequency, Hz";
   plot.y_label = "model over test, %";
   plot.log_x = true;
-  PlotSeries given, fitted;
-  given.name = "model as given";
-  given.variant = 2;
-  fitted.name = "model fitted";
-  given.origin = fitted.origin = Origin::modelled;
-  given.style = fitted.style = PlotSeries::Style::points;
-  std::map<std::string, PlotSeries> published;
   for (const auto& part : parts) {
-    if (part.json_key == "modal") {
-      for (const auto& state : part.json["states"]) {
-        for (const auto& pair : state["pairs"]) {
-          if (pair.value("other_plane", false)) continue;
-          add_point(given, pair, "model_hz");
-          for (const auto& [label, value] : pair["published_hz"].items()) {
-            auto& series = published[label];
-            if (!value.is_number() || !pair["measured_hz"].is_number()) continue;
-            series.x.push_back(pair["measured_hz"].get<double>());
-            series.y.push_back(100 * (value.get<double>() / series.x.back() - 1));
-          }
-        }
+    for (const auto& mode : part.modes) {
+      if (!(mode.measured_hz > 0 && mode.model_hz > 0)) continue;
+      auto at = std::find_if(plot.series.begin(), plot.series.end(),
+                             [&](const PlotSeries& one) { return one.name == mode.label; });
+      if (at == plot.series.end()) {
+        PlotSeries series;
+        series.name = mode.label;
+        series.origin = mode.origin;
+        series.style = PlotSeries::Style::points;
+        series.variant = static_cast<int>(plot.series.size());
+        at = plot.series.insert(at, std::move(series));
       }
-    } else if (part.json_key == "fits" && part.json.contains("pairs")) {
-      for (const auto& pair : part.json["pairs"]) {
-        if (!pair.value("leakage", false)) add_point(fitted, pair, "model_hz");
-      }
+      at->x.push_back(mode.measured_hz);
+      at->y.push_back(100 * (mode.model_hz / mode.measured_hz - 1));
     }
-  }
-  int variant = 0;
-  for (auto& [label, series] : published) {
-    if (series.x.empty()) continue;
-    series.name = "published model, " + label;
-    series.origin = Origin::published_model;
-    series.style = PlotSeries::Style::points;
-    series.variant = variant++;
-    plot.series.push_back(std::move(series));
-  }
-  for (auto* series : {&given, &fitted}) {
-    if (!series->x.empty()) plot.series.push_back(std::move(*series));
   }
   return plot;
 }

@@ -1,4 +1,4 @@
-#include "apps/report/parts/scenes_part.h"
+#include "apps/report/parts/parts.h"
 
 #include <fmt/format.h>
 
@@ -72,15 +72,13 @@ ReportPart scenes_part(const Campaign& campaign) {
       "ones are neither, with the reason why they hardly matter here."});
   if (!table.rows.empty()) part.blocks.push_back(std::move(table));
   if (inferred + assumed > 0) {
-    part.summary.push_back(
-        {SummaryItem::Kind::distrust,
-         "Values of the model",
-         fmt::format("{} are not measured but inferred ({}) or assumed ({}); "
-                     "each is listed with how.",
+    part.warnings.push_back(
+        {"values_assumed",
+         fmt::format("{} of the model are not measured but inferred ({}) or assumed ({}); each is "
+                     "listed with how",
                      counted(static_cast<std::size_t>(inferred + assumed), "value"), inferred,
                      assumed),
-         {},
-         part.id});
+         "", false});
   }
   return part;
 }

@@ -1,4 +1,4 @@
-#include "apps/report/parts/tension_part.h"
+#include "apps/report/parts/parts.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,7 @@
 #include <utility>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/recording_blocks.h"
-#include "apps/report/figures/tension_plots.h"
+#include "apps/report/figures/figures.h"
 #include "apps/report/page/shaded_tables.h"
 #include "apps/results/tension_result.h"
 #include "ident/statistics/probability_text.h"
@@ -184,8 +183,6 @@ class TensionPart : public TestPart {
         refuse(part_, f.code, f.message, where);
       } else {
         part_.warnings.push_back({f.code, f.message, where, false});
-        part_.summary.push_back({SummaryItem::Kind::distrust, test_.title, f.message,
-                                 Origin::modelled, part_.id, f.code == "model_ruled_out" ? 2 : 1});
       }
     }
     if (found.result.tension.solved) {

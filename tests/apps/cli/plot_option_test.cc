@@ -97,7 +97,7 @@ TEST_F(PlotOption, ADecayIsDrawnWithItsFitItsEnvelopeAndWhatIsLeft) {
 TEST_F(PlotOption, BendingDrawsRecordsAndStiffness) {
   const std::string text = svg({"bending", kLab + "bench/bending/T100N.csv",
                                 kLab + "bench/bending/T200N.csv", "--span", "0.3"});
-  EXPECT_EQ(count(text, "<clipPath"), 2u) << "load, and EI over tension";
+  EXPECT_EQ(count(text, "class=\"in\""), 2u) << "load, and EI over tension";
   EXPECT_THAT(text, HasSubstr("EI, N m²"));
 }
 
@@ -124,12 +124,10 @@ TEST_F(PlotOption, HitsAndFrfsAreOneLinkedPage) {
                    "--plot", path("f.html"), "--json", path("f.json"), "--quiet"});
   ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 4) << run.err;  // 4: a window's damping
   const std::string page = folder.read("f.html");
-  EXPECT_THAT(page, HasSubstr("Hits, kept and rejected"));
-  EXPECT_EQ(count(page, "\"link\":\"test-frf\""), 4u)
+  EXPECT_THAT(page, HasSubstr("double hit"));
+  EXPECT_EQ(count(page, "data-link=\"test-frf\""), 4u)
       << "magnitude, phase, coherence, stabilisation";
-  EXPECT_THAT(page, HasSubstr("\"decibels\":true"));
   EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
-  EXPECT_EQ(count(page, "<script type=\"application/json\" id=\"plots\">"), 1u);
 }
 
 TEST_F(PlotOption, ResponsesAreDrawnWithTheirSpectra) {

@@ -34,16 +34,13 @@ TEST(HtmlText, ShowsNumbersWithTheirDigits) {
   // The std is never raised to the digits of the value.
   EXPECT_EQ(shown_estimate(0.00999993, 0.00000077), "0.00999993 ± 0.00000077");
   EXPECT_EQ(shown_estimate(47.99359, 0.00013), "47.99359 ± 0.00013");
+  EXPECT_EQ(within_percent(6e-7), "less than 0.001 %");
+  EXPECT_EQ(within_percent(0.0041), "0.4 %");
+  EXPECT_EQ(within_percent(0.12), "12 %");
   EXPECT_EQ(shown_estimate(0, 0.0012), "0.0000 ± 0.0012");
   EXPECT_EQ(shown_bound(204326, 338), "204330");
   EXPECT_EQ(shown_bound(-0.0000004, 0.0012), "0.0000");
   EXPECT_EQ(shown_estimate(0.5, NAN, 3), "0.500");
-}
-
-TEST(HtmlText, FirstSentence) {
-  EXPECT_EQ(first_sentence("lines correlate by 0.46 more. Something is left out"),
-            "lines correlate by 0.46 more");
-  EXPECT_EQ(first_sentence("one sentence only."), "one sentence only");
 }
 
 TEST(ParameterWords, AreNamesAndSymbols) {
@@ -51,6 +48,8 @@ TEST(ParameterWords, AreNamesAndSymbols) {
   EXPECT_EQ(parameter_words("left cable.damping_ratio"), "Left cable damping ratio ζ");
   EXPECT_EQ(parameter_words("tip.mass"), "Tip mass");
   EXPECT_EQ(parameter_words("cable span"), "Cable span");
+  EXPECT_EQ(state_words("beam, as built"), "beam");
+  EXPECT_EQ(state_words("200 N"), "200 N");
 }
 
 }  // namespace

@@ -1,13 +1,12 @@
 // FRFs as figures: phase without jumps where it is known, linked plots; frequencies of struck
 // points.
-#include "apps/report/figures/frf_plots.h"
+#include "apps/report/figures/figures.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <complex>
 #include <numbers>
-
 
 namespace rigfit::apps::frf_plots_test {
 namespace {

@@ -54,15 +54,15 @@ TEST(SvgPlot, DrawsEverySeriesOnceAndNeverANonNumber) {
   EXPECT_THAT(svg, HasSubstr("test &lt;1&gt;"));
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
   EXPECT_THAT(svg, Not(HasSubstr("inf")));
-  EXPECT_EQ(count(svg, "<circle"), 3u);  // two points and the legend's
-  EXPECT_EQ(count(svg, "class=\"o-modelled line\""), 2u);
+  EXPECT_EQ(count(svg, "class=\"m\""), 3u);  // two points and the legend's
+  EXPECT_EQ(count(svg, "data-k=\"model\""), 2u);
   EXPECT_TRUE(svg.ends_with("</svg>\n"));
 
   // A logarithmic axis leaves out what it cannot show.
   plot.log_y = true;
   plot.series[0].y = {0, -1, 3};
   plot.series[0].low = plot.series[0].high = {};
-  EXPECT_EQ(count(svg_plot(plot), "<circle"), 2u);
+  EXPECT_EQ(count(svg_plot(plot), "class=\"m\""), 2u);
   // Nothing at all still gives axes.
   plot.series.clear();
   EXPECT_THAT(svg_plot(plot), Not(HasSubstr("nan")));
@@ -156,14 +156,25 @@ TEST(SvgPlot, LegendShowsWhatThePlotShows) {
   points.x.resize(20);
   points.y.resize(20);
   points.origin = Origin::synthetic;
-  EXPECT_EQ(look_of(points).marker, SeriesLook::Marker::circle);
-  // Two states of one origin differ in marker and shade.
-  PlotSeries other = points;
-  other.variant = 1;
-  EXPECT_NE(look_of(points).marker, look_of(other).marker);
-  EXPECT_NE(look_of(points).shade, look_of(other).shade);
-  points.style = other.style = PlotSeries::Style::line;
-  EXPECT_NE(look_of(points).dash, look_of(other).dash);
+  EXPECT_EQ(look_of(points).marker, SeriesLook::Marker::diamond);
+  // Marker and dash say where a series comes from, colour which one it is.
+  PlotSeries model = points;
+  model.origin = Origin::modelled;
+  EXPECT_NE(look_of(points).marker, look_of(model).marker);
+  points.style = model.style = PlotSeries::Style::line;
+  EXPECT_STREQ(look_of(points, true).dash, "");
+  EXPECT_STRNE(look_of(model, true).dash, "");
+  Plot plot;
+  plot.id = "three";
+  for (const int sensor : {0, 1, 2}) {
+    points.name = fmt::format("sensor {}", sensor);
+    points.variant = sensor;
+    plot.series.push_back(points);
+  }
+  const std::string svg = svg_plot(plot);
+  for (const int sensor : {0, 1, 2}) {
+    EXPECT_EQ(count(svg, fmt::format("class=\"s{}\"", sensor)), 1u);
+  }
 }
 
 TEST(PlotCsv, HoldsEveryValueExactly) {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/report/compare_reports.h"
-#include "apps/report/page/first_page.h"
+#include "apps/report/page/findings.h"
 
 namespace rigfit::apps::answer_test {
 namespace {
@@ -39,7 +39,7 @@ TEST(Answer, VerdictsSayHowWellAValueIsKnownAndWhetherItAgrees) {
   EXPECT_EQ(verdict_words(stiffness(2, 1.5)), "hardly known");
   EXPECT_TRUE(doubtful(stiffness(2, 1.5)));
   answer.determined = false;
-  EXPECT_EQ(verdict_words(answer), "these data cannot tell it");
+  EXPECT_EQ(verdict_words(answer), "not identifiable from these data");
   EXPECT_EQ(value_words(answer), "not determined");
   EXPECT_EQ(verdict_words(stiffness(2, Answer::kNone)), "uncertainty not known");
 }
@@ -60,10 +60,7 @@ TEST(Answer, CsvHasAllNumbers) {
 }
 
 ComparedReport report_of(const std::vector<Answer>& answers) {
-  ComparedReport report{"title", "folder", {}};
-  report.document["answers"] = Json::array();
-  for (const auto& answer : answers) report.document["answers"].push_back(answer_json(answer));
-  return report;
+  return {"title", "campaign.toml", "2026-05-18", "A", answers};
 }
 
 // Differences of 1, 2.5 and 8 standard uncertainties of the difference; a mode that is not there
@@ -121,20 +118,51 @@ TEST(CompareReports, PairDampingByTheFrequencyOfItsMode) {
   EXPECT_TRUE(part.json[0]["changed"].get<bool>());
 }
 
-// The worst first, and of messages that differ in their numbers one.
-TEST(SeriousWarnings, AreSortedAndSaidOnce) {
+// The heads of the columns say which campaign they hold.
+TEST(CompareReports, NameFileDateAndRevision) {
+  const auto part = compare_reports(report_of({stiffness(1, 0.1)}), report_of({stiffness(1, 0.1)}));
+  const auto& table = std::get<ReportTable>(part.blocks.back());
+  EXPECT_EQ(table.columns[2].name, "before: campaign.toml, 2026-05-18, revision A");
+}
+
+// Of two values of a member's stiffness the better known one is recommended, whatever it was
+// measured in; a mass belongs to its structure, and says so. A contradiction is a verdict.
+TEST(Answer, OneValueAQuantityIsRecommended) {
+  Answer a = stiffness(2.17, 0.005), b = stiffness(2.30, 0.004), m = stiffness(0.023, 0.001);
+  a.structure = "beam", b.structure = "rig";
+  m.quantity = "Tip mass";
+  m.of_structure = true;
+  m.structure = "beam";
+  Answer n = m;
+  n.structure = "rig";
+  n.std = 0.03;
+  std::vector<Answer*> all{&a, &b, &m, &n};
+  recommend(all);
+  EXPECT_FALSE(a.recommended);
+  EXPECT_TRUE(b.recommended);
+  EXPECT_TRUE(doubtful(b));
+  EXPECT_TRUE(m.recommended && n.recommended);
+  EXPECT_EQ(quantity_words(n), "Tip mass, rig");
+}
+
+// One of each kind with its places, refusals first and each by itself, notes last.
+TEST(Findings, AreSortedAndSaidOnce) {
   std::vector<ReportPart> parts(1);
-  const auto say = [&](const char* label, const char* text, int severity) {
-    parts[0].summary.push_back({SummaryItem::Kind::distrust, label, text, {}, "part", severity});
-  };
-  say("a", "segments cost 0.10 % in frequency; give more. There is more to it.", 1);
-  say("b", "segments cost 0.25 % in frequency; give more. There is more to it.", 1);
-  say("c", "cannot be read", 3);
-  const auto list = serious_warnings(parts);
-  ASSERT_EQ(list.size(), 2u);
-  EXPECT_EQ(list[0].label, "c");
-  EXPECT_EQ(list[1].sentence, "segments cost 0.10 % in frequency; give more");
-  EXPECT_EQ(list[1].alike, 1u);
+  parts[0].warnings = {{"start_chosen", "starts at 7", "a", false},
+                       {"one_length", "Give more segments: 0.10 %", "b", false},
+                       {"one_length", "Give more segments: 0.25 %", "c", false},
+                       {"unpaired", "Check these", "d", false},
+                       {"recording", "cannot be read", "e", true},
+                       {"recording", "cannot be read", "f", true}};
+  const auto list = findings_of(parts);
+  ASSERT_EQ(list.size(), 5u);
+  EXPECT_EQ(list[0].where, "e");
+  EXPECT_EQ(list[1].where, "f");
+  EXPECT_EQ(list[2].code, "unpaired");
+  EXPECT_EQ(list[3].where, "b; c");
+  EXPECT_EQ(list[3].message, "Give more segments: 0.10 %");
+  EXPECT_TRUE(list[4].note);
+  EXPECT_FALSE(list[3].note);
 }
 
 }  // namespace
