@@ -199,7 +199,7 @@ int main(int argc, char** argv) {
     std::cerr << "error: not enough memory\n";
     return static_cast<int>(ExitCode::fault);
   } catch (const std::exception& error) {
-    std::cerr << rigfit::apps::on_terminal(rigfit::apps::Colour::red, "error:") << ' '
+    std::cerr << rigfit::apps::on_terminal(rigfit::apps::TerminalColour::red, "error:") << ' '
               << error.what() << '\n';
     return static_cast<int>(rigfit::apps::exit_code_of(error));
   }

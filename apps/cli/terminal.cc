@@ -7,7 +7,7 @@
 
 namespace rigfit::apps {
 
-std::string on_terminal(Colour colour, std::string_view text) {
+std::string on_terminal(TerminalColour colour, std::string_view text) {
   const char* const none = std::getenv("NO_COLOR");
   const char* const term = std::getenv("TERM");
   const bool plain = ::isatty(STDERR_FILENO) == 0 || (none != nullptr && *none != '\0') ||

@@ -37,7 +37,7 @@ void VerbContext::warn(std::string code, std::string message, std::string where)
 void VerbContext::refuse(std::string code, std::string message, std::string where) {
   if (!silent) {
     Progress::erase();
-    std::cerr << on_terminal(Colour::red, "refused:") << ' ' << (where.empty() ? "" : where + ": ")
+    std::cerr << on_terminal(TerminalColour::red, "refused:") << ' ' << (where.empty() ? "" : where + ": ")
               << message << '\n';
   }
   warnings_.push_back({std::move(code), std::move(message), std::move(where), true});
@@ -47,7 +47,7 @@ void VerbContext::refuse(std::string code, std::string message, std::string wher
 void VerbContext::fail(std::string message, std::string where) {
   if (!silent) {
     Progress::erase();
-    std::cerr << on_terminal(Colour::red, "error:") << ' ' << (where.empty() ? "" : where + ": ")
+    std::cerr << on_terminal(TerminalColour::red, "error:") << ' ' << (where.empty() ? "" : where + ": ")
               << message << '\n';
   }
   warnings_.push_back({"not_converged", std::move(message), std::move(where)});
@@ -61,7 +61,7 @@ void VerbContext::say_warnings() const {
   for (const std::size_t k : unsaid_) unsaid.push_back(warnings_[k]);
   if (!unsaid.empty()) Progress::erase();
   for (const auto& line : warning_lines(unsaid, verbose ? unsaid.size() : 5)) {
-    std::cerr << on_terminal(Colour::yellow, "warning:") << ' ' << line << '\n';
+    std::cerr << on_terminal(TerminalColour::yellow, "warning:") << ' ' << line << '\n';
   }
   if (!verbose) return;
   for (const auto& line : warning_lines(notes_, notes_.size()))

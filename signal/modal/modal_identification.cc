@@ -63,15 +63,15 @@ VectorXcd search(const ModalData& data, const VectorXcd& first, double max_dampi
 }
 
 /// One part of a pole (its frequency or its decay) with its uncertainty.
-struct Part {
+struct PolePart {
   Estimate value;  ///< +-1.96 std hold 95 %
   double between = 0, chance = 1;
   Index farthest = 0;  ///< of the groups that see it
 };
 
-Part part_of(double common, double variance, double degrees, const std::vector<double>& own,
-             const std::vector<double>& own_variance) {
-  Part part;
+PolePart pole_part(double common, double variance, double degrees, const std::vector<double>& own,
+                   const std::vector<double>& own_variance) {
+  PolePart part;
   part.value = {common, std::sqrt(variance) * coverage_factor(0.95, degrees) / kNormal95};
   if (own.size() < 2) return part;
   const GroupMean mean = mean_over_groups(own, own_variance);
@@ -175,8 +175,8 @@ class Identification {
     const double formal = 0.5 * covariance(r, r).real();
     const double degrees =
         2 * fit.freedom / data_.lines_a_value() * static_cast<double>(fit.weights.size()) - 2;
-    const Part frequency = part_of(p.imag(), formal, degrees, omega, variance);
-    const Part damping = part_of(-p.real(), formal, degrees, decay, variance);
+    const PolePart frequency = pole_part(p.imag(), formal, degrees, omega, variance);
+    const PolePart damping = pole_part(-p.real(), formal, degrees, decay, variance);
 
     IdentifiedMode mode;
     mode.pole_rad_s = {-damping.value.value, frequency.value.value};
@@ -199,7 +199,7 @@ class Identification {
     }
     if (differ) {
       const double half = -raw.real();
-      const Part& most = frequency.between > damping.between ? frequency : damping;
+      const PolePart& most = frequency.between > damping.between ? frequency : damping;
       if (most.between / half > differ_.part) {
         differ_ = {
             most.between / half, mode.frequency_hz.value, most.between / kTwoPi,

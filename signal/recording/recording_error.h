@@ -12,10 +12,10 @@ class RecordingError : public std::runtime_error {
   /// Where in the file.
   struct Where {
     std::string file;
-    long line = 0;        ///< 1-based; 0: not tied to a line
-    long column = 0;      ///< 1-based column of the table or character position; 0: none
-    std::string channel;  ///< empty: none
-    std::string value;    ///< the offending text, empty: none
+    long line = 0;          ///< 1-based; 0: not tied to a line
+    long column = 0;        ///< 1-based column of the table or character position; 0: none
+    std::string channel{};  ///< empty: none
+    std::string value{};    ///< the offending text, empty: none
   };
   /// `remedy` says what to do about it.
   RecordingError(Where where, std::string problem, std::string remedy);

@@ -19,16 +19,17 @@ namespace {
 
 struct ExportOptions {
   std::string scene, calculix, moordyn, from;
+  bool accept_fit = false;
   model::CalculixOptions deck;
 };
 
 /// Sets the parameters of a fit; a line of each with its 95 % interval.
-std::vector<std::string> fitted_into(model::Scene& scene, const std::string& path,
+std::vector<std::string> fitted_into(model::Scene& scene, const std::string& path, bool accepted,
                                      VerbContext& context) {
   std::vector<std::string> lines;
   if (path.empty()) return lines;
   context.input(path);
-  for (const auto& known : read_fit(path, context).parameters) {
+  for (const auto& known : read_fit(path, accepted, context).parameters) {
     model::set_parameter(scene, known.name, known.value);
   }
   std::ifstream file(path, std::ios::binary);
@@ -60,7 +61,8 @@ Json run(const ExportOptions& options, VerbContext& context) {
   context.input(options.scene);
   const std::string stem = std::filesystem::path(options.scene).stem().string();
   model::Scene scene = model::read_scene(options.scene);
-  const std::vector<std::string> comments = fitted_into(scene, options.from, context);
+  const std::vector<std::string> comments =
+      fitted_into(scene, options.from, options.accept_fit, context);
   model::ModesOptions modes;
   modes.count = 1;
   modes.shapes = false;
@@ -112,6 +114,8 @@ describe::Options options_of(ExportOptions& c) {
       option("--from", c.from,
              "JSON result of an update: its values, with their intervals in comments")
           .type("FIT.json"),
+      option("--accept-fit", c.accept_fit,
+             "Export a fit that was refused or did not converge (exit code 4 or 5)"),
       option("--elements", c.deck.elements_per_member, "Beam elements a member").within(2, 2000),
       option("--count", c.deck.frequencies, "Natural frequencies to ask for").within(1, 1000)};
 }
