@@ -54,7 +54,7 @@ struct HammerTest {
   std::map<std::string, std::string> sensors;  ///< channel -> sensor of the scene
   std::string load;                            ///< of the scene; empty: its only impact
   std::string estimator = "h1";
-  double force_window_s = 0;         ///< 0: three pulse lengths
+  double force_window_s = 0;         ///< 0: by the noise on the force
   double exponential_end_level = 0;  ///< 0: none
   int max_order = 0;                 ///< of the stabilisation diagram; 0: the method's own
 };

@@ -225,7 +225,7 @@ class StateReader {
     }();
     for (const auto& found : modal.model.modes) {
       // A mode that is there leads, however little is known of its damping.
-      if (found.doubtful && !(found.significance >= 4)) continue;
+      if (found.doubtful && !(found.significance >= 4 && found.presence >= 0.6)) continue;
       ident::MeasuredMode mode;
       mode.frequency_hz = found.frequency_hz;
       if (found.doubtful) mode.damping_ratio.value = std::numeric_limits<double>::quiet_NaN();

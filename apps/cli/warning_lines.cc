@@ -8,12 +8,12 @@
 namespace rigfit::apps {
 namespace {
 
-constexpr std::array<std::string_view, 22> kAnswerMayBeWrong = {
-    "model_ruled_out", "not_identifiable", "not_converged", "fit_not_decided", "not_decided",
-    "outside_bounds",  "below_catalogue",  "cross-plane",   "hits_disagree",   "clamp_slip",
-    "clipped",         "unit_unknown",     "unscaled",      "rates_disagree",  "rate_disagrees",
-    "unit_suspected",  "length_suspected", "time_gaps",     "at_bound",        "extrapolated",
-    "curved",          "unpaired",
+constexpr std::array<std::string_view, 23> kAnswerMayBeWrong = {
+    "model_ruled_out", "not_identifiable", "not_converged",     "fit_not_decided", "not_decided",
+    "outside_bounds",  "below_catalogue",  "cross-plane",       "hits_disagree",   "clamp_slip",
+    "clipped",         "unit_unknown",     "unscaled",          "rates_disagree",  "rate_disagrees",
+    "unit_suspected",  "length_suspected", "time_gaps",         "at_bound",        "extrapolated",
+    "curved",          "unpaired",         "systematic_misfit",
 };
 constexpr std::array<std::string_view, 3> kTakenAsSaid = {"taken_as_exact", "exact_inputs",
                                                           "exact_ends"};
@@ -28,14 +28,15 @@ constexpr std::array kNotes = std::to_array<std::string_view>({
     "doubtful_mode",
     "empty_rows_left_out",
     "footer_skipped",
+    "force_window_chosen",
     "frequencies_by_rate",
     "friction",
     "functions_left_out",
-    "groups_differ",
     "hits_rejected",
     "index_column_left_out",
     "line_at_zero_dropped",
     "mains_hum",
+    "modes_beside",
     "not_all_drawn",
     "offset_decays",
     "range_not_used",

@@ -37,13 +37,16 @@ Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test) 
 Json force_window_json(const ident::HammerTest& hammer) {
   double kept = 0, left = 0;
   std::optional<double> before;
+  bool chosen = false;
   for (const signal::ImpactTest& test : hammer.tests) {
     if (test.frfs.averages == 0) continue;
     kept = std::max(kept, test.force_window_s);
     left = std::max(left, test.force_noise_left);
+    chosen = chosen || test.force_window_by_noise;
     if (test.force_noise) before = std::max(before.value_or(0), *test.force_noise);
   }
   return {{"kept_s", kept > 0 ? Json(kept) : Json(nullptr)},
+          {"chosen_by", chosen ? "noise" : "option"},
           {"force_noise", before ? Json(*before) : Json(nullptr)},
           {"force_noise_left", before ? Json(left) : Json(nullptr)}};
 }
@@ -85,10 +88,20 @@ Json mode_json(const signal::IdentifiedMode& mode) {
           {"participation", std::move(participation)},
           {"modal_phase_collinearity", mode.modal_phase_collinearity},
           {"reconstruction_error", mode.reconstruction_error},
+          {"presence", mode.presence},
           {"significance", mode.significance},
+          {"refinement", mode.refinement},
           {"between_points_std_hz", mode.between_points_std_hz},
           {"between_points_std_damping", mode.between_points_std_damping},
+          {"trend_hz_per_point", json_estimate(mode.trend_hz.value, mode.trend_hz.std)},
+          {"trend_certain", mode.has_trend},
           {"points", std::move(points)},
+          {"between_hits", mode.between_hits.hits > 1
+                               ? Json{{"hits", mode.between_hits.hits},
+                                      {"frequency_std_hz", mode.between_hits.frequency_std_hz},
+                                      {"damping_std", mode.between_hits.damping_std},
+                                      {"beyond_noise", mode.between_hits.beyond_noise}}
+                               : Json(nullptr)},
           {"doubtful", mode.doubtful},
           {"doubt", mode.doubt}};
 }

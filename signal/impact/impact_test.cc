@@ -56,8 +56,7 @@ class Analysis {
     if (recordings_.empty()) return std::move(test_);
     test_.search = find_hits(recordings_, force_, test_.responses, options_.hits);
     test_.notes = test_.search.notes;
-    measure_force_noise();
-    window_s_ = options_.force_window_s;
+    choose_force_window();
     const FrfEstimate estimate = average_without_outliers();
     for (const Hit& hit : test_.search.hits) {
       if (hit.accepted && hit.has(HitFault::unresolved_pulse)) test_.amplitudes = false;
@@ -119,6 +118,14 @@ class Analysis {
     return block;
   }
 
+  /// Of the force over its pulse.
+  double impulse_of(const Hit& hit) const {
+    const Eigen::VectorXd& force = channel(hit.recording, force_).samples;
+    const Index count = hit.pulse_last - hit.pulse_first + 1;
+    const double sum = force.segment(hit.pulse_first, count).sum();
+    return (sum - static_cast<double>(count) * hit.offset) / test_.search.sample_rate_hz;
+  }
+
   /// Force kept after the beginning of the pulse, s; 0: all of it.
   double kept_force(const Hit& hit) const {
     return window_s_ < 0 ? 3 * hit.pulse_duration_s : window_s_;
@@ -137,8 +144,8 @@ class Analysis {
     return frf;
   }
 
-  /// Of the force, without a window.
-  void measure_force_noise() {
+  /// Measures the noise on the force without a window, and chooses one where it matters.
+  void choose_force_window() {
     window_s_ = 0;
     std::vector<FrfBlock> blocks;
     for (const Hit& hit : test_.search.hits) {
@@ -153,6 +160,12 @@ class Analysis {
       frf.leave_one_out = false;
       const FrfEstimate raw = average_frfs(blocks, frf);
       if (raw.force_noise.size() > 0) test_.force_noise = median(noise_shares(raw));
+    }
+    if (options_.force_window_s) {
+      window_s_ = *options_.force_window_s;
+    } else if (test_.force_noise && *test_.force_noise > options_.force_noise_limit) {
+      window_s_ = -1;
+      test_.force_window_by_noise = true;
     }
   }
 
@@ -181,9 +194,8 @@ class Analysis {
 
   /// Lines of single hits that are kept: those modes are looked for in, as far as memory allows.
   Index lines_of_hits() const {
-    // Modes of a band are fitted to a quarter of its width further (modal_data.h).
     const double high = options_.hits.band_hz ? options_.hits.band_hz->second : usable_hz();
-    const auto lines = static_cast<Index>(std::ceil(1.26 * high * block_duration())) + 10;
+    const auto lines = static_cast<Index>(std::ceil(1.02 * high * block_duration())) + 10;
     constexpr Index kMost = 4'000'000;  // complex values, 64 MB
     const auto hits = static_cast<Index>(test_.search.hits.size());
     const auto responses = static_cast<Index>(test_.responses.size());
@@ -262,6 +274,10 @@ class Analysis {
     frfs.H_std = estimate.H_std;
     frfs.coherence = estimate.coherence;
     frfs.by_hit = estimate.by_hit;
+    frfs.hit_impulse.emplace_back();
+    for (const Hit& hit : test_.search.hits) {
+      if (hit.accepted) frfs.hit_impulse.back().push_back(impulse_of(hit));
+    }
     const Channel& force = channel(0, force_);
     std::vector<FrfForm> forms;
     for (std::size_t r = 0; r < test_.responses.size(); ++r) {
@@ -345,6 +361,16 @@ class Analysis {
     }
     judge_force_noise(estimate);
     const double left = end_level * std::exp(-decay_rate() * block_duration());
+    // What is cut off at the end of a block, R / (s - p) exp(p T) exp(i w t) of a mode, T from the
+    // hit to the end and t from the block's beginning to the hit, is smooth over lines as well.
+    if (left > 1e-3 && left > 3 * quietest()) {
+      for (const Hit& hit : test_.search.hits) {
+        if (!hit.accepted) continue;
+        const auto before = static_cast<double>(hit.peak_sample - hit.block_first);
+        test_.frfs.force_noise_span_s =
+            std::max(test_.frfs.force_noise_span_s, before / test_.search.sample_rate_hz);
+      }
+    }
     if (left > options_.hits.ring_down_level && left > 3 * quietest()) {
       test_.notes.push_back(
           {"ring_down_truncated",
@@ -381,6 +407,10 @@ class Analysis {
   void judge_force_noise(const FrfEstimate& estimate) {
     const std::vector<double> shares = noise_shares(estimate);
     test_.force_noise_left = *std::max_element(shares.begin(), shares.end());
+    // From an error of 0.1 % of H on.
+    if (test_.force_window_s > 0 && test_.force_noise_left > 1e-6) {
+      test_.frfs.force_noise_span_s = force_noise_span();
+    }
     const auto percent = [](double part) {
       return part >= 3 ? std::string("three times or more") : fmt::format("{:.2g} %", 100 * part);
     };
@@ -389,6 +419,16 @@ class Analysis {
                              "too few samples beside the pulses to measure the noise on the force: "
                              "H1 is not corrected for it",
                              ""});
+    } else if (test_.force_window_by_noise) {
+      test_.notes.push_back(
+          {"force_window_chosen",
+           fmt::format("noise on the force has {} of its power at half of the lines and would "
+                       "lower H1: {:.3g} ms of force are kept from each pulse's start, which "
+                       "leaves {} at most{}",
+                       percent(*test_.force_noise), 1e3 * test_.force_window_s,
+                       percent(test_.force_noise_left),
+                       options_.estimator == FrfEstimator::h1 ? ", subtracted" : ""),
+           ""});
     }
     // What is subtracted is known to some 10 %; beyond a tenth of the force's power that is 1 %.
     if (test_.force_noise_left > 0.1) {
@@ -402,6 +442,19 @@ class Analysis {
                            : "a force window keeps it out"),
            ""});
     }
+  }
+
+  /// From a hit's peak to where its force window has faded out, the longest of all hits.
+  double force_noise_span() const {
+    Index longest = 0;
+    for (const Hit& hit : test_.search.hits) {
+      if (!hit.accepted) continue;
+      const FrfBlock block = block_of(hit);
+      const Index peak = hit.peak_sample - hit.block_first;
+      longest = std::max({longest, block.force_last + block.force_taper - peak,
+                          peak - std::max<Index>(0, block.force_first - block.force_taper)});
+    }
+    return static_cast<double>(longest) / test_.search.sample_rate_hz;
   }
 
   double block_duration() const {
@@ -431,7 +484,7 @@ class Analysis {
   std::span<const Recording> recordings_;
   const ImpactTestOptions& options_;
   Index force_ = 0;
-  double window_s_ = 0;  ///< 0 while noise is measured, then ImpactTestOptions::force_window_s
+  double window_s_ = 0;  ///< ImpactTestOptions::force_window_s, or what was chosen
   ImpactTest test_;
 };
 

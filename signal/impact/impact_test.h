@@ -20,9 +20,13 @@ struct ImpactTestOptions {
   HitOptions hits;
   FrfEstimator estimator = FrfEstimator::h1;
   /// Force kept after the beginning of the pulse, s, then faded out over half as long. 0: all of
-  /// it; negative: three pulse durations, each hit its own. A hammer's force is zero but for its
-  /// pulse: what is cut away is noise, and what noise is left is smooth over lines.
-  double force_window_s = -1;
+  /// it; negative: three pulse durations, each hit its own. Not given: by the noise on the force
+  /// (`force_noise_limit`), three pulse durations or all of it.
+  std::optional<double> force_window_s;
+  /// A window is chosen where noise on the force has this part of the force's power at half of the
+  /// band's lines: random errors of H of 2 % a hit. A hum's few lines are better left as they are:
+  /// a short window would spread them over the band.
+  double force_noise_limit = 1e-3;
   /// Rate of a shared exponential window, 1/s; or, if positive, the level it falls to by the end of
   /// the block.
   double exponential_decay_rate_1_s = 0;
@@ -55,7 +59,8 @@ struct ImpactTest {
   std::optional<double> force_noise;
   /// The same of what the force window leaves, at the worst line. It is taken off H1.
   double force_noise_left = 0;
-  double force_window_s = 0;  ///< length kept, mean over the hits; 0: no window
+  double force_window_s = 0;           ///< length kept, mean over the hits; 0: no window
+  bool force_window_by_noise = false;  ///< chosen, not asked for
   std::optional<DrivingPointCheck> driving_point;
   std::vector<Note> notes;
 };

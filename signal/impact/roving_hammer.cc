@@ -53,6 +53,7 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
   if (kept.empty()) return all;
   all = tests[kept.front()].frfs;
   all.inputs.clear();
+  all.hit_impulse.clear();
   all.notes.clear();
   const auto inputs = static_cast<Index>(kept.size());
   const auto responses = static_cast<Index>(all.responses.size());
@@ -84,6 +85,8 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
     input.node = response ? all.responses[static_cast<std::size_t>(*response)].node
                           : static_cast<int>(responses) + ++named;
     all.inputs.push_back(input);
+    all.hit_impulse.push_back(one.hit_impulse.front());
+    all.force_noise_span_s = std::max(all.force_noise_span_s, one.force_noise_span_s);
     all.averages = std::min(all.averages, one.averages);
     for (Index r = 0; r < responses; ++r) {
       const Index column = r * inputs + i;

@@ -7,15 +7,16 @@
 #include <complex>
 #include <utility>
 
-#include "signal/estimation/groups.h"
-#include "signal/modal/mode_shapes.h"
-#include "signal/modal/pole_fit.h"
-#include "signal/modal/pole_scan.h"
-#include "signal/modal/pole_sweep.h"
+#include "signal/modal/cut_off_records.h"
+#include "signal/modal/local_modes.h"
+#include "signal/modal/mode_warnings.h"
 #include "signal/modes/mac.h"
+#include "signal/modes/modal_band.h"
 #include "signal/modes/modal_synthesis.h"
+#include "signal/modes/mode_search.h"
+#include "signal/modes/modes_beside.h"
 #include "signal/numerics/numbers.h"
-#include "signal/poles/pole_clusters.h"
+#include "signal/variation/hit_scatter.h"
 
 namespace rigfit::signal {
 namespace {
@@ -27,337 +28,378 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kAgree = 0.05;  // chance below which groups differ
-constexpr double kNormal95 = 1.959964;
-
-/// Poles of the stabilisation diagram that stay over its orders, and the diagram within the band.
-VectorXcd diagram(const ModalData& data, const MatrixXcd& H, Index inputs,
-                  const ModalOptions& options, LscfResult& shown) {
-  const VectorXd rms = H.colwise().norm().transpose();
-  const VectorXd weight = (rms.array() > 0).select(rms.array().inverse(), 0.0);
-  shown = lscf(data.frequency_hz, H, inputs, {}, weight, options.lscf);
-  std::vector<Complex> poles;
-  for (const PoleCluster& cluster : cluster_poles(shown, data.spacing_hz)) {
-    poles.push_back(cluster.pole_rad_s + data.window);
+/// Modes of a band, and how they came about.
+struct Search {
+  FoundModes found;
+  /// Of all FRFs; empty without a fit.
+  [[nodiscard]] MatrixXcd misfit_of(const MatrixXcd& H) const {
+    return found.model.size() > 0 ? MatrixXcd(H - found.model) : MatrixXcd();
   }
-  std::erase_if(shown.poles, [&](const StabilisationPole& pole) {
-    return pole.frequency_hz < data.low_hz || pole.frequency_hz > data.high_hz;
-  });
-  return Eigen::Map<VectorXcd>(poles.data(), static_cast<Index>(poles.size()));
-}
-
-VectorXcd search(const ModalData& data, const VectorXcd& first, double max_damping) {
-  VectorXcd poles = sweep_poles(data, first, max_damping);
-  constexpr int kMostRounds = 5;
-  for (int round = 0; round < kMostRounds; ++round) {
-    const std::vector<Complex> more = scan_poles(data, residual_of(data, poles));
-    if (more.empty()) break;
-    VectorXcd all(poles.size() + static_cast<Index>(more.size()));
-    all << poles, Eigen::Map<const VectorXcd>(more.data(), static_cast<Index>(more.size()));
-    VectorXcd swept = sweep_poles(data, all, max_damping);
-    const bool gained = swept.size() > poles.size();
-    poles = std::move(swept);
-    if (!gained) break;
-  }
-  return poles;
-}
-
-/// One part of a pole (its frequency or its decay) with its uncertainty.
-struct PolePart {
-  Estimate value;  ///< +-1.96 std hold 95 %
-  double between = 0, chance = 1;
-  Index farthest = 0;  ///< of the groups that see it
+  bool exhausted = false;         ///< all FRFs together took too much work
+  bool local = false;             ///< modes of local fits; else maximum likelihood of all FRFs
+  std::vector<LocalMode> points;  ///< of each mode
+  std::vector<WeakTrack> weak;    ///< of the local fits
 };
 
-PolePart pole_part(double common, double variance, double degrees, const std::vector<double>& own,
-                   const std::vector<double>& own_variance) {
-  PolePart part;
-  part.value = {common, std::sqrt(variance) * coverage_factor(0.95, degrees) / kNormal95};
-  if (own.size() < 2) return part;
-  const GroupMean mean = mean_over_groups(own, own_variance);
-  // Scatter that chance may still give counts as noise that is larger than it looks.
-  part.value.std *= std::sqrt(std::max(1.0, mean.cochran_Q / static_cast<double>(own.size() - 1)));
-  part.chance = mean.chance;
-  if (!(mean.chance < kAgree)) return part;
-  part.between = std::sqrt(mean.between_variance);
-  part.value = {mean.mean,
-                std::sqrt(mean.variance) * coverage_factor(0.95, mean.degrees) / kNormal95};
-  double most = -1;
-  for (std::size_t g = 0; g < own.size(); ++g) {
-    const double away = std::abs(own[g] - mean.mean);
-    if (away > most) most = away, part.farthest = static_cast<Index>(g);
-  }
-  return part;
-}
-
-class Identification {
- public:
-  Identification(const FrfSet& frfs, const ModalOptions& options)
-      : frfs_(frfs), options_(options), inputs_(static_cast<Index>(frfs.inputs.size())) {}
-
-  ModalResult run() {
-    ModalModel& model = result_.model;
-    model.responses = frfs_.responses;
-    model.inputs = frfs_.inputs;
-    model.fitted_form = frfs_.form;
-    model.exponential_decay_rate_1_s = frfs_.exponential_decay_rate_1_s;
-    data_ = modal_data(frfs_, options_.low_hz, options_.high_hz, model.notes);
-    if (frfs_.form == FrfForm::unknown) {
-      model.notes.push_back({"form_unknown",
-                             "the FRFs do not say whether they are receptances, mobilities or "
-                             "accelerances: the units of shapes and residuals are not known",
-                             ""});
-    }
-    count_lines();
-    if (data_.Y.cols() == 0) {
-      model.notes.push_back({"no_modes", "all FRFs are zero", ""});
-    } else {
-      const MatrixXcd H = averages_at(data_, frfs_);
-      const VectorXcd first = diagram(data_, H, inputs_, options_, result_.stabilisation);
-      const VectorXcd poles = search(data_, first, options_.lscf.max_damping_ratio);
-      for (const auto& block : blocks_of(data_, poles)) describe_block(poles, block);
-      if (model.modes.empty()) {
-        model.notes.push_back(
-            {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});
-      }
-    }
-    finish();
-    return std::move(result_);
-  }
-
- private:
-  void count_lines() {
-    for (Index k = 0; k < data_.frequency_hz.size(); ++k) {
-      const double f = data_.frequency_hz[k];
-      if (f < data_.low_hz || f > data_.high_hz) continue;
-      if (result_.lines_used == 0) result_.low_hz = f;
-      result_.high_hz = f;
-      ++result_.lines_used;
-    }
-  }
-
-  void describe_block(const VectorXcd& poles, const std::vector<Index>& block) {
-    const PoleWindow window = window_of(data_, data_.Y, poles, block);
-    VectorXcd start(static_cast<Index>(block.size()));
-    for (Index r = 0; r < start.size(); ++r) start[r] = poles[block[static_cast<std::size_t>(r)]];
-    const PoleFit fit = fit_common_poles(window, start);
-    const double shared = shared_noise(data_, window, fit);
-    const MatrixXcd covariance = shared * pole_covariance(data_, window, fit);
-    const VectorXd F = gains(data_, window, fit) / shared;
-    const auto m = static_cast<Index>(block.size());
-    const auto begin = static_cast<Index>(covariances_.size());
-    for (Index r = 0; r < m; ++r) {
-      IdentifiedMode mode = describe(window, fit, covariance, shared, F, r);
-      if (mode.frequency_hz.value < data_.low_hz || mode.frequency_hz.value > data_.high_hz)
-        continue;
-      result_.model.modes.push_back(std::move(mode));
-      covariances_.push_back({covariance, r});
-    }
-    // Modes of one block share its covariance.
-    for (auto i = static_cast<std::size_t>(begin); i < covariances_.size(); ++i) {
-      covariances_[i].block = begin;
-    }
-  }
-
-  IdentifiedMode describe(const PoleWindow& window, const PoleFit& fit, const MatrixXcd& covariance,
-                          double shared, const VectorXd& F, Index r) {
-    const GroupPoles own = poles_by_group(data_, window, fit, r);
-    std::vector<double> decay, omega, variance;
-    std::vector<Index> groups;
-    for (Index g = 0; g < data_.groups(); ++g) {
-      if (!own.near[static_cast<std::size_t>(g)]) continue;
-      groups.push_back(g);
-      decay.push_back(-own.pole[g].real());
-      omega.push_back(own.pole[g].imag());
-      variance.push_back(own.variance[g] * shared);
-    }
-    const Complex p = fit.poles[r];
-    const double formal = 0.5 * covariance(r, r).real();
-    const double degrees =
-        2 * fit.freedom / data_.lines_a_value() * static_cast<double>(fit.weights.size()) - 2;
-    const PolePart frequency = pole_part(p.imag(), formal, degrees, omega, variance);
-    const PolePart damping = pole_part(-p.real(), formal, degrees, decay, variance);
-
-    IdentifiedMode mode;
-    mode.pole_rad_s = {-damping.value.value, frequency.value.value};
-    const double x = mode.pole_rad_s.real(), y = mode.pole_rad_s.imag(),
-                 w = std::abs(mode.pole_rad_s);
-    mode.frequency_hz.value = w / kTwoPi;
-    mode.damping_ratio.value = -x / w;
-    mode.frequency_hz.std = std::hypot(x * damping.value.std, y * frequency.value.std) / w / kTwoPi;
-    mode.damping_ratio.std =
-        std::hypot(y * y * damping.value.std, x * y * frequency.value.std) / (w * w * w);
-    const Complex raw = mode.pole_rad_s - data_.window;
-    mode.damping_ratio_with_window = -raw.real() / std::abs(raw);
-    mode.damping_dominated_by_window = data_.window > -0.5 * raw.real();
-    mode.significance = std::sqrt(F[r]);
-    const bool differ = frequency.between > 0 || damping.between > 0;
-    if (!data_.hits) {
-      mode.between_points_std_hz = frequency.between / kTwoPi;
-      mode.between_points_std_damping = damping.between / w;
-      if (data_.groups() > 1) fill_points(own, groups, mode);
-    }
-    if (differ) {
-      const double half = -raw.real();
-      const PolePart& most = frequency.between > damping.between ? frequency : damping;
-      if (most.between / half > differ_.part) {
-        differ_ = {
-            most.between / half, mode.frequency_hz.value, most.between / kTwoPi,
-            data_.member[static_cast<std::size_t>(groups[static_cast<std::size_t>(most.farthest)])],
-            most.chance};
-      }
-    }
-    fill_mode_shape(data_, frfs_, fit, covariance, r, differ && !data_.hits ? &own : nullptr, mode);
-    double misfit = 0;
-    for (const double one : own.misfit) misfit += one * one;
-    mode.reconstruction_error = std::sqrt(misfit / static_cast<double>(own.misfit.size()));
-    judge(own, fit, F, r, mode);
-    return mode;
-  }
-
-  void fill_points(const GroupPoles& own, const std::vector<Index>& groups, IdentifiedMode& mode) {
-    for (const Index g : groups) {
-      const auto i = static_cast<std::size_t>(g);
-      const auto member = static_cast<std::size_t>(data_.member[i]);
-      ModeAtPoint point;
-      point.point = data_.inputs_vary ? frfs_.inputs[member] : frfs_.responses[member];
-      point.order = data_.member[i];
-      const double w = std::abs(own.pole[g]), std = std::sqrt(own.variance[g]);
-      point.frequency_hz = {w / kTwoPi, std / kTwoPi};
-      point.damping_ratio = {-own.pole[g].real() / w, std / w};
-      point.misfit = own.misfit[i];
-      mode.points.push_back(point);
-    }
-  }
-
-  void judge(const GroupPoles& own, const PoleFit& fit, const VectorXd& F, Index r,
-             IdentifiedMode& mode) const {
-    std::vector<std::string> doubts;
-    const auto groups = static_cast<double>(data_.groups());
-    const auto near = static_cast<double>(std::count(own.near.begin(), own.near.end(), true));
-    if (data_.groups() > 2 && near < groups * (data_.hits ? kShare : 1.0 / 3)) {
-      doubts.push_back(
-          fmt::format("seen by {:.0f} of {:.0f} {}", near, groups, data_.hits ? "hits" : "points"));
-    }
-    for (Index q = 0; q < fit.poles.size(); ++q) {
-      const double together = 2 * data_.window - fit.poles[q].real() - fit.poles[r].real();
-      if (q == r || F[q] < F[r] || data_.Y.cols() / (data_.hits ? data_.groups() : 1) > 2 ||
-          std::abs(fit.poles[q] - fit.poles[r]) > together) {
-        continue;
-      }
-      doubts.push_back(fmt::format("one FRF cannot tell it from a change of the mode at {:.4g} Hz",
-                                   fit.poles[q].imag() / kTwoPi));
-    }
-    const double part = mode.damping_ratio.std / mode.damping_ratio.value;
-    if (!(part > 0 && part < 0.25)) {
-      doubts.push_back(part > 0 && part < 10
-                           ? fmt::format("damping known to {:.0f} % only", 100 * part)
-                           : std::string("damping not determined"));
-    }
-    if (own.left > own.size) doubts.emplace_back("its fit leaves more than its own peak");
-    mode.sure_but_for_window = mode.damping_dominated_by_window && doubts.empty();
-    if (mode.damping_dominated_by_window) {
-      const double decay = -mode.pole_rad_s.real();
-      doubts.push_back(fmt::format(
-          "the window gives {:.0f} % of the measured decay rate: damping refused, frequency kept",
-          100 * data_.window / (decay + data_.window)));
-    }
-    mode.doubtful = !doubts.empty();
-    for (const std::string& one : doubts) mode.doubt += (mode.doubt.empty() ? "" : "; ") + one;
-  }
-
-  void finish() {
-    ModalModel& model = result_.model;
-    std::vector<std::size_t> order(model.modes.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return model.modes[a].frequency_hz.value < model.modes[b].frequency_hz.value;
+/// Candidates for local fits: columns of the diagrams of the band and of parts of it, and what a
+/// global search found, each once.
+std::vector<Complex> local_candidates(const ModalBand& band,
+                                      const std::vector<PoleCluster>& clusters,
+                                      const FoundModes& found, const FrfNoise& noise,
+                                      const ModalOptions& options) {
+  std::vector<Complex> candidates;
+  const auto add = [&](Complex pole) {
+    const bool known = std::any_of(candidates.begin(), candidates.end(), [&](Complex other) {
+      return std::abs(other - pole) < 0.5 * (2 * band.window - other.real() - pole.real());
     });
-    std::vector<IdentifiedMode> modes;
-    for (const std::size_t i : order) modes.push_back(model.modes[i]);
-    model.modes = std::move(modes);
-    fill_covariance(order);
-    const auto responses = static_cast<Index>(frfs_.responses.size());
-    MatrixXcd shapes(responses, static_cast<Index>(order.size()));
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      shapes.col(static_cast<Index>(i)) = model.modes[i].shape;
-    }
-    result_.auto_mac = auto_mac(shapes);
-    fit_residuals(frfs_, result_.low_hz, result_.high_hz, model);
-    if (!(differ_.part > 0)) return;
-    const std::string who =
-        data_.hits ? fmt::format("hit {}", differ_.group + 1)
-                   : (data_.inputs_vary ? frfs_.inputs
-                                        : frfs_.responses)[static_cast<std::size_t>(differ_.group)]
-                         .name;
-    model.notes.push_back(
-        {"groups_differ",
-         fmt::format(
-             "{} differ by more than noise, most at {:.4g} Hz: by {:.2g} Hz, {:.0f} % of the "
-             "half bandwidth; {} is farthest from the mean. Intervals allow for it",
-             data_.hits ? "hits" : "points", differ_.frequency_hz, differ_.size_hz,
-             100 * differ_.part, who),
-         ""});
-  }
-
-  /// Covariance of frequencies and damping ratios: that of a block's common fit, scaled to the
-  /// standard deviations given.
-  void fill_covariance(const std::vector<std::size_t>& order) {
-    ModalModel& model = result_.model;
-    const auto size = static_cast<Index>(2 * order.size());
-    model.pole_covariance = MatrixXd::Zero(size, size);
-    const auto jacobian = [&](Complex pole) {
-      const double x = pole.real(), y = pole.imag(), w = std::abs(pole);
-      Eigen::Matrix2d J;
-      J << x / (w * kTwoPi), y / (w * kTwoPi), -y * y / (w * w * w), x * y / (w * w * w);
-      return J;
-    };
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      for (std::size_t j = 0; j < order.size(); ++j) {
-        const Shared& a = covariances_[order[i]];
-        const Shared& b = covariances_[order[j]];
-        if (a.block != b.block) continue;
-        const Complex V = a.covariance(a.row, b.row) / 2.0;
-        Eigen::Matrix2d C;
-        C << V.real(), -V.imag(), V.imag(), V.real();
-        model.pole_covariance.block<2, 2>(static_cast<Index>(2 * i), static_cast<Index>(2 * j)) =
-            jacobian(model.modes[i].pole_rad_s) * C *
-            jacobian(model.modes[j].pole_rad_s).transpose();
-      }
-    }
-    VectorXd scale(size);
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      const auto row = static_cast<Index>(2 * i);
-      const auto& mode = model.modes[i];
-      scale[row] = mode.frequency_hz.std / std::sqrt(model.pole_covariance(row, row));
-      scale[row + 1] = mode.damping_ratio.std / std::sqrt(model.pole_covariance(row + 1, row + 1));
-    }
-    model.pole_covariance = scale.asDiagonal() * model.pole_covariance * scale.asDiagonal();
-  }
-
-  struct Shared {
-    MatrixXcd covariance;
-    Index row = 0, block = 0;
+    if (!known && pole.real() < band.window) candidates.push_back(pole);
   };
-  struct Differ {
-    double part = 0, frequency_hz = 0, size_hz = 0;
-    Index group = 0;
-    double chance = 1;
-  };
+  for (const PoleCluster& cluster : clusters) add(cluster.pole_rad_s + band.window);
+  for (Index parts = 4, pass = 0; pass < options.searches; parts *= 4, ++pass) {
+    for (const PoleCluster& cluster : search_parts(band, band.lines.H, noise, options, parts)) {
+      add(cluster.pole_rad_s + band.window);
+    }
+  }
+  if (!found.exhausted && found.covariance.full_rank) {
+    for (const Complex pole : found.fit.poles) add(pole);
+  }
+  return candidates;
+}
 
-  const FrfSet& frfs_;
-  const ModalOptions& options_;
-  Index inputs_;
-  ModalData data_;
-  ModalResult result_;
-  std::vector<Shared> covariances_;
-  Differ differ_;
-};
+/// All FRFs together where the misfit then looks like noise, else point by point. Where poles of
+/// all FRFs lie close together, they stand if single points show as many; else they are what one
+/// mode that varies between points makes of a common fit.
+Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters,
+                 const FrfNoise& noise, const ModalOptions& options) {
+  Search search;
+  search.found = search_modes(band, clusters, noise, options);
+  const FoundModes& found = search.found;
+  search.exhausted = found.exhausted;
+  const bool solved = !found.exhausted && found.fit.residues.cols() > 0;
+  bool holds = false;
+  if (solved && found.covariance.full_rank) {
+    search.points = check_points(band, found.fit.poles, options);
+    const MatrixXcd misfit = band.lines.H - found.model;
+    const double excess = misfit_correlation(found.noise, misfit).excess;
+    holds = global_fit_holds(band, search.points, found, excess);
+  }
+  const auto keep = [&] {
+    const auto points = static_cast<Index>(columns_of_points(band).size());
+    search.found.covariance = modal_covariance(band.lines, found.noise, found.fit);
+    widen_to_points(search.points, points, options.min_prominence, search.found);
+    return search;
+  };
+  if (holds && !has_twins(band, found.fit.poles)) return keep();
+  if (!found.exhausted && !solved) return search;
+  LocalModes local =
+      find_local_modes(band, local_candidates(band, clusters, found, noise, options), options);
+  if (holds && static_cast<Index>(local.modes.size()) >= found.fit.poles.size()) return keep();
+  search.local = true;
+  std::vector<DroppedCluster> dropped = std::move(search.found.dropped);
+  search.found = as_found_modes(band, local, noise, clusters);
+  search.found.dropped = std::move(dropped);
+  search.points = std::move(local.modes);
+  search.weak = std::move(local.weak);
+  return search;
+}
+
+/// Raises variances by what correlates in the misfit: their formula is that of noise.
+void allow_for_misfit(const MatrixXcd& H, FoundModes& found) {
+  if (found.model.size() == 0 || !found.covariance.full_rank) return;
+  const double inflation = misfit_inflation(found.noise, H - found.model);
+  found.covariance.poles *= inflation;
+  found.covariance.residue_std_re *= std::sqrt(inflation);
+  found.covariance.residue_std_im *= std::sqrt(inflation);
+}
+
+/// Frequency and damping ratio of a pole, and their derivatives with respect to its two parts.
+void fill_frequency_and_damping(Complex pole, IdentifiedMode& mode, Eigen::Matrix2d& jacobian) {
+  const double x = pole.real(), y = pole.imag(), w = std::abs(pole);
+  mode.frequency_hz.value = w / kTwoPi;
+  mode.damping_ratio.value = -x / w;
+  jacobian << x / (w * kTwoPi), y / (w * kTwoPi), -y * y / (w * w * w), x * y / (w * w * w);
+}
+
+/// u and v of the nearest u v^T, |v| = 1, by powers of residue' residue: where the second singular
+/// value is so near the first that they converge slowly, any mixture is as near.
+std::pair<VectorXcd, VectorXcd> nearest_rank_one(const MatrixXcd& residue) {
+  Index strongest = 0;
+  residue.colwise().squaredNorm().maxCoeff(&strongest);
+  VectorXcd v = residue.adjoint() * residue.col(strongest);
+  if (!(v.norm() > 0)) v = VectorXcd::Unit(residue.cols(), strongest);
+  v.normalize();
+  for (int power = 0; power < 1000; ++power) {
+    VectorXcd next = residue.adjoint() * (residue * v);
+    const double length = next.norm();
+    if (!(length > 0)) break;
+    next /= length;
+    const double change = (next - v).norm();
+    v = next;
+    if (change < 1e-15) break;
+  }
+  return {residue * v, v.conjugate()};
+}
+
+void fill_shape(const ModalRefineResult& fit, const ModalCovariance& covariance, Index r,
+                Index inputs, IdentifiedMode& mode) {
+  const Index responses = fit.residues.cols() / inputs;
+  MatrixXcd residue(responses, inputs);
+  for (Index c = 0; c < fit.residues.cols(); ++c) {
+    residue(c / inputs, c % inputs) = fit.residues(r, c);
+  }
+  Index strongest = 0;
+  if (inputs == 1) {
+    mode.shape = residue.col(0);
+    mode.participation = VectorXcd::Ones(1);
+  } else {
+    // The nearest matrix of rank one, with the strongest input's participation made 1.
+    const auto [u, v] = nearest_rank_one(residue);
+    v.cwiseAbs().maxCoeff(&strongest);
+    mode.participation = v / v[strongest];
+    mode.shape = u * v[strongest];
+  }
+  mode.shape_std.resize(responses, 2);
+  for (Index o = 0; o < responses; ++o) {
+    mode.shape_std(o, 0) = covariance.residue_std_re(r, o * inputs + strongest);
+    mode.shape_std(o, 1) = covariance.residue_std_im(r, o * inputs + strongest);
+  }
+  mode.modal_phase_collinearity = modal_phase_collinearity(mode.shape);
+}
+
+/// A mode as the points show it, and how it varies between them.
+void fill_points(const FrfSet& frfs, const ModalBand& band, const LocalMode& local,
+                 IdentifiedMode& mode) {
+  const double w = std::abs(mode.pole_rad_s);
+  mode.between_points_std_hz = local.frequency.between_std / kTwoPi;
+  mode.between_points_std_damping = local.decay.between_std / w;
+  mode.trend_hz = {local.frequency.trend.value / kTwoPi, local.frequency.trend.std / kTwoPi};
+  mode.has_trend = local.frequency.has_trend;
+  if (local.together || columns_of_points(band).size() < 2) return;
+  const bool by_input = points_are_inputs(band);
+  for (const PointPole& found : local.points) {
+    const auto at = static_cast<std::size_t>(found.point);
+    ModeAtPoint point;
+    point.point = by_input ? frfs.inputs[at] : frfs.responses[at];
+    point.order = found.point;
+    const double magnitude = std::abs(found.pole);
+    point.frequency_hz = {magnitude / kTwoPi, found.std_im / kTwoPi};
+    point.damping_ratio = {-found.pole.real() / magnitude, found.std_re / magnitude};
+    point.misfit = found.misfit;
+    mode.points.push_back(point);
+  }
+}
+
+void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& search,
+                  ModalResult& result) {
+  const FoundModes& found = search.found;
+  const ModalRefineResult& fit = found.fit;
+  const ModalCovariance& covariance = found.covariance;
+  const Index inputs = band.lines.inputs;
+  const auto responses = static_cast<Index>(frfs.responses.size());
+  ModalModel& model = result.model;
+  model.lower_residual.resize(responses, inputs);
+  model.upper_residual.resize(responses, inputs);
+  for (Index c = 0; c < fit.lower.size(); ++c) {
+    model.lower_residual(c / inputs, c % inputs) = fit.lower[c];
+    model.upper_residual(c / inputs, c % inputs) = fit.upper[c];
+  }
+  std::vector<Index> order(found.presence.size());
+  for (std::size_t r = 0; r < order.size(); ++r) order[r] = static_cast<Index>(r);
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return std::abs(fit.poles[a]) < std::abs(fit.poles[b]); });
+  const auto size = static_cast<Index>(2 * order.size());
+  MatrixXd jacobian = MatrixXd::Zero(size, size);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Index r = order[i], row = static_cast<Index>(2 * i);
+    IdentifiedMode mode;
+    mode.pole_rad_s = fit.poles[r];
+    const Complex raw = fit.poles[r] - band.window;
+    mode.damping_ratio_with_window = -raw.real() / std::abs(raw);
+    mode.damping_dominated_by_window = band.window > -0.5 * raw.real();
+    Eigen::Matrix2d local;
+    fill_frequency_and_damping(mode.pole_rad_s, mode, local);
+    jacobian.block<2, 2>(row, 2 * r) = local;
+    fill_shape(fit, covariance, r, inputs, mode);
+    // A record that ends before the mode has decayed scales its residue by 1 - exp(raw * length),
+    // whose phase goes with that of the hit; as likely one way as another.
+    const double cut_off = std::exp(raw.real() / band.spacing_hz) / std::sqrt(2.0);
+    mode.shape_std = (mode.shape_std.array().square() +
+                      (cut_off * mode.shape.array().abs()).square().replicate(1, 2))
+                         .sqrt();
+    mode.presence = found.presence[static_cast<std::size_t>(r)];
+    mode.significance = std::sqrt(covariance.significance[r] / found.penalty);
+    mode.refinement = search.local ? "local" : "global";
+    fill_points(frfs, band, search.points[static_cast<std::size_t>(r)], mode);
+    model.modes.push_back(std::move(mode));
+  }
+  model.pole_covariance = jacobian * covariance.poles * jacobian.transpose();
+  MatrixXcd shapes(responses, static_cast<Index>(order.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto row = static_cast<Index>(2 * i);
+    model.modes[i].frequency_hz.std = std::sqrt(model.pole_covariance(row, row));
+    model.modes[i].damping_ratio.std = std::sqrt(model.pole_covariance(row + 1, row + 1));
+    shapes.col(static_cast<Index>(i)) = model.modes[i].shape;
+  }
+  result.auto_mac = auto_mac(shapes);
+}
+
+/// Columns without a mode: clusters that were given up, and tracks too short to be clusters.
+void list_rejected(const ModalBand& band, const ModalOptions& options, const Search& search,
+                   ModalResult& result) {
+  const FoundModes& found = search.found;
+  const auto apart = [](Complex p, Complex q) {
+    return std::abs(p - q) / (std::abs(p.real()) + std::abs(q.real()));
+  };
+  const auto is_mode = [&](Complex pole) {
+    return std::any_of(result.model.modes.begin(), result.model.modes.end(), [&](const auto& mode) {
+      return apart(pole, mode.pole_rad_s - band.window) < 2 * options.clusters.radius;
+    });
+  };
+  const auto add = [&](const PoleCluster& cluster, const std::string& code,
+                       const std::string& reason) {
+    const Complex pole = cluster.pole_rad_s + band.window;
+    result.rejected.push_back(
+        {std::abs(pole) / kTwoPi, -pole.real() / std::abs(pole), cluster.presence, code, reason});
+  };
+  for (const DroppedCluster& dropped : found.dropped) {
+    const PoleCluster& cluster = result.clusters[dropped.cluster];
+    if (!is_mode(cluster.pole_rad_s)) add(cluster, dropped.code, dropped.reason);
+  }
+  for (const WeakTrack& track : search.weak) {
+    const double magnitude = std::abs(track.pole);
+    if (is_mode(track.pole - band.window)) continue;
+    result.rejected.push_back(
+        {magnitude / kTwoPi, -track.pole.real() / magnitude, 0, track.code, track.reason});
+  }
+  PoleClusterOptions shorter = options.clusters;
+  shorter.min_presence /= 2;
+  for (const PoleCluster& cluster : cluster_poles(result.stabilisation, band.spacing_hz, shorter)) {
+    if (cluster.presence >= options.clusters.min_presence || is_mode(cluster.pole_rad_s)) continue;
+    add(cluster, "presence",
+        fmt::format("in {:.0f} % of the upper half of the orders, of which {:.0f} % are asked",
+                    100 * cluster.presence, 100 * options.clusters.min_presence));
+  }
+  std::sort(result.rejected.begin(), result.rejected.end(),
+            [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });
+}
 
 }  // namespace
 
 ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
-  return Identification(frfs, options).run();
+  ModalResult result;
+  ModalModel& model = result.model;
+  model.responses = frfs.responses;
+  model.inputs = frfs.inputs;
+  model.fitted_form = frfs.form;
+  model.exponential_decay_rate_1_s = frfs.exponential_decay_rate_1_s;
+  ModalBand band = select_band(frfs, options.low_hz, options.high_hz, model.notes);
+  const MatrixXcd& H = band.lines.H;
+  const Index inputs = band.lines.inputs;
+  result.lines_used = band.frequency_hz.size();
+  result.low_hz = band.frequency_hz[0];
+  result.high_hz = band.frequency_hz[result.lines_used - 1];
+  if (frfs.form == FrfForm::unknown) {
+    model.notes.push_back({"form_unknown",
+                           "the FRFs do not say whether they are receptances, mobilities or "
+                           "accelerances: the units of shapes and residuals are not known",
+                           ""});
+  }
+  for (Index c = 0; c < H.cols(); ++c) {
+    if (H.col(c).isZero(0)) {
+      model.notes.push_back({"dead_frf", "this FRF is zero throughout and was left out",
+                             frfs.responses[static_cast<std::size_t>(c / inputs)].name});
+    }
+  }
+  const bool has_error_bars = band.H_std.size() > 0;
+  const FrfNoise first = first_noise(band);
+  if (!first.column.cwiseInverse().any()) {
+    model.notes.push_back({"no_modes", "all FRFs are zero", ""});
+    result.noise = first;
+    model.pole_covariance.resize(0, 0);
+    return result;
+  }
+
+  const MatrixXcd background = band.lines.background;
+  band.beside = poles_beside(frfs, band, options);
+  set_background(background, band);
+  result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
+  result.clusters = cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
+  const auto search_all = [&] {
+    Search found = search_of(band, result.clusters, first, options);
+    if (!found.exhausted && allow_for_cut_off(frfs, found.found.fit.poles, found.misfit_of(H),
+                                              found.found.noise, options.max_work, band)) {
+      found = search_of(band, result.clusters, first, options);
+    }
+    return found;
+  };
+  Search search = search_all();
+  if (band.beside.size() > 0 && search.found.fit.end != RefineEnd::converged) {
+    // The fit without them is the one to trust then, as before they were looked for.
+    band.beside.resize(0);
+    set_background(background, band);
+    search = search_all();
+    model.notes.push_back({"modes_beside",
+                           "modes just outside of the band are left out, since the fit does not "
+                           "converge with them: the damping ratio of a mode near an end of the "
+                           "band may be off; a wider band holds them",
+                           ""});
+  }
+  if (!search.local) allow_for_misfit(H, search.found);
+  const FoundModes& found = search.found;
+  result.end = found.fit.end;
+  result.iterations = found.iterations;
+  result.noise = found.noise;
+  if (found.fit.residues.cols() == 0 || !found.covariance.full_rank) {
+    result.end = RefineEnd::rank_deficient;
+    model.lower_residual.setZero(static_cast<Index>(frfs.responses.size()), inputs);
+    model.upper_residual = model.lower_residual;
+    model.notes.push_back(
+        {"rank_deficient", "the lines of the band do not determine any mode", ""});
+    return result;
+  }
+  export_modes(frfs, band, search, result);
+  if (found.fit.background.size() > 0) {
+    result.background = band.lines.background * found.fit.background;
+    result.background_hz = band.frequency_hz;
+  }
+  list_rejected(band, options, search, result);
+  if (model.modes.empty()) {
+    model.notes.push_back(
+        {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});
+  }
+  measure_errors(model, frfs, result.low_hz, result.high_hz,
+                 band.lines.background.size() > 0 ? found.model : MatrixXcd());
+  for (IdentifiedMode& mode : model.modes) {
+    if (mode.refinement == "global" || mode.points.empty()) continue;
+    // Each point with its own pole: what a mode that varies leaves unexplained.
+    double sum = 0;
+    for (const ModeAtPoint& point : mode.points) sum += point.misfit * point.misfit;
+    mode.reconstruction_error = std::sqrt(sum / static_cast<double>(mode.points.size()));
+  }
+  if (has_error_bars) {
+    const MatrixXcd& m = found.model;
+    double sum = 0;
+    Index count = 0;
+    for (Index c = 0; c < H.cols(); ++c) {
+      if (!std::isfinite(first.column[c])) continue;
+      sum += ((H.col(c) - m.col(c)).array().abs2() /
+              (2 * first.line.array() *
+               (first.column[c] + first.common[c % inputs] * m.col(c).array().abs2())))
+                 .sum();
+      count += H.rows();
+    }
+    result.misfit_over_error_bars = std::sqrt(sum / static_cast<double>(count));
+  }
+  check_misfit(result, H - found.model);
+  judge_modes(result, band, H - found.model);
+  std::vector<ModeOfHits> hits = modes_of_hits(frfs, model);
+  if (!search.local) {
+    const auto averages = jackknife_of_hits(frfs, band, found.noise, found.fit);
+    for (std::size_t r = 0; r < averages.size(); ++r) hits[r].average = averages[r];
+  }
+  allow_for_hits(frfs, hits, model);
+  judge_damping(model);
+  return result;
 }
 
 }  // namespace rigfit::signal

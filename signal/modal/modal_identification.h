@@ -1,16 +1,14 @@
-// From FRFs to modes without initial guesses: candidates, one fit, groups, judgement.
+// From FRFs to modes without initial guesses: stabilisation over orders, clusters of poles, maximum
+// likelihood, a test of every mode, covariance, synthesis from what is exported.
 //
-// Candidates come from the stabilisation diagram (lscf.h) and from a matched filter over what is
-// left (pole_scan.h), round after round until nothing is gained. The fit is separable least squares
-// in windows around modes that overlap (pole_fit.h); which candidates are modes is told by
-// pole_sweep.h. Each group (hit, or point) has its own pole as well. Where groups agree
-// (chi-square, chance above 5 %), the pole is that of all together, its variance the fit's times
-// what groups scatter beyond their own (Birge's ratio, at least 1). Where they differ, it is the
-// mean over groups (groups.h), which is noted once (`groups_differ`). Intervals are Student's: std
-// is such that +-1.96 std hold 95 %. A mode is doubtful where fewer than a third of the points (two
-// thirds of the hits) see it, its damping is known to 25 % or worse, the window makes more than
-// half of its decay rate, its fit leaves more than its own peak, or a single FRF shows it within a
-// stronger one. What lies beyond the band is fitted (a quarter of its width) and not reported.
+// Candidates come from the stabilisation diagram of the whole band first. What the fitted modes
+// leave is then searched in overlapping parts of the band, each time four times narrower, so that
+// modes that lie close for the width of the band, or are weak beside others, are found too. A
+// candidate stays when it lies in the band, is damped less than `LscfOptions::max_damping_ratio`,
+// is as prominent as `min_prominence`, and its residues stand out of the noise of all FRFs by more
+// than what the Bayesian information criterion asks for its 2 + 2 FRFs parameters (Schwarz, Ann.
+// Stat. 6 (1978) 461). An exponential window's decay rate is part of the frequency axis
+// (modal_basis.h): poles come out without it.
 #pragma once
 
 #include "signal/modes/modal_result.h"

@@ -27,6 +27,14 @@ struct ModeAtPoint {
   double misfit = 0;  ///< rms misfit over rms FRF within the half bandwidth, own pole
 };
 
+/// What changes from hit to hit, beyond noise (hit_scatter.h).
+struct BetweenHits {
+  int hits = 0;                 ///< that show the mode by themselves; 0: not known
+  double frequency_std_hz = 0;  ///< of one hit
+  double damping_std = 0;
+  bool beyond_noise = false;  ///< then value and standard deviation allow for it
+};
+
 struct IdentifiedMode {
   Estimate frequency_hz;   ///< undamped natural frequency |p| / 2 pi, window damping removed
   Estimate damping_ratio;  ///< window damping removed
@@ -37,16 +45,24 @@ struct IdentifiedMode {
   Eigen::VectorXcd participation;        ///< one per input
   double modal_phase_collinearity = 0;   ///< MPC, 0..1
   double reconstruction_error = 0;       ///< rms misfit over rms FRF near the mode
-  /// How far the residues of all FRFs stand out of their noise: root of an F statistic.
+  /// Share of the orders of the stabilisation diagram that show the mode, 0..1.
+  double presence = 0;
+  /// How far the residues of all FRFs together stand out of their noise: root of the sum over FRFs
+  /// of residue' covariance^-1 residue, over what chance gives a mode that is not there.
   double significance = 0;
   /// The window's decay rate is more than half of what was measured: the corrected damping is
   /// mostly a difference of large numbers and is not to be used.
   bool damping_dominated_by_window = false;
-  bool sure_but_for_window = false;  ///< that is the only reason to doubt it
-  /// Scatter between points beyond the points' own errors (tau).
+  /// What gave the pole: "global" (maximum likelihood of all FRFs, whose misfit looks like noise),
+  /// "local" (fits of the lines around it, point by point, and their mean).
+  std::string refinement = "global";
+  /// Scatter of the frequency between points beyond the points' own errors (tau), drift included.
   double between_points_std_hz = 0;
   double between_points_std_damping = 0;
+  Estimate trend_hz;  ///< change of frequency from one point to the next; NaN: fewer than 4 points
+  bool has_trend = false;           ///< chance of such a trend without one below 1 %
   std::vector<ModeAtPoint> points;  ///< where several points were measured, in their order
+  BetweenHits between_hits;
   bool doubtful = false;
   std::string doubt;  ///< why, for a person; empty when not doubtful
 };

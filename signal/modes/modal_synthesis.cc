@@ -5,36 +5,32 @@
 #include <complex>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
+
+#include "signal/refinement/modal_basis.h"
+#include "signal/refinement/residues.h"
 
 namespace rigfit::signal {
+namespace {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
 
-int power_of_s(FrfForm form) {
-  switch (form) {
-    case FrfForm::mobility:
-      return 1;
-    case FrfForm::accelerance:
-      return 2;
-    default:
-      return 0;
+Eigen::MatrixXd rows(const Eigen::MatrixXd& m, const std::vector<Index>& which) {
+  Eigen::MatrixXd result(static_cast<Index>(which.size()), m.cols());
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    result.row(static_cast<Index>(i)) = m.row(which[i]);
   }
+  return result;
 }
 
-Eigen::VectorXcd laplace_lines(const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
-                               double decay_rate_1_s) {
-  Eigen::VectorXcd s(frequency_hz.size());
-  s.real().setConstant(decay_rate_1_s);
-  s.imag() = 2 * std::numbers::pi * frequency_hz;
-  return s;
-}
+}  // namespace
 
 FrfSet synthesised(const ModalModel& model, const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
                    FrfForm form, double decay_rate_1_s) {
   if (model.fitted_form == FrfForm::unknown && form != FrfForm::unknown) {
     throw std::invalid_argument("synthesised: the form of the fitted FRFs is not known");
   }
+  const auto modes = static_cast<Index>(model.modes.size());
   const auto responses = static_cast<Index>(model.responses.size());
   const auto inputs = static_cast<Index>(model.inputs.size());
   FrfSet set;
@@ -52,29 +48,92 @@ FrfSet synthesised(const ModalModel& model, const Eigen::Ref<const Eigen::Vector
   } else {
     set.frequency_hz = frequency_hz;
   }
-  const Eigen::ArrayXcd s = laplace_lines(set.frequency_hz, decay_rate_1_s).array();
-  const auto modes = static_cast<Index>(model.modes.size());
-  // Functions of frequency beside their factors: each mode's pole and conjugate, then residuals.
-  Eigen::MatrixXcd basis(s.size(), 2 * modes + 2);
-  Eigen::MatrixXcd factors = Eigen::MatrixXcd::Zero(2 * modes + 2, responses * inputs);
-  for (Index r = 0; r < modes; ++r) {
-    const IdentifiedMode& mode = model.modes[static_cast<std::size_t>(r)];
-    basis.col(2 * r) = (s - mode.pole_rad_s).inverse();
-    basis.col(2 * r + 1) = (s - std::conj(mode.pole_rad_s)).inverse();
-    for (Index c = 0; c < responses * inputs; ++c) {
-      factors(2 * r, c) = mode.shape[c / inputs] * mode.participation[c % inputs];
-      factors(2 * r + 1, c) = std::conj(factors(2 * r, c));
+
+  Eigen::VectorXcd poles(modes), lower(responses * inputs), upper(responses * inputs);
+  Eigen::MatrixXcd residues(modes, responses * inputs);
+  for (Index o = 0; o < responses; ++o) {
+    for (Index i = 0; i < inputs; ++i) {
+      const Index c = set.column(o, i);
+      lower[c] = model.lower_residual(o, i);
+      upper[c] = model.upper_residual(o, i);
+      for (Index r = 0; r < modes; ++r) {
+        const IdentifiedMode& mode = model.modes[static_cast<std::size_t>(r)];
+        poles[r] = mode.pole_rad_s;
+        residues(r, c) = mode.shape[o] * mode.participation[i];
+      }
     }
   }
-  basis.col(2 * modes) = s.square().inverse();
-  basis.col(2 * modes + 1).setOnes();
-  for (Index c = 0; c < responses * inputs && model.lower_residual.size() > 0; ++c) {
-    factors(2 * modes, c) = model.lower_residual(c / inputs, c % inputs);
-    factors(2 * modes + 1, c) = model.upper_residual(c / inputs, c % inputs);
-  }
-  const int power = power_of_s(form);
-  set.H = s.pow(power).matrix().asDiagonal() * (basis * factors);
+  set.H = synthesise(laplace_lines(set.frequency_hz, decay_rate_1_s), power_of_s(form), poles,
+                     residues, lower, upper);
   return set;
+}
+
+FrfSet synthesised(const ModalResult& fit, const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
+                   FrfForm form) {
+  const double window = fit.model.exponential_decay_rate_1_s;
+  FrfSet set = synthesised(fit.model, frequency_hz, form, window);
+  if (fit.background.size() == 0) return set;
+  const Eigen::VectorXd& known = fit.background_hz;
+  const int power = power_of_s(form) - power_of_s(fit.model.fitted_form);
+  const Eigen::VectorXcd s = laplace_lines(set.frequency_hz, window);
+  for (Index k = 0; k < set.frequency_hz.size(); ++k) {
+    const double f = set.frequency_hz[k];
+    if (f < known[0] || f > known[known.size() - 1]) continue;
+    const Index above =
+        std::max<Index>(1, std::lower_bound(known.begin(), known.end(), f) - known.begin());
+    const double part = (f - known[above - 1]) / (known[above] - known[above - 1]);
+    set.H.row(k) += std::pow(s[k], power) *
+                    ((1 - part) * fit.background.row(above - 1) + part * fit.background.row(above));
+  }
+  return set;
+}
+
+void measure_errors(ModalModel& model, const FrfSet& measured, double low_hz, double high_hz,
+                    const Eigen::Ref<const Eigen::MatrixXcd>& fitted) {
+  const auto responses = static_cast<Index>(model.responses.size());
+  const auto inputs = static_cast<Index>(model.inputs.size());
+  std::vector<Index> lines;
+  for (Index k = 0; k < measured.frequency_hz.size(); ++k) {
+    const double f = measured.frequency_hz[k];
+    if (f > 0 && f >= low_hz && f <= high_hz && measured.H.row(k).allFinite()) lines.push_back(k);
+  }
+  const Eigen::VectorXd f = rows(measured.frequency_hz, lines);
+  const Eigen::MatrixXcd again =
+      fitted.rows() == f.size()
+          ? Eigen::MatrixXcd(fitted)
+          : synthesised(model, f, model.fitted_form, measured.exponential_decay_rate_1_s).H;
+  Eigen::MatrixXd misfit(f.size(), responses * inputs), power(f.size(), responses * inputs);
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const auto i = static_cast<Index>(k);
+    misfit.row(i) = (again.row(i) - measured.H.row(lines[k])).cwiseAbs2();
+    power.row(i) = measured.H.row(lines[k]).cwiseAbs2();
+  }
+  const auto ratio = [](double above, double below) {
+    return below > 0 ? std::sqrt(above / below) : 0.0;
+  };
+  model.frf_error.resize(responses, inputs);
+  for (Index o = 0; o < responses; ++o) {
+    for (Index i = 0; i < inputs; ++i) {
+      const Index c = measured.column(o, i);
+      model.frf_error(o, i) = ratio(misfit.col(c).sum(), power.col(c).sum());
+    }
+  }
+  for (IdentifiedMode& mode : model.modes) {
+    const double centre = std::abs(mode.pole_rad_s.imag()) / (2 * std::numbers::pi);
+    const double half =
+        (measured.exponential_decay_rate_1_s - mode.pole_rad_s.real()) / (2 * std::numbers::pi);
+    const Index nearest =
+        std::distance(f.begin(), std::min_element(f.begin(), f.end(), [&](double a, double b) {
+                        return std::abs(a - centre) < std::abs(b - centre);
+                      }));
+    double above = 0, below = 0;
+    for (Index k = 0; k < f.size(); ++k) {
+      if (std::abs(f[k] - centre) > half && std::abs(k - nearest) > 1) continue;
+      above += misfit.row(k).sum();
+      below += power.row(k).sum();
+    }
+    mode.reconstruction_error = ratio(above, below);
+  }
 }
 
 }  // namespace rigfit::signal

@@ -42,8 +42,15 @@ struct FrfSet {
   /// window, where in time the noise is.
   double pre_trigger_s = 0;
   /// FRFs of the single hits behind the average, layout as H, fewer lines; columns of inputs with
-  /// fewer hits are NaN. Hits are groups of a modal fit. Empty: not kept.
+  /// fewer hits are NaN. Tells what changes between hits (hit_scatter.h). Empty: not kept.
   std::vector<Eigen::MatrixXcd> by_hit;
+  /// Integral of the force over each hit's pulse by input, then hit, in the order of `by_hit`: the
+  /// force's unit times s, N s as a rule. Weighs the hits (hit_jackknife.h). Empty: not known.
+  std::vector<std::vector<double>> hit_impulse;
+  /// The longest time between a hit and noise on the force that a force window leaves, or the hit's
+  /// block's beginning where its end cuts the responses off: either adds to H the transform of a
+  /// signal that lies within this time of the hit, smooth over lines. 0: nothing of the kind.
+  double force_noise_span_s = 0;
   int averages = 0;
   double sample_rate_hz = 0;
   /// Standard uncertainty of the rate, relative: all frequencies are off by it alike

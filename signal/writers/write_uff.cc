@@ -228,7 +228,7 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
           fmt::format("averages={} rate={} decay={} pre={:.6g}", frfs.averages, frfs.sample_rate_hz,
                       frfs.exponential_decay_rate_1_s, frfs.pre_trigger_s);
       // A line holds 80 characters.
-      f.id[4] = fmt::format("rigfit x0={} dx={}", start, step);
+      f.id[4] = fmt::format("rigfit x0={} dx={} span={:.4g}", start, step, frfs.force_noise_span_s);
       if (frfs.sample_rate_relative_std > 0) {
         f.id[4] += fmt::format(" rate_u={:.2g}", frfs.sample_rate_relative_std);
       }

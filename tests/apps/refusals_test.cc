@@ -293,7 +293,7 @@ TEST(Refusals, OfRecordings) {
        {"bending @gaps.csv", 3, "gaps.csv"},
        {"frf @two.csv --force F --response F", 2, "\"F\" is the force: it cannot be a response"},
        {"frf @two.csv --force F --force-window x", 2,
-        "--force-window is auto, off or a time"},
+        "--force-window is by-noise, off, auto or a time"},
        {"frf @two.csv --force F --struck a b", 2, "--struck names 2 points for 1 file"},
        {"frf @two.csv --force F --response a", 4, "no hit in \"F\""},
        {"modal @decay.csv --force a", 4, "has no channel besides the force"},

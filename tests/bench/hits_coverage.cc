@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -75,7 +76,7 @@ void one_seed(const Case& test, std::uint64_t seed, Tally& tally) {
 std::vector<Case> cases() {
   std::vector<Case> list;
   const auto add = [&](const std::string& name, const testing::StrikeOptions& strike,
-                       double window = -1) {
+                       std::optional<double> window = {}) {
     for (const Index responses : {Index{1}, Index{6}}) {
       Case one{name, responses, strike, {}};
       one.impact.force_window_s = window;
@@ -87,10 +88,11 @@ std::vector<Case> cases() {
   testing::StrikeOptions noisy = plain;
   noisy.force_noise = 0.02;
   add("force noise 2 %, window off", noisy, 0.0);
-  add("force noise 2 %", noisy);
+  add("force noise 2 %, window auto", noisy, -1.0);
   add("force noise 2 %, window 0.1 s", noisy, 0.1);
+  add("force noise 2 %, by noise", noisy);
   noisy.force_noise_colour = 0.95;
-  add("force noise 2 %, coloured", noisy);
+  add("force noise 2 %, coloured, by noise", noisy);
   for (const double scatter : {1e-4, 1e-3, 3e-3}) {
     testing::StrikeOptions changing = plain;
     changing.frequency_scatter = scatter;

@@ -70,10 +70,10 @@ void run_file(const std::filesystem::path& path, const Known* known) {
         if (known->damping_ratio[i] > 0) z = fmt::format("{:.4g}", 100 * known->damping_ratio[i]);
         break;
       }
-      fmt::print("| {:.6g} | {:.2g} | {:.4g} | {:.2g} | {:.2g} | {} | {} | {} | {} |\n",
+      fmt::print("| {:.6g} | {:.2g} | {:.4g} | {:.2g} | {:.2g} | {} | {} | {} | {} | {} |\n",
                  mode.frequency_hz.value, mode.frequency_hz.std, 100 * mode.damping_ratio.value,
                  100 * mode.damping_ratio.std, mode.between_points_std_hz, mode.points.size(),
-                 f, z, mode.doubtful ? "doubtful: " + mode.doubt : "");
+                 mode.refinement, f, z, mode.doubtful ? "doubtful: " + mode.doubt : "");
     }
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (!seen[i]) fmt::print("\nNot found: {} Hz.\n", known->frequency_hz[i]);

@@ -45,7 +45,7 @@ struct Tally {
 
 struct Study {
   std::vector<Tally> modes{10};
-  int right = 0, fewer = 0, more = 0;
+  int right = 0, fewer = 0, more = 0, unconverged = 0;
   double frf_s = 0, modal_s = 0;
   std::mutex mutex;
 };
@@ -78,6 +78,7 @@ void one_seed(const testing::TenModeTruth& truth, const Options& options, double
   const std::scoped_lock lock(study.mutex);
   study.frf_s += frf_s;
   study.modal_s += modal_s;
+  study.unconverged += result.end != signal::RefineEnd::converged;
   const auto& modes = result.model.modes;
   if (modes.size() != 10) {
     ++(modes.size() < 10 ? study.fewer : study.more);
@@ -123,10 +124,10 @@ void print(const Study& study, const testing::TenModeTruth& truth, const Options
   fmt::print("\n## Exponential window {} 1/s, noise {} %, {} seeds, to {} Hz\n\n", window,
              100 * options.noise, options.seeds, options.high_hz);
   fmt::print(
-      "Ten modes in {} of {} seeds (fewer: {}, more: {}); mean time {:.0f} "
+      "Ten modes in {} of {} seeds (fewer: {}, more: {}); not converged: {}; mean time {:.0f} "
       "ms for FRFs, {:.0f} ms for modes.\n\n",
-      study.right, options.seeds, study.fewer, study.more, 1e3 * study.frf_s / options.seeds,
-      1e3 * study.modal_s / options.seeds);
+      study.right, options.seeds, study.fewer, study.more, study.unconverged,
+      1e3 * study.frf_s / options.seeds, 1e3 * study.modal_s / options.seeds);
   fmt::print(
       "| f, Hz | damping, % | worst f, ppm | rms f, ppm | worst damping, % of it | rms | f in "
       "95 % | damping in 95 % | residues in 95 % | mean error / std, f | damping | least MAC |\n");

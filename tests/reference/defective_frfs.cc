@@ -90,6 +90,7 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
             residue * part + std::conj(residue) * (s.array() - std::conj(pole)).inverse().matrix();
       }
     }
+    if (options.hit_sizes && options.points_are_inputs) set.hit_impulse.push_back({size_of_hit});
     for (Index e = 0; e < fixed; ++e) {
       const auto k = static_cast<std::size_t>(e);
       set.H.col(options.points_are_inputs ? e * options.points + c : c * fixed + e) =

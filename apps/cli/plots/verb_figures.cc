@@ -47,9 +47,8 @@ void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures) {
   std::optional<signal::FrfSet> rebuilt;
   if (figures.modal && !figures.modal->model.modes.empty()) {
     rebuilt = signal::synthesised(
-        figures.modal->model,
-        frfs.frequency_hz.segment(range.first, range.last - range.first + 1), frfs.form,
-        figures.modal->model.exponential_decay_rate_1_s);
+        *figures.modal, frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
+        frfs.form);
   }
   for (auto& plot : frf_figures({"test", "", Origin::measured}, frfs, range, figures.modal,
                                 rebuilt ? &*rebuilt : nullptr)) {

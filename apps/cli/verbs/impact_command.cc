@@ -35,9 +35,11 @@ signal::ImpactTestOptions options_of(const ImpactCommand& command) {
   options.estimator = command.estimator == "h2"   ? signal::FrfEstimator::h2
                       : command.estimator == "hv" ? signal::FrfEstimator::hv
                                                   : signal::FrfEstimator::h1;
-  if (command.force_window == "off") {
+  if (command.force_window == "auto") {
+    options.force_window_s = -1;
+  } else if (command.force_window == "off") {
     options.force_window_s = 0;
-  } else if (command.force_window != "auto") {
+  } else if (command.force_window != "by-noise") {
     std::size_t used = 0;
     double seconds = 0;
     try {
@@ -46,7 +48,7 @@ signal::ImpactTestOptions options_of(const ImpactCommand& command) {
       used = 0;
     }
     if (used != command.force_window.size() || !(seconds > 0) || !std::isfinite(seconds)) {
-      throw UsageError("--force-window is auto, off or a time in seconds, not \"" +
+      throw UsageError("--force-window is by-noise, off, auto or a time in seconds, not \"" +
                        command.force_window + "\"");
     }
     options.force_window_s = seconds;
@@ -98,8 +100,9 @@ describe::Options options_of(ImpactCommand& c) {
       option("--estimator", c.estimator, "h1: noise on responses, h2: on force, hv: both")
           .one_of({"h1", "h2", "hv"}),
       option("--force-window", c.force_window,
-             "Seconds of force kept from the pulse's start, auto (three pulse lengths) or off")
-          .type("S|auto|off"),
+             "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
+             "by-noise: auto where the noise on the force matters, else off")
+          .type("S|auto|off|by-noise"),
       option("--exponential-window", c.exponential_window,
              "Decay rate of a window on force and responses, 1/s; its damping is carried along and "
              "taken off the poles again")

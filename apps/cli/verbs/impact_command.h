@@ -17,7 +17,7 @@ struct ImpactCommand {
   std::string driving_point;
   std::vector<std::string> struck;  ///< point struck in each file; empty: one point in all
   std::string estimator = "h1";
-  std::string force_window = "auto";  ///< that, "off" or seconds
+  std::string force_window = "by-noise";  ///< that, "off", "auto" or seconds
   double exponential_window = 0;          ///< 1/s
   double exponential_end_level = 0;       ///< 0..1; 0: not used
   std::vector<double> band;               ///< Hz, two or none

@@ -101,6 +101,19 @@ Json stabilisation_json(const signal::LscfResult& diagram) {
   return {{"highest_order", diagram.orders_solved}, {"poles", std::move(poles)}};
 }
 
+/// What the fit has besides modes and residuals, over the FRFs, rms over the lines of the fit;
+/// null: nothing.
+Json background_json(const signal::ModalResult& found, const signal::FrfSet& frfs) {
+  if (found.background.size() == 0) return nullptr;
+  double power = 0;
+  for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
+    const double f = frfs.frequency_hz[k];
+    if (f < found.low_hz || f > found.high_hz || f == 0 || !frfs.H.row(k).allFinite()) continue;
+    power += frfs.H.row(k).squaredNorm();
+  }
+  return {{"part_of_frfs", power > 0 ? found.background.norm() / std::sqrt(power) : 0.0}};
+}
+
 /// Sure modes, and how many others there are; `all`: those too.
 void print(std::ostream& out, const signal::ModalResult& result, bool all) {
   std::size_t others = 0;
@@ -127,13 +140,19 @@ void print(std::ostream& out, const signal::ModalResult& result, bool all) {
   if (others > 0) out << fmt::format("and {} uncertain: --all lists them\n", others);
   for (const auto& mode : result.model.modes) {
     if (mode.doubtful && !all) continue;
-    if (!(mode.between_points_std_hz > 0)) continue;
-    out << fmt::format("{} Hz is the mean of {} points; scatter between them {} Hz\n",
-                       value_digits(mode.frequency_hz.value, mode.frequency_hz.std),
-                       mode.points.size(), std_digits(mode.between_points_std_hz));
+    if (mode.refinement == "global" || mode.points.size() < 2) continue;
+    out << fmt::format(
+        "{} Hz is the mean of {} points; scatter between them {} Hz{}\n",
+        value_digits(mode.frequency_hz.value, mode.frequency_hz.std), mode.points.size(),
+        std_digits(mode.between_points_std_hz),
+        mode.has_trend ? fmt::format(", {:+.2g} Hz from point to point", mode.trend_hz.value) : "");
   }
-  out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}\n", result.low_hz,
+  out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", result.low_hz,
                      result.high_hz, result.lines_used, result.stabilisation.orders_solved);
+  if (result.misfit_over_error_bars) {
+    out << fmt::format("; misfit {:.2f} of the FRFs' error bars", *result.misfit_over_error_bars);
+  }
+  out << '\n';
 }
 
 ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand& options) {
@@ -212,6 +231,7 @@ Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, Ver
   const signal::ModalResult& found = *identified.modal;
   const signal::ModalModel& model = found.model;
   context.tell(identified.findings);
+  if (!identified.converged()) context.exit_code = ExitCode::not_converged;
   for (const auto& mode : model.modes) result["modes"].push_back(mode_json(mode));
   print(context.out, found, options.all);
   if (context.plots) {
@@ -227,11 +247,15 @@ Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, Ver
   result["band_hz"] = {found.low_hz, found.high_hz};
   result["lines"] = found.lines_used;
   result["exponential_decay_rate_1_s"] = model.exponential_decay_rate_1_s;
+  result["misfit_over_error_bars"] =
+      found.misfit_over_error_bars ? Json(*found.misfit_over_error_bars) : Json(nullptr);
+  result["fit"] = {{"end", name_of(found.end)}, {"iterations", found.iterations}};
   result["frf_error"] = matrix_json(model.frf_error);
   result["auto_mac"] = matrix_json(found.auto_mac);
   result["pole_covariance"] = matrix_json(model.pole_covariance);
   result["lower_residual"] = matrix_json(model.lower_residual);
   result["upper_residual"] = matrix_json(model.upper_residual);
+  result["background"] = background_json(found, measured.frfs);
   result["stabilisation"] = stabilisation_json(found.stabilisation);
 
   if (!options.out.empty()) {
@@ -240,8 +264,7 @@ Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, Ver
     context.out << "modes (UFF 55): " << options.out << '\n';
   }
   if (!options.synthesis.empty()) {
-    const signal::FrfSet again = synthesised(model, measured.frfs.frequency_hz, model.fitted_form,
-                                             model.exponential_decay_rate_1_s);
+    const signal::FrfSet again = synthesised(found, measured.frfs.frequency_hz, model.fitted_form);
     context.write(options.synthesis, signal::uff_text(again, signal::UffEncoding::binary));
     result["synthesis"] = options.synthesis;
     context.out << "FRFs rebuilt from the modes (UFF 58): " << options.synthesis << '\n';

@@ -202,7 +202,17 @@ Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found,
     chosen.x.insert(chosen.x.end(), {f, f, f});
     chosen.y.insert(chosen.y.end(), {0.0, highest, std::numeric_limits<double>::quiet_NaN()});
   }
-  for (auto* series : {&other, &stable, &chosen}) {
+  PlotSeries rejected;
+  rejected.name = "columns rejected (listed below)";
+  rejected.origin = origin;
+  rejected.style = PlotSeries::Style::dashed;
+  rejected.variant = 2;
+  for (const auto& column : found.rejected) {
+    const double f = column.frequency_hz;
+    rejected.x.insert(rejected.x.end(), {f, f, f});
+    rejected.y.insert(rejected.y.end(), {0.0, highest, std::numeric_limits<double>::quiet_NaN()});
+  }
+  for (auto* series : {&other, &stable, &rejected, &chosen}) {
     if (!series->x.empty()) plot.series.push_back(std::move(*series));
   }
   return plot;

@@ -128,8 +128,7 @@ class HitsShown {
     std::optional<signal::FrfSet> rebuilt;
     if (found.has_modes()) {
       rebuilt = signal::synthesised(
-          modal.model, frfs.frequency_hz.segment(range.first, range.last - range.first + 1),
-          frfs.form, modal.model.exponential_decay_rate_1_s);
+          modal, frfs.frequency_hz.segment(range.first, range.last - range.first + 1), frfs.form);
     }
     for (auto& plot : frf_figures({test_.name, file_word(label), found.origin}, frfs, range, &modal,
                                   rebuilt ? &*rebuilt : nullptr)) {
@@ -143,7 +142,8 @@ class HitsShown {
     if (modes_.columns.empty()) {
       modes_.columns = {{"state", {}, false},         {"frequency, Hz", found.origin},
                         {"damping, %", found.origin}, {"MPC", found.origin},
-                        {"misfit, %", found.origin},  {"remarks", {}, false}};
+                        {"misfit, %", found.origin},  {"in the diagram, %", found.origin},
+                        {"remarks", {}, false}};
     }
     add_answers(found, label);
     Json list = Json::array();
@@ -160,11 +160,19 @@ class HitsShown {
                : Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
                       found.origin),
            fmt::format("{:.3f}", mode.modal_phase_collinearity),
-           shown(100 * mode.reconstruction_error, 2),
+           shown(100 * mode.reconstruction_error, 2), fmt::format("{:.0f}", 100 * mode.presence),
            remark});
       first = false;
       list.push_back(mode_json(mode));
       ++modes_found_;
+    }
+    Json rejected = Json::array();
+    for (const auto& column : modal.rejected) {
+      rejected.push_back({{"frequency_hz", column.frequency_hz},
+                          {"damping_ratio", column.damping_ratio},
+                          {"presence", column.presence},
+                          {"code", column.code},
+                          {"reason", column.reason}});
     }
     Json state;
     state["tension_N"] = found.tension_N ? Json(*found.tension_N) : Json(nullptr);
@@ -174,9 +182,12 @@ class HitsShown {
     state["frf_form"] = name_of(frfs.form);
     state["units"] = frfs.unit;
     state["band_hz"] = {modal.low_hz, modal.high_hz};
+    state["misfit_over_error_bars"] =
+        modal.misfit_over_error_bars ? Json(*modal.misfit_over_error_bars) : Json(nullptr);
     state["force_window"] = force_window_json(found.hammer);
     state["struck"] = json_hits_[label];
     state["modes"] = std::move(list);
+    state["rejected_columns"] = std::move(rejected);
     state["uff"] = {uff_path("frf", label), uff_path("modes", label)};
     part_.json["states"].push_back(std::move(state));
   }

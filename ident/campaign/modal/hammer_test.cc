@@ -204,6 +204,10 @@ HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
   return test;
 }
 
+bool IdentifiedModes::converged() const {
+  return modal && (modal->end == signal::RefineEnd::converged || modal->model.modes.empty());
+}
+
 IdentifiedModes identify(const signal::FrfSet& frfs,
                          const std::optional<std::pair<double, double>>& band_hz, double usable_hz,
                          signal::ModalOptions options) {
@@ -226,16 +230,24 @@ IdentifiedModes identify(const signal::FrfSet& frfs,
     }
   }
   for (const auto& note : result.model.notes) {
-    const bool refused = note.code == "no_modes";
+    const bool refused = note.code == "no_modes" || note.code == "rank_deficient";
     found.findings.push_back({note.code, note.message, note.where, refused});
   }
   for (const auto& mode : result.model.modes) {
     const std::string where = fmt::format("{:.4g} Hz", mode.frequency_hz.value);
-    if (mode.sure_but_for_window) {
+    if (mode.damping_dominated_by_window) {
       found.findings.push_back({"window_damping", mode.doubt, where, true});
     } else if (mode.doubtful) {
       found.findings.push_back({"doubtful_mode", mode.doubt, where, false});
     }
+  }
+  if (!found.converged()) {
+    found.findings.push_back(
+        {"not_converged",
+         fmt::format("the refinement ended by {} after {} iterations: frequencies and damping are "
+                     "near, not at, the best fit",
+                     name_of(result.end), result.iterations),
+         "", false});
   }
   return found;
 }

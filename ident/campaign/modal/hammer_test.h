@@ -59,9 +59,10 @@ struct HammerTest {
 
 struct IdentifiedModes {
   std::optional<signal::ModalResult> modal;  ///< empty: too few lines; see `findings`
-  /// Refused: "no_modes", "window_damping" (of a mode that nothing else makes doubtful: its
-  /// frequency stands). Warnings: "doubtful_mode" among others.
+  /// Refused: "no_modes", "rank_deficient", "window_damping" (of one mode: its frequency stands).
+  /// Warnings: "doubtful_mode" and "not_converged" among others.
   std::vector<Finding> findings;
+  [[nodiscard]] bool converged() const;
 };
 
 /// Modes of FRFs. The band is `band_hz`, or else up to `usable_hz` (0: to the last line);

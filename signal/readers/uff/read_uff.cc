@@ -504,6 +504,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   set.exponential_decay_rate_1_s = std::max(0.0, remark_number(remark, "decay", 0));
   set.pre_trigger_s = std::max(0.0, remark_number(remark, "pre", 0));
   const auto more = parse_uff58_remark(first.id[4]);
+  set.force_noise_span_s = std::max(0.0, remark_number(more, "span", 0));
   set.sample_rate_relative_std = std::max(0.0, remark_number(more, "rate_u", 0));
   for (const auto& text : file.remarks) set.notes.push_back({"uff_remark", text, ""});
   return set;

@@ -191,8 +191,8 @@ TEST(ImpactTest, SaysWhatCannotBeTrusted) {
   EXPECT_THROW((void)analyse_impact_test(two, "force", all), RecordingError);
 }
 
-// Noise of 1 % of the peak over the whole block has a third of the force's power. The force is kept
-// over its pulse only, and what is left or not kept out is subtracted from Gxx.
+// Noise of 1 % of the peak over the whole block has a third of the force's power: a window is
+// chosen for it, and what is left or not kept out is subtracted from Gxx.
 TEST(ImpactTest, ForceNoiseIsMeasuredKeptOutAndSubtracted) {
   const auto truth = testing::ten_mode_truth(2);
   ImpactRecordOptions record;
@@ -203,15 +203,18 @@ TEST(ImpactTest, ForceNoiseIsMeasuredKeptOutAndSubtracted) {
   options.hits.double_hit = 0.06;  // noise of this size hides 5 %
   const ImpactTest clean = analyse(recording, 2, options);
   EXPECT_LT(clean.force_noise.value(), 1e-4);
-  EXPECT_GT(clean.force_window_s, 1.5e-3);
+  EXPECT_EQ(clean.force_window_s, 0);
   std::mt19937_64 random(4);
   std::normal_distribution<double> normal(0, 0.01 * recording.channels[0].samples.maxCoeff());
   for (double& x : recording.channels[0].samples) x += normal(random);
   const ImpactTest chosen = analyse(recording, 2, options);
   EXPECT_GT(chosen.force_noise.value(), 0.05);
+  EXPECT_TRUE(chosen.force_window_by_noise);
   EXPECT_GT(chosen.force_window_s, 1.5e-3);
+  EXPECT_THAT(chosen.notes, Contains(Field(&Note::code, "force_window_chosen")));
   options.force_window_s = 0;
   const ImpactTest raw = analyse(recording, 2, options);
+  EXPECT_FALSE(raw.force_window_by_noise);
   EXPECT_THAT(raw.notes, Contains(Field(&Note::code, "force_noise")));
   const Eigen::MatrixXcd exact = truth.accelerance(lines_below(raw.frfs, 1300), 2);
   EXPECT_LT(chosen.force_noise_left, 0.05 * raw.force_noise_left);

@@ -50,6 +50,7 @@ FrfSet made_frfs() {
   f.form = FrfForm::accelerance;
   f.unit = "(m/s^2)/N";
   f.averages = 5;
+  f.force_noise_span_s = 0.05;
   f.sample_rate_relative_std = 3e-4;
   f.sample_rate_hz = 2048.0;
   f.exponential_decay_rate_1_s = 3.0 / 7.0;
@@ -138,6 +139,7 @@ TEST(Uff, FrfsComeBackWithErrorBarsAndWindow) {
   EXPECT_EQ(in.form, FrfForm::accelerance);
   EXPECT_EQ(in.unit, "(m/s^2)/N");
   EXPECT_EQ(in.averages, 5);
+  EXPECT_EQ(in.force_noise_span_s, 0.05);
   EXPECT_EQ(in.sample_rate_relative_std, 3e-4);
   EXPECT_EQ(in.exponential_decay_rate_1_s, out.exponential_decay_rate_1_s);
   ASSERT_EQ(in.responses.size(), 2u);

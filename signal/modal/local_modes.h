@@ -1,0 +1,76 @@
+// Modes from local fits, point by point: what is left standing where a common-pole model of all
+// FRFs fits no better than its misfit lets it.
+//
+// Candidates come from stabilisation diagrams of the whole band, of overlapping parts of it and of
+// every point by itself (point_poles.h), and are linked over the points (point_tracks.h). A mode is
+// a track that enough points show, or a pole that all FRFs together hold where single points are
+// too weak. Its pole is the random-effects mean over points, its uncertainty that of this mean.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "signal/modes/modal_band.h"
+#include "signal/modes/modal_result.h"
+#include "signal/modes/mode_search.h"
+#include "signal/variation/point_poles.h"
+#include "signal/variation/point_tracks.h"
+
+namespace rigfit::signal {
+
+struct LocalMode {
+  std::vector<PointPole> points;  ///< one a point that shows it; a single one: all FRFs together
+  bool together = false;          ///< the single one is of all FRFs
+  MeanOverPoints decay;           ///< of -Re p, rad/s
+  MeanOverPoints frequency;       ///< of Im p, rad/s
+  double misfit = 0;              ///< of each point's own fit, rms over points
+  double line_correlation = 0;    ///< of those misfits, mean
+};
+
+/// A track that is no mode.
+struct WeakTrack {
+  std::complex<double> pole;
+  std::string code, reason;
+};
+
+struct LocalModes {
+  std::vector<LocalMode> modes;  ///< by rising frequency
+  std::vector<WeakTrack> weak;
+};
+
+/// `common`: candidates of all FRFs together, window removed.
+[[nodiscard]] LocalModes find_local_modes(const ModalBand& band,
+                                          const std::vector<std::complex<double>>& common,
+                                          const ModalOptions& options);
+
+/// Each pole of a global fit as every point shows it, the other poles held beside it; a point that
+/// does not show it is left out. Empty tracks where no point does.
+[[nodiscard]] std::vector<LocalMode> check_points(const ModalBand& band,
+                                                  const Eigen::VectorXcd& poles,
+                                                  const ModalOptions& options);
+
+/// Two poles whose frequencies lie within half their bandwidths: FRFs of one reference may not tell
+/// such a pair from one mode that varies between points.
+[[nodiscard]] bool has_twins(const ModalBand& band, const Eigen::VectorXcd& poles);
+
+/// Whether the modes of a global fit are to be kept: around every mode it leaves less than 1 % of
+/// the FRFs, or the points agree on the pole (chance above 1e-4) or scatter about it by less than
+/// 5 % of its half bandwidth. Not kept: two poles within half their bandwidths where FRFs of one
+/// reference leave a misfit that correlates from line to line by more than noise does (`excess`).
+[[nodiscard]] bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
+                                    const FoundModes& found, double excess);
+
+/// Widens the error bars of a kept global fit to what the points show, where they differ or their
+/// misfit correlates from line to line; modes whose own misfit is below `least_misfit` stay as they
+/// are.
+void widen_to_points(const std::vector<LocalMode>& checked, Eigen::Index points,
+                     double least_misfit, FoundModes& found);
+
+/// The same form as a global search gives, for export.
+[[nodiscard]] FoundModes as_found_modes(const ModalBand& band, const LocalModes& local,
+                                        const FrfNoise& noise,
+                                        const std::vector<PoleCluster>& clusters);
+
+}  // namespace rigfit::signal

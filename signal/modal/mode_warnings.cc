@@ -1,0 +1,303 @@
+#include "signal/modal/mode_warnings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "signal/modal/cut_off_records.h"
+#include "signal/numerics/numbers.h"
+#include "signal/variation/mode_changes.h"
+
+namespace rigfit::signal {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::VectorXcd;
+
+namespace {
+
+/// Correlation of neighbouring lines of a misfit beyond that of noise: more makes error bars
+/// matter.
+constexpr double kSystematic = 0.2;
+
+/// Correlation (real part) of the misfit over noise with that `lag` lines on; FRFs taken together.
+struct LagCorrelation {
+  double value = 0, frfs = 0;
+};
+
+LagCorrelation correlation_at(const FrfNoise& noise,
+                              const Eigen::Ref<const Eigen::MatrixXcd>& misfit, Index lag) {
+  const Index pairs = misfit.rows() - lag;
+  Complex product = 0;
+  double power = 0;
+  LagCorrelation result;
+  for (Index c = 0; c < misfit.cols(); ++c) {
+    if (!std::isfinite(noise.column[c])) continue;
+    const VectorXcd r = misfit.col(c).cwiseQuotient(noise.line.cwiseSqrt().cast<Complex>()) /
+                        std::sqrt(noise.column[c]);
+    product += r.head(pairs).dot(r.tail(pairs));
+    power += 0.5 * (r.head(pairs).squaredNorm() + r.tail(pairs).squaredNorm());
+    ++result.frfs;
+  }
+  if (!(power > 0)) return {};
+  result.value = product.real() / power;
+  return result;
+}
+
+}  // namespace
+
+MisfitCorrelation misfit_correlation(const FrfNoise& noise,
+                                     const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  if (misfit.rows() < 2) return {};
+  const LagCorrelation next = correlation_at(noise, misfit, 1);
+  const auto pairs = static_cast<double>(misfit.rows() - 1);
+  if (!(next.frfs > 0)) return {};
+  return {next.value - line_correlation(noise, 1).real(), 5 / std::sqrt(2 * next.frfs * pairs)};
+}
+
+double misfit_inflation(const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  const MisfitCorrelation next = misfit_correlation(noise, misfit);
+  if (!(next.excess > std::max(next.chance, kSystematic))) return 1;
+  const Index lags = std::min<Index>(8, misfit.rows() / 5);
+  double more = 0;
+  for (Index d = 1; d <= lags; ++d) {
+    const double excess =
+        correlation_at(noise, misfit, d).value - line_correlation(noise, d).real();
+    more += 2 * (1 - static_cast<double>(d) / (static_cast<double>(lags) + 1)) * excess;
+  }
+  return 1 + std::max(0.0, more);
+}
+
+void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  const MisfitCorrelation found = misfit_correlation(result.noise, misfit);
+  result.misfit_line_correlation = found.excess;
+  if (std::abs(found.excess) <= std::max(found.chance, kSystematic)) return;
+  result.model.notes.push_back(
+      {"systematic_misfit",
+       fmt::format("the misfit is not like noise: neighbouring lines correlate by {:.2f} more than "
+                   "noise does. Something is left out (non-linearity, change between hits or "
+                   "points, modes outside the band); error bars of the modes count it",
+                   found.excess),
+       ""});
+}
+
+namespace {
+
+bool damping_is_uncertain(const IdentifiedMode& mode) {
+  return !(mode.damping_ratio.std < 0.25 * std::abs(mode.damping_ratio.value));
+}
+
+std::string damping_known_to(const IdentifiedMode& mode) {
+  const double part = mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300);
+  if (!(part < 10)) return "damping known to 1000 % or worse";
+  return fmt::format("damping known to {:.0f} % only", 100 * part);
+}
+
+/// A line narrower than the record can show, without a window: as likely a steady tone as a mode.
+bool steady(const IdentifiedMode& mode, const ModalBand& band) {
+  return left_at_the_end(band, mode.pole_rad_s - band.window) > 0.5;
+}
+
+/// The steady tone within four half bandwidths of a mode that is none itself; 0: there is none.
+double tone_beside(const ModalModel& model, std::size_t r, const ModalBand& band) {
+  const IdentifiedMode& mode = model.modes[r];
+  if (steady(mode, band)) return 0;
+  for (const IdentifiedMode& other : model.modes) {
+    const double apart = std::abs(other.pole_rad_s.imag() - mode.pole_rad_s.imag());
+    if (steady(other, band) && apart < 4 * (band.window - mode.pole_rad_s.real())) {
+      return other.frequency_hz.value;
+    }
+  }
+  return 0;
+}
+
+/// Noise that goes with the FRFs and is common to those of an input, such as noise on its force,
+/// over the FRF at one line, and the lines within the half-power bandwidth.
+struct SharedNoise {
+  double part = 0, lines = 1;
+};
+
+SharedNoise shared_noise(const IdentifiedMode& mode, const ModalBand& band, const FrfNoise& noise) {
+  SharedNoise shared;
+  const double decay = band.window - mode.pole_rad_s.real();
+  shared.lines = std::max(1.0, decay / (0.5 * kTwoPi * band.spacing_hz));
+  if (noise.common.size() == 0 || noise.line.size() != band.frequency_hz.size()) return shared;
+  Index nearest = 0;
+  (band.frequency_hz.array() - mode.pole_rad_s.imag() / kTwoPi).abs().minCoeff(&nearest);
+  shared.part = std::sqrt(2 * noise.line[nearest] * noise.common.maxCoeff());
+  return shared;
+}
+
+/// Peak of a mode over the rms of the FRFs within its half bandwidth, all FRFs together.
+/// `measured`: its decay rate, window included.
+double part_of_frfs(const IdentifiedMode& mode, const ModalBand& band, double measured) {
+  const double centre = mode.pole_rad_s.imag() / kTwoPi;
+  const double half = std::max(measured / kTwoPi, band.spacing_hz);
+  double power = 0, lines = 0;
+  for (Index k = 0; k < band.frequency_hz.size(); ++k) {
+    if (std::abs(band.frequency_hz[k] - centre) > half) continue;
+    power += band.lines.H.row(k).squaredNorm();
+    ++lines;
+  }
+  if (!(power > 0)) return 1;
+  const double peak = mode.shape.norm() * mode.participation.norm() / measured *
+                      std::pow(std::abs(mode.pole_rad_s), band.lines.power);
+  return peak / std::sqrt(power / lines);
+}
+
+}  // namespace
+
+double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const IdentifiedMode& mode,
+                           const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  const double centre = mode.pole_rad_s.imag() / kTwoPi;
+  const double half =
+      std::max((band.window - mode.pole_rad_s.real()) / kTwoPi, 2.5 * band.spacing_hz);
+  const Eigen::VectorXd& f = band.frequency_hz;
+  const Index first = std::lower_bound(f.begin(), f.end(), centre - half) - f.begin();
+  const Index count = (std::upper_bound(f.begin(), f.end(), centre + half) - f.begin()) - first;
+  if (count < 2) return 0;
+  const auto left = misfit.middleRows(first, count);
+  const double around = band.lines.H.middleRows(first, count).squaredNorm();
+  const double power = left.squaredNorm();
+  if (!(around > 0) || !(power > 0)) return 0;
+  const auto values = static_cast<double>(left.size());
+  double beyond = 0, chance = 0;  // of `power`
+  if (band.H_std.size() > 0) {
+    const double expected = 2 * band.H_std.middleRows(first, count).squaredNorm();
+    beyond = power - expected;
+    chance = expected / std::sqrt(values);
+  } else {
+    const double known = line_correlation(noise, 1).real();
+    const double pairs = values * static_cast<double>(count - 1) / static_cast<double>(count);
+    const double product =
+        (left.topRows(count - 1).conjugate().cwiseProduct(left.bottomRows(count - 1)))
+            .sum()
+            .real() *
+        values / pairs;
+    if (known > 0.9) return 0;  // a window as short as this makes all misfit alike
+    beyond = (product - known * power) / (1 - known);
+    chance = power / std::sqrt(2 * pairs) / (1 - known);
+  }
+  return beyond > 4 * chance ? std::sqrt(beyond / around) : 0;
+}
+
+void judge_modes(ModalResult& result, const ModalBand& band,
+                 const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  ModalModel& model = result.model;
+  for (std::size_t r = 0; r < model.modes.size(); ++r) {
+    IdentifiedMode& mode = model.modes[r];
+    std::vector<std::string> doubts;
+    const double decay = -mode.pole_rad_s.real(), measured = decay + band.window;
+    if (mode.damping_dominated_by_window) {
+      doubts.push_back(fmt::format(
+          "the window gives {:.0f} % of the measured decay rate: damping refused, frequency kept",
+          100 * band.window / measured));
+    } else if (damping_is_uncertain(mode)) {
+      doubts.push_back(damping_known_to(mode));
+    }
+    // 5 % of variance: residues less than some 4 times what the test of presence asks for.
+    if (mode.significance < 4) {
+      doubts.push_back(
+          fmt::format("weak: {:.1f} times the least that is told from noise", mode.significance));
+    }
+    if (steady(mode, band)) {
+      doubts.push_back(fmt::format(
+          "{:.0f} % of it are left at the end of the records: a steady tone such as mains "
+          "hum, or a mode that needs longer records",
+          100 * left_at_the_end(band, mode.pole_rad_s - band.window)));
+    } else if (const double tone = tone_beside(model, r, band); tone > 0) {
+      doubts.push_back(fmt::format(
+          "a steady tone at {:.4g} Hz lies within its resonance: it is no noise, error bars do not "
+          "allow for it",
+          tone));
+    }
+    const double f = mode.frequency_hz.value, half = measured / kTwoPi;
+    // Structures, hits and sensors are not linear to better than some percent of a strong
+    // resonance.
+    if (const double part = part_of_frfs(mode, band, measured); part < 0.1) {
+      doubts.push_back(fmt::format(
+          "its peak is {:.2g} % of the FRFs around it, less than 10 %: what a non-linear "
+          "structure or differing hits add to a stronger mode looks like this",
+          100 * part));
+    }
+    if (f - half < result.low_hz || f + half > result.high_hz) {
+      doubts.push_back("its resonance is cut by the end of the band");
+    }
+    if (mode.between_points_std_hz * kTwoPi > 4 * measured) {
+      doubts.push_back(
+          fmt::format("its frequency differs between points by {:.2g} Hz rms, {:.1f} half "
+                      "bandwidths: the points "
+                      "do not show one and the same rig",
+                      mode.between_points_std_hz, mode.between_points_std_hz * kTwoPi / measured));
+    }
+    const double unexplained = mode.refinement == "global"
+                                   ? misfit_beyond_noise(band, result.noise, mode, misfit)
+                                   : mode.reconstruction_error;
+    if (unexplained > 0.3) {
+      doubts.push_back(fmt::format("{:.0f} % of the FRFs around it are not explained by it{}",
+                                   100 * unexplained,
+                                   mode.refinement == "global" ? ", nor by noise" : ""));
+    }
+    // Standard deviations are of first order in the noise. Noise that goes with the FRF and is the
+    // same for all of them weighs single lines of the peak by chance; beyond a tenth of the peak,
+    // all its lines together, that is no small change.
+    if (const SharedNoise shared = shared_noise(mode, band, result.noise);
+        mode.refinement == "global" && shared.part > 0.1 * std::sqrt(shared.lines)) {
+      doubts.push_back(fmt::format(
+          "noise that all FRFs share, as that on the force, has {:.0f} % of them at each of the "
+          "{:.1f} lines of its resonance: error bars do not allow for so much; use a force window",
+          100 * shared.part, shared.lines));
+    }
+    if (mode.presence < 0.6) {
+      doubts.push_back(
+          fmt::format("present in {:.0f} % of the model orders only", 100 * mode.presence));
+    }
+    if (mode.shape.size() >= 3) {
+      // Noise of the residues alone lowers the collinearity by about its share of the power.
+      const double share = mode.shape_std.squaredNorm() / mode.shape.squaredNorm();
+      if (mode.modal_phase_collinearity < 0.8 - 2 * share) {
+        doubts.push_back(
+            fmt::format("complex shape: phase collinearity {:.2f}", mode.modal_phase_collinearity));
+      }
+      for (const std::size_t other : {r - 1, r + 1}) {  // r - 1 wraps below 0 and is left out
+        if (other >= model.modes.size()) continue;
+        const double likeness = result.auto_mac(static_cast<Index>(r), static_cast<Index>(other));
+        const double apart = std::abs(mode.pole_rad_s - model.modes[other].pole_rad_s) /
+                             (measured + band.window - model.modes[other].pole_rad_s.real());
+        if (likeness > 0.9 && apart < 2) {
+          doubts.push_back(fmt::format(
+              "same shape as the mode at {:.4g} Hz (MAC {:.2f}), resonances overlap: "
+              "one mode that changed between hits, or a non-linear one, looks like this",
+              model.modes[other].frequency_hz.value, likeness));
+        }
+      }
+    }
+    mode.doubtful = !doubts.empty();
+    mode.doubt = fmt::format("{}", fmt::join(doubts, "; "));
+    // Records that end before the mode has decayed scale its residue by 1 - exp(-decay * length),
+    // whose phase the record does not tell; poles stay right.
+    const double left = left_at_the_end(band, mode.pole_rad_s - band.window);
+    if (left > 0.01) {
+      model.notes.push_back({"decay_cut_off",
+                             fmt::format("{:.1f} % of the amplitude are left at the end of the "
+                                         "records: residues are uncertain by that, poles are not",
+                                         100 * left),
+                             fmt::format("{:.4g} Hz", f)});
+    }
+  }
+}
+
+void judge_damping(ModalModel& model) {
+  for (IdentifiedMode& mode : model.modes) {
+    const bool said = mode.doubt.find("damping known to") != std::string::npos;
+    if (said || mode.damping_dominated_by_window || !damping_is_uncertain(mode)) continue;
+    add_doubt(mode, damping_known_to(mode) + " by its change from hit to hit");
+  }
+}
+
+}  // namespace rigfit::signal

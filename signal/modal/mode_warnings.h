@@ -1,0 +1,51 @@
+// Why a person should not rely on an identified mode, or on the error bars of all: each reason with
+// its figure.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "signal/modes/modal_band.h"
+#include "signal/modes/modal_result.h"
+
+namespace rigfit::signal {
+
+struct MisfitCorrelation {
+  double excess = 0;  ///< of the weighted misfit at neighbouring lines, less what the noise expects
+  double chance = 0;  ///< five standard deviations of that under noise
+};
+
+/// `misfit`: lines x FRFs.
+[[nodiscard]] MisfitCorrelation misfit_correlation(
+    const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+
+/// Variance of what a fit takes from lines of the misfit over that of noise: 1 where neighbouring
+/// lines correlate no more than noise does, else 1 and twice the sum of the correlations beyond it,
+/// by Bartlett's weights to 8 lines (Newey and West, Econometrica 55 (1987) 703).
+[[nodiscard]] double misfit_inflation(const FrfNoise& noise,
+                                      const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+
+/// The excess into the result;
+/// noted when it is beyond chance and large enough to matter for the error bars. `misfit`: lines x
+/// FRFs.
+void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+
+/// Rms of what a model leaves of the FRFs around a mode beyond noise, over the rms of the FRFs.
+///
+/// Lines within its half bandwidth, two on either side at least. What noise leaves: the error bars'
+/// power where there are some, else what does not correlate between neighbouring lines beyond the
+/// noise's own correlation (line_correlation(), under a window). 0 where chance may give as
+/// much (four standard deviations). `misfit`: lines x FRFs.
+[[nodiscard]] double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise,
+                                         const IdentifiedMode& mode,
+                                         const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+
+/// Fills `doubtful` and `doubt` of every mode; what the record's length costs the residues is
+/// noted. `misfit`: lines x FRFs.
+void judge_modes(ModalResult& result, const ModalBand& band,
+                 const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+
+/// Doubts the modes whose damping is known to 25 % or worse after hits have widened it: a ratio as
+/// uncertain as that does not scatter symmetrically, and its interval holds less than it says.
+void judge_damping(ModalModel& model);
+
+}  // namespace rigfit::signal

@@ -1,0 +1,89 @@
+#include "signal/modes/modal_band.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "signal/refinement/modal_basis.h"
+#include "signal/refinement/smooth_background.h"
+
+namespace rigfit::signal {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::vector<Note>& notes) {
+  const Index inputs = static_cast<Index>(frfs.inputs.size());
+  const Index columns = static_cast<Index>(frfs.responses.size()) * inputs;
+  if (columns == 0 || frfs.H.cols() != columns || frfs.H.rows() != frfs.frequency_hz.size()) {
+    throw std::invalid_argument("identify_modes: no FRFs, or sizes that do not fit");
+  }
+  const double high = high_hz > 0 ? high_hz : frfs.frequency_hz.maxCoeff();
+  std::vector<Index> rows;
+  Index unusable = 0;
+  for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
+    const double f = frfs.frequency_hz[k];
+    if (!(f > 0) || f < low_hz || f > high) continue;
+    if (!rows.empty() && !(f > frfs.frequency_hz[rows.back()])) {
+      throw std::invalid_argument("identify_modes: frequencies do not rise");
+    }
+    if (frfs.H.row(k).allFinite()) {
+      rows.push_back(k);
+    } else {
+      ++unusable;
+    }
+  }
+  if (unusable > 0) {
+    notes.push_back({"lines_left_out",
+                     fmt::format("{} lines with values that are not finite are left out", unusable),
+                     ""});
+  }
+  if (rows.size() < 8) {
+    throw std::invalid_argument(
+        fmt::format("{} usable lines in the band, at least 8 are needed", rows.size()));
+  }
+  ModalBand band;
+  const auto count = static_cast<Index>(rows.size());
+  band.frequency_hz.resize(count);
+  band.lines.H.resize(count, columns);
+  band.H_std.resize(frfs.H_std.size() ? count : 0, frfs.H_std.size() ? columns : 0);
+  for (Index i = 0; i < count; ++i) {
+    const Index k = rows[static_cast<std::size_t>(i)];
+    band.frequency_hz[i] = frfs.frequency_hz[k];
+    band.lines.H.row(i) = frfs.H.row(k);
+    if (band.H_std.size()) band.H_std.row(i) = frfs.H_std.row(k);
+  }
+  // A line without an error bar among others that have one cannot be weighed against them.
+  if (band.H_std.size() && !(band.H_std.allFinite() && band.H_std.maxCoeff() > 0)) {
+    band.H_std.resize(0, 0);
+    notes.push_back({"error_bars_unusable",
+                     "some error bars of the FRFs are missing: the noise is estimated from the fit",
+                     ""});
+  }
+  band.rows = std::move(rows);
+  band.window = frfs.exponential_decay_rate_1_s;
+  VectorXd steps = band.frequency_hz.tail(count - 1) - band.frequency_hz.head(count - 1);
+  std::nth_element(steps.begin(), steps.begin() + (count - 1) / 2, steps.end());
+  band.spacing_hz = steps[(count - 1) / 2];
+  band.correlation_lines = band.window / band.spacing_hz;
+  band.lead = frfs.pre_trigger_s * band.spacing_hz;
+  band.lines.s = laplace_lines(band.frequency_hz, band.window);
+  band.lines.power = power_of_s(frfs.form);
+  band.lines.inputs = inputs;
+  band.lines.background =
+      smooth_background(band.lines.s, band.lines.power, frfs.force_noise_span_s);
+  return band;
+}
+
+FrfNoise first_noise(const ModalBand& band) {
+  const Eigen::MatrixXcd& H = band.lines.H;
+  FrfNoise noise = band.H_std.size() > 0
+                       ? noise_from_std(H, band.H_std, band.lines.inputs, band.correlation_lines)
+                       : noise_unknown(H, band.lines.inputs, band.correlation_lines);
+  noise.lead = band.lead;
+  return noise;
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,33 @@
+// The lines and FRFs of a set that take part in the search for modes.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "signal/recording/recording.h"
+#include "signal/refinement/modal_refine.h"
+#include "signal/spectra/frf_set.h"
+
+namespace rigfit::signal {
+
+struct ModalBand {
+  Eigen::VectorXd frequency_hz;
+  std::vector<Eigen::Index> rows;  ///< of the set's lines
+  Eigen::MatrixXd H_std;           ///< empty: not known or not usable
+  FrfLines lines;
+  double spacing_hz = 0;                   ///< median step between lines
+  double window = 0;                       ///< decay rate of the exponential window, 1/s
+  double correlation_lines = 0, lead = 0;  ///< FrfNoise's
+  Eigen::VectorXcd beside;                 ///< poles beyond its ends (modes_beside.h)
+};
+
+/// Lines from `low_hz` (never 0 Hz) to `high_hz` (0: the last) with finite values. What is left out
+/// is noted. Throws std::invalid_argument for sizes that do not fit, frequencies that do not rise,
+/// or fewer than 8 lines.
+[[nodiscard]] ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz,
+                                    std::vector<Note>& notes);
+
+/// What the noise of its FRFs is taken for before any fit: error bars where there are some.
+[[nodiscard]] FrfNoise first_noise(const ModalBand& band);
+
+}  // namespace rigfit::signal

@@ -1,0 +1,43 @@
+// The functions of frequency that FRFs are sums of when the poles are given, as real least squares
+// sees them.
+//
+// Along s = i w + sigma (sigma: decay rate of an exponential window shared by force and response,
+// so that poles are those of the structure and the window needs no correction afterwards), with n =
+// 0, 1, 2 for receptance, mobility, accelerance:
+//   H(s) = s^n { sum_r [ R_r / (s - p_r) + conj(R_r) / (s - conj(p_r)) ] + lower / s^2 + upper }.
+// H is linear in the real and imaginary parts of R_r, lower and upper (both complex here: they also
+// hold what truncation of the records leaves far from a pole). Complex columns over lines become
+// real ones of twice the length: real parts above imaginary parts.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "signal/spectra/frf_set.h"
+
+namespace rigfit::signal {
+
+/// Power of s that makes `form` from receptance; unknown counts as receptance.
+[[nodiscard]] int power_of_s(FrfForm form);
+
+/// s = decay_rate + i 2 pi f.
+[[nodiscard]] Eigen::VectorXcd laplace_lines(const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
+                                             double decay_rate_1_s);
+
+/// Columns (R_1 real, R_1 imaginary, R_2 real, ..., lower real, imaginary, upper real, imaginary),
+/// each line multiplied by `line_weight`: 2 lines x (2 poles + 4).
+[[nodiscard]] Eigen::MatrixXd stacked_basis(const Eigen::Ref<const Eigen::VectorXcd>& s, int power,
+                                            const Eigen::Ref<const Eigen::VectorXcd>& poles,
+                                            const Eigen::Ref<const Eigen::VectorXd>& line_weight);
+
+/// The same with 1 / (s - p)^2 in place of 1 / (s - p), without residuals: the derivatives with
+/// respect to the poles are these times the residues. 2 lines x 2 poles.
+[[nodiscard]] Eigen::MatrixXd stacked_pole_derivatives(
+    const Eigen::Ref<const Eigen::VectorXcd>& s, int power,
+    const Eigen::Ref<const Eigen::VectorXcd>& poles,
+    const Eigen::Ref<const Eigen::VectorXd>& line_weight);
+
+/// Complex columns, weighted by line, as real ones of twice the length.
+[[nodiscard]] Eigen::MatrixXd stacked(const Eigen::Ref<const Eigen::MatrixXcd>& columns,
+                                      const Eigen::Ref<const Eigen::VectorXd>& line_weight);
+
+}  // namespace rigfit::signal

@@ -1,0 +1,258 @@
+#include "signal/refinement/modal_covariance.h"
+
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include "signal/numerics/scaled_gram.h"
+#include "signal/refinement/modal_basis.h"
+#include "signal/refinement/pole_turn.h"
+#include "signal/refinement/residues.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+/// The linear filters of a fit, from errors of weighted FRFs to those of its parameters.
+struct PoleFilter {
+  PoleFilter(const FrfLines& data, const FrfNoise& noise, const ModalRefineResult& fit)
+      : weight(line_weight(noise, data.H)),
+        inverse_variance(inverse_variance_of(noise)),
+        basis(weighted_basis(data, fit.poles, weight)),
+        factor(gram_of(basis)),
+        coefficients(pack_coefficients(fit.residues, fit.lower, fit.upper)) {
+    if (!factor.usable()) return;
+    const MatrixXd derivatives = stacked_pole_derivatives(data.s, data.power, fit.poles, weight);
+    gain = factor.solve(basis.transpose() * derivatives);
+    outside = derivatives - basis * gain;
+    information = ScaledGram(summed_turns(gram_of(outside), coefficients, inverse_variance));
+  }
+  [[nodiscard]] bool usable() const { return factor.usable() && information.usable(); }
+
+  VectorXd weight, inverse_variance;
+  MatrixXd basis;
+  ScaledGram factor;  ///< of the basis
+  MatrixXd coefficients, gain;
+  MatrixXd outside;  ///< derivatives with respect to poles, less their part in the basis
+  ScaledGram information = ScaledGram(MatrixXd(0, 0));
+};
+
+/// Rows of stacked columns times the root of each line's variance: weighted errors have the
+/// variance a_c (w^2 q) at a line.
+MatrixXd spread_rows(const PoleFilter& of, const FrfNoise& noise, MatrixXd columns) {
+  const Index lines = of.weight.size();
+  const VectorXd spread = of.weight.cwiseProduct(noise.line.cwiseSqrt());
+  columns.topRows(lines) = spread.asDiagonal() * columns.topRows(lines);
+  columns.bottomRows(lines) = spread.asDiagonal() * columns.bottomRows(lines);
+  return columns;
+}
+
+/// From errors to residues at fixed poles: factor^-1 basis' error.
+struct ResidueFilter {
+  ResidueFilter(const PoleFilter& of, const FrfNoise& noise)
+      : columns(spread_rows(of, noise, of.basis * of.factor.inverse())),
+        covariance(columns.transpose() * correlated(noise, columns)) {}
+
+  MatrixXd columns, covariance;
+};
+
+/// What is left of a mode's significance when noise common to the FRFs of input `i` may imitate it:
+/// the errors of its residues have, besides the FRFs' own, a part along the FRFs at the line that
+/// weighs most (Sherman-Morrison for that rank one). `share`: |filter|^2 of the mode's residue by
+/// line, over its sum; `h`: sum of |model|^2 / a_c over the input's FRFs by line; `length`: sum of
+/// |residue|^2 / a_c.
+double outside_common_noise(const Eigen::Ref<const MatrixXcd>& model, const FrfNoise& noise,
+                            const VectorXd& inverse_variance, const VectorXd& share,
+                            const Eigen::Ref<const VectorXd>& h, const Eigen::RowVectorXcd& residue,
+                            double length, Index i) {
+  if (!(noise.common[i] > 0) || !(length > 0)) return 1;
+  Index most = 0;
+  double highest = 0, mean = 0;
+  for (Index k = 0; k < h.size(); ++k) {
+    const double part = share[k] * h[k];
+    mean += part;
+    if (part > highest) highest = part, most = k;
+  }
+  if (!(highest > 0)) return 1;
+  const double strength = noise.common[i] * mean / h[most];
+  Complex along = 0;
+  for (Index c = i; c < model.cols(); c += noise.inputs()) {
+    along += inverse_variance[c] * std::conj(residue[c]) * model(most, c);
+  }
+  return 1 - strength * std::norm(along) / (length * (1 + strength * h[most]));
+}
+
+/// ModalCovariance::significance.
+VectorXd significance_of(const Eigen::Ref<const MatrixXcd>& model, const FrfNoise& noise,
+                         const ModalRefineResult& fit, const PoleFilter& of,
+                         const ResidueFilter& filter) {
+  const Index lines = model.rows(), inputs = noise.inputs(), frfs = model.cols();
+  MatrixXd h = MatrixXd::Zero(lines, inputs);
+  for (Index c = 0; c < frfs; ++c) {
+    if (!(noise.common[c % inputs] > 0)) continue;
+    h.col(c % inputs) += of.inverse_variance[c] * model.col(c).cwiseAbs2();
+  }
+  VectorXd significance = VectorXd::Zero(fit.poles.size());
+  for (Index r = 0; r < significance.size(); ++r) {
+    const Eigen::Matrix2d block = filter.covariance.block<2, 2>(2 * r, 2 * r);
+    Eigen::Matrix2d inverse;
+    inverse << block(1, 1), -block(0, 1), -block(1, 0), block(0, 0);
+    inverse /= block(0, 0) * block(1, 1) - block(0, 1) * block(1, 0);
+    const VectorXd both = filter.columns.middleCols<2>(2 * r).rowwise().squaredNorm();
+    const VectorXd share = (both.head(lines) + both.tail(lines)) / both.sum();
+    for (Index i = 0; i < inputs; ++i) {
+      double own = 0, length = 0;
+      for (Index c = i; c < frfs; c += inputs) {
+        const Eigen::Vector2d residue = of.coefficients.col(c).segment<2>(2 * r);
+        own += of.inverse_variance[c] * residue.dot(inverse * residue);
+        length += of.inverse_variance[c] * residue.squaredNorm();
+      }
+      significance[r] += own * outside_common_noise(model, noise, of.inverse_variance, share,
+                                                    h.col(i), fit.residues.row(r), length, i);
+    }
+  }
+  return significance;
+}
+
+/// sum_c conj(d model_c / d p_j) model_c / a_c at each line, over the FRFs of input `i`: what a
+/// factor common to them adds to score j. Stacked, 2 lines x parts of the poles.
+MatrixXd common_scores(const MatrixXcd& model, const MatrixXd& score, const MatrixXd& coefficients,
+                       const VectorXd& inverse_variance, Index inputs, Index i) {
+  const Index lines = model.rows(), size = score.cols();
+  MatrixXcd sums = MatrixXcd::Zero(lines, size);  // sum_c model_c * residue coefficient / a_c
+  for (Index c = i; c < model.cols(); c += inputs) {
+    if (inverse_variance[c] == 0) continue;
+    for (Index j = 0; j < size; ++j) {
+      sums.col(j) += (inverse_variance[c] * coefficients(j, c)) * model.col(c);
+    }
+  }
+  MatrixXd common(2 * lines, size);
+  for (Index j = 0; j < size; ++j) {
+    const Index r = j - j % 2;
+    // Column j of T: (a, b) for the real part, (-b, a) for the imaginary part of the pole.
+    VectorXcd total = VectorXcd::Zero(lines);
+    for (Index e = 0; e < 2; ++e) {
+      const double sign = j % 2 == 1 && e == 0 ? -1 : 1;
+      const auto factor = sums.col(j % 2 == 0 ? r + e : r + 1 - e);
+      for (Index k = 0; k < lines; ++k) {
+        total[k] += sign * Complex(score(k, r + e), -score(lines + k, r + e)) * factor[k];
+      }
+    }
+    // Re(total * factor) = <conj(total), factor> in stacked parts.
+    common.col(j).head(lines) = total.real();
+    common.col(j).tail(lines) = -total.imag();
+  }
+  return common;
+}
+
+/// Column j of the filter on the error H e of one FRF: <filter_j, H e> = <result_j, e>.
+MatrixXd filter_on_common(const MatrixXd& filter, Index columns,
+                          const Eigen::Ref<const VectorXcd>& H) {
+  const Index lines = H.size();
+  MatrixXd result(2 * lines, columns);
+  for (Index j = 0; j < columns; ++j) {
+    for (Index k = 0; k < lines; ++k) {
+      const Complex value = Complex(filter(k, j), filter(lines + k, j)) * std::conj(H[k]);
+      result(k, j) = value.real();
+      result(lines + k, j) = value.imag();
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+ModalCovariance modal_significance(const FrfLines& data, const FrfNoise& noise,
+                                   const ModalRefineResult& fit,
+                                   const Eigen::Ref<const MatrixXcd>& model) {
+  const PoleFilter of(data, noise, fit);
+  ModalCovariance result;
+  result.full_rank = of.usable();
+  if (!result.full_rank) return result;
+  result.significance = significance_of(model, noise, fit, of, ResidueFilter(of, noise));
+  return result;
+}
+
+ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
+                                 const ModalRefineResult& fit) {
+  const Index modes = fit.poles.size(), size = 2 * modes, frfs = data.H.cols();
+  const Index inputs = data.inputs;
+  const PoleFilter of(data, noise, fit);
+  ModalCovariance result;
+  result.full_rank = of.usable();
+  if (!result.full_rank || modes == 0) return result;
+  const MatrixXcd model = fitted_frfs(data, fit);
+  const auto& [weight, inverse_variance, basis, factor, coefficients, gain, outside, information] =
+      of;
+  const MatrixXd score = spread_rows(of, noise, outside);
+  const MatrixXd correlated_score = correlated(noise, score);
+  MatrixXd middle =
+      summed_turns(score.transpose() * correlated_score, coefficients, inverse_variance);
+  std::vector<MatrixXd> correlated_common(static_cast<std::size_t>(inputs));
+  for (Index i = 0; i < inputs; ++i) {
+    if (!(noise.common[i] > 0)) continue;
+    const MatrixXd common = common_scores(model, score, coefficients, inverse_variance, inputs, i);
+    MatrixXd& with = correlated_common[static_cast<std::size_t>(i)];
+    with = correlated(noise, common);
+    middle += noise.common[i] * (common.transpose() * with);
+  }
+  result.poles = information.solve(information.solve(middle).transpose());
+  result.poles = (0.5 * (result.poles + result.poles.transpose())).eval();
+  const ResidueFilter residue_filter(of, noise);
+  const auto& [filter, filter_covariance] = residue_filter;
+  result.significance = significance_of(model, noise, fit, of, residue_filter);
+
+  // The poles' errors are information^-1 sum_c T_c' outside' error_c / a_c.
+  const MatrixXd filter_score = filter.transpose() * correlated_score;
+  result.residue_std_re.resize(modes, frfs);
+  result.residue_std_im.resize(modes, frfs);
+  for (Index c = 0; c < frfs; ++c) {
+    const auto residues = coefficients.col(c).head(size);
+    const MatrixXd through_poles = turned_columns(gain, residues);
+    const bool alive = inverse_variance[c] > 0;
+    MatrixXd with_poles =
+        MatrixXd::Zero(basis.cols(), size);  // covariance with what the poles' errors sum
+    VectorXd variance = VectorXd::Zero(basis.cols());
+    if (alive) {
+      with_poles = turned_columns(filter_score, residues);
+      variance = noise.column[c] * filter_covariance.diagonal();
+    }
+    const double common = noise.common[c % inputs];
+    if (common > 0) {
+      const MatrixXd on_common = filter_on_common(filter, size, model.col(c));
+      with_poles.topRows(size) +=
+          common *
+          (on_common.transpose() * correlated_common[static_cast<std::size_t>(c % inputs)]);
+      variance.head(size) += common * correlated_squares(noise, on_common);
+    }
+    const MatrixXd cross = information.solve(with_poles.transpose()).transpose();
+    variance +=
+        (through_poles * result.poles - 2 * cross).cwiseProduct(through_poles).rowwise().sum();
+    for (Index r = 0; r < modes; ++r) {
+      result.residue_std_re(r, c) = std::sqrt(std::max(0.0, variance[2 * r]));
+      result.residue_std_im(r, c) = std::sqrt(std::max(0.0, variance[2 * r + 1]));
+    }
+  }
+  return result;
+}
+
+MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise, const ModalRefineResult& fit,
+                     const Eigen::Ref<const MatrixXcd>& error) {
+  const Index size = 2 * fit.poles.size();
+  const PoleFilter filter(data, noise, fit);
+  if (!filter.usable()) return {};
+  MatrixXd scores = filter.outside.transpose() * stacked(error, filter.weight);
+  for (Index c = 0; c < scores.cols(); ++c) {
+    scores.col(c) = filter.inverse_variance[c] *
+                    turned_vector(scores.col(c), filter.coefficients.col(c).head(size));
+  }
+  return filter.information.solve(scores);
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,308 @@
+#include "signal/refinement/modal_noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "signal/spectra/fft.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::ArrayXd;
+using Eigen::ArrayXXd;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Lines averaged for q: 400 squares, so that q scatters by 7 %, and at least 7 lines.
+Index half_window(Index lines, Index columns) {
+  const Index width = std::max<Index>(7, 200 / std::max<Index>(columns, 1) + 1);
+  return std::min(width / 2, (lines - 1) / 2);
+}
+
+/// sum of numerator over sum of denominator in a window around each line.
+VectorXd window_ratio(const VectorXd& numerator, const VectorXd& denominator, Index half) {
+  const Index lines = numerator.size();
+  VectorXd above(lines + 1), below(lines + 1);
+  above[0] = below[0] = 0;
+  for (Index k = 0; k < lines; ++k) {
+    above[k + 1] = above[k] + numerator[k];
+    below[k + 1] = below[k] + denominator[k];
+  }
+  VectorXd result(lines);
+  for (Index k = 0; k < lines; ++k) {
+    const Index first = std::max<Index>(0, k - half), last = std::min(lines, k + half + 1);
+    result[k] = (above[last] - above[first]) / std::max(below[last] - below[first], 1e-300);
+  }
+  return result;
+}
+
+/// Smallest variance that rounding lets be told from zero, per FRF; infinite for a dead one.
+VectorXd floor_of(const Eigen::Ref<const MatrixXcd>& H) {
+  return (H.colwise().squaredNorm().transpose() / static_cast<double>(H.rows()))
+      .unaryExpr([](double power) {
+        return power > 0 ? 1e-26 * power : std::numeric_limits<double>::infinity();
+      });
+}
+
+void normalise_lines(FrfNoise& noise) {
+  const double mean = noise.line.mean();
+  if (!(mean > 0) || !std::isfinite(mean)) {
+    noise.line.setOnes();
+    return;
+  }
+  noise.line = (noise.line / mean).cwiseMax(1e-12);
+  noise.column *= mean;
+  noise.common *= mean;
+}
+
+ArrayXXd model_variance(const FrfNoise& noise, const ArrayXXd& power) {
+  ArrayXXd variance(power.rows(), power.cols());
+  const Index inputs = noise.inputs();
+  for (Index c = 0; c < power.cols(); ++c) {
+    variance.col(c) = noise.column[c] + noise.common[c % inputs] * power.col(c);
+  }
+  return variance;
+}
+
+/// h_i at each line: lines x inputs.
+MatrixXd signal_to_noise(const FrfNoise& noise, const ArrayXXd& power) {
+  const Index inputs = noise.inputs();
+  MatrixXd h = MatrixXd::Zero(power.rows(), inputs);
+  for (Index c = 0; c < power.cols(); ++c) {
+    if (std::isfinite(noise.column[c]))
+      h.col(c % inputs) += (power.col(c) / noise.column[c]).matrix();
+  }
+  return h;
+}
+
+void update_lines(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
+                  const VectorXd& freedom) {
+  const ArrayXXd variance = model_variance(noise, power);
+  const VectorXd ratio = (squares / variance).rowwise().mean().matrix();
+  noise.line = window_ratio(ratio, freedom, half_window(squares.rows(), squares.cols()));
+  normalise_lines(noise);
+}
+
+/// a_c: what the common part leaves, each line weighted by its inverse variance.
+void update_columns(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
+                    const ArrayXd& freedom, const VectorXd& least) {
+  const ArrayXd q = noise.line.array() * freedom;
+  for (Index c = 0; c < squares.cols(); ++c) {
+    const double b = noise.common[c % noise.inputs()];
+    const ArrayXd weight = freedom / (noise.column[c] + b * power.col(c)).square();
+    const double total = (weight * (squares.col(c) / q.max(1e-300) - b * power.col(c))).sum();
+    const double a = total / std::max(weight.sum(), 1e-300);
+    // Shared noise may explain all of a line's scatter but never makes the FRF's own negative.
+    noise.column[c] = std::isfinite(a) ? std::max(a, std::max(least[c], 0.01 * noise.column[c]))
+                                       : noise.column[c];
+  }
+}
+
+/// b_i of inputs with one FRF each, where noise on the force shows only as errors that go with |H|
+/// from line to line: b power + a, by weighted least squares.
+void update_single_commons(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
+                           const ArrayXd& freedom) {
+  for (Index c = 0; c < squares.cols(); ++c) {
+    if (!std::isfinite(noise.column[c])) continue;
+    double& b = noise.common[c % noise.inputs()];
+    const ArrayXd weight = freedom * power.col(c) / (noise.column[c] + b * power.col(c)).square();
+    const ArrayXd scaled = squares.col(c) / (noise.line.array() * freedom);
+    const double below = (weight * power.col(c)).sum();
+    b = below > 0 ? std::max(0.0, (weight * (scaled - noise.column[c])).sum() / below) : 0;
+  }
+}
+
+}  // namespace
+
+FrfNoise noise_unknown(const Eigen::Ref<const MatrixXcd>& H, Index inputs,
+                       double correlation_lines) {
+  FrfNoise noise;
+  noise.line.setOnes(H.rows());
+  noise.column = floor_of(H) * 1e26;
+  noise.common.setZero(inputs);
+  noise.correlation_lines = correlation_lines;
+  return noise;
+}
+
+FrfNoise noise_from_std(const Eigen::Ref<const MatrixXcd>& H,
+                        const Eigen::Ref<const MatrixXd>& H_std, Index inputs,
+                        double correlation_lines) {
+  if (H_std.rows() != H.rows() || H_std.cols() != H.cols()) {
+    throw std::invalid_argument("noise_from_std: sizes do not fit");
+  }
+  const ArrayXXd squares = H_std.array().square(), power = H.array().abs2();
+  const VectorXd freedom = VectorXd::Ones(H.rows()), least = floor_of(H);
+  FrfNoise noise = noise_unknown(H, inputs, correlation_lines);
+  noise.column = squares.colwise().mean().transpose().matrix().cwiseMax(least);
+  for (int round = 0; round < 12; ++round) {
+    // The line factor comes last: given the choice, it would take a resonance's share for itself.
+    update_columns(noise, squares, power, freedom.array(), least);
+    const ArrayXXd variance = model_variance(noise, power);
+    for (Index i = 0; i < inputs; ++i) {
+      double above = 0, below = 0;
+      for (Index c = i; c < H.cols(); c += inputs) {
+        if (!std::isfinite(noise.column[c])) continue;
+        const ArrayXd weight = power.col(c) / variance.col(c).square();
+        above += (weight * (squares.col(c) / noise.line.array() - noise.column[c])).sum();
+        below += (weight * power.col(c)).sum();
+      }
+      noise.common[i] = below > 0 ? std::max(0.0, above / below) : 0;
+    }
+    if (round >= 4) update_lines(noise, squares, power, freedom);
+  }
+  return noise;
+}
+
+FrfNoise noise_from_residuals(const Eigen::Ref<const MatrixXcd>& model,
+                              const Eigen::Ref<const MatrixXcd>& residual,
+                              const Eigen::Ref<const VectorXd>& leverage, Index inputs,
+                              double correlation_lines) {
+  if (residual.rows() != model.rows() || residual.cols() != model.cols() ||
+      leverage.size() != model.rows()) {
+    throw std::invalid_argument("noise_from_residuals: sizes do not fit");
+  }
+  const ArrayXXd squares = 0.5 * residual.array().abs2(), power = model.array().abs2();
+  const VectorXd least = floor_of(model);
+  const VectorXd freedom = (1 - leverage.array()).max(0.02);
+  FrfNoise noise = noise_unknown(model, inputs, correlation_lines);
+  noise.column = (squares.colwise().sum().transpose() / freedom.sum()).matrix().cwiseMax(least);
+  const bool single = model.cols() == inputs;
+  for (int round = 0; round < (single ? 12 : 6); ++round) {
+    // Of one FRF alone the line factor would take a resonance's share for itself.
+    if (!single || round >= 8) update_lines(noise, squares, power, freedom);
+    update_columns(noise, squares, power, freedom.array(), least);
+    if (single) {
+      update_single_commons(noise, squares, power, freedom.array());
+      continue;
+    }
+    // The common factor seen by all FRFs of an input together: variance q (b + 1 / h).
+    const MatrixXd h = signal_to_noise(noise, power);
+    for (Index i = 0; i < inputs; ++i) {
+      Eigen::ArrayXcd factor = Eigen::ArrayXcd::Zero(model.rows());
+      Index alive = 0;
+      for (Index c = i; c < model.cols(); c += inputs) {
+        if (!std::isfinite(noise.column[c])) continue;
+        ++alive;
+        factor += model.col(c).array().conjugate() * residual.col(c).array() / noise.column[c];
+      }
+      if (alive < 2) continue;  // one FRF cannot tell its own noise from that of its force
+      const ArrayXd own = h.col(i).array().max(1e-300).inverse();
+      const ArrayXd square = 0.5 * (factor * own).abs2() / (noise.line.array() * freedom.array());
+      const ArrayXd weight = freedom.array() / (noise.common[i] + own).square();
+      noise.common[i] = std::max(0.0, (weight * (square - own)).sum() / weight.sum());
+    }
+  }
+  update_lines(noise, squares, power, freedom);
+  return noise;
+}
+
+VectorXd line_weight(const FrfNoise& noise, const Eigen::Ref<const MatrixXcd>& H) {
+  ArrayXd variance = ArrayXd::Ones(H.rows());
+  if (noise.common.maxCoeff() > 0) {
+    variance += (signal_to_noise(noise, H.array().abs2()) * noise.common).array();
+  }
+  return (variance * noise.line.array()).rsqrt().matrix();
+}
+
+Complex line_correlation(const FrfNoise& noise, Index d) {
+  if (d == 0 || !(noise.correlation_lines > 0)) return d == 0 ? 1 : 0;
+  const double lines = static_cast<double>(d);
+  return std::polar(1.0, 2 * std::numbers::pi * noise.lead * lines) /
+         Complex(1, std::numbers::pi * lines / noise.correlation_lines);
+}
+
+MatrixXd correlated(const FrfNoise& noise, const Eigen::Ref<const MatrixXd>& stacked_columns) {
+  if (!(noise.correlation_lines > 0)) return stacked_columns;
+  const Index lines = stacked_columns.rows() / 2;
+  const Index length = good_fft_length(2 * lines);
+  // The convolution over lines by real transforms: of the real and of the imaginary part of rho
+  // (even and odd in d) with those of the column.
+  RealFft fft(length);
+  const auto spectrum_of = [&](const auto& values) {
+    auto time = fft.time();
+    time.setZero();
+    time.head(lines) = values;
+    fft.forward();
+    return Eigen::VectorXcd(fft.spectrum());
+  };
+  Eigen::VectorXcd rho[2];
+  for (int part = 0; part < 2; ++part) {
+    auto time = fft.time();
+    time.setZero();
+    for (Index d = 0; d < lines; ++d) {
+      const Complex value = line_correlation(noise, d);
+      time[d] = part == 0 ? value.real() : value.imag();
+      if (d > 0) time[length - d] = part == 0 ? value.real() : -value.imag();
+    }
+    fft.forward();
+    rho[part] = fft.spectrum();
+  }
+  MatrixXd result(stacked_columns.rows(), stacked_columns.cols());
+  for (Index c = 0; c < stacked_columns.cols(); ++c) {
+    const Eigen::VectorXcd re = spectrum_of(stacked_columns.col(c).head(lines));
+    const Eigen::VectorXcd im = spectrum_of(stacked_columns.col(c).tail(lines));
+    fft.spectrum() = re.cwiseProduct(rho[0]) - im.cwiseProduct(rho[1]);
+    fft.inverse();
+    result.col(c).head(lines) = fft.time().head(lines);
+    fft.spectrum() = re.cwiseProduct(rho[1]) + im.cwiseProduct(rho[0]);
+    fft.inverse();
+    result.col(c).tail(lines) = fft.time().head(lines);
+  }
+  return result;
+}
+
+VectorXd correlated_squares(const FrfNoise& noise,
+                            const Eigen::Ref<const MatrixXd>& stacked_columns) {
+  if (!(noise.correlation_lines > 0)) return stacked_columns.colwise().squaredNorm();
+  // rho is the transform of a window over time; columns' squares in time are weighted by it:
+  // sum_kl conj(x_k) rho_(k-l) x_l = sum_t w_t |x^_t|^2 on lines padded with as many zeros.
+  const Index lines = stacked_columns.rows() / 2;
+  RealFft fft(good_fft_length(2 * lines));
+  const Index length = fft.length();
+  // Weights: the real sequence whose Hermitian spectrum is rho.
+  VectorXd weight(length);
+  {
+    auto spectrum = fft.spectrum();
+    spectrum.setZero();
+    for (Index d = 0; d < lines; ++d) {
+      spectrum[d] = line_correlation(noise, d);
+    }
+    fft.inverse();  // 1 / length times the sum over all d
+    weight = fft.time();
+  }
+  VectorXd squares(stacked_columns.cols());
+  Eigen::VectorXcd re(fft.lines());
+  for (Index c = 0; c < stacked_columns.cols(); ++c) {
+    const auto transform = [&](const auto& values) {
+      auto time = fft.time();
+      time.setZero();
+      time.head(lines) = values;
+      fft.forward();
+    };
+    transform(stacked_columns.col(c).head(lines));
+    re = fft.spectrum();
+    transform(stacked_columns.col(c).tail(lines));
+    const auto im = fft.spectrum();
+    // X_t = sum_k x_k exp(-i 2 pi k t / length), x = re + i im; at -t the conjugates change places.
+    double sum = 0;
+    for (Index t = 0; t < fft.lines(); ++t) {
+      const Complex plus = re[t] + Complex(0, 1) * im[t];
+      const Complex minus = std::conj(re[t]) + Complex(0, 1) * std::conj(im[t]);
+      const bool single = t == 0 || 2 * t == length;
+      // rho_(k-l) = sum_t w_t exp(-i 2 pi (k - l) t / length).
+      sum += single ? weight[t] * std::norm(plus)
+                    : weight[t] * std::norm(minus) + weight[length - t] * std::norm(plus);
+    }
+    squares[c] = sum;
+  }
+  return squares;
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,66 @@
+// The noise of a set of FRFs as few numbers: what weights, covariances and tests of modes need.
+//
+// Noise of the responses gives each FRF an error of its own; noise of a force multiplies all FRFs
+// of its input by one and the same random factor. Both are divided by the same force spectrum:
+//   var Re(error_kc) = var Im(error_kc) = q_k (a_c + b_i |H_kc|^2),   i: input of column c,
+// the b part being common to the FRFs of an input. Error bars taken from a few hits scatter by tens
+// of percent from line to line; weights made of them singly would lose information and claim too
+// much. Smoothing q over lines and FRFs takes thousands of them together.
+//
+// Lines of records weighted by an exponential window exp(-sigma t) of length T have correlated
+// errors
+//   rho(d) = exp(i 2 pi d t0 / T) / (1 + i pi d / (sigma T)),   d: difference of line numbers, T =
+//   1 / line spacing, t0: from the beginning of the record to the hit,
+// (the transform of exp(-2 sigma t) from -t0 on, truncated at T; FRFs count time from the hit);
+// without a window they are independent.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+
+namespace rigfit::signal {
+
+struct FrfNoise {
+  Eigen::VectorXd line;          ///< q: lines, mean 1
+  Eigen::VectorXd column;        ///< a: FRFs, units of H squared; infinite for an FRF that is zero
+  Eigen::VectorXd common;        ///< b: inputs, relative to |H|^2
+  double correlation_lines = 0;  ///< sigma T; 0: lines are independent
+  double lead = 0;               ///< t0 / T
+
+  [[nodiscard]] Eigen::Index inputs() const { return common.size(); }
+};
+
+/// From standard deviations (same size as `H`), such as hits of an average give.
+[[nodiscard]] FrfNoise noise_from_std(const Eigen::Ref<const Eigen::MatrixXcd>& H,
+                                      const Eigen::Ref<const Eigen::MatrixXd>& H_std,
+                                      Eigen::Index inputs, double correlation_lines);
+
+/// From what a fit `model` leaves of `H`. `leverage`: lines, the share (0..1) of each line's
+/// freedom that the fit has used up, mean over FRFs.
+[[nodiscard]] FrfNoise noise_from_residuals(const Eigen::Ref<const Eigen::MatrixXcd>& model,
+                                            const Eigen::Ref<const Eigen::MatrixXcd>& residual,
+                                            const Eigen::Ref<const Eigen::VectorXd>& leverage,
+                                            Eigen::Index inputs, double correlation_lines);
+
+/// When nothing is known: every FRF with a variance of its mean square, the same at all lines.
+[[nodiscard]] FrfNoise noise_unknown(const Eigen::Ref<const Eigen::MatrixXcd>& H,
+                                     Eigen::Index inputs, double correlation_lines);
+
+/// Weight of each line, shared by all FRFs: 1 / sqrt(q (1 + sum_i b_i h_i)), h_i = sum_c |H|^2 /
+/// a_c. With it the direction of H across the FRFs, which carries what a resonance tells about its
+/// pole, has the weight of generalised least squares.
+[[nodiscard]] Eigen::VectorXd line_weight(const FrfNoise& noise,
+                                          const Eigen::Ref<const Eigen::MatrixXcd>& H);
+
+/// rho(d), d >= 0.
+[[nodiscard]] std::complex<double> line_correlation(const FrfNoise& noise, Eigen::Index d);
+
+/// rho applied to columns of stacked real and imaginary parts (modal_basis.h), 2 lines x n.
+[[nodiscard]] Eigen::MatrixXd correlated(const FrfNoise& noise,
+                                         const Eigen::Ref<const Eigen::MatrixXd>& stacked_columns);
+
+/// diag(columns' rho columns), at a third of the cost.
+[[nodiscard]] Eigen::VectorXd correlated_squares(
+    const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXd>& stacked_columns);
+
+}  // namespace rigfit::signal

@@ -1,0 +1,65 @@
+// Maximum likelihood of all modal parameters on FRFs with error bars.
+//
+// Minimises sum_k w_k^2 sum_c |H_kc - model_kc(p, R, lower, upper)|^2 / a_c over the poles p and,
+// at every step, over all residues and residuals, which enter linearly (variable projection: the
+// linear unknowns are eliminated exactly, the poles move by Gauss-Newton in Kaufman's form). The
+// basis functions and the line weights w are common to all FRFs, hence a step costs one Gram matrix
+// and two products with the FRFs, whatever their number. Weights and the noise they come from:
+// modal_noise.h; what the answer is worth: modal_covariance.h. Sources: Golub, Pereyra, Separable
+// nonlinear least squares, Inverse Problems 19 (2003) R1; Kaufman, BIT 15 (1975) 49; Pintelon,
+// Schoukens, System Identification, 2nd ed., ch. 9.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "signal/refinement/modal_noise.h"
+
+namespace rigfit::signal {
+
+/// What is fitted: lines x FRFs along s (modal_basis.h).
+struct FrfLines {
+  Eigen::VectorXcd s;
+  int power = 0;
+  Eigen::MatrixXcd H;
+  Eigen::Index inputs = 1;
+  /// Lines x terms: smooth functions that every FRF may hold besides modes and residuals
+  /// (smooth_background.h); empty: none.
+  Eigen::MatrixXcd background;
+};
+
+struct ModalRefineOptions {
+  int max_iterations = 50;
+  /// Stops when a step changes no pole by more than this times its standard deviation.
+  double step_tolerance = 1e-3;
+};
+
+enum class RefineEnd { converged, iteration_limit, no_descent, rank_deficient };
+[[nodiscard]] const char* name_of(RefineEnd end);
+
+struct ModalRefineResult {
+  Eigen::VectorXcd poles;     ///< rad/s, of the structure (s carries the window)
+  Eigen::MatrixXcd residues;  ///< modes x FRFs
+  Eigen::VectorXcd lower, upper;
+  Eigen::MatrixXcd background;  ///< terms of FrfLines::background x FRFs
+  RefineEnd end = RefineEnd::iteration_limit;
+  int iterations = 0;
+  double cost = 0;           ///< the minimised sum
+  Eigen::VectorXd leverage;  ///< lines: share of the freedom used, mean over FRFs
+};
+
+/// Columns of the linear unknowns: those of modal_basis.h, then two real ones a background term,
+/// each line multiplied by `line_weight`.
+[[nodiscard]] Eigen::MatrixXd weighted_basis(const FrfLines& data,
+                                             const Eigen::Ref<const Eigen::VectorXcd>& poles,
+                                             const Eigen::Ref<const Eigen::VectorXd>& line_weight);
+
+/// Lines x FRFs of a fit, background included.
+[[nodiscard]] Eigen::MatrixXcd fitted_frfs(const FrfLines& data, const ModalRefineResult& fit);
+
+/// From starting poles (positive imaginary part). FRFs with infinite `noise.column` are left out of
+/// the poles.
+[[nodiscard]] ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
+                                             const Eigen::Ref<const Eigen::VectorXcd>& start,
+                                             const ModalRefineOptions& options = {});
+
+}  // namespace rigfit::signal

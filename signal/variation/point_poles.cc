@@ -1,0 +1,361 @@
+#include "signal/variation/point_poles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "signal/modes/mode_search.h"
+#include "signal/numerics/numbers.h"
+#include "signal/refinement/local_fit.h"
+#include "signal/refinement/modal_noise.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+constexpr double kNever = 1e300;
+
+double half_bandwidth(const ModalBand& band, Complex pole) { return band.window - pole.real(); }
+
+/// Distance in half bandwidths of both; below half a line no data tell poles apart.
+double apart(const ModalBand& band, Complex p, Complex q) {
+  return std::abs(p - q) /
+         (half_bandwidth(band, p) + half_bandwidth(band, q) + 0.5 * kTwoPi * band.spacing_hz);
+}
+
+MatrixXcd columns_of(const ModalBand& band, const std::vector<Index>& columns) {
+  MatrixXcd H(band.lines.H.rows(), static_cast<Index>(columns.size()));
+  for (Index i = 0; i < H.cols(); ++i) {
+    H.col(i) = band.lines.H.col(columns[static_cast<std::size_t>(i)]);
+  }
+  return H;
+}
+
+/// First line and number of lines of a window around a group of poles.
+struct Window {
+  Index first = 0, count = 0, stride = 1;
+};
+
+Window window_around(const ModalBand& band, const std::vector<Complex>& group, double bandwidths,
+                     Index least) {
+  const VectorXd& f = band.frequency_hz;
+  double low = f[f.size() - 1], high = f[0];
+  for (const Complex p : group) {
+    const double reach = std::max(bandwidths * half_bandwidth(band, p) / kTwoPi,
+                                  static_cast<double>(least) * band.spacing_hz);
+    low = std::min(low, p.imag() / kTwoPi - reach);
+    high = std::max(high, p.imag() / kTwoPi + reach);
+  }
+  const Index first = std::lower_bound(f.begin(), f.end(), low) - f.begin();
+  const Index end = std::upper_bound(f.begin(), f.end(), high) - f.begin();
+  return {first, std::max<Index>(0, end - first), std::max<Index>(1, (end - first) / 1000)};
+}
+
+/// Variance of a mean of correlated lines over that of independent ones: from the misfit's own
+/// correlation (Bartlett's weights, Newey and West, Econometrica 55 (1987) 703) or from the
+/// window's, whichever is more.
+double line_inflation(const MatrixXcd& residual, const ModalBand& band, double& neighbour) {
+  const Index lines = residual.rows(), lags = std::min<Index>(8, lines / 5);
+  const double power = residual.squaredNorm();
+  neighbour = 0;
+  if (!(power > 0)) return 1;
+  double found = 1, known = 1;
+  FrfNoise noise;
+  noise.correlation_lines = band.correlation_lines;
+  noise.lead = band.lead;
+  for (Index d = 1; d <= lags; ++d) {
+    Complex sum = 0;
+    for (Index c = 0; c < residual.cols(); ++c) {
+      sum += residual.col(c).head(lines - d).dot(residual.col(c).tail(lines - d));
+    }
+    const double rho = sum.real() / power, taper = 1 - static_cast<double>(d) / (lags + 1.0);
+    if (d == 1) neighbour = rho - line_correlation(noise, 1).real();
+    found += 2 * taper * rho;
+    known += 2 * line_correlation(noise, d).real();
+  }
+  return std::max({1.0, found, known});
+}
+
+/// Fits of the candidates of one point.
+class PointFit {
+ public:
+  PointFit(const ModalBand& of, const std::vector<Index>& columns, const PointPoleOptions& with)
+      : band(of), options(with), H(columns_of(of, columns)) {
+    const double values = 2 * static_cast<double>(H.size());
+    penalty = (2 * static_cast<double>(H.cols()) + 2) * std::log(values);
+  }
+
+  const ModalBand& band;
+  const PointPoleOptions& options;
+  MatrixXcd H;
+  double penalty = 0;
+
+  LocalFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
+               double bandwidths, int order, Window& window) const {
+    window = window_around(band, group, bandwidths, options.lines);
+    const Index count = window.count / window.stride;
+    VectorXcd s(count), start(static_cast<Index>(group.size()));
+    MatrixXcd part(count, H.cols());
+    for (Index k = 0; k < count; ++k) {
+      s[k] = band.lines.s[window.first + k * window.stride];
+      part.row(k) = H.row(window.first + k * window.stride);
+    }
+    for (Index r = 0; r < start.size(); ++r) start[r] = group[static_cast<std::size_t>(r)];
+    std::vector<Complex> near;
+    if (count < 2) return {};
+    for (const Complex p : others) {
+      const double beyond = 3 * half_bandwidth(band, p);
+      if (p.imag() > s[0].imag() - beyond && p.imag() < s[count - 1].imag() + beyond) {
+        near.push_back(p);
+      }
+    }
+    const VectorXcd fixed = Eigen::Map<const VectorXcd>(near.data(), Index(near.size()));
+    // Columns weigh by what a first fit leaves of them; a tenth of the mean keeps one that is
+    // fitted by chance from deciding alone.
+    VectorXd weight = VectorXd::Ones(H.cols());
+    LocalFitOptions local;
+    local.background_order = order;
+    LocalFit result = fit_locally(s, part, weight, start, fixed, local);
+    if (result.usable && H.cols() > 1) {
+      const double mean = result.misfit.mean();
+      if (mean > 0) {
+        weight = mean / (result.misfit.array() + 0.1 * mean);
+        result = fit_locally(s, part, weight, result.poles, fixed, local);
+      }
+    }
+    return result;
+  }
+
+  /// The weakest pole of a group that does not stand out; -1: all do.
+  Index weakest(const LocalFit& fit) const {
+    double neighbour = 0;
+    const double inflation = line_inflation(fit.residual, band, neighbour);
+    Index worst = -1;
+    double least = penalty;
+    for (Index r = 0; r < fit.poles.size(); ++r) {
+      const double value = significance(fit, r, inflation);
+      if (value < least || !plausible(fit.poles[r])) {
+        least = plausible(fit.poles[r]) ? value : -1;
+        worst = r;
+      }
+    }
+    return worst;
+  }
+
+  /// A pole of a group that another one beside it makes needless; -1: none. Where resonances
+  /// overlap, one pole must leave more than `twin_misfit` of the FRFs before a second is believed,
+  /// or several times what two of like damping at a distance leave: a resonance that is not quite
+  /// linear is fitted better by two poles than by one.
+  Index needless_twin(const std::vector<Complex>& group, const std::vector<Complex>& others,
+                      const LocalFit& both, const Window& span) const {
+    for (Index r = 0; r < both.poles.size(); ++r) {
+      for (Index q = 0; q < both.poles.size(); ++q) {
+        if (q == r || apart(band, both.poles[r], both.poles[q]) > 1.5) continue;
+        if (both.gain.row(r).sum() > both.gain.row(q).sum()) continue;
+        const double hr = half_bandwidth(band, both.poles[r]);
+        const double hq = half_bandwidth(band, both.poles[q]);
+        const double distance = std::abs(both.poles[r].imag() - both.poles[q].imag()) / (hr + hq);
+        const bool alike = std::max(hr, hq) < 2 * std::min(hr, hq);
+        const double asked = !alike || distance < 0.5 ? kNever : distance < 0.8 ? 10 : 4;
+        std::vector<Complex> fewer = group;
+        fewer.erase(fewer.begin() + r);
+        Window window;
+        const LocalFit fit = this->fit(fewer, others, options.bandwidths, 2, window);
+        if (!fit.usable) continue;
+        double worst = 0;
+        const double left = std::max(misfit_around(both, span, both.poles[r]),
+                                     misfit_around(both, span, both.poles[q]));
+        for (const Complex pole : fit.poles) {
+          if (apart(band, pole, both.poles[r]) > 1.5 && apart(band, pole, both.poles[q]) > 1.5) {
+            continue;
+          }
+          worst = std::max(worst, misfit_around(fit, window, pole));
+        }
+        if (worst < options.twin_misfit && worst < asked * left) return r;
+      }
+    }
+    return -1;
+  }
+
+  /// Rms misfit over rms FRF within the half bandwidth of a pole.
+  double misfit_around(const LocalFit& fit, const Window& window, Complex pole) const {
+    const double half = std::max(half_bandwidth(band, pole), kTwoPi * band.spacing_hz);
+    double above = 0, below = 0;
+    for (Index k = 0; k < fit.residual.rows(); ++k) {
+      const Index line = window.first + k * window.stride;
+      if (std::abs(band.lines.s[line].imag() - pole.imag()) > half) continue;
+      above += fit.residual.row(k).squaredNorm();
+      below += H.row(line).squaredNorm();
+    }
+    return below > 0 ? std::sqrt(above / below) : 0;
+  }
+
+  double significance(const LocalFit& fit, Index r, double inflation) const {
+    const double floor = 1e-12 * H.squaredNorm() / static_cast<double>(H.size());
+    double sum = 0;
+    for (Index c = 0; c < H.cols(); ++c) {
+      const double variance = fit.misfit[c] / static_cast<double>(fit.freedom) + floor;
+      sum += 2 * fit.gain(r, c) / variance;
+    }
+    return sum / inflation;
+  }
+
+  bool plausible(Complex pole) const {
+    const Complex raw = pole - band.window;
+    return raw.real() < 0 && -raw.real() < options.max_damping_ratio * std::abs(raw);
+  }
+};
+
+/// Candidates in groups whose resonances overlap.
+std::vector<std::vector<Complex>> groups_of(const ModalBand& band, std::vector<Complex> poles) {
+  std::sort(poles.begin(), poles.end(), [](Complex a, Complex b) { return a.imag() < b.imag(); });
+  std::vector<std::vector<Complex>> groups;
+  for (const Complex p : poles) {
+    const bool joins = !groups.empty() && groups.back().size() < 6 &&
+                       std::any_of(groups.back().begin(), groups.back().end(),
+                                   [&](Complex q) { return apart(band, p, q) < 2; });
+    if (joins) {
+      groups.back().push_back(p);
+    } else {
+      groups.push_back({p});
+    }
+  }
+  return groups;
+}
+
+std::vector<Complex> other_poles(const std::vector<std::vector<Complex>>& groups, std::size_t own) {
+  std::vector<Complex> others;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (g != own) others.insert(others.end(), groups[g].begin(), groups[g].end());
+  }
+  return others;
+}
+
+std::vector<Complex> candidates_of(const PointFit& point, const std::vector<Complex>& common) {
+  const ModalBand& band = point.band;
+  std::vector<Complex> found;
+  if (point.options.max_order > 0) {
+    LscfOptions lscf_options;
+    lscf_options.max_order = point.options.max_order;
+    lscf_options.max_damping_ratio = point.options.max_damping_ratio;
+    const LscfResult diagram = lscf(band.frequency_hz, point.H, 1, {}, {}, lscf_options);
+    for (const PoleCluster& cluster :
+         cluster_poles(diagram, band.spacing_hz, point.options.clusters)) {
+      found.push_back(cluster.pole_rad_s + band.window);
+    }
+  }
+  for (const Complex p : common) {
+    if (std::none_of(found.begin(), found.end(),
+                     [&](Complex q) { return apart(band, p, q) < 1; })) {
+      found.push_back(p);
+    }
+  }
+  return found;
+}
+
+/// What the final fit of a group says about its pole r; `moved`: how far the pole goes with another
+/// window and background.
+PointPole described(const PointFit& point, const LocalFit& fit, const Window& window, Index r,
+                    double moved) {
+  PointPole pole;
+  pole.pole = fit.poles[r];
+  const double inflation = line_inflation(fit.residual, point.band, pole.line_correlation);
+  pole.significance = point.significance(fit, r, inflation);
+  const auto freedom = static_cast<double>(fit.freedom);
+  // The fit's weights are relative: mean misfit over (misfit + a tenth of it).
+  const double mean = fit.misfit.mean();
+  const double variance = inflation * 1.1 * mean / freedom;
+  const double own = 0.5 * variance * std::max(0.0, fit.covariance(r, r).real());
+  pole.std_re = pole.std_im = std::sqrt(own + 0.5 * moved * moved);
+  const Complex power = std::pow(pole.pole, point.band.lines.power);
+  pole.residues = (fit.amplitudes.row(r) / power).transpose();
+  pole.residue_std.resize(pole.residues.size());
+  for (Index c = 0; c < pole.residues.size(); ++c) {
+    const double norm = fit.gain(r, c) > 0 ? std::norm(fit.amplitudes(r, c)) / fit.gain(r, c) : 0;
+    const double relative = std::sqrt(0.5 * fit.covariance(r, r).real() * variance) /
+                            half_bandwidth(point.band, pole.pole);
+    pole.residue_std[c] =
+        std::sqrt(0.5 * inflation * norm * fit.misfit[c] / freedom / std::norm(power)) +
+        relative * std::abs(pole.residues[c]);
+  }
+  const double gain = fit.gain.row(r).sum(), left = fit.misfit.sum();
+  pole.explained = gain > 0 ? gain / (gain + left) : 0;
+  pole.misfit = point.misfit_around(fit, window, pole.pole);
+  return pole;
+}
+
+}  // namespace
+
+bool points_are_inputs(const ModalBand& band) {
+  const Index inputs = band.lines.inputs;
+  return inputs > 1 && inputs * inputs >= band.lines.H.cols();
+}
+
+std::vector<std::vector<Index>> columns_of_points(const ModalBand& band) {
+  const Index inputs = band.lines.inputs, responses = band.lines.H.cols() / inputs;
+  const bool by_input = points_are_inputs(band);
+  std::vector<std::vector<Index>> points(static_cast<std::size_t>(by_input ? inputs : responses));
+  for (Index c = 0; c < band.lines.H.cols(); ++c) {
+    if (band.lines.H.col(c).isZero(0)) continue;
+    points[static_cast<std::size_t>(by_input ? c % inputs : c / inputs)].push_back(c);
+  }
+  return points;
+}
+
+std::vector<PointPole> point_poles(const ModalBand& band, const std::vector<Index>& columns,
+                                   Index index, const std::vector<Complex>& common,
+                                   const PointPoleOptions& options) {
+  std::vector<PointPole> result;
+  if (columns.empty()) return result;
+  const PointFit point(band, columns, options);
+  std::vector<std::vector<Complex>> groups = groups_of(band, candidates_of(point, common));
+  Window window;
+  // Rounds: each group against what the others were in the round before; what does not stand out
+  // goes, the weakest first.
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const std::vector<Complex> others = other_poles(groups, g);
+      while (!groups[g].empty()) {
+        const LocalFit fit = point.fit(groups[g], others, options.bandwidths, 2, window);
+        Index worst = fit.usable ? point.weakest(fit) : Index(groups[g].size()) - 1;
+        if (worst < 0) worst = point.needless_twin(groups[g], others, fit, window);
+        if (worst < 0) {
+          for (Index r = 0; r < fit.poles.size(); ++r) {
+            groups[g][static_cast<std::size_t>(r)] = fit.poles[r];
+          }
+          break;
+        }
+        groups[g].erase(groups[g].begin() + worst);
+      }
+    }
+    std::vector<Complex> kept = other_poles(groups, groups.size());
+    groups = groups_of(band, std::move(kept));
+  }
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const std::vector<Complex> others = other_poles(groups, g);
+    const LocalFit fit = point.fit(groups[g], others, options.bandwidths, 2, window);
+    if (!fit.usable) continue;
+    Window narrow;
+    const std::vector<Complex> start(fit.poles.begin(), fit.poles.end());
+    const LocalFit again = point.fit(start, others, 0.5 * options.bandwidths, 1, narrow);
+    for (Index r = 0; r < fit.poles.size(); ++r) {
+      if (!point.plausible(fit.poles[r])) continue;
+      const double half =
+          std::max(half_bandwidth(band, fit.poles[r]), 0.5 * kTwoPi * band.spacing_hz);
+      double moved = again.usable ? std::abs(again.poles[r] - fit.poles[r]) : half;
+      if (moved > 0.5 * half) continue;
+      PointPole pole = described(point, fit, window, r, moved);
+      pole.point = index;
+      if (pole.significance > point.penalty) result.push_back(std::move(pole));
+    }
+  }
+  std::sort(result.begin(), result.end(),
+            [](const auto& a, const auto& b) { return a.pole.imag() < b.pole.imag(); });
+  return result;
+}
+
+}  // namespace rigfit::signal

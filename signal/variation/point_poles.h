@@ -1,0 +1,60 @@
+// Poles of each measured point by itself: the points of a roving test are measured one after the
+// other, and what is warm, loaded or touched differently has other frequencies at each of them.
+//
+// Points are the struck ones (inputs) or those with a sensor (responses), whichever are more. A
+// point's candidates are the columns of its own stabilisation diagram and those of all FRFs
+// together; each is fitted on the lines around it (local_fit.h), neighbours that overlap jointly,
+// the others held, and given up when it does not stand out of the misfit around it, or when its
+// pole moves by more than half its half bandwidth with another window and background: such a pole
+// describes the background. The misfit counts as noise, correlated between lines as it is found.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <vector>
+
+#include "signal/modes/modal_band.h"
+#include "signal/poles/pole_clusters.h"
+
+namespace rigfit::signal {
+
+/// A mode as one point shows it.
+struct PointPole {
+  Eigen::Index point = 0;
+  std::complex<double> pole;    ///< rad/s, window removed
+  double std_re = 0;            ///< of the decay rate, rad/s
+  double std_im = 0;            ///< of the damped frequency, rad/s
+  Eigen::VectorXcd residues;    ///< receptance, one a column of the point
+  Eigen::VectorXd residue_std;  ///< of the real and the imaginary part, each
+  /// Twice the fall of the misfit with this pole over the misfit's variance, correlated lines
+  /// counted once: chi-square of 2 columns for a pole that is not there.
+  double significance = 0;
+  double explained = 0;         ///< share of what the background leaves that this pole explains
+  double misfit = 0;            ///< rms misfit over rms FRF within the half bandwidth
+  double line_correlation = 0;  ///< of the misfit at neighbouring lines
+};
+
+/// Whether struck points vary (they are more than one and no fewer than the responses).
+[[nodiscard]] bool points_are_inputs(const ModalBand& band);
+
+/// Columns of `H` of every point, in the order in which the file lists the points.
+[[nodiscard]] std::vector<std::vector<Eigen::Index>> columns_of_points(const ModalBand& band);
+
+struct PointPoleOptions {
+  int max_order = 40;      ///< of a point's own diagram; 0: none
+  double bandwidths = 6;   ///< half width of the window, half bandwidths of the mode
+  Eigen::Index lines = 8;  ///< and at least so many lines on either side
+  /// Rms misfit over rms FRF that one pole must leave before a second within its resonance counts.
+  double twin_misfit = 0.1;
+  PoleClusterOptions clusters;
+  double max_damping_ratio = 0.2;
+};
+
+/// `common`: starting poles for all points, window removed. By rising frequency.
+[[nodiscard]] std::vector<PointPole> point_poles(const ModalBand& band,
+                                                 const std::vector<Eigen::Index>& columns,
+                                                 Eigen::Index point,
+                                                 const std::vector<std::complex<double>>& common,
+                                                 const PointPoleOptions& options);
+
+}  // namespace rigfit::signal

@@ -1,0 +1,98 @@
+#include "signal/modal/mode_warnings.h"
+
+#include <gtest/gtest.h>
+
+#include <complex>
+#include <random>
+#include <string>
+
+#include "signal/modal/modal_identification.h"
+#include "signal/numerics/numbers.h"
+#include "tests/reference/defective_frfs.h"
+
+namespace rigfit::signal::mode_warnings_test {
+namespace {
+using Complex = std::complex<double>;
+using Eigen::MatrixXcd;
+
+/// One FRF that is 1 on 200 lines 0.1 Hz apart, and a mode at 10 Hz, 5 % damped: 11 lines.
+struct Around {
+  ModalBand band;
+  FrfNoise noise;
+  IdentifiedMode mode;
+
+  Around() {
+    band.frequency_hz = Eigen::VectorXd::LinSpaced(200, 0.1, 20);
+    band.spacing_hz = 0.1;
+    band.lines.H = MatrixXcd::Ones(200, 1);
+    noise = noise_unknown(band.lines.H, 1, 0);
+    mode.pole_rad_s = {-0.05 * 10 * kTwoPi, 10 * kTwoPi};
+  }
+  [[nodiscard]] double beyond(const MatrixXcd& misfit) const {
+    return misfit_beyond_noise(band, noise, mode, misfit);
+  }
+};
+
+// Four standard deviations of the correlation of 10 pairs are 0.9: chance of one in 30000.
+TEST(MisfitBeyondNoise, TellsStructureFromNoiseByNeighbouringLines) {
+  Around around;
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < 200; ++trial) {
+    MatrixXcd noise(200, 1);
+    for (Complex& value : noise.reshaped()) value = Complex(normal(random), normal(random));
+    EXPECT_EQ(around.beyond(0.5 * noise), 0);
+  }
+  EXPECT_NEAR(around.beyond(MatrixXcd::Constant(200, 1, Complex(0.3, 0.4))), 0.5, 1e-9);
+}
+
+TEST(MisfitBeyondNoise, IsWhatErrorBarsDoNotExpect) {
+  Around around;
+  around.band.H_std = Eigen::MatrixXd::Constant(200, 1, 0.3);
+  // Twice 0.3^2 is expected, 0.5^2 + 0.4^2 left: 0.41 - 0.18.
+  EXPECT_NEAR(around.beyond(MatrixXcd::Constant(200, 1, Complex(0.5, 0.4))), std::sqrt(0.23), 1e-9);
+  EXPECT_EQ(around.beyond(MatrixXcd::Constant(200, 1, Complex(0.3, 0.3))), 0);
+}
+
+/// Three modes 0.5 % damped at six sensors, 0.25 Hz lines, noise on the force.
+FrfSet six_sensors(double force_noise) {
+  testing::DefectiveFrfOptions options;
+  options.damping_ratio = 0.005, options.spacing_hz = 0.25;
+  options.low_hz = 20, options.high_hz = 400;
+  options.points = 6, options.points_are_inputs = false;
+  options.common = force_noise;
+  return testing::defective_frfs(options);
+}
+
+// Noise of the force as large as a third of it in a few lines of a resonance makes any width of
+// it: error bars of first order do not say so.
+TEST(ModeWarnings, ModesUnderMuchNoiseOnTheForceAreDoubtful) {
+  for (const double force_noise : {0.02, 0.3}) {
+    const ModalResult found = identify_modes(six_sensors(force_noise));
+    ASSERT_GE(found.model.modes.size(), 3u);
+    for (const IdentifiedMode& mode : found.model.modes) {
+      EXPECT_EQ(mode.doubtful, force_noise > 0.1) << mode.doubt;
+    }
+  }
+}
+
+// White misfit of 40 % at each line and FRF, error bars of 1 %: poles of all FRFs hold, the error
+// bars do not.
+TEST(ModeWarnings, AGlobalModeWithALargeMisfitIsDoubtful) {
+  FrfSet set = six_sensors(0);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  for (Complex& h : set.H.reshaped()) h *= 1.0 + 0.3 * Complex(normal(random), normal(random));
+  set.H_std = 0.01 * set.H.cwiseAbs();
+  const ModalResult found = identify_modes(set);
+  ASSERT_EQ(found.model.modes.size(), 3u);
+  for (const IdentifiedMode& mode : found.model.modes) {
+    EXPECT_EQ(mode.refinement, "global");
+    EXPECT_TRUE(mode.doubtful);
+    EXPECT_NE(mode.doubt.find("not explained by it, nor by noise"), std::string::npos)
+        << mode.doubt;
+  }
+}
+
+}  // namespace
+}  // namespace rigfit::signal::mode_warnings_test
