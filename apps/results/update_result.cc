@@ -73,6 +73,7 @@ Json parameters_json(const std::vector<ident::UpdatedParameter>& parameters) {
                     {"std_from_data", json_number(p.std_from_data)},
                     {"at_bound", p.at_bound},
                     {"segment_shift", json_number(p.segment_shift)},
+                    {"segments_taken_off", json_number(p.segments_taken_off)},
                     {"budget", std::move(budget)}});
   }
   return list;
@@ -98,6 +99,7 @@ Json fit_json(const ident::UpdateFit& fit) {
   return {{"chi2", fit.chi2},
           {"degrees_of_freedom", fit.degrees_of_freedom},
           {"p_value", json_number(fit.p_value)},
+          {"chi2_by_inputs", fit.by_inputs},
           {"uncertainties", fit.stated ? "stated" : "assumed"},
           {"model_std", fit.model_std},
           {"frf_model_std", fit.frf_model_std},
@@ -114,6 +116,25 @@ Json exact_inputs_json(const ident::UpdateResult& result) {
     list.push_back({{"name", input.name},
                     {"relative_change", input.relative_change},
                     {"changes", std::move(shifts)}});
+  }
+  return list;
+}
+
+Json exact_ends_json(const ident::UpdateResult& result) {
+  Json list = Json::array();
+  for (const auto& ends : result.exact_ends) {
+    Json shifts = Json::object(), largest = Json::object();
+    for (std::size_t p = 0; p < result.parameters.size(); ++p) {
+      const auto& name = result.parameters[p].name;
+      shifts[name] = json_number(ends.shift[static_cast<Eigen::Index>(p)]);
+      largest[name] = json_number(ends.largest_shift[static_cast<Eigen::Index>(p)]);
+    }
+    list.push_back({{"nodes", ends.nodes},
+                    {"taken_as", ends.taken_as},
+                    {"springs_Nm_rad", json_number(ends.stiffness)},
+                    {"chi2_less", json_number(ends.chi2_less)},
+                    {"changes", std::move(shifts)},
+                    {"largest_changes", std::move(largest)}});
   }
   return list;
 }
@@ -153,13 +174,7 @@ Json update_json(const ident::UpdateResult& result, const States& states) {
             {"alternatives", alternatives_json(result, states)},
             {"log_evidence", json_number(result.log_evidence)}};
   json["exact_inputs"] = exact_inputs_json(result);
-  Json tensions = Json::array();  // of the states: what a prediction at another one needs
-  for (const auto& scene : result.scenes) {
-    for (const auto& member : scene.members) {
-      if (member.tension) tensions.push_back(scene.load_cell.tension(*member.tension));
-    }
-  }
-  json["tensions_N"] = std::move(tensions);
+  json["exact_ends"] = exact_ends_json(result);
   json["correlation"] = correlation_json(result.correlation);
   json["rank"] = result.identifiability.rank;
   json["condition"] = json_number(result.identifiability.condition);
@@ -178,6 +193,10 @@ Json update_json(const ident::UpdateResult& result, const States& states) {
     json["frf_lines"] = result.frf_lines;
     json["rms_log_frf_error"] = json_number(result.rms_log_frf_error);
     json["rms_log_frf_error_before"] = json_number(result.rms_log_frf_error_before);
+  }
+  if (std::isfinite(result.history_error)) {
+    json["history_error"] = result.history_error;
+    json["history_error_before"] = json_number(result.history_error_before);
   }
   return json;
 }
@@ -292,6 +311,10 @@ void print_update(std::ostream& out, const ident::UpdateResult& result, const St
     out << fmt::format(
         "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
         result.frf_lines, result.rms_log_frf_error_before, result.rms_log_frf_error);
+  }
+  if (std::isfinite(result.history_error)) {
+    out << fmt::format("rms of model less record over the record's: {:.2g} before, {:.2g} fitted\n",
+                       result.history_error_before, result.history_error);
   }
   for (const auto& text : ident::exact_input_texts(result)) out << "  " << text << '\n';
 }

@@ -27,6 +27,9 @@ std::string fit_text(const UpdateFit& fit) {
                                  fit.degrees_of_freedom);
   if (std::isfinite(fit.p_value)) text += ", probability " + probability_text(fit.p_value);
   if (!fit.stated) text += ", with assumed uncertainties";
+  if (fit.by_inputs > 0) {
+    text += fmt::format("; chi-square {:.4g} more, were the inputs exact", fit.by_inputs);
+  }
   if (fit.model_std > 0) {
     text += fmt::format("; error of the model in frequency {}", percent(fit.model_std));
   }
@@ -66,8 +69,9 @@ namespace {
 
 // Standard uncertainties from which a change counts: an input of which nothing is said may well be
 // known to 1 % only; where that moves a parameter by more, it would be its largest uncertainty.
-// Ends count where they move a parameter out of its 95 % interval.
-double matters(const ExactInput& input) { return input.relative_change > 0 ? 1 : 1.96; }
+constexpr double kInputMatters = 1;
+// End conditions move a parameter out of its 95 % interval.
+constexpr double kEndsMatter = 1.96;
 
 // An exact input and how far 1 % of it moves one parameter, in its standard uncertainties.
 struct ExactShift {
@@ -75,18 +79,49 @@ struct ExactShift {
   double shift = 0, stds = 0;
 };
 
-// Those that count, the largest first.
+// The largest first.
 std::vector<ExactShift> exact_shifts(const UpdateResult& result, std::size_t parameter) {
   std::vector<ExactShift> shifts;
   const double std = result.parameters[parameter].std;
   for (const auto& input : result.exact_inputs) {
     const double shift = input.shift[static_cast<Eigen::Index>(parameter)];
-    const double stds = std::isfinite(shift) && std > 0 ? std::abs(shift) / std : 0;
-    if (stds >= matters(input)) shifts.push_back({&input, shift, stds});
+    if (std::isfinite(shift) && std > 0) shifts.push_back({&input, shift, std::abs(shift) / std});
   }
   std::stable_sort(shifts.begin(), shifts.end(),
                    [](const auto& a, const auto& b) { return a.stds > b.stds; });
   return shifts;
+}
+
+}  // namespace
+
+namespace {
+
+double stds_of(double shift, const UpdatedParameter& parameter) {
+  return std::isfinite(shift) && parameter.std > 0 ? std::abs(shift) / parameter.std : 0;
+}
+
+// What springs instead change, of the parameters that they move out of their intervals; empty:
+// none.
+std::string exact_ends_text(const UpdateResult& result, const ExactEnds& ends) {
+  std::string list;
+  for (std::size_t p = 0; p < result.parameters.size(); ++p) {
+    const auto& parameter = result.parameters[p];
+    const double shift = ends.shift[static_cast<Eigen::Index>(p)];
+    const double most = ends.largest_shift[static_cast<Eigen::Index>(p)];
+    if (stds_of(most, parameter) < kEndsMatter) continue;
+    list += fmt::format("{}{} by {:+.2g}, up to {:+.2g} ({:.2g} std)", list.empty() ? "" : ", ",
+                        parameter.name, shift, most, stds_of(most, parameter));
+  }
+  if (list.empty()) return list;
+  std::string nodes;
+  for (const auto& node : ends.nodes) nodes += (nodes.empty() ? "" : ", ") + node;
+  const bool better = ends.chi2_less > 1e-3;
+  return fmt::format(
+      "{} taken as {}; springs there that the data cannot tell from the best ({}) change {}", nodes,
+      ends.taken_as,
+      better ? fmt::format("{:.2g} N m/rad, chi-square {:.2g} less", ends.stiffness, ends.chi2_less)
+             : ends.taken_as,
+      list);
 }
 
 }  // namespace
@@ -96,17 +131,25 @@ std::vector<std::string> exact_input_texts(const UpdateResult& result) {
   if (result.exact_inputs.empty()) return texts;
   std::string names;
   for (const auto& input : result.exact_inputs) names += (names.empty() ? "" : ", ") + input.name;
+  for (const auto& ends : result.exact_ends) {
+    for (const auto& node : ends.nodes) names += fmt::format(", {} ({})", node, ends.taken_as);
+  }
   texts.push_back("taken as exact: " + names);
   for (std::size_t p = 0; p < result.parameters.size(); ++p) {
     std::string list;
-    for (const auto& one : exact_shifts(result, p)) {
-      const double change = 100 * one.input->relative_change;
-      list += list.empty() ? "" : ", ";
-      list += change > 0 ? fmt::format("{:.3g} % of {}", change, one.input->name)
-                         : fmt::format("other {}", one.input->name);
-      list += fmt::format(" by {:+.2g} ({:.2g} std)", one.shift, one.stds);
+    const auto shifts = exact_shifts(result, p);
+    for (const auto& one : shifts) {
+      if (one.stds < kInputMatters) break;
+      list += list.empty() ? fmt::format("{:.3g} % of {} changes it by {:+.2g} ({:.2g} std)",
+                                         100 * one.input->relative_change, one.input->name,
+                                         one.shift, one.stds)
+                           : fmt::format(", of {} by {:+.2g} ({:.2g} std)", one.input->name,
+                                         one.shift, one.stds);
     }
-    if (!list.empty()) texts.push_back(result.parameters[p].name + " changes with " + list);
+    if (!list.empty()) texts.push_back(result.parameters[p].name + ": " + list);
+  }
+  for (const auto& ends : result.exact_ends) {
+    if (auto text = exact_ends_text(result, ends); !text.empty()) texts.push_back(std::move(text));
   }
   return texts;
 }
@@ -148,54 +191,28 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
           {"from_prior", "is known from its prior only, not from these data", p.name, false});
     }
   }
-  std::string exact, ends;
+  std::string exact;
   for (std::size_t p = 0; p < result.parameters.size(); ++p) {
-    const auto& name = result.parameters[p].name;
-    bool first = true;
-    for (const auto& one : exact_shifts(result, p)) {
-      const double change = 100 * one.input->relative_change;
-      if (change > 0 && first) {
-        exact += fmt::format("{}{:.2g} % of {} changes {} by its standard uncertainty",
-                             exact.empty() ? "" : "; ", change / one.stds, one.input->name, name);
-        first = false;
-      } else if (!(change > 0)) {
-        ends += fmt::format("{}{} move {} by {:+.2g} ({:.2g} std)", ends.empty() ? "" : "; ",
-                            one.input->name, name, one.shift, one.stds);
-      }
-    }
+    const auto shifts = exact_shifts(result, p);
+    if (shifts.empty() || shifts.front().stds < kInputMatters) continue;
+    const auto& first = shifts.front();
+    exact += fmt::format("{}{:.2g} % of {} changes {} by its standard uncertainty",
+                         exact.empty() ? "" : "; ", 100 * first.input->relative_change / first.stds,
+                         first.input->name, result.parameters[p].name);
   }
   if (!exact.empty()) {
     findings.push_back({"exact_inputs",
-                        "state what the scene's numbers are known to, or fit them: the intervals "
-                        "leave out what is taken as exact, " +
-                            exact,
+                        "the intervals leave out what is taken as exact: " + exact +
+                            ". State what these inputs are known to, or fit them",
                         "", false});
   }
-  if (!ends.empty()) {
+  for (const auto& ends : result.exact_ends) {
+    const std::string text = exact_ends_text(result, ends);
+    if (text.empty()) continue;
     findings.push_back({"exact_ends",
-                        "compare the ends (--ends, --candidates), or fit springs there: the "
-                        "intervals leave out the end conditions, other " +
-                            ends,
+                        "the intervals leave out the end conditions: " + text +
+                            ". Compare the ends (--ends, --candidates), or fit springs there",
                         "", false});
-  }
-  std::string lone;
-  for (const auto& one : result.unpaired) {
-    if (one.measured)
-      lone += fmt::format("{}{:.4g} Hz", lone.empty() ? "" : ", ", one.frequency_hz);
-  }
-  if (!lone.empty()) {
-    findings.push_back({"mode_unpaired",
-                        "check the measured modes that no mode of the model explains: " + lone, "",
-                        false});
-  }
-  constexpr double kOff = 0.03;  // an FRF fit this far off describes another rig
-  if (result.fit.frf_model_std > kOff) {
-    findings.push_back(
-        {"model_ruled_out",
-         fmt::format("look for what the scene lacks: the fitted model is {:.2g} % off "
-                     "the FRFs, its parameters are not those of the rig",
-                     100 * result.fit.frf_model_std),
-         "", true});
   }
   if (result.starts > 1 && result.starts_agreeing < result.starts) {
     findings.push_back(

@@ -18,7 +18,6 @@ namespace {
 
 constexpr double kCoverage = 1.959964;  // of a normal density, 95 %
 constexpr double kLinear = 0.05;        // departure in standard uncertainties that needs samples
-constexpr double kLaw = 0.5;            // n of EI ~ T^n: friction between wires lets EI rise with T
 
 bool has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -81,28 +80,6 @@ struct Selection {
   }
 };
 
-/// What one standard uncertainty of the law EI(T) does to the parameters that are a member's EI.
-Eigen::VectorXd changes_by_law(const model::Scene& scene, const std::vector<double>& tensions,
-                               const Selection& selection) {
-  Eigen::VectorXd change = Eigen::VectorXd::Zero(selection.value.size());
-  if (tensions.empty()) return change;
-  const auto [least, most] = std::minmax_element(tensions.begin(), tensions.end());
-  for (const auto& member : scene.members) {
-    const double T = member.tension ? scene.load_cell.tension(*member.tension) : 0;
-    if (!(T > 0) || !(*least > 0)) continue;
-    const double beyond = std::log(T / std::clamp(T, *least, *most));
-    for (std::size_t p = 0; p < selection.maps.size(); ++p) {
-      const auto& targets = selection.maps[p].targets;
-      const auto j = static_cast<Eigen::Index>(p);
-      const bool of_member = std::any_of(targets.begin(), targets.end(), [&](const auto& target) {
-        return target.starts_with(member.name + ".EI");
-      });
-      if (of_member) change[j] = selection.value[j] * kLaw * beyond;
-    }
-  }
-  return change;
-}
-
 Selection select(const model::Scene& scene, const FittedParameters& fitted) {
   const auto names = model::parameter_names(scene);
   Selection selection;
@@ -135,8 +112,6 @@ Selection select(const model::Scene& scene, const FittedParameters& fitted) {
       selection.covariance(i, j) = fitted.covariance(from, kept[static_cast<std::size_t>(j)]);
     }
   }
-  const Eigen::VectorXd by_law = changes_by_law(scene, fitted.tensions_N, selection);
-  selection.covariance += by_law * by_law.transpose();
   return selection;
 }
 
@@ -249,7 +224,7 @@ double nonlinearity(const model::Scene& scene, const Selection& selection,
 /// Std and interval of each frequency from samples.
 void sample(const model::Scene& scene, const Selection& selection,
             const Eigen::MatrixXd& directions, const PredictionOptions& options, const Draws& draws,
-            double model_std, ModePrediction& prediction) {
+            ModePrediction& prediction) {
   std::mt19937_64 random(options.seed);
   std::normal_distribution<double> normal;
   std::vector<model::Scene> scenes{prediction.scene};
@@ -263,8 +238,7 @@ void sample(const model::Scene& scene, const Selection& selection,
   std::vector<std::vector<double>> drawn(prediction.modes.size());
   for (std::size_t s = 1; s < found.size(); ++s) {
     for (Eigen::Index i = 0; i < found[s].size(); ++i) {
-      drawn[static_cast<std::size_t>(i)].push_back(found[s][i] *
-                                                   std::exp(model_std * normal(random)));
+      drawn[static_cast<std::size_t>(i)].push_back(found[s][i]);
     }
   }
   prediction.sampled = true;
@@ -305,13 +279,6 @@ void add_effect(const std::string& input, Eigen::Index parameter, double change,
 FittedParameters fitted_parameters(const UpdateResult& fit,
                                    const std::vector<FreeParameter>& free) {
   FittedParameters fitted;
-  fitted.model_std = fit.fit.model_std;
-  fitted.frf_model_std = fit.fit.frf_model_std;
-  for (const auto& scene : fit.scenes) {
-    for (const auto& member : scene.members) {
-      if (member.tension) fitted.tensions_N.push_back(scene.load_cell.tension(*member.tension));
-    }
-  }
   std::vector<Eigen::Index> kept;
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     const auto& parameter = fit.parameters[i];
@@ -366,10 +333,6 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
   const Eigen::MatrixXd gradient = found.frequency * rates;
   const Eigen::MatrixXd of_damping = found.damping_ratio * rates;
   prediction.covariance = gradient * selection.covariance * gradient.transpose();
-  for (Eigen::Index k = 0; k < prediction.covariance.rows(); ++k) {
-    const double f = found.analysis.modes[static_cast<std::size_t>(k)].frequency_hz;
-    prediction.covariance(k, k) += std::pow(fitted.model_std * f, 2);
-  }
   for (std::size_t i = 0; i < found.analysis.modes.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     PredictedMode mode;
@@ -392,7 +355,7 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
   const Draws draws(prediction, options);
   prediction.nonlinearity = nonlinearity(scene, selection, directions, gradient, prediction, draws);
   if (options.always_sample || prediction.nonlinearity > kLinear) {
-    sample(scene, selection, directions, options, draws, fitted.model_std, prediction);
+    sample(scene, selection, directions, options, draws, prediction);
   }
   return prediction;
 }
@@ -419,8 +382,7 @@ FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fi
           of_target[t] = std::abs(H(s, l)) > 0 ? (rate / H(s, l)).real() : 0;
         }
         const Eigen::VectorXd g = rates.transpose() * of_target;
-        std(s, l) = std::sqrt(std::max(0.0, g.dot(selection.covariance * g)) +
-                              std::pow(fitted.frf_model_std, 2));
+        std(s, l) = std::sqrt(std::max(0.0, g.dot(selection.covariance * g)));
       }
     }
     prediction.std.push_back(std::move(std));

@@ -12,11 +12,8 @@
 // of its std, the modes are sampled instead (positive parameters lognormal), and the interval is
 // that of the samples.
 //
-// The uncertainty is that of the parameters handed over, of the fitted model's own error, which
-// every predicted mode has anew, and of the scene's own inputs that scene_inputs.h adds to them. A
-// fitted EI is that of the tensions it was found at: at others it follows EI ~ T^n, n = 0 +- 0.5, a
-// nuisance that acts by ln T beyond them. What else the scene takes as known counts as exact.
-// Sources: GUM
+// The uncertainty is that of the parameters handed over, and of the scene's own inputs that
+// scene_inputs.h adds to them. What else the scene takes as known counts as exact. Sources: GUM
 // (JCGM 100:2008), 5; JCGM 101:2008 (sampling).
 #pragma once
 
@@ -56,9 +53,6 @@ struct FittedParameters {
   std::vector<KnownParameter> parameters;
   Eigen::MatrixXd covariance;  ///< parameters x parameters, finite
   std::vector<InputEffect> inputs = {};
-  double model_std = 0;                 ///< relative error of the fitted model in a frequency
-  double frf_model_std = 0;             ///< the same in a line of an FRF
-  std::vector<double> tensions_N = {};  ///< of the states that were fitted; empty: not known
 };
 
 /// Sets the effect of an input on a parameter, which is counted from 0.

@@ -6,8 +6,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "ident/update/intervals.h"
 #include "ident/update/model_update.h"
+#include "ident/update/uncertainty/update_intervals.h"
 
 namespace rigfit::ident {
 namespace {
@@ -20,7 +20,7 @@ void check(const std::vector<ModelCandidate>& candidates) {
     }
     std::size_t measured = 0, first = 0;
     for (const auto& state : one.states) {
-      if (!state.frfs.empty()) {
+      if (!state.frfs.empty() || !state.histories.empty()) {
         throw std::invalid_argument("candidates: models are compared by modes, not by FRFs");
       }
       measured += state.measured.size();
@@ -77,7 +77,9 @@ std::vector<UpdatedParameter> averaged(const CandidateComparison& comparison) {
 }  // namespace
 
 CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candidates,
-                                       const UpdateOptions& options) {
+                                       const UpdateOptions& given) {
+  UpdateOptions options = given;
+  options.exact_ends = false;  // comparing models does that
   if (candidates.empty()) throw std::invalid_argument("candidates: none");
   check(candidates);
   CandidateComparison comparison;

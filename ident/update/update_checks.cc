@@ -9,9 +9,10 @@
 #include <thread>
 
 #include "ident/statistics/in_parallel.h"
-#include "ident/update/fit.h"
-#include "ident/update/intervals.h"
-#include "ident/update/posterior.h"
+#include "ident/update/problem/update_solver.h"
+#include "ident/update/uncertainty/update_intervals.h"
+#include "ident/update/uncertainty/update_segments.h"
+#include "ident/update/uncertainty/update_uncertainty.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -43,7 +44,7 @@ Spread spread_of(const Eigen::MatrixXd& values) {
 }
 
 // Frequencies of the matches; false when the model lacks one.
-bool frequencies_of(const Likelihood& problem, const std::vector<UpdateMatch>& matches,
+bool frequencies_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                     const Eigen::VectorXd& q, Eigen::VectorXd& frequencies) {
   frequencies.resize(static_cast<Eigen::Index>(matches.size()));
   const bool leakage = std::any_of(matches.begin(), matches.end(),
@@ -76,7 +77,9 @@ std::vector<UpdateMatch> matches_of(const UpdateResult& solution) {
 
 std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
                                    const std::vector<FreeParameter>& free,
-                                   const UpdateOptions& options) {
+                                   const UpdateOptions& given) {
+  UpdateOptions options = given;
+  options.exact_ends = false;
   std::vector<HeldOut> result(states.size());
   in_parallel(states.size(), options.threads, [&](std::size_t index) {
     const int s = static_cast<int>(index);
@@ -84,8 +87,8 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
     held.state = s;
     held.rms_fitted = held.rms_predicted = held.rms_before = kNaN;
     held.frf_fitted = held.frf_predicted = held.frf_before = kNaN;
-    const Likelihood problem(states, free, options, s);
-    const UpdateResult fitted = update_result(problem);
+    const UpdateProblem problem(states, free, options, s);
+    const UpdateResult fitted = update_result(problem, options);
     held.status = fitted.status;
     std::string failure;
     const auto before = problem.match(problem.start(), 1, failure, s);
@@ -97,33 +100,36 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
       held.rms_fitted = fitted.rms_relative_error;
       // Its own values, where a parameter has one a state, stay as they were known before.
       Eigen::VectorXd q = fitted.coordinates;
-      for (Eigen::Index j = 0; j < problem.size(); ++j) {
+      for (Eigen::Index j = 0; j < q.size(); ++j) {
         const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
         if (coordinate.state == s) q[j] = coordinate.start;
       }
-      const Likelihood& solved = *fitted.likelihood;
-      held.scene = solved.scene_at(s, q);
+      held.scene = problem.scene_at(s, q);
+      const UpdateProblem solved = as_solved(problem, options, fitted, q);
       if (problem.has_frfs()) held.frf_predicted = solved.rms_log_frf_error(q, s);
       failure.clear();
       const auto after = solved.match(q, 1, failure, s);
       if (failure.empty()) {
         held.pairs = solved.pairs(q, after.matches);
         held.rms_predicted = rms_of_pairs(held.pairs);
-        state_prediction_uncertainty(solved, fitted, q, s, held.pairs);
+        state_prediction_uncertainty(solved, options, fitted, q, s, held.pairs);
       }
     }
   });
   return result;
 }
 
-UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution, int samples,
+UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
+                                    const std::vector<UpdateState>& states,
+                                    const std::vector<FreeParameter>& free,
+                                    const UpdateOptions& options, int samples,
                                     const std::function<void()>& progress) {
   UpdateMonteCarlo result;
-  if (!solution.likelihood) return result;
-  const auto n = static_cast<Eigen::Index>(solution.parameters.size());
+  const auto n = solution.coordinates.size();
+  if (n == 0) return result;
   const std::vector<UpdateMatch> matches = matches_of(solution);
-  const Likelihood& solved = *solution.likelihood;
-  const UpdateOptions& options = solved.options();
+  const UpdateProblem solved =
+      as_solved(UpdateProblem(states, free, options), options, solution, solution.coordinates);
   // The truth of the experiment is the fitted model: what was measured is drawn about it.
   const double spread = std::sqrt(solution.variance_factor);
   std::vector<Eigen::VectorXd> values(static_cast<std::size_t>(samples)), fitted(values.size()),
@@ -137,26 +143,28 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution, int samples,
         std::mt19937_64 random(options.seed * 0x9E3779B97F4A7C15ULL +
                                static_cast<std::uint64_t>(k));
         std::normal_distribution<double> normal;
-        Likelihood problem = solved;
+        UpdateProblem problem = solved;
         for (const auto& pair : solution.pairs) {
           const double s = spread * problem.relative_std(pair.state, pair.measured);
-          auto& measured = problem.states()[static_cast<std::size_t>(pair.state)]
-                               .measured[static_cast<std::size_t>(pair.measured)];
+          const auto& measured = states[static_cast<std::size_t>(pair.state)]
+                                     .measured[static_cast<std::size_t>(pair.measured)];
           const double damping_std = std::isfinite(measured.damping_ratio.std)
                                          ? measured.damping_ratio.std / measured.damping_ratio.value
                                          : options.assumed_damping_relative_std;
-          measured.frequency_hz.value = pair.model_hz * std::exp(s * normal(random));
-          measured.damping_ratio.value =
-              pair.model_damping * std::exp(damping_std * normal(random));
+          const double frequency = pair.model_hz * std::exp(s * normal(random));
+          const double damping = pair.model_damping * std::exp(damping_std * normal(random));
+          problem.set_measured(pair.state, pair.measured, frequency, damping);
         }
         if (problem.has_frfs() &&
             !problem.redraw_frfs(solution.coordinates, spread, [&] { return normal(random); })) {
           continue;
         }
-        // What was measured has the truth's nuisances; what was known of them is off.
+        if (!problem.redraw_histories(solution.coordinates, spread,
+                                      [&] { return normal(random); })) {
+          continue;
+        }
         Eigen::VectorXd start = problem.start();
-        start.conservativeResize(problem.size());
-        for (Eigen::Index j = 0; j < problem.size(); ++j) {
+        for (Eigen::Index j = 0; j < n; ++j) {
           const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
           if (coordinate.prior_std > 0) {
             const double off = coordinate.prior_std * normal(random);
@@ -164,6 +172,10 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution, int samples,
             problem.set_prior(j, solution.coordinates[j] + off);
           }
         }
+        // The data are the rig's; what is taken as known is off.
+        Eigen::VectorXd off(static_cast<Eigen::Index>(options.inputs.size()));
+        for (double& value : off) value = normal(random);
+        if (off.size() > 0) problem = problem.with_inputs(off);
         Eigen::VectorXd q = solution.coordinates, frequencies, first;
         double cost = 0;
         if (minimise(problem, matches, UpdateStage::full, options, q, cost) &&
@@ -213,11 +225,14 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution, int samples,
   return result;
 }
 
-std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution) {
+std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
+                                               const std::vector<UpdateState>& states,
+                                               const std::vector<FreeParameter>& free,
+                                               const UpdateOptions& options) {
   std::vector<ProfileInterval> intervals(solution.parameters.size());
-  if (!solution.likelihood) return intervals;
-  const Likelihood& problem = *solution.likelihood;
-  const UpdateOptions& options = problem.options();
+  if (solution.coordinates.size() == 0) return intervals;
+  const UpdateProblem problem =
+      as_solved(UpdateProblem(states, free, options), options, solution, solution.coordinates);
   const std::vector<UpdateMatch> matches = matches_of(solution);
   double least = 0;
   if (!robust_cost(problem, matches, UpdateStage::full, options, solution.coordinates, least)) {
@@ -227,7 +242,7 @@ std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution) {
     if (!solution.parameters[p].identifiable) return;
     const auto j = static_cast<Eigen::Index>(p);
     const auto end = [&](double direction) {
-      const double q = profile_end(problem, matches, solution, j, direction, least);
+      const double q = profile_end(problem, options, matches, solution, j, direction, least);
       return std::isfinite(q) ? problem.coordinates()[p].value(q) : kNaN;
     };
     // A negative scale turns the ends round.

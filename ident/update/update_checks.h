@@ -43,7 +43,10 @@ struct UpdateMonteCarlo {
 /// frequencies, damping ratios, FRFs and time histories about the fitted model's (by their
 /// uncertainties, the fit's own scatter where they have none), priors, and every input.
 /// `progress` is called after each sample, from any thread.
-[[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution, int samples,
+[[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
+                                                  const std::vector<UpdateState>& states,
+                                                  const std::vector<FreeParameter>& free,
+                                                  const UpdateOptions& options, int samples,
                                                   const std::function<void()>& progress = {});
 
 struct ProfileInterval {
@@ -55,6 +58,9 @@ struct ProfileInterval {
 /// anew, exceeds the solution's by half the squared coverage factor (times the variance factor). Of
 /// data and priors; inputs and segments are not in it. NaN for what is not identifiable.
 /// Source: Bates and Watts, Nonlinear Regression Analysis, 6.1.2.
-[[nodiscard]] std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution);
+[[nodiscard]] std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
+                                                             const std::vector<UpdateState>& states,
+                                                             const std::vector<FreeParameter>& free,
+                                                             const UpdateOptions& options);
 
 }  // namespace rigfit::ident

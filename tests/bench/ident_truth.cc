@@ -14,7 +14,7 @@
 
 #include "ident/axial/axial_identification.h"
 #include "ident/bending/bending_analysis.h"
-#include "ident/update/answers.h"
+#include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/model_update.h"
 #include "ident/update/update_checks.h"
 #include "ident/virtual_rig/virtual_axial.h"
@@ -206,7 +206,7 @@ void update() {
     const auto solution = ident::update_model(states, {{"cable.EI"}, tension}, options);
     const auto middle = std::chrono::steady_clock::now();
     const auto study =
-        ident::update_monte_carlo(solution, 1000);
+        ident::update_monte_carlo(solution, states, {{"cable.EI"}, tension}, options, 1000);
     const auto end = std::chrono::steady_clock::now();
     fmt::print(
         "\nupdate from four starts {:.3f} s; Monte Carlo of {} refits {:.1f} s, one thread\n",
@@ -264,7 +264,7 @@ void starts(const std::string& laboratory) {
       }
       ident::UpdateOptions options;
       options.model_relative_std = 1e-3;
-      const ident::Likelihood problem(states, parameters, options);
+      const ident::UpdateProblem problem(states, parameters, options);
       int fits = 0;
       std::string failure;
       const auto answers = ident::find_answers(problem, options, fits, failure);

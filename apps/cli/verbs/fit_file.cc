@@ -18,23 +18,14 @@ namespace {
                           "give the JSON result of `rigfit update SCENE ... --json FIT.json`");
 }
 
-/// The fit's model error, its tensions, and what it ended with.
-void read_outcome(const Json& json, const std::string& path, bool accepted, VerbContext& context,
-                  ident::FittedParameters& fitted) {
+/// What the fit ended with.
+void read_outcome(const Json& json, const std::string& path, bool accepted, VerbContext& context) {
   const auto object = [](const Json& in, const char* key) {
     return in.contains(key) && in[key].is_object() ? in[key] : Json::object();
   };
   const auto number = [](const Json& in, const char* key) {
     return in.contains(key) && in[key].is_number() ? in[key].get<double>() : 0.0;
   };
-  const Json fit = object(json, "fit");
-  fitted.model_std = number(fit, "model_std");
-  fitted.frf_model_std = number(fit, "frf_model_std");
-  if (json.contains("tensions_N") && json["tensions_N"].is_array()) {
-    for (const auto& tension : json["tensions_N"]) {
-      if (tension.is_number()) fitted.tensions_N.push_back(tension.get<double>());
-    }
-  }
   if (json.contains("warnings") && json["warnings"].is_array()) {
     for (const auto& warning : json["warnings"]) {
       if (!warning.is_object()) continue;
@@ -109,7 +100,7 @@ ident::FittedParameters read_fit(const std::string& path, bool accepted, VerbCon
     kept.push_back(i);
   }
   read_input_effects(rows, kept, fitted);
-  read_outcome(json, path, accepted, context, fitted);
+  read_outcome(json, path, accepted, context);
   const auto n = static_cast<Eigen::Index>(kept.size());
   fitted.covariance.resize(n, n);
   for (std::size_t i = 0; i < kept.size(); ++i) {

@@ -233,15 +233,15 @@ _PATHS = "_Path | Sequence[_Path]"
 
 
 @verb("update", UpdateResult, without=("out",), raw={
-    "measured": _MODES, "frf": _PATHS, "decay": _PATHS, "prior": "Mapping[str, _Value]",
+    "measured": _MODES, "frf": _PATHS, "decay": _PATHS, "response": _PATHS, "prior": "Mapping[str, _Value]",
     "stiffness": "_Path | BendingResult", "axial": "_Path | AxialResult", "candidates": "_Path"})
 @_with_folder
 def update(scene, options, folder=None):
     """A scene's uncertain parameters fitted to what was measured; several scenes: one for each of the data. Objects go through files
     in a temporary folder, in the formats that the program reads. Measured modes may be dicts: ``{"frequency_hz": 7.36, "std": 0.01,
     "plane": "in"}``; a prior is ``{"cable.EI": (0.6, 0.02)}``."""
-    if not {"measured", "frf", "decay"} & set(options):
-        checks.fail("measured", "nothing to fit to: give measured, frf or decay")
+    if not {"measured", "frf", "decay", "response"} & set(options):
+        checks.fail("measured", "nothing to fit to: give measured, frf, decay or response")
     if "prior" in options:
         if not isinstance(options["prior"], Mapping):
             checks.fail("prior", f"must be a dict of parameter to (value, std), not {checks.kind(options['prior'])}")
@@ -253,7 +253,7 @@ def update(scene, options, folder=None):
     options["SCENE"] = [_scene_file(one, i, folder) for i, one in enumerate(several)]
     if "measured" in options:
         options["measured"] = _files("measured", options["measured"], lambda name, one: write_modes(name, one, folder))
-    for name in {"frf", "decay"} & set(options):
+    for name in {"frf", "decay", "response"} & set(options):
         options[name] = _files(name, options[name])
     _write_result("stiffness", options, BendingResult, folder)
     _write_result("axial", options, AxialResult, folder)

@@ -2,6 +2,7 @@
 // reads values, entries of the legend switch series. Figures with one link go together. And tabs.
 (function () {
   "use strict";
+  document.documentElement.classList.remove("no-script");
   var NS = "http://www.w3.org/2000/svg", families = {};
   function box_of(svg) { return ["x", "y", "width", "height"].map(function (a) { return Number(svg.getAttribute(a)); }); }
   function axis(text) { var p = text.split(" ").map(Number); return { low: p[0], high: p[1], log: p[2] === 1 }; }

@@ -7,6 +7,7 @@
 // would. The frequencies' own standard uncertainties must be without it then.
 #pragma once
 
+#include <Eigen/Core>
 #include <string_view>
 #include <vector>
 
@@ -15,7 +16,7 @@
 namespace rigfit::ident {
 
 /// As target of an UncertainInput's effect: no scene parameter but all measured frequencies of the
-/// state (of modes, of the lines of FRFs); the change is relative.
+/// state (of modes, of the lines of FRFs, rates of time histories); the change is relative.
 inline constexpr std::string_view kSampleRateTarget = "sample rate";
 
 /// What was measured in a state was sampled at that stated rate, known to e.
@@ -28,5 +29,13 @@ struct StateClock {
 /// several. Of a state that is listed several times with one rate the largest e counts; those of
 /// several rates are off by each. Clocks with e = 0 are left out.
 [[nodiscard]] std::vector<UncertainInput> sample_rate_inputs(const std::vector<StateClock>& clocks);
+
+/// What the state's measured frequencies are to be multiplied by where each input is off by so many
+/// standard uncertainties; `off` may be empty.
+[[nodiscard]] double sample_rate_factor(const std::vector<UncertainInput>& inputs,
+                                        const Eigen::VectorXd& off, int state);
+
+/// Relative standard uncertainty of the state's frequencies by these inputs.
+[[nodiscard]] double sample_rate_std(const std::vector<UncertainInput>& inputs, int state);
 
 }  // namespace rigfit::ident

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <limits>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,8 +11,6 @@
 #include "model/linear/modal_analysis.h"
 
 namespace rigfit::ident {
-
-class Likelihood;
 
 enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
 [[nodiscard]] const char* name_of(UpdateStatus status);
@@ -42,16 +39,25 @@ struct UpdatedParameter {
   std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
   /// By how much the value may still be too large for want of segments; NaN: not known.
   double segment_shift = std::numeric_limits<double>::quiet_NaN();
+  double segments_taken_off = 0;  ///< by how much it would be larger, had nothing been taken off
 };
 
-/// What the scenes take as exact: neither fitted nor given with an uncertainty. A row of the budget
-/// that no interval holds.
+/// A number of the scenes that is taken as exact: neither fitted nor given with an uncertainty.
 struct ExactInput {
-  /// A scene parameter; "lengths": coordinates of all nodes; "mass at 0.25 of MEMBER": none is
-  /// there; "ends": supports that turn as the scenes say.
-  std::string name;
-  double relative_change = 0;  ///< for `shift`; 0 of ends
+  std::string name;            ///< a scene parameter, or "lengths": coordinates of all nodes
+  double relative_change = 0;  ///< of it in all states, for `shift`
   Eigen::VectorXd shift;       ///< of each parameter's value, to first order; NaN: not known
+};
+
+/// Ends of members that are taken to turn as the scenes say: neither fitted nor stated.
+struct ExactEnds {
+  std::vector<std::string> nodes;
+  std::string taken_as;   ///< "pinned", "clamped", "springs"
+  double stiffness = 0;   ///< N m/rad, springs that explain the data best; first node, in plane
+  double chi2_less = 0;   ///< with these, without an error of the model
+  Eigen::VectorXd shift;  ///< of each parameter's value by them; NaN: not known
+  /// The largest by springs in the 95 % interval that the data leave.
+  Eigen::VectorXd largest_shift;
 };
 
 struct UpdatedPair {
@@ -79,6 +85,7 @@ struct UpdatedUnpaired {
 /// the states of a mode and by the modes of a state where that makes more of it.
 struct UpdateFit {
   double chi2 = 0, degrees_of_freedom = 0;
+  double by_inputs = 0;  ///< so much larger chi2 were, had the inputs no uncertainty; 0: not needed
   double p_value = std::numeric_limits<double>::quiet_NaN();  ///< NaN: no degree of freedom
   bool stated = false;   ///< the uncertainties came with the data; else they are assumed
   double model_std = 0;  ///< relative in frequency, of that random effect
@@ -111,12 +118,13 @@ struct UpdateResult {
   std::string message;  ///< for a person, when not converged or doubtful
   std::vector<UpdatedParameter> parameters;
   Identifiability identifiability;  ///< data and priors, in the fitted coordinates (relative)
-  Identifiability joint;            ///< the same of parameters and nuisances together
-  Eigen::VectorXd by_segments;      ///< what segments move the coordinates by; empty: nothing
   Eigen::MatrixXd covariance;       ///< of the parameters' values, all sources; NaN where not
                                     ///< identifiable
   Eigen::MatrixXd correlation;      ///< the same
-  std::vector<std::string> open;    ///< what the data cannot separate, in words
+  /// Shifts of the fitted coordinates by one standard uncertainty of each shared source.
+  Eigen::MatrixXd shifts;
+  std::vector<std::string> shift_sources;  ///< "segments" and the inputs; one a column
+  std::vector<std::string> open;           ///< what the data cannot separate, in words
   std::vector<UpdatedPair> pairs;
   std::vector<UpdatedUnpaired> unpaired;
   std::vector<UpdatedPair> pairs_before;                         ///< at the start values
@@ -125,8 +133,12 @@ struct UpdateResult {
   double rms_log_frf_error = std::numeric_limits<double>::quiet_NaN();
   double rms_log_frf_error_before = std::numeric_limits<double>::quiet_NaN();
   Eigen::Index frf_lines = 0;
+  /// Rms of model less measured over that of the measured, all samples; NaN without histories.
+  double history_error = std::numeric_limits<double>::quiet_NaN();
+  double history_error_before = std::numeric_limits<double>::quiet_NaN();
   UpdateFit fit;
   std::vector<ExactInput> exact_inputs;  ///< what no interval holds
+  std::vector<ExactEnds> exact_ends;     ///< the same, of end conditions; of fits to modes
   /// Heaviest first, of weight 0.001 or more; the first is this result. Of fits to modes.
   std::vector<UpdateAlternative> alternatives;
   double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< of the model, all answers
@@ -137,9 +149,7 @@ struct UpdateResult {
   int starts = 0, starts_agreeing = 0;  ///< that ended in this answer
   int pairings = 0, model_evaluations = 0;
   std::vector<model::Scene> scenes;  ///< updated, by state
-  /// The likelihood as it was settled (its segments, its model error), for refits.
-  std::shared_ptr<const Likelihood> likelihood;
-  Eigen::VectorXd coordinates;  ///< of the solution: the parameters', then those of all nuisances
+  Eigen::VectorXd coordinates;       ///< of the solution, for refits
 };
 
 }  // namespace rigfit::ident

@@ -199,8 +199,7 @@ TEST(UpdateModel, AStrayModeIsLeftUnpairedAndAnOutlierDoesNotBend) {
   state.measured[3].frequency_hz.value *= 1.05;  // fifty standard deviations
   const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}});
   EXPECT_NEAR(result.parameters[0].value, 2.1, 0.02 * 2.1);
-  ASSERT_EQ(result.unpaired.size(), 3U);  // and the mode that the outlier should have been
-  EXPECT_FALSE(result.unpaired[2].measured);
+  ASSERT_EQ(result.unpaired.size(), 2U);
   EXPECT_TRUE(result.unpaired[0].measured);
   EXPECT_NEAR(result.unpaired[0].frequency_hz, between, 1e-12);
   EXPECT_EQ(result.unpaired[1].frequency_hz, state.measured[3].frequency_hz.value);
@@ -315,7 +314,7 @@ TEST(UpdateModel, MonteCarloAgreesWithTheCovariance) {
   options.starts = 1;
   options.segment_uncertainty = false;  // the data have the model's segments
   const auto result = update_model({state}, free, options);
-  const auto study = update_monte_carlo(result, 100);
+  const auto study = update_monte_carlo(result, {state}, free, options, 100);
   ASSERT_EQ(study.samples, 100);
   for (int k : {0, 1}) {
     // The standard deviation of 100 samples is known to 7 %; three of those, and 5 % for Huber's

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -78,31 +78,6 @@ TEST(UpdateVerb, FitsASceneAndWritesIt) {
                           "1", "--out", (folder.path() / "newer.toml").string(), "--json", "-"})
                  .out);
   EXPECT_LT(again["rms_relative_error_before"].get<double>(), 1e-5);
-}
-
-// Where no --out asks for it no scene is written, and the text says how. A fit that was refused is
-// predicted from with exit code 4, or with --accept-fit.
-TEST(UpdateVerb, WritesNoSceneUnasked) {
-  const TemporaryFolder folder;
-  const auto scene = folder.write("scene.toml", beam(2.1, 0, 0));
-  const auto modes = folder.write("modes.csv", frequencies(scene, true));
-  const auto fit = (folder.path() / "fit.json").string();
-  const auto here = std::filesystem::current_path();
-  std::filesystem::current_path(folder.path());
-  const auto run = run_program({"update", scene, "--measured", modes, "--free", "beam.EI_z",
-                                "beam.mass_per_length", "--starts", "1", "--json", fit});
-  std::filesystem::current_path(here);
-  EXPECT_EQ(run.exit_code, 4) << run.err;
-  EXPECT_NE(run.out.find("--out FILE writes the updated scene"), std::string::npos) << run.out;
-  EXPECT_FALSE(std::filesystem::exists(folder.path() / "scene.updated.toml"));
-  const auto one = run_program({"update", scene, "--measured", modes, "--free", "beam.EI_z",
-                                "beam.EI_y", "--starts", "1", "--json", fit});
-  ASSERT_EQ(one.exit_code, 4) << one.err;  // nothing measured moves with EI_y
-  const auto refused = run_program({"predict", scene, "--from", fit, "--count", "2"});
-  EXPECT_EQ(refused.exit_code, 4) << refused.err;
-  EXPECT_NE(refused.err.find("--accept-fit"), std::string::npos) << refused.err;
-  EXPECT_EQ(
-      run_program({"predict", scene, "--from", fit, "--count", "2", "--accept-fit"}).exit_code, 0);
 }
 
 TEST(UpdateVerb, AnUnidentifiableSetIsRefusedByName) {
@@ -443,6 +418,16 @@ quantity = "displacement"
   const Json json = parsed(run.out);
   // The record is the model's own: what is left is its anti-aliasing (none) and seven digits.
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 0.02, 2e-4);
+
+  // And the record itself, sample by sample.
+  const auto again = run_program({"update", start, "--response", record, "--band", "5", "30",
+                                  "--plane", "in", "--free", "cable.damping_ratio", "--starts", "1",
+                                  "--out", (folder.path() / "o.toml").string(), "--json", "-"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const Json fitted = parsed(again.out);
+  EXPECT_NEAR(fitted["parameters"][0]["value"].get<double>(), 0.02, 2e-4);
+  EXPECT_LT(fitted["history_error"].get<double>(), 1e-4);
+  EXPECT_GT(fitted["history_error_before"].get<double>(), 0.1);
 }
 
 TEST(UpdateVerb, BadInputsEndWithTheirExitCode) {
@@ -472,6 +457,31 @@ TEST(UpdateVerb, BadInputsEndWithTheirExitCode) {
   EXPECT_NE(column.err.find("frequency_hz"), std::string::npos) << column.err;
   const auto broken = folder.write("broken.toml", "[[node]]\nname = 3\n");
   EXPECT_EQ(run_program({"update", broken, "--measured", modes}).exit_code, 3);
+}
+
+// Where no --out asks for it no scene is written, and the text says how. A fit that was refused is
+// predicted from with exit code 4, or with --accept-fit.
+TEST(UpdateVerb, WritesNoSceneUnasked) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("scene.toml", beam(2.1, 0, 0));
+  const auto modes = folder.write("modes.csv", frequencies(scene, true));
+  const auto fit = (folder.path() / "fit.json").string();
+  const auto here = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  const auto run = run_program({"update", scene, "--measured", modes, "--free", "beam.EI_z",
+                                "beam.mass_per_length", "--starts", "1", "--json", fit});
+  std::filesystem::current_path(here);
+  EXPECT_EQ(run.exit_code, 4) << run.err;
+  EXPECT_NE(run.out.find("--out FILE writes the updated scene"), std::string::npos) << run.out;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "scene.updated.toml"));
+  const auto one = run_program({"update", scene, "--measured", modes, "--free", "beam.EI_z",
+                                "beam.EI_y", "--starts", "1", "--json", fit});
+  ASSERT_EQ(one.exit_code, 4) << one.err;  // nothing measured moves with EI_y
+  const auto refused = run_program({"predict", scene, "--from", fit, "--count", "2"});
+  EXPECT_EQ(refused.exit_code, 4) << refused.err;
+  EXPECT_NE(refused.err.find("--accept-fit"), std::string::npos) << refused.err;
+  EXPECT_EQ(
+      run_program({"predict", scene, "--from", fit, "--count", "2", "--accept-fit"}).exit_code, 0);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "ident/update/mode_assignment.h"
+#include "ident/update/pairing/mode_assignment.h"
 
 #include <gtest/gtest.h>
 

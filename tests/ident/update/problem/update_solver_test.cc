@@ -1,12 +1,12 @@
 // The minimiser of an update: coordinates that come to their bounds, steps of springs in fixity.
-#include "ident/update/fit.h"
+#include "ident/update/problem/update_solver.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "ident/update/coordinate.h"
+#include "ident/update/problem/update_coordinate.h"
 #include "tests/ident/update/hanger.h"
 
 namespace rigfit::ident::update_solver_test {
@@ -44,12 +44,12 @@ const double kHalf = 3 * kEI / testing::kLength + std::sqrt(kEI * testing::kTens
 
 // Tension and one spring at both ends, which lies within `low` and `high` times half held; modes of
 // a hanger with springs of `truth` times that.
-Likelihood springs(double truth, double low, double high, const UpdateOptions& options) {
+UpdateProblem springs(double truth, double low, double high, const UpdateOptions& options) {
   const auto scene = testing::hanger(Support::Kind::elastic, kEI, truth * kHalf);
   auto fitted = testing::hanger(Support::Kind::elastic, kEI, std::sqrt(low * high) * kHalf);
   std::vector<FreeParameter> free{{"h.tension"}, {"k", {"a.rotational_z", "b.rotational_z"}}};
   free[1].low = low * kHalf, free[1].high = high * kHalf;
-  return Likelihood({{"hanger", fitted, testing::measured(scene, 6, 1e-3)}}, free, options);
+  return UpdateProblem({{"hanger", fitted, testing::measured(scene, 6, 1e-3)}}, free, options);
 }
 
 UpdateOptions same_segments() {
@@ -62,7 +62,7 @@ UpdateOptions same_segments() {
 // hundredth of what the modes are known to.
 void expect_the_answer_at(double bound, double truth, double low, double high) {
   const UpdateOptions options = same_segments();
-  const Likelihood problem = springs(truth, low, high, options);
+  const UpdateProblem problem = springs(truth, low, high, options);
   std::string failure;
   const auto matches = problem.match(problem.start(), 1, failure).matches;
   ASSERT_EQ(matches.size(), 6u) << failure;
@@ -90,7 +90,7 @@ TEST(UpdateSolver, SpringsThatComeToTheirBoundDoNotStopTheTension) {
 
 TEST(UpdateSolver, LeavesABoundWhereTheSlopeLeadsInwards) {
   const UpdateOptions options = same_segments();
-  const Likelihood problem = springs(0.7, 1e-4, 1e4, options);
+  const UpdateProblem problem = springs(0.7, 1e-4, 1e4, options);
   std::string failure;
   const auto matches = problem.match(problem.start(), 1, failure).matches;
   for (const double start : {1e-4, 1e4}) {

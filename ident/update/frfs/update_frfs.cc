@@ -12,17 +12,10 @@
 #include <limits>
 #include <utility>
 
-#include "ident/update/likelihood.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 namespace {
-
-double least(std::vector<double> values) {
-  constexpr double kQuantile = 0.05;
-  const auto at = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
-}
 
 bool solved_together(const MeasuredFrf& a, const MeasuredFrf& b) {
   return a.decay_rate_1_s == b.decay_rate_1_s && a.frequency_hz == b.frequency_hz;
@@ -35,7 +28,7 @@ double lines_per_independent(double decay_rate_1_s, double line_spacing_hz) {
   return half > 1e-6 && std::isfinite(half) ? half / std::tanh(half) : 1;
 }
 
-Likelihood::FrfLines Likelihood::lines_of(const MeasuredFrf& frf) const {
+UpdateProblem::FrfLines UpdateProblem::lines_of(const MeasuredFrf& frf) const {
   constexpr double kNoisy = 0.1;
   FrfLines lines;
   for (Eigen::Index k = 0; k < frf.H.size(); ++k) {
@@ -46,11 +39,11 @@ Likelihood::FrfLines Likelihood::lines_of(const MeasuredFrf& frf) const {
       own = frf.std[k] / size;
       if (!std::isfinite(own)) continue;
     }
-    const bool difference = frf_differences && frf.std.size() > 0 && own > kNoisy;
+    const bool difference = frf_differences_ && frf.std.size() > 0 && own > kNoisy;
     if (!difference && own > options_.frf_max_relative_std) continue;
     if (!difference)
       own *= std::sqrt(1 + own * own);  // of ln(1 + n), n complex noise of variance own^2 a part
-    const double relative = std::hypot(own, options_.frf_model_relative_std, errors.frf);
+    const double relative = std::hypot(own, options_.frf_model_relative_std, frf_model_std_);
     if (!(relative > 0)) continue;  // exact lines have no weight beside others
     lines.line.push_back(k);
     lines.difference.push_back(difference ? 1 : 0);
@@ -59,7 +52,7 @@ Likelihood::FrfLines Likelihood::lines_of(const MeasuredFrf& frf) const {
   return lines;
 }
 
-Eigen::Index Likelihood::frf_lines() const {
+Eigen::Index UpdateProblem::frf_lines() const {
   Eigen::Index count = 0;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (!takes_part(s)) continue;
@@ -70,7 +63,7 @@ Eigen::Index Likelihood::frf_lines() const {
   return count;
 }
 
-double Likelihood::shared_residuals() const {
+double UpdateProblem::shared_residuals() const {
   double shared = 0;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (!takes_part(s)) continue;
@@ -82,75 +75,56 @@ double Likelihood::shared_residuals() const {
   return shared;
 }
 
-bool Likelihood::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
-                               Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
+bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+                                  Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
   const auto& frfs = states_[static_cast<std::size_t>(state)].frfs;
   if (frfs.empty()) return true;
   model::Scene scene;
   std::string failure;
   if (!fixed_scene(state, q, scene, failure)) return false;
-  const auto moves = jacobian != nullptr ? moves_of(state) : std::vector<Move>{};
-  const auto targets = targets_of(moves);
-  const auto& clocks = clocks_[static_cast<std::size_t>(state)];
-  const double clock = clock_factor(state, q);
+  const auto [targets, owner] = jacobian != nullptr ? targets_of(state) : Targets{};
   for (std::size_t f = 0; f < frfs.size(); ++f) {
     // FRFs of one test share their lines: solved once for all of them.
     bool before = false;
     for (std::size_t g = 0; g < f; ++g) before = before || solved_together(frfs[g], frfs[f]);
     if (before) continue;
     ++shared_->evaluations;
-    const auto solve = [&](double factor, const std::vector<std::string>& names) {
-      return options_.frf_solver(scene, factor * frfs[f].frequency_hz, names,
-                                 frfs[f].decay_rate_1_s);
-    };
-    const auto solved = solve(clock, targets);
+    const auto solved = options_.frf_solver(scene, measured_factor(state) * frfs[f].frequency_hz,
+                                            targets, frfs[f].decay_rate_1_s);
     if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
-    constexpr double kStep = 1e-6;  // of the clock's factor, for its derivative
-    const auto moved = jacobian != nullptr && !clocks.empty() ? solve(clock + kStep, {})
-                                                              : model::FrfSensitivities{};
     for (std::size_t g = f; g < frfs.size(); ++g) {
       const MeasuredFrf& frf = frfs[g];
       if (g != f && !solved_together(frf, frfs[f])) continue;
       const FrfLines lines = lines_of(frf);
       const auto sensor = static_cast<Eigen::Index>(frf.sensor);
       const auto load = static_cast<Eigen::Index>(frf.load);
-      for (std::size_t i = 0; i < lines.line.size(); ++i, row += 2) {
+      for (std::size_t i = 0; i < lines.line.size(); ++i) {
         const auto k = static_cast<std::size_t>(lines.line[i]);
         const std::complex<double> H = solved.frfs.H[k](sensor, load);
         const std::complex<double> measured = frf.H[lines.line[i]];
         const bool difference = lines.difference[i] != 0;
+        const std::complex<double> off = difference ? H / measured - 1.0 : std::log(H / measured);
         const double std = lines.relative_std[i];
-        std::complex<double> off = difference ? H / measured - 1.0 : std::log(H / measured);
-        const auto add = [&](Eigen::Index j, std::complex<double> slope) {
-          (*jacobian)(row, j) += slope.real() / std;
-          (*jacobian)(row + 1, j) += slope.imag() / std;
-        };
-        for (const auto& force : forces_) {
-          if (force.state != state || force.load != frf.load) continue;
-          const double phase = 2 * M_PI * frf.frequency_hz[lines.line[i]] * force.delay_s;
-          const std::complex<double> by = std::polar(force.std, -phase);
-          off += q[force.coordinate] * by;
-          if (jacobian != nullptr) add(force.coordinate, by);
-        }
         r[row] = off.real() / std;
         r[row + 1] = off.imag() / std;
-        if (jacobian == nullptr) continue;
-        const std::complex<double> unit = difference ? measured : H;
-        for (const auto& move : moves) {
-          const auto t = std::find(targets.begin(), targets.end(), move.target) - targets.begin();
-          add(move.coordinate,
-              slope(move, q) * solved.rate[static_cast<std::size_t>(t)][k](sensor, load) / unit);
+        if (jacobian != nullptr) {
+          for (std::size_t t = 0; t < targets.size(); ++t) {
+            const auto [j, factor] = owner[t];
+            const double by = factor * coordinates_[static_cast<std::size_t>(j)].derivative(q[j]);
+            const std::complex<double> slope =
+                by * solved.rate[t][k](sensor, load) / (difference ? measured : H);
+            (*jacobian)(row, j) += slope.real() / std;
+            (*jacobian)(row + 1, j) += slope.imag() / std;
+          }
         }
-        for (const auto& move : clocks) {
-          add(move.coordinate, move.factor / kStep * (moved.frfs.H[k](sensor, load) - H) / unit);
-        }
+        row += 2;
       }
     }
   }
   return true;
 }
 
-std::vector<Likelihood::FrfRows> Likelihood::frf_rows_of(int state) const {
+std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows_of(int state) const {
   std::vector<FrfRows> all;
   const auto& frfs = states_[static_cast<std::size_t>(state)].frfs;
   std::vector<bool> done(frfs.size(), false);
@@ -158,31 +132,39 @@ std::vector<Likelihood::FrfRows> Likelihood::frf_rows_of(int state) const {
     for (std::size_t g = f; g < frfs.size(); ++g) {
       if (done[g] || !solved_together(frfs[g], frfs[f])) continue;
       done[g] = true;
-      all.push_back({0, lines_of(frfs[g]).relative_std, g, state, frfs[g].load});
+      const FrfLines lines = lines_of(frfs[g]);
+      std::vector<double> frequency_hz;
+      frequency_hz.reserve(lines.line.size());
+      for (const auto line : lines.line) frequency_hz.push_back(frfs[g].frequency_hz[line]);
+      all.push_back({0, lines.relative_std, g, state, frfs[g].load, std::move(frequency_hz)});
     }
   }
   return all;
 }
 
-std::vector<Likelihood::FrfRows> Likelihood::frf_rows(
+std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(
     const std::vector<UpdateMatch>& matches) const {
-  Eigen::Index row = residual_count(matches, UpdateStage::full) - priors() - 2 * frf_lines();
+  Eigen::Index row =
+      residual_count(matches, UpdateStage::full) - priors_ - 2 * frf_lines() - history_samples();
   std::vector<FrfRows> all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (!takes_part(s)) continue;
     for (auto& rows : frf_rows_of(s)) {
       rows.first = row;
-      row += 2 * rows.lines();
+      row += 2 * static_cast<Eigen::Index>(rows.relative_std.size());
       all.push_back(std::move(rows));
+    }
+    for (const auto& history : states_[static_cast<std::size_t>(s)].histories) {
+      row += history.samples.array().isFinite().count();
     }
   }
   return all;
 }
 
-double Likelihood::rms_log_frf_error(const Eigen::VectorXd& q, int only) const {
-  if (frf_differences) {
-    Likelihood logarithms = *this;
-    logarithms.frf_differences = false;
+double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) const {
+  if (frf_differences_) {
+    UpdateProblem logarithms = *this;
+    logarithms.frf_differences_ = false;
     return logarithms.rms_log_frf_error(q, only);
   }
   double squares = 0;
@@ -191,7 +173,7 @@ double Likelihood::rms_log_frf_error(const Eigen::VectorXd& q, int only) const {
     if (only >= 0 ? s != only : !takes_part(s)) continue;
     Eigen::Index lines = 0;
     const auto all = frf_rows_of(s);
-    for (const auto& rows : all) lines += rows.lines();
+    for (const auto& rows : all) lines += static_cast<Eigen::Index>(rows.relative_std.size());
     if (lines == 0) continue;
     Eigen::VectorXd r = Eigen::VectorXd::Zero(2 * lines);
     Eigen::Index row = 0;
@@ -209,59 +191,58 @@ double Likelihood::rms_log_frf_error(const Eigen::VectorXd& q, int only) const {
                    : std::numeric_limits<double>::quiet_NaN();
 }
 
-// As far off as a hit's place may be for each line's error bar to hold it: the 5 % quantile.
-void Likelihood::add_hits(const Eigen::VectorXd& q) {
-  if (hits_added_) return;
-  hits_added_ = true;
+UpdateProblem UpdateProblem::with_frf_model_std(double relative) const {
+  UpdateProblem other = *this;
+  other.frf_model_std_ = relative;
+  return other;
+}
+
+UpdateProblem UpdateProblem::with_frf_differences() const {
+  UpdateProblem other = *this;
+  other.frf_differences_ = true;
+  return other;
+}
+
+UpdateProblem UpdateProblem::with_places_of_hits(const Eigen::VectorXd& q) const {
+  constexpr double kQuantile = 0.05;
+  UpdateProblem other = *this;
+  other.stated_inputs_ = static_cast<Eigen::Index>(options_.inputs.size());
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     const auto& state = states_[static_cast<std::size_t>(s)];
     if (!takes_part(s)) continue;
     for (std::size_t l = 0; l < state.scene.loads.size(); ++l) {
       const auto& load = state.scene.loads[l];
       const std::string target = load.name + ".position";
-      const bool place = load.place.node.empty() && !is_stated(s, target);
       model::Scene scene;
       std::string failure;
+      if (!load.place.node.empty() || is_stated(s, target)) continue;
       if (!fixed_scene(s, q, scene, failure)) continue;
-      std::vector<double> largest, relative;  // of the place, of the force, by each line's bar
+      std::vector<double> largest;  // standard uncertainty that each line allows
       for (const auto& frf : state.frfs) {
         if (frf.load != l || frf.std.size() == 0) continue;
-        const auto solved = options_.frf_solver(
-            scene, frf.frequency_hz,
-            place ? std::vector<std::string>{target} : std::vector<std::string>{},
-            frf.decay_rate_1_s);
+        const auto solved =
+            options_.frf_solver(scene, frf.frequency_hz, {target}, frf.decay_rate_1_s);
+        if (solved.frfs.H.empty()) continue;
         for (const auto line : lines_of(frf).line) {
-          relative.push_back(frf.std[line] / std::abs(frf.H[line]));
-          if (!place || solved.rate.empty()) continue;
-          const auto& rate = solved.rate[0][static_cast<std::size_t>(line)];
-          const double slope =
-              std::abs(rate(static_cast<Eigen::Index>(frf.sensor), static_cast<Eigen::Index>(l)));
+          const auto k = static_cast<std::size_t>(line);
+          const double slope = std::abs(solved.rate[0][k](static_cast<Eigen::Index>(frf.sensor),
+                                                          static_cast<Eigen::Index>(l)));
           if (slope > 0) largest.push_back(frf.std[line] / slope);
         }
       }
-      const std::string of = load.name + (state.name.empty() ? "" : " [" + state.name + "]");
-      if (!largest.empty()) {
-        add_input({"place of the hits of " + of, {{s, target, least(largest)}}});
-      }
-      if (relative.empty() || !(least(relative) > 0)) continue;
-      double highest = 0;
-      for (const auto& frf : state.frfs) {
-        if (frf.load == l) highest = std::max(highest, frf.frequency_hz.maxCoeff());
-      }
-      // A band up to f holds 2 T f = 13.5 delays within T = 6.75 / f.
-      constexpr int kDelays = 16;
-      constexpr double kWindow = 6.75;
-      for (int k = 0; k < kDelays; ++k) {
-        add_nuisance("force of the hits of " + of);
-        forces_.push_back({size() - 1, s, l, least(relative) * std::sqrt(2.0 / kDelays),
-                           kWindow / highest * (static_cast<double>(k) / (kDelays - 1) - 0.5)});
-      }
+      if (largest.empty()) continue;
+      const auto at = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(largest.size()));
+      std::nth_element(largest.begin(), largest.begin() + at, largest.end());
+      const std::string name = "place of the hits of " + load.name;
+      other.options_.inputs.push_back({state.name.empty() ? name : name + " [" + state.name + "]",
+                                       {{s, target, largest[static_cast<std::size_t>(at)]}}});
     }
   }
+  return other;
 }
 
-bool Likelihood::redraw_frfs(const Eigen::VectorXd& q, double spread,
-                             const std::function<double()>& normal) {
+bool UpdateProblem::redraw_frfs(const Eigen::VectorXd& q, double spread,
+                                const std::function<double()>& normal) {
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     auto& frfs = states_[static_cast<std::size_t>(s)].frfs;
     if (frfs.empty()) continue;

@@ -20,19 +20,23 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "ident/update/likelihood.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 
 /// t of the residuals r of the problem's FRFs, 1 or more; 1 without FRFs.
-[[nodiscard]] double correlated_lines_of(const Likelihood& likelihood,
+[[nodiscard]] double correlated_lines_of(const UpdateProblem& problem,
                                          const std::vector<UpdateMatch>& matches,
                                          const Eigen::VectorXd& r);
 
-/// The largest ratio of a parameter's variance to that in B, of B M B and of R_0 t B; 0 without
-/// FRFs.
-[[nodiscard]] double correlated_variance_factor(const Likelihood& likelihood,
+/// The largest ratio of a coordinate's variance to that in B, at q with its residuals and
+/// derivatives: of B M B, of R_0 t B, and of the squared step to the estimate that takes no shared
+/// source out of its residuals, where that is larger than its variance, that of the less exact
+/// estimate less that of this one, explains (5 %): then something else is shared than the sources
+/// (Hausman, Econometrica 46 (1978) 1251). 0 without FRFs.
+[[nodiscard]] double correlated_variance_factor(const UpdateProblem& problem,
                                                 const std::vector<UpdateMatch>& matches,
-                                                const Eigen::VectorXd& r, const Eigen::MatrixXd& J);
+                                                const Eigen::VectorXd& q, const Eigen::VectorXd& r,
+                                                const Eigen::MatrixXd& J);
 
 }  // namespace rigfit::ident

@@ -35,9 +35,6 @@ struct AssignmentOptions {
   /// Probability that a mode shows up all the same that the test cannot see: of the other plane, or
   /// with its nodes at the points of the test.
   double leaked = 0.1;
-  /// Probability that all points of a test lie at nodes of every second mode, whatever the scene
-  /// says of them; for even and for odd orders.
-  double one_parity = 0.02;
   /// Response over the strongest mode's in the band that is half visible (a dynamic range of 30
   /// dB).
   double visible_ratio = 0.03;

@@ -1,4 +1,4 @@
-#include "ident/update/fit.h"
+#include "ident/update/problem/update_solver.h"
 
 #include <ceres/cost_function.h>
 #include <ceres/manifold.h>
@@ -30,8 +30,8 @@ namespace {
 
 class UpdateCost : public ceres::CostFunction {
  public:
-  UpdateCost(const Likelihood& problem, const std::vector<UpdateMatch>& matches, UpdateStage stage,
-             double threshold)
+  UpdateCost(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+             UpdateStage stage, double threshold)
       : problem_(problem), matches_(matches), stage_(stage), threshold_(threshold) {
     set_num_residuals(static_cast<int>(problem.residual_count(matches, stage)));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.size()));
@@ -44,16 +44,17 @@ class UpdateCost : public ceres::CostFunction {
       q[j] = coordinates[static_cast<std::size_t>(j)].from_step(blocks[0][j]);
     }
     // Most steps are taken: the Jacobian found with the residuals of a trial serves when it is
-    // asked for.
+    // asked for. Only those of time histories cost more than they save.
     if (q_.size() == 0 || q != q_ || (derivatives && J_.size() == 0)) {
       J_.resize(0, 0);
       q_.resize(0);
-      if (!problem_.residuals(q, matches_, stage_, r_, &J_)) return false;
+      const bool with = derivatives || !problem_.has_histories();
+      if (!problem_.residuals(q, matches_, stage_, r_, with ? &J_ : nullptr)) return false;
       q_ = q;
     }
     const Eigen::VectorXd& r = r_;
     const Eigen::MatrixXd& J = J_;
-    const Eigen::Index data = r.size() - problem_.priors();
+    const Eigen::Index data = r.size() - problem_.prior_count();
     for (Eigen::Index i = 0; i < r.size(); ++i) {
       double factor = 1;
       out[i] = i < data ? huber_residual(r[i], threshold_, factor) : r[i];
@@ -92,7 +93,7 @@ class UpdateCost : public ceres::CostFunction {
     return true;
   }
 
-  const Likelihood& problem_;
+  const UpdateProblem& problem_;
   const std::vector<UpdateMatch>& matches_;
   UpdateStage stage_;
   double threshold_;
@@ -103,7 +104,7 @@ class UpdateCost : public ceres::CostFunction {
 // Stops where a coordinate has come to its bound.
 class StopAtBounds : public ceres::IterationCallback {
  public:
-  StopAtBounds(const Likelihood& problem, const Eigen::VectorXd& u, std::vector<int> pressed)
+  StopAtBounds(const UpdateProblem& problem, const Eigen::VectorXd& u, std::vector<int> pressed)
       : problem_(problem), u_(u), pressed_(std::move(pressed)) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (summary.iteration == 0 || !summary.step_is_successful) return ceres::SOLVER_CONTINUE;
@@ -116,7 +117,7 @@ class StopAtBounds : public ceres::IterationCallback {
   }
 
  private:
-  const Likelihood& problem_;
+  const UpdateProblem& problem_;
   const Eigen::VectorXd& u_;
   std::vector<int> pressed_;
 };
@@ -125,7 +126,7 @@ class StopAtBounds : public ceres::IterationCallback {
 // others, and the fit creeps. Those that the slope presses on a bound are held there instead (an
 // active set: Nocedal and Wright, Numerical Optimization, 16.5), until it no longer does. False
 // where no cost is found.
-bool solve_within_bounds(UpdateCost& function, const Likelihood& problem,
+bool solve_within_bounds(UpdateCost& function, const UpdateProblem& problem,
                          const UpdateOptions& options, int held, Eigen::VectorXd& u, double& cost,
                          bool& converged) {
   ceres::Solver::Options solver;
@@ -181,15 +182,16 @@ double unpaired_cost(const UpdateOptions& options) {
 }
 
 // A cost that is nothing but rounding: data without noise, fitted exactly.
-double negligible_cost(const Likelihood& problem, const std::vector<UpdateMatch>& matches,
+double negligible_cost(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                        UpdateStage stage) {
   return 1e-10 * static_cast<double>(problem.residual_count(matches, stage));
 }
 
 }  // namespace
 
-bool minimise(const Likelihood& problem, const std::vector<UpdateMatch>& matches, UpdateStage stage,
-              const UpdateOptions& options, Eigen::VectorXd& q, double& cost, int held) {
+bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+              UpdateStage stage, const UpdateOptions& options, Eigen::VectorXd& q, double& cost,
+              int held) {
   if (held >= 0 && q.size() == 1) return robust_cost(problem, matches, stage, options, q, cost);
   const auto& coordinates = problem.coordinates();
   const auto coordinate_of = [&](Eigen::Index j) -> const UpdateCoordinate& {
@@ -208,7 +210,7 @@ bool minimise(const Likelihood& problem, const std::vector<UpdateMatch>& matches
   return converged || cost < negligible_cost(problem, matches, stage);
 }
 
-bool robust_cost(const Likelihood& problem, const std::vector<UpdateMatch>& matches,
+bool robust_cost(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                  UpdateStage stage, const UpdateOptions& options, const Eigen::VectorXd& q,
                  double& cost) {
   Eigen::VectorXd r;
@@ -216,7 +218,7 @@ bool robust_cost(const Likelihood& problem, const std::vector<UpdateMatch>& matc
   cost = 0;
   for (Eigen::Index i = 0; i < r.size(); ++i) {
     double ignored;
-    const bool data = i < r.size() - problem.priors();
+    const bool data = i < r.size() - problem.prior_count();
     cost += 0.5 * std::pow(data ? huber_residual(r[i], options.huber_threshold, ignored) : r[i], 2);
   }
   return true;
@@ -225,7 +227,7 @@ bool robust_cost(const Likelihood& problem, const std::vector<UpdateMatch>& matc
 namespace {
 
 // Cost of an answer with the pairs it really has; false when there is no model.
-bool cost_at(const Likelihood& problem, const UpdateOptions& options, const UpdateMatches& pairs,
+bool cost_at(const UpdateProblem& problem, const UpdateOptions& options, const UpdateMatches& pairs,
              UpdateStage stage, const Eigen::VectorXd& q, double& cost) {
   if (!robust_cost(problem, pairs.matches, stage, options, q, cost)) return false;
   cost += unpaired_cost(options) * pairs.unpaired_measured;
@@ -233,7 +235,7 @@ bool cost_at(const Likelihood& problem, const UpdateOptions& options, const Upda
 }
 
 // Modes alone: fitted, paired anew, until the pairs stay.
-UpdateSolution lead_by_modes(const Likelihood& problem, Eigen::VectorXd q,
+UpdateSolution lead_by_modes(const UpdateProblem& problem, Eigen::VectorXd q,
                              const UpdateOptions& options, UpdateStage stage) {
   UpdateSolution best;
   std::vector<std::vector<UpdateMatch>> seen;
@@ -272,9 +274,10 @@ UpdateSolution lead_by_modes(const Likelihood& problem, Eigen::VectorXd q,
   return best;
 }
 
-UpdateSolution solve_from(const Likelihood& problem, Eigen::VectorXd q,
+UpdateSolution solve_from(const UpdateProblem& problem, Eigen::VectorXd q,
                           const UpdateOptions& options) {
-  if (!problem.has_frfs()) return lead_by_modes(problem, std::move(q), options, UpdateStage::full);
+  if (!problem.has_frfs() && !problem.has_histories())
+    return lead_by_modes(problem, std::move(q), options, UpdateStage::full);
   UpdateSolution best;
   if (problem.has_modes()) {
     best = lead_by_modes(problem, q, options, UpdateStage::lead);
@@ -296,13 +299,13 @@ UpdateSolution solve_from(const Likelihood& problem, Eigen::VectorXd q,
   return best;
 }
 
-std::vector<Eigen::VectorXd> starts_of(const Likelihood& problem, const UpdateOptions& options) {
+std::vector<Eigen::VectorXd> starts_of(const UpdateProblem& problem, const UpdateOptions& options) {
   std::vector<Eigen::VectorXd> starts{problem.start()};
   std::mt19937_64 random(options.seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int k = 1; k < options.starts; ++k) {
     Eigen::VectorXd q = problem.start();
-    for (Eigen::Index j = 0; j < problem.parameters(); ++j) {
+    for (Eigen::Index j = 0; j < q.size(); ++j) {
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
       const double u = uniform(random);
       // Lengths are never off by a factor: a tenth; what has a prior moves within it.
@@ -316,7 +319,7 @@ std::vector<Eigen::VectorXd> starts_of(const Likelihood& problem, const UpdateOp
 }
 
 // The same minimum: all residuals together differ by less than a tenth of a standard deviation.
-bool same_answer(const Likelihood& problem, const UpdateSolution& a, const UpdateSolution& b) {
+bool same_answer(const UpdateProblem& problem, const UpdateSolution& a, const UpdateSolution& b) {
   if (!a.converged || !b.converged || a.matches.matches != b.matches.matches) return false;
   Eigen::VectorXd ra, rb;
   return problem.residuals(a.q, a.matches.matches, UpdateStage::full, ra, nullptr) &&
@@ -330,16 +333,16 @@ constexpr double kCoarseTolerance = 1e-5;  // of the cost, below what tells answ
 
 }  // namespace
 
-std::vector<UpdateSolution> solve_from_all_starts(const Likelihood& problem,
+std::vector<UpdateSolution> solve_from_all_starts(const UpdateProblem& problem,
                                                   const UpdateOptions& options) {
   const auto starts = starts_of(problem, options);
   std::vector<UpdateSolution> solved(starts.size());
   solved[0] = solve_from(problem, starts[0], options);
   if (starts.size() == 1) return solved;
-  const bool coarsen =
-      options.coarse_starts && problem.fewest_segments() >= kCoarsenFrom && solved[0].q.size() > 0;
-  Likelihood coarse = problem;
-  if (coarsen) coarse.mesh.factor = kCoarse;
+  // Time histories run out of phase with few segments.
+  const bool coarsen = options.coarse_starts && !problem.has_histories() &&
+                       problem.fewest_segments() >= kCoarsenFrom && solved[0].q.size() > 0;
+  const UpdateProblem coarse = problem.with_segments(coarsen ? kCoarse : 1);
   UpdateOptions rough = options;
   rough.function_tolerance = std::max(options.function_tolerance, kCoarseTolerance);
   const UpdateSolution reference =

@@ -30,9 +30,14 @@
 
 #include <vector>
 
-#include "ident/update/fit.h"
+#include "ident/update/problem/update_solver.h"
 
 namespace rigfit::ident {
+
+/// The model's relative errors: tau above.
+struct ModelErrors {
+  double frequency = 0, damping = 0;
+};
 
 struct UpdateAnswer {
   UpdateSolution solution;
@@ -44,7 +49,7 @@ struct UpdateAnswer {
 
 /// Heaviest first, weights summing to 1; empty: no start led to a model, `failure` says why.
 /// `fits` counts the local fits. For problems of modes alone.
-[[nodiscard]] std::vector<UpdateAnswer> find_answers(const Likelihood& problem,
+[[nodiscard]] std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem,
                                                      const UpdateOptions& options, int& fits,
                                                      std::string& failure);
 
@@ -55,7 +60,7 @@ struct Evidence {
   Eigen::MatrixXd hessian;  ///< at these errors, prior widths included
 };
 /// False when there is no model at q.
-[[nodiscard]] bool evidence_of(const Likelihood& problem, const UpdateMatches& matches,
+[[nodiscard]] bool evidence_of(const UpdateProblem& problem, const UpdateMatches& matches,
                                const Eigen::VectorXd& q, Evidence& evidence);
 
 }  // namespace rigfit::ident

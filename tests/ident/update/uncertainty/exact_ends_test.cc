@@ -1,5 +1,5 @@
 // End conditions that a fit takes as exact: named where they matter, with what they change.
-#include "ident/update/unstated.h"
+#include "ident/update/uncertainty/exact_ends.h"
 
 #include <gtest/gtest.h>
 
@@ -37,39 +37,41 @@ bool named(const UpdateResult& result) {
 using Kind = model::Support::Kind;
 constexpr double kEI = 2e5, kSpring = 10 * kEI / kLength;
 
-const ExactInput* ends_of(const UpdateResult& result) {
-  for (const auto& input : result.exact_inputs) {
-    if (input.name.starts_with("ends ")) return &input;
-  }
-  return nullptr;
-}
-
-// The data come from springs; taken as pinned or clamped, the tension follows, out of its interval.
-// Where it moves is known to first order in the fixity, its way to the truth to a half.
+// The data come from springs; taken as pinned or clamped, the tension follows. What is named is
+// where a fit with free springs ends.
 TEST(ExactEnds, NamesWhatSpringsWouldChange) {
   const auto truth = hanger(Kind::elastic, kEI, kSpring);
   for (const Kind wrong : {Kind::pinned, Kind::clamped}) {
     const auto fit = tension_of(truth, hanger(wrong, kEI), 5e-3);
-    const auto* ends = ends_of(fit);
-    ASSERT_NE(ends, nullptr);
-    EXPECT_EQ(ends->name, wrong == Kind::pinned ? "ends a, b (pinned)" : "ends a, b (clamped)");
-    const double off = kTension - fit.parameters[0].value;
-    EXPECT_GT(std::abs(off), 2 * fit.parameters[0].std);
-    EXPECT_GT(ends->shift[0] * off, 0);
-    EXPECT_GT(std::abs(ends->shift[0]), 0.5 * std::abs(off));
+    ASSERT_EQ(fit.exact_ends.size(), 1u);
+    const auto& ends = fit.exact_ends[0];
+    EXPECT_EQ(ends.nodes, (std::vector<std::string>{"a", "b"}));
+    EXPECT_EQ(ends.taken_as, wrong == Kind::pinned ? "pinned" : "clamped");
+    EXPECT_GT(std::abs(fit.parameters[0].value - kTension), 2 * fit.parameters[0].std);
     EXPECT_TRUE(named(fit));
+    // The data are exact: the fit with springs ends at the truth, its tolerance of 1e-5 of the cost
+    // well within a tenth of the standard uncertainty.
+    EXPECT_NEAR(fit.parameters[0].value + ends.shift[0], kTension, 0.1 * fit.parameters[0].std);
+    EXPECT_NEAR(ends.stiffness, kSpring, 0.05 * kSpring);
+    EXPECT_NEAR(ends.chi2_less, fit.fit.chi2, 0.01 * fit.fit.chi2 + 0.01);
+    EXPECT_GE(std::abs(ends.largest_shift[0]), std::abs(ends.shift[0]));
   }
 }
 
-// Springs as given, of a third of the truth; fitted springs are none that are taken as exact.
+// Springs as given, of a third of the truth.
 TEST(ExactEnds, NamesGivenSprings) {
   const auto truth = hanger(Kind::elastic, kEI, kSpring);
   const auto fit = tension_of(truth, hanger(Kind::elastic, kEI, kSpring / 3), 1e-3);
-  ASSERT_NE(ends_of(fit), nullptr);
-  EXPECT_EQ(ends_of(fit)->name, "ends a, b (springs)");
+  ASSERT_EQ(fit.exact_ends.size(), 1u);
+  EXPECT_EQ(fit.exact_ends[0].taken_as, "springs");
+  EXPECT_NEAR(fit.exact_ends[0].stiffness, kSpring, 0.05 * kSpring);
   EXPECT_TRUE(named(fit));
+  // Fitted springs are none that are taken as exact.
   const auto free = tension_of(truth, hanger(Kind::elastic, kEI, kSpring / 3), 1e-3,
                                {{"h.tension"}, {"k", {"a.rotational_z", "b.rotational_z"}}});
+  for (const auto& ends : free.exact_ends) {
+    EXPECT_NEAR(ends.largest_shift[0], 0, 0.01 * free.parameters[0].std);  // about the other axis
+  }
   EXPECT_FALSE(named(free));
 }
 
@@ -77,23 +79,21 @@ TEST(ExactEnds, NamesGivenSprings) {
 // its tension; six frequencies to 1 % know that to 2 / 6^(1/2) %. Ends do not matter.
 TEST(ExactEnds, SilentWhereEndsMoveNothing) {
   const auto fit = tension_of(hanger(Kind::pinned, 0.2), hanger(Kind::pinned, 0.2), 0.01);
-  ASSERT_NE(ends_of(fit), nullptr);
-  EXPECT_LT(std::abs(ends_of(fit)->shift[0]), 0.1 * fit.parameters[0].std);
+  ASSERT_EQ(fit.exact_ends.size(), 1u);
+  EXPECT_LT(std::abs(fit.exact_ends[0].largest_shift[0]), 0.1 * fit.parameters[0].std);
   EXPECT_FALSE(named(fit));
 }
 
-// A point mass at the middle of a pinned string of mass m L loads its odd modes: by Rayleigh's
-// quotient 2 x 1 % of omega^2 and so of the tension, nothing of the even ones; the mean of three
-// odd and three even modes has half of that.
-TEST(ExactInputs, AMassOfOnePercentThatTheSceneLacksIsNamed) {
-  const auto fit = tension_of(hanger(Kind::pinned, 0.2), hanger(Kind::pinned, 0.2), 1e-4);
-  for (const auto& input : fit.exact_inputs) {
-    if (input.name != "mass at 0.5 of h") continue;
-    EXPECT_EQ(input.relative_change, 0.01);
-    EXPECT_NEAR(input.shift[0], 0.01 * kTension, 0.01 * 0.01 * kTension);
-    return;
+// A fixity is a value and back; its derivative against a central difference of step 1e-6, whose own
+// error is below 1e-9 of it there.
+TEST(UpdateCoordinate, OfAFixity) {
+  UpdateCoordinate q;
+  q.logarithmic = false, q.fixity = true, q.scale = 3;
+  for (const double at : {0.1, 0.5, 0.9}) {
+    EXPECT_NEAR(q.coordinate(q.value(at)), at, 1e-15);
+    const double difference = (q.value(at + 1e-6) - q.value(at - 1e-6)) / 2e-6;
+    EXPECT_NEAR(q.derivative(at), difference, 1e-8 * q.derivative(at));
   }
-  FAIL() << "no such row";
 }
 
 }  // namespace

@@ -1,10 +1,9 @@
-#include "ident/update/intervals.h"
+#include "ident/update/uncertainty/update_intervals.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "ident/update/fit.h"
-#include "ident/update/posterior.h"
+#include "ident/update/problem/update_solver.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -29,13 +28,13 @@ bool at_bound(const UpdateCoordinate& coordinate, double q, double reach) {
 // The least cost with coordinate `held` fixed, from q, which becomes the place. What lies at a
 // bound or is not told by the data has no slope there (but springs, in steps of fixity): it is also
 // tried from inside.
-bool least_cost(const Likelihood& likelihood, const UpdateOptions& options,
+bool least_cost(const UpdateProblem& problem, const UpdateOptions& options,
                 const std::vector<UpdateMatch>& matches, const UpdateResult& solution, int held,
                 bool from_inside, Eigen::VectorXd& q, double& cost) {
-  (void)minimise(likelihood, matches, UpdateStage::full, options, q, cost, held);
-  if (!robust_cost(likelihood, matches, UpdateStage::full, options, q, cost)) return false;
-  for (Eigen::Index i = 0; from_inside && i < likelihood.parameters(); ++i) {
-    const auto& coordinate = likelihood.coordinates()[static_cast<std::size_t>(i)];
+  (void)minimise(problem, matches, UpdateStage::full, options, q, cost, held);
+  if (!robust_cost(problem, matches, UpdateStage::full, options, q, cost)) return false;
+  for (Eigen::Index i = 0; from_inside && i < q.size(); ++i) {
+    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
     if (i == held || coordinate.half_held > 0) continue;
     if (solution.parameters[static_cast<std::size_t>(i)].identifiable &&
         !at_bound(coordinate, q[i], 1e-3)) {
@@ -46,9 +45,8 @@ bool least_cost(const Likelihood& likelihood, const UpdateOptions& options,
       trial[i] = std::clamp(solution.coordinates[i] + step * (coordinate.logarithmic ? 1 : 0.1),
                             coordinate.low, coordinate.high);
       double other = 0;
-      (void)minimise(likelihood, matches, UpdateStage::full, options, trial, other, held);
-      if (robust_cost(likelihood, matches, UpdateStage::full, options, trial, other) &&
-          other < cost) {
+      (void)minimise(problem, matches, UpdateStage::full, options, trial, other, held);
+      if (robust_cost(problem, matches, UpdateStage::full, options, trial, other) && other < cost) {
         cost = other;
         q = trial;
       }
@@ -59,11 +57,12 @@ bool least_cost(const Likelihood& likelihood, const UpdateOptions& options,
 
 }  // namespace
 
-double profile_end(const Likelihood& likelihood, const std::vector<UpdateMatch>& matches,
-                   const UpdateResult& solution, Eigen::Index j, double direction, double least) {
-  UpdateOptions options = likelihood.options();
-  options.function_tolerance = std::max(options.function_tolerance, 1e-6);
-  const auto& coordinate = likelihood.coordinates()[static_cast<std::size_t>(j)];
+double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
+                   const std::vector<UpdateMatch>& matches, const UpdateResult& solution,
+                   Eigen::Index j, double direction, double least) {
+  UpdateOptions options = given;
+  options.function_tolerance = std::max(given.function_tolerance, 1e-6);
+  const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
   const double goal = solution.coverage_factor;
   const double at = solution.coordinates[j];
   const double bound = direction > 0 ? coordinate.high : coordinate.low;
@@ -74,8 +73,8 @@ double profile_end(const Likelihood& likelihood, const std::vector<UpdateMatch>&
   const auto root_at = [&](double place, bool from_inside) {
     q[j] = place;
     double cost = 0;
-    const bool found = least_cost(likelihood, options, matches, solution, static_cast<int>(j),
-                                  from_inside, q, cost);
+    const bool found =
+        least_cost(problem, options, matches, solution, static_cast<int>(j), from_inside, q, cost);
     return found ? signed_root(cost, least, solution.variance_factor) : kNaN;
   };
   if (!std::isfinite(own) && std::isfinite(bound)) {  // often open up to the bound
@@ -99,9 +98,10 @@ double profile_end(const Likelihood& likelihood, const std::vector<UpdateMatch>&
 namespace {
 
 // Whether the cost is no parabola between the linear ends of coordinate j.
-bool is_curved(const Likelihood& likelihood, const std::vector<UpdateMatch>& matches,
-               const UpdateResult& result, const Identifiability& known, Eigen::Index j,
+bool is_curved(const UpdateProblem& problem, const UpdateOptions& options,
+               const std::vector<UpdateMatch>& matches, const UpdateResult& result, Eigen::Index j,
                double least) {
+  const auto& known = result.identifiability;
   const double k = result.coverage_factor, std = known.std[j];
   Eigen::VectorXd along = known.covariance.col(j) * (k / std);
   for (double& step : along) step = std::isfinite(step) ? step : 0;
@@ -109,12 +109,10 @@ bool is_curved(const Likelihood& likelihood, const std::vector<UpdateMatch>& mat
     Eigen::VectorXd q = result.coordinates + sign * along;
     double cost = 0;
     for (Eigen::Index i = 0; i < q.size(); ++i) {
-      const auto& coordinate = likelihood.coordinates()[static_cast<std::size_t>(i)];
+      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
       if (q[i] <= coordinate.low || q[i] >= coordinate.high) return true;
     }
-    if (!robust_cost(likelihood, matches, UpdateStage::full, likelihood.options(), q, cost)) {
-      return true;
-    }
+    if (!robust_cost(problem, matches, UpdateStage::full, options, q, cost)) return true;
     const double root = signed_root(cost, least, result.variance_factor);
     if (std::abs(root / k - 1) > kCurved) return true;
   }
@@ -123,21 +121,20 @@ bool is_curved(const Likelihood& likelihood, const std::vector<UpdateMatch>& mat
 
 }  // namespace
 
-void state_intervals(const Likelihood& likelihood, const std::vector<UpdateMatch>& matches,
-                     UpdateResult& result) {
-  const Eigen::Index n = likelihood.parameters();
-  if (result.identifiability.std.size() != n) return;
+void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
+                     const std::vector<UpdateMatch>& matches, UpdateResult& result) {
+  const auto& known = result.identifiability;
+  const Eigen::Index n = problem.size();
+  if (known.std.size() != n) return;
   double least = 0;
-  const Identifiability known = knowledge_by_cost(likelihood, matches, result);
-  const bool costs = likelihood.modes_only() && known.std.size() == likelihood.size() &&
-                     robust_cost(likelihood, matches, UpdateStage::full, likelihood.options(),
-                                 result.coordinates, least);
+  const bool costs = problem.modes_only() && robust_cost(problem, matches, UpdateStage::full,
+                                                         options, result.coordinates, least);
   bool loose = false;
   for (const auto& parameter : result.parameters) {
     loose = loose || parameter.at_bound || !parameter.identifiable;
   }
   for (Eigen::Index j = 0; j < n; ++j) {
-    const auto& coordinate = likelihood.coordinates()[static_cast<std::size_t>(j)];
+    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
     auto& parameter = result.parameters[static_cast<std::size_t>(j)];
     const double q = result.coordinates[j];
     const double by = std::abs(coordinate.derivative(q));
@@ -146,20 +143,20 @@ void state_intervals(const Likelihood& likelihood, const std::vector<UpdateMatch
     if (parameter.identifiable && std::isfinite(parameter.std)) {
       const double half = result.coverage_factor * parameter.std / by;
       low = q - half, high = q + half;
-      const bool checked = costs && (loose || result.identifiability.std[j] > kStraight ||
-                                     at_bound(coordinate, q, half));
+      const bool checked =
+          costs && (loose || known.std[j] > kStraight || at_bound(coordinate, q, half));
       parameter.interval_by_profile =
-          checked && (loose || is_curved(likelihood, matches, result, known, j, least));
+          checked && (loose || is_curved(problem, options, matches, result, j, least));
     } else {
       parameter.interval_by_profile = costs && n <= kMostProfiled;
     }
     if (parameter.interval_by_profile) {
-      // What is not in the profile: segments, errors that modes share.
+      // What is not in the profile: inputs, segments, errors that modes share.
       const double own = std::isfinite(known.std[j]) ? known.std[j] : 0;
       const double all = std::isfinite(parameter.std) ? parameter.std / by : 0;
       const double more = result.coverage_factor * std::sqrt(std::max(0.0, all * all - own * own));
-      const double one = profile_end(likelihood, matches, result, j, -1, least);
-      const double other = profile_end(likelihood, matches, result, j, 1, least);
+      const double one = profile_end(problem, options, matches, result, j, -1, least);
+      const double other = profile_end(problem, options, matches, result, j, 1, least);
       low = q - std::hypot(q - one, more), high = q + std::hypot(other - q, more);
     }
     const auto value = [&](double at) { return std::isfinite(at) ? coordinate.value(at) : kNaN; };

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/likelihood.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 
@@ -25,20 +25,22 @@ struct UpdateSolution {
 
 /// With fixed pairs, from q, which becomes the answer. False when it did not converge. `held`: a
 /// coordinate that stays as it is; -1: none.
-[[nodiscard]] bool minimise(const Likelihood& problem, const std::vector<UpdateMatch>& matches,
+[[nodiscard]] bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                             UpdateStage stage, const UpdateOptions& options, Eigen::VectorXd& q,
                             double& cost, int held = -1);
 
 /// Half the sum of squares with Huber's rho; false when there is no model.
-[[nodiscard]] bool robust_cost(const Likelihood& problem, const std::vector<UpdateMatch>& matches,
-                               UpdateStage stage, const UpdateOptions& options,
-                               const Eigen::VectorXd& q, double& cost);
+[[nodiscard]] bool robust_cost(const UpdateProblem& problem,
+                               const std::vector<UpdateMatch>& matches, UpdateStage stage,
+                               const UpdateOptions& options, const Eigen::VectorXd& q,
+                               double& cost);
 
 /// From every start, on `options.threads` threads.
-[[nodiscard]] std::vector<UpdateSolution> solve_from_all_starts(const Likelihood& problem,
+[[nodiscard]] std::vector<UpdateSolution> solve_from_all_starts(const UpdateProblem& problem,
                                                                 const UpdateOptions& options);
 
-/// What `update_model` gives for a likelihood that may hold a state out.
-[[nodiscard]] UpdateResult update_result(const Likelihood& likelihood);
+/// What `update_model` gives for a problem that may hold a state out.
+[[nodiscard]] UpdateResult update_result(const UpdateProblem& problem,
+                                         const UpdateOptions& options);
 
 }  // namespace rigfit::ident

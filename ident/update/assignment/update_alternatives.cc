@@ -1,13 +1,12 @@
-#include "ident/update/answers.h"
+#include "ident/update/assignment/update_alternatives.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "ident/statistics/in_parallel.h"
-#include "ident/update/segments.h"
+#include "ident/update/uncertainty/update_segments.h"
 
 namespace rigfit::ident {
 namespace {
@@ -15,7 +14,7 @@ namespace {
 // Segments while looking around: with 12 the ninth mode of a cable is a fifth too low, and the
 // right assignment is often lost.
 constexpr double kFewSegments = 20;
-constexpr ModelErrors kSearchErrors{0.05, 0.5, 0};  // of the model while looking around
+constexpr ModelErrors kSearchErrors{0.05, 0.5};  // of the model while looking around
 // Of the model while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
 constexpr double kLeastStd = 2e-3;
 constexpr double kSure = 12, kSureError = 5e-3;  // see the header
@@ -41,23 +40,13 @@ std::vector<std::pair<double, double>> errors_between(double least, int count, d
 std::vector<std::pair<ModelErrors, double>> model_errors(bool damping) {
   std::vector<std::pair<ModelErrors, double>> all;
   for (const auto& [frequency, one] : errors_between(1e-4, 10, 3)) {
-    if (!damping) all.push_back({{frequency, 0, 0}, one});
+    if (!damping) all.push_back({{frequency, 0}, one});
     if (!damping) continue;
     for (const auto& [of_damping, other] : errors_between(1e-2, 5, 2)) {
-      all.push_back({{frequency, of_damping, 0}, one * other});
+      all.push_back({{frequency, of_damping}, one * other});
     }
   }
   return all;
-}
-
-Likelihood with(Likelihood problem, const ModelErrors& errors) {
-  problem.errors = errors;
-  return problem;
-}
-
-Likelihood with_few_segments(Likelihood problem) {
-  problem.mesh.factor = std::min(1.0, kFewSegments / problem.fewest_segments());
-  return problem;
 }
 
 bool close(double a, double b) { return std::abs(a - b) <= 1e-12 + 0.5 * b; }
@@ -69,9 +58,9 @@ double log_sum(double a, double b) {
 
 }  // namespace
 
-bool evidence_of(const Likelihood& problem, const UpdateMatches& found, const Eigen::VectorXd& q,
+bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const Eigen::VectorXd& q,
                  Evidence& evidence) {
-  const Likelihood plain = with(problem, {});
+  const UpdateProblem plain = problem.with_model_std(0);
   Eigen::VectorXd r;
   Eigen::MatrixXd J;
   if (!plain.residuals(q, found.matches, UpdateStage::full, r, &J)) return false;
@@ -125,8 +114,10 @@ namespace {
 
 class Search {
  public:
-  Search(const Likelihood& problem, const UpdateOptions& options)
-      : problem_(problem), options_(options), few_(with_few_segments(problem)) {
+  Search(const UpdateProblem& problem, const UpdateOptions& options)
+      : problem_(problem),
+        options_(options),
+        few_(problem.with_segments(std::min(1.0, kFewSegments / problem.fewest_segments()))) {
     rough_ = options;
     rough_.function_tolerance = std::max(options.function_tolerance, 1e-5);
   }
@@ -158,7 +149,6 @@ class Search {
       }
     }
     if (!sure) answers = refined(std::move(answers));
-    if (problem_.stated()) leave_out(answers);
     fits = fits_;
     double all = -std::numeric_limits<double>::infinity();
     for (const auto& answer : answers) all = log_sum(all, answer.log_evidence);
@@ -173,7 +163,7 @@ class Search {
     double score = 0;  // ln of its likelihood while looking around
   };
 
-  void add(const Likelihood& problem, const UpdateOptions& options, Seed seed,
+  void add(const UpdateProblem& problem, const UpdateOptions& options, Seed seed,
            std::vector<UpdateAnswer>& answers, std::string& failure) {
     ++fits_;
     UpdateAnswer answer = settled(problem, options, std::move(seed));
@@ -208,7 +198,7 @@ class Search {
   }
 
   // Fitted and assigned anew until the assignment stays; of those that were seen the best.
-  UpdateAnswer settled(const Likelihood& problem, const UpdateOptions& options, Seed seed,
+  UpdateAnswer settled(const UpdateProblem& problem, const UpdateOptions& options, Seed seed,
                        ModelErrors errors = kSearchErrors) const {
     UpdateAnswer best;
     best.log_evidence = -std::numeric_limits<double>::infinity();
@@ -221,14 +211,14 @@ class Search {
                                     [](const auto& match) { return !match.cross_plane; });
       if (!fits) break;
       double cost = 0;
-      const Likelihood here = with(problem, errors);
+      const UpdateProblem here = problem.with_model_std(errors.frequency, errors.damping);
       Eigen::VectorXd at = q;
       const bool converged = minimise(here, matches.matches, UpdateStage::full, options, at, cost);
       Evidence evidence;
       if (!evidence_of(problem, matches, at, evidence)) break;
       std::string failure;
-      UpdateMatches next =
-          with(problem, {std::max(evidence.errors.frequency, kLeastStd)}).assign(at, failure);
+      UpdateMatches next = problem.with_model_std(std::max(evidence.errors.frequency, kLeastStd))
+                               .assign(at, failure);
       if (!failure.empty()) {
         best.solution.failure = failure;
         break;
@@ -265,66 +255,23 @@ class Search {
     return best;
   }
 
-  // A mode that contradicts all others bends the answer where it has leverage, and the model's
-  // error that it asks for hides it: answers without the mode whose loss lowers chi-square most
-  // (Cook and Weisberg, Residuals and Influence in Regression, 1982, ch. 2) stand in the list as
-  // well.
-  void leave_out(std::vector<UpdateAnswer>& answers) {
-    const std::size_t most =
-        answers.empty() ? 0 : answers.front().solution.matches.matches.size() / 5;
-    for (std::size_t k = 0; k < std::max<std::size_t>(most, 1) && !answers.empty(); ++k) {
-      const UpdateAnswer best = answers.front();
-      Seed seed{best.solution.q, best.solution.matches, 0};
-      if (!(best.errors.frequency > 0) || !drop_worst(best, seed.matches)) return;
-      ++fits_;
-      UpdateAnswer without = settled(problem_, options_, std::move(seed), {});
-      if (without.solution.q.size() == 0 || without.log_evidence < best.log_evidence) return;
-      merge(std::move(without), answers);
-      std::erase_if(answers, [&](const UpdateAnswer& answer) {
-        return answer.log_evidence < answers.front().log_evidence - kNegligible;
-      });
-    }
-  }
-
-  // False where two degrees of freedom would not be left.
-  bool drop_worst(const UpdateAnswer& answer, UpdateMatches& found) const {
-    const Likelihood plain = with(problem_, {});
-    Eigen::VectorXd r;
-    Eigen::MatrixXd J;
-    if (!plain.residuals(answer.solution.q, found.matches, UpdateStage::full, r, &J)) return false;
-    if (r.size() - plain.size() < 3) return false;
-    const Eigen::MatrixXd H =
-        J * (J.transpose() * J).completeOrthogonalDecomposition().pseudoInverse() * J.transpose();
-    // At the minimum without an error of the model, to first order.
-    const Eigen::VectorXd left = r - H * r;
-    double gain = 0;
-    std::size_t worst = found.matches.size();
-    for (const auto& row : plain.frequency_rows(found.matches, UpdateStage::full)) {
-      const double one = std::pow(left[row.row], 2) / std::max(1 - H(row.row, row.row), 1e-6);
-      if (one > gain) gain = one, worst = row.match;
-    }
-    if (worst == found.matches.size()) return false;
-    found.matches.erase(found.matches.begin() + static_cast<std::ptrdiff_t>(worst));
-    return true;
-  }
-
   // Whether chance cannot have made the answer fit.
   bool explained(const UpdateAnswer& answer) const {
     const auto& solution = answer.solution;
     Eigen::VectorXd r;
-    if (!with(problem_, {})
-             .residuals(solution.q, solution.matches.matches, UpdateStage::full, r, nullptr)) {
+    if (!problem_.with_model_std(0).residuals(solution.q, solution.matches.matches,
+                                              UpdateStage::full, r, nullptr)) {
       return false;
     }
     double squares = 0;
     const auto rows = problem_.frequency_rows(solution.matches.matches, UpdateStage::full);
     for (const auto& row : rows) {
       const auto& match = solution.matches.matches[row.match];
-      squares +=
-          std::pow(r[row.row] * with(problem_, {}).relative_std(match.state, match.measured), 2);
+      squares += std::pow(
+          r[row.row] * problem_.with_model_std(0).relative_std(match.state, match.measured), 2);
     }
     const double degrees = static_cast<double>(rows.size()) +
-                           static_cast<double>(problem_.priors()) -
+                           static_cast<double>(problem_.prior_count()) -
                            static_cast<double>(problem_.size());
     const double error =
         std::max(1e-6, std::sqrt(squares / std::max<double>(1, static_cast<double>(rows.size()))));
@@ -348,8 +295,7 @@ class Search {
   // Error of the model in frequency, that of its segments taken off.
   double model_error(const UpdateAnswer& answer) const {
     UpdateSolution solution = answer.solution;
-    Likelihood exact = problem_;
-    take_segments_off(exact, solution, 1);
+    const UpdateProblem exact = take_segments_off(problem_, options_, solution, 1);
     Evidence evidence;
     const bool known = evidence_of(exact, solution.matches, solution.q, evidence);
     return known ? evidence.errors.frequency : std::numeric_limits<double>::infinity();
@@ -357,7 +303,7 @@ class Search {
 
   // Assignments at q with its frequencies as they are and times the best common factor.
   std::vector<Seed> seeds_at(const Eigen::VectorXd& q, std::string& failure) const {
-    const Likelihood wide = with(few_, {kSearchErrors.frequency});
+    const UpdateProblem wide = few_.with_model_std(kSearchErrors.frequency);
     std::vector<Seed> seeds(2);
     for (auto& seed : seeds) seed.q = q;
     for (int s = 0; s < static_cast<int>(wide.states().size()); ++s) {
@@ -402,7 +348,7 @@ class Search {
     const auto& coordinates = problem_.coordinates();
     std::vector<int> dimension(coordinates.size());  // values of one parameter in all states: one
     int dimensions = 0;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(problem_.parameters()); ++j) {
+    for (std::size_t j = 0; j < coordinates.size(); ++j) {
       const bool next = j == 0 || coordinates[j].parameter != coordinates[j - 1].parameter;
       if (next) ++dimensions;
       dimension[j] = dimensions - 1;
@@ -413,7 +359,7 @@ class Search {
     std::vector<Eigen::VectorXd> all;
     for (int k = 0; k < count; ++k) {
       Eigen::VectorXd q = problem_.start();
-      for (Eigen::Index j = 0; j < problem_.parameters(); ++j) {
+      for (Eigen::Index j = 0; j < q.size(); ++j) {
         const auto& coordinate = coordinates[static_cast<std::size_t>(j)];
         const int d = dimension[static_cast<std::size_t>(j)];
         // -1 .. 1: of a lattice, or of Kronecker's sequence with the roots of primes.
@@ -480,16 +426,16 @@ class Search {
     return answers;
   }
 
-  const Likelihood& problem_;
+  const UpdateProblem& problem_;
   const UpdateOptions& options_;
   UpdateOptions rough_;
-  Likelihood few_;
+  UpdateProblem few_;
   int fits_ = 0;
 };
 
 }  // namespace
 
-std::vector<UpdateAnswer> find_answers(const Likelihood& problem, const UpdateOptions& options,
+std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, const UpdateOptions& options,
                                        int& fits, std::string& failure) {
   return Search(problem, options).run(fits, failure);
 }

@@ -1,4 +1,4 @@
-#include "ident/update/coordinate.h"
+#include "ident/update/problem/update_coordinate.h"
 
 #include <algorithm>
 #include <cmath>

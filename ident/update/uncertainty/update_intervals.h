@@ -12,19 +12,19 @@
 
 #include <vector>
 
-#include "ident/update/likelihood.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 
 /// One end of the profile interval of coordinate j, in q; NaN: the cost stays below.
-[[nodiscard]] double profile_end(const Likelihood& likelihood,
+[[nodiscard]] double profile_end(const UpdateProblem& problem, const UpdateOptions& options,
                                  const std::vector<UpdateMatch>& matches,
                                  const UpdateResult& solution, Eigen::Index j, double direction,
                                  double least);
 
 /// low, high and interval_by_profile of the result's parameters.
-void state_intervals(const Likelihood& likelihood, const std::vector<UpdateMatch>& matches,
-                     UpdateResult& result);
+void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
+                     const std::vector<UpdateMatch>& matches, UpdateResult& result);
 
 /// low and high of the result's parameters, over its alternatives.
 void state_mixture(UpdateResult& result);

@@ -1,0 +1,102 @@
+// Assignments of a problem's measured modes to its modelled ones, and the model's error in them.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "ident/update/problem/sample_rate_input.h"
+#include "ident/update/problem/update_problem.h"
+
+namespace rigfit::ident {
+
+UpdateProblem UpdateProblem::with_model_std(double frequency, double damping) const {
+  UpdateProblem other = *this;
+  other.model_std_ = frequency;
+  other.damping_model_std_ = damping;
+  return other;
+}
+
+std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
+    const std::vector<UpdateMatch>& matches, UpdateStage stage) const {
+  std::vector<FrequencyRow> rows;
+  Eigen::Index row = 0;
+  for (std::size_t m = 0; m < matches.size(); ++m) {
+    const auto& match = matches[m];
+    if (match.cross_plane || !counts(match.state, stage)) continue;
+    const auto& mode = states_[static_cast<std::size_t>(match.state)]
+                           .measured[static_cast<std::size_t>(match.measured)];
+    const bool damping = damping_fitted(mode);
+    rows.push_back({row, damping ? row + 1 : -1, m});
+    row += damping ? 2 : 1;
+    if (shape_fitted(mode)) row += mode.shape.size();
+  }
+  return rows;
+}
+
+UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelled,
+                                          double factor) const {
+  const auto& state = states_[static_cast<std::size_t>(s)];
+  std::vector<PairingMode> measured, model;
+  const double by_rate = sample_rate_std(options_.inputs, s);
+  std::vector<double> stds;
+  for (std::size_t m = 0; m < state.measured.size(); ++m) {
+    const auto& mode = state.measured[m];
+    measured.push_back(
+        {.frequency_hz = mode.frequency_hz.value, .plane = mode.plane, .shape = mode.shape});
+    stds.push_back(std::hypot(relative_std(s, static_cast<int>(m)), by_rate));
+  }
+  for (const auto& mode : modelled.modes) {
+    model.push_back({.frequency_hz = mode.frequency_hz,
+                     .plane = mode.plane,
+                     .shape = mode.shape,
+                     .visibility = mode.visibility});
+  }
+  const ModeAssignment found =
+      assign_modes(measured, stds, model, state.band_hz, options_.assignment, factor);
+  UpdateMatches result;
+  result.log_likelihood = found.log_likelihood;
+  result.log_detected = found.log_detected;
+  result.log_false = found.log_false;
+  result.log_missed = found.log_missed;
+  for (const auto& pair : found.pairs) {
+    const auto& mode = modelled.modes[static_cast<std::size_t>(pair.model)];
+    result.matches.push_back(
+        {s, pair.measured, mode.plane, mode.order, pair.mac, pair.cross_plane});
+  }
+  for (const int index : found.unpaired_measured) {
+    const double hz = measured[static_cast<std::size_t>(index)].frequency_hz;
+    result.unpaired.push_back({s, hz, true, false, "no mode of the model explains it"});
+    ++result.unpaired_measured;
+  }
+  for (const auto& missed : found.missed) {
+    const auto& mode = modelled.modes[static_cast<std::size_t>(missed.model)];
+    result.unpaired.push_back({s, mode.frequency_hz, false, true,
+                               fmt::format("{} {}: the test should have seen it",
+                                           model::name_of(mode.plane), mode.order + 1)});
+  }
+  return result;
+}
+
+UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failure) const {
+  UpdateMatches all;
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    if (!takes_part(s)) continue;
+    const auto& state = states_[static_cast<std::size_t>(s)];
+    if (state.measured.empty()) continue;
+    const UpdateStateModes modelled = modes(s, q, false);
+    if (!modelled.failure.empty()) {
+      failure = (state.name.empty() ? "" : state.name + ": ") + modelled.failure;
+      return {};
+    }
+    UpdateMatches one = assign_state(s, modelled);
+    all.matches.insert(all.matches.end(), one.matches.begin(), one.matches.end());
+    all.unpaired.insert(all.unpaired.end(), one.unpaired.begin(), one.unpaired.end());
+    all.unpaired_measured += one.unpaired_measured;
+    all.log_likelihood += one.log_likelihood;
+    all.log_detected += one.log_detected;
+    all.log_false += one.log_false;
+    all.log_missed += one.log_missed;
+  }
+  return all;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,478 @@
+#include "ident/update/problem/update_problem.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "ident/update/problem/sample_rate_input.h"
+#include "model/scene/scene_error.h"
+#include "signal/numerics/numbers.h"
+
+namespace rigfit::ident {
+namespace {
+
+using signal::kNaN;
+
+}  // namespace
+
+const UpdateModelMode* UpdateStateModes::find(model::ModePlane plane, int order) const {
+  for (const auto& mode : modes) {
+    if (mode.plane == plane && mode.order == order) return &mode;
+  }
+  return nullptr;
+}
+
+UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
+                             const std::vector<FreeParameter>& free, const UpdateOptions& options,
+                             int held_out)
+    : states_(states), free_(free), options_(options), held_out_(held_out) {
+  if (states_.empty()) throw std::invalid_argument("update: no scene");
+  if (!options_.solver) {
+    options_.solver = [](const model::Scene& scene, const std::vector<std::string>& names,
+                         const model::ModesOptions& modes) {
+      if (!names.empty()) return model::analyse_mode_sensitivities(scene, names, modes);
+      model::ModeSensitivities plain;
+      plain.analysis = model::analyse_modes(scene, modes);
+      return plain;
+    };
+  }
+  if (!options_.frf_solver) {
+    options_.frf_solver = [](const model::Scene& scene, const Eigen::VectorXd& lines,
+                             const std::vector<std::string>& names, double decay_rate) {
+      if (!names.empty()) {
+        return model::synthesize_frf_sensitivities(scene, lines, names, {}, decay_rate);
+      }
+      model::FrfSensitivities plain;
+      plain.frfs = model::synthesize_frfs(scene, lines, {}, decay_rate);
+      return plain;
+    };
+  }
+  for (const auto& state : states_) {
+    for (const auto& frf : state.frfs) {
+      if (frf.sensor >= state.scene.sensors.size() || frf.load >= state.scene.loads.size() ||
+          frf.H.size() != frf.frequency_hz.size() ||
+          (frf.std.size() != 0 && frf.std.size() != frf.H.size()) ||
+          (frf.H.size() > 0 && !(frf.frequency_hz.minCoeff() > 0)) || !(frf.decay_rate_1_s >= 0) ||
+          !(frf.lines_per_independent >= 1)) {
+        throw std::invalid_argument(
+            "update: an FRF without its sensor, load, lines above 0 Hz, standard deviations or "
+            "window");
+      }
+      if (frf.std.size() == 0) uncertainties_known_ = false;
+    }
+    for (const auto& history : state.histories) {
+      const bool known_sensors =
+          std::all_of(history.sensors.begin(), history.sensors.end(),
+                      [&](std::size_t sensor) { return sensor < state.scene.sensors.size(); });
+      const auto columns = static_cast<Eigen::Index>(history.sensors.size());
+      if (!known_sensors || history.samples.cols() != columns || !(history.rate_hz > 0) ||
+          (history.std.size() != 0 && history.std.size() != columns)) {
+        throw std::invalid_argument("update: a time history without its sensors, rate or columns");
+      }
+      if (history.std.size() == 0) uncertainties_known_ = false;
+    }
+    if (state.modes_lead_only) continue;
+    for (const auto& mode : state.measured) {
+      if (!known(mode.frequency_hz.std)) uncertainties_known_ = false;
+      if (damping_fitted(mode)) damping_ = true;
+    }
+  }
+  for (const auto& state : states_) {
+    for (const auto& mode : state.measured) {
+      if (!known(mode.frequency_hz.value)) {
+        throw std::invalid_argument("update: every measured frequency must be positive");
+      }
+      if (damping_fitted(mode)) damping_ = true;
+    }
+    const auto names = model::parameter_names(state.scene);
+    present_.emplace_back(names.begin(), names.end());
+    joint_dampers_.push_back(std::any_of(
+        state.scene.members.begin(), state.scene.members.end(), [](const model::Member& member) {
+          const auto& damping = member.damping;
+          return damping.axial > 0 || damping.bending > 0 || damping.torsion > 0;
+        }));
+  }
+  for (const auto& input : options_.inputs) {
+    for (const auto& effect : input.effects) {
+      if (is_joint_damper(effect.target)) {
+        joint_dampers_[static_cast<std::size_t>(effect.state)] = true;
+      }
+    }
+  }
+  for (std::size_t p = 0; p < free_.size(); ++p) {
+    FreeParameter& parameter = free_[p];
+    if (parameter.targets.empty()) parameter.targets = {parameter.name};
+    // A shared parameter need not be in every scene, but each of its targets in one.
+    for (const auto& target : parameter.targets) {
+      const bool somewhere = std::any_of(present_.begin(), present_.end(),
+                                         [&](const auto& names) { return names.contains(target); });
+      if (!somewhere) (void)model::parameter(states_[0].scene, target);  // says what there is
+      if (!is_joint_damper(target)) continue;
+      for (std::size_t s = 0; s < states_.size(); ++s) {
+        if (present_[s].contains(target)) joint_dampers_[s] = true;
+      }
+    }
+    const int copies = parameter.per_state ? static_cast<int>(states_.size()) : 1;
+    for (int copy = 0; copy < copies; ++copy) {
+      const model::Scene* home = &states_[static_cast<std::size_t>(copy)].scene;
+      if (!parameter.per_state) {
+        for (std::size_t s = 0; s < states_.size(); ++s) {
+          if (!present_[s].contains(parameter.targets[0])) continue;
+          home = &states_[s].scene;
+          break;
+        }
+      }
+      const model::Scene& scene = *home;
+      const auto& first = parameter.targets[0];
+      const double start = parameter.start.value_or(
+          parameter.prior ? parameter.prior->value
+                          : model::parameter(*home, first) / parameter.factor(0));
+      auto prior = parameter.prior;
+      if (!prior && parameter.prior_relative_std > 0) {
+        const double own = model::parameter(*home, first) / parameter.factor(0);
+        prior = signal::Estimate{own, parameter.prior_relative_std * std::abs(own)};
+      }
+      UpdateCoordinate q;
+      q.parameter = static_cast<int>(p);
+      q.state = parameter.per_state ? copy : -1;
+      q.logarithmic = !may_be_negative(parameter.targets[0]) && start > 0;
+      if (!q.logarithmic) {
+        q.scale =
+            std::abs(start) > 0 ? std::abs(start) : scale_at_zero(scene, parameter.targets[0]);
+      }
+      const bool positive = !may_be_negative(parameter.targets[0]);
+      const double low = positive ? std::max(parameter.low, 0.0) : parameter.low;
+      q.low = q.logarithmic && low <= 0 ? std::log(start) - std::log(1e6) : q.coordinate(low);
+      q.high = std::isfinite(parameter.high) ? q.coordinate(parameter.high)
+               : q.logarithmic               ? std::log(start) + std::log(1e6)
+                                             : std::numeric_limits<double>::infinity();
+      if (q.logarithmic) q.step_by_fixity(half_held(scene, first) / parameter.factor(0));
+      q.start = std::clamp(q.coordinate(start), q.low, q.high);
+      if (prior && known(prior->std)) {
+        q.prior = q.coordinate(prior->value);
+        q.prior_std = q.logarithmic ? prior->std / prior->value : prior->std / q.scale;
+        ++priors_;
+      }
+      if (!std::isfinite(q.start) || !(q.low < q.high)) {
+        throw std::invalid_argument(
+            fmt::format("update: {} has no usable start or bounds", parameter.name));
+      }
+      coordinates_.push_back(q);
+    }
+  }
+}
+
+bool UpdateProblem::damping_fitted(const MeasuredMode& mode) const {
+  if (!known(mode.damping_ratio.value)) return false;
+  return std::any_of(free_.begin(), free_.end(), [](const FreeParameter& parameter) {
+    return parameter.name.find("damping") != std::string::npos ||
+           std::any_of(parameter.targets.begin(), parameter.targets.end(), [](const auto& target) {
+             return target.find("damping") != std::string::npos;
+           });
+  });
+}
+
+Eigen::VectorXd UpdateProblem::start() const {
+  Eigen::VectorXd q(size());
+  for (Eigen::Index j = 0; j < size(); ++j) q[j] = coordinates_[static_cast<std::size_t>(j)].start;
+  return q;
+}
+
+std::vector<std::string> UpdateProblem::names() const {
+  std::vector<std::string> names;
+  for (const auto& q : coordinates_) {
+    const auto& name = free_[static_cast<std::size_t>(q.parameter)].name;
+    names.push_back(
+        q.state < 0 ? name : name + " [" + states_[static_cast<std::size_t>(q.state)].name + "]");
+  }
+  return names;
+}
+
+UpdateProblem UpdateProblem::with_segments(double factor) const {
+  UpdateProblem other = *this;
+  other.segment_factor_ = factor;
+  return other;
+}
+
+UpdateProblem UpdateProblem::with_inputs(const Eigen::VectorXd& off) const {
+  UpdateProblem other = *this;
+  other.inputs_off_ = off;
+  return other;
+}
+
+int UpdateProblem::fewest_segments() const {
+  int fewest = std::numeric_limits<int>::max();
+  for (const auto& state : states_) {
+    for (const auto& member : state.scene.members) {
+      fewest = std::min(fewest, member.segments == 0 ? options_.auto_segments : member.segments);
+    }
+  }
+  return fewest;
+}
+
+model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const {
+  model::Scene scene = states_[static_cast<std::size_t>(state)].scene;
+  for (Eigen::Index i = 0; i < inputs_off_.size(); ++i) {
+    if (inputs_off_[i] == 0) continue;
+    for (const auto& effect : options_.inputs[static_cast<std::size_t>(i)].effects) {
+      if (effect.state != state || effect.target == kSampleRateTarget) continue;
+      model::set_parameter(scene, effect.target,
+                           model::parameter(scene, effect.target) + inputs_off_[i] * effect.change);
+    }
+  }
+  for (Eigen::Index j = 0; j < size(); ++j) {
+    const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+    if (coordinate.state >= 0 && coordinate.state != state) continue;
+    const auto& parameter = free_[static_cast<std::size_t>(coordinate.parameter)];
+    for (std::size_t t = 0; t < parameter.targets.size(); ++t) {
+      if (!present_[static_cast<std::size_t>(state)].contains(parameter.targets[t])) continue;
+      model::set_parameter(scene, parameter.targets[t],
+                           parameter.factor(t) * coordinate.value(q[j]));
+    }
+  }
+  return scene;
+}
+
+bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
+                                std::string& failure) const {
+  try {
+    scene = scene_at(state, q);
+  } catch (const model::SceneError& error) {  // a value that no scene may have
+    failure = error.what();
+    return false;
+  }
+  for (auto& member : scene.members) {  // the same number all along, or frequencies would jump
+    if (member.segments == 0) member.segments = options_.auto_segments;
+    member.segments = std::max(std::min(member.segments, 8),
+                               static_cast<int>(std::lround(segment_factor_ * member.segments)));
+  }
+  return true;
+}
+
+UpdateProblem::Targets UpdateProblem::targets_of(int state) const {
+  Targets targets;
+  for (Eigen::Index j = 0; j < size(); ++j) {
+    const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+    if (coordinate.state >= 0 && coordinate.state != state) continue;
+    const auto& parameter = free_[static_cast<std::size_t>(coordinate.parameter)];
+    for (std::size_t t = 0; t < parameter.targets.size(); ++t) {
+      if (!present_[static_cast<std::size_t>(state)].contains(parameter.targets[t])) continue;
+      targets.names.push_back(parameter.targets[t]);
+      targets.owner.emplace_back(j, parameter.factor(t));
+    }
+  }
+  return targets;
+}
+
+UpdateProblem::ModeNeed UpdateProblem::need_of(int state,
+                                               const std::vector<UpdateMatch>* matches) const {
+  using model::ModePlane;
+  // Joint dampers couple modes: all of them then.
+  if (matches == nullptr || !shared_->narrow) return {};
+  if (damping_ && joint_dampers_[static_cast<std::size_t>(state)]) return {};
+  int in = 0, out = 0, other = 0;
+  for (const auto& match : *matches) {
+    if (match.state != state || match.cross_plane) continue;
+    int& most = match.plane == ModePlane::in ? in : match.plane == ModePlane::out ? out : other;
+    most = std::max(most, match.order + 1);
+  }
+  if (other > 0 || (in > 0) == (out > 0)) return {};
+  // Two more, as axial or torsional modes may lie between.
+  return {in > 0 ? ModePlane::in : ModePlane::out, std::max(in, out) + 2};
+}
+
+UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool derivatives,
+                                      const std::vector<UpdateMatch>* matches) const {
+  const ModeNeed need = need_of(state, matches);
+  UpdateStateModes result = modes_asked(state, q, derivatives, need);
+  if (need.count == 0 || !result.failure.empty()) return result;
+  for (const auto& match : *matches) {
+    if (match.state != state || match.cross_plane) continue;
+    if (result.find(match.plane, match.order) != nullptr) continue;
+    shared_->narrow = false;  // such as a scene without a plane of symmetry
+    return modes_asked(state, q, derivatives, {});
+  }
+  return result;
+}
+
+UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
+                                            const ModeNeed& need) const {
+  UpdateStateModes result;
+  const auto& measured = states_[static_cast<std::size_t>(state)].measured;
+  model::Scene scene;
+  if (!fixed_scene(state, q, scene, result.failure)) return result;
+  const auto [targets, owner] = derivatives ? targets_of(state) : Targets{};
+  model::ModesOptions modes;
+  modes.count =
+      need.count > 0 ? need.count : std::min<int>(100, 3 * static_cast<int>(measured.size()) + 8);
+  modes.plane = need.plane;
+  modes.damped = damping_;
+  modes.shapes = false;
+  modes.error_estimate = false;
+  // Rates of shapes cost as much as the modes: only where shapes are fitted.
+  if (derivatives && !(options_.shape_std > 0)) scene.sensors.clear();
+  ++shared_->evaluations;
+  const auto solved = options_.solver(scene, targets, modes);
+  const auto& analysis = solved.analysis;
+  if (analysis.equilibrium.status != model::EquilibriumStatus::converged) {
+    result.failure = fmt::format("no equilibrium: {}", analysis.equilibrium.reason);
+    return result;
+  }
+  std::map<model::ModePlane, int> seen;
+  for (std::size_t k = 0; k < analysis.modes.size(); ++k) {
+    const auto& natural = analysis.modes[k];
+    UpdateModelMode mode;
+    mode.frequency_hz = natural.frequency_hz;
+    mode.damping_ratio = natural.damping_ratio;
+    mode.plane = natural.plane;
+    mode.order = seen[natural.plane]++;
+    mode.shape = natural.sensor_shape.cast<std::complex<double>>();
+    if (natural.sensor_shape.size() > 0) {
+      mode.visibility =
+          natural.sensor_shape.cwiseAbs().maxCoeff() *
+          (natural.load_shape.size() > 0 ? natural.load_shape.cwiseAbs().maxCoeff() : 1);
+    }
+    if (!known(mode.frequency_hz)) continue;  // a rigid motion: nothing that was measured
+    if (derivatives) {
+      mode.dlog_frequency = mode.dlog_damping = Eigen::VectorXd::Zero(size());
+      if (options_.shape_std > 0) {
+        mode.dshape = Eigen::MatrixXd::Zero(natural.sensor_shape.size(), size());
+      }
+      const auto row = static_cast<Eigen::Index>(k);
+      for (std::size_t t = 0; t < targets.size(); ++t) {
+        const auto [j, factor] = owner[t];
+        const double by = factor * coordinates_[static_cast<std::size_t>(j)].derivative(q[j]);
+        const auto column = static_cast<Eigen::Index>(t);
+        mode.dlog_frequency[j] += solved.frequency(row, column) * by / mode.frequency_hz;
+        if (mode.dshape.size() > 0 && t < solved.sensor_shape.size()) {
+          mode.dshape.col(j) += by * solved.sensor_shape[t].col(row);
+        }
+        if (damping_ && solved.damping_ratio.rows() > row && known(mode.damping_ratio)) {
+          mode.dlog_damping[j] += solved.damping_ratio(row, column) * by / mode.damping_ratio;
+        }
+      }
+    }
+    result.modes.push_back(std::move(mode));
+  }
+  if (result.modes.empty()) result.failure = "the model has no modes";
+  take_errors_off(state, result.modes);
+  return result;
+}
+
+UpdateMatches UpdateProblem::match(const Eigen::VectorXd& q, double common_factor_range,
+                                   std::string& failure, int only) const {
+  UpdateMatches result;
+  PairingOptions pairing = options_.pairing;
+  pairing.common_factor_range = common_factor_range;
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    if (only >= 0 ? s != only : !takes_part(s)) continue;
+    const auto& state = states_[static_cast<std::size_t>(s)];
+    const UpdateStateModes modelled = modes(s, q, false);
+    if (!modelled.failure.empty()) {
+      failure = (state.name.empty() ? "" : state.name + ": ") + modelled.failure;
+      return {};
+    }
+    std::vector<PairingMode> measured_modes, model_modes;
+    for (const auto& mode : state.measured) {
+      measured_modes.push_back(
+          {.frequency_hz = mode.frequency_hz.value, .plane = mode.plane, .shape = mode.shape});
+    }
+    for (const auto& mode : modelled.modes) {
+      model_modes.push_back(
+          {.frequency_hz = mode.frequency_hz, .plane = mode.plane, .shape = mode.shape});
+    }
+    const ModePairing paired = pair_modes(measured_modes, model_modes, pairing);
+    for (const auto& pair : paired.pairs) {
+      const auto& mode = modelled.modes[static_cast<std::size_t>(pair.model)];
+      result.matches.push_back(
+          {s, pair.measured, mode.plane, mode.order, pair.mac, pair.cross_plane});
+    }
+    for (const auto& mode : paired.unpaired_measured) {
+      result.unpaired.push_back({s,
+                                 measured_modes[static_cast<std::size_t>(mode.index)].frequency_hz,
+                                 true, false, mode.reason});
+      ++result.unpaired_measured;
+    }
+    for (const auto& mode : paired.unpaired_model) {
+      if (!mode.missing) continue;  // outside of what was measured: nobody looked
+      result.unpaired.push_back({s, model_modes[static_cast<std::size_t>(mode.index)].frequency_hz,
+                                 false, true, mode.reason});
+    }
+  }
+  return result;
+}
+
+double UpdateProblem::relative_std(int state, int measured) const {
+  const auto& mode =
+      states_[static_cast<std::size_t>(state)].measured[static_cast<std::size_t>(measured)];
+  const double own = known(mode.frequency_hz.std) ? mode.frequency_hz.std / mode.frequency_hz.value
+                                                  : options_.assumed_relative_std;
+  return std::hypot(std::hypot(own, options_.model_relative_std), model_std_);
+}
+
+double UpdateProblem::damping_relative_std(int state, int measured) const {
+  const auto& damping = states_[static_cast<std::size_t>(state)]
+                            .measured[static_cast<std::size_t>(measured)]
+                            .damping_ratio;
+  const double own =
+      known(damping.std) ? damping.std / damping.value : options_.assumed_damping_relative_std;
+  return std::hypot(own, damping_model_std_);
+}
+
+double UpdateProblem::measured_factor(int state) const {
+  return sample_rate_factor(options_.inputs, inputs_off_, state);
+}
+
+std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,
+                                              const std::vector<UpdateMatch>& matches) const {
+  std::vector<UpdatedPair> result;
+  int current = -1;
+  UpdateStateModes modelled;
+  for (const auto& match : matches) {
+    if (match.state != current) {
+      modelled = modes(match.state, q, false);
+      current = match.state;
+    }
+    const UpdateModelMode* mode = modelled.find(match.plane, match.order);
+    if (mode == nullptr) continue;
+    const auto& measured = states_[static_cast<std::size_t>(match.state)]
+                               .measured[static_cast<std::size_t>(match.measured)];
+    result.push_back({.state = match.state,
+                      .measured = match.measured,
+                      .plane = match.plane,
+                      .order = match.order,
+                      .measured_hz = measured.frequency_hz.value,
+                      .model_hz = mode->frequency_hz,
+                      .relative_error = mode->frequency_hz / measured.frequency_hz.value - 1,
+                      .mac = match.mac,
+                      .measured_damping =
+                          known(measured.damping_ratio.value) ? measured.damping_ratio.value : kNaN,
+                      .model_damping = damping_ ? mode->damping_ratio : kNaN,
+                      .cross_plane = match.cross_plane});
+  }
+  return result;
+}
+
+void UpdateProblem::set_measured(int state, int measured, double frequency_hz,
+                                 double damping_ratio) {
+  auto& mode =
+      states_[static_cast<std::size_t>(state)].measured[static_cast<std::size_t>(measured)];
+  mode.frequency_hz.value = frequency_hz;
+  mode.damping_ratio.value = damping_ratio;
+}
+
+double rms_of_pairs(const std::vector<UpdatedPair>& pairs) {
+  double squares = 0;
+  int count = 0;
+  for (const auto& pair : pairs) {
+    if (pair.cross_plane) continue;
+    squares += pair.relative_error * pair.relative_error;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(squares / count) : kNaN;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,293 @@
+// The least-squares problem behind `update_model`: coordinates of the unknowns, the modes of every
+// state with their derivatives by them, pairs, residuals. For the fit and its checks, not for
+// users.
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "ident/update/problem/update_coordinate.h"
+#include "ident/update/problem/update_data.h"
+#include "ident/update/problem/update_options.h"
+#include "ident/update/problem/update_result.h"
+
+namespace rigfit::ident {
+
+/// A frequency, damping ratio or standard uncertainty that was given.
+[[nodiscard]] inline bool known(double value) { return std::isfinite(value) && value > 0; }
+
+struct UpdateModelMode {
+  double frequency_hz = 0, damping_ratio = 0;
+  model::ModePlane plane = model::ModePlane::in;
+  int order = 0;  ///< among those of its plane
+  Eigen::VectorXcd shape;
+  double visibility = 0;  ///< response at a sensor to a load of the scene; 0: none there
+  Eigen::VectorXd dlog_frequency, dlog_damping;  ///< by coordinate
+  Eigen::MatrixXd dshape;                        ///< sensors x coordinates; empty: not asked for
+};
+
+struct UpdateStateModes {
+  std::string failure;  ///< empty: there are modes
+  std::vector<UpdateModelMode> modes;
+  [[nodiscard]] const UpdateModelMode* find(model::ModePlane plane, int order) const;
+};
+
+/// A measured mode and the modelled one it is fitted to.
+struct UpdateMatch {
+  int state = 0, measured = 0;
+  model::ModePlane plane = model::ModePlane::in;
+  int order = 0;
+  double mac = 0;
+  bool cross_plane = false;  ///< listed, not fitted
+  bool operator==(const UpdateMatch& other) const {
+    return state == other.state && measured == other.measured && plane == other.plane &&
+           order == other.order && cross_plane == other.cross_plane;
+  }
+};
+
+struct UpdateMatches {
+  std::vector<UpdateMatch> matches;
+  std::vector<UpdatedUnpaired> unpaired;
+  int unpaired_measured = 0;
+  double log_likelihood = 0, log_detected = 0, log_false = 0, log_missed = 0;  ///< of an assignment
+};
+
+/// What counts as data: first the modes alone, then everything (modes that only lead drop out).
+enum class UpdateStage { lead, full };
+
+class UpdateProblem {
+ public:
+  /// `held_out`: a state that takes no part; -1: none.
+  UpdateProblem(const std::vector<UpdateState>& states, const std::vector<FreeParameter>& free,
+                const UpdateOptions& options, int held_out = -1);
+
+  [[nodiscard]] const std::vector<UpdateCoordinate>& coordinates() const { return coordinates_; }
+  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(coordinates_.size()); }
+  [[nodiscard]] Eigen::VectorXd start() const;
+  [[nodiscard]] std::vector<std::string> names() const;
+  [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
+  [[nodiscard]] bool takes_part(int state) const { return state != held_out_; }
+  /// The same with that many times the segments of its scenes (at least 8, where there are as
+  /// many).
+  [[nodiscard]] UpdateProblem with_segments(double factor) const;
+  [[nodiscard]] double segment_factor() const { return segment_factor_; }
+  /// The same with that many segments where the scene says "auto".
+  [[nodiscard]] UpdateProblem with_auto_segments(int segments) const;
+  [[nodiscard]] bool has_auto_segments() const;
+  [[nodiscard]] bool has_given_segments() const;
+  /// The same with the error of "auto" segments, as it is at q, taken off the frequencies that
+  /// count as data (update_segments.h); `with_segments(2)` of it then differs by what may be left
+  /// of it.
+  [[nodiscard]] UpdateProblem with_segment_errors_off(const Eigen::VectorXd& q) const;
+  [[nodiscard]] bool takes_errors_off() const;  ///< of any mode
+  /// The same with nothing taken off.
+  [[nodiscard]] UpdateProblem with_segment_errors() const;
+  /// What is left in these pairs' frequencies over the accuracy that their scenes ask for, largest.
+  [[nodiscard]] double left_over_accuracy(const std::vector<UpdateMatch>& matches) const;
+  /// Columns U and factors 1 - (1 + S^2)^(-1/2) of what residuals share (shared_sources.h).
+  struct Sources {
+    Eigen::MatrixXd U;
+    Eigen::ArrayXd less;
+    Eigen::VectorXd off;    ///< C times the estimates of the sources that are in the residuals
+    Eigen::VectorXd scale;  ///< of the rows, first: D^(-1/2)
+    Eigen::Array3d shares = {0, 0, 1};  ///< of the force, of the place, least own part: D
+    std::shared_ptr<const Sources> widest = nullptr;  ///< with all of the error bars in D and in C
+  };
+  /// The same with `off` subtracted from its residuals, then multiplied by L; null: as they are.
+  [[nodiscard]] UpdateProblem with_sources(std::shared_ptr<const Sources> sources) const;
+  /// The same with its sources as large as the error bars allow, by which a model is judged.
+  [[nodiscard]] UpdateProblem with_widest_sources() const {
+    return sources_ && sources_->widest ? with_sources(sources_->widest) : *this;
+  }
+  [[nodiscard]] Eigen::Array3d shares() const {
+    return sources_ ? sources_->shares : Eigen::Array3d(0, 0, 1);
+  }
+  /// Covariance of plain residuals, D + C C', times `columns`.
+  [[nodiscard]] Eigen::MatrixXd covariance_times(Eigen::MatrixXd columns) const;
+  /// Changes of plain residuals, as those of this problem change.
+  [[nodiscard]] Eigen::VectorXd with_sources_of(Eigen::VectorXd change) const;
+  [[nodiscard]] bool has_sources() const { return sources_ != nullptr; }
+  /// Standard deviation of a residual's own part, over that of the whole; 1 without sources.
+  [[nodiscard]] double own_part(Eigen::Index row) const {
+    return sources_ && row < sources_->scale.size() ? 1 / sources_->scale[row] : 1;
+  }
+  /// Whether an input is the place of hits, which their error bars hold as well.
+  [[nodiscard]] bool in_error_bars(Eigen::Index input) const { return input >= stated_inputs_; }
+  [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
+  /// Whether a scene parameter is fitted or moved by an input in that state.
+  [[nodiscard]] bool is_stated(int state, const std::string& target) const;
+  /// The same with further coordinates, ln(value) of parameters of one state each.
+  [[nodiscard]] UpdateProblem with_scaled(
+      const std::vector<std::pair<int, FreeParameter>>& further) const;
+  /// The same with other scenes, one a state, and one further coordinate of `parameter`, shared.
+  [[nodiscard]] UpdateProblem with_scenes(const std::vector<model::Scene>& scenes,
+                                          const FreeParameter& parameter,
+                                          UpdateCoordinate coordinate) const;
+  /// By how many standard uncertainties each input is off.
+  [[nodiscard]] Eigen::VectorXd inputs_off() const;
+  /// The same with further inputs, the mean places of hits that nothing is said of.
+  [[nodiscard]] UpdateProblem with_places_of_hits(const Eigen::VectorXd& q) const;
+  /// The same with a further relative error of the model in FRFs.
+  [[nodiscard]] UpdateProblem with_frf_model_std(double relative) const;
+  /// Noisy lines of FRFs by their difference instead of its logarithm (update_frfs.cc).
+  [[nodiscard]] UpdateProblem with_frf_differences() const;
+  /// Residuals of FRFs in the order of their rows: first row, lines, relative uncertainties.
+  struct FrfRows {
+    Eigen::Index first = 0;
+    std::vector<double> relative_std;
+    std::size_t frf = 0;  ///< of the state
+    int state = 0;
+    std::size_t load = 0;
+    std::vector<double> frequency_hz = {};
+  };
+  [[nodiscard]] std::vector<FrfRows> frf_rows(const std::vector<UpdateMatch>& matches) const;
+  /// The same with its inputs off by so many standard uncertainties each.
+  [[nodiscard]] UpdateProblem with_inputs(const Eigen::VectorXd& off) const;
+  [[nodiscard]] int fewest_segments() const;  ///< of any member
+  [[nodiscard]] model::Scene scene_at(int state, const Eigen::VectorXd& q) const;
+  /// `matches`: modes are asked for that these need; null: all that may pair.
+  [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives,
+                                       const std::vector<UpdateMatch>* matches = nullptr) const;
+
+  /// Pairs every state that takes part (or `only` that one); `failure` says why there are none.
+  [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, double common_factor_range,
+                                    std::string& failure, int only = -1) const;
+
+  /// Residuals over their standard deviations: frequencies, dampings and shapes of the fitted pairs
+  /// in order, FRFs, then priors. False when some state has no modes or a pair's mode is gone.
+  [[nodiscard]] bool residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
+                               UpdateStage stage, Eigen::VectorXd& residuals,
+                               Eigen::MatrixXd* jacobian) const;
+  [[nodiscard]] Eigen::Index residual_count(const std::vector<UpdateMatch>& matches,
+                                            UpdateStage stage) const;
+  [[nodiscard]] bool has_modes() const;
+  [[nodiscard]] bool has_frfs() const;
+  [[nodiscard]] bool has_histories() const;
+  /// Model less measured over measured, rms; NaN without histories or without a model.
+  [[nodiscard]] double history_error(const Eigen::VectorXd& q) const;
+  /// Rms of |ln(H_model / H_measured)| over the fitted lines of the states that take part (or
+  /// `only` that one); NaN without any or without a model.
+  [[nodiscard]] double rms_log_frf_error(const Eigen::VectorXd& q, int only = -1) const;
+  [[nodiscard]] Eigen::Index frf_lines() const;
+  /// Residuals of FRF lines that share their noise with others, and say nothing of their own.
+  [[nodiscard]] double shared_residuals() const;
+  [[nodiscard]] Eigen::Index prior_count() const { return priors_; }
+  [[nodiscard]] std::vector<UpdatedPair> pairs(const Eigen::VectorXd& q,
+                                               const std::vector<UpdateMatch>& matches) const;
+
+  /// The assignment of the largest likelihood (mode_assignment.h) in every state that takes part.
+  [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure) const;
+  /// The same for one state with these modes, all frequencies times `factor`.
+  [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled,
+                                           double factor = 1) const;
+
+  /// The same with a further relative error of the model, of its own in every frequency and in
+  /// every damping ratio.
+  [[nodiscard]] UpdateProblem with_model_std(double frequency, double damping = 0) const;
+  /// Rows of the residuals that are frequencies of fitted pairs, with their match.
+  struct FrequencyRow {
+    Eigen::Index row = 0, damping = -1;  ///< its damping ratio's row, where it is fitted
+    std::size_t match = 0;
+  };
+  [[nodiscard]] std::vector<FrequencyRow> frequency_rows(const std::vector<UpdateMatch>& matches,
+                                                         UpdateStage stage) const;
+  [[nodiscard]] bool modes_only() const { return has_modes() && !has_frfs() && !has_histories(); }
+
+  [[nodiscard]] double relative_std(int state, int measured) const;
+  [[nodiscard]] double damping_relative_std(int state, int measured) const;
+  /// Of a state's measured frequencies, where the inputs have its sample rate off.
+  [[nodiscard]] double measured_factor(int state) const;
+  [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
+  [[nodiscard]] int evaluations() const { return shared_->evaluations; }
+
+  /// Replaces what was measured and the priors' centres (for Monte Carlo).
+  void set_measured(int state, int measured, double frequency_hz, double damping_ratio);
+  /// Draws every FRF anew about the model's at q, by its own relative uncertainty times `spread`.
+  /// False when there is no model there.
+  [[nodiscard]] bool redraw_frfs(const Eigen::VectorXd& q, double spread,
+                                 const std::function<double()>& normal);
+  /// The same of every sample of a time history.
+  [[nodiscard]] bool redraw_histories(const Eigen::VectorXd& q, double spread,
+                                      const std::function<double()>& normal);
+  void set_prior(Eigen::Index coordinate, double q) {
+    coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
+  }
+
+ private:
+  // Lines of one FRF that are fitted, with their relative uncertainty.
+  struct FrfLines {
+    std::vector<Eigen::Index> line;
+    std::vector<double> relative_std;
+    std::vector<char> difference;  // 1: residual H / H_measured - 1, else their logarithm
+  };
+  struct Targets {
+    std::vector<std::string> names;
+    std::vector<std::pair<Eigen::Index, double>> owner;  // coordinate, factor
+  };
+
+  // Asked of the model for fixed pairs; `plane` empty and count 0: everything.
+  struct ModeNeed {
+    std::optional<model::ModePlane> plane;
+    int count = 0;
+  };
+  [[nodiscard]] ModeNeed need_of(int state, const std::vector<UpdateMatch>* matches) const;
+  [[nodiscard]] UpdateStateModes modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
+                                             const ModeNeed& need) const;
+  [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
+  [[nodiscard]] bool shape_fitted(const MeasuredMode& mode) const;
+  [[nodiscard]] bool counts(int state, UpdateStage stage) const;
+  [[nodiscard]] Targets targets_of(int state) const;
+  [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
+                                 std::string& failure) const;
+  [[nodiscard]] Eigen::Index history_samples() const;
+  [[nodiscard]] bool history_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+                                       Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
+  [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
+  [[nodiscard]] std::vector<FrfRows> frf_rows_of(int state) const;  // `first` left 0
+  void whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const;         // columns times L
+  [[nodiscard]] bool frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+                                   Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
+
+  std::vector<UpdateState> states_;
+  std::vector<FreeParameter> free_;
+  UpdateOptions options_;
+  int held_out_;
+  std::vector<UpdateCoordinate> coordinates_;
+  std::vector<std::set<std::string>> present_;  // parameters of each state's scene
+  std::vector<bool> joint_dampers_;             // by state: in its scene, or to be found
+  Eigen::Index priors_ = 0;
+  bool uncertainties_known_ = true, damping_ = false;
+  double segment_factor_ = 1;
+  double model_std_ = 0, damping_model_std_ = 0, frf_model_std_ = 0;
+  bool frf_differences_ = false;
+  // Of ln f, by state; with as many segments as there are, and with twice as many.
+  struct ModeError {
+    model::ModePlane plane;
+    int order;
+    double here, twice;
+    double left;  // what may be left, not negative
+  };
+  using ModeErrors = std::vector<std::vector<ModeError>>;
+  [[nodiscard]] static const ModeError* find(const std::vector<ModeError>& errors,
+                                             model::ModePlane plane, int order);
+  void take_errors_off(int state, std::vector<UpdateModelMode>& modes) const;
+  std::shared_ptr<const ModeErrors> mode_errors_;  // null: nothing is taken off
+  Eigen::VectorXd inputs_off_;                     // empty: none
+  Eigen::Index stated_inputs_ = 0;                 // those after them are places of hits
+  std::shared_ptr<const Sources> sources_;         // null: residuals are independent
+  struct Shared {                                  // by copies of a problem too
+    std::atomic<int> evaluations{0};
+    std::atomic<bool> narrow{true};  // asking for the paired modes alone has not failed yet
+  };
+  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+};
+
+/// Root mean square of the relative errors of pairs that are no leakage; NaN without any.
+[[nodiscard]] double rms_of_pairs(const std::vector<UpdatedPair>& pairs);
+
+}  // namespace rigfit::ident

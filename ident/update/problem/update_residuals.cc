@@ -1,0 +1,191 @@
+// Residuals of the update: frequencies, damping ratios and shapes of pairs, then what
+// update_frfs.cc and update_histories.cc add, then priors.
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <utility>
+
+#include "ident/update/problem/update_problem.h"
+
+namespace rigfit::ident {
+
+bool UpdateProblem::counts(int state, UpdateStage stage) const {
+  return stage == UpdateStage::lead || !states_[static_cast<std::size_t>(state)].modes_lead_only;
+}
+
+bool UpdateProblem::has_modes() const {
+  return std::any_of(states_.begin(), states_.end(),
+                     [](const auto& state) { return !state.measured.empty(); });
+}
+
+bool UpdateProblem::has_frfs() const {
+  return std::any_of(states_.begin(), states_.end(),
+                     [](const auto& state) { return !state.frfs.empty(); });
+}
+
+bool UpdateProblem::shape_fitted(const MeasuredMode& mode) const {
+  return options_.shape_std > 0 && mode.shape.size() > 1 && mode.shape.allFinite() &&
+         mode.shape.norm() > 0;
+}
+
+Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches,
+                                           UpdateStage stage) const {
+  Eigen::Index count = priors_;
+  for (const auto& match : matches) {
+    if (match.cross_plane || !counts(match.state, stage)) continue;
+    const auto& mode = states_[static_cast<std::size_t>(match.state)]
+                           .measured[static_cast<std::size_t>(match.measured)];
+    count += damping_fitted(mode) ? 2 : 1;
+    if (shape_fitted(mode)) count += mode.shape.size();
+  }
+  if (stage == UpdateStage::full) count += 2 * frf_lines() + history_samples();
+  return count;
+}
+
+bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
+                              UpdateStage stage, Eigen::VectorXd& r,
+                              Eigen::MatrixXd* jacobian) const {
+  r.setZero(residual_count(matches, stage));
+  if (jacobian != nullptr) jacobian->setZero(r.size(), size());
+  Eigen::Index row = 0;
+  int current = -1;
+  UpdateStateModes modelled;
+  for (const auto& match : matches) {  // ordered by state
+    if (match.cross_plane || !counts(match.state, stage)) continue;
+    if (match.state != current) {
+      modelled = modes(match.state, q, jacobian != nullptr, &matches);
+      if (!modelled.failure.empty()) return false;
+      current = match.state;
+    }
+    const UpdateModelMode* mode = modelled.find(match.plane, match.order);
+    if (mode == nullptr) return false;
+    const auto& measured = states_[static_cast<std::size_t>(match.state)]
+                               .measured[static_cast<std::size_t>(match.measured)];
+    const double std = relative_std(match.state, match.measured);
+    const double measured_hz = measured.frequency_hz.value * measured_factor(match.state);
+    r[row] = std::log(mode->frequency_hz / measured_hz) / std;
+    if (jacobian != nullptr) jacobian->row(row) = mode->dlog_frequency / std;
+    ++row;
+    if (damping_fitted(measured)) {
+      if (!known(mode->damping_ratio)) return false;
+      const double damping_std = damping_relative_std(match.state, match.measured);
+      r[row] = std::log(mode->damping_ratio / measured.damping_ratio.value) / damping_std;
+      if (jacobian != nullptr) jacobian->row(row) = mode->dlog_damping / damping_std;
+      ++row;
+    }
+    if (shape_fitted(measured)) {
+      // The measured shape turned to be as real as it can be; the model's has its sign.
+      const Eigen::VectorXcd turned =
+          measured.shape *
+          std::polar(1.0, -0.5 * std::arg((measured.shape.array() * measured.shape.array()).sum()));
+      const Eigen::VectorXd wanted = turned.real().normalized();
+      const Eigen::VectorXd shape = mode->shape.real();
+      const double length = shape.norm();
+      if (shape.size() != wanted.size() || !(length > 0)) return false;
+      const Eigen::VectorXd unit = shape / length;
+      const double sign = unit.dot(wanted) < 0 ? -1 : 1;
+      r.segment(row, wanted.size()) = (sign * unit - wanted) / options_.shape_std;
+      if (jacobian != nullptr && mode->dshape.size() > 0) {
+        jacobian->middleRows(row, wanted.size()) =
+            sign / (length * options_.shape_std) *
+            (mode->dshape - unit * (unit.transpose() * mode->dshape));
+      }
+      row += wanted.size();
+    }
+  }
+  if (stage == UpdateStage::full) {
+    for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+      if (!takes_part(s)) continue;
+      if (!frf_residuals(s, q, row, r, jacobian)) return false;
+      if (!history_residuals(s, q, row, r, jacobian)) return false;
+    }
+  }
+  for (Eigen::Index j = 0; j < size(); ++j) {
+    const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+    if (coordinate.prior_std <= 0) continue;
+    r[row] = (q[j] - coordinate.prior) / coordinate.prior_std;
+    if (jacobian != nullptr) (*jacobian)(row, j) = 1 / coordinate.prior_std;
+    ++row;
+  }
+  if (sources_ && sources_->U.rows() == r.size()) {
+    r -= sources_->off;
+    whiten(r);
+    if (jacobian != nullptr) whiten(*jacobian);
+  }
+  return r.allFinite() && (jacobian == nullptr || jacobian->allFinite());
+}
+
+void UpdateProblem::whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const {
+  residuals = sources_->scale.asDiagonal() * residuals;
+  const Eigen::MatrixXd along = sources_->U.transpose() * residuals;
+  residuals -= sources_->U * (sources_->less.matrix().asDiagonal() * along);
+}
+
+Eigen::MatrixXd UpdateProblem::covariance_times(Eigen::MatrixXd columns) const {
+  if (!sources_ || sources_->U.rows() != columns.rows()) return columns;
+  const Eigen::VectorXd std = sources_->scale.cwiseInverse();
+  columns = std.asDiagonal() * columns;
+  const Eigen::MatrixXd along = sources_->U.transpose() * columns;
+  const Eigen::VectorXd more = ((1 - sources_->less).square().inverse() - 1).matrix();
+  columns += sources_->U * (more.asDiagonal() * along);
+  return std.asDiagonal() * columns;
+}
+
+Eigen::VectorXd UpdateProblem::with_sources_of(Eigen::VectorXd change) const {
+  if (sources_ && sources_->U.rows() == change.size()) whiten(change);
+  return change;
+}
+
+Eigen::VectorXd UpdateProblem::inputs_off() const {
+  Eigen::VectorXd off = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(options_.inputs.size()));
+  off.head(inputs_off_.size()) = inputs_off_;
+  return off;
+}
+
+bool UpdateProblem::is_stated(int state, const std::string& target) const {
+  for (const auto& parameter : free_) {
+    if (std::count(parameter.targets.begin(), parameter.targets.end(), target) > 0) return true;
+  }
+  for (const auto& input : options_.inputs) {
+    for (const auto& effect : input.effects) {
+      if (effect.state == state && effect.target == target) return true;
+    }
+  }
+  return false;
+}
+
+UpdateProblem UpdateProblem::with_scaled(
+    const std::vector<std::pair<int, FreeParameter>>& further) const {
+  UpdateProblem other = *this;
+  for (const auto& [state, parameter] : further) {
+    UpdateCoordinate coordinate;
+    coordinate.parameter = static_cast<int>(other.free_.size());
+    coordinate.state = state;
+    other.free_.push_back(parameter);
+    other.coordinates_.push_back(coordinate);
+  }
+  return other;
+}
+
+UpdateProblem UpdateProblem::with_scenes(const std::vector<model::Scene>& scenes,
+                                         const FreeParameter& parameter,
+                                         UpdateCoordinate coordinate) const {
+  UpdateProblem other = *this;
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
+    other.states_[s].scene = scenes[s];
+    const auto names = model::parameter_names(scenes[s]);
+    other.present_[s] = {names.begin(), names.end()};
+  }
+  coordinate.parameter = static_cast<int>(other.free_.size());
+  other.free_.push_back(parameter);
+  other.coordinates_.push_back(coordinate);
+  return other;
+}
+
+UpdateProblem UpdateProblem::with_sources(std::shared_ptr<const Sources> sources) const {
+  UpdateProblem other = *this;
+  other.sources_ = std::move(sources);
+  return other;
+}
+
+}  // namespace rigfit::ident

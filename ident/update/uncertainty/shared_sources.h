@@ -1,0 +1,95 @@
+// What moves many residuals of an update together: the error of the segments, what is taken as
+// known with an uncertainty, and where a hammer struck in the mean of its hits.
+//
+// One standard uncertainty of input k changes the residuals (over their own standard deviations)
+// by c_k; with C = [c_1 ...] their covariance is I + C C'. A fit of FRFs minimises r' (I + C C')^-1
+// r: with C = U S V', residuals and Jacobian are multiplied by
+//   L = I - U (1 - (1 + S^2)^(-1/2)) U',   L' L = (I + C C')^-1.
+// Its covariance (J' L' L J)^-1 holds the inputs' part; chi-square is |L r|^2 for every kind of
+// data. Without that, one hammer 3 mm off counts as an error of the model in a thousand lines. The
+// error of the segments is no such source: it is known, and not linear in h^2 where it moves a
+// resonance by a part of its width (update_segments.h).
+//
+// The place of the hits: an error bar of an averaged FRF holds what the hits scatter by, and hits
+// scatter in place. sigma_x |dH/dx| <= std(H) in every line bounds the standard uncertainty of
+// their mean place x along the member; the bound (its 5 % quantile over the lines, as error bars
+// scatter) is taken where nothing else is said of the place. A mean that was aimed beside is not in
+// the hits' scatter and must be stated.
+//
+// What the hits scatter by is in the error bars of the lines and, as a bound, in C. The covariance
+// is D + C C', D_i = 1 - a sum_k F_ik^2 - b sum_k P_ik^2, at least w, with F the columns of the
+// force as the bars bound them, P those of the place; in C the force is sqrt(a) F, the place P as
+// it is (one draw says little of its variance). a, b of 0, 1/4 ... 1 and w of 1/4 ... 1/256 are
+// those of the largest restricted likelihood of D + C C' given the derivatives J (Patterson and
+// Thompson, Biometrika 58 (1971) 545): a = b = 0 where lines err by themselves, 1 where place and
+// force are all that the bars hold. A model is judged with D = 1, a = 1. Where chi-square is then
+// above its degrees of freedom by 3 of its standard deviations, the fit goes on with these.
+//
+// The force of the hits: noise n(t) on the hammer's signal moves H by the factor 1 - N / F, alike
+// in all responses, and where a window keeps only the pulse, alike in neighbouring lines:
+//   N / F = sum_j a_j exp(-i omega tau_j),  |tau_j| <= T / 2.
+// A pulse that excites lines up to f lasts 1.5 / f at most (half sine), and windows keep three
+// pulses, faded over half as long: T = 6.75 / f. The a_j are independent; what they add up to in a
+// line is bounded as the place is, by the 5 % quantile of the lines' relative uncertainties.
+// Source: Aitken's generalised least squares, e.g. Rao, Linear Statistical Inference, 4a. For the
+// update and its checks, not for users.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "ident/update/problem/update_problem.h"
+
+namespace rigfit::ident {
+
+struct SharedChanges {
+  std::vector<std::string> names;    ///< "segments", "force of ...", the inputs; one a column
+  std::vector<Eigen::Index> inputs;  ///< which input each column is; -1: none
+  std::vector<bool> in_error_bars;   ///< hits scatter by it: the lines' error bars hold it as well
+  Eigen::MatrixXd changes;           ///< of the residuals of `problem`, by one standard uncertainty
+  std::string message;               ///< sources that could not be evaluated, "; " after each
+};
+
+/// Of `problem` as it is (its residuals may be multiplied by L), at q. `segments`: theirs is the
+/// first column.
+[[nodiscard]] SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
+                                           const std::vector<UpdateMatch>& matches,
+                                           const Eigen::VectorXd& q);
+
+/// `problem` with its residuals multiplied by L, C found at q, and its inputs moved to where the
+/// residuals want them: repeated with q, that solves for both without linearising H in the place of
+/// a hammer.
+[[nodiscard]] UpdateProblem with_shared_sources(const UpdateProblem& problem,
+                                                const std::vector<UpdateMatch>& matches,
+                                                const Eigen::VectorXd& q);
+
+/// Residuals changed by 4/3 of the difference between n and 2 n segments; false without a model.
+/// `value` gives what is compared of a problem.
+template <typename Value>
+[[nodiscard]] bool change_by_segments(const UpdateProblem& problem, const Value& value,
+                                      Eigen::VectorXd& change) {
+  constexpr double kRichardson = 4.0 / 3;
+  Eigen::VectorXd here, fine;
+  if (!value(problem, here) || !value(problem.with_segments(2 * problem.segment_factor()), fine)) {
+    return false;
+  }
+  change = kRichardson * (here - fine);
+  return true;
+}
+
+/// The same by one standard uncertainty of an input, from differences over it.
+template <typename Value>
+[[nodiscard]] bool change_by_input(const UpdateProblem& problem, Eigen::Index input,
+                                   const Value& value, Eigen::VectorXd& change) {
+  constexpr double kStep = 0.5;  // standard uncertainties, to either side
+  const Eigen::VectorXd off = problem.inputs_off();
+  const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(off.size(), input);
+  Eigen::VectorXd up, down;
+  if (!value(problem.with_inputs(off + step), up)) return false;
+  if (!value(problem.with_inputs(off - step), down)) return false;
+  change = (up - down) / (2 * kStep);
+  return true;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,61 @@
+// How well a fit agrees with the uncertainties of its data, and the random effect of the model
+// where it does not.
+//
+// With e_i = ln(f_model / f_measured) and s_i stated, chi2 = sum e_i^2 / s_i^2 + the rest
+// (dampings, shapes, priors). Where its probability is below 5 %, the model's own error tau is the
+// root of
+//   sum e_i^2 / (s_i^2 + tau^2) + the rest = degrees of freedom   (Paule and Mandel)
+// and the fit goes on with these weights. Errors of a model are not independent: one that is wrong
+// in a mode is so in every state. The covariance by clusters
+//   B (sum_g J_g' r_g r_g' J_g) B G / (G - 1),  B = (J' J)^-1,
+// with g the modes, or the states, widens what tau alone gives where it is larger.
+// Inputs of a fit to modes that are known to an uncertainty explain what they can, to first order:
+//   chi2 = min over dq, d of |r + J dq + C d|^2 + |d|^2,
+// C the changes of the residuals by one standard uncertainty of each (shared_sources.h). It is
+// worked out where chi2 without them has a probability below 5 %.
+// FRFs the same, with the relative errors of their lines in place of frequencies; what they share
+// (shared_sources.h) is taken out before. Lines that err together count as one: chi-square and its
+// degrees of freedom are divided by t of frf_correlation.h for the probability.
+// Sources: Paule and Mandel, J. Res. NBS 87 (1982) 377;
+// Liang and Zeger, Biometrika 73 (1986) 13. For the update and its checks, not for users.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "ident/update/problem/update_problem.h"
+
+namespace rigfit::ident {
+
+/// Probability of a misfit below which the model errs.
+inline constexpr double kUnlikelyMisfit = 0.05;
+
+/// Of the problem with no error of the model but the one that is allowed for, at q.
+[[nodiscard]] UpdateFit misfit_of(const UpdateProblem& problem,
+                                  const std::vector<UpdateMatch>& matches,
+                                  const Eigen::VectorXd& q);
+
+/// chi2 with what the inputs explain of the residuals of a fit to modes; empty: there are none.
+[[nodiscard]] std::optional<double> chi2_with_inputs(const UpdateProblem& problem,
+                                                     const std::vector<UpdateMatch>& matches,
+                                                     const Eigen::VectorXd& q);
+
+/// tau at q; 0 where chi2 is not above its degrees of freedom, or without any.
+[[nodiscard]] double model_std_of(const UpdateProblem& problem,
+                                  const std::vector<UpdateMatch>& matches,
+                                  const Eigen::VectorXd& q);
+
+/// Of FRFs, relative in every line: the same; the problem with its sources (shared_sources.h).
+[[nodiscard]] double frf_model_std_of(const UpdateProblem& problem,
+                                      const std::vector<UpdateMatch>& matches,
+                                      const Eigen::VectorXd& q);
+
+/// The larger of the covariances by modes and by states, each coordinate's variance for itself; of
+/// the whitened residuals r and J of the problem. Zero with fewer than three clusters of a kind.
+[[nodiscard]] Eigen::VectorXd clustered_variance(const UpdateProblem& problem,
+                                                 const std::vector<UpdateMatch>& matches,
+                                                 const Eigen::VectorXd& r,
+                                                 const Eigen::MatrixXd& J);
+
+}  // namespace rigfit::ident

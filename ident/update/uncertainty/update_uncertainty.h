@@ -1,0 +1,33 @@
+// Covariance, budget and predictions of an update: how far the data's scatter, the priors, the
+// inputs that were taken as known and the error of the segments reach (formulas in model_update.h).
+// For the update and its checks, not for users.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "ident/update/problem/update_problem.h"
+
+namespace rigfit::ident {
+
+/// Of singular values, below which a direction counts as not determined.
+inline constexpr double kRankTolerance = 1e-8;
+
+/// Huber's weights of the data's residuals, as factors of their rows; one for priors.
+[[nodiscard]] Eigen::VectorXd huber_weights(const UpdateProblem& problem,
+                                            const UpdateOptions& options, const Eigen::VectorXd& r);
+
+/// Fills everything in `result` that is uncertain, from its coordinates. `by_segments`: how far the
+/// segments move the coordinates, where that is known better than by a linear estimate; empty: by
+/// that.
+void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
+                       const std::vector<UpdateMatch>& matches, UpdateResult& result,
+                       const Eigen::VectorXd& by_segments = {});
+
+/// Fills model_std_hz of pairs as modelled at `q`. `held_out`: a state whose own values are taken
+/// as they are (where they have no prior); -1: none.
+void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
+                                  const UpdateResult& result, const Eigen::VectorXd& q,
+                                  int held_out, std::vector<UpdatedPair>& pairs);
+
+}  // namespace rigfit::ident
