@@ -310,12 +310,15 @@ class StateReader {
     if (data_.band_hz) {
       options.band_low_hz = data_.band_hz->first, options.band_high_hz = data_.band_hz->second;
     }
-    options.time_s = recording.time_s;
     const auto decay = signal::estimate_decay(channel.samples, recording.sample_rate_hz, options);
     if (!decay.refusal.empty()) throw Refused(path + ": " + decay.refusal);
     const std::size_t at = state_at(scene_of(file), scene, tension);
     add_clock(at, recording.sample_rate_hz, recording.sample_rate_relative_std);
     for (const auto& found : decay.modes) {
+      if (found.doubtful) {
+        context_.warn("doubtful", found.doubt, path);
+        continue;
+      }
       ident::MeasuredMode mode;
       mode.frequency_hz = found.frequency_hz;
       mode.damping_ratio = found.damping_ratio;
@@ -362,6 +365,7 @@ class StateReader {
           signal::estimate_decay(channels[c]->samples, recording.sample_rate_hz, options);
       if (!decay.refusal.empty() || !state.measured.empty()) continue;
       for (const auto& found : decay.modes) {
+        if (found.doubtful) continue;
         ident::MeasuredMode mode;
         mode.frequency_hz = found.frequency_hz;
         mode.damping_ratio = found.damping_ratio;

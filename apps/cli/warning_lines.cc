@@ -20,6 +20,7 @@ constexpr std::array<std::string_view, 3> kTakenAsSaid = {"taken_as_exact", "exa
 // What was done, in normal operation: reading, choosing, leaving out with a reason.
 constexpr std::array kNotes = std::to_array<std::string_view>({
     "channels_left_out",
+    "coloured_residual",
     "columns_left_out",
     "comments_skipped",
     "datasets_left_out",
@@ -27,6 +28,7 @@ constexpr std::array kNotes = std::to_array<std::string_view>({
     "double_hit_hidden",
     "doubtful_mode",
     "empty_rows_left_out",
+    "fitted_in_band",
     "footer_skipped",
     "force_window_chosen",
     "frequencies_by_rate",
@@ -38,7 +40,6 @@ constexpr std::array kNotes = std::to_array<std::string_view>({
     "mains_hum",
     "modes_beside",
     "not_all_drawn",
-    "offset_decays",
     "range_not_used",
     "rate_overridden",
     "rate_rounded",
@@ -57,6 +58,7 @@ constexpr std::array kNotes = std::to_array<std::string_view>({
     "time_unit_overridden",
     "toe",
     "uff_remark",
+    "uneven_noise",
     "universal_file",
     "unnamed_column",
     "values_assumed",

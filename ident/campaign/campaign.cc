@@ -141,7 +141,7 @@ DecaysOutcome run_decays(const DecayInputs& test, const CampaignResult& so_far) 
   std::vector<std::string> channels;
   for (std::size_t r = 0; r < test.recordings.size(); ++r) {
     const auto& [name, recording, tension_N] = test.recordings[r];
-    if (auto refused = without_rate(recording)) {
+    if (auto refused = not_uniform(recording)) {
       refused->where = name;
       result.findings.push_back(std::move(*refused));
       continue;

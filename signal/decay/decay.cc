@@ -10,6 +10,9 @@
 #include "signal/decay/decay_clipping.h"
 #include "signal/decay/decay_description.h"
 #include "signal/decay/decay_judgement.h"
+#include "signal/decay/decay_start.h"
+#include "signal/decay/decay_tones.h"
+#include "signal/decay/narrow_record.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/sinusoids/decay_modes.h"
@@ -24,8 +27,6 @@ using Eigen::Index;
 constexpr double kTailTimeConstants = 10;
 // One damped sinusoid with offset and drift has 6 unknowns.
 constexpr Index kFewestSamples = 7;
-// The start is moved by so many cycles or time constants at most.
-constexpr double kMostCycles = 3, kMostTimeConstants = 0.35;
 
 DecayBand band_of(const DecayOptions& options, double rate) {
   const double nyquist = 0.5 * rate, low = options.band_low_hz, high = options.band_high_hz;
@@ -36,48 +37,56 @@ DecayBand band_of(const DecayOptions& options, double rate) {
   return {low / rate, (high > 0 ? std::min(high, nyquist) : nyquist) / rate, !banded};
 }
 
+/// How the samples of an estimate stand in the record they were taken from.
+struct Taken {
+  Index first = 0, step = 1;  // samples of the record
+  double shift = 0;           // that frequencies were lowered by, cycles per sample
+};
+
 /// One estimate, step by step.
 class Estimation {
  public:
   Estimation(const Eigen::Ref<const Eigen::VectorXd>& y, double rate, const DecayOptions& options,
-             const DecayBand& band)
-      : rate_(rate),
+             const DecayBand& band, const Taken& taken = {})
+      : y_(y),
+        rate_(rate),
         options_(options),
         band_(band),
+        taken_(taken),
         search_{options.max_modes, options.false_alarm} {
-    if (options.time_s.size() == 0) {
-      record_ = even_samples(y);
-    } else {
-      record_.even = false;
-      record_.t = (options.time_s.array() - options.time_s(0)) * rate;
-      record_.y = y;
-      record_.span = static_cast<Index>(std::ceil(record_.t(y.size() - 1))) + 1;
-      for (Index j = y.size(); j-- > 0;) {
-        if (!std::isfinite(y(j))) record_ = without(record_, {j});
-      }
-    }
-    result_.end = record_.span;
+    result_.end = y.size();
   }
 
   DecayResult run() {
-    if (!usable()) return result_;
-    choose_window();
-    if (!take_samples() || !find_modes() || !leave_out_clipped()) return result_;
+    if (!usable() || !choose_window() || !take_samples() || !find_modes()) return result_;
+    if (!leave_out_tones()) return result_;
     leave_out_the_tail();
-    if (options_.trim_start) trim_start();
+    trim_start();
+    if (!options_.choose_window) warn_of_rails();
     if (moved_start_) {
       note(result_, "start_chosen",
-           fmt::format("the fit starts at {:.6g} s, after the impact or release",
-                       time_of(result_.start)));
+           fmt::format("the fit starts at sample {}, after the impact or release",
+                       in_record(result_.start)));
     }
-    if (!fit_->usable()) {
+    stretches_.start = result_.start, stretches_.end = result_.end;
+    if (!tones_.empty()) {
+      fit_->unit_covariance = covariance_beside_tones(*fit_, tones_, stretches_);
+      fit_->degrees -= 3 * static_cast<Index>(tones_.size());
+    }
+    if (fit_->unit_covariance.size() == 0 || fit_->degrees < 1) {
       refuse(result_, "not_determined",
-             "the modes cannot be told apart in so short a record: record longer");
+             "modes and steady tones cannot be told apart in so short a record");
       return result_;
     }
-    describe_decay(result_, *fit_, band_, rate_, options_.envelope);
-    judge_decay(result_, *fit_, rate_, options_.false_alarm);
-    if (result_.refusal_code.empty()) warn_of_tone();
+    describe_decay(result_, samples_, *fit_, band_, {rate_, taken_.shift}, options_);
+    for (const SteadyTone& tone : tones_) {
+      DecayMode steady;
+      steady.frequency_hz.value = steady.damped_frequency_hz.value =
+          (tone.w / kTwoPi + taken_.shift) * rate_;
+      steady.amplitude = std::abs(tone.amplitude);
+      result_.steady_tones.push_back(steady);
+    }
+    if (result_.refusal_code.empty()) judge_decay(result_, rate_);
     return result_;
   }
 
@@ -90,51 +99,47 @@ class Estimation {
                          options_.band_low_hz, 0.5 * rate_));
       return false;
     }
-    if (record_.t.size() < kFewestSamples) {
+    Index finite = 0;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const double v : y_) {
+      if (std::isfinite(v)) ++finite, low = std::min(low, v), high = std::max(high, v);
+    }
+    if (finite < kFewestSamples) {
       refuse(result_, "too_few_samples",
              fmt::format("{} samples: one damped sinusoid with offset and drift has 6 unknowns",
-                         record_.t.size()));
+                         finite));
       return false;
     }
-    const double high = record_.y.maxCoeff(), low = record_.y.minCoeff();
     if (!(high - low > 1e-14 * std::max(std::abs(high), std::abs(low)))) {
       refuse(result_, "constant", "the signal does not change: nothing vibrates in this channel");
       return false;
     }
-    const Index recorded = recorded_until(record_.y), last = record_.y.size();
-    if (recorded < last) {
+    const Index recorded = recorded_until(y_);
+    if (recorded < y_.size()) {
       note(result_, "recording_stops",
            fmt::format("the last {} samples are all {:.6g}: the logger had stopped; they are left "
                        "out",
-                       last - recorded, record_.y(last - 1)));
-      result_.end = static_cast<Index>(std::ceil(record_.t(recorded - 1))) + 1;
-      record_.t.conservativeResize(recorded), record_.y.conservativeResize(recorded);
-      record_.span = result_.end;
+                       y_.size() - recorded, y_(y_.size() - 1)));
+      result_.end = recorded;
     }
     return true;
   }
 
-  void choose_window() {
+  bool choose_window() {
     if (!options_.choose_window) {
-      result_.decays = {{0, result_.end, false}};
-      return;
+      result_.decays = {{0, result_.end, false, 0}};
+      return true;
     }
-    Eigen::VectorXd y = record_.trendless();
-    if (record_.even && !record_.complete()) {
-      y.setConstant(kNaN);
-      for (Index j = 0; j < record_.t.size(); ++j)
-        y(static_cast<Index>(record_.t(j))) = record_.y(j);
-    }
-    result_.decays = find_decays(y, band_);
+    result_.decays = find_decays(y_.head(result_.end), band_, &peaks_);
     double most = -1;
     for (std::size_t k = 0; k < result_.decays.size(); ++k) {
       const auto& w = result_.decays[k];
-      const DecaySamples samples = samples_of(w.start, w.end);
-      if (samples.t.size() < kFewestSamples) continue;
-      const double energy = samples.trendless().squaredNorm();
+      if (w.end - w.start < kFewestSamples) continue;
+      const double energy = without_trend(y_.segment(w.start, w.end - w.start)).squaredNorm();
       if (energy > most) most = energy, result_.fitted_decay = k;
     }
     const auto& chosen = result_.decays[result_.fitted_decay];
+    if (chosen.start > 0 || chosen.end < y_.size()) peaks_.clear();
     result_.start = chosen.start, result_.end = chosen.end;
     moved_start_ = chosen.after_impact;
     if (result_.decays.size() > 1) {
@@ -147,65 +152,83 @@ class Estimation {
            fmt::format("{} decays in the record: {}; the strongest is fitted",
                        result_.decays.size(), where));
     }
-  }
-
-  [[nodiscard]] DecaySamples samples_of(Index start, Index end) const {
-    const auto first = std::lower_bound(record_.t.begin(), record_.t.end(), double(start));
-    const auto last = std::lower_bound(first, record_.t.end(), double(end));
-    const Index from = first - record_.t.begin(), count = last - first;
-    DecaySamples s;
-    s.t = record_.t.segment(from, count).array() - static_cast<double>(start);
-    s.y = record_.y.segment(from, count);
-    s.span = end - start, s.even = record_.even;
-    return s;
-  }
-
-  bool take_samples() {
-    samples_ = samples_of(result_.start, result_.end);
-    const Index lost = samples_.even ? samples_.span - samples_.t.size() : 0;
-    if (samples_.t.size() < kFewestSamples) {
-      refuse(result_, "too_few_samples", "fewer than 7 samples are left after gaps");
-    } else if (5 * lost > samples_.span) {
-      refuse(result_, "missing_samples",
-             fmt::format("{} of {} samples are missing: name a stretch without gaps by start and "
-                         "end",
-                         lost, samples_.span));
-    } else if (lost > 0) {
-      note(result_, "missing_samples", fmt::format("{} missing samples are left out", lost));
+    if (chosen.clipped_until > 0) {
+      note(result_, "clipped",
+           fmt::format("the signal sits on its rail until sample {}; the fit starts after it",
+                       in_record(chosen.clipped_until)));
     }
-    return result_.refusal_code.empty();
+    return true;
   }
 
-  bool find_modes(std::optional<Complex> start = std::nullopt) {
-    fit_ = find_decay_modes(samples_, band_, search_, start);
-    if (fit_) return true;
-    refuse(result_, "too_noisy",
-           "no oscillation stands out of the noise (or less than half a cycle is recorded): record "
-           "longer, strike harder or name the mode's band");
+  bool enough() {
+    const auto lost = static_cast<Index>(samples_.missing.size());
+    if (samples_.values.size() - lost >= kFewestSamples) return true;
+    refuse(result_, "too_few_samples", "fewer than 7 samples are left after clipping and gaps");
     return false;
   }
 
-  bool leave_out_clipped() {
-    const auto clipped = clipped_samples(samples_, *fit_, band_);
-    if (clipped.empty()) return true;
-    if (2 * static_cast<Index>(clipped.size()) > samples_.t.size()) {
+  bool take_samples() {
+    samples_ = decay_samples(y_, result_.start, result_.end);
+    if (!enough()) return false;
+    const auto lost = static_cast<Index>(samples_.missing.size());
+    if (5 * lost > samples_.values.size()) {
       refuse(result_, "missing_samples",
-             fmt::format("{} of {} samples sit on a rail: record with a larger range",
-                         clipped.size(), samples_.t.size()));
+             fmt::format("{} of {} samples are missing: name a stretch without gaps by start and "
+                         "end",
+                         lost, samples_.values.size()));
       return false;
     }
-    note(result_, "clipped",
-         fmt::format("Record with a larger range: {} of {} samples sit on the rail and are left "
-                     "out",
-                     clipped.size(), samples_.t.size()));
-    const Index from = std::lower_bound(record_.t.begin(), record_.t.end(),
-                                        samples_.t(0) + static_cast<double>(result_.start)) -
-                       record_.t.begin();
-    std::vector<Index> in_record = clipped;
-    for (Index& j : in_record) j += from;
-    record_ = without(record_, in_record);
-    samples_ = without(samples_, clipped);
-    return find_modes(fit_->poles[strongest_mode(*fit_, band_)]);
+    if (lost > 0) {
+      note(result_, "missing_samples", fmt::format("{} missing samples were left out", lost));
+    }
+    return true;
+  }
+
+  bool find_modes() {
+    fit_ = find_decay_modes(samples_, band_, search_, peaks_);
+    if (fit_ && options_.choose_window) {
+      const Index clip = clipped_by_fit(samples_, *fit_, band_, search_);
+      if (clip > 0) {
+        note(result_, "clipped",
+             fmt::format("the signal is cut off at its rail until sample {}; the fit starts after "
+                         "it",
+                         in_record(result_.start + clip)));
+        result_.start += clip;
+        samples_ = decay_samples(y_, result_.start, result_.end);
+        if (!enough()) return false;
+        fit_ = find_decay_modes(samples_, band_, search_);
+      }
+    }
+    if (fit_) return true;
+    refuse(result_, "too_noisy",
+           "no oscillation stands out of the noise (or less than half a cycle is recorded): a "
+           "longer record, a harder impulse or a band around the mode would help");
+    return false;
+  }
+
+  // Steady tones, from where they stand alone; the modes are looked for anew without them.
+  bool leave_out_tones() {
+    if (result_.fitted_decay == 0 && moved_start_) {
+      // A cycle and a half before the impact belongs to it.
+      const double cycle = kTwoPi / fit_->poles[strongest_mode(*fit_, band_)].imag();
+      stretches_.quiet = std::max<Index>(
+          0,
+          result_.start - static_cast<Index>(std::ceil(0.5 * cycle + 1.5 * std::max(cycle, 8.0))));
+    }
+    const Eigen::VectorXd with = y_;
+    // Twice: the first modes may hold one that is spent on a tone.
+    for (int turn = 0; turn < 2; ++turn) {
+      stretches_.start = result_.start, stretches_.end = result_.end;
+      auto tones = steady_tones(with, stretches_, *fit_, options_.false_alarm);
+      if (tones.empty()) return true;
+      tones_ = std::move(tones);
+      y_ = with;
+      subtract_tones(y_, tones_);
+      samples_ = decay_samples(y_, result_.start, result_.end);
+      peaks_.clear();
+      if (!find_modes()) return false;
+    }
+    return true;
   }
 
   // Behind what the slowest mode has left the record only costs time and invites drift.
@@ -214,96 +237,54 @@ class Estimation {
     for (const Complex p : fit_->poles) slowest = std::min(slowest, -p.real());
     const double tail = kTailTimeConstants / std::max(slowest, 1e-300);
     if (!(tail < 0.8 * static_cast<double>(fit_->samples) &&
-          tail > 24.0 * static_cast<double>(fit_->poles.size()))) {
+          tail > 4.0 * static_cast<double>(6 * fit_->poles.size()))) {
       return;
     }
-    const Index end = result_.start + static_cast<Index>(std::ceil(tail));
-    const DecaySamples shorter = samples_of(result_.start, end);
-    auto again = refitted(shorter);
-    if (!again.usable()) return;
-    result_.end = end, samples_ = shorter, fit_ = std::move(again);
-  }
-
-  [[nodiscard]] DampedSinusoidsFit refitted(const DecaySamples& samples) const {
-    DampedSinusoidsOptions options = fitted_band(band_);
-    options.relaxation = fit_->relaxation;
-    return fit_damped_sinusoids(samples, fit_->poles, options);
-  }
-
-  /// How far the start should move: while the first half cycle leaves three times the rms of what
-  /// comes after two cycles, the tail of an impact is in it.
-  [[nodiscard]] Index start_shift() const {
-    const double cycle = kTwoPi / fit_->poles[strongest_mode(*fit_, band_)].imag();
-    const auto half = std::max<Index>(3, static_cast<Index>(std::lround(0.5 * cycle)));
-    const auto from = static_cast<Index>(std::ceil(2 * cycle));
-    if (fit_->samples < from + std::max<Index>(8, static_cast<Index>(3 * cycle))) return 0;
-    const auto rest = fit_->residual.tail(fit_->samples - from);
-    const double level = rest.squaredNorm() / static_cast<double>(rest.size());
-    return fit_->residual.head(half).squaredNorm() > 9 * level * static_cast<double>(half) ? half
-                                                                                           : 0;
+    result_.end = result_.start + static_cast<Index>(std::ceil(tail));
+    samples_ = decay_samples(y_, result_.start, result_.end);
+    auto again = fit_damped_sinusoids(samples_.values, fit_->poles, {}, samples_.missing);
+    if (again.unit_covariance.size() > 0) fit_ = std::move(again);
   }
 
   void trim_start() {
-    const Complex pole = fit_->poles[strongest_mode(*fit_, band_)];
-    const double most = std::min(kMostCycles * kTwoPi / pole.imag(),
-                                 kMostTimeConstants / std::max(-pole.real(), 1e-300));
-    const Index limit = result_.start + static_cast<Index>(most);
-    for (bool moved = true; moved;) {
-      moved = false;
-      // The modes known, refitted, say how far; a search from there whether that is enough.
-      Index shift;
-      while ((shift = start_shift()) > 0 && result_.start + shift <= limit) {
-        const DecaySamples later = samples_of(result_.start + shift, result_.end);
-        auto again = refitted(later);
-        if (!again.usable()) break;
-        result_.start += shift, samples_ = later, fit_ = std::move(again);
-        moved = moved_start_ = true;
-      }
-      if (!moved) return;
-      auto anew = find_decay_modes(samples_, band_, search_);
-      if (!anew) return;
-      fit_ = std::move(anew);
-    }
+    if (!options_.trim_start) return;
+    auto later = later_start(y_, result_.start, result_.end, *fit_, band_, search_);
+    if (!later) return;
+    result_.start = later->start;
+    samples_ = std::move(later->samples);
+    fit_ = std::move(later->fit);
+    moved_start_ = true;
   }
 
-  /// A tone that stands alone before the impact, too near to the mode to be told from it after.
-  void warn_of_tone() {
-    constexpr Index kFewest = 32;
-    const Complex main = fit_->poles[strongest_mode(*fit_, band_)];
-    const double cycle = kTwoPi / main.imag();
-    const auto quiet = result_.start - static_cast<Index>(std::ceil(2 * std::max(cycle, 8.0)));
-    if (result_.fitted_decay > 0 || quiet < kFewest) return;
-    DecaySearchOptions search;
-    search.damped = false, search.candidates = 1;
-    search.energy_over_noise = detection_threshold(quiet, options_.false_alarm);
-    const auto lines = search_lines(line_spectrum(samples_of(0, quiet).trendless()), search);
-    if (lines.empty()) return;
-    const double f = lines.front().pole.imag() / kTwoPi * rate_;
-    const double window = static_cast<double>(fit_->samples) / rate_;
-    const double width = std::max(4 / window, -3 * main.real() / kTwoPi * rate_);
-    const bool apart = std::any_of(
-        result_.steady_tones.begin(), result_.steady_tones.end(),
-        [&](const DecayMode& tone) { return std::abs(tone.frequency_hz.value - f) < 4 / window; });
-    if (apart || std::abs(f - main.imag() / kTwoPi * rate_) > width) return;
-    const double share = std::sqrt(2 * lines.front().energy / static_cast<double>(quiet)) /
-                         result_.modes.front().amplitude;
-    note(result_, "tone_beside",
-         fmt::format("Take away the tone at {:.4g} Hz: before the impact it has {:.2g} % of the "
-                     "mode's amplitude, and {:.3g} s are too short to tell the two apart",
-                     f, 100 * share, window));
+  void warn_of_rails() {
+    const double frequency = fit_->poles[strongest_mode(*fit_, band_)].imag() / kTwoPi;
+    const Index clip =
+        clipped_until(y_.segment(result_.start, result_.end - result_.start), frequency);
+    if (clip == 0) return;
+    note(result_, "clipped",
+         fmt::format("the signal sits on its rail until sample {}, within what was fitted: damping "
+                     "and amplitudes are wrong; start the fit after it",
+                     in_record(result_.start + clip)));
   }
 
+  [[nodiscard]] Index in_record(Index sample) const { return taken_.first + sample * taken_.step; }
   [[nodiscard]] double time_of(Index sample) const {
-    return options_.start_time_s + static_cast<double>(sample) / rate_;
+    return options_.start_time_s +
+           static_cast<double>(in_record(sample)) / (rate_ * static_cast<double>(taken_.step));
   }
 
+  Eigen::VectorXd y_;  // without the tones, once they are known
   double rate_;
   const DecayOptions& options_;
   DecayBand band_;
+  Taken taken_;
   DecayModesOptions search_;
   DecayResult result_;
-  DecaySamples record_, samples_;  // the whole, and the stretch that is fitted
+  DecaySamples samples_;
+  std::vector<DecayCandidate> peaks_;  // of the window, where they are known
   std::optional<DampedSinusoidsFit> fit_;
+  std::vector<SteadyTone> tones_;
+  ToneStretches stretches_;
   bool moved_start_ = false;
 };
 
@@ -314,7 +295,56 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   if (!(sample_rate_hz > 0) || !std::isfinite(sample_rate_hz)) {
     throw std::invalid_argument("decay: the sample rate must be positive");
   }
-  return Estimation(y, sample_rate_hz, options, band_of(options, sample_rate_hz)).run();
+  const DecayBand band = band_of(options, sample_rate_hz);
+  if (const auto narrow = narrow_record(y, band)) {
+    DecayResult result = estimate_narrow_decay(*narrow, sample_rate_hz, options);
+    // A refusal is for the whole record to give.
+    if (result.refusal_code.empty()) return result;
+  }
+  return Estimation(y, sample_rate_hz, options, band).run();
+}
+
+DecayResult estimate_narrow_decay(const NarrowRecord& record, double sample_rate_hz,
+                                  const DecayOptions& options) {
+  const auto step = static_cast<double>(record.step);
+  const double shift = record.shift(), rate = sample_rate_hz / step;
+  DecayBand band = band_of(options, sample_rate_hz);
+  band.low = std::clamp(band.low * step - shift, 0.0, 0.5);
+  band.high = std::clamp(band.high * step - shift, 0.0, 0.5);
+  DecayResult result =
+      Estimation(record.samples, rate, options, band, {record.first, record.step, shift}).run();
+
+  const auto end_in_record = [&](Index end) { return record.record_sample(end - 1) + 1; };
+  const double phase =
+      kTwoPi *
+      static_cast<double>(record.shift_line * (record.record_sample(result.start) % record.length) %
+                          record.length) /
+      static_cast<double>(record.length);
+  for (auto* modes : {&result.modes, &result.steady_tones}) {
+    for (DecayMode& mode : *modes) {
+      mode.energy *= step;
+      mode.phase_rad = std::remainder(mode.phase_rad + phase, kTwoPi);
+    }
+  }
+  for (DecayWindow& window : result.decays) {
+    window.start = record.record_sample(window.start);
+    window.end = end_in_record(window.end);
+    if (window.clipped_until > 0) window.clipped_until = end_in_record(window.clipped_until);
+  }
+  result.start = record.record_sample(result.start);
+  result.end = end_in_record(result.end);
+  // Beside frequencies that were shifted there is no background.
+  if (shift > 0) result.offset = result.drift_per_s = 0;
+  result.offset += record.offset + record.slope * static_cast<double>(result.start);
+  result.drift_per_s += record.slope * sample_rate_hz;
+  result.noise_std *= std::sqrt(step);
+  result.signal_to_noise_db -= 10 * std::log10(step);
+  result.residual.resize(0);
+  note(result, "fitted_in_band",
+       fmt::format("the record is long: fitted from {:.6g} to {:.6g} Hz, which hold all that "
+                   "stands out of its noise, by one in {} samples behind a filter",
+                   record.low * sample_rate_hz, record.high * sample_rate_hz, record.step));
+  return result;
 }
 
 }  // namespace rigfit::signal

@@ -4,15 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
-namespace {
 
 using Eigen::Index;
 
-constexpr double kChance = 1e-4, kOverLocal = 6;
+namespace {
+
+// What lies beyond a rail is this many times as large, squared, as the fit errs near by.
+constexpr double kOverLocal = 6;
 
 /// Mean square of the residual within a cycle of sample j: of a fit that is not right there, more
 /// than noise. Samples left out have none.
@@ -26,75 +30,85 @@ double level_near(const DampedSinusoidsFit& fit, Index j, Index cycle) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-}  // namespace
-
-DecaySamples without(const DecaySamples& samples, const std::vector<Index>& places) {
-  DecaySamples left = samples;
-  Index kept = 0;
-  auto next = places.begin();
-  for (Index j = 0; j < samples.t.size(); ++j) {
-    if (next != places.end() && *next == j) {
-      ++next;
-      continue;
-    }
-    left.t(kept) = samples.t(j), left.y(kept++) = samples.y(j);
-  }
-  left.t.conservativeResize(kept), left.y.conservativeResize(kept);
-  return left;
+/// Whether the fit to the others goes beyond sample j, an extreme on the side of `sign`: left out
+/// it is missed by residual / (1 - leverage).
+bool cut_off(const DampedSinusoidsFit& fit, Index j, double sign, Index cycle) {
+  const Index parameters = fit.unit_covariance.rows();
+  if (parameters == 0 || fit.degrees < 2) return false;
+  const Eigen::VectorXd row = fit.jacobian_rows(j, 1).transpose();
+  const double rest = 1 - row.dot(fit.unit_covariance * row);
+  const double r = fit.residual(j);
+  if (!(rest > 1e-6) || sign * r >= 0) return false;
+  const double others =
+      (fit.residual_sum_squares - r * r / rest) / static_cast<double>(fit.degrees - 1);
+  const double missed = r * r / rest;
+  return missed > others * gsl_cdf_chisq_Qinv(1e-4, 1) &&
+         missed > kOverLocal * level_near(fit, j, cycle);
 }
 
-std::vector<Index> clipped_samples(const DecaySamples& samples, const DampedSinusoidsFit& whole,
-                                   const DecayBand& band) {
-  const double high = samples.y.maxCoeff(), low = samples.y.minCoeff();
+}  // namespace
+
+Index clipped_by_fit(const DecaySamples& samples, const DampedSinusoidsFit& whole,
+                     const DecayBand& band, const DecayModesOptions& options) {
+  const Index n = samples.values.size();
+  std::vector<bool> gap(static_cast<std::size_t>(n));
+  for (const Index j : samples.missing) gap[static_cast<std::size_t>(j)] = true;
+  double high = -std::numeric_limits<double>::infinity(), low = -high;
+  for (Index j = 0; j < n; ++j) {
+    if (gap[static_cast<std::size_t>(j)]) continue;
+    high = std::max(high, samples.values(j)), low = std::min(low, samples.values(j));
+  }
   const double rounding = 1e-12 * (high - low);
-  std::vector<Index> rails[2], both;
-  const double levels[2] = {high, low};
-  for (Index j = 0; j < samples.y.size(); ++j) {
-    for (int side = 0; side < 2; ++side) {
-      if (std::abs(samples.y(j) - levels[side]) <= rounding) rails[side].push_back(j);
-    }
+  std::vector<Index> at_high, at_low;
+  for (Index j = 0; j < n; ++j) {
+    if (gap[static_cast<std::size_t>(j)]) continue;
+    if (samples.values(j) >= high - rounding) at_high.push_back(j);
+    if (samples.values(j) <= low + rounding) at_low.push_back(j);
   }
-  for (int side = 0; side < 2; ++side) {
-    // One or two: noise makes an extreme lie beyond the fit, a rail makes it fall short.
-    double missed = 0;
-    for (const Index j : rails[side]) {
-      const auto at = std::clamp<Index>(std::lround(samples.t(j)), 0, whole.samples - 1);
-      missed += (side == 0 ? -1 : 1) * whole.residual(at) / static_cast<double>(rails[side].size());
-    }
-    if (rails[side].size() < 3 && !(missed > 3 * std::sqrt(whole.variance()))) rails[side].clear();
-    both.insert(both.end(), rails[side].begin(), rails[side].end());
+  const double w = whole.poles[strongest_mode(whole, band)].imag();
+  const auto cycle = std::max<Index>(4, static_cast<Index>(std::ceil(kTwoPi / w)));
+  Index last = 0;
+  if (at_high.size() == 1) {
+    if (cut_off(whole, at_high[0], 1, cycle)) last = at_high[0] + 1;
+    at_high.clear();
   }
-  if (both.empty() || 2 * both.size() > static_cast<std::size_t>(samples.y.size())) return both;
-  std::sort(both.begin(), both.end());
-  const auto pole = whole.poles[strongest_mode(whole, band)];
-  const auto found = find_decay_modes(without(samples, both), band, {}, pole);
-  if (!found) return {};
-  const DampedSinusoidsFit& fit = *found;
-  const auto cycle = std::max<Index>(4, static_cast<Index>(std::ceil(kTwoPi / pole.imag())));
-  const auto says = [&](double t) {
-    double value = fit.offset + fit.drift * t / static_cast<double>(fit.samples);
-    for (std::size_t m = 0; m < fit.poles.size(); ++m) {
-      value += (fit.amplitudes[m] * std::exp(fit.poles[m] * t)).real();
-    }
-    return fit.relaxation ? value + fit.relaxation_amplitude * std::exp(-*fit.relaxation * t)
-                          : value;
-  };
-  std::vector<Index> clipped;
-  for (int side = 0; side < 2; ++side) {
+  if (at_low.size() == 1) {
+    if (cut_off(whole, at_low[0], -1, cycle)) last = std::max(last, at_low[0] + 1);
+    at_low.clear();
+  }
+  if (at_high.empty() && at_low.empty()) return last;
+  DecaySamples others = samples;
+  for (const auto* rail : {&at_high, &at_low}) {
+    for (const Index j : *rail) others.missing.push_back(j), others.values(j) = 0;
+  }
+  // A fifth of the samples may be missing.
+  if (5 * static_cast<Index>(others.missing.size()) > n) return last;
+  std::sort(others.missing.begin(), others.missing.end());
+  const auto fit = find_decay_modes(others, band, options);
+  if (!fit || fit->degrees < 1) return last;
+  const double variance = fit->residual_sum_squares / static_cast<double>(fit->degrees);
+  Eigen::VectorXd says(n);
+  for (Index j = 0; j < n; ++j) {
+    says(j) = fit->offset + fit->drift * static_cast<double>(j) / static_cast<double>(n);
+  }
+  for (std::size_t m = 0; m < fit->poles.size(); ++m) says += fit->mode_signal(m);
+  const auto judge = [&](const std::vector<Index>& rail, double level, double sign) {
     double sum = 0, near = 0;
-    for (const Index j : rails[side]) {
-      const double beyond = (side == 0 ? 1 : -1) * (says(samples.t(j)) - levels[side]);
-      sum += std::pow(std::max(0.0, beyond), 2);
-      near = std::max(near, level_near(fit, std::lround(samples.t(j)), cycle));
+    for (const Index j : rail) {
+      const double beyond = std::max(0.0, sign * (says(j) - level));
+      sum += beyond * beyond;
+      near = std::max(near, level_near(*fit, j, cycle));
     }
-    const auto count = static_cast<double>(rails[side].size());
-    if (count > 0 && sum > fit.variance() * gsl_cdf_chisq_Qinv(kChance, count) &&
-        sum > kOverLocal * near * count) {
-      clipped.insert(clipped.end(), rails[side].begin(), rails[side].end());
+    const auto count = static_cast<double>(rail.size());
+    if (rail.empty() || !(sum > variance * gsl_cdf_chisq_Qinv(1e-4, count)) ||
+        !(sum > kOverLocal * near * count)) {
+      return;
     }
-  }
-  std::sort(clipped.begin(), clipped.end());
-  return clipped;
+    last = std::max(last, rail.back() + 1);
+  };
+  judge(at_high, high, 1);
+  judge(at_low, low, -1);
+  return last;
 }
 
 }  // namespace rigfit::signal

@@ -1,24 +1,23 @@
-// Samples cut off at a rail: a fit to the others goes beyond it.
+// Clipped samples of a decay seen from its fit: a fit to all other samples goes beyond the rail
+// where they are.
+//
+// Too few samples on a rail to pile up there (clipping.h) still bias a damping ratio. Those at the
+// record's extremes are left out, the rest is fitted, and what the fit says there is compared: of
+// an unclipped record the extremes are its luckiest samples and the fit lies inside them; of a
+// clipped one it lies outside, by more than the noise and by more than the fit errs within a cycle
+// of them (friction, jitter and close modes make it err everywhere):
+//   sum_j max(0, fit_j - rail)^2 / s^2 > chi-squared of as many degrees, 1e-4.
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
 
-/// Which of the samples (places in `samples.t`) sit on a rail. Those at either extreme are left out
-/// and the rest is fitted anew; the rail has cut them off where that fit goes beyond it by more
-/// than noise explains once in 1e4 times and six times as far, squared, as it errs near by.
-/// `whole`: the fit to all. One
-/// or two samples are asked about only where `whole` goes beyond them.
-[[nodiscard]] std::vector<Eigen::Index> clipped_samples(const DecaySamples& samples,
-                                                        const DampedSinusoidsFit& whole,
-                                                        const DecayBand& band);
-
-/// `samples` without those at `places` (rising).
-[[nodiscard]] DecaySamples without(const DecaySamples& samples,
-                                   const std::vector<Eigen::Index>& places);
+/// One past the last sample on a rail; 0: none that the fit tells. `whole`: the fit to all samples.
+[[nodiscard]] Eigen::Index clipped_by_fit(const DecaySamples& samples,
+                                          const DampedSinusoidsFit& whole, const DecayBand& band,
+                                          const DecayModesOptions& options);
 
 }  // namespace rigfit::signal

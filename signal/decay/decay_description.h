@@ -1,5 +1,6 @@
 // From a fit of damped sinusoids to modes with uncertainties: frequency and damping by propagation
-// of the fit's covariance, steady tones apart, the log decrement and the envelope beside them.
+// of the fit's covariance, intervals by the likelihood (pole_interval.h), steady tones apart, the
+// log decrement and the envelope beside them.
 #pragma once
 
 #include "signal/decay/decay_result.h"
@@ -7,8 +8,15 @@
 
 namespace rigfit::signal {
 
-/// Fills `result` from a fit; no modes where nothing in the band is seen to decay.
-void describe_decay(DecayResult& result, const DampedSinusoidsFit& fit, const DecayBand& band,
-                    double sample_rate_hz, const EnvelopeOptions& options);
+/// How the samples of a fit were taken.
+struct DecaySampling {
+  double rate_hz = 0;
+  double shift = 0;  ///< that frequencies were lowered by, cycles per sample (narrow_record.h)
+};
+
+/// Fills `result` from the fit to `samples`; refuses where nothing in the band decays.
+void describe_decay(DecayResult& result, const DecaySamples& samples, const DampedSinusoidsFit& fit,
+                    const DecayBand& band, const DecaySampling& sampling,
+                    const DecayOptions& options);
 
 }  // namespace rigfit::signal

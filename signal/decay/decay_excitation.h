@@ -15,14 +15,16 @@ struct Excitation {
   double amplitude = 0;      ///< rms of z, the noise's share taken off; 0: none seen
   double over_noise = 1;     ///< mean |z|^2 over what noise of that density would leave
   double later_share = 0.5;  ///< of the sum of |z|^2 in the second half
+  Eigen::Index blocks = 0;
   bool significant = false;  ///< chance of 1e-6 in noise
-
-  /// Not only where the motion is large, as what a neighbour or friction leaves.
-  [[nodiscard]] bool goes_on() const { return significant && over_noise > 4 && later_share > 0.15; }
 };
 
-/// `residual`: of the fit; `w`: of the mode, rad per sample. The noise is read beside the mode,
-/// where the blocks see no more of it, on the side with more of it.
-[[nodiscard]] Excitation excitation_at(const Eigen::Ref<const Eigen::VectorXd>& residual, double w);
+/// Samples of a block, of `samples` in all.
+[[nodiscard]] Eigen::Index excitation_block(Eigen::Index samples, double w);
+
+/// `residual`: of the fit; `w`: of the mode, rad per sample; `noise_variance`: white-equivalent
+/// variance of a sample near the mode.
+[[nodiscard]] Excitation excitation_at(const Eigen::Ref<const Eigen::VectorXd>& residual, double w,
+                                       double noise_variance);
 
 }  // namespace rigfit::signal

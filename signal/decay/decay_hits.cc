@@ -10,6 +10,7 @@
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/decay_modes.h"
 #include "signal/sinusoids/decay_search.h"
+#include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
 namespace {
@@ -79,6 +80,7 @@ std::vector<Jump> jumps(const Eigen::VectorXd& y, double w, const Eigen::VectorX
 }
 
 struct Side {
+  std::vector<Index> missing;
   double sum_squares = 0;
   Index parameters = 2, samples = 0;
   std::optional<DampedSinusoidsFit> fit;
@@ -87,18 +89,21 @@ struct Side {
 // The damped sinusoids of samples [from, to), those in [gap_from, gap_to) left out.
 Side fitted(const Eigen::VectorXd& y, Index from, Index to, Index gap_from, Index gap_to) {
   Side side;
-  Eigen::VectorXd values = y.segment(from, to - from);
-  for (Index j = std::max(gap_from, from); j < std::min(gap_to, to); ++j) values(j - from) = kNaN;
-  const DecaySamples samples = even_samples(values);
-  side.samples = samples.t.size();
-  DecayModesOptions search;
-  search.relaxing = false;
-  side.fit = find_decay_modes(samples, {0, 0.5, true}, search);
+  DecaySamples samples;
+  samples.values = y.segment(from, to - from);
+  for (Index j = std::max(gap_from, from); j < std::min(gap_to, to); ++j) {
+    samples.values(j - from) = 0, samples.missing.push_back(j - from);
+  }
+  side.samples = to - from - static_cast<Index>(samples.missing.size());
+  side.missing = samples.missing;
+  side.fit = find_decay_modes(samples, {0, 0.5, true}, {});
   if (side.fit) {
     side.sum_squares = side.fit->residual_sum_squares;
-    side.parameters = side.samples - side.fit->degrees;
+    side.parameters = side.fit->jacobian_gram.rows();
   } else {
-    side.sum_squares = samples.trendless().squaredNorm();
+    Eigen::VectorXd values = samples.values;
+    for (const Index j : samples.missing) values(j) = std::numeric_limits<double>::quiet_NaN();
+    side.sum_squares = without_trend(values).squaredNorm();
   }
   return side;
 }
@@ -123,17 +128,9 @@ Complex amplitude_near(const Side& side, Complex pole, double at) {
 
 // Whether two decays, the second behind the jump, explain the samples of [from, to) better than
 // one.
-bool is_impact(const Eigen::VectorXd& record, const Jump& found, Index first, Index last,
-               Index half, double largest) {
-  // Means over blocks, twelve a cycle: what is faster is noise, or folds into a mode.
-  const Index block = std::max<Index>(1, half / 6);
-  const Index before_at = (found.at - first) / block, count = before_at + (last - found.at) / block;
-  const Index from = 0, to = count, at = before_at, half_cycle = (half + block - 1) / block;
-  Eigen::VectorXd y(count);
-  for (Index j = 0; j < count; ++j) {
-    y(j) = record.segment(found.at + (j - before_at) * block, block).mean();
-  }
-  const Jump place{at, found.size, found.w * static_cast<double>(block)};
+bool is_impact(const Eigen::VectorXd& y, const Jump& place, Index from, Index to, Index half_cycle,
+               double largest) {
+  const Index at = place.at;
   const Index gap_from = at - half_cycle, gap_to = at + half_cycle;
   if (gap_from - from < 4 * half_cycle || to - gap_to < 4 * half_cycle) return false;
   if (gap_from - from < 24 || to - gap_to < 24) return false;
@@ -152,21 +149,22 @@ bool is_impact(const Eigen::VectorXd& record, const Jump& found, Index first, In
   // a step, 44 % of what a straight line leaves.
   if (one.fit && one.samples > 16) {
     const std::size_t mode = nearest(*one.fit, place.w);
-    const double smooth = departing_residual(*one.fit, std::span(&mode, 1));
+    const double smooth = departing_residual(*one.fit, one.missing, std::span(&mode, 1));
     if (one.sum_squares - smooth > 0.88 * (one.sum_squares - apart)) return false;
   }
-  const std::size_t own = nearest(*behind.fit, place.w);
-  const double noise = behind.fit->noise[own];
-  const double noise_before = before.fit ? before.fit->noise[nearest(*before.fit, place.w)] : noise;
-  const Complex pole = behind.fit->poles[own];
+  const auto noise = residual_noise(behind.fit->residual, behind.fit->degrees);
+  const auto noise_before =
+      before.fit ? residual_noise(before.fit->residual, before.fit->degrees) : noise;
+  const Complex pole = behind.fit->poles[nearest(*behind.fit, place.w)];
   if (std::abs(pole.imag() - place.w) > 0.1 * place.w) return false;
-  const Complex now =
-      behind.fit->amplitudes[own] * std::exp(-pole * static_cast<double>(half_cycle));
+  const Complex now = behind.fit->amplitudes[nearest(*behind.fit, place.w)] *
+                      std::exp(-pole * static_cast<double>(half_cycle));
   const Complex then = amplitude_near(before, pole, static_cast<double>(at - from));
-  const double jump = std::norm(now - then);
+  const double jump = std::norm(now - then), f = pole.imag() / kTwoPi;
   // Of a line through n amplitudes the end has 4 times the variance of the mean, 4 s^2 / n.
-  const double variance = 16 * (noise / static_cast<double>(behind.samples) +
-                                noise_before / static_cast<double>(before.samples));
+  const double variance =
+      16 * (noise.white_equivalent(f) / static_cast<double>(behind.samples) +
+            noise_before.white_equivalent(f) / static_cast<double>(before.samples));
   return jump > std::pow(kLeastShare * largest, 2) && jump > -std::log(kFalseAlarm) * variance;
 }
 

@@ -1,10 +1,9 @@
-// Whether a decay's numbers can be given, and what a person should know before using them.
+// What a person should know before using a decay's numbers, and whether they can be given at all.
 #pragma once
 
 #include <string>
 
 #include "signal/decay/decay_result.h"
-#include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
 
@@ -13,10 +12,8 @@ void refuse(DecayResult& result, std::string code, std::string message);
 /// Something to know beside the answer.
 void note(DecayResult& result, std::string code, std::string message);
 
-/// Refuses what the fit does not determine: too little energy (`too_noisy`), nothing that decays
-/// (`nothing_decays`), a motion that something drives (`driven`), too few cycles or two modes that
-/// are one (`not_determined`). Notes where one number does not say it all.
-void judge_decay(DecayResult& result, const DampedSinusoidsFit& fit, double sample_rate_hz,
-                 double false_alarm);
+/// Refuses what is not determined, and notes where the numbers lean on little: short or noisy
+/// records, damping that depends on amplitude, residuals that are no noise.
+void judge_decay(DecayResult& result, double sample_rate_hz);
 
 }  // namespace rigfit::signal

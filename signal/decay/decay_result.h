@@ -23,7 +23,6 @@ struct DecayOptions {
   int max_modes = 6;          ///< in the band; as many outside it are fitted to keep them out
   double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
   double start_time_s = 0;    ///< of the first sample, for messages
-  Eigen::VectorXd time_s;     ///< of the samples where they are not even; rising
   EnvelopeOptions envelope;
 };
 
@@ -31,16 +30,28 @@ struct DecayMode {
   Estimate frequency_hz;  ///< undamped natural
   Estimate damped_frequency_hz;
   Estimate damping_ratio;
+  /// From the likelihood (pole_interval.h): lopsided where noise makes the fit non-linear. The
+  /// standard uncertainties above are half their lengths over `coverage_factor_95`.
   Interval frequency_interval_95_hz, damping_ratio_interval_95;
-  double amplitude = 0;  ///< at the start of the window, the signal's unit
-  double phase_rad = 0;  ///< of the cosine at the start of the window
-  double energy = 0;     ///< of the mode over the window, sum of squares: sets the order
-  double cycles = 0;     ///< damped cycles in the window
+  bool bounded = true;     ///< false: the data leave an interval open on one side, where it was cut
+  double correlation = 0;  ///< between frequency_hz and damping_ratio
+  double amplitude = 0;    ///< at the start of the window, the signal's unit
+  double phase_rad = 0;    ///< of the cosine at the start of the window
+  double energy = 0;       ///< of the mode over the window, sum of squares: sets the order
+  double cycles = 0;       ///< damped cycles in the window
+  /// Energy over the most that noise of the residual's colour shows (but for `false_alarm`).
+  double detection = 0;
   /// Share of what the other modes and the background leave that this mode explains.
   double r_squared = 0;
   Estimate log_decrement;  ///< 2 pi zeta / sqrt(1 - zeta^2) of the fit's damping ratio, a cycle
   Estimate damping_ratio_log_decrement;  ///< from the swings (log_decrement.h); NaN when refused
   std::string log_decrement_refusal;     ///< why; empty when there is one
+  /// The residual has a line beside the mode's that noise would not show: a second mode that beats
+  /// too slowly for the record, or a mode that changes as it decays.
+  bool company = false;
+  /// Noise of the residual's colour would show as much: what it says in `doubt`.
+  bool doubtful = false;
+  std::string doubt;
 };
 
 struct DecayResult {
@@ -57,9 +68,8 @@ struct DecayResult {
   std::vector<DecayMode> steady_tones;  ///< hum: do not decay while the modes do
   double offset = 0, drift_per_s = 0;   ///< background at the start of the window
   double noise_std = 0;                 ///< of the residual
-  double signal_to_noise_db = 0;  ///< power of the strongest mode at the start over the noise's
-  /// Time constant of an offset that decays; 0: none does.
-  double offset_decays_s = 0;
+  double signal_to_noise_db = 0;    ///< power of the strongest mode at the start over the noise's
+  Eigen::Index residual_order = 0;  ///< of the autoregression; 0: white
   Eigen::Index degrees_of_freedom = 0;
   /// Factor on a standard uncertainty for a 95 % interval (Student).
   double coverage_factor_95 = 1.96;

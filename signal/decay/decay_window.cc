@@ -8,6 +8,7 @@
 
 #include "signal/decay/decay_hits.h"
 #include "signal/numerics/numbers.h"
+#include "signal/recording/clipping.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/spectra/fft.h"
 
@@ -83,6 +84,41 @@ bool leaves_rail(const Eigen::Ref<const Eigen::VectorXd>& y, Index at, Index cyc
 
 }  // namespace
 
+Index clipped_until(const Eigen::Ref<const Eigen::VectorXd>& y, double cycles_per_sample) {
+  double high = -std::numeric_limits<double>::infinity(), low = -high;
+  for (Index j = 0; j < y.size(); ++j) {
+    if (std::isfinite(y(j))) high = std::max(high, y(j)), low = std::min(low, y(j));
+  }
+  const double amplitude = 0.5 * (high - low);
+  if (!(amplitude > 0)) return 0;
+  // Quantum: the least step between neighbouring samples that is a step at all.
+  double quantum = std::numeric_limits<double>::infinity();
+  for (Index j = 1; j < y.size(); ++j) {
+    const double step = std::abs(y(j) - y(j - 1));
+    if (step > 1e-9 * amplitude) quantum = std::min(quantum, step);
+  }
+  quantum = std::min(quantum, amplitude);
+  // A sinusoid stays within one quantum of its peak for acos(1 - q/A) / (pi f) samples.
+  const double natural =
+      std::acos(1 - quantum / amplitude) / (std::numbers::pi * cycles_per_sample);
+  const double longest = std::max(3.0, 2 * natural + 2);
+  Index last = 0;
+  for (const double rail : {high, low}) {
+    Index run = 0, any = 0;
+    bool flat = false;
+    for (Index j = 0; j <= y.size(); ++j) {
+      if (j < y.size() && std::abs(y(j) - rail) <= 1e-12 * amplitude) {
+        ++run, any = j + 1;
+        continue;
+      }
+      flat = flat || static_cast<double>(run) >= longest;
+      run = 0;
+    }
+    if (flat || piles_up(y, rail)) last = std::max(last, any);
+  }
+  return last;
+}
+
 Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y) {
   // As many equal samples at the end, and three times as many as anywhere else.
   constexpr Index kFewest = 16;
@@ -144,7 +180,7 @@ Eigen::VectorXd band_passed(const Eigen::VectorXd& x, const DecayBand& band) {
 }  // namespace
 
 std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& samples,
-                                     const DecayBand& band) {
+                                     const DecayBand& band, std::vector<DecayCandidate>* peaks) {
   const Index n = recorded_until(samples);
   const auto y = samples.head(n);
   DecayWindow whole;
@@ -154,25 +190,17 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   missing_before(0) = 0;
   for (Index j = 0; j < n; ++j) missing_before(j + 1) = missing_before(j) + !std::isfinite(y(j));
   if (n < 16 || !(x.squaredNorm() > 0)) return {whole};
-  if (!band.all) {
-    x = band_passed(x, band);
-    // Six samples a cycle of what is left and more.
-    const auto step = static_cast<Index>(1 / (9 * std::max(band.high, 1e-9)));
-    if (step > 1) {
-      const Index count = (n + step - 1) / step;
-      Eigen::VectorXd fewer(count);
-      for (Index j = 0; j < count; ++j) fewer(j) = std::isfinite(y(j * step)) ? x(j * step) : kNaN;
-      const auto rate = static_cast<double>(step);
-      auto windows = find_decays(fewer, {band.low * rate, band.high * rate, false});
-      for (auto& w : windows) w.start *= step, w.end = std::min(n, w.end * step);
-      return windows;
-    }
-  }
+  if (!band.all) x = band_passed(x, band);
 
   DecaySearchOptions search;
   search.candidates = 4;
-  if (!band.all) search.lowest = band.low, search.highest = band.high;
-  const auto candidates = search_decays(x, search);
+  auto all = decay_peaks(x);
+  if (!band.all) {
+    std::erase_if(all, [&](const DecayCandidate& c) { return !band.contains(c.pole); });
+  }
+  const auto candidates = distinct_decays(all, n, search);
+  // Those of a filtered record are not those of the record.
+  if (peaks != nullptr && band.all) *peaks = std::move(all);
   if (candidates.empty()) return {whole};
 
   // The candidate that gains most by starting later tells where the event is; hum gains nothing.
@@ -215,7 +243,8 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
     if (k + 1 < starts.size()) {
       window.end = std::max<Index>(starts[k + 1] - 2 * cycle, starts[k] + 1);
     }
-    if (starts[k] != chosen.start && starts[k] != 0) {
+    if (starts[k] == chosen.start || starts[k] == 0) {
+    } else {
       // Sharpened where the decay before has died.
       const Index from = std::max<Index>(0, starts[k] - 2 * cycle);
       const Onset onset = best_onset(x.segment(from, window.end - from), w);
@@ -225,6 +254,12 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
     if (window.after_impact) {
       window.start =
           std::min(window.start + static_cast<Index>(std::ceil(0.5 * kTwoPi / w)), window.end - 1);
+    }
+    const Index clip =
+        clipped_until(y.segment(window.start, window.end - window.start), w / kTwoPi);
+    if (clip > 0) {
+      window.clipped_until = window.start + clip;
+      window.start = std::min(window.clipped_until, window.end);
     }
     windows.push_back(window);
   }

@@ -1,4 +1,5 @@
-// Where in a recording the free decays are: after an impact or release, up to the next or the end.
+// Where in a recording the free decay is: after the impact or release, after clipped samples, up to
+// the next impact or the end.
 //
 // The onset is the start s that maximises the energy a causal damped sinusoid takes out of the
 // samples from s on, |sum_{j>=s} y_j exp(-(a + i w)(j - s))|^2 / energy of the exponential, which a
@@ -20,16 +21,25 @@ namespace rigfit::signal {
 struct DecayWindow {
   Eigen::Index start = 0, end = 0;  ///< samples [start, end)
   bool after_impact = false;        ///< start was moved behind an impact or release
+  Eigen::Index clipped_until = 0;   ///< last clipped sample + 1; 0: none found
 };
 
 /// All decays of a record, in time. Never empty for a record that has samples. `y`: NaN where
-/// missing.
+/// missing. `peaks`, when given, gets the peaks of the whole record (decay_search.h) where no band
+/// is asked for.
 [[nodiscard]] std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                                   const DecayBand& band = {0, 0.5, true});
+                                                   const DecayBand& band = {0, 0.5, true},
+                                                   std::vector<DecayCandidate>* peaks = nullptr);
 
 /// One past the last sample before a run of equal ones (zeros, as a logger writes that was
 /// stopped) that ends the record: 16 samples or more, and three times as long as any other run.
 /// The number of samples when there is none.
 [[nodiscard]] Eigen::Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y);
+
+/// One past the last sample that sits on a rail: an extreme value with flat runs, longer than a
+/// sinusoid of that frequency sampled that coarsely shows, or one at which samples pile up
+/// (clipping.h). 0: none.
+[[nodiscard]] Eigen::Index clipped_until(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                         double cycles_per_sample);
 
 }  // namespace rigfit::signal

@@ -1,19 +1,14 @@
-// Damped sinusoids on a background, fitted by least squares to samples or to the lines of a band.
+// Damped sinusoids on an offset and a drift, fitted to uniform samples by least squares.
 //
-//   y(t) = sum_m Re(C_m exp(p_m t)) + c0 + c1 t / N [+ b exp(-r t)] + e,   p = -a + i w a sample
+//   y_j = sum_m Re(C_m exp(p_m j)) + c0 + c1 j / N + e_j,   p_m = -a_m + i w_m per sample
 //
-// Samples at even times without gaps are fitted by their discrete Fourier transform over the whole
-// stretch, at the lines k of a band only. There a damped sinusoid is exactly
-//   sum_j exp((p - i w_k) j) = (exp(p N) - 1) / (exp(p - i w_k) - 1),
-// white noise is white, and what lies outside of the band is smooth within it: three terms of a
-// polynomial in frequency hold it. With all lines this is least squares in time (Parseval). Samples
-// with gaps or at uneven times are fitted as they are, without those that are missing.
-// Variable projection: for given poles the amplitudes and the background are linear; the poles move
-// by Gauss-Newton steps on the projected functional (Kaufman's form), damped after Levenberg and
-// Marquardt. A step costs rows x parameters^2. The covariance is the sandwich
-//   A (sum_k J_k' J_k S_k) A,   A = (J'J)^-1,
-// with S_k the residual's density around line k: noise of any colour. Sources: Golub and Pereyra,
-// SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49; White, Econometrica 48 (1980) 817.
+// Variable projection: for given poles the complex amplitudes C and the background are linear and
+// solved exactly; the poles move by Gauss-Newton steps on the projected functional (Kaufman's
+// form), after four of them by Newton's, damped after Levenberg and Marquardt. Every Gram matrix is
+// a sum of j^k q^j, evaluated by doubling in O(log N); only the products with the data cost O(N).
+// With white Gaussian noise this is the maximum-likelihood estimate and reaches the Cramer-Rao
+// bound. Sources: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49;
+// Ruhe and Wedin, SIAM Review 22 (1980) 318.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,60 +19,48 @@
 
 namespace rigfit::signal {
 
-/// The stretch of a record that is fitted.
-struct DecaySamples {
-  Eigen::VectorXd t;      ///< of the samples present, in samples since the first; rising
-  Eigen::VectorXd y;      ///< their values
-  Eigen::Index span = 0;  ///< samples of the stretch at an even rate, missing ones too
-  bool even = true;       ///< t are whole numbers
-
-  [[nodiscard]] bool complete() const { return even && t.size() == span; }
-  /// At even times, the straight line of least squares taken off: 0 where missing, between the
-  /// neighbours where times are uneven.
-  [[nodiscard]] Eigen::VectorXd trendless() const;
-};
-
-/// Samples at even times, those that are not finite left out.
-[[nodiscard]] DecaySamples even_samples(const Eigen::Ref<const Eigen::VectorXd>& y);
-
 struct DampedSinusoidsOptions {
-  double low = 0, high = 0.5;        ///< lines that are fitted, cycles per sample
-  int max_iterations = 60;           ///< steps, taken or refused
-  double step_in_std = 1e-3;         ///< stop at a step this small in standard uncertainties
-  std::optional<double> relaxation;  ///< start of r, a sample: the background has b exp(-r t)
+  int background_terms = 2;   ///< 0: none, 1: offset, 2: offset and drift
+  int max_iterations = 60;    ///< steps, taken or refused
+  double step_in_std = 1e-3;  ///< stop when a step is this small against the standard uncertainties
+  /// A part of a pole that keeps its starting value: 2 m the real, 2 m + 1 the imaginary part of
+  /// pole m. Degrees of freedom and covariance are those of the free fit.
+  std::optional<Eigen::Index> held;
 };
 
 struct DampedSinusoidsFit {
+  enum class End {
+    converged,
+    iterations,      ///< max_iterations reached
+    rank_deficient,  ///< the columns cannot be told apart; no covariance
+  };
   std::vector<std::complex<double>> poles;       ///< per sample
-  std::vector<std::complex<double>> amplitudes;  ///< C at t = 0
-  double offset = 0;                             ///< at t = 0
+  std::vector<std::complex<double>> amplitudes;  ///< C at sample 0
+  double offset = 0;                             ///< at sample 0
   double drift = 0;                              ///< over the whole of N samples
-  std::optional<double> relaxation;              ///< r, a sample
-  double relaxation_amplitude = 0;               ///< b
-  double residual_sum_squares = 0;               ///< over the lines fitted
-  Eigen::Index samples = 0;                      ///< N, with the missing ones
-  Eigen::Index degrees = 0;                      ///< real values fitted less parameters
-  Eigen::VectorXd residual;         ///< N at even times, within the band; 0 where missing
-  Eigen::MatrixXd unit_covariance;  ///< (J'J)^-1 of (Re C, Im C, Re p, Im p) a mode; empty: the
-                                    ///< parameters cannot be told apart
-  Eigen::MatrixXd covariance;       ///< the sandwich
-  std::vector<double> noise;        ///< S at each mode: variance of white noise of that density
-  std::vector<double> energy;  ///< rise of the sum of squares without the mode, other poles kept
-  double low = 0, high = 0.5;  ///< lines that were fitted, cycles per sample
-  double noise_degrees = 0;    ///< that S is known by
-  bool converged = false;
+  double residual_sum_squares = 0;
+  Eigen::Index samples = 0;  ///< N, with the missing ones
+  Eigen::Index degrees = 0;  ///< samples present less parameters
+  Eigen::VectorXd residual;  ///< N; 0 where missing
+  Eigen::MatrixXd
+      jacobian_gram;  ///< J'J, parameters (Re C, Im C, Re p, Im p) per mode, then c0, c1
+  Eigen::MatrixXd unit_covariance;  ///< (J'J)^-1; empty when rank-deficient
+  int iterations = 0;
+  End end = End::iterations;
 
-  [[nodiscard]] bool usable() const { return unit_covariance.size() > 0; }
-  [[nodiscard]] double variance() const {
-    return residual_sum_squares / static_cast<double>(std::max<Eigen::Index>(1, degrees));
-  }
   /// Mode m alone at every sample.
   [[nodiscard]] Eigen::VectorXd mode_signal(std::size_t m) const;
+  /// The column of J for parameter k (order as in `jacobian_gram`), N long.
+  [[nodiscard]] Eigen::VectorXd jacobian_column(Eigen::Index k) const;
+  /// `count` rows of J from `first` on.
+  [[nodiscard]] Eigen::MatrixXd jacobian_rows(Eigen::Index first, Eigen::Index count) const;
 };
 
-/// Fits from the starting poles. A fit with fewer values than parameters is not usable.
-[[nodiscard]] DampedSinusoidsFit fit_damped_sinusoids(const DecaySamples& samples,
+/// Fits `y` from the starting poles (per sample). `missing` lists samples to leave out (y there
+/// must be 0). Needs more samples than parameters, else std::invalid_argument.
+[[nodiscard]] DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>& y,
                                                       std::span<const std::complex<double>> poles,
-                                                      const DampedSinusoidsOptions& options = {});
+                                                      const DampedSinusoidsOptions& options = {},
+                                                      std::span<const Eigen::Index> missing = {});
 
 }  // namespace rigfit::signal

@@ -3,12 +3,19 @@
 #include <gsl/gsl_cdf.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "signal/numerics/least_squares.h"
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/scaled_gram.h"
 #include "signal/sinusoids/decay_search.h"
+#include "signal/sinusoids/power_sums.h"
+#include "signal/sinusoids/residual_noise.h"
 #include "signal/sinusoids/subspace_poles.h"
+#include "signal/sinusoids/uneven_noise.h"
 
 namespace rigfit::signal {
 namespace {
@@ -20,97 +27,59 @@ constexpr Index kFewDegrees = 200;
 
 class DecayModeSearch {
  public:
-  DecayModeSearch(const DecaySamples& samples, const DecayBand& band,
-                  const DecayModesOptions& options)
-      : samples_(samples), options_(options), fitted_(fitted_band(band)), n_(samples.span) {}
+  DecayModeSearch(const DecaySamples& samples, const DecayModesOptions& options)
+      : samples_(samples), options_(options), n_(samples.values.size()) {}
 
   // The first mode, from several starts; nothing when no peak stands out of the noise.
-  std::optional<DampedSinusoidsFit> first(std::optional<Complex> known) {
-    const Eigen::VectorXd x = in_band(samples_.trendless());
-    const double total = fit_of({}).residual_sum_squares;
-    std::vector<Complex> starts;
-    if (known) starts.push_back(*known);
-    DecaySearchOptions search = searched();
-    // Half of what noise may show: Fisher's test of the fit decides.
+  std::optional<DampedSinusoidsFit> first(std::vector<DecayCandidate> peaks) {
+    const Eigen::VectorXd x = trendless();
+    if (peaks.empty()) peaks = decay_peaks(x);
+    DecaySearchOptions search;
+    search.candidates = 3;
+    // Half of what noise may show: Fisher's test of the fit decides, so that what is detected hangs
+    // on the energy explained alone, as the intervals have it (detected_strength.h).
     search.energy_over_noise = 0.5 * threshold();
-    const auto peaks = search_decays(x, search);
-    for (const auto& c : peaks) {
-      if (c.energy > 0.3 * peaks.front().energy) starts.push_back(c.pole);
+    const auto found = distinct_decays(peaks, n_, search);
+    std::vector<DecayCandidate> starts;
+    for (const auto& c : found) {
+      if (c.energy > 0.3 * found.front().energy) starts.push_back(c);
     }
     // In a few cycles the spectrum tells little, noise included: there the fit decides.
-    auto anywhere = peaks;
-    if (peaks.empty()) {
+    auto anywhere = found;
+    if (found.empty()) {
       search.energy_over_noise = 0;
-      anywhere = search_decays(x, search);
+      anywhere = distinct_decays(peaks, n_, search);
     }
-    if (!anywhere.empty() && samples_.complete()) {
-      for (const auto& c : few_cycle_starts(x, anywhere.front(), search)) starts.push_back(c.pole);
+    if (!anywhere.empty() && samples_.missing.empty()) {
+      const auto few = few_cycle_starts(samples_.values, anywhere.front(), search);
+      starts.insert(starts.end(), few.begin(), few.end());
     }
     std::optional<DampedSinusoidsFit> best;
-    for (const Complex start : starts) {
-      auto fit = fit_of({start});
-      if (!fit.usable() || !plausible_decay(fit.poles[0], n_) || !oscillates(fit)) continue;
-      if (!passes_fisher(total - fit.residual_sum_squares, fit)) continue;
+    for (const auto& start : starts) {
+      auto fit =
+          fit_damped_sinusoids(samples_.values, std::span(&start.pole, 1), {}, samples_.missing);
+      if (!plausible_decay(fit.poles[0], n_) || fit.unit_covariance.size() == 0) continue;
+      if (!oscillates(fit)) continue;
+      if (!passes_fisher(x.squaredNorm() - fit.residual_sum_squares, fit)) continue;
       if (!best || fit.residual_sum_squares < best->residual_sum_squares) best = std::move(fit);
     }
     return best;
   }
 
-  // Long records are fitted up to half as far again as anything stands out of their noise.
-  void within_what_stands_out(DampedSinusoidsFit& fit) {
-    constexpr double kManyLines = 1 << 13;
-    if (!samples_.complete() || (fitted_.high - fitted_.low) * static_cast<double>(n_) < kManyLines)
-      return;
-    DecaySearchOptions search = searched();
-    search.energy_over_noise = threshold(), search.candidates = 64;
-    double highest = fit.poles[0].imag() / kTwoPi;
-    for (const auto& c : search_decays(fit.residual, search)) {
-      highest = std::max(highest, (c.pole.imag() - 8 * c.pole.real()) / kTwoPi);
-    }
-    highest = std::max(1.5 * highest, fitted_.low + kManyLines / static_cast<double>(n_));
-    if (highest >= fitted_.high) return;
-    fitted_.high = highest;
-    fit = fit_of(fit.poles);
-  }
-
-  // With an offset that decays, where it explains more than noise at low frequencies may.
-  std::optional<DampedSinusoidsFit> relaxing(const DampedSinusoidsFit& fit) {
-    if (fitted_.low * static_cast<double>(n_) > 3) return {};  // no offset in the band
-    // Eight lines hold most of what an offset that decays leaves beside an offset and a drift.
-    const LineSpectrum before = line_spectrum(fit.residual);
-    const auto few = static_cast<Index>(8 * before.lines_per_cycle / static_cast<double>(n_));
-    const double lowest = before.power.head(std::min(few, before.power.size())).sum() *
-                          static_cast<double>(n_) / before.lines_per_cycle;
-    if (!(lowest > threshold() * fit.variance())) return {};
-    std::optional<DampedSinusoidsFit> best;
-    for (const double constants : {1.0, 4.0, 16.0, 64.0}) {
-      DampedSinusoidsOptions options = fitted_;
-      options.relaxation = constants / static_cast<double>(n_);
-      auto more = fit_damped_sinusoids(samples_, fit.poles, options);
-      if (!more.usable()) continue;
-      if (!best || more.residual_sum_squares < best->residual_sum_squares) best = std::move(more);
-    }
-    if (!best) return {};
-    // A curve that falls over the whole stretch is drift; noise of the lowest lines is not white.
-    const double gain = fit.residual_sum_squares - best->residual_sum_squares;
-    const LineSpectrum left = line_spectrum(best->residual);
-    const Index low = std::min<Index>(
-        left.power.size(), static_cast<Index>(16 * left.lines_per_cycle / static_cast<double>(n_)));
-    const double noise = std::max(best->variance(), 0.5 * left.power.head(low).mean());
-    if (gain < threshold() * noise || !plausible_decay(best->poles[0], n_)) return {};
-    fitted_.relaxation = best->relaxation;
-    return best;
-  }
-
   // One mode more, or nothing when none is worth it.
-  std::optional<DampedSinusoidsFit> next(const DampedSinusoidsFit& fit) {
-    DecaySearchOptions search = searched();
+  std::optional<DampedSinusoidsFit> next(const DampedSinusoidsFit& fit, double lowest,
+                                         double highest) {
+    DecaySearchOptions search;
+    search.lowest = lowest, search.highest = highest, search.candidates = 3;
     search.energy_over_noise = threshold();
     for (const auto& candidate : search_decays(fit.residual, search)) {
       auto poles = fit.poles;
       poles.push_back(candidate.pole);
-      auto more = fit_of(poles);
-      if (more.usable() && worthwhile(fit, more, candidate.noise_variance)) return more;
+      const auto needed = static_cast<Index>(4 * poles.size() + 2);
+      if (n_ - static_cast<Index>(samples_.missing.size()) <= needed + 2) return {};
+      auto more = fit_damped_sinusoids(samples_.values, poles, {}, samples_.missing);
+      if (more.unit_covariance.size() == 0) continue;
+      if (worthwhile(fit, more, candidate.noise_variance)) return more;
     }
     return {};
   }
@@ -122,6 +91,8 @@ class DecayModeSearch {
     for (std::size_t k = 1; k < fit.poles.size(); ++k) {
       if (mode_energy(fit, k) > mode_energy(fit, m)) m = k;
     }
+    const auto needed = static_cast<Index>(4 * fit.poles.size() + 8);
+    if (n_ - static_cast<Index>(samples_.missing.size()) <= needed) return {};
     const double noise = pair_evidence(fit.residual, fit.poles[m]);
     if (!(noise > 0)) return {};
     Eigen::VectorXd alone = fit.mode_signal(m) + fit.residual;
@@ -134,30 +105,18 @@ class DecayModeSearch {
     // The new one last, where `worthwhile` looks for it.
     const bool swap = std::abs(pair[0] - fit.poles[m]) > std::abs(pair[1] - fit.poles[m]);
     poles.push_back(pair[swap ? 1 : 0]), poles.push_back(pair[swap ? 0 : 1]);
-    auto more = fit_of(poles);
-    if (!more.usable() || !worthwhile(fit, more, noise)) return {};
+    auto more = fit_damped_sinusoids(samples_.values, poles, {}, samples_.missing);
+    if (more.unit_covariance.size() == 0 || !worthwhile(fit, more, noise)) return {};
     return more;
   }
 
  private:
-  [[nodiscard]] double threshold() const {
-    const double share = std::min(1.0, 2 * (fitted_.high - fitted_.low));
-    return detection_threshold(static_cast<Index>(share * static_cast<double>(n_)),
-                               options_.false_alarm);
-  }
-  [[nodiscard]] DecaySearchOptions searched() const {
-    DecaySearchOptions search;
-    search.lowest = fitted_.low, search.highest = fitted_.high, search.candidates = 3;
-    search.band_low = fitted_.low, search.band_high = fitted_.high;
-    return search;
-  }
-  [[nodiscard]] DampedSinusoidsFit fit_of(const std::vector<Complex>& poles) const {
-    return fit_damped_sinusoids(samples_, poles, fitted_);
-  }
-  /// What is fitted, in time: complete samples only within the band.
-  [[nodiscard]] Eigen::VectorXd in_band(const Eigen::VectorXd& x) const {
-    if (!samples_.complete() || (fitted_.low <= 0 && fitted_.high >= 0.5)) return x;
-    return fit_of({}).residual;
+  double threshold() const { return detection_threshold(n_, options_.false_alarm); }
+
+  Eigen::VectorXd trendless() const {
+    Eigen::VectorXd x = samples_.values;
+    for (Index j : samples_.missing) x(j) = std::numeric_limits<double>::quiet_NaN();
+    return without_trend(x);
   }
 
   bool worthwhile(const DampedSinusoidsFit& fit, const DampedSinusoidsFit& more,
@@ -196,11 +155,11 @@ class DecayModeSearch {
         if (beats < 0.4) return false;
         if (beats >= 1.5) continue;
         const std::size_t near = nearest(fit, more.poles[i]);
-        const double departing = departing_residual(fit, std::span(&near, 1));
+        const double departing = departing_residual(fit, samples_.missing, std::span(&near, 1));
         if (beats >= 0.5 && more.residual_sum_squares < 0.5 * departing) continue;
         if (more.residual_sum_squares > departing + 4 * noise_variance) return false;
         const std::size_t pair[] = {i, k};
-        const double left = departing_residual(more, pair);
+        const double left = departing_residual(more, samples_.missing, pair);
         const double structure = (more.residual_sum_squares - left) / noise_variance;
         if (structure > gsl_cdf_chisq_Qinv(1e-3, 8)) return false;
       }
@@ -240,24 +199,48 @@ class DecayModeSearch {
         legendre(j, k) = ((2 * k - 1) * t * legendre(j, k - 1) - (k - 1) * legendre(j, k - 2)) / k;
       }
     }
-    const Eigen::VectorXd x = fit.residual + fit.mode_signal(0);
-    Eigen::VectorXd present = Eigen::VectorXd::Ones(n_);
-    for (Index j = 0; j < n_; ++j) {
-      if (fit.residual(j) == 0) legendre.row(j).setZero(), present(j) = 0;
-    }
+    for (Index j : samples_.missing) legendre.row(j).setZero();
     const double left = fit.residual_sum_squares;
-    const double polynomial = least_squares(legendre, x.cwiseProduct(present)).left_sum_squares[0];
+    const double polynomial = least_squares(legendre, samples_.values).left_sum_squares[0];
     return left < 0.5 * polynomial ||
            polynomial - left > threshold() * left / static_cast<double>(fit.degrees);
   }
 
   const DecaySamples& samples_;
   const DecayModesOptions& options_;
-  DampedSinusoidsOptions fitted_;
   Index n_;
 };
 
+/// The mode that noise passes for most readily where the noise is larger while the mode lasts than
+/// over the record; nothing when all stand out.
+std::optional<std::size_t> passing_for_noise(const DampedSinusoidsFit& fit, double false_alarm) {
+  const ResidualNoise noise = residual_noise(fit.residual, fit.degrees);
+  const UnevenNoise uneven = uneven_noise(fit, noise);
+  const double needed = energy_needed(fit, false_alarm);
+  std::optional<std::size_t> weakest;
+  double least = 1;
+  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
+    double widening = 1;
+    for (Index k = 0; k < 4; ++k) {
+      widening = std::max(widening, uneven.widening(4 * static_cast<Index>(m) + k));
+    }
+    const double variance = widening * noise.white_equivalent(fit.poles[m].imag() / kTwoPi);
+    const double evidence = energy_explained(fit, m) / std::max(needed * variance, 1e-300);
+    if (widening > 1 && evidence < least) least = evidence, weakest = m;
+  }
+  return weakest;
+}
+
 }  // namespace
+
+DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y, Index start, Index end) {
+  DecaySamples s;
+  s.values = y.segment(start, end - start);
+  for (Index j = 0; j < s.values.size(); ++j) {
+    if (!std::isfinite(s.values(j))) s.values(j) = 0, s.missing.push_back(j);
+  }
+  return s;
+}
 
 bool DecayBand::contains(Complex pole) const {
   const double f = std::abs(pole) / kTwoPi;
@@ -273,40 +256,84 @@ bool plausible_decay(Complex pole, Index samples) {
 double damping_ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }
 
 double mode_energy(const DampedSinusoidsFit& fit, std::size_t m) {
-  return fit.mode_signal(m).squaredNorm();
-}
-
-DampedSinusoidsOptions fitted_band(const DecayBand& band) {
-  DampedSinusoidsOptions options;
-  if (band.all) return options;
-  const double beside = 0.25 * (band.high - band.low);
-  options.low = std::max(0.0, band.low - beside);
-  options.high = std::min(0.5, band.high + beside);
-  return options;
+  std::array<Complex, 1> plain, square;
+  power_sums(std::exp(2.0 * fit.poles[m]), fit.samples, plain);
+  power_sums(std::exp(2.0 * fit.poles[m].real()), fit.samples, square);
+  const Complex c = fit.amplitudes[m];
+  return 0.5 * ((c * c * plain[0]).real() + std::norm(c) * square[0].real());
 }
 
 std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
                                                    const DecayBand& band,
                                                    const DecayModesOptions& options,
-                                                   std::optional<Complex> start) {
-  DecayModeSearch search(samples, band, options);
-  auto fit = search.first(start);
+                                                   const std::vector<DecayCandidate>& peaks) {
+  DecayModeSearch search(samples, options);
+  auto fit = search.first(peaks);
   if (!fit) return fit;
-  search.within_what_stands_out(*fit);
-  if (options.relaxing) {
-    if (auto more = search.relaxing(*fit)) fit = std::move(more);
-  }
   const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
   while (fit->poles.size() < limit * (band.all ? 1 : 2)) {
-    auto more = search.next(*fit);
+    auto more = search.next(*fit, 0, 0.5);
     if (!more) more = search.split(*fit);
     if (!more) break;
     fit = std::move(more);
   }
+  const auto inside = [&] {
+    return static_cast<std::size_t>(std::count_if(fit->poles.begin(), fit->poles.end(),
+                                                  [&](Complex p) { return band.contains(p); }));
+  };
+  while (!band.all && inside() < limit && fit->poles.size() < 3 * limit) {
+    auto more = search.next(*fit, band.low, band.high);
+    if (!more) break;
+    fit = std::move(more);
+  }
+  // Not before all modes are found: what is left of a mode looks like noise of its own envelope.
+  while (fit->poles.size() > 1) {
+    const auto m = passing_for_noise(*fit, options.false_alarm);
+    if (!m) break;
+    auto poles = fit->poles;
+    poles.erase(poles.begin() + static_cast<std::ptrdiff_t>(*m));
+    auto fewer = fit_damped_sinusoids(samples.values, poles, {}, samples.missing);
+    if (fewer.unit_covariance.size() == 0) break;
+    fit = std::move(fewer);
+  }
   return fit;
 }
 
-double departing_residual(const DampedSinusoidsFit& fit, std::span<const std::size_t> modes) {
+double energy_needed(const DampedSinusoidsFit& fit, double false_alarm) {
+  const double cell = std::exp(-0.5 * detection_threshold(fit.samples, false_alarm));
+  const auto degrees = static_cast<double>(std::max<Index>(1, fit.degrees));
+  // From the limit of many degrees upward; GSL's own inverse does not always converge.
+  double low = gsl_cdf_chisq_Qinv(cell, 4) / 4, high = low;
+  while (gsl_cdf_fdist_Q(high, 4, degrees) > cell && high < 1e100) low = high, high *= 2;
+  while (high - low > 1e-6 * high) {
+    const double middle = 0.5 * (low + high);
+    (gsl_cdf_fdist_Q(middle, 4, degrees) > cell ? low : high) = middle;
+  }
+  return 4 * high;
+}
+
+double energy_explained(const DampedSinusoidsFit& fit, std::size_t m) {
+  const auto modes = static_cast<Index>(fit.poles.size());
+  const Index background = fit.jacobian_gram.rows() - 4 * modes;
+  std::vector<Index> linear;
+  for (Index k = 0; k < modes; ++k) linear.push_back(4 * k), linear.push_back(4 * k + 1);
+  for (Index b = 0; b < background; ++b) linear.push_back(4 * modes + b);
+  const ScaledGram gram(fit.jacobian_gram(linear, linear));
+  if (!gram.usable()) return 0;
+  const Eigen::MatrixXd inverse = gram.inverse();
+  const Eigen::Vector2d amplitude(fit.amplitudes[m].real(), fit.amplitudes[m].imag());
+  const auto at = static_cast<Index>(2 * m);
+  // amplitude' (its block of the inverse)^-1 amplitude, by Cramer's rule.
+  const Eigen::Matrix2d of = inverse.block<2, 2>(at, at);
+  const double determinant = of(0, 0) * of(1, 1) - of(0, 1) * of(1, 0);
+  const double scaled = of(1, 1) * amplitude[0] * amplitude[0] -
+                        (of(0, 1) + of(1, 0)) * amplitude[0] * amplitude[1] +
+                        of(0, 0) * amplitude[1] * amplitude[1];
+  return determinant > 0 ? std::max(0.0, scaled / determinant) : 0;
+}
+
+double departing_residual(const DampedSinusoidsFit& fit, std::span<const Index> missing,
+                          std::span<const std::size_t> modes) {
   const auto n = fit.samples;
   Eigen::MatrixXd columns(n, 8 * static_cast<Index>(modes.size()));
   for (std::size_t m = 0; m < modes.size(); ++m) {
@@ -322,9 +349,7 @@ double departing_residual(const DampedSinusoidsFit& fit, std::span<const std::si
       }
     }
   }
-  for (Index j = 0; j < n; ++j) {
-    if (fit.residual(j) == 0) columns.row(j).setZero();  // missing
-  }
+  for (const Index j : missing) columns.row(j).setZero();
   return least_squares(columns, fit.residual).left_sum_squares[0];
 }
 

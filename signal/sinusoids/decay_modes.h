@@ -4,7 +4,8 @@
 // A mode is taken when the energy that it explains exceeds what the best of all cells of the search
 // (decay_search.h) takes out of noise with the chance `false_alarm`, when its pole is determined by
 // the samples, and when it is not the company that another mode seeks for departing from an
-// exponential.
+// exponential. A mode that noise passes for where it is larger while the mode lasts
+// (uneven_noise.h) is taken back at the end.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,6 +19,15 @@
 
 namespace rigfit::signal {
 
+struct DecaySamples {
+  Eigen::VectorXd values;  ///< 0 where missing
+  std::vector<Eigen::Index> missing;
+};
+
+/// Samples [start, end) of `y`, NaN where missing.
+[[nodiscard]] DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                         Eigen::Index start, Eigen::Index end);
+
 struct DecayBand {
   double low, high;  ///< undamped natural frequency, cycles per sample
   bool all;          ///< no limits
@@ -25,25 +35,28 @@ struct DecayBand {
 };
 
 struct DecayModesOptions {
-  int max_modes = 6;          ///< in the band, and as many beside it
+  int max_modes = 6;          ///< in the band; as many outside it are fitted to keep them out
   double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
-  bool relaxing = true;       ///< ask for an offset that decays
 };
 
-/// All modes that the samples support in the band and a quarter of its width beside it; nothing
-/// when there is none. A background that decays, b exp(-r t), is taken as a mode is.
-/// `start`: of the first mode, where it is known.
+/// All modes that the samples support; nothing when there is none. `peaks`: those of the samples
+/// without their trend (decay_search.h), where they are known already.
 [[nodiscard]] std::optional<DampedSinusoidsFit> find_decay_modes(
     const DecaySamples& samples, const DecayBand& band, const DecayModesOptions& options,
-    std::optional<std::complex<double>> start = std::nullopt);
-/// The band that is fitted where `band` is asked for.
-[[nodiscard]] DampedSinusoidsOptions fitted_band(const DecayBand& band);
+    const std::vector<DecayCandidate>& peaks = {});
+
+/// What the energy that a mode explains must exceed, in variances of the noise, to be taken:
+/// Fisher's test with four degrees at `false_alarm` over all cells of the search.
+[[nodiscard]] double energy_needed(const DampedSinusoidsFit& fit, double false_alarm);
+/// How far the sum of squares rises when mode `m` is left out and all other poles stay.
+[[nodiscard]] double energy_explained(const DampedSinusoidsFit& fit, std::size_t m);
 
 /// Energy of mode `m` over the samples, sum of squares.
 [[nodiscard]] double mode_energy(const DampedSinusoidsFit& fit, std::size_t m);
 /// Sum of squares left when the complex amplitudes of these modes may also change with t^2 and t^3:
 /// each as many parameters as one mode more.
 [[nodiscard]] double departing_residual(const DampedSinusoidsFit& fit,
+                                        std::span<const Eigen::Index> missing,
                                         std::span<const std::size_t> modes);
 /// The mode of most energy in the band.
 [[nodiscard]] std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band);

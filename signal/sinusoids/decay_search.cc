@@ -21,11 +21,8 @@ constexpr double kWindowTimeConstants = 8;
 constexpr Index kNoPaddingFrom = 1 << 16;
 
 // Median of the power around line k, over as many lines as tell the noise from the peak.
-double local_median(const Eigen::VectorXd& power, Index k, Index reach, Index first, Index last,
-                    std::vector<double>& work) {
-  const Index lo = std::max({Index{1}, first, k - reach});
-  const Index hi = std::min({power.size() - 1, last, k + reach});
-  if (hi < lo) return 0;
+double local_median(const Eigen::VectorXd& power, Index k, Index reach, std::vector<double>& work) {
+  const Index lo = std::max<Index>(1, k - reach), hi = std::min(power.size() - 1, k + reach);
   work.assign(power.data() + lo, power.data() + hi + 1);
   const auto middle = work.begin() + static_cast<std::ptrdiff_t>(work.size() / 2);
   std::nth_element(work.begin(), middle, work.end());
@@ -123,13 +120,9 @@ class PeakCollector {
 };
 
 // White-equivalent noise beside each peak.
-void read_noise(std::vector<DecayCandidate>& peaks, const LineSpectrum& undamped,
-                const DecaySearchOptions& options) {
+void read_noise(std::vector<DecayCandidate>& peaks, const LineSpectrum& undamped) {
   const auto n = static_cast<double>(undamped.samples);
   std::vector<double> work;
-  // Beside the band there is nothing.
-  const auto first = static_cast<Index>(std::ceil(options.band_low * undamped.lines_per_cycle));
-  const auto last = static_cast<Index>(std::floor(options.band_high * undamped.lines_per_cycle));
   for (auto& c : peaks) {
     const auto k =
         static_cast<Index>(std::lround(c.pole.imag() / kTwoPi * undamped.lines_per_cycle));
@@ -139,9 +132,9 @@ void read_noise(std::vector<DecayCandidate>& peaks, const LineSpectrum& undamped
         std::clamp(0.5 * line, 8.0, 64.0) - 2 * c.pole.real() * n / std::numbers::pi;
     const auto reach = static_cast<Index>(lines * undamped.lines_per_cycle / n);
     // Median of an exponential distribution of mean 2 s^2 is 2 s^2 ln 2.
-    c.noise_variance = std::max(
-        local_median(undamped.power, k, reach, first, last, work) / (2 * std::numbers::ln2),
-        1e-30 * undamped.total / n);
+    c.noise_variance =
+        std::max(local_median(undamped.power, k, reach, work) / (2 * std::numbers::ln2),
+                 1e-30 * undamped.total / n);
   }
 }
 
@@ -184,38 +177,12 @@ LineSpectrum line_spectrum(const Eigen::Ref<const Eigen::VectorXd>& y) {
   return out;
 }
 
-namespace {
-
-std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks, Index samples,
-                                            const DecaySearchOptions& options) {
-  // Strongest first: what is weaker may be no more than the spread skirt of what is stronger.
-  std::erase_if(peaks, [&](const DecayCandidate& c) {
-    return c.energy < options.energy_over_noise * c.noise_variance;
-  });
-  std::sort(peaks.begin(), peaks.end(),
-            [](const auto& l, const auto& r) { return l.energy > r.energy; });
-  // Distinct: further apart than the lines' own widths.
-  std::vector<DecayCandidate> distinct;
-  for (const auto& c : peaks) {
-    if (static_cast<int>(distinct.size()) >= options.candidates) break;
-    const bool same = std::any_of(distinct.begin(), distinct.end(), [&](const DecayCandidate& d) {
-      const double width =
-          kTwoPi / static_cast<double>(samples) - 0.5 * (c.pole.real() + d.pole.real());
-      return std::abs(c.pole.imag() - d.pole.imag()) < 1.5 * width;
-    });
-    if (!same) distinct.push_back(c);
-  }
-  return distinct;
-}
-
-}  // namespace
-
 std::vector<DecayCandidate> search_lines(const LineSpectrum& spectrum,
                                          const DecaySearchOptions& options) {
   if (spectrum.samples < 4) return {};
   PeakCollector peaks(options, spectrum.samples, spectrum.total);
   peaks.add(spectrum.power, spectrum.lines_per_cycle, 0);
-  read_noise(peaks.found, spectrum, options);
+  read_noise(peaks.found, spectrum);
   return distinct_decays(std::move(peaks.found), spectrum.samples, options);
 }
 
@@ -244,26 +211,42 @@ std::vector<DecayCandidate> bank_peaks(const Eigen::Ref<const Eigen::VectorXd>& 
     peaks.add(a == 0 ? undamped.power : power, static_cast<double>(wanted), a);
   }
   fft.reset();
-  read_noise(peaks.found, undamped, options);
+  read_noise(peaks.found, undamped);
   return std::move(peaks.found);
 }
 
 }  // namespace
 
+std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y) {
+  return bank_peaks(y, {});
+}
+
+std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks, Index samples,
+                                            const DecaySearchOptions& options) {
+  // Strongest first: what is weaker may be no more than the spread skirt of what is stronger.
+  std::erase_if(peaks, [&](const DecayCandidate& c) {
+    return c.energy < options.energy_over_noise * c.noise_variance;
+  });
+  std::sort(peaks.begin(), peaks.end(),
+            [](const auto& l, const auto& r) { return l.energy > r.energy; });
+  // Distinct: further apart than the lines' own widths.
+  std::vector<DecayCandidate> distinct;
+  for (const auto& c : peaks) {
+    if (static_cast<int>(distinct.size()) >= options.candidates) break;
+    const bool same = std::any_of(distinct.begin(), distinct.end(), [&](const DecayCandidate& d) {
+      const double width =
+          kTwoPi / static_cast<double>(samples) - 0.5 * (c.pole.real() + d.pole.real());
+      return std::abs(c.pole.imag() - d.pole.imag()) < 1.5 * width;
+    });
+    if (!same) distinct.push_back(c);
+  }
+  return distinct;
+}
+
 std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
                                           const DecaySearchOptions& options) {
   if (!options.damped) return search_lines(line_spectrum(y), options);
   return distinct_decays(bank_peaks(y, options), y.size(), options);
-}
-
-double noise_beside(const DampedSinusoidsFit& fit, double f) {
-  constexpr double kReach = 0.05;
-  DecaySearchOptions beside;
-  beside.damped = false, beside.candidates = 1;
-  beside.band_low = fit.low, beside.band_high = fit.high;
-  beside.lowest = std::max(fit.low, f - kReach), beside.highest = std::min(fit.high, f + kReach);
-  const auto floor = search_lines(line_spectrum(fit.residual), beside);
-  return floor.empty() ? fit.variance() : floor.front().noise_variance;
 }
 
 std::vector<DecayCandidate> few_cycle_starts(const Eigen::Ref<const Eigen::VectorXd>& y,
@@ -300,9 +283,8 @@ std::vector<DecayCandidate> few_cycle_starts(const Eigen::Ref<const Eigen::Vecto
     for (double cycles = lowest; cycles <= std::min(top, 0.5 * n); cycles *= 1.12) {
       if (decays > 12 * cycles) continue;
       const Complex pole(-decays / n, kTwoPi * cycles / n);
-      const auto fit =
-          fit_damped_sinusoids(even_samples(coarse), std::span(&pole, 1), evaluate_only);
-      if (!fit.usable()) continue;
+      const auto fit = fit_damped_sinusoids(coarse, std::span(&pole, 1), evaluate_only);
+      if (fit.unit_covariance.size() == 0) continue;
       starts.push_back(
           {pole / static_cast<double>(block), -fit.residual_sum_squares, candidate.noise_variance});
     }

@@ -12,16 +12,13 @@
 #include <span>
 #include <vector>
 
-#include "signal/sinusoids/damped_sinusoids.h"
-
 namespace rigfit::signal {
 
 struct DecaySearchOptions {
-  double lowest = 0;                     ///< cycles per sample; peaks below are not looked at
-  double highest = 0.5;                  ///< cycles per sample
-  double band_low = 0, band_high = 0.5;  ///< that the samples hold; beside it there is no noise
-  int candidates = 3;                    ///< at most so many distinct peaks, best first
-  bool damped = true;                    ///< false: the undamped filter only
+  double lowest = 0;             ///< cycles per sample; peaks below are not looked at
+  double highest = 0.5;          ///< cycles per sample
+  int candidates = 3;            ///< at most so many distinct peaks, best first
+  bool damped = true;            ///< false: the undamped filter only
   double energy_over_noise = 0;  ///< peaks with less are left out; see `detection_threshold`
 };
 
@@ -47,6 +44,15 @@ struct LineSpectrum {
 [[nodiscard]] std::vector<DecayCandidate> search_lines(const LineSpectrum& spectrum,
                                                        const DecaySearchOptions& options = {});
 
+/// What `search_decays` chooses from: the strongest peaks of the damped bank at all frequencies,
+/// with their noise, in no order and not distinct.
+[[nodiscard]] std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y);
+/// Its choice among them for a record of so many samples; `lowest`, `highest` and `damped` of the
+/// options are not looked at.
+[[nodiscard]] std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks,
+                                                          Eigen::Index samples,
+                                                          const DecaySearchOptions& options = {});
+
 /// Starts for a pole near `candidate` that lives for a few cycles only, where the two halves of the
 /// spectrum and the background overlap and the bank misleads: the fit's own functional (offset and
 /// drift included) on a grid of frequencies and decay rates, best first. Empty when `candidate`
@@ -54,10 +60,6 @@ struct LineSpectrum {
 [[nodiscard]] std::vector<DecayCandidate> few_cycle_starts(
     const Eigen::Ref<const Eigen::VectorXd>& y, const DecayCandidate& candidate,
     const DecaySearchOptions& options = {});
-
-/// Variance of white noise of the density beside what a fit leaves at frequency `f`, cycles per
-/// sample; at the mode itself more than noise may be left.
-[[nodiscard]] double noise_beside(const DampedSinusoidsFit& fit, double f);
 
 /// Energy over noise that the best of all cells of the bank exceeds in noise alone with probability
 /// `false_alarm`.

@@ -118,6 +118,7 @@ class Refusals(unittest.TestCase):
         self.both(2, None, "decay ring.csv --band 50 20", rigfit.decay, "ring.csv", band=(50, 20))
         self.both(2, None, "decay ring.csv --band 300 400", rigfit.decay, "ring.csv", band=(300, 400))
         self.both(4, "constant", "decay still.csv", rigfit.decay, "still.csv")
+        self.both(4, "not_uniform", "decay uneven.csv", rigfit.decay, "uneven.csv")
         self.both(4, "too_few_samples", "decay ring.csv --start 0.5 --end 0.504", rigfit.decay, "ring.csv", start=0.5, end=0.504)
 
     def test_hits(self):

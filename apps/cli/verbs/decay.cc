@@ -27,11 +27,11 @@ constexpr const char* kDecayExample = R"(Example:
   rigfit decay tap.csv --channel tension
   rigfit decay swing.csv --channel gyro --start 1.5 --end 20 --band 0.4 1 --json -
   rigfit decay taps.csv --channel tension --each
-Times are those of the file; uneven ones are used as they are. Without --start the decay is looked
-for: after an impact, up to the next impact. Samples on a rail are missing samples. All decays of the record are listed, the strongest is
+Times are those of the file. Without --start the decay is looked for: after an impact, after
+clipped samples, up to the next impact. All decays of the record are listed, the strongest is
 fitted; with --each every one is, and their modes are pooled. Frequencies are undamped natural ones,
-f sqrt(1 - zeta^2) is given as damped_frequency_hz. With --band, decays are looked for and fitted in
-the band alone and a quarter of its width beside it.)";
+f sqrt(1 - zeta^2) is given as damped_frequency_hz. With --band, decays are looked for in the band;
+modes outside are fitted but not reported.)";
 
 Json json_of(const signal::DecayMode& mode, double window_s) {
   Json out;
@@ -51,6 +51,9 @@ Json json_of(const signal::DecayMode& mode, double window_s) {
   }
   out["cycles"] = mode.cycles;
   out["r_squared"] = mode.r_squared;
+  out["detection"] = mode.detection;
+  out["doubtful"] = mode.doubtful;
+  if (mode.doubtful) out["doubt"] = mode.doubt;
   out["amplitude"] = mode.amplitude;
   out["phase_rad"] = mode.phase_rad;
   out["time_constants"] =
@@ -242,6 +245,7 @@ Json decay_result(const signal::Recording& recording, const DecayCommand& comman
   result["steady_tones"] = std::move(tones);
   result["noise_std"] = r.noise_std;
   result["signal_to_noise_db"] = r.signal_to_noise_db;
+  result["residual_order"] = r.residual_order;
   result["degrees_of_freedom"] = r.degrees_of_freedom;
   print(command, channel, found.start_s, found.end_s, r, context.out);
   if (command.each) print(found, context.out);

@@ -17,12 +17,6 @@ namespace {
 using Eigen::Index;
 
 Index sample_at(const signal::Recording& recording, double time_s, bool up) {
-  const auto& times = recording.time_s;
-  if (times.size() > 0) {
-    const auto at = up ? std::lower_bound(times.begin(), times.end(), time_s)
-                       : std::upper_bound(times.begin(), times.end(), time_s);
-    return at - times.begin();
-  }
   const double j = (time_s - recording.start_time_s) * recording.sample_rate_hz;
   const auto n = static_cast<double>(recording.samples());
   // Times as printed are rounded: a millionth of a sample past one is that one.
@@ -37,7 +31,7 @@ const signal::DecayMode* same_mode(const signal::DecayMode& mode,
   double least = 0.05 * mode.frequency_hz.value;
   for (const auto& one : other.modes) {
     const double apart = std::abs(one.frequency_hz.value - mode.frequency_hz.value);
-    if (apart < least) least = apart, best = &one;
+    if (apart < least && !one.doubtful) least = apart, best = &one;
   }
   return best;
 }
@@ -114,22 +108,15 @@ class ChannelAnalysis {
     result_.sample_rate_hz = recording.sample_rate_hz;
     result_.start_time_s =
         recording.start_time_s + static_cast<double>(from) / recording.sample_rate_hz;
-    measured_ = channel.samples.segment(from, to - from);
-    if (recording.time_s.size() == 0) {
-      result_.samples = measured_;
-      return;
-    }
-    times_ = recording.time_s.segment(from, to - from);
-    result_.start_time_s = times_(0);
-    result_.samples = at_even_times();
+    result_.samples = channel.samples.segment(from, to - from);
   }
 
   ChannelDecays run() {
     signal::DecayOptions decay = options_.decay;
-    decay.start_time_s = result_.start_time_s, decay.time_s = times_;
+    decay.start_time_s = result_.start_time_s;
     if (options_.start_s) decay.choose_window = decay.trim_start = false;
     auto& strongest = result_.strongest;
-    strongest = signal::estimate_decay(measured_, result_.sample_rate_hz, decay);
+    strongest = signal::estimate_decay(result_.samples, result_.sample_rate_hz, decay);
     result_.start_s = time(strongest.start), result_.end_s = time(strongest.end - 1);
     add_findings(strongest, result_.channel);
     for (std::size_t k = 0; k < strongest.decays.size(); ++k) {
@@ -153,35 +140,12 @@ class ChannelAnalysis {
     return result_.start_time_s + static_cast<double>(sample) / result_.sample_rate_hz;
   }
 
-  /// Between the neighbours, for pictures.
-  [[nodiscard]] Eigen::VectorXd at_even_times() const {
-    const auto count = static_cast<Index>(std::ceil((times_(times_.size() - 1) - times_(0)) *
-                                                    result_.sample_rate_hz)) +
-                       1;
-    Eigen::VectorXd even(count);
-    Index next = 1;
-    for (Index j = 0; j < count; ++j) {
-      const double t = std::min(time(j), times_(times_.size() - 1));
-      while (next + 1 < times_.size() && times_(next) < t) ++next;
-      const double share = (t - times_(next - 1)) / (times_(next) - times_(next - 1));
-      even(j) = (1 - share) * measured_(next - 1) + share * measured_(next);
-    }
-    return even;
-  }
-
   void fit(FoundDecay& found, const signal::DecayWindow& window, signal::DecayOptions decay) {
     decay.choose_window = false;
     decay.start_time_s = found.start_s;
-    Index from = window.start, count = window.end - window.start;
-    if (times_.size() > 0) {
-      const auto place = [&](Index sample) {
-        return std::lower_bound(times_.begin(), times_.end(), time(sample)) - times_.begin();
-      };
-      from = place(window.start), count = place(window.end) - from;
-      decay.time_s = times_.segment(from, count);
-    }
     found.result =
-        signal::estimate_decay(measured_.segment(from, count), result_.sample_rate_hz, decay);
+        signal::estimate_decay(result_.samples.segment(window.start, window.end - window.start),
+                               result_.sample_rate_hz, decay);
     const std::string where = fmt::format("{} at {:.6g} s", result_.channel, found.start_s);
     found.fitted = found.result->refusal_code.empty();
     if (found.fitted) {
@@ -206,21 +170,23 @@ class ChannelAnalysis {
   }
 
   const DecayTestOptions& options_;
-  Eigen::VectorXd measured_, times_;  // times empty: even
   ChannelDecays result_;
 };
 
 }  // namespace
 
-std::optional<Finding> without_rate(const signal::Recording& recording) {
-  if (recording.sample_rate_hz > 0) return std::nullopt;
-  return Finding{"no_rate", "gives no sample rate; state it (sample_rate_hz, --sample-rate)", "",
-                 true};
+std::optional<Finding> not_uniform(const signal::Recording& recording) {
+  if (recording.time_s.size() == 0 && recording.sample_rate_hz > 0) return std::nullopt;
+  return Finding{"not_uniform",
+                 recording.time_s.size() > 0
+                     ? "samples are not evenly spaced in time; resample the recording first"
+                     : "gives no sample rate; state it (sample_rate_hz, --sample-rate)",
+                 "", true};
 }
 
 DecayTest run_decay_test(const signal::Recording& recording, const DecayTestOptions& options) {
   DecayTest test;
-  if (auto refused = without_rate(recording)) {
+  if (auto refused = not_uniform(recording)) {
     test.findings.push_back(std::move(*refused));
     return test;
   }

@@ -48,7 +48,7 @@ struct ChannelDecays {
   std::string channel, unit;
   double sample_rate_hz = 0;
   double start_time_s = 0;         ///< of `samples`
-  Eigen::VectorXd samples;         ///< between start and end, at even times
+  Eigen::VectorXd samples;         ///< between start and end
   double start_s = 0, end_s = 0;   ///< of the window of `strongest`
   signal::DecayResult strongest;   ///< as signal/decay/decay.h has it
   std::vector<FoundDecay> decays;  ///< in time, one at least
@@ -56,14 +56,14 @@ struct ChannelDecays {
   std::vector<Finding> findings;   ///< refused: the strongest decay has no result
 };
 
-/// One entry a channel; a recording without a rate has none and a finding instead.
+/// One entry a channel; a recording that is not evenly sampled has none and a finding instead.
 struct DecayTest {
   std::vector<ChannelDecays> channels;
   std::vector<Finding> findings;
 };
 
-/// Why no decay can be taken from this recording ("no_rate"); empty: one can.
-[[nodiscard]] std::optional<Finding> without_rate(const signal::Recording& recording);
+/// Why no decay can be taken from this recording ("not_uniform"); empty: one can.
+[[nodiscard]] std::optional<Finding> not_uniform(const signal::Recording& recording);
 
 /// Throws RecordingError for a channel that is not there, std::invalid_argument when nothing lies
 /// between start and end.

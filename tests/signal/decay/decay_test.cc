@@ -77,7 +77,7 @@ TEST(Decay, AxialTestReachesTheCramerRaoBound) {
       DampedSinusoidsOptions at_truth;
       at_truth.max_iterations = 0;
       const Complex p = pole(truth, 500);
-      const auto bound = fit_damped_sinusoids(even_samples(y), std::span(&p, 1), at_truth);
+      const auto bound = fit_damped_sinusoids(y, std::span(&p, 1), at_truth);
       const double df = mode.frequency_hz.value - truth.f,
                    dz = mode.damping_ratio.value - truth.zeta;
       sf += df, sff += df * df, sz += dz, szz += dz * dz;
@@ -124,7 +124,7 @@ TEST(Decay, FromLightToHeavyFromTwoCyclesToThousands) {
   }
 }
 
-TEST(Decay, ClippedSamplesAreMissingSamples) {
+TEST(Decay, StartsAfterClippedSamplesTooFewToBeFlat) {
   // Ten samples a cycle: a top cut at 0.8 of the amplitude loses two samples. Five standard
   // uncertainties; left in, they are wrong by more.
   for (const double level : {0.8, 0.6}) {
@@ -137,6 +137,10 @@ TEST(Decay, ClippedSamplesAreMissingSamples) {
     ASSERT_EQ(result.modes.size(), 1u) << level;
     const auto& zeta = result.modes[0].damping_ratio;
     EXPECT_NEAR(zeta.value, 0.01, 5 * zeta.std) << level;
+    // Where the person names the stretch it is fitted, and said.
+    DecayOptions as_given;
+    as_given.choose_window = as_given.trim_start = false;
+    EXPECT_TRUE(level > 0.7 || says(estimate_decay(y, 500, as_given), "clipped"));
   }
 }
 
@@ -230,21 +234,43 @@ TEST(Decay, ColouredNoiseAloneIsNoMode) {
     double last = 2.3 * normal(generator);
     for (double& v : y) v = last = 0.9 * last + normal(generator);
     const auto result = estimate_decay(y, 500);
-    given += result.refusal_code.empty();
+    if (!result.refusal_code.empty()) continue;
+    ++given;
+    // What still comes out is said to be doubtful, or explains most of the record.
+    EXPECT_TRUE(says(result, "doubtful_mode") || result.modes[0].r_squared > 0.8) << seed;
   }
-  EXPECT_EQ(given, 0);
+  EXPECT_LE(given, 2);
 }
 
-TEST(Decay, WhatNoiseNearlyHidesIsRefused) {
-  // 0 dB: 47 times the noise's variance, under the 100 that a linear interval needs.
+TEST(Decay, InNoiseTheIntervalsStillHoldAndNearItsLimitItSaysSo) {
+  // 5 dB: one linear standard uncertainty covers 92 %, the likelihood's interval 94 to 95 %.
+  int in_f = 0, in_z = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    Records records(seed + 50);
+    const auto result = estimate_decay(records.decay({{50, 0.017, 1}}, 500, 500, noise_of(5)), 500);
+    ASSERT_TRUE(result.refusal.empty()) << result.refusal;
+    const auto& mode = result.modes[0];
+    in_f += mode.frequency_interval_95_hz.low < 50 && mode.frequency_interval_95_hz.high > 50;
+    in_z +=
+        mode.damping_ratio_interval_95.low < 0.017 && mode.damping_ratio_interval_95.high > 0.017;
+  }
+  // 95 % of 200 less three standard deviations (3.1 each).
+  EXPECT_GE(in_f, 181);
+  EXPECT_GE(in_z, 181);
+  // 0 dB: 1.4 times the limit, with a standard deviation of 0.4; the note ends at 2.5.
+  int given = 0, said = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     Records records(seed + 70);
     const auto result = estimate_decay(records.decay({{50, 0.017, 1}}, 500, 500, noise_of(0)), 500);
-    EXPECT_EQ(result.refusal_code, "too_noisy") << seed;
+    if (!result.refusal.empty()) continue;
+    ++given;
+    said += says(result, "near_noise");
   }
+  EXPECT_GT(given, 10);
+  EXPECT_GE(said, given - 2);
 }
 
-TEST(Decay, FlatTopsAreMissingSamples) {
+TEST(Decay, StartsAfterClipping) {
   Records records(8);
   auto y = records.decay({{50, 0.01, 1}}, 5000, 5000, 0.001);
   for (double& v : y) v = std::clamp(v, -0.6, 0.9);
@@ -277,23 +303,6 @@ TEST(Decay, HumIsKeptOutOfTheModes) {
   EXPECT_NEAR(result.modes[0].frequency_hz.value, 31, 5 * result.modes[0].frequency_hz.std);
 }
 
-// Hum of a twentieth of the amplitude, 0.25 Hz beside a mode that it beats with for a second.
-TEST(Decay, HumThatStandsAloneBeforeTheImpactIsSaid) {
-  for (const double hum : {0.05, 0.0}) {
-    Records records(35);
-    Eigen::VectorXd y(1500);
-    const Complex p = pole({50.25, 0.002, 1}, 1000);
-    for (Index j = 0; j < y.size(); ++j) {
-      y(j) = hum * std::cos(0.1 * std::numbers::pi * static_cast<double>(j) + 1);
-      if (j > 500) y(j) += std::exp(p * static_cast<double>(j - 500)).imag();
-    }
-    records.add_noise(y, 0.007);
-    const auto result = estimate_decay(y, 1000);
-    ASSERT_EQ(result.modes.size(), 1u) << result.refusal;
-    EXPECT_EQ(says(result, "tone_beside"), hum > 0);
-  }
-}
-
 TEST(Decay, ABandChoosesTheModeWithoutFilteringTheRecord) {
   Records records(11);
   const auto y = records.decay({{20, 0.01, 1}, {90, 0.02, 0.2}}, 1000, 2000, 0.005);
@@ -311,69 +320,6 @@ TEST(Decay, ABandChoosesTheModeWithoutFilteringTheRecord) {
             std::string::npos);
   options.band_low_hz = 120, options.band_high_hz = 60;
   EXPECT_THROW((void)estimate_decay(y, 1000, options), std::invalid_argument);
-}
-
-TEST(Decay, AWeakModeIsFoundInItsBandAtAnyRate) {
-  // 12 Hz at 7.3 kHz beside 13 stronger modes.
-  Records records(31);
-  std::vector<Mode> modes{{12, 0.01, 0.3}};
-  for (int k = 1; k < 14; ++k) modes.push_back({150.0 * k + 37 * k % 90, 0.004, 1});
-  const auto y = records.decay(modes, 7300, 60000, 0.1);
-  DecayOptions options;
-  options.band_low_hz = 6, options.band_high_hz = 25;
-  const auto result = estimate_decay(y, 7300, options);
-  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
-  ASSERT_EQ(result.modes.size(), 1u);
-  EXPECT_NEAR(result.modes[0].frequency_hz.value, 12, 3 * result.modes[0].frequency_hz.std);
-  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.01, 3 * result.modes[0].damping_ratio.std);
-  EXPECT_LT(result.modes[0].frequency_hz.std, 0.004);
-}
-
-TEST(Decay, ASteadyVibrationIsNoDecay) {
-  for (const double noise : {0.001, 0.03}) {
-    Records records(33);
-    const auto result = estimate_decay(records.decay({{120, 0, 1}}, 1000, 10000, noise), 1000);
-    EXPECT_EQ(result.refusal_code, "nothing_decays") << noise;
-  }
-}
-
-// The offset of an amplifier that recovers from the tap: 60 seeds, of which 57 are expected in the
-// interval, less three standard deviations (1.7 each).
-TEST(Decay, AnOffsetThatDecaysIsFittedBesideTheModes) {
-  int in_f = 0, in_z = 0;
-  for (unsigned seed = 0; seed < 60; ++seed) {
-    Records records(seed + 300);
-    auto y = records.decay({{48, 0.017, 100}}, 500, 2000, 0.1);
-    for (Index j = 0; j < y.size(); ++j) y(j) += 40 * std::exp(-static_cast<double>(j) / 75);
-    const auto result = estimate_decay(y, 500);
-    ASSERT_TRUE(result.refusal.empty()) << result.refusal;
-    EXPECT_NEAR(result.offset_decays_s, 0.15, 0.005) << seed;
-    const auto& f = result.modes[0].frequency_interval_95_hz;
-    const auto& z = result.modes[0].damping_ratio_interval_95;
-    in_f += f.low < 48 && 48 < f.high, in_z += z.low < 0.017 && 0.017 < z.high;
-  }
-  EXPECT_GE(in_f, 52);
-  EXPECT_GE(in_z, 52);
-}
-
-TEST(Decay, UnevenTimesAreUsedAsTheyAreWithClippedSamplesLeftOut) {
-  std::mt19937_64 random(41);
-  std::uniform_real_distribution<double> shift(-0.3, 0.3);
-  std::normal_distribution<double> normal(0, 0.002);
-  DecayOptions options;
-  options.time_s.resize(1000);
-  Eigen::VectorXd y(1000);
-  const Complex p = pole({21.5, 0.02, 1}, 1);
-  for (Index j = 0; j < y.size(); ++j) {
-    const double t = options.time_s(j) = (static_cast<double>(j) + shift(random)) / 500;
-    y(j) = std::min(0.7, (Complex(0, -1) * std::exp(p * t)).real() + normal(random));
-  }
-  const auto result = estimate_decay(y, 500, options);
-  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
-  EXPECT_TRUE(says(result, "clipped"));
-  ASSERT_EQ(result.modes.size(), 1u);
-  EXPECT_NEAR(result.modes[0].frequency_hz.value, 21.5, 3 * result.modes[0].frequency_hz.std);
-  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.02, 3 * result.modes[0].damping_ratio.std);
 }
 
 TEST(Decay, RefusesWithAReason) {
@@ -394,7 +340,7 @@ TEST(Decay, RefusesWithAReason) {
   for (Index j = 0; j < 500; ++j)
     grows(j) = std::exp(0.004 * static_cast<double>(j)) * std::sin(0.6 * static_cast<double>(j));
   records.add_noise(grows, 0.01);
-  EXPECT_EQ(estimate_decay(grows, 500).refusal_code, "nothing_decays");
+  EXPECT_EQ(estimate_decay(grows, 500).refusal_code, "grows");
   EXPECT_THROW((void)estimate_decay(noise, 0), std::invalid_argument);
 }
 
