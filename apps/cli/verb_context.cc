@@ -37,8 +37,8 @@ void VerbContext::warn(std::string code, std::string message, std::string where)
 void VerbContext::refuse(std::string code, std::string message, std::string where) {
   if (!silent) {
     Progress::erase();
-    std::cerr << on_terminal(TerminalColour::red, "refused:") << ' ' << (where.empty() ? "" : where + ": ")
-              << message << '\n';
+    std::cerr << on_terminal(TerminalColour::red, "refused:") << ' '
+              << (where.empty() ? "" : where + ": ") << message << '\n';
   }
   warnings_.push_back({std::move(code), std::move(message), std::move(where), true});
   exit_code = ExitCode::refused;
@@ -47,8 +47,8 @@ void VerbContext::refuse(std::string code, std::string message, std::string wher
 void VerbContext::fail(std::string message, std::string where) {
   if (!silent) {
     Progress::erase();
-    std::cerr << on_terminal(TerminalColour::red, "error:") << ' ' << (where.empty() ? "" : where + ": ")
-              << message << '\n';
+    std::cerr << on_terminal(TerminalColour::red, "error:") << ' '
+              << (where.empty() ? "" : where + ": ") << message << '\n';
   }
   warnings_.push_back({"not_converged", std::move(message), std::move(where)});
   exit_code = ExitCode::not_converged;

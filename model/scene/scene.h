@@ -63,7 +63,7 @@ struct Member {
   int segments = 0;            ///< 0: "auto" by the scene's accuracy
   double mass_per_length = 0;  ///< kg/m at the first node
   MassOf mass_of = MassOf::unsaid;
-  double EA = 0;               ///< N
+  double EA = 0;  ///< N
   std::array<double, 2> EI{
       0, 0};      ///< N m^2 about z (in-plane bending), about the horizontal in-plane axis
   double GJ = 0;  ///< N m^2

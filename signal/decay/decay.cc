@@ -79,7 +79,7 @@ class Estimation {
       return result_;
     }
     describe_decay(result_, samples_, *fit_, band_, {rate_, taken_.shift}, options_);
-    for (const SteadyTone& tone : tones_) {
+    for (const DecayTone& tone : tones_) {
       DecayMode steady;
       steady.frequency_hz.value = steady.damped_frequency_hz.value =
           (tone.w / kTwoPi + taken_.shift) * rate_;
@@ -283,7 +283,7 @@ class Estimation {
   DecaySamples samples_;
   std::vector<DecayCandidate> peaks_;  // of the window, where they are known
   std::optional<DampedSinusoidsFit> fit_;
-  std::vector<SteadyTone> tones_;
+  std::vector<DecayTone> tones_;
   ToneStretches stretches_;
   bool moved_start_ = false;
 };

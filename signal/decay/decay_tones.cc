@@ -24,7 +24,7 @@ constexpr double kSmallStep = 1e-3;
 // The slowest mode has fallen by e^-7, to a thousandth.
 constexpr double kDeadTimeConstants = 7;
 
-Eigen::VectorXd at_samples(const SteadyTone& tone, Index from, Index to) {
+Eigen::VectorXd at_samples(const DecayTone& tone, Index from, Index to) {
   Eigen::VectorXd values(to - from);
   const Complex q = std::polar(1.0, tone.w);
   Complex z = 0;
@@ -43,8 +43,7 @@ Eigen::VectorXd at_samples(const SteadyTone& tone, Index from, Index to) {
 struct Joint {
   Eigen::MatrixXd inside, before, inverse;  // the last one empty: they cannot be told apart
 
-  Joint(const DampedSinusoidsFit& fit, const std::vector<SteadyTone>& tones,
-        const ToneStretches& at)
+  Joint(const DampedSinusoidsFit& fit, const std::vector<DecayTone>& tones, const ToneStretches& at)
       : inside(columns(tones, at.start, at.start, at.start + fit.samples)),
         before(columns(tones, at.start, 0, at.quiet)) {
     const Index own = fit.jacobian_gram.rows(), more = inside.cols();
@@ -61,7 +60,7 @@ struct Joint {
   }
 
  private:
-  static Eigen::MatrixXd columns(const std::vector<SteadyTone>& tones, Index start, Index from,
+  static Eigen::MatrixXd columns(const std::vector<DecayTone>& tones, Index start, Index from,
                                  Index to) {
     Eigen::MatrixXd all(to - from, 3 * static_cast<Index>(tones.size()));
     for (std::size_t k = 0; k < tones.size(); ++k) {
@@ -84,8 +83,8 @@ class ToneFit {
           const DampedSinusoidsFit& fit, double false_alarm)
       : y_(y), at_(stretches), false_alarm_(false_alarm), fit_(fit) {}
 
-  std::vector<SteadyTone> run() {
-    for (const SteadyTone& tone : alone()) {
+  std::vector<DecayTone> run() {
+    for (const DecayTone& tone : alone()) {
       tones_.push_back(tone);
       if (static_cast<int>(tones_.size()) == kMostTones) break;
     }
@@ -93,7 +92,7 @@ class ToneFit {
     // A mode that the first fit spent on a tone is not needed any more.
     std::vector<Complex> poles;
     for (const Complex pole : fit_.poles) {
-      const bool taken = std::any_of(tones_.begin(), tones_.end(), [&](const SteadyTone& tone) {
+      const bool taken = std::any_of(tones_.begin(), tones_.end(), [&](const DecayTone& tone) {
         const double line = kTwoPi / static_cast<double>(fit_.samples);
         return std::abs(pole.imag() - tone.w) < line &&
                std::abs(pole.real()) * static_cast<double>(fit_.samples) < 0.3;
@@ -115,7 +114,7 @@ class ToneFit {
 
  private:
   /// Lines of the stretch before the impact, else of the end where the modes have died.
-  [[nodiscard]] std::vector<SteadyTone> alone() const {
+  [[nodiscard]] std::vector<DecayTone> alone() const {
     double slowest = std::numeric_limits<double>::infinity();
     for (const Complex p : fit_.poles) {
       if (-p.real() * static_cast<double>(fit_.samples) > 1) slowest = std::min(slowest, -p.real());
@@ -127,14 +126,14 @@ class ToneFit {
     return lines(dead, at_.end);
   }
 
-  [[nodiscard]] std::vector<SteadyTone> lines(Index from, Index to) const {
+  [[nodiscard]] std::vector<DecayTone> lines(Index from, Index to) const {
     constexpr Index kFewest = 32;
     if (to - from < kFewest) return {};
     Eigen::VectorXd left = y_.segment(from, to - from);
     DecaySearchOptions search;
     search.candidates = 1, search.lowest = 4 / static_cast<double>(to - from);
     search.energy_over_noise = detection_threshold(to - from, false_alarm_);
-    std::vector<SteadyTone> found;
+    std::vector<DecayTone> found;
     // One at a time: beside a strong one stand the side lobes of its line.
     for (int k = 0; k < kMostTones; ++k) {
       const DecaySamples samples = decay_samples(left, 0, to - from);
@@ -165,7 +164,7 @@ class ToneFit {
   /// The window without the tones.
   [[nodiscard]] DecaySamples window() const {
     DecaySamples samples = decay_samples(y_, at_.start, at_.end);
-    for (const SteadyTone& tone : tones_) {
+    for (const DecayTone& tone : tones_) {
       samples.values -= at_samples(tone, at_.start, at_.end);
     }
     for (const Index j : samples.missing) samples.values(j) = 0;
@@ -179,7 +178,7 @@ class ToneFit {
     const Index more = joint.inside.cols();
     if (joint.inverse.size() == 0) return {};
     Eigen::VectorXd quiet = decay_samples(y_, 0, at_.quiet).values;
-    for (const SteadyTone& tone : tones_) quiet -= at_samples(tone, 0, at_.quiet);
+    for (const DecayTone& tone : tones_) quiet -= at_samples(tone, 0, at_.quiet);
     if (at_.quiet > 0) quiet.array() -= quiet.mean();
     for (Index j = 0; j < at_.quiet; ++j) {
       if (!std::isfinite(y_(j))) quiet(j) = 0;
@@ -191,7 +190,7 @@ class ToneFit {
                            std::max(fit_.residual_sum_squares, 1e-300);
     const auto start = static_cast<double>(at_.start);
     for (std::size_t k = 0; k < tones_.size(); ++k) {
-      SteadyTone& tone = tones_[k];
+      DecayTone& tone = tones_[k];
       const auto own = delta.segment<3>(static_cast<Index>(3 * k));
       const Complex at_start =
           tone.amplitude * std::polar(1.0, tone.w * start) + Complex(own(0), own(1));
@@ -206,23 +205,23 @@ class ToneFit {
   const ToneStretches& at_;
   double false_alarm_;
   DampedSinusoidsFit fit_;
-  std::vector<SteadyTone> tones_;
+  std::vector<DecayTone> tones_;
 };
 
 }  // namespace
 
-std::vector<SteadyTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                     const ToneStretches& stretches, const DampedSinusoidsFit& fit,
-                                     double false_alarm) {
+std::vector<DecayTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                    const ToneStretches& stretches, const DampedSinusoidsFit& fit,
+                                    double false_alarm) {
   return ToneFit(y, stretches, fit, false_alarm).run();
 }
 
-void subtract_tones(Eigen::VectorXd& y, const std::vector<SteadyTone>& tones) {
-  for (const SteadyTone& tone : tones) y -= at_samples(tone, 0, y.size());
+void subtract_tones(Eigen::VectorXd& y, const std::vector<DecayTone>& tones) {
+  for (const DecayTone& tone : tones) y -= at_samples(tone, 0, y.size());
 }
 
 Eigen::MatrixXd covariance_beside_tones(const DampedSinusoidsFit& fit,
-                                        const std::vector<SteadyTone>& tones,
+                                        const std::vector<DecayTone>& tones,
                                         const ToneStretches& stretches) {
   const Joint joint(fit, tones, stretches);
   const Index own = fit.jacobian_gram.rows();

@@ -16,7 +16,7 @@
 
 namespace rigfit::signal {
 
-struct SteadyTone {
+struct DecayTone {
   double w = 0;                    ///< rad per sample
   std::complex<double> amplitude;  ///< at sample 0 of the record
 };
@@ -29,18 +29,18 @@ struct ToneStretches {
 
 /// Tones of the record `y` (NaN where missing) beside the modes of `fit` to the window. Empty when
 /// none stands out of the noise where it is alone.
-[[nodiscard]] std::vector<SteadyTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                                   const ToneStretches& stretches,
-                                                   const DampedSinusoidsFit& fit,
-                                                   double false_alarm);
+[[nodiscard]] std::vector<DecayTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                                  const ToneStretches& stretches,
+                                                  const DampedSinusoidsFit& fit,
+                                                  double false_alarm);
 
 /// The record without the tones.
-void subtract_tones(Eigen::VectorXd& y, const std::vector<SteadyTone>& tones);
+void subtract_tones(Eigen::VectorXd& y, const std::vector<DecayTone>& tones);
 
 /// (J'J)^-1 of the modes of `fit`, to the window without the tones, when the tones are fitted too;
 /// empty when they cannot be told apart.
 [[nodiscard]] Eigen::MatrixXd covariance_beside_tones(const DampedSinusoidsFit& fit,
-                                                      const std::vector<SteadyTone>& tones,
+                                                      const std::vector<DecayTone>& tones,
                                                       const ToneStretches& stretches);
 
 }  // namespace rigfit::signal

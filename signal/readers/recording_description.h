@@ -14,9 +14,9 @@
 //   sensitivity_unit = "mV/N"     # the file's unit (or one like it) per unit of what is measured
 //   direction = [0.0, -1.0, 0.0]  # of positive values, scene axes
 //
-// `unit` (beside a sensitivity only where the file gives none) is that of its numbers; `scale` (they
-// times it are in `unit`) and `offset` (added after it, in `unit`) turn the file's numbers into it.
-// `range` is the full scale, in the unit that results.
+// `unit` (beside a sensitivity only where the file gives none) is that of its numbers; `scale`
+// (they times it are in `unit`) and `offset` (added after it, in `unit`) turn the file's numbers
+// into it. `range` is the full scale, in the unit that results.
 #pragma once
 
 #include <array>

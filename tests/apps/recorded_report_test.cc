@@ -433,7 +433,7 @@ synthetic = true
   const double modelled = answer["modes"][0]["frequency_hz"]["value"];
   // The record has seven digits and the same samples: the same estimate to about 1e-6.
   EXPECT_NEAR(found, modelled, 1e-4 * modelled);
-  EXPECT_THAT(out.read("report.html"), HasSubstr("Answer in time, test and model"));
+  EXPECT_THAT(out.read("report.html"), HasSubstr("Spectra, test and model"));
 }
 
 }  // namespace

@@ -15,11 +15,11 @@
 #include "ident/campaign/modal/mode_lines.h"
 #include "ident/predict/scene_prediction.h"
 #include "ident/virtual_rig/virtual_axial.h"
-#include "tests/bench/cable_update.h"
-#include "tests/reference/exact_bending_ratio.h"
 #include "ident/virtual_rig/virtual_bending.h"
 #include "signal/decay/decay.h"
+#include "tests/bench/cable_update.h"
 #include "tests/model/test_scenes.h"
+#include "tests/reference/exact_bending_ratio.h"
 
 namespace rigfit::ident {
 namespace {

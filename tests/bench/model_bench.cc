@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "tests/reference/utility_line.h"
 #include "model/frfs/frf_sensitivities.h"
 #include "model/linear/modal_analysis.h"
 #include "model/linear/modes.h"
@@ -12,6 +11,7 @@
 #include "tests/model/motion_scenes.h"
 #include "tests/model/test_scenes.h"
 #include "tests/reference/closed_forms.h"
+#include "tests/reference/utility_line.h"
 
 namespace rigfit::model {
 namespace {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "tests/reference/utility_line.h"
 #include "model/linear/modes.h"
 #include "model/linear/segment_choice.h"
 #include "tests/model/test_scenes.h"
 #include "tests/reference/closed_forms.h"
+#include "tests/reference/utility_line.h"
 
 namespace {
 

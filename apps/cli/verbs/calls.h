@@ -76,7 +76,7 @@ struct ModalCommand {
   double max_damping = signal::LscfOptions().max_damping_ratio;
   int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
   std::string out, synthesis;
-  bool all = false;  ///< print uncertain modes as well
+  bool all = false;                  ///< print uncertain modes as well
   std::vector<std::string> of_hits;  ///< options given that mean nothing for FRFs from a file
 };
 /// FRFs to identify, and where they are from.

@@ -33,7 +33,8 @@ std::vector<std::string> fitted_into(model::Scene& scene, const std::string& pat
     model::set_parameter(scene, known.name, known.value);
   }
   std::ifstream file(path, std::ios::binary);
-  for (const auto& row : Json::parse(file)["parameters"]) {
+  const Json fit = Json::parse(file);
+  for (const auto& row : fit["parameters"]) {
     if (!row.contains("low") || !row["low"].is_number() || !row["high"].is_number()) continue;
     lines.push_back(fmt::format("{} = {:.6g}, 95 %: {:.6g} to {:.6g}",
                                 row["name"].get<std::string>(), row["value"].get<double>(),

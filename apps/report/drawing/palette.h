@@ -1,8 +1,9 @@
-// Colours: of words by origin, of series in figures by their number. Any two origins, and the first
-// four series, stay apart for readers with normal vision, deuteranopia and protanopia (distance in
+// Colours: of words by origin, of series in figures by their number. Any two origins, and any two
+// series, stay apart for readers with normal vision, deuteranopia and protanopia (distance in
 // CIELAB of at least 20 under the matrices of Machado, Oliveira and Fernandes, IEEE Trans. Vis.
 // Comput. Graph. 15 (2009) 1291). Contrast against the paper: words 4.5 : 1 (WCAG 2), series 3 : 1
-// (WCAG 2.1, 1.4.11). Series have the hues of Okabe and Ito (Color Universal Design, 2008).
+// (WCAG 2.1, 1.4.11). The first four series have the hues of Okabe and Ito (Color Universal Design,
+// 2008).
 #pragma once
 
 #include <array>
@@ -28,8 +29,8 @@ inline constexpr std::array<Colour, 6> kSeriesColours{{{"#0072b2", "#56b4e9"},
                                                        {"#d55e00", "#ff8a3d"},
                                                        {"#111111", "#f2f2f2"},
                                                        {"#009e73", "#1fbf8f"},
-                                                       {"#a0378a", "#e58fd0"},
-                                                       {"#7a6a00", "#e8dc3a"}}};
+                                                       {"#7300e6", "#a855f7"},
+                                                       {"#6b2b00", "#fff04a"}}};
 
 /// On white; numbers beyond the list begin again.
 [[nodiscard]] const char* series_colour(int number);

@@ -5,9 +5,9 @@
 #include <random>
 #include <string>
 
-#include "tests/reference/exact_bending_ratio.h"
 #include "ident/bending/bending_equation.h"
 #include "tests/bench/hard_cases/hard_case.h"
+#include "tests/reference/exact_bending_ratio.h"
 
 namespace rigfit::hard_cases {
 namespace bending_area {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "ident/campaign/single_tests/bending_campaign.h"
-#include "ident/virtual_rig/virtual_bending.h"
 #include "ident/virtual_rig/sensor_model.h"
+#include "ident/virtual_rig/virtual_bending.h"
 
 namespace rigfit::ident::simulated {
 

@@ -5,9 +5,9 @@
 #include <Eigen/Dense>
 #include <random>
 
-#include "tests/reference/utility_line.h"
 #include "model/linear/modes.h"
 #include "tests/expect_matrix.h"
+#include "tests/reference/utility_line.h"
 
 namespace rigfit::model::bordered_envelope_test {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/reference/utility_line.h"
 #include "model/linear/modes.h"
+#include "tests/reference/utility_line.h"
 
 namespace rigfit::model::eigenpairs_test {
 namespace {

@@ -180,7 +180,6 @@ TEST_F(PublishedTables, SameNumbersOnOneThread) {
 }
 
 TEST(Report, WrongUsage) {
-  EXPECT_EQ(run_program({"report", kCampaign}).exit_code, 2);
   EXPECT_EQ(run_program({"report"}).exit_code, 2);
   const TemporaryFolder folder;
   const std::string file = folder.write("taken", "x");

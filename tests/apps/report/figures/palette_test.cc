@@ -60,9 +60,9 @@ std::vector<Matrix3d> visions() {
 }
 
 template <std::size_t N>
-void expect_apart(const std::array<Colour, N>& colours, std::size_t count) {
+void expect_apart(const std::array<Colour, N>& colours) {
   for (const Matrix3d& vision : visions()) {
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < N; ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         // 20 is about ten times the least difference that is seen side by side (2.3).
         const auto distance = [&](const char* a, const char* b) {
@@ -76,9 +76,9 @@ void expect_apart(const std::array<Colour, N>& colours, std::size_t count) {
 }
 
 // Three sensors are three colours.
-TEST(Palette, OriginsAndTheFirstSeriesStayApartForEveryReader) {
-  expect_apart(kOriginColours, kOriginColours.size());
-  expect_apart(kSeriesColours, 4);
+TEST(Palette, OriginsAndSeriesStayApartForEveryReader) {
+  expect_apart(kOriginColours);
+  expect_apart(kSeriesColours);
 }
 
 TEST(Palette, EveryColourIsReadableOnItsPaper) {

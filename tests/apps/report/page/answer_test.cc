@@ -35,8 +35,8 @@ TEST(Answer, VerdictsSayHowWellAValueIsKnownAndWhetherItAgrees) {
   EXPECT_EQ(verdict_words(answer),
             "well known, within 0.4 %; published 2.300: outside the interval");
   EXPECT_TRUE(doubtful(answer));
-  EXPECT_EQ(verdict_words(stiffness(2, 0.3)), "known roughly, within 29 %");
-  EXPECT_EQ(verdict_words(stiffness(2, 1.5)), "hardly known");
+  EXPECT_EQ(verdict_words(stiffness(2, 0.3)), "roughly known, within 29 %");
+  EXPECT_EQ(verdict_words(stiffness(2, 1.5)), "poorly determined");
   EXPECT_TRUE(doubtful(stiffness(2, 1.5)));
   answer.determined = false;
   EXPECT_EQ(verdict_words(answer), "not identifiable from these data");
