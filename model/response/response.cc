@@ -89,15 +89,6 @@ std::string not_explicit(const MotionProblem& problem) {
   return {};
 }
 
-// Forces that an explicit run evaluates a second against what a stiff one does in the same units: a
-// step (some three forces, a tangent and its factors) costs some twelve of them, and takes about
-// forty steps a period of the highest mode that matters at the default tolerance.
-bool stiff_is_cheaper(const MotionProblem& problem, double upper_frequency_hz, double rate_hz) {
-  const double highest = highest_frequency(*problem.chain, problem.motion, problem.start);
-  const double explicit_work = 2 * std::max(rate_hz, highest / 3.2);
-  return explicit_work > 12 * std::max(rate_hz, 40 * upper_frequency_hz);
-}
-
 }  // namespace
 
 const char* name_of(ResponseSolver solver) {
@@ -253,13 +244,8 @@ class Simulation {
     problem_.start = std::move(loaded.state);
     const std::string why = not_explicit(problem_);
     if (out_.solver == ResponseSolver::automatic) {
-      out_.solver = ResponseSolver::explicit_motion;
-      if (!why.empty()) {
-        out_.told = why;
-      } else if (stiff_is_cheaper(problem_, shift_.upper_frequency_hz, options_.sampling.rate_hz)) {
-        out_.told = "the explicit solver would take many times the steps";
-      }
-      if (!out_.told.empty()) out_.solver = ResponseSolver::stiff_motion;
+      out_.solver = why.empty() ? ResponseSolver::explicit_motion : ResponseSolver::stiff_motion;
+      out_.told = why;
     } else if (out_.solver == ResponseSolver::explicit_motion && !why.empty()) {
       out_.impossible = true;
       out_.reason = why + ": use stiff";

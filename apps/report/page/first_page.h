@@ -7,7 +7,8 @@
 
 #include "apps/report/page/block_html.h"
 #include "apps/report/page/findings.h"
-#include "apps/report/page/report_page.h"
+#include "apps/report/page/page_frame.h"
+#include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 

@@ -3,29 +3,11 @@
 
 #include <span>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include "apps/campaign_file/report_details.h"
+#include "apps/report/page/page_frame.h"
 #include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
-
-// What frames the parts of a report (report_page.h).
-
-/// Whom the report is for: a client gets the short report and the appendix as a page of its own,
-/// a laboratory one page of both.
-enum class ReportStyle { lab, client };
-
-struct PageFrame {
-  std::string title, source, description;
-  ReportDetails details;
-  ReportStyle style = ReportStyle::lab;
-  std::string version;  ///< of rigfit
-  std::string repeat;   ///< command line that makes the report again
-  std::vector<std::pair<std::string, std::string>> inputs;  ///< path, SHA-256
-  std::vector<std::pair<std::string, std::string>> links;   ///< other pages: file, title
-};
 
 // A report as one HTML page that needs nothing else: style, scripts, data and pictures are in it.
 //
