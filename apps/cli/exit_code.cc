@@ -1,6 +1,5 @@
 #include "apps/cli/exit_code.h"
 
-#include "apps/cli/output_file.h"
 #include "model/scene/scene_error.h"
 #include "signal/recording/recording_error.h"
 

@@ -1,4 +1,4 @@
-// How a run ended, as scripts see it, and the two exceptions by which a verb ends early.
+// How a run ended, as scripts see it, and the exceptions by which a verb ends early.
 #pragma once
 
 #include <exception>
@@ -45,6 +45,12 @@ class NotConverged : public std::runtime_error {
 
 /// Ends a verb one of whose inputs is no longer what it was when the run began.
 class InputChanged : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Ends a verb whose output cannot be written: path, reason and remedy.
+class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };

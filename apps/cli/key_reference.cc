@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/cli/assets.h"
-#include "apps/cli/usage.h"
+#include "apps/cli/terminal.h"
 
 namespace rigfit::apps {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/digits.h"
+#include "apps/describe/digits.h"
 
 namespace rigfit::describe {
 using apps::std_digits, apps::value_digits;

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
+#include "apps/describe/digits.h"
 #include "ident/campaign/fit_campaign.h"
 #include "signal/numerics/numbers.h"
 

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <map>
 
 #include "signal/recording/recording_error.h"
-#include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -56,8 +54,6 @@ Eigen::Index Recording::channel_index(const std::string& name) const {
 
 namespace {
 
-constexpr std::size_t kMostListed = 20;
-
 template <typename Items, typename NameOf>
 std::string list_of(const Items& items, NameOf&& name_of) {
   std::string text;
@@ -76,30 +72,6 @@ std::string listed(const std::vector<std::string>& names) {
 
 std::string listed_names(const std::vector<Channel>& channels) {
   return list_of(channels, [](const Channel& channel) { return channel.name; });
-}
-
-void note_unitless(Recording& recording) {
-  std::erase_if(recording.notes, [](const Note& note) { return note.code == "no_unit"; });
-  std::vector<std::string> names;
-  for (const auto& channel : recording.channels) {
-    if (channel.source_unit.empty() && channel.unit.empty()) names.push_back(channel.name);
-  }
-  if (names.empty()) return;
-  recording.notes.push_back(
-      {"no_unit", "no unit in the file: the numbers are kept as they are", listed(names)});
-}
-
-void shorten(std::vector<Note>& notes) {
-  std::map<std::string, std::size_t> count;
-  for (const auto& note : notes) ++count[note.code];
-  std::map<std::string, std::size_t> seen;
-  std::erase_if(notes, [&](Note& note) {
-    const std::size_t place = ++seen[note.code], all = count[note.code];
-    if (place == kMostListed && all > kMostListed) {
-      note.message += " (and " + std::to_string(all - kMostListed) + " more of this kind)";
-    }
-    return place > kMostListed;
-  });
 }
 
 }  // namespace rigfit::signal

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -67,5 +68,12 @@ struct Recording {
     return channels[static_cast<std::size_t>(channel_index(name))];
   }
 };
+
+/// Most entries of a list of names or of notes of one code that are shown.
+inline constexpr std::size_t kMostListed = 20;
+
+/// Names in quotes, with commas: the first 20, and how many there are.
+[[nodiscard]] std::string listed(const std::vector<std::string>& names);
+[[nodiscard]] std::string listed_names(const std::vector<Channel>& channels);
 
 }  // namespace rigfit::signal

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "signal/recording/units.h"
@@ -61,6 +62,30 @@ Note not_uniform_note(const TimeAxis& axis) {
           fmt::format("sampling is not uniform: times go back {} times, repeat {} times, {} gaps",
                       axis.backward, axis.repeated, axis.gaps),
           ""};
+}
+
+void note_unitless(Recording& recording) {
+  std::erase_if(recording.notes, [](const Note& note) { return note.code == "no_unit"; });
+  std::vector<std::string> names;
+  for (const auto& channel : recording.channels) {
+    if (channel.source_unit.empty() && channel.unit.empty()) names.push_back(channel.name);
+  }
+  if (names.empty()) return;
+  recording.notes.push_back(
+      {"no_unit", "no unit in the file: the numbers are kept as they are", listed(names)});
+}
+
+void shorten(std::vector<Note>& notes) {
+  std::map<std::string, std::size_t> count;
+  for (const auto& note : notes) ++count[note.code];
+  std::map<std::string, std::size_t> seen;
+  std::erase_if(notes, [&](Note& note) {
+    const std::size_t place = ++seen[note.code], all = count[note.code];
+    if (place == kMostListed && all > kMostListed) {
+      note.message += " (and " + std::to_string(all - kMostListed) + " more of this kind)";
+    }
+    return place > kMostListed;
+  });
 }
 
 }  // namespace rigfit::signal

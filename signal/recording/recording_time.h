@@ -25,10 +25,6 @@ void take_samples(Eigen::VectorXd numbers, Channel& channel);
 /// `name`, or with "_2", "_3" ... behind it where it is used already.
 [[nodiscard]] std::string unused_name(const std::string& name, std::set<std::string>& used);
 
-/// Names in quotes, with commas: the first 20, and how many there are.
-[[nodiscard]] std::string listed(const std::vector<std::string>& names);
-[[nodiscard]] std::string listed_names(const std::vector<Channel>& channels);
-
 /// "no_unit", in one note, for the channels whose file gives none.
 void note_unitless(Recording& recording);
 

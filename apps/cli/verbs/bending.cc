@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "apps/campaign_file/bending_files.h"
-#include "apps/cli/digits.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
+#include "apps/describe/digits.h"
 #include "apps/results/bending_json.h"
 #include "ident/campaign/single_tests/beam_section.h"
 #include "ident/campaign/single_tests/bending_campaign.h"

@@ -11,12 +11,12 @@
 #include <optional>
 
 #include "apps/campaign_file/recording_description.h"
-#include "apps/cli/digits.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
+#include "apps/describe/digits.h"
 
 namespace rigfit::apps {
 namespace {

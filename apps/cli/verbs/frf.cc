@@ -6,11 +6,11 @@
 #include <iterator>
 #include <memory>
 
-#include "apps/cli/digits.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "apps/cli/verbs/impact_command.h"
+#include "apps/describe/digits.h"
 #include "apps/results/modal_json.h"
 #include "signal/numerics/numbers.h"
 #include "signal/writers/write_uff.h"

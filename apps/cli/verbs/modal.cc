@@ -8,11 +8,11 @@
 #include <optional>
 #include <utility>
 
-#include "apps/cli/digits.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "apps/cli/verbs/impact_command.h"
+#include "apps/describe/digits.h"
 #include "apps/results/modal_json.h"
 #include "signal/modes/modal_synthesis.h"
 #include "signal/readers/files/mapped_file.h"

@@ -8,11 +8,11 @@
 #include <ostream>
 
 #include "apps/campaign_file/measured_modes.h"
-#include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
 #include "apps/cli/verbs/fit_file.h"
+#include "apps/describe/digits.h"
 #include "ident/predict/damage_estimate.h"
 #include "ident/predict/response_prediction.h"
 #include "ident/predict/scene_inputs.h"

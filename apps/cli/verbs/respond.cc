@@ -5,10 +5,10 @@
 #include <iterator>
 #include <memory>
 
-#include "apps/cli/digits.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
+#include "apps/describe/digits.h"
 #include "model/response/response.h"
 #include "model/scene/actual_state.h"
 #include "model/scene/read_scene.h"

@@ -8,11 +8,11 @@
 #include "apps/campaign_file/cable_table.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_description.h"
-#include "apps/cli/digits.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/calls.h"
+#include "apps/describe/digits.h"
 #include "apps/results/tension_result.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
 

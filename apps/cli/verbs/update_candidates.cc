@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "apps/cli/digits.h"
+#include "apps/describe/digits.h"
 #include "apps/results/update_result.h"
 #include "document/toml_table.h"
 #include "ident/campaign/fit_campaign.h"

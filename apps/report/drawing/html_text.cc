@@ -6,7 +6,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "apps/cli/digits.h"
+#include "apps/describe/digits.h"
 
 namespace rigfit::apps {
 namespace {

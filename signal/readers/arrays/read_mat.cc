@@ -19,7 +19,7 @@
 #include "signal/readers/arrays/array_columns.h"
 #include "signal/readers/arrays/mat_headers.h"
 #include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/csv/csv_time.h"
+#include "signal/readers/csv/csv_layout.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/csv/csv_time.h"
 #include "signal/readers/files/number_text.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
@@ -825,6 +824,22 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
   }
   read_csv_header(header, file, layout);
   return layout;
+}
+
+bool is_time_name(const std::string& name) {
+  const std::string word = lower_case(name);
+  static constexpr std::string_view kWords =
+      "|t|time|zeit|temps|tiempo|tempo|tid|sec|secs|second|seconds|s|ms|msec|elapsed|"
+      "timestamp|clock|uhrzeit|datetime|date/time|date time|x_value|x value|time_s|"
+      "elapsed time|t_s|relative time|time stamp|rel time|time_ms|";
+  if (is_listed(kWords, word)) return true;
+  for (const std::string_view stem : {"time", "zeit", "elapsed", "timestamp"}) {
+    if (word.size() > stem.size() && word.compare(0, stem.size(), stem) == 0 &&
+        std::isalpha(static_cast<unsigned char>(word[stem.size()])) == 0) {
+      return true;
+    }
+  }
+  return word.size() > 5 && word.compare(word.size() - 5, 5, " time") == 0;
 }
 
 }  // namespace rigfit::signal

@@ -53,6 +53,9 @@ struct CsvLayout {
 [[nodiscard]] CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
                                         const ReadOptions& options = {});
 
+/// Whether a column of this name holds times.
+[[nodiscard]] bool is_time_name(const std::string& name);
+
 /// 1-based number of the line that `offset` is in.
 [[nodiscard]] long line_number(std::string_view bytes, std::size_t offset);
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -136,22 +135,6 @@ void refuse_shifted_titles(const CsvTable& table, const std::optional<std::size_
 }
 
 }  // namespace
-
-bool is_time_name(const std::string& name) {
-  const std::string word = lower_case(name);
-  static constexpr std::string_view kWords =
-      "|t|time|zeit|temps|tiempo|tempo|tid|sec|secs|second|seconds|s|ms|msec|elapsed|"
-      "timestamp|clock|uhrzeit|datetime|date/time|date time|x_value|x value|time_s|"
-      "elapsed time|t_s|relative time|time stamp|rel time|time_ms|";
-  if (is_listed(kWords, word)) return true;
-  for (const std::string_view stem : {"time", "zeit", "elapsed", "timestamp"}) {
-    if (word.size() > stem.size() && word.compare(0, stem.size(), stem) == 0 &&
-        std::isalpha(static_cast<unsigned char>(word[stem.size()])) == 0) {
-      return true;
-    }
-  }
-  return word.size() > 5 && word.compare(word.size() - 5, 5, " time") == 0;
-}
 
 bool looks_like_time(const Eigen::VectorXd& values, int decimals) {
   const Eigen::Index n = values.size();

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/readers/csv/csv_table.h"
+#include "signal/readers/csv/csv_columns.h"
 #include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 
@@ -23,9 +23,6 @@ namespace rigfit::signal {
 [[nodiscard]] std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file,
                                                       Recording& recording,
                                                       const ReadOptions& options = {});
-
-/// Whether a column of this name holds times.
-[[nodiscard]] bool is_time_name(const std::string& name);
 
 /// Whether values rise as the times of even samples do, and there are enough of them.
 [[nodiscard]] bool looks_like_time(const Eigen::VectorXd& values, int decimals);

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/csv/csv_time.h"
+#include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/files/frf_unit.h"
 #include "signal/recording/recording_error.h"
 

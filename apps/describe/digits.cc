@@ -1,4 +1,4 @@
-#include "apps/cli/digits.h"
+#include "apps/describe/digits.h"
 
 #include <fmt/format.h>
 

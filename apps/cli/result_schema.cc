@@ -1,4 +1,4 @@
-#include "apps/results/result_schema.h"
+#include "apps/cli/result_schema.h"
 
 #include "apps/describe/json_of.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
