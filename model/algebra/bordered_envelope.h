@@ -42,8 +42,8 @@ class BorderedEnvelope {
  private:
   std::shared_ptr<const Envelope> inner_;
   std::shared_ptr<const Envelope> whole_;
-  std::vector<int> place_;         // of each unknown of K in the whole
-  std::vector<int> border_place_;  // of each border unknown
+  std::vector<int> place_;         // place of each unknown of K in the whole
+  std::vector<int> border_place_;  // place of each border unknown in the whole
   Eigen::VectorXd lower_, upper_;  // by rows of L and by columns of U, in the whole's envelope
   Eigen::VectorXd pivot_;
   mutable Eigen::VectorXd work_;

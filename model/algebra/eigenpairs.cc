@@ -140,7 +140,8 @@ class Lanczos {
     projected_.col(j).head(size_) = coefficients_;
     done_ = size_;
     beta_ = norm();
-    const double before = std::hypot(coefficients_.norm(), beta_);  // of the vector as it came
+    // Length before it was orthogonalised.
+    const double before = std::hypot(coefficients_.norm(), beta_);
     if (!(beta_ > 1e-13 * before)) {
       beta_ = 0;
       renew_ = true;

@@ -9,7 +9,7 @@ namespace rigfit::model {
 struct GeneralEigenpairs {
   Eigen::VectorXcd values;
   Eigen::MatrixXcd vectors;      ///< columns
-  Eigen::MatrixXcd coordinates;  ///< of the right-hand sides in the vectors: vectors^-1 right
+  Eigen::MatrixXcd coordinates;  ///< vectors^-1 right: `right` expressed in the vectors
 };
 
 /// `right` may have no columns.

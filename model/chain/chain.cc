@@ -50,8 +50,9 @@ class Sections {
   double polar(std::size_t i) const {
     return member_.polar_inertia * segment_length(i) * power(diameter(middle(i)), 4);
   }
-  /// Of the joint before segment i, or at the far end, at s (0..1), of a flexibility in l / EI
-  /// there; torsion over `share` segments. `axial` N, of a beam (segment_lumping.h).
+  /// Springs of the joint before segment i, or at the far end. `s` (0..1): its place; `flexibility`
+  /// in l / EI there; torsion acts over `share` segments; `axial`: axial force of a beam, N
+  /// (segment_lumping.h).
   JointSprings springs(std::size_t i, double s, double flexibility, double share, bool framed,
                        double axial) const {
     const double before = segment_length(i > 0 ? i - 1 : 0);
@@ -87,7 +88,7 @@ class Sections {
   double length_;
 };
 
-/// Of every joint of a member, ends included, in l / EI (segment_lumping.h).
+/// Flexibilities of all joints of a member, ends included, in l / EI (segment_lumping.h).
 std::vector<double> joint_flexibilities(const Sections& sections, double tension,
                                         RotaryInertia lumping, const std::array<bool, 2>& bent) {
   const std::size_t n = sections.segments();

@@ -41,12 +41,13 @@ struct Segment {
   int member = 0;
   int frame =
       -1;  ///< column of ChainState::director; -1: no torsion, both bending stiffnesses equal
-  double length = 0;          ///< m, unstretched
-  double EA = 0;              ///< N
-  double mass = 0;            ///< kg
-  double axial_damping = 0;   ///< N s / m
-  double polar = 0;           ///< kg m^2 about its axis
-  double coupling = 1.0 / 6;  ///< of the mass, between the two nodes; 1/2 - coupling at each
+  double length = 0;         ///< m, unstretched
+  double EA = 0;             ///< N
+  double mass = 0;           ///< kg
+  double axial_damping = 0;  ///< N s / m
+  double polar = 0;          ///< kg m^2 about its axis
+  /// Share of the mass that couples the two nodes; each node has 1/2 - coupling.
+  double coupling = 1.0 / 6;
 };
 
 /// Stiffnesses of a joint (N m / rad) about the member's material axes, and its dampers (N m s).
@@ -101,10 +102,11 @@ struct ChainMember {
   bool cable = true;
   int first_segment = 0;
   int segments = 0;
-  int first_joint = 0;                         ///< of segments - 1 inner joints
-  std::array<int, 2> end_joint{-1, -1};        ///< at each end; -1: moment-free
-  std::vector<int> nodes;                      ///< segments + 1, from the first node to the second
-  std::vector<double> places;                  ///< of the nodes, 0..1 of the unstretched length
+  int first_joint = 0;                   ///< index of the first of segments - 1 inner joints
+  std::array<int, 2> end_joint{-1, -1};  ///< at each end; -1: moment-free
+  std::vector<int> nodes;                ///< segments + 1, from the first node to the second
+  /// Places of the nodes, 0..1 of the unstretched length.
+  std::vector<double> places;
   bool even = true;                            ///< segments alike, to the last digit
   double unstretched_length = 0;               ///< m
   std::optional<double> target_tension;        ///< N: the unstretched length is to be found
@@ -152,9 +154,10 @@ struct Chain {
 
 /// Where a chain is. Directors and rotations are updated by increments (`advance` in assembly.h).
 struct ChainState {
-  Eigen::Matrix3Xd position;              ///< m, 3 x nodes, chain axes
-  Eigen::Matrix3Xd director;              ///< 3 x frames: unit, normal to its segment
-  std::vector<Eigen::Matrix3d> rotation;  ///< of each rotating node, from its drawn attitude
+  Eigen::Matrix3Xd position;  ///< m, 3 x nodes, chain axes
+  Eigen::Matrix3Xd director;  ///< 3 x frames: unit, normal to its segment
+  /// Rotation of each rotating node from its drawn attitude.
+  std::vector<Eigen::Matrix3d> rotation;
 };
 
 /// Sets the directors of all joints stress-free at equilibrium to the given equilibrium, and

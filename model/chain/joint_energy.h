@@ -22,7 +22,7 @@ inline Eigen::Vector3d director_weights(double about_1, double about_2, double t
 }
 
 struct RotationDerivatives {
-  Eigen::Vector3d gradient_b;   ///< of side A: its negative
+  Eigen::Vector3d gradient_b;   ///< gradient with respect to side B; that of side A is its negative
   Eigen::Matrix3d same, cross;  ///< d2/dA2 = d2/dB2; d2/dA dB (rows A)
 };
 

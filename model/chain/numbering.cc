@@ -55,7 +55,7 @@ std::vector<int> walk(const Chain& chain) {
   return rank;
 }
 
-/// Of each unknown the lowest one that it is coupled with through a segment, joint, support or
+/// For each unknown the lowest one that it is coupled with through a segment, joint, support or
 /// mass.
 std::vector<int> first_coupled(const Chain& chain, const Numbering& out) {
   std::vector<int> first(static_cast<std::size_t>(out.size));

@@ -35,7 +35,7 @@ struct CalculixOptions {
 /// A member at rest in the deck.
 struct CalculixMember {
   std::string name;
-  double tension_N = 0;              ///< of the deck, where it lies as the scene's does
+  double tension_N = 0;              ///< tension in the deck, where the cable lies as in the scene
   double scene_tension_N = 0;        ///< axial force at rest, a cable's horizontal one
   double axial_stiffness_ratio = 1;  ///< about rest, deck's over scene's
 };

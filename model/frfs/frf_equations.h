@@ -19,7 +19,7 @@ namespace rigfit::model {
 
 struct FrfEquations {
   const MotionModes* motion = nullptr;
-  EnvelopeMatrix damping;          ///< of the joints
+  EnvelopeMatrix damping;          ///< joint dampers
   Eigen::MatrixXd sensors, loads;  ///< unknowns x sensors, unknowns x loads
   Eigen::MatrixXd dampers;         ///< M phi_r: unknowns x modes; empty without modal ratios
   Eigen::VectorXd zeta;            ///< modal ratio of each damper
@@ -47,7 +47,7 @@ class FrfSolver {
   ComplexEnvelopeMatrix dynamic_;
   ComplexEnvelopeFactor factor_;
   Eigen::VectorXcd gain_;
-  // Of the right sides: along the damped modes, and the rest.
+  // The right sides' part along the damped modes, and the rest.
   Eigen::MatrixXd modal_, outside_, answer_;
   EnvelopeMatrix real_dynamic_;
   EnvelopeFactor real_factor_;

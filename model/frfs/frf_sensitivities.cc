@@ -53,8 +53,8 @@ class ShapeSolver {
   std::vector<EnvelopeFactor> factors_;
 };
 
-/// Of the modal ratios with the shapes alone. Shapes of close frequencies turn fast, so that they
-/// have a step of their own.
+/// Derivative of the modal ratios that comes from the turning shapes alone. Shapes of close
+/// frequencies turn fast, so that they have a step of their own.
 Eigen::VectorXd turning_rate(const MotionModes& motion, const Eigen::MatrixXd& shape_rate,
                              const ChainState& rest, const Scene& scene) {
   const double fastest = shape_rate.cwiseAbs().maxCoeff() / motion.shapes.cwiseAbs().maxCoeff();

@@ -11,8 +11,8 @@
 // FRFs averaged under an exponential window exp(-a t) shared by force and response are the same
 // function on the line s = i omega + a (signal/spectra/window.h): transforms of windowed signals
 // are those of the signals at s. That holds without approximation for motions that start from rest
-// within the block and have died out under the window at its end; what rings on adds exp((p - s) T)
-// of each mode's residue, p its pole and T the block.
+// within the block and have died out under the window at its end; a motion that has not adds each
+// mode's residue times exp((p-s)T), where p is its pole and T the block.
 #pragma once
 
 #include <Eigen/Core>

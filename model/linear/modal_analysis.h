@@ -1,5 +1,5 @@
-// From a scene to its static equilibrium and natural modes, in one call: the way in for every user
-// of the model who does not want to see the chain inside.
+// From a scene to its static equilibrium and natural modes, in one call: the entry point for every
+// user of the model who does not need to see the chain inside.
 //
 // Undamped modes are (K - omega^2 M) phi = 0 about the equilibrium, mass-normalised; K is the
 // tangent with gravity, tension and curvature in it. Damped modes solve the quadratic problem with
@@ -23,10 +23,10 @@ struct ModalAnalysis {
   Equilibrium equilibrium;
   std::vector<NaturalMode>
       modes;  ///< by rising frequency, planes found separately where the scene has them
-  double relative_error_estimate = 0;  ///< of the asked frequencies, from the number of segments
-  /// An accuracy was asked for, or every member left its segments to the program: `frequency_hz`
-  /// are extrapolated to vanishing segments (segment_extrapolation.h); shapes, damping, equilibrium
-  /// and sensitivities are of the finest chain.
+  double relative_error_estimate = 0;  ///< error of the asked frequencies by the number of segments
+  /// True if an accuracy was asked for, or every member left its segments to the program:
+  /// `frequency_hz` are then extrapolated to vanishing segments (segment_extrapolation.h); shapes,
+  /// damping, equilibrium and sensitivities belong to the finest chain.
   bool extrapolated = false;
   bool complete = false;  ///< a Sturm count proves that no mode in the range was missed
   int unknowns = 0;

@@ -29,7 +29,7 @@ struct ChainModes {
   struct Which {
     int motion = 0, mode = 0;
   };
-  std::vector<Which> order;  ///< of all modes asked for, by rising frequency
+  std::vector<Which> order;  ///< all modes asked for, by rising frequency
   [[nodiscard]] double frequency_hz(std::size_t i) const;
   [[nodiscard]] bool complete() const;
 };

@@ -40,8 +40,8 @@ struct NaturalMode {
                                        ///< less that of node masses
   std::vector<ModeShape> shape;        ///< by member
   Eigen::VectorXd
-      sensor_shape;  ///< modal displacement at each of the scene's sensors along its direction;
-                     ///< of a force sensor the change of axial force, N kg^-1/2
+      sensor_shape;  ///< modal displacement at each of the scene's sensors along its direction; at
+                     ///< a force sensor the change of axial force, N kg^-1/2
   Eigen::VectorXd load_shape;  ///< the same at each of the scene's loads
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 // Relative: central differences err by its square, rounding of positions by its inverse.
 constexpr double kStep = 1e-4;
-constexpr double kFarthest = 1e-5;  // of the extent, that a step may move the rig
+constexpr double kFarthest = 1e-5;  // farthest that a step may move the rig, relative to its extent
 constexpr int kCorrections = 8;
 
 /// The equilibrium's positions, held displacements where this rig's nodes are drawn; frames follow

@@ -183,10 +183,10 @@ class Extrapolation {
   const ModesOptions& options_;
   ModesOptions wide_;
   const SequenceStart& start_;
-  int factor_ = 0;  // of the last chain
+  int factor_ = 0;  // factor of SequenceStart::segments() in the last chain
   std::size_t chains_ = 0;
   ChainModes chain_;                     // the last one, until it is kept
-  std::vector<Track> tracks_;            // of the last chain, motion by motion
+  std::vector<Track> tracks_;            // tracks in the last chain, motion by motion
   std::vector<Eigen::MatrixXd> shapes_;  // likewise, at the samples
   std::vector<Eigen::VectorXd> omega2_;
   ExtrapolatedModes out_;

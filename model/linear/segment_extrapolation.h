@@ -25,7 +25,7 @@ namespace rigfit::model {
 /// A quantity found at several segment lengths, taken to h -> 0.
 struct SequenceLimit {
   double value = 0;      ///< Neville's value of the last `window` points, v_w above
-  double limit = 0;      ///< of one point more
+  double limit = 0;      ///< Neville's value with one point more
   double error = 0;      ///< estimated, of `value`, same unit
   bool certain = false;  ///< u <= e / 3
 };
@@ -35,11 +35,11 @@ struct SequenceLimit {
 
 /// Modes of a chain with their extrapolated frequencies.
 struct ExtrapolatedModes {
-  ChainModes modes;  ///< of the finest chain used; `order` by rising extrapolated frequency
+  ChainModes modes;  ///< the finest chain used; `order` by rising extrapolated frequency
   std::vector<double> frequency_hz;  ///< by ChainModes::order
   std::vector<double> limit_hz;      ///< SequenceLimit::limit, likewise
   double relative_error = 0;         ///< estimated, of `frequency_hz`, largest of all
-  std::vector<int> segments;         ///< of that chain, by member
+  std::vector<int> segments;         ///< number of segments in that chain, by member
   bool known = false;  ///< false: a chain found no equilibrium or a mode could not be followed
 };
 

@@ -71,9 +71,9 @@ class ModeRateFinder {
   std::vector<std::optional<EnvelopeFactor>> factors_;
 };
 
-/// Where the matrices of both sides do not compare: a node leaves the plane of symmetry, to either
-/// side alike, so that frequencies and damping are even in p; anything else is left to differences
-/// of modes found anew.
+/// Central differences with all modes found anew, for parameters whose matrices on both sides do
+/// not compare: a node leaves the plane of symmetry, to either side alike, so that frequencies and
+/// damping are even in p.
 void difference_anew(const Scene& scene, const ParameterAccess& access, const ParameterStep& step,
                      const ChainModes& modes, const ModesOptions& options, Eigen::Index p,
                      ModeSensitivities& out) {

@@ -15,8 +15,8 @@ namespace {
 constexpr double kPhaseShare = 0.3, kLayerReach = 6, kLayerShare = 2 / kLayerReach;
 constexpr int kFewestInStretch = 3;
 constexpr double kLayerSeen =
-    0.1;                         // of the accuracy: layers at pinned ends that do less are left out
-constexpr double kApart = 1e-6;  // of a member: places nearer than this are one
+    0.1;  // share of the accuracy: layers at pinned ends that do less are left out
+constexpr double kApart = 1e-6;   // relative to a member: places nearer than this are one
 constexpr double kWorthIt = 1.5;  // a layer's own stretches, where its reach times this fits
 constexpr int kFewestSamples = 8;
 constexpr double kSampleShare = 1.2;  // by the phase
@@ -24,7 +24,7 @@ constexpr double kSampleShare = 1.2;  // by the phase
 /// What the segments of a member have to follow.
 struct Demand {
   double by_phase = 0;                     // segments of m, of the whole member
-  double reach = 0;                        // of a layer, of the member
+  double reach = 0;                        // length of a layer relative to the member
   double by_layer = 0;                     // segments of m of a whole member as fine as a layer's
   std::array<bool, 2> bent{false, false};  // ends that bear a moment
 };
@@ -133,7 +133,7 @@ SequenceStart sequence_start(const Scene& scene, const ChainModes& modes, double
     const Member& member = scene.members[m];
     const double tension = rest.members[m].tension_N;
     const double length = rest.members[m].unstretched_length_m;
-    double stiffest = 0, softest = 0;  // of those that are not limp
+    double stiffest = 0, softest = 0;  // extreme EI among axes that are not limp
     for (const double EI : member.EI) {
       if (!(EI > 0)) continue;
       stiffest = std::max(stiffest, EI);

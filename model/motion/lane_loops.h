@@ -69,7 +69,7 @@ struct LaneScratch {
 struct LaneFactors {
   int rows = 0;
   LaneVector toward;       ///< off-diagonal to the row before over that row's pivot
-  LaneVector inverse;      ///< of the pivots
+  LaneVector inverse;      ///< inverses of the pivots
   LaneVector separators;   ///< 8 x 8: [8 k + j] of the inverse, row j, column (j + k) % 8
   LaneVector from_before;  ///< inverse of a lane's rows times the coupling to the separator before
   LaneVector from_behind;  ///< and to its own

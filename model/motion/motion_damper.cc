@@ -10,7 +10,7 @@ namespace rigfit::model {
 namespace {
 
 constexpr double kGamma = 1 - std::numbers::sqrt2 / 2;
-constexpr double kTurn = 2e-3;  // of a segment, rad
+constexpr double kTurn = 2e-3;  // turn of a segment after which C is renewed, rad
 
 }  // namespace
 

@@ -1,7 +1,7 @@
-// Dampers on the velocities of entries (motion_kernel.h), for schemes that split them from the rest
-// of the motion: the exact decay of modal ratios, v += Phi (e^{-rate t} - 1) Phi' M v, and joint
-// dampers M v' = -C(q) v by an L-stable SDIRK pair (gamma = 1 - sqrt(2)/2) with C taken a little
-// ahead and renewed whenever a segment has turned by more than 2 mrad from there.
+// Dampers on the velocities of entries (motion_kernel.h), for schemes that integrate them apart
+// from everything else: the exact decay of modal ratios, v += Phi (e^{-rate t} - 1) Phi' M v, and
+// joint dampers M v' = -C(q) v by an L-stable SDIRK pair (gamma = 1 - sqrt(2)/2). C is taken a
+// little ahead and renewed whenever a segment has turned by more than 2 mrad from there.
 #pragma once
 
 #include <Eigen/Core>

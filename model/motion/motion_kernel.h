@@ -7,8 +7,8 @@
 // t_j), so with e_i the segment's vector and L its length
 //   dV/de_i = EA/l (L - l) t_i - (I - t_i t_i') g_i / L,   g_i = sum over its joints of K t_other
 // without any angle. A node's rotation has no inertia and follows: in the plane it is the argument
-// of sum K t conj(d) over the members (and the ground's spring) joined there. The mass is constant
-// (node_mass.h).
+// of the sum of K t conj(d) over the members (and the ground's spring) joined there. The mass is
+// constant (node_mass.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -96,7 +96,7 @@ class MotionKernel {
  private:
   struct MemberPlan {
     int offset = 0, segments = 0, rows = 0;
-    std::vector<int> entry;     // of each node
+    std::vector<int> entry;     // entry of each node
     std::vector<double> axial;  // EA / l, N/m
     std::vector<double> joint;  // segments + 1: N m / rad, the first and last are end joints
     Eigen::Matrix<double, 3, 2> end_direction;  // the node's side of the end joints, unturned
@@ -135,7 +135,7 @@ class MotionKernel {
     std::vector<End> ends;
     double spring = 0;  // N m / rad, to the ground: K (1 - cos)
     bool held = false;
-    double cosine = 1, sine = 0;  // of its angle
+    double cosine = 1, sine = 0;  // cosine and sine of the node's angle
   };
 
   void make_members(std::vector<typename NodeMass<D>::Member>& masses);

@@ -26,7 +26,7 @@ struct MotionProblem {
   Motion motion = Motion::in_plane;  ///< in_plane or space
   ChainState rest;                   ///< equilibrium; displacements are counted from here
   ChainState start;
-  Eigen::VectorXd start_velocity;            ///< of the motion's unknowns; empty: at rest
+  Eigen::VectorXd start_velocity;            ///< velocity of the motion's unknowns; empty: at rest
   std::vector<Load> loads;                   ///< in the order of the chain's loads
   std::vector<const ForceHistory*> records;  ///< one a load, null where it has none
   std::vector<Sensor::Quantity> quantities;  ///< one a sensor of the chain
@@ -40,7 +40,7 @@ struct MotionOutput {
   double step_s = 0;
   double axial_slowing_s2 = 0;  ///< kappa of node_mass.h; 0: axial waves at their own speed
   long steps = 0;
-  long evaluations = 0;    ///< of the forces
+  long evaluations = 0;    ///< number of evaluations of the forces
   bool completed = false;  ///< false: diverged or did not converge, samples are not to be used
   std::string reason;      ///< for a person, when not completed
 };

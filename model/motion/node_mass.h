@@ -24,9 +24,10 @@ class NodeMass {
  public:
   struct Member {
     int offset = 0, segments = 0;
-    int shared[2] = {-1, -1};           ///< index of the end nodes
-    std::vector<double> diagonal, off;  ///< of segments + 1 nodes, between them, kg
-    std::vector<double> axial;          ///< EA / l of the segments, N / m
+    int shared[2] = {-1, -1};  ///< index of the end nodes
+    /// Masses at segments + 1 nodes and couplings between them, kg.
+    std::vector<double> diagonal, off;
+    std::vector<double> axial;  ///< EA / l of the segments, N / m
     [[nodiscard]] int rows() const { return lane_rows(segments); }
     [[nodiscard]] int entry(int node) const { return offset + lane_slot(node, rows()); }
   };
@@ -65,7 +66,7 @@ class NodeMass {
     int along = -1;        // component that takes the slowed mass; -1: none
     bool rotated = false;  // solved in `axes`, whose first column is the chord
     Eigen::Matrix<double, D, D> axes;
-    std::vector<int> entry;  // of each node
+    std::vector<int> entry;  // entry of each node
   };
   struct Free {
     int node, component;
@@ -83,8 +84,8 @@ class NodeMass {
   double kappa_ = 0;
   bool any_rotated_ = false;
   std::vector<Free> free_;       // components of shared nodes that move, node by node
-  std::vector<int> first_free_;  // of each shared node; -1: held altogether
-  Eigen::MatrixXd inverse_;      // of their reduced mass
+  std::vector<int> first_free_;  // first free component of each shared node; -1: held altogether
+  Eigen::MatrixXd inverse_;      // inverse of the free components' reduced mass
   std::vector<double> force_, motion_;
   const LaneLoops<D>* loops_ = &lane_loops<D>();
 };

@@ -20,7 +20,7 @@ namespace rigfit::model {
 
 struct StiffOptions {
   SamplingOptions sampling;
-  double relative_tolerance = 1e-6;  ///< of a step's local error
+  double relative_tolerance = 1e-6;  ///< tolerance of a step's local error
   double displacement_m = 1e-3;      ///< size of the motion: what the tolerance is of where an
                                      ///< unknown is small; for angles (rad) over the segment
   double velocity_m_s = 1;

@@ -7,7 +7,7 @@
 //   z1 = e^x z0 + b h [ phi1(x) f0 + phi2(x) (f1 - f0) ]          force linear between samples
 //   phi1 = (e^x - 1)/x, phi2 = (e^x - 1 - x)/x^2
 // and a half-sine pulse is integrated in closed form, whatever the step. Without force the samples
-// of a block are one real matrix (powers of e^{s h}, times what the sensors see) times the states
+// in a block are one real matrix (powers of e^{s h}, times what the sensors see) times the states
 // at the blocks' starts: 10 s at 2 kHz take half a millisecond.
 #pragma once
 

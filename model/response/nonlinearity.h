@@ -19,12 +19,13 @@
 namespace rigfit::model {
 
 struct Nonlinearity {
-  double time_s = 0;                ///< of the most deflected state
-  double frequency_shift = 0;       ///< relative; 1 when no deflected equilibrium was found
-  double frequency_at_rest_hz = 0;  ///< of the mode with most of the energy among the lowest
-  double frequency_moving_hz = 0;   ///< its estimate in motion
-  double upper_frequency_hz = 0;    ///< modes up to here hold 99 % of the energy
-  double energy_J = 0;              ///< strain energy of the linear answer there
+  double time_s = 0;           ///< time of the most deflected state
+  double frequency_shift = 0;  ///< relative; 1 when no deflected equilibrium was found
+  /// Frequency of the mode with most of the energy among the lowest.
+  double frequency_at_rest_hz = 0;
+  double frequency_moving_hz = 0;  ///< its estimate in motion
+  double upper_frequency_hz = 0;   ///< modes up to here hold 99 % of the energy
+  double energy_J = 0;             ///< strain energy of the linear answer there
 };
 
 /// `assembly`: of the motion that the loads drive (in_plane or space).

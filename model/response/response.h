@@ -51,8 +51,9 @@ struct ResponseOptions {
   /// Local, of the stiff scheme; else a thousandth of the scene's accuracy.
   std::optional<double> relative_tolerance;
   std::vector<ForceHistory> records;  ///< by load of the scene; used for kind `record`
-  int modes = 0;  ///< of the linear answer, of each motion; 0: all up to 400 unknowns a motion,
-                  ///< else the lowest 200
+  /// Number of modes of each motion in the linear answer; 0: all up to 400 unknowns a motion, else
+  /// the lowest 200.
+  int modes = 0;
   /// Estimate the error by the number of segments also where none says "auto" (as long again).
   bool resolution_estimate = false;
 };
@@ -63,8 +64,8 @@ struct ResponseResult {
   bool completed = false;
   bool impossible = false;  ///< what was asked for cannot be had of this scene
   std::string reason;       ///< for a person, when not completed
-  /// Of samples that were forced to be linear while the motion is not, estimated: the phase that
-  /// the shift of frequencies runs up over half of the duration; else 0.
+  /// Estimated error of samples that were forced to be linear while the motion is not: the phase
+  /// that the shift of frequencies runs up over half of the duration; else 0.
   double linear_error = 0;
   std::string told;  ///< why a scheme slower than the explicit one was taken; or empty
 
@@ -75,7 +76,7 @@ struct ResponseResult {
   ResponseSolver solver = ResponseSolver::modal;
   bool nonlinear = false;           ///< whether the estimated shift exceeds the scene's accuracy
   double frequency_shift = 0;       ///< estimated, relative
-  double frequency_at_rest_hz = 0;  ///< of the mode with most of the energy
+  double frequency_at_rest_hz = 0;  ///< frequency of the mode with most of the energy
   double frequency_moving_hz = 0;   ///< its estimate in motion
   std::string motion;               ///< "plane" or "space"
   int unknowns = 0;
@@ -83,8 +84,9 @@ struct ResponseResult {
   double step_s = 0;
   double wall_s = 0;  ///< from the scene to the samples; what is estimated after that not counted
   double energy_drift = 0;
-  std::vector<int> segments;     ///< by member
-  double resolution_error = -1;  ///< of frequencies, weighted by energy; negative: not asked for
+  std::vector<int> segments;  ///< by member
+  /// Relative error of frequencies, weighted by energy; negative: not asked for.
+  double resolution_error = -1;
   EnergyBalance energy;
   std::vector<std::string> members;  ///< names
   std::vector<std::string> kept;

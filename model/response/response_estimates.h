@@ -1,7 +1,7 @@
 // What it costs to leave something out of a response, estimated before or beside it.
 //
-// Of an explicit run with steps of h in which axial waves are slowed by kappa = h^2/8 (node_mass.h)
-// the frequency of a mode omega errs, relative, by
+// In an explicit run with steps of h, in which axial waves are slowed by kappa = h^2/8
+// (node_mass.h), the relative error of a mode's frequency omega is
 //   (omega h)^4 / 1440                    the scheme itself,
 //   kappa omega^2 a / 2                   a: the share of axial stretching in its strain energy,
 //   2 kappa w^2 (shift)                   by motion: half of the tension that stretches a moving

@@ -13,7 +13,7 @@ namespace rigfit::model {
 struct ResponseModesOptions {
   std::vector<int> segments;    ///< by member; empty: the scene's own, 30 where it says "auto"
   std::optional<bool> torsion;  ///< else by need
-  int modes = 0;  ///< of each motion; 0: all up to 400 unknowns a motion, else the lowest 200
+  int modes = 0;  ///< modes of each motion; 0: all up to 400 unknowns a motion, else the lowest 200
 };
 
 /// Equilibrium and matrices of every motion; modes only of those that a load drives (of the first
@@ -37,7 +37,7 @@ struct ResponseResolution {
   std::vector<int> segments;  ///< by member
   ChainModes modes;
   LinearAnswer answer;
-  double relative_error = 0;  ///< of the modes' frequencies, weighted by their energy
+  double relative_error = 0;  ///< error of the modes' frequencies, weighted by their energy
 };
 
 /// The frequencies' error by segments: from twice as many, second order; weighted by energy.

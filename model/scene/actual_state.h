@@ -1,13 +1,11 @@
 // A scene's cables as they are: tensions by the load cell's calibration, lengths at the scene's
 // temperature.
 //
-//   T = scale * reading + zero        of every cable that is given by its tension
-//   L0 = L (1 + alpha dT)             of every cable that is given by its length, or by the
-//   displacement
-//                                     of its end (then L is the distance of its nodes less the
-//                                     displacement)
-//   m0 = m (1 + strain)               of every cable whose mass per length is of the length as it
-//                                     hangs (`mass_of`): per unstretched length then
+//   T = scale * reading + zero     cables given by their tension
+//   L0 = L (1 + alpha dT)          cables given by their length, or by the displacement of an end
+//                                  (L is then the distance of the nodes less the displacement)
+//   m0 = m (1 + strain)            mass per unstretched length of cables whose mass per length is
+//                                  stated for the length as it hangs (`mass_of`)
 //
 // A load cell that several states share makes scale and zero common unknowns of a fit; T depends on
 // neither temperature nor thermal expansion, since it was read in the state. Beams are drawn as

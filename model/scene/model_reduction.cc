@@ -8,7 +8,7 @@
 namespace rigfit::model {
 namespace {
 
-constexpr double kParallel = 1e-12;  // of unit vectors: what rounding of positions leaves
+constexpr double kParallel = 1e-12;  // difference of unit vectors that rounding of positions leaves
 
 bool rigid_end(const Member& member, int end) {
   return member.joint[static_cast<std::size_t>(end)] == Member::Joint::rigid &&

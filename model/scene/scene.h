@@ -52,7 +52,7 @@ struct Member {
   enum class Kind { cable, beam };
   /// Whether rigid ends are stress-free at the equilibrium or along the straight line.
   enum class Assembled { hanging, straight };
-  /// Of which length a mass per length is (actual_state.h); unsaid: of the unstretched one.
+  /// The length that a mass per length refers to (actual_state.h); unsaid: the unstretched one.
   enum class MassOf { unsaid, unstretched, installed };
   /// How a member meets a free node.
   enum class Joint { rigid, pinned };

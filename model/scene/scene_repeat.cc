@@ -39,7 +39,7 @@ void repeat(Scene& scene, TomlTable& table) {
   }
   table.finish();
 
-  std::vector<std::string> nodes;  // of the original, each once
+  std::vector<std::string> nodes;  // nodes of the original, each once
   for (const auto& name : members) {
     const Member* member = find(scene.members, name);
     if (!member) {

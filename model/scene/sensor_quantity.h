@@ -17,8 +17,8 @@ namespace rigfit::model {
 
 /// What a quantity reads, before it is differentiated.
 enum class SensorReading {
-  displacement,  ///< of a point from the equilibrium along the sensor's direction, m
-  axial_force,   ///< of a member's segment, static part included, N
+  displacement,  ///< displacement of a point from the equilibrium along the sensor's direction, m
+  axial_force,   ///< axial force in a member's segment, static part included, N
 };
 
 /// One quantity.

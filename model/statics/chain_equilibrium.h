@@ -13,7 +13,7 @@
 namespace rigfit::model {
 
 struct EquilibriumOptions {
-  int max_iterations = 40;  ///< of each continuation step
+  int max_iterations = 40;  ///< Newton iterations of each continuation step
   double residual = 1e-9;   ///< largest unbalanced force over the largest member force
   double step = 1e-9;       ///< largest last displacement over the rig's extent
   int max_continuation_steps = 60;
@@ -31,7 +31,7 @@ struct ChainEquilibrium {
 /// A motion about the equilibrium.
 struct RestMotion {
   Motion motion = Motion::space;
-  std::unique_ptr<Assembly> assembly;  ///< of the chain that the equilibrium is of
+  std::unique_ptr<Assembly> assembly;  ///< energies and forces of the chain at rest
   EnvelopeMatrix stiffness;
 };
 

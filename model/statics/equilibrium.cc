@@ -304,8 +304,8 @@ class Solver {
   EnvelopeFactor factor_;
   std::vector<int> targets_;
   Eigen::VectorXd force_, column_, row_, axial_, mismatch_, lengths_;
-  Eigen::VectorXd support_rounding_;  ///< of the forces of the supports' springs
-  std::vector<BorderRun> runs_;       // of each target
+  Eigen::VectorXd support_rounding_;  ///< rounding of the supports' spring forces
+  std::vector<BorderRun> runs_;       // range of each target in the bordered matrix
   std::optional<BorderedEnvelope> bordered_;
   Eigen::MatrixXd border_, small_;
   double extent_ = 0, unbalanced_ = 0, scale_ = 0, rounding_ = 0;

@@ -14,7 +14,7 @@ constexpr double kLongest = 50;  // cable lengths over the chord beyond which it
 struct Problem {
   double across = 0, up = 0;      // chord
   std::vector<double> EA;         // by segment
-  std::vector<double> share;      // of the length, by segment
+  std::vector<double> share;      // share of the length, by segment
   std::vector<double> by_length;  // weight of segments on each inner node over the length, N/m
   std::vector<double> fixed;      // weight of attached masses on each inner node, N
   double total_by_length = 0;     // N/m of unstretched length

@@ -22,7 +22,7 @@ struct HangingChain {
   std::string reason;                      ///< when not found
   double horizontal = 0;                   ///< N (along the chord when that is steep or weightless)
   double unstretched_length = 0;           ///< m
-  std::vector<Eigen::Vector3d> positions;  ///< of the member's nodes, ends included
+  std::vector<Eigen::Vector3d> positions;  ///< positions of the member's nodes, ends included
 };
 
 /// Between the given ends, for the member's target tension (and `extra` N more, which stands for
