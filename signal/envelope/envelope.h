@@ -33,7 +33,7 @@ struct EnvelopePoint {
 struct EnvelopeOptions {
   int points = 8;              ///< spans of equal duration, fewer where cycles or signal are short
   double least_cycles = 3;     ///< in a span
-  double least_amplitude = 4;  ///< of the envelope, in standard deviations of its own noise
+  double least_amplitude = 4;  ///< least usable envelope, in standard deviations of its own noise
 };
 
 struct EnvelopeResult {
@@ -48,7 +48,8 @@ struct EnvelopeResult {
   double clear_until_s = 0;  ///< the envelope stands clear of the noise until then
 };
 
-/// Of mode `m` of a fit. `noise_variance`: white-equivalent variance of a sample near the mode.
+/// Envelope of mode `m` of a fit. `noise_variance`: white-equivalent variance of a sample near the
+/// mode.
 [[nodiscard]] EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m,
                                            double sample_rate_hz, double noise_variance,
                                            const EnvelopeOptions& options = {});

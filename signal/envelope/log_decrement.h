@@ -17,7 +17,7 @@
 namespace rigfit::signal {
 
 struct LogDecrementOptions {
-  double noise_std = 0;  ///< of a sample, in the signal's unit; 0: taken from the regression alone
+  double noise_std = 0;  ///< noise of a sample, in the signal's unit; 0: from the regression alone
   double least_swing = 6;  ///< swings below this many noise_std are not used
 };
 
@@ -25,8 +25,8 @@ struct LogDecrementResult {
   Estimate log_decrement;             ///< per cycle
   Estimate damping_ratio;             ///< NaN when refused
   Estimate frequency_hz;              ///< damped: from the times of the extremes
-  std::vector<double> time_s, swing;  ///< of each swing used: middle time, and d_k
-  double r_squared = 0;               ///< of the regression of ln d on k, weighted
+  std::vector<double> time_s, swing;  ///< middle time and d_k of each swing used
+  double r_squared = 0;               ///< weighted R^2 of the regression of ln d on k
   std::string refusal;                ///< why there is no result; empty when there is one
 };
 

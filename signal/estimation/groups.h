@@ -24,7 +24,7 @@ namespace rigfit::signal {
 /// A mean over groups, which may differ by more than their own uncertainty.
 struct GroupMean {
   double mean = 0;
-  double variance = 0;          ///< of the mean
+  double variance = 0;          ///< variance of the mean
   double between_variance = 0;  ///< tau^2; 0: groups agree within their own uncertainty
   double cochran_Q = 0;         ///< test of agreement
   double chance = 1;            ///< probability of such a Q where groups agree

@@ -17,9 +17,9 @@ struct DoubleHitOptions {
 };
 
 struct SecondContact {
-  double ratio = 0;             ///< of the peak; 0: none found
+  double ratio = 0;             ///< second contact relative to the peak; 0: none found
   Eigen::Index delay = 0;       ///< samples from peak to peak; negative: before the hit
-  double smallest_visible = 0;  ///< of the peak: the larger of `ratio` and what noise hides
+  double smallest_visible = 0;  ///< larger of `ratio` and what noise hides, relative to the peak
 };
 
 /// `force`: one block, offset removed, pulses upwards, finite; the hit's pulse spans

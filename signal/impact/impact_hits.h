@@ -67,9 +67,9 @@ struct HitOptions {
 struct Hit {
   std::size_t recording = 0;  ///< index of the recording it is in
   Eigen::Index peak_sample = 0;
-  double time_s = 0;  ///< of the peak, on the recording's time axis
+  double time_s = 0;  ///< time of the peak on the recording's time axis
   double peak = 0;    ///< with its sign, unit of the force channel, offset removed
-  double offset = 0;  ///< of the force before the hit, removed
+  double offset = 0;  ///< mean force before the hit, removed
   Eigen::Index pulse_first = 0, pulse_last = 0;  ///< samples above the edge, inclusive
   double pulse_duration_s = 0;                   ///< between the edge crossings, interpolated
   Eigen::Index block_first = 0;                  ///< sample where the block begins
@@ -92,7 +92,7 @@ struct HitSearch {
   std::vector<Hit> hits;  ///< in the order of recordings and time
   Eigen::Index block_samples = 0;
   double sample_rate_hz = 0;
-  int sign = 1;  ///< of the pulses
+  int sign = 1;  ///< direction of the pulses, +1 or -1
   /// Value at rest (median) of each response, by recording.
   std::vector<std::vector<double>> response_rest;
   std::vector<Note> notes;

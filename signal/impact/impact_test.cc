@@ -118,7 +118,7 @@ class Analysis {
     return block;
   }
 
-  /// Of the force over its pulse.
+  /// Impulse of a hit: integral of the force over its pulse.
   double impulse_of(const Hit& hit) const {
     const Eigen::VectorXd& force = channel(hit.recording, force_).samples;
     const Index count = hit.pulse_last - hit.pulse_first + 1;

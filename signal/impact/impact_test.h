@@ -54,8 +54,8 @@ struct ImpactTest {
   /// Part of the response power that the force does not explain, per degree of freedom; 0 for fewer
   /// than three hits.
   double incoherence = 0;
-  /// Noise on the force where no hit is, without any window: its part of the force's power at half
-  /// of the band's lines, by which H1 would be too small; empty: too few samples to tell.
+  /// Noise on the force where no hit is, without any window: median over the band's lines of its
+  /// share of the force's power, by which H1 would be too small. Empty: too few samples to tell.
   std::optional<double> force_noise;
   /// The same of what the force window leaves, at the worst line. It is taken off H1.
   double force_noise_left = 0;

@@ -11,7 +11,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 PulseShape pulse_shape(const VectorXd& samples, Index first, Index length) {
-  constexpr double kEdge = 0.1;  // of the peak: where a pulse ends
+  constexpr double kEdge = 0.1;  // a pulse ends below this part of its peak
   first = std::clamp<Index>(first, 0, samples.size());
   length = std::min(length, samples.size() - first);
   constexpr PulseShape kUnclear{0.4, 0.25};  // neither

@@ -20,9 +20,9 @@ struct PulseShape {
   [[nodiscard]] bool is_pulse() const { return opposite < 0.3 && outside < 0.2; }
 };
 
-/// Of the samples first .. first + length - 1 with their largest absolute value as the peak. Rest
-/// and noise are taken where the block is quietest: before the hit or at its end. Missing samples
-/// count as rest. No signal: neither rings nor is a pulse.
+/// Shape of the samples first .. first + length - 1 with their largest absolute value as the peak.
+/// Rest and noise are taken where the block is quietest: before the hit or at its end. Missing
+/// samples count as rest. No signal: neither rings nor is a pulse.
 [[nodiscard]] PulseShape pulse_shape(const Eigen::VectorXd& samples, Eigen::Index first,
                                      Eigen::Index length);
 

@@ -20,7 +20,7 @@ namespace rigfit::signal {
 
 struct StruckPoint {
   std::string name;
-  std::span<const Recording> recordings;  ///< of hits on it
+  std::span<const Recording> recordings;  ///< recordings of hits on the point
 };
 
 struct DrivingPoint {

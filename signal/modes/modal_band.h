@@ -12,7 +12,7 @@ namespace rigfit::signal {
 
 struct ModalBand {
   Eigen::VectorXd frequency_hz;
-  std::vector<Eigen::Index> rows;  ///< of the set's lines
+  std::vector<Eigen::Index> rows;  ///< indices of the band's lines in the set
   Eigen::MatrixXd H_std;           ///< empty: not known or not usable
   FrfLines lines;
   double spacing_hz = 0;                   ///< median step between lines

@@ -30,7 +30,7 @@ struct ModeAtPoint {
 /// What changes from hit to hit, beyond noise (hit_scatter.h).
 struct BetweenHits {
   int hits = 0;                 ///< that show the mode by themselves; 0: not known
-  double frequency_std_hz = 0;  ///< of one hit
+  double frequency_std_hz = 0;  ///< standard deviation of one hit's frequency
   double damping_std = 0;
   bool beyond_noise = false;  ///< then value and standard deviation allow for it
 };
@@ -47,8 +47,8 @@ struct IdentifiedMode {
   double reconstruction_error = 0;       ///< rms misfit over rms FRF near the mode
   /// Share of the orders of the stabilisation diagram that show the mode, 0..1.
   double presence = 0;
-  /// How far the residues of all FRFs together stand out of their noise: root of the sum over FRFs
-  /// of residue' covariance^-1 residue, over what chance gives a mode that is not there.
+  /// How far the residues of all FRFs together stand out of their noise: the root of the sum over
+  /// FRFs of residue' covariance^-1 residue, over what chance gives a mode that is not there.
   double significance = 0;
   /// The window's decay rate is more than half of what was measured: the corrected damping is
   /// mostly a difference of large numbers and is not to be used.

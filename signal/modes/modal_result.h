@@ -43,7 +43,7 @@ struct RejectedColumn {
 struct ModalResult {
   ModalModel model;
   LscfResult stabilisation;              ///< window not removed
-  std::vector<PoleCluster> clusters;     ///< of that diagram, window not removed
+  std::vector<PoleCluster> clusters;     ///< clusters of that diagram, window not removed
   std::vector<RejectedColumn> rejected;  ///< columns of it without a mode, by rising frequency
   FrfNoise noise;                        ///< as estimated from what the fit leaves
   Eigen::MatrixXd auto_mac;              ///< modes x modes

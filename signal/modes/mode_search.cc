@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 struct Candidate {
   Complex pole;  ///< window removed
   double presence = 0;
-  std::ptrdiff_t cluster = -1;  ///< of the whole band's diagram; -1: found later
+  std::ptrdiff_t cluster = -1;  ///< cluster in the whole band's diagram; -1: found later
 };
 
 class ModeSearch {

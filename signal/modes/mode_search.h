@@ -30,9 +30,9 @@ struct DroppedCluster {
 
 struct FoundModes {
   ModalRefineResult fit;         ///< no residues when the lines determine no mode
-  ModalCovariance covariance;    ///< of search_modes(): rank and significance alone
-  std::vector<double> presence;  ///< of each mode: share of the model orders that hold its pole
-  std::vector<DroppedCluster> dropped;  ///< of the clusters given
+  ModalCovariance covariance;    ///< from search_modes(): rank and significance alone
+  std::vector<double> presence;  ///< share of the model orders that hold a mode's pole, by mode
+  std::vector<DroppedCluster> dropped;  ///< clusters given that became no mode
   FrfNoise noise;                       ///< from what the fit leaves
   Eigen::MatrixXcd model;               ///< lines x FRFs; empty without residues
   double penalty = 0;                   ///< the least significance of a mode

@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 
-/// Of the band's width beyond its end, and back into it, where poles beside are looked for.
+/// Poles beside the band are looked for this far beyond its end and back into it, in band widths.
 constexpr double kBeyond = 0.25, kWithin = 0.125;
 constexpr Index kFewestLines = 16;
 

@@ -7,7 +7,7 @@ namespace rigfit::signal {
 
 struct LeastSquares {
   Eigen::MatrixXd x;  ///< columns x right-hand sides; 0 where a column depends on others
-  Eigen::VectorXd left_sum_squares;  ///< of each right-hand side
+  Eigen::VectorXd left_sum_squares;  ///< residual sum of squares, by right-hand side
   /// Ratio of the largest to the smallest pivot; columns that cannot be told apart make it large,
   /// up to infinity.
   double condition = 0;

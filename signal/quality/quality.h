@@ -35,7 +35,7 @@ struct ChannelQuality {
   double noise_floor =
       0;                 ///< rms of the broadband floor, SI (from the median line of the spectrum)
   double mains_hz = 0;   ///< 50 or 60 where hum was found, else 0
-  double mains_rms = 0;  ///< of the hum's lines, SI
+  double mains_rms = 0;  ///< rms of the hum's lines, SI
   double drift = 0;      ///< change of the mean over the record, SI
   std::vector<QualityFinding> findings;
 };

@@ -220,8 +220,9 @@ double clock_of(const Header& header, std::size_t column) {
 struct SegmentTimes {
   double start_s = 0;
   double stated_rate_hz = 0;
-  double rate_relative_std = 0;  ///< of the stated rate: its step is printed with few digits
-  Eigen::VectorXd x;             ///< empty: no X column
+  /// Uncertainty of the stated rate: its step is printed with few digits.
+  double rate_relative_std = 0;
+  Eigen::VectorXd x;  ///< empty: no X column
   double printed_resolution_s = 0;
 };
 

@@ -145,8 +145,8 @@ void judge_values(const Channel& channel, const ChannelDescription* described,
   }
 }
 
-/// Channels that channels.toml of the folder describes and this recording lacks: other recordings
-/// of the folder have them, unless it describes none of this one's, or the name is misspelt.
+/// Notes channels that the folder's channels.toml describes and this recording lacks: the other
+/// recordings may have them, unless it describes none of this one's, or the name is misspelt.
 void note_absent(const std::vector<std::string>& absent, const std::vector<std::string>& left,
                  bool none_described, Recording& recording) {
   std::string names;

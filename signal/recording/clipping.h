@@ -28,7 +28,7 @@ struct ClipLevels {
 /// The samples of a channel that are clipped.
 struct ClippedSamples {
   std::vector<bool> at;        ///< by sample
-  long count = 0;              ///< of them
+  long count = 0;              ///< number of clipped samples
   Eigen::Index first = -1;     ///< -1: none
   std::vector<double> levels;  ///< extremes they stand at, the high one first
 };

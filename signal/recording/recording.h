@@ -24,9 +24,10 @@ struct Channel {
   double si_per_source = 1;  ///< factor applied to the file's numbers
   double si_offset = 0;      ///< added after the factor (temperatures)
   Quantity quantity = Quantity::unknown;
-  std::array<double, 3> direction{0, 0, 0};  ///< of positive values, scene axes; zero: not known
-  double nominal_range = 0;                  ///< SI, full scale stated by the file; 0: not stated
-  Eigen::VectorXd samples;                   ///< SI; NaN where missing
+  /// Axis of positive values in the scene; zero: not known.
+  std::array<double, 3> direction{0, 0, 0};
+  double nominal_range = 0;  ///< SI, full scale stated by the file; 0: not stated
+  Eigen::VectorXd samples;   ///< SI; NaN where missing
   long missing_samples = 0;
 };
 
@@ -43,7 +44,8 @@ struct Recording {
   std::filesystem::path path;
   std::string format;         ///< "csv", "lvm", "uff58-ascii", "uff58-binary", "wav", "npy", "mat"
   double sample_rate_hz = 0;  ///< from the time column where there is one; 0: not known
-  /// Of the rate, where the file states it rounded; a relative error of every frequency. 0: none.
+  /// Uncertainty of a rate that the file states rounded: a relative error of every frequency. 0:
+  /// none.
   double sample_rate_relative_std = 0;
   double start_time_s = 0;
   double time_jitter_s = 0;  ///< rms departure of the time column from uniform sampling

@@ -20,9 +20,10 @@ namespace rigfit::signal {
 namespace {
 using Eigen::Index;
 
-constexpr double kGap = 3;                    // steps of the usual size that count as a gap
-constexpr double kStopBand = 1e-4;            // 80 dB
-constexpr double kFlat = 0.4, kClosed = 0.5;  // of the lower rate
+constexpr double kGap = 3;          // steps of the usual size that count as a gap
+constexpr double kStopBand = 1e-4;  // 80 dB
+// Pass band's and stop band's edges over the lower rate.
+constexpr double kFlat = 0.4, kClosed = 0.5;
 constexpr double kMostSamples = 1e9;
 
 RecordingError refusal(const Recording& recording, std::string channel, std::string problem,

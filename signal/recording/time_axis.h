@@ -40,14 +40,13 @@ struct TimeAxis {
 /// A rate from a step printed with few digits.
 struct RateOfStep {
   double rate_hz = 0;
-  double relative_std =
-      0;                ///< of the rounding, uniform; 0: the step is a rate's own decimal fraction
-  bool chosen = false;  ///< a usual rate that prints as this step, not one over it
+  double relative_std = 0;  ///< rounding, uniform; 0: the step is a rate's own decimal fraction
+  bool chosen = false;      ///< a usual rate that prints as this step, not one over it
 };
 
-/// `half_digit`: half a unit of the step's last printed digit. Where the step is the exact decimal
-/// of one over a round rate (0.001), it is that; else, of the rates that print as this step, the
-/// one that is a power of two or has two digits, where there is one alone; else one over the step.
+/// `half_digit`: half a unit of the step's last printed digit. A step that is the exact decimal of
+/// one over a round rate (0.001) gives that rate. Else the one rate that prints as this step and is
+/// a power of two or has two digits is taken, if there is exactly one; else one over the step.
 [[nodiscard]] RateOfStep rate_of_step(double step_s, double half_digit);
 
 /// The roundest rate within `tolerance` (relative) of `rate_hz`: 65535.95 -> 65536 at 1e-5.

@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 /// Everything at one set of free poles.
 struct State {
   VectorXcd poles;
-  MatrixXcd orthonormal;  ///< of the model's columns
+  MatrixXcd orthonormal;  ///< orthonormal basis of the model's columns
   MatrixXcd coefficients;
   MatrixXcd residual;
   double cost = 0;

@@ -29,7 +29,8 @@ struct LocalFit {
   Eigen::VectorXd misfit;       ///< columns: sum over lines of |residual|^2
   /// Free poles x columns: by how much `misfit` rises without that pole, the others kept.
   Eigen::MatrixXd gain;
-  /// Of the free poles for w_c = 1 / variance of a column's complex noise, white over lines.
+  /// Covariance of the free poles for w_c = 1 / variance of a column's complex noise, white over
+  /// lines.
   Eigen::MatrixXcd covariance;
   /// The same from what the fit leaves at each line of all columns together (White, Econometrica 48
   /// (1980) 817): for noise that goes with |H| and is common to columns. Scatters when lines are

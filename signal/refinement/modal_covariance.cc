@@ -37,7 +37,7 @@ struct PoleFilter {
 
   VectorXd weight, inverse_variance;
   MatrixXd basis;
-  ScaledGram factor;  ///< of the basis
+  ScaledGram factor;  ///< Gram factor of the basis
   MatrixXd coefficients, gain;
   MatrixXd outside;  ///< derivatives with respect to poles, less their part in the basis
   ScaledGram information = ScaledGram(MatrixXd(0, 0));

@@ -175,7 +175,7 @@ FrfNoise noise_from_residuals(const Eigen::Ref<const MatrixXcd>& model,
   noise.column = (squares.colwise().sum().transpose() / freedom.sum()).matrix().cwiseMax(least);
   const bool single = model.cols() == inputs;
   for (int round = 0; round < (single ? 12 : 6); ++round) {
-    // Of one FRF alone the line factor would take a resonance's share for itself.
+    // With one FRF alone the line factor would take a resonance's share for itself.
     if (!single || round >= 8) update_lines(noise, squares, power, freedom);
     update_columns(noise, squares, power, freedom.array(), least);
     if (single) {

@@ -1,11 +1,11 @@
 // The noise of a set of FRFs as few numbers: what weights, covariances and tests of modes need.
 //
 // Noise of the responses gives each FRF an error of its own; noise of a force multiplies all FRFs
-// of its input by one and the same random factor. Both are divided by the same force spectrum:
+// with its input by one and the same random factor. Both are divided by the same force spectrum:
 //   var Re(error_kc) = var Im(error_kc) = q_k (a_c + b_i |H_kc|^2),   i: input of column c,
-// the b part being common to the FRFs of an input. Error bars taken from a few hits scatter by tens
-// of percent from line to line; weights made of them singly would lose information and claim too
-// much. Smoothing q over lines and FRFs takes thousands of them together.
+// the b part being common to the FRFs of an input. Error bars taken from a few hits scatter much
+// (tens of percent) from line to line; weights made of each alone would lose information and claim
+// too much. Smoothing q over lines and FRFs takes thousands of them together.
 //
 // Lines of records weighted by an exponential window exp(-sigma t) of length T have correlated
 // errors

@@ -27,7 +27,7 @@ struct Stage {
   MatrixXd basis, derivatives;  ///< stacked, weighted
   MatrixXd cross;               ///< basis' derivatives
   MatrixXd projected;           ///< Gram of the derivatives outside the basis
-  MatrixXd coefficients;        ///< of the basis, a column an FRF
+  MatrixXd coefficients;        ///< coefficients of the basis, a column an FRF
   double cost = 0;
   bool usable = false;
 };

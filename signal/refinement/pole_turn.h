@@ -3,7 +3,7 @@
 // The derivative of an FRF with respect to a pole is the column 1 / (s - p)^2 (modal_basis.h) times
 // the FRF's residue R = a + i b: for the real and imaginary parts of the pole's change that is the
 // turn T = [a -b; b a] of the column's two real halves, mode by mode. `residues` below are a column
-// of coefficients (a_1, b_1, a_2, ...), as many as A has rows.
+// with as many coefficients (a_1, b_1, a_2, ...) as A has rows.
 #pragma once
 
 #include <Eigen/Core>

@@ -12,8 +12,8 @@ struct ResidueResult {
   Eigen::MatrixXcd residues;       ///< modes x FRFs, receptance (of the upper poles)
   Eigen::VectorXcd lower, upper;   ///< FRFs; lower / s^2 and upper, receptance
   Eigen::VectorXd squared_misfit;  ///< FRFs: sum over lines of |weight (H - model)|^2
-  /// Of the least squares problem with columns scaled to length 1; poles that the lines cannot tell
-  /// apart make it large.
+  /// Condition number of the least squares problem with columns scaled to length 1; poles that the
+  /// lines cannot tell apart make it large.
   double condition = 0;
 };
 

@@ -176,7 +176,7 @@ class DecayModeSearch {
   }
 
   // Whether noise of the residual's variance would take out so much with one mode more, in the best
-  // of all cells of the bank, with probability `false_alarm` at most.
+  // among all cells of the bank, with probability `false_alarm` at most.
   bool passes_fisher(double gain, const DampedSinusoidsFit& fit) const {
     const double degrees = static_cast<double>(fit.degrees);
     const double ratio = gain / 4 / std::max(fit.residual_sum_squares / degrees, 1e-300);

@@ -1,10 +1,10 @@
 // Where in a record damped sinusoids are: a bank of matched filters over frequency and decay rate.
 //
 // For a decay rate a the filter's output at frequency w is |sum_j y_j exp(-(a + i w) j)|^2, one FFT
-// of the record under the window exp(-a j). Divided by half the window's energy it is the energy
-// that a sinusoid of that pole takes out of the record, and for white noise of variance s^2 it has
-// a mean of 2 s^2 (chi-squared, two degrees). The noise is read beside each peak, as the median
-// of the undamped spectrum around it, so that coloured noise does not pass for modes.
+// applied to the record under the window exp(-a j). Divided by half the window's energy it is the
+// energy that a sinusoid of that pole takes out of the record, and for white noise of variance s^2
+// it has a mean of 2 s^2 (chi-squared, two degrees). The noise is read beside each peak, from the
+// median of the undamped spectrum around it, so that coloured noise does not pass for modes.
 #pragma once
 
 #include <Eigen/Core>

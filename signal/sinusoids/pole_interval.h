@@ -27,7 +27,8 @@ namespace rigfit::signal {
 
 /// What is known of the mode besides its fit.
 struct PoleEvidence {
-  double std = 0;  ///< of a or w in a linear fit; in coloured noise it scales the energy for `part`
+  /// Std of a or w in a linear fit; in coloured noise it scales the energy for `part`.
+  double std = 0;
   double energy = 0;    ///< R^2, in variances of the noise
   double strength = 0;  ///< mu
 };

@@ -15,8 +15,8 @@
 namespace rigfit::signal {
 
 struct ResidualNoise {
-  double variance = 0;             ///< of the noise, degrees of freedom of the fit taken off
-  double innovation_variance = 0;  ///< of e
+  double variance = 0;             ///< noise variance, corrected for the fit's degrees of freedom
+  double innovation_variance = 0;  ///< variance of e
   Eigen::VectorXd coefficients;    ///< a_1 .. a_p; empty: white
 
   /// Variance of white noise with the same density at `frequency` (cycles per sample).

@@ -6,9 +6,9 @@
 // v is constant). Where v is the constant s^2 it is s^2 sum_j w_kj. That it is more is White's
 // test, for one parameter and in Koenker's form, which does not take the noise for Gaussian:
 //   z_k = sum_j w_kj (e_j^2 - s^2) / sqrt(sum_j (w_kj - mean w_k)^2 var(e^2)).
-// Jitter of the sampling clock, noise in proportion to the signal and converter steps are noise
-// of this kind. In coloured noise e are the innovations of the residual's autoregression, and the
-// columns of J (J'J)^-1 are filtered by its transpose (prewhitening, Andrews and Monahan).
+// Jitter of the sampling clock, noise in proportion to the signal and converter steps are such
+// noise. In coloured noise e are the innovations of the residual's autoregression, and the columns
+// of J (J'J)^-1 are filtered by its transpose (prewhitening, Andrews and Monahan).
 // Sources: White, Econometrica 48 (1980) 817; MacKinnon and White, J. Econometrics 29 (1985) 305;
 // Koenker, J. Econometrics 17 (1981) 107; Andrews and Monahan, Econometrica 60 (1992) 953.
 #pragma once
@@ -32,7 +32,7 @@ struct UnevenNoise {
   [[nodiscard]] Eigen::MatrixXd widened(const Eigen::Ref<const Eigen::MatrixXd>& covariance) const;
 };
 
-/// Of a fit that is not rank-deficient.
+/// `fit` must not be rank-deficient.
 [[nodiscard]] UnevenNoise uneven_noise(const DampedSinusoidsFit& fit, const ResidualNoise& noise);
 
 }  // namespace rigfit::signal

@@ -108,7 +108,7 @@ ArrayXd lags_of(const ArrayXd& power) {
   return fft.time().head(power.size() - 1).array();
 }
 
-/// Of the lines within `half` of each.
+/// Median over the lines within `half` of each line.
 ArrayXd medians(const ArrayXd& values, Index half) {
   ArrayXd result(values.size());
   for (Index k = 0; k < values.size(); ++k) {

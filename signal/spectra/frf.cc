@@ -340,10 +340,11 @@ class Averager {
   Eigen::ArrayXd gxx_, inverse_gxx_;
   Eigen::ArrayXXd single_;                      ///< lines x hits, for single hits
   Eigen::ArrayXd true_gxx_, inverse_true_gxx_;  ///< without the noise
-  Eigen::ArrayXd noise_;                        ///< of the force, mean over hits; empty: not known
-  Eigen::ArrayXd subtracted_;                   ///< its broadband part; empty: nothing
-  std::vector<Index> lines_;                    ///< of leave-one-out
-  Eigen::ArrayXXd share_;                       ///< hits + 1 x responses
+  /// Noise on the force, mean over hits; empty: not known.
+  Eigen::ArrayXd noise_;
+  Eigen::ArrayXd subtracted_;  ///< its broadband part; empty: nothing
+  std::vector<Index> lines_;   ///< lines used in leave-one-out
+  Eigen::ArrayXXd share_;      ///< hits + 1 x responses
 };
 
 bool noise_is_known(std::span<const FrfBlock> blocks) {

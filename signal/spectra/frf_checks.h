@@ -34,8 +34,9 @@ struct DrivingPointCheck {
   int missing_antiresonances = 0;  ///< between neighbouring ones
 };
 
-/// Of one column of known form within the band. Up to 5 % of wrong sign is consistent, 95 % or more
-/// is inverted: resonances dominate the sum, so either limit leaves room for noise between them.
+/// Checks one column of known form within the band. Up to 5 % of wrong sign is consistent, 95 % or
+/// more is inverted: resonances dominate the sum, so either limit leaves room for noise between
+/// them.
 [[nodiscard]] DrivingPointCheck check_driving_point(
     const FrfSet& frfs, Eigen::Index response, Eigen::Index input,
     std::optional<std::pair<double, double>> band_hz = {});

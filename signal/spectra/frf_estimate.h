@@ -29,7 +29,8 @@ struct FrfOptions {
   FrfEstimator estimator = FrfEstimator::h1;
   double sample_rate_hz = 0;
   Eigen::Index block_samples = 0;
-  double exponential_decay_rate_1_s = 0;  ///< of exp(-a t) on force and response; 0: none
+  /// Rate a of the window exp(-a t) on force and response; 0: none.
+  double exponential_decay_rate_1_s = 0;
   /// The residual noise power is averaged over this many lines on either side before it becomes an
   /// error bar: noise spectra are smooth, and an error bar from few hits alone scatters by
   /// 1 / (2 sqrt(n - 1)). Under an exponential window neighbouring lines share their noise; the
@@ -50,7 +51,7 @@ struct FrfOptions {
 struct FrfEstimate {
   Eigen::VectorXd frequency_hz;
   Eigen::MatrixXcd H;                    ///< lines x responses
-  Eigen::MatrixXd H_std;                 ///< of real and imaginary part, each; empty: unknown
+  Eigen::MatrixXd H_std;                 ///< std of real and imaginary part, each; empty: unknown
   Eigen::MatrixXd coherence;             ///< empty for one hit, where it says nothing
   Eigen::VectorXd force_power;           ///< mean |X|^2 a hit, unscaled, lines
   std::vector<Eigen::MatrixXcd> by_hit;  ///< H of each hit by itself, first lines x responses

@@ -37,7 +37,7 @@ struct FrfSet {
   FrfForm form = FrfForm::unknown;
   std::string unit;  ///< such as "(m/s^2)/N"
   double exponential_decay_rate_1_s =
-      0;  ///< of a window shared by force and response; adds to every pole
+      0;  ///< window shared by force and response; adds to every pole
   /// From the beginning of the blocks to the hits' peaks, mean; 0: not known. Tells, under a
   /// window, where in time the noise is.
   double pre_trigger_s = 0;

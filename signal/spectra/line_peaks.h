@@ -8,7 +8,7 @@ namespace rigfit::signal {
 
 struct LinePeak {
   double frequency_hz = 0;  ///< vertex of the parabola through the logarithms of three lines
-  double value = 0;         ///< of the highest line
+  double value = 0;         ///< value of the highest line
 };
 
 /// Local maxima that stand at least 6 dB above the lowest line on either side before a higher one,

@@ -251,7 +251,7 @@ SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& recorded, double 
                std::abs(tone.frequency_hz - center) < std::max(reach, tone.reach_hz);
       });
     };
-    if (within(0, true)) continue;  // of a tone whose frequency wanders
+    if (within(0, true)) continue;  // the peak belongs to a tone whose frequency wanders
     SteadyTone tone;
     const auto nature = nature_of_line(samples, rate_hz, center, tone);
     if (nature == LineNature::steady) {

@@ -18,13 +18,13 @@ using Eigen::VectorXd;
 using Complex = std::complex<double>;
 
 constexpr int kBlocks = 16;
-constexpr double kLeastPeriods = 8;     // of a line in a block
+constexpr double kLeastPeriods = 8;     // periods in a block
 constexpr double kLeastDamping = 1e-4;  // damping ratio of a resonance
 constexpr double kRareWalk = 0.0174;    // omega^2 that is exceeded in 99.9 %
 constexpr double kRarePowers = 0.2;     // variance of 16 exponential powers, the same
 constexpr double kToneScatter = 2.04;   // chi-square of 15 degrees of freedom over 15, 99 %
 constexpr std::size_t kMostLines = 40;  // looked at
-constexpr double kWandering = 0.05;     // of a tone's power, left by one sinusoid
+constexpr double kWandering = 0.05;     // share of a tone's power that one sinusoid leaves
 
 VectorXd hann_window(Index n) {
   return VectorXd::NullaryExpr(n, [n](Index i) {
@@ -161,7 +161,8 @@ LineNature nature_of_line(const Eigen::Ref<const VectorXd>& samples, double rate
   measures = {frequency_hz, 0, 0, 0};
   if (frequency_hz * duration < kLeastPeriods * kBlocks) return LineNature::varies;
   const VectorXd window = hann_window(length);
-  const double line = kTwoPi / static_cast<double>(length);  // of a block, rad a sample
+  // Line spacing of a block, rad a sample.
+  const double line = kTwoPi / static_cast<double>(length);
   const double omega = kTwoPi * frequency_hz / rate_hz;
   constexpr std::array<double, 6> kBeside = {-4.5, -3.5, -2.5, 2.5, 3.5, 4.5};  // beyond the lobe
   std::array<double, kBeside.size()> beside{};

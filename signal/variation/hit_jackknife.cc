@@ -54,7 +54,7 @@ std::vector<HitsOnPoint> changes_by_hits(const FrfSet& frfs, const ModalBand& ba
                                          const FrfNoise& noise, const ModalRefineResult& fit) {
   const auto inputs = static_cast<Index>(frfs.inputs.size());
   const Index frfs_each = frfs.H.cols() / inputs;
-  // Of every hit: parts of the poles x inputs; NaN where a point has fewer hits.
+  // By hit: parts of the poles x inputs; NaN where a point has fewer hits.
   std::vector<MatrixXd> moved;
   for (const MatrixXcd& by_hit : frfs.by_hit) {
     MatrixXcd error = by_hit(band.rows, Eigen::all);

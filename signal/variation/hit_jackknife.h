@@ -22,8 +22,8 @@ struct JackknifeOfHits {
   double frequency_std_hz = 0, damping_ratio_std = 0, freedom = 0;
 };
 
-/// Of the modes of `fit` by rising frequency. Empty where the set does not keep two hits on some
-/// point over the whole band, or where the poles cannot be told apart.
+/// Jackknife for the modes of `fit` by rising frequency. Empty where the set does not keep two hits
+/// on some point over the whole band, or where the poles cannot be told apart.
 [[nodiscard]] std::vector<JackknifeOfHits> jackknife_of_hits(const FrfSet& frfs,
                                                              const ModalBand& band,
                                                              const FrfNoise& noise,

@@ -171,11 +171,11 @@ HitFits fit_hits(const FrfSet& frfs, const Window& window, const VectorXcd& star
   return all;
 }
 
-/// The fits of a mode with those of its neighbours that the hits together show: leaving such a one
-/// out, its pole and residues, raises the misfit by more than noise does (one chance in 10^4), the
-/// hits' noise lets the two poles be told apart, and its peak over the mode's is at least a third
-/// of what it is in the average. One mode that moves looks like two in the average; of the second,
-/// hits show next to nothing.
+/// Fits of a mode together with those neighbours that the hits show. A neighbour counts if leaving
+/// out its pole and residues raises the misfit by more than noise does (one chance in 10^4), if the
+/// hits' noise lets the two poles be told apart, and if its peak over the mode's is at least a
+/// third of its share in the average. One mode that moves looks like two in the average; the hits
+/// show next to nothing of the second.
 HitFits follow(const FrfSet& frfs, const ModalModel& model, std::size_t mode, double shared,
                Window& window, std::vector<std::size_t>& unseen) {
   const auto peak_of = [&](std::size_t r) {
@@ -244,7 +244,7 @@ Scatter scatter_of(const std::vector<std::vector<double>>& points) {
 double widened(double std, double freedom) {
   return std * gsl_cdf_tdist_Pinv(0.975, freedom) / 1.96;
 }
-double widened_std(const Scatter& scatter) {  // of the mean
+double widened_std(const Scatter& scatter) {  // std of the mean
   return widened(std::sqrt(scatter.variance / scatter.count), scatter.freedom);
 }
 
@@ -295,7 +295,7 @@ struct Verdict {
   std::vector<Scatter> frequency, damping;
   bool all_differ = false;              ///< beyond what is left line by line
   bool all_scatter = false;             ///< beyond noise that is white over lines
-  std::vector<bool> differs, scatters;  ///< of each mode
+  std::vector<bool> differs, scatters;  ///< by mode
   double largest = 0, times = 0;        ///< relative scatter, and over that of noise
 };
 
@@ -433,7 +433,7 @@ void allow_for_hits(const FrfSet& frfs, const std::vector<ModeOfHits>& hits, Mod
       means = true;
       set_frequency_and_damping(mode, f.mean, z.mean, frfs.exponential_decay_rate_1_s);
     }
-    // Of two poles that share one resonance the average's filter tells little.
+    // Where two poles share one resonance the average's filter tells little.
     double f_std = widened_std(f), z_std = widened_std(z);
     if (!biased && average.freedom > 0) {
       f_std = std::max(f_std, widened(average.frequency_std_hz, average.freedom));

@@ -23,7 +23,7 @@
 
 namespace rigfit::signal {
 
-/// Of one mode; by point struck, then hit.
+/// Frequencies and damping ratios of one mode, by point struck, then hit.
 struct ModeOfHits {
   std::vector<std::vector<double>> frequency_hz, damping_ratio;
   std::vector<std::vector<std::size_t>> hit;               ///< place of each in `FrfSet::by_hit`
@@ -32,7 +32,7 @@ struct ModeOfHits {
   /// |H|, such as that on the force, or a tone beside the mode makes it small.
   double white_part = 1;
   double noise_freedom = 0;         ///< degrees of freedom of these
-  JackknifeOfHits average;          ///< of the average's own fit; freedom 0: not known
+  JackknifeOfHits average;          ///< from the average's own fit; freedom 0: not known
   std::vector<std::size_t> unseen;  ///< overlapping modes that the hits do not show beside it
 };
 
@@ -40,17 +40,17 @@ struct ModeOfHits {
 /// are left out.
 [[nodiscard]] std::vector<ModeOfHits> modes_of_hits(const FrfSet& frfs, const ModalModel& model);
 
-/// Fills `between_hits` of the modes, widens their standard deviations and those of the shapes by
-/// it where it is more than noise gives (one chance in twenty of the mode, or one in a hundred of
-/// all modes; in local fits more than noise that is white over lines), and notes "hits_disagree"
-/// where that is so of all modes (in local fits: more than what is left line by line gives). A test
-/// of one point takes frequency and damping from the mean over its hits where the average's would
-/// be biased: where poles that scatter by s widen the average's resonance, damping (s / decay
-/// rate)^2 too large to second order in s, by more than half a standard deviation. Elsewhere the
-/// average stays: fits of single hits are the noisier ones, and where they do not show a
-/// neighbouring mode they take its share too. A mode that half of the hits or fewer show, or that
-/// they show as one with another mode, is called doubtful. Without `by_hit` nothing is done.
-/// `hits`: of modes_of_hits().
+/// Fills `between_hits` of the modes and widens their standard deviations and those of the shapes
+/// where hits differ by more than noise gives (one chance in twenty of the mode, or one in a
+/// hundred of all modes; in local fits more than noise that is white over lines). Notes
+/// "hits_disagree" where that is so of all modes (in local fits: more than what is left line by
+/// line gives). In a test of one point, frequency and damping become the mean over its hits where
+/// the average's would be biased: poles that scatter by s widen the average's resonance, so that
+/// damping is too large by (s / decay rate)^2 to second order in s, here more than half a standard
+/// deviation. Elsewhere the average stays: fits of single hits are the noisier ones, and where they
+/// do not show a neighbouring mode they take its share too. A mode that half of the hits or fewer
+/// show, or that they show as one with another mode, is called doubtful. Without `by_hit` nothing
+/// is done. `hits`: of modes_of_hits().
 void allow_for_hits(const FrfSet& frfs, const std::vector<ModeOfHits>& hits, ModalModel& model);
 
 }  // namespace rigfit::signal

@@ -22,16 +22,16 @@ namespace rigfit::signal {
 struct PointPole {
   Eigen::Index point = 0;
   std::complex<double> pole;    ///< rad/s, window removed
-  double std_re = 0;            ///< of the decay rate, rad/s
-  double std_im = 0;            ///< of the damped frequency, rad/s
+  double std_re = 0;            ///< std of the decay rate, rad/s
+  double std_im = 0;            ///< std of the damped frequency, rad/s
   Eigen::VectorXcd residues;    ///< receptance, one a column of the point
-  Eigen::VectorXd residue_std;  ///< of the real and the imaginary part, each
+  Eigen::VectorXd residue_std;  ///< std of the real and the imaginary part, each
   /// Twice the fall of the misfit with this pole over the misfit's variance, correlated lines
   /// counted once: chi-square of 2 columns for a pole that is not there.
   double significance = 0;
   double explained = 0;         ///< share of what the background leaves that this pole explains
   double misfit = 0;            ///< rms misfit over rms FRF within the half bandwidth
-  double line_correlation = 0;  ///< of the misfit at neighbouring lines
+  double line_correlation = 0;  ///< correlation of the misfit at neighbouring lines
 };
 
 /// Whether struck points vary (they are more than one and no fewer than the responses).
@@ -41,7 +41,7 @@ struct PointPole {
 [[nodiscard]] std::vector<std::vector<Eigen::Index>> columns_of_points(const ModalBand& band);
 
 struct PointPoleOptions {
-  int max_order = 40;      ///< of a point's own diagram; 0: none
+  int max_order = 40;      ///< model order of a point's own diagram; 0: none
   double bandwidths = 6;   ///< half width of the window, half bandwidths of the mode
   Eigen::Index lines = 8;  ///< and at least so many lines on either side
   /// Rms misfit over rms FRF that one pole must leave before a second within its resonance counts.

@@ -74,7 +74,7 @@ double paule_mandel(const ArrayXd& y, const ArrayXd& std, const ArrayXd& x, bool
   return 0.5 * (low + high);
 }
 
-/// Of a standard deviation, so that +-1.96 of it hold 95 %.
+/// Factor by which a standard deviation grows so that +-1.96 of it hold 95 %.
 double widening(double freedom) { return gsl_cdf_tdist_Pinv(0.975, freedom) / 1.959964; }
 
 }  // namespace

@@ -27,7 +27,7 @@ namespace rigfit::signal {
                                                               std::vector<PointPole> poles);
 
 struct MeanOverPoints {
-  Estimate value;          ///< of the mean rig
+  Estimate value;          ///< mean over the points
   double between_std = 0;  ///< tau: scatter between points beyond their own errors, trend included
   Estimate trend;          ///< change from one point to the next
   bool has_trend = false;  ///< chance below 1 %
@@ -37,7 +37,7 @@ struct MeanOverPoints {
 struct LineOverPoints {
   Estimate level;     ///< at x = 0; +-1.96 std hold 95 %
   Estimate slope;     ///< std without Student's t
-  double chance = 1;  ///< of as steep a slope where there is none
+  double chance = 1;  ///< probability of a slope as steep where there is none
 };
 
 /// value = level + slope x + random scatter + own error, at four points or more.

@@ -84,7 +84,7 @@ class MatBytes {
 
 struct Tag {
   std::uint32_t type = 0;
-  std::uint64_t bytes = 0;     ///< of data
+  std::uint64_t bytes = 0;     ///< bytes of data
   std::uint64_t behind = 0;    ///< bytes of data and padding behind the tag
   std::uint32_t in_place = 0;  ///< up to four bytes of data that stand in the tag itself
 };
@@ -135,7 +135,7 @@ class MatWalk {
       return false;  // name of its class
     if (has_fields) {
       if (!read_part(kInt32, left, words, bytes) || bytes != 4 || words[0] == 0) return false;
-      const std::uint64_t length = word(words[0]);  // of a field's name
+      const std::uint64_t length = word(words[0]);  // length of a field's name
       if (!skip_part(kInt8, left, bytes)) return false;
       count = product(count, bytes / length);
     }

@@ -276,7 +276,7 @@ void find_decimals(std::string_view bytes, std::size_t at, std::size_t end, cons
 void find_decimals(std::string_view bytes, const CsvLayout& layout, const std::vector<bool>& wanted,
                    CsvBody& body) {
   constexpr std::size_t kBytes = 1 << 13;
-  constexpr long kLines = 32;  // of a wide table that is more
+  constexpr long kLines = 32;  // or so many lines, where rows are long
   const std::size_t size = bytes.size();
   std::size_t at = layout.body;
   for (std::size_t tail = kBytes; size - layout.body > tail; tail *= 2) {

@@ -18,8 +18,8 @@ struct CsvTable {
   std::string file;  ///< for messages
   CsvLayout layout;
   std::vector<Channel> channels;
-  std::vector<std::size_t> column;  ///< of each channel in the file
-  std::vector<int> decimals;        ///< of each channel's numbers, as printed
+  std::vector<std::size_t> column;  ///< column of each channel in the file
+  std::vector<int> decimals;        ///< decimals printed of each channel's numbers
   std::vector<Note> notes;
 };
 

@@ -787,8 +787,8 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
     }
     return words > numbers;
   };
-  // The table begins at the first of three lines of numbers with no line of words between: a line
-  // of numbers above such a one is part of the header.
+  // The table begins at the first of three lines of numbers with no line of words between. Lines of
+  // numbers above such a line are part of the header.
   std::vector<std::string_view> header;
   std::size_t begin = 0, header_size = 0;
   int rows = 0;

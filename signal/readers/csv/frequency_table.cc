@@ -139,7 +139,7 @@ struct Columns {
 std::vector<Columns> pairs_of(const FrequencyTable& table) {
   std::vector<Columns> found;
   const auto pair_of = [&](const std::string& base, bool polar) -> Columns& {
-    // Of the same name, or the last one begun, where titles name only one of the two.
+    // A pair with this name, or the last one begun, where titles name only one of the two.
     for (auto& one : found) {
       if (one.base == base && one.polar == polar && one.second == nullptr) return one;
     }

@@ -1,5 +1,5 @@
-// A file's bytes for a reader, mapped rather than copied, so that a 1 GB recording costs no memory
-// of its own.
+// A file's bytes for a reader, mapped rather than copied, so that a 1 GB recording takes no extra
+// memory.
 #pragma once
 
 #include <filesystem>

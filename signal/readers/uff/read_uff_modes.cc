@@ -316,7 +316,7 @@ class UffModesReader {
     }
     UffMode mode;
     mode.line = at;
-    bool conjugate = false;  // of the mode that is meant
+    bool conjugate = false;  // the eigenvalue given is the conjugate of the mode's
     if (analysis == kNormalMode) {
       mode.frequency_hz = eigen[0];
       if (eigen.size() > 2) mode.damping_ratio = eigen[2];
@@ -424,7 +424,7 @@ class UffModesReader {
   int not_modes_ = 0, still_ = 0, scalars_ = 0, undirected_ = 0;
   std::set<int> others_;  // datasets that are not read
   std::map<int, UffNode> points_;
-  std::vector<UffMode> conjugates_;  // of negative frequency, turned round
+  std::vector<UffMode> conjugates_;  // conjugates of modes given at negative frequency
   UffModes out_;
 };
 

@@ -1,10 +1,10 @@
 // Mode shapes that other programs wrote: datasets 55 of a universal file, with the points of 15 or
 // 2411 and the units of 164. FRFs and time histories beside them are passed over.
 //
-// Of dataset 55 ("data at nodes") the normal modes (analysis type 2: frequency in hertz, viscous
-// and hysteretic damping, the latter twice a damping ratio) and the complex ones (types 3 and 7:
-// eigenvalue p in rad/s, natural frequency |p| / 2 pi, damping ratio -Re p / |p|) are taken, real
-// or complex, with three or six values a node; of the conjugate pair the one of positive frequency.
+// Dataset 55 ("data at nodes") gives normal modes (analysis type 2: frequency in hertz, viscous and
+// hysteretic damping, the latter twice a damping ratio) and complex modes (types 3 and 7:
+// eigenvalue p in rad/s, natural frequency |p| / 2 pi, damping ratio -Re p / |p|). Values are real
+// or complex, three or six a node. In a conjugate pair the mode of positive frequency is taken.
 // Layout: SDRC Universal File Datasets 15, 55, 164, 2411.
 #pragma once
 
@@ -21,7 +21,7 @@ namespace rigfit::signal {
 struct UffNode {
   int node = 0;
   std::array<double, 3> position_m{0, 0, 0};
-  /// Of the axes that displacements there are given in; 0 and 1 are the global ones.
+  /// Coordinate system of the displacements at the node; 0 and 1 are the global ones.
   int displacement_system = 0;
 };
 
@@ -33,7 +33,7 @@ struct UffNodeShape {
 
 /// One mode of datasets 55.
 struct UffMode {
-  long line = 0;                    ///< of the dataset's number in the file
+  long line = 0;                    ///< line of the dataset's number in the file
   double frequency_hz = 0;          ///< undamped natural frequency, positive
   double damping_ratio = 0;         ///< NaN: the file gives none (zero)
   std::vector<UffNodeShape> shape;  ///< by node as written; empty: values without directions

@@ -21,7 +21,7 @@ namespace rigfit::signal {
 namespace {
 
 constexpr Eigen::Index kValuesPerCall = Eigen::Index{1} << 18;  // values between calls
-constexpr int kHeaderLines = 11;  // of text behind the dataset's number
+constexpr int kHeaderLines = 11;  // lines of text behind the dataset's number
 
 /// Fixed columns `from` .. `from + width` of a record, without blanks.
 std::string_view columns(std::string_view line, std::size_t from, std::size_t width) {

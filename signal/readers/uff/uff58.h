@@ -33,7 +33,7 @@ inline constexpr int kGeneral = 0, kTimeResponse = 1, kAutoSpectrum = 2, kCrossS
 struct Uff58Axis {
   int data_type =
       0;  ///< specific data type: 8 displacement, 12 acceleration, 13 force, 17 time ...
-  std::array<int, 3> exponents{0, 0, 0};  ///< of length, force, temperature units
+  std::array<int, 3> exponents{0, 0, 0};  ///< exponents of length, force, temperature
   std::string label, unit;                ///< as written, UTF-8; empty: NONE
 };
 
@@ -44,7 +44,7 @@ struct Uff58Point {
 };
 
 struct Uff58 {
-  long line = 0;  ///< of the dataset's number in the file
+  long line = 0;  ///< line of the dataset's number in the file
   bool binary = false;
   std::array<std::string, 5> id;  ///< UTF-8, no blanks at the end
   int function_type = 0;
