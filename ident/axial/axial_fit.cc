@@ -18,7 +18,7 @@ using Eigen::Index;
 // Parameters that the lengths share; each length has its own error besides.
 enum Shared { kLogEA, kSeries, kPlace, kMass, kPerLength, kAdapter, kFrame, kRate, kShared };
 
-// Of ln W: no clock of a logger is known to more than some 5 ppm.
+// Least std of ln W: no clock of a logger is known to more than some 5 ppm.
 constexpr double kLeastStd = 1e-5;
 
 // An input known exactly still has a sensitivity.

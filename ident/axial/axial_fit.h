@@ -27,15 +27,15 @@ struct AxialSetup;
 struct AxialLengthData {
   double length_m = 0;
   double log_omega_squared = 0;      ///< mean of ln W, W in 1/s^2
-  double log_omega_squared_std = 0;  ///< of the mean
+  double log_omega_squared_std = 0;  ///< std of that mean
 };
 
 /// What an input does to ln EA.
 struct AxialShare {
   std::string source, unit;
-  double value = 0, std = 0;  ///< of the input
+  double value = 0, std = 0;  ///< value and std of the input
   double by_input = 0;  ///< d ln EA / d input (of all lengths together, where it is each one's)
-  double variance = 0;  ///< of ln EA
+  double variance = 0;  ///< variance of ln EA from this input
 };
 
 struct AxialFit {

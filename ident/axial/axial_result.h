@@ -12,18 +12,19 @@
 namespace rigfit::ident {
 
 struct AxialDecay {
-  std::string name;  ///< of the record, for messages
+  std::string name;  ///< name of the record, for messages
   double length_m = 0;
   signal::Estimate damped_frequency_hz, damping_ratio;
 };
 
 struct AxialSetup {
   signal::Estimate mass_kg{0, 0};               ///< hung, adapter and clamp included; one for all
-  signal::Estimate mass_per_length_kg_m{0, 0};  ///< of cable; 0: massless
+  signal::Estimate mass_per_length_kg_m{0, 0};  ///< cable; 0: massless
   /// Standard uncertainty of a length, m; independent from length to length (cut and measured
   /// anew). Not given: the uncertainty of EA is not known.
   std::optional<double> length_std_m;
-  double rate_relative_std = 0;                  ///< of the sample rate, common to all frequencies
+  /// Std of the sample rate, common to all frequencies.
+  double rate_relative_std = 0;
   signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series, below; 0: rigid
   signal::Estimate frame_stiffness_N_m{0, 0};    ///< in series, above; 0: rigid
   /// The frame is what is stated above, or rigid: one length then gives EA. Several lengths test
@@ -38,9 +39,9 @@ struct AxialSetup {
 
 struct AxialOptions {
   double steel_density_kg_m3 = 7850;
-  /// Of a stranded rope on its metallic area; makers give 60 to 100 GPa for 7x19.
+  /// Modulus of a stranded rope on its metallic area; makers give 60 to 100 GPa for 7x19.
   double rope_modulus_Pa = 80e9;
-  /// Of solid steel: no steel cable is stiffer for its mass, and no aluminium one.
+  /// Modulus of solid steel: no steel cable is stiffer for its mass, and no aluminium one.
   double solid_modulus_Pa = 210e9;
   double coverage = 0.95;
 };
@@ -66,10 +67,10 @@ struct AxialLength {
 struct BudgetRow {
   std::string source;
   std::string unit;
-  double value = 0, std = 0;      ///< of the input; NaN where it is no single number
+  double value = 0, std = 0;      ///< value and std of the input; NaN where it is no single number
   double sensitivity = 0;         ///< d EA / d input, N per unit
   double contribution_N = 0;      ///< |sensitivity| std
-  double share = 0;               ///< of the variance of EA
+  double share = 0;               ///< share of the variance of EA
   double degrees_of_freedom = 0;  ///< 0: taken as known (type B)
   char type = 'B';
 };

@@ -27,7 +27,7 @@ T rod_compliance(const T& kc, const T& inertia, const T& above) {
 }
 
 struct RodOnMass {
-  double omega_squared = 0;         ///< of the undamped oscillation, 1/s^2
+  double omega_squared = 0;         ///< undamped oscillation, 1/s^2
   double mass_kg = 0;               ///< M
   double mass_per_length_kg_m = 0;  ///< m; 0: massless
   double length_m = 0;

@@ -17,7 +17,7 @@ namespace rigfit::ident {
 namespace {
 
 constexpr int kMostSegments = 5;
-constexpr std::size_t kLeastBins = 3;  // of a segment
+constexpr std::size_t kLeastBins = 3;  // bins in a segment
 constexpr double kToeLoad = 0.25;      // share of the load range
 constexpr double kStopSlope = 3;
 
@@ -46,7 +46,7 @@ struct BinSums {
     const auto [a, b, c] = scatter();
     return std::max(0.0, 0.5 * (a + c - std::hypot(a - c, 2 * b)));
   }
-  /// Of the best line, dy / dx.
+  /// Slope dy / dx of the best line.
   [[nodiscard]] double slope() const {
     const auto [a, b, c] = scatter();
     const double angle = 0.5 * std::atan2(2 * b, a - c);

@@ -20,7 +20,7 @@ namespace {
 
 /// Strokes of fewer rows are analysed as a table: the noise is not seen from row to row.
 constexpr Eigen::Index kShortStroke = 40;
-constexpr double kLeastStraight = 0.4;  // of a stroke's deflection
+constexpr double kLeastStraight = 0.4;  // share of a stroke's deflection
 constexpr const char* kNoStiffness =
     ": a curved load-deflection diagram has no one EI; load less, cut off the rows of a toe or a "
     "stop, or look for slip and loose clamps";
@@ -584,10 +584,10 @@ class Analysis {
   BendingTestResult result_;
   Eigen::VectorXd P_, Q_, d_;
   PooledSlope straight_;  // by the straight parts alone
-  TableLine table_;       // of strokes of few rows
+  TableLine table_;       // line through strokes of few rows
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;
-  // Of all strokes: shares of the travel left out, the slope beyond the straight part relative to
-  // it, the largest curvature.
+  // Extremes over all strokes: shares of the travel left out, the slope beyond the straight part
+  // relative to it, the largest curvature.
   double toe_ = 0, top_ = 0, least_straight_ = 1, steepest_ = 0;
   signal::Estimate curvature_{0, 0};
 };

@@ -54,10 +54,11 @@ struct ComplianceMeasurement {
   signal::Estimate compliance_m_N;  ///< slope d/Q
   signal::Estimate tension_N;
   signal::Estimate span_m;
-  double degrees_of_freedom = 0;  ///< of the slope's uncertainty (Student's t); 0: normal
+  double degrees_of_freedom = 0;  ///< for the slope's uncertainty (Student's t); 0: normal
   /// Not `tensioned`: the tension is not used, EI = L^3 / (c s) (beam_ends.h).
   BeamEnds ends = BeamEnds::tensioned;
-  /// Of each clamp, N m/rad: its flexibility has a standard uncertainty of 1 over it. 0: rigid.
+  /// Stiffness of each clamp, N m/rad; 0: rigid. 1 over it is the standard uncertainty of its
+  /// flexibility.
   double clamp_stiffness_Nm_rad = 0;
 };
 

@@ -24,12 +24,13 @@ struct BendingTestOptions {
   double load_calibration_std = 0;
   double deflection_calibration_std = 0;
   double tension_calibration_std = 0;
-  double tension_zero_std_N = 0;  ///< of the tension cell's zero, N
+  double tension_zero_std_N = 0;  ///< std of the tension cell's zero, N
   // Noise of one sample; 0: estimated from the record (second differences; residuals of a short
   // table).
   double load_noise_N = 0;
   double deflection_noise_m = 0;
-  /// Of each clamp, N m/rad: the standard uncertainty of its flexibility is 1 over it. 0: rigid.
+  /// Stiffness of each clamp, N m/rad; 0: rigid. 1 over it is the standard uncertainty of its
+  /// flexibility.
   double clamp_stiffness_Nm_rad = 0;
 };
 
@@ -59,7 +60,7 @@ struct BendingTestResult {
   /// Standard uncertainty of the tension that EI belongs to (tension_spread.h), over the strokes.
   double tension_spread_N = 0;
   signal::Estimate compliance_m_N;  ///< 1/K, calibration included
-  double degrees_of_freedom = 0;    ///< of the compliance; 0: many
+  double degrees_of_freedom = 0;    ///< for the compliance; 0: many
   std::vector<BendingStroke> strokes;
   double hysteresis_N = 0;  ///< half the distance between loading and unloading lines
   double load_noise_N = 0, deflection_noise_m = 0;  ///< as used

@@ -11,7 +11,7 @@ namespace rigfit::ident {
 
 struct StrokeRange {
   Eigen::Index first, last;  ///< inclusive
-  int direction;             ///< of the deflection
+  int direction;             ///< sign of the deflection's change
 };
 
 /// Runs of one direction: a turn counts when the signal has come back by `least`.
@@ -39,7 +39,7 @@ struct StrokeData {
 /// on one of the two lines, a step too.
 [[nodiscard]] std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& channel);
 
-/// Of the middle 80 %.
+/// Range of the middle 80 % of the values.
 [[nodiscard]] double central_range(const std::vector<double>& values);
 
 /// After every turn friction first changes sign: this share of a stroke's travel is not used

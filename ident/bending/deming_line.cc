@@ -30,7 +30,7 @@ double deming_slope(const Moments& m, double ratio) {
   if (!std::isfinite(ratio)) return m.xy / m.xx;
   const double difference = m.yy - ratio * m.xx;
   const double root = std::hypot(difference, 2 * std::sqrt(ratio) * m.xy);
-  // Of the two forms of the same root the one that does not cancel.
+  // Two forms of the same root; the one that does not cancel is taken.
   return difference >= 0 ? (difference + root) / (2 * m.xy)
                          : 2 * ratio * m.xy / (root - difference);
 }

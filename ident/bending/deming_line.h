@@ -3,7 +3,7 @@
 //   minimise sum_i w_i (y_i - c - k x_i)^2 / (sigma_y^2 + k^2 sigma_x^2)
 //
 // Deming's closed form for given weights, Huber's weights by iteration (1.345 standard deviations
-// of the perpendicular residual, scale from the median absolute deviation).
+// in perpendicular distance, scale from the median absolute deviation).
 // Sources: Deming 1943; Fuller, Measurement Error Models, 1.3; Huber, Robust Statistics.
 #pragma once
 
@@ -14,8 +14,8 @@ namespace rigfit::ident {
 struct DemingLine {
   double slope = 0, offset = 0;
   double slope_std = 0;           ///< the larger of textbook and block jackknife
-  double degrees_of_freedom = 0;  ///< of slope_std
-  double residual_rms = 0;        ///< of y, weighted
+  double degrees_of_freedom = 0;  ///< for slope_std
+  double residual_rms = 0;        ///< weighted rms of the residuals in y
   double curvature = 0;           ///< change of slope over the range of x, relative to the slope
   double curvature_std = 0;       ///< by block jackknife (textbook for few points)
   bool usable = false;            ///< four points at least, x not constant

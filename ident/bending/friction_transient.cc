@@ -13,8 +13,8 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr Eigen::Index kBins = 150;   // of a stroke
-constexpr Eigen::Index kBlocks = 12;  // of a stroke's bins, to tell drift from white noise
+constexpr Eigen::Index kBins = 150;   // bins in a stroke
+constexpr Eigen::Index kBlocks = 12;  // blocks of a stroke's bins, to tell drift from white noise
 constexpr double kHuber = 1.345;
 
 struct Binned {
@@ -123,7 +123,7 @@ void reweigh(std::vector<Binned>& strokes, const std::vector<Line>& lines) {
 struct BinNoise {
   double white = 0, walk = 0;  // variances
 
-  // Of sum_i weights_i y_i over one stroke.
+  // Variance of sum_i weights_i y_i over one stroke.
   double variance_of(const Eigen::ArrayXd& weights) const {
     double tail = 0, squares = 0;
     for (Eigen::Index i = weights.size() - 1; i > 0; --i) {

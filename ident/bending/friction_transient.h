@@ -47,9 +47,10 @@ struct FrictionFit {
   std::vector<signal::Estimate> stiffness_N_m;  ///< K of each stroke; std without delta's share
   std::vector<double> by_travel;  ///< change of each K by one standard deviation of delta
   std::vector<double> load_N;     ///< a of each stroke, not negative
-  double residual_rms_N = 0;      ///< of the bins
-  double walk_share = 0;          ///< of the slopes' variance: by drift, not by white noise
-  double degrees_of_freedom = 0;  ///< of one stroke's variance
+  double residual_rms_N = 0;      ///< rms residual of the bins
+  /// Share of the slopes' variance by drift rather than white noise.
+  double walk_share = 0;
+  double degrees_of_freedom = 0;  ///< for one stroke's variance
   double aicc = 0;
 };
 

@@ -20,7 +20,7 @@ using Mask = std::vector<std::vector<char>>;
 struct Fit {
   bool usable = false;
   double squares = 0, freedom = 0;
-  double slope = 0, slope_variance_factor = 0;  // of the noise's variance
+  double slope = 0, slope_variance_factor = 0;  // slope; its variance over the noise's
   double bend = 0, bend_variance_factor = 0;    // relative change of slope over the range
   std::vector<double> offsets;
   std::vector<std::pair<std::size_t, std::size_t>> rows;  // stroke, row

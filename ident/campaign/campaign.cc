@@ -20,13 +20,14 @@ void run_all(const Tasks& tasks, int threads) {
   in_parallel(tasks.size(), threads, [&](std::size_t i) { tasks[i](); });
 }
 
-/// Of the recordings' rate; 0: exact, or a published table.
+/// Relative std of the recordings' rate; 0: exact, or a published table.
 double rate_std_of(const ModalState& modal) {
   return modal.recorded ? modal.recorded->hammer.frfs.sample_rate_relative_std : 0;
 }
 
-/// The measured modes of a state as a fit takes them: of its recordings where it has any. The part
-/// of their standard uncertainty that is the sample rate's is left to the input that states share.
+/// The measured modes of a state as a fit takes them: from its recordings where it has any. That
+/// part of their standard uncertainty that comes from the sample rate is left to the input that
+/// states share.
 UpdateState fit_state(const ModalInputs& test, const ModalState& modal) {
   UpdateState state;
   state.name = test.name + ", " + state_label(modal.tension_N);

@@ -49,7 +49,7 @@ struct DecayInputs {
   DecayTestOptions options;
   std::optional<SceneUse> scene;
   std::map<std::string, std::string> sensors;  ///< channel -> sensor, where names differ
-  std::string load;                            ///< of the scene: what set the rig free
+  std::string load;                            ///< the scene's load that set the rig free
   std::vector<std::size_t> fits;               ///< that predict these decays
 };
 
@@ -75,7 +75,7 @@ struct CampaignInputs {
 };
 
 struct ModalOutcome {
-  ModalTest test;                 ///< of the recordings
+  ModalTest test;                 ///< analysis of the recordings
   std::vector<ModalState> model;  ///< by rising tension; empty: no scene
 };
 

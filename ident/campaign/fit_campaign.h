@@ -22,7 +22,7 @@ struct FitTask {
 struct FitOutcome {
   UpdateResult result;
   std::vector<HeldOut> held;      ///< empty: nothing was held out
-  double rms_held_out = 0;        ///< of all pairs that were held out; NaN without
+  double rms_held_out = 0;        ///< rms over all pairs that were held out; NaN without
   std::vector<Finding> findings;  ///< the gravest first
 };
 
@@ -42,7 +42,7 @@ struct FitOutcome {
 /// conditions change. Empty where nothing is.
 [[nodiscard]] std::vector<std::string> exact_input_texts(const UpdateResult& result);
 
-/// Of each alternative but the first: what it says and why it weighs less.
+/// Says of each alternative but the first what it is and why it weighs less.
 [[nodiscard]] std::vector<std::string> alternative_texts(const UpdateResult& result);
 
 }  // namespace rigfit::ident

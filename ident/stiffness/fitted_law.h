@@ -36,7 +36,7 @@ struct StiffnessLawOptions {
   std::vector<LawKind> laws{LawKind::linear, LawKind::square_root, LawKind::power,
                             LawKind::saturating};
   std::optional<StiffnessBounds> bounds =
-      std::nullopt;  ///< of the strand; fixes the saturating law's ends
+      std::nullopt;  ///< bounds of the strand; they fix the saturating law's ends
   /// As the points' shared_relative_std, of all of them; the largest counts.
   double common_relative_std = 0;
   /// Used for points without an interval instead of their scatter; 0: the scatter is used.
@@ -55,26 +55,26 @@ struct FittedLaw {
   LawKind kind = LawKind::linear;
   std::string formula;  ///< with numbers
   std::vector<LawParameter> parameters;
-  Eigen::MatrixXd covariance;      ///< of the free parameters in their order
+  Eigen::MatrixXd covariance;      ///< covariance of the free parameters in their order
   double reference_tension_N = 1;  ///< T0 of the power law
   bool converged = false;
   std::string message;     ///< when it has not, or a parameter is not determined
   double chi_squared = 0;  ///< weighted sum of squares (of relative errors without weights)
   double degrees_of_freedom = 0;
-  double rms_relative_error = 0;  ///< of the points about the law
+  double rms_relative_error = 0;  ///< rms of the points about the law
   /// NaN when there are too few points for it (n <= k + 1).
   double aicc = std::numeric_limits<double>::quiet_NaN();
   /// Among the laws that AICc ranks; NaN when it ranks fewer than two of several.
   double akaike_weight = std::numeric_limits<double>::quiet_NaN();
 
-  double scatter_relative_std = 0;  ///< of a new test about the law, relative
+  double scatter_relative_std = 0;  ///< relative scatter of a new test about the law
   double common_relative_std = 0;
   double coverage_factor = 1.96;  ///< for 95 %
 };
 
 struct StiffnessPrediction {
   double EI_Nm2 = 0;
-  double std = 0;                      ///< of the law
+  double std = 0;                      ///< std of the law
   double low = 0, high = 0;            ///< 95 % band of the law
   double test_low = 0, test_high = 0;  ///< 95 % band of a new test
 };

@@ -34,7 +34,7 @@ enum class StiffnessSource { none, law, weighted_laws, interpolation };
 
 struct StiffnessAtTension {
   double EI_Nm2 = 0;
-  double std = 0;             ///< of the 95 % interval, / 1.96; NaN: not known
+  double std = 0;             ///< 95 % interval's half width / 1.96; NaN: not known
   double low = 0, high = 0;   ///< 95 %; NaN: not known
   double slope_m2 = 0;        ///< d EI / d tension
   bool extrapolated = false;  ///< outside the tested tensions
@@ -87,7 +87,7 @@ class StiffnessCurve {
   std::vector<StiffnessPoint> points_;
   std::vector<Knot> knots_;
   StiffnessLaws laws_;
-  std::vector<double> weights_;  ///< of the laws, in their order; sum 1
+  std::vector<double> weights_;  ///< weights of the laws, in their order; sum 1
   double shared_relative_std_ = 0;
   StiffnessSource source_ = StiffnessSource::none;
   std::string sentence_;

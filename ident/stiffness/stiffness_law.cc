@@ -45,8 +45,8 @@ double evaluate(LawKind kind, double T, double T0, const double* p, Gradient& gr
 
 struct Data {
   std::vector<StiffnessPoint> points;
-  Eigen::VectorXd sigma;   // of each point by itself
-  Eigen::VectorXd change;  // of EI by one standard uncertainty of where the tests' tension lies
+  Eigen::VectorXd sigma;   // std of each point by itself
+  Eigen::VectorXd change;  // change of EI by one std of where the tests' tension lies
   double reference_tension = 1;
   bool weighted = true;
 };

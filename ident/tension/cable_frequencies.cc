@@ -93,7 +93,7 @@ class HalfBeam {
     return {1 - 2 / e, 4 * (e - 1) / (e * e) * a.slope};
   }
 
-  /// Of the static curve: p = 1 - cosh(kappa x) / cosh(kappa), half the span 1.
+  /// Sets the static curve's terms: p = 1 - cosh(kappa x) / cosh(kappa), half the span 1.
   void shape() {
     kappa_ = std::sqrt(ratio_);
     tanh_kappa_ = std::tanh(kappa_);
@@ -167,7 +167,8 @@ class HalfBeam {
   }
 
   static constexpr int kNewtonSteps = 6;
-  static constexpr double kRounding = 1e-12;  ///< of a root that sag does not move
+  /// Relative rounding of a root that sag does not move.
+  static constexpr double kRounding = 1e-12;
 
   double half_, ratio_, spring_, sag_, scale_;
   double kappa_ = 0, tanh_kappa_ = 0, squared_ = 0;  ///< shape(); squared_: mean of p^2

@@ -32,7 +32,7 @@ struct SaggingBeam {
   double mass_per_length = 0;  ///< kg/m of the installed cable, > 0
   double tension_N = 0;        ///< > 0
   double EI_Nm2 = 0;           ///< > 0
-  double spring_Nm_rad = 0;    ///< of each end; 0: pinned, infinity: clamped
+  double spring_Nm_rad = 0;    ///< rotational spring at each end; 0: pinned, infinity: clamped
   double lambda_squared = 0;   ///< Irvine's parameter, 0: no sag
 };
 

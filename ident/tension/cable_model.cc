@@ -11,9 +11,9 @@
 namespace rigfit::ident {
 namespace {
 
-// Of a steel cable at a third of its strength, where no EA is given.
+// Strain taken where no EA is given: a steel cable at a third of its strength.
 constexpr double kAssumedStrain = 1e-3;
-constexpr double kAssumedStrainStd = 0.5;  // of its logarithm: within a factor of 2 or so
+constexpr double kAssumedStrainStd = 0.5;  // std of its logarithm: within a factor of 2 or so
 // cos of the inclination from which a scene's tension is along the chord.
 constexpr double kSteep = 0.0872;
 
@@ -134,7 +134,7 @@ bool CableModel::needs_correction(double tension_N) const {
 }
 
 SaggingBeam CableModel::beam(const CableState& state, bool sags) const {
-  // Of the installed cable: the unstretched one has the same mass on a shorter length.
+  // Mass per length as installed: unstretched, the same mass lies on a shorter length.
   const bool installed = cable_.mass_reference == MassReference::installed;
   const double strain = state.tension_N / (axial_rigidity(state.tension_N) * state.EA);
   const double mass = cable_.mass_per_length.value * state.mass;

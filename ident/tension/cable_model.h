@@ -5,9 +5,9 @@
 //
 //   c = (f_segments(cable) / f_segments(straight)) / (f_closed(cable) / f_closed(straight))
 //
-// of segment models of the cable as it hangs, with its masses, and of the same cable straight and
-// without them: the error of the segments cancels to first order. It changes slowly with the
-// tension, so that one at the estimate, repeated until it stays, is exact there.
+// with segment models of the cable as it hangs, with its masses, and of the same cable straight and
+// without them: the error of the segments cancels to first order. The correction changes slowly
+// with the tension, so that one at the estimate, repeated until it stays, is exact there.
 #pragma once
 
 #include <array>
@@ -34,8 +34,8 @@ struct CableState {
 
 /// Something that is known of a cable with an uncertainty.
 struct CableInput {
-  std::size_t index = 0;  ///< of kCableInputs
-  double std = 0;         ///< of its logarithm
+  std::size_t index = 0;  ///< index in kCableInputs
+  double std = 0;         ///< std of the input's logarithm
   double CableState::*factor = nullptr;
 };
 inline constexpr std::array<const char*, 5> kCableInputs = {"length", "mass per length", "EA",

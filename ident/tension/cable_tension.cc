@@ -23,8 +23,8 @@ using signal::kNaN;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-constexpr double kSettled = 3e-5;   // of ln f
-constexpr double kSameCell = 1e-3;  // of ln T, ln EI, ln k: fits of one cell from two starts
+constexpr double kSettled = 3e-5;   // change of ln f
+constexpr double kSameCell = 1e-3;  // change of ln T, ln EI, ln k: fits of one cell from two starts
 
 /// Whether the heaviest cell of an answer is one of another answer: two starts have led to one.
 bool contained(const TensionAnswer& answer, const TensionAnswer& other) {

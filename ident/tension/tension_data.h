@@ -18,7 +18,7 @@ struct AssignedMode {
 
 struct Assignment {
   std::vector<AssignedMode> modes;  ///< by measured mode
-  double score = 0;                 ///< of the search
+  double score = 0;                 ///< score in the search
   double ln_tension = 0;            ///< there
   double EA = 1;                    ///< factor there
   double x = 1;                     ///< L sqrt(T / EI) there
@@ -30,8 +30,9 @@ struct Assignment {
 struct TensionCell {
   double ln_weight = 0;  ///< with the prior and the grid's spacing
   double ln_tension = 0;
-  double variance_frequency = 0, variance_model = 0;            ///< of ln T
-  std::array<double, kCableInputs.size()> variance_input = {};  ///< of ln T, by input
+  /// Contributions to the variance of ln T.
+  double variance_frequency = 0, variance_model = 0;
+  std::array<double, kCableInputs.size()> variance_input = {};  ///< likewise, by input
   double variance_ln_EI = 0;                                    ///< within the cell
   CableState state;
   int spring = 0;          ///< index of the grid's value
@@ -47,7 +48,8 @@ struct TensionAnswer {
   double ln_prior = 0;             ///< TensionData::ln_assigned at the heaviest cell
   std::vector<TensionCell> cells;  ///< those within exp(-18) of the heaviest
   std::size_t best = 0;            ///< the heaviest
-  [[nodiscard]] CableState state() const { return cells[best].state; }  ///< of the heaviest
+  /// State of the heaviest cell.
+  [[nodiscard]] CableState state() const { return cells[best].state; }
 };
 
 /// What the measured frequencies are, sorted, with the options: shared by search and posterior.

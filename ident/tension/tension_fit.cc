@@ -11,7 +11,7 @@ namespace rigfit::ident {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr double kFloor = 1e-14;      // of a variance of ln f: frequencies without an uncertainty
+constexpr double kFloor = 1e-14;      // least variance of ln f: frequencies without an uncertainty
 constexpr double kSlopeStep = 1e-5;   // in ln of an unknown
 constexpr double kSlopeReach = 0.02;  // in ln T: how far slopes serve
 constexpr double kLongWay = 2.5;      // in ln T

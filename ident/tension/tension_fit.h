@@ -63,7 +63,7 @@ class TensionFit {
   Eigen::VectorXd unknowns_, residual_, variance_;
   Eigen::MatrixXd slope_;     // d ln f / d unknowns
   Eigen::VectorXd slope_at_;  // the unknowns there
-  CableRoots roots_;          // of the last state
+  CableRoots roots_;          // roots at the last state
   CableState slope_state_;
 };
 

@@ -21,7 +21,7 @@
 namespace rigfit::ident {
 
 struct CableFormulaInput {
-  int order = 1;               ///< of the frequency, from 1
+  int order = 1;               ///< mode number of the frequency, from 1
   double frequency_hz = 0;     ///< > 0
   double span_m = 0;           ///< > 0
   double mass_per_length = 0;  ///< kg/m, > 0

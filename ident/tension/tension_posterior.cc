@@ -60,7 +60,7 @@ constexpr double kMatters = 10;  // below the top, in ln
 // Below the best answer, in ln: all that is left coarse has less than a thousandth of the weight.
 constexpr double kCounts = 10;
 constexpr double kClimb = 3;       // below the top of a peak that is looked for, in ln
-constexpr double kSmoothStep = 1;  // of ln between neighbours that resolve a density
+constexpr double kSmoothStep = 1;  // in ln, between neighbours that resolve a density
 
 /// Whether the interval after point i needs a point between. A peak between coarse points is seen
 /// by the parabola through three of them. Nothing below `matters` does.

@@ -28,8 +28,9 @@ struct CableDescription {
   std::optional<signal::Estimate> EI_Nm2 =
       std::nullopt;  ///< none: fitted, L sqrt(T / EI) within 2..2000
   std::optional<signal::Estimate> EA_N =
-      std::nullopt;                              ///< none: a strain of 0.001 within a factor of 2
-  double inclination_deg = 0;                    ///< of the chord, 0 horizontal, 90 vertical
+      std::nullopt;  ///< none: a strain of 0.001 within a factor of 2
+  /// Inclination of the chord, 0 horizontal, 90 vertical.
+  double inclination_deg = 0;
   double gravity = model::kStandardGravity;      ///< m/s^2
   std::vector<model::AttachedMass> masses = {};  ///< along the cable
 };
@@ -62,7 +63,7 @@ struct TensionCandidate {
   signal::Estimate tension_N;      ///< at mid-span
   double low = 0, high = 0;        ///< 95 %
   signal::Estimate EI_Nm2;         ///< std 0: given as exact
-  signal::Estimate spring_Nm_rad;  ///< of each end; value NaN unless `springs`
+  signal::Estimate spring_Nm_rad;  ///< rotational spring at each end; value NaN unless `springs`
   UpdateFit fit;
   double weight = 0;               ///< probability among the candidates
   std::vector<TensionMode> modes;  ///< by measured mode
@@ -95,8 +96,8 @@ struct TensionResult {
   bool large_sag = false;               ///< no equilibrium of the segment model: closed forms alone
   std::vector<TensionCandidate> candidates;  ///< heaviest first
   TensionFormulas formulas;                  ///< from the lowest mode of the heaviest candidate
-  /// Of tension_N, the squares add up: "frequencies", "model", "EI", "end springs", "assignment",
-  /// "ends", "length", "mass per length", "EA".
+  /// Budget of tension_N; the squares add up: "frequencies", "model", "EI", "end springs",
+  /// "assignment", "ends", "length", "mass per length", "EA".
   std::vector<UpdateBudgetTerm> budget;
 };
 

@@ -12,7 +12,7 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr int kMaxOrder = 40;        // of a measured mode
+constexpr int kMaxOrder = 40;        // highest order of a measured mode
 constexpr double kSearchStd = 0.01;  // relative: the grids of EI and springs are coarse
 constexpr double kTwin = 0.005;      // modes of both planes closer than this are seen as one
 constexpr std::size_t kShortlist = 16;
@@ -88,7 +88,7 @@ class Alignment {
   std::vector<double> best_;
   std::vector<Step> step_;
   double score_ = 0;
-  std::size_t last_measured_ = 0, last_listed_ = 0;  // of the last pair, from 1
+  std::size_t last_measured_ = 0, last_listed_ = 0;  // the last pair, from 1
 };
 
 /// Frequencies at a tension between two others: ln f linear in ln T.
@@ -164,7 +164,7 @@ class Search {
     }
   }
 
-  /// Of the score of any assignment to what is listed.
+  /// Upper bound of the score of any assignment to the listed frequencies.
   [[nodiscard]] double bound() const {
     double unseen = 0, least = 0, pairs = 0, best = -std::numeric_limits<double>::infinity();
     std::size_t j = 0;
@@ -296,8 +296,8 @@ double TensionData::ln_assigned(const std::vector<AssignedMode>& assigned,
 
 namespace {
 
-/// Factors of EA from which a fit reaches what its uncertainty allows: beyond a tenth, the orders
-/// of a sagging cable's modes change with it.
+/// Factors of EA from which a fit reaches everything that its uncertainty allows: beyond a tenth,
+/// the orders of modes of a sagging cable change with it.
 std::vector<double> searched_EA(const CableDescription& cable, const CableModel& model,
                                 double slack_N) {
   for (const auto& input : uncertain_inputs(cable)) {

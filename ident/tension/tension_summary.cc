@@ -54,7 +54,7 @@ class TensionMoments {
   double weight_ = 0, mean_ = 0, square_ = 0;
 };
 
-/// Of the ln T of one cell.
+/// Variance of ln T within one cell.
 double cell_variance(const TensionCell& cell) {
   return std::accumulate(cell.variance_input.begin(), cell.variance_input.end(),
                          cell.variance_frequency + cell.variance_model);

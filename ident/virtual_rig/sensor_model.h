@@ -16,13 +16,13 @@
 namespace rigfit::ident {
 
 struct SensorModel {
-  double noise_std = 0;               ///< of one sample, in the unit of the signal
+  double noise_std = 0;               ///< noise of one sample, in the unit of the signal
   double offset_std = 0;              ///< constant offset drawn once a record
   double drift_per_s = 0;             ///< standard deviation of the slope drawn once a record
   double random_walk_per_root_s = 0;  ///< standard deviation after 1 s
   double transverse_sensitivity = 0;  ///< share of the transverse signal, 0..1
   double full_scale = 0;              ///< +-, beyond it the logger clips; 0: never
-  int bits = 0;                       ///< of the converter over 2 full_scale; 0: not quantised
+  int bits = 0;                       ///< bits of the converter over 2 full_scale; 0: not quantised
 };
 
 /// The instruments of the paper's rig. Ranges and noise are those of the classes of instruments

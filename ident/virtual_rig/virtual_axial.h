@@ -19,10 +19,10 @@ namespace rigfit::ident {
 struct VirtualAxialTest {
   double EA_N = 0;
   double mass_per_length_kg_m = 0;
-  double length_m = 0;  ///< of cable between its ends
+  double length_m = 0;  ///< length of the cable between its ends
   double hung_mass_kg = 0;
   double adapter_stiffness_N_m = 0;  ///< in series; 0: none
-  double damping_ratio = 0;          ///< of the oscillation
+  double damping_ratio = 0;          ///< ratio of the oscillation
   double tap_N_s = 0.5;              ///< impulse on the mass
   double tap_scatter = 0.2;          ///< relative standard deviation from tap to tap
   double swing_rad = 0.01;  ///< pendulum amplitude, its tension ripples at twice its frequency

@@ -1,11 +1,10 @@
 // Hammer hits and cut strings on a virtual rig, as its logger would write them. Synthetic.
 //
-// Every load of the scene is a test: an impact is struck `hits` times, each hit a triggered record
-// of its own with the hammer's force; a release is recorded once. The rig that is simulated is
-// finer than the one that is fitted (`finer` times the segments, the accelerometers' masses), the
-// person with the hammer hits a little off in place, direction, strength and hardness, and some
-// hits are double. The logger's anti-aliasing filter (linear phase, -80 dB) acts on all channels
-// alike.
+// Every load of the scene is a test: an impact is struck `hits` times, each hit in a triggered
+// record with the hammer's force; a release is recorded once. The simulated rig is finer than the
+// fitted one (`finer` times the segments, the accelerometers' masses), the person with the hammer
+// hits a little off in place, direction, strength and hardness, and some hits are double. The
+// logger's anti-aliasing filter (linear phase, -80 dB) acts on all channels alike.
 #pragma once
 
 #include <functional>
@@ -19,8 +18,8 @@
 namespace rigfit::ident {
 
 struct VirtualRigOptions {
-  int hits = 5;         ///< of every impact
-  int double_hits = 1;  ///< of these
+  int hits = 5;         ///< hits for every impact
+  int double_hits = 1;  ///< double ones among them
   double record_s = 8;
   double pre_trigger_s = 0.05;
   double sample_rate_hz = 1024;
@@ -29,8 +28,8 @@ struct VirtualRigOptions {
   double duration_scatter = 0.05;  ///< relative
   double position_scatter_m = 0.003;
   double direction_scatter_rad = 0.03;
-  /// Of each accelerometer (4.8 g: data sheet of the paper's B&K 4507), on the rig wherever the
-  /// scene has no mass at its place yet.
+  /// Mass of each accelerometer (4.8 g: data sheet of the paper's B&K 4507), on the rig wherever
+  /// the scene has no mass at its place yet.
   double accelerometer_mass_kg = 4.8e-3;
   VirtualInstruments instruments;
 };
@@ -39,8 +38,8 @@ struct VirtualRigRecord {
   std::string load;  ///< name of the scene's load, or "load<k>" by its number from 1
   int hit = 0;       ///< 1-based; 0: a release
   bool double_hit = false;
-  double peak_N = 0;         ///< of the first blow
-  double second_peak_N = 0;  ///< of the bounce, zero: none
+  double peak_N = 0;         ///< peak of the first blow
+  double second_peak_N = 0;  ///< peak of the bounce, zero: none
   double second_after_s = 0;
   signal::Recording recording;  ///< force (impacts only), then one channel a sensor
 };

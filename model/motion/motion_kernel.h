@@ -6,9 +6,9 @@
 // that members share has an entry in each). A joint between directions t_i, t_j stores K (1 - t_i .
 // t_j), so with e_i the segment's vector and L its length
 //   dV/de_i = EA/l (L - l) t_i - (I - t_i t_i') g_i / L,   g_i = sum over its joints of K t_other
-// without any angle. A node's rotation has no inertia and follows: in the plane it is the argument
-// of the sum of K t conj(d) over the members (and the ground's spring) joined there. The mass is
-// constant (node_mass.h).
+// without any angle. A node's rotation has no inertia and follows: in the plane its angle is
+// the argument of the sum of K t conj(d) over the members (and the ground's spring) joined there.
+// The mass is constant (node_mass.h).
 #pragma once
 
 #include <Eigen/Core>

@@ -38,7 +38,7 @@ struct HammerTest {
   std::string force, force_unit;          ///< the channel's name and unit
   std::vector<std::string> responses;     ///< as used: names, or "#k" where a name is there twice
   std::vector<signal::ImpactTest> tests;  ///< one a place, as given
-  signal::FrfSet frfs;     ///< of all places with an accepted hit; no lines when there is none
+  signal::FrfSet frfs;     ///< all places with an accepted hit; no lines when there is none
   bool amplitudes = true;  ///< false: pulses were not resolved; only frequencies mean something
   double usable_hz = 0;    ///< least of the accepted hits'; 0 when there is none
   std::vector<signal::DrivingPoint> driving_points;

@@ -27,7 +27,7 @@ struct TestSetup {
 /// The scene with the sensors and loads that a test had, in the order of its FRFs.
 struct Instrumented {
   model::Scene scene;
-  std::vector<Eigen::Index> response, input;  ///< of the FRFs, by sensor and load of `scene`
+  std::vector<Eigen::Index> response, input;  ///< FRFs' sensor and load, as indices in `scene`
 };
 
 /// `scene` with the sensors and loads of these FRFs; those that it does not have are left out.
@@ -49,7 +49,7 @@ struct MeasuredRow {
   Eigen::VectorXcd shape;           ///< at the instrumented scene's sensors; empty: not measured
   std::vector<double> models_hz;    ///< by published model; NaN: dash
   std::optional<std::size_t> mode;  ///< index of the modelled mode paired with it
-  double mac = 0;                   ///< of that pair; NaN: fewer than two sensors
+  double mac = 0;                   ///< MAC of that pair; NaN: fewer than two sensors
   bool other_plane = false;         ///< that mode lies in a plane the test was not made to see
 };
 
@@ -59,7 +59,7 @@ struct ModalState {
   Instrumented rig;
   const ModalTestState* recorded = nullptr;
   model::ModalAnalysis analysis;
-  double wall_s = 0;  ///< of the analysis
+  double wall_s = 0;  ///< duration of the analysis
   /// What the number of segments costs in frequency: median over the modes (where two modes cross,
   /// the number of segments may swap them, and the largest error says nothing).
   double segments_error = 0;

@@ -15,7 +15,7 @@ namespace rigfit::ident {
 
 struct ModalRecording {
   signal::Recording recording;
-  std::optional<double> tension_N;  ///< of its state; empty: the rig has one state only
+  std::optional<double> tension_N;  ///< tension of its state; empty: the rig has one state only
   std::string place;                ///< struck; empty: the only one
   Origin origin = Origin::measured;
 };
@@ -41,10 +41,11 @@ struct ModalTestState {
   HammerTest hammer;                         ///< inputs named by the places; "hammer" without
   std::optional<signal::ModalResult> modal;  ///< empty: no FRFs, or too few lines
   std::vector<std::string> channels;         ///< responses, in the order of the FRFs
-  /// Of positive values, as the recordings say, by response and by input; zero where they do not.
+  /// Axis of positive values, as the recordings say, by response and by input; zero where they do
+  /// not.
   std::vector<Eigen::Vector3d> directions, force_directions;
   std::vector<RecordedHit> hits;  ///< one a place with an accepted hit
-  std::vector<Finding> findings;  ///< of hits, FRFs and modes
+  std::vector<Finding> findings;  ///< what was found about hits, FRFs and modes
 
   [[nodiscard]] bool has_modes() const { return modal && !modal->model.modes.empty(); }
 };

@@ -7,7 +7,7 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr int kPlaces = 32;  // of a member at which shapes are compared
+constexpr int kPlaces = 32;  // places on a member at which shapes are compared
 
 /// The scene with sensors of displacement at places that do not depend on its segments.
 model::Scene sampled(model::Scene scene) {

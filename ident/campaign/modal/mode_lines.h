@@ -28,7 +28,7 @@ struct ModeCrossing {
 
 struct ModeLines {
   std::vector<double> tension_N;
-  std::vector<ModeLine> lines;          ///< of modes in plane and out of plane only
+  std::vector<ModeLine> lines;          ///< modes in plane and out of plane only
   std::vector<ModeCrossing> crossings;  ///< by rising tension
 };
 

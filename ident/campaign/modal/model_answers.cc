@@ -10,7 +10,7 @@ namespace rigfit::ident {
 namespace {
 
 using Eigen::Index;
-constexpr double kLongest_s = 10;  // of a simulated answer
+constexpr double kLongest_s = 10;  // longest simulated answer
 constexpr double kAlike_s = 0.5;   // over which record and answer are brought together
 
 /// The columns of a set at its lines from `first` to `last`.

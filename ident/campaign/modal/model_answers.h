@@ -25,7 +25,7 @@ struct FrfComparison {
   /// The test is rebuilt from its modes without the exponential window, which lowers every peak of
   /// the measured FRFs and which no model has.
   bool rebuilt = false;
-  Eigen::VectorXd lines_hz;                      ///< of the models: a part of the test's
+  Eigen::VectorXd lines_hz;                      ///< the models' lines: a part of the test's
   std::vector<model::SynthesizedFrfs> versions;  ///< sensors x loads of each scene; may be empty
 };
 [[nodiscard]] FrfComparison compare_frfs(const ModalTestState& recorded,

@@ -91,7 +91,7 @@ Found find(const AxialInputs& inputs, std::size_t index) {
 
 struct ModeOfDecay {
   std::size_t decay = 0, mode = 0;
-  double log_EA = 0, share = 0;  // of the energy of the decay's modes
+  double log_EA = 0, share = 0;  // ln EA from the mode; its share of the decay's energy
 };
 
 // Beyond so many times the median standard uncertainty a record says less than a hundredth of it.
@@ -126,7 +126,7 @@ std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
 void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
   auto all = possible_modes(inputs, result.decays, true);
   if (all.empty()) all = possible_modes(inputs, result.decays, false);
-  constexpr double kSame = 0.5;  // of ln EA: 1.6 either way
+  constexpr double kSame = 0.5;  // in ln EA: a factor of 1.6 either way
   const auto score = [&](double log_EA, bool take) {
     std::vector<double> best(result.decays.size(), 0);
     for (const auto& one : all) {

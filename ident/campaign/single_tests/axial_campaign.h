@@ -26,7 +26,7 @@ namespace rigfit::ident {
 struct AxialRecording {
   std::string name;  ///< for messages
   signal::Recording recording;
-  double length_m = 0;  ///< of cable, between its ends
+  double length_m = 0;  ///< length of the cable between its ends
 };
 
 struct AxialInputs {
@@ -42,7 +42,7 @@ struct AxialFoundDecay {
   std::size_t recording = 0;  ///< index of the inputs' recordings
   std::string channel, unit;
   double rate_hz = 0;
-  double start_s = 0;          ///< of the fitted window, the recording's time
+  double start_s = 0;          ///< start of the fitted window on the recording's time axis
   double samples_start_s = 0;  ///< of `samples`
   Eigen::VectorXd samples;     ///< as given to the estimator
   signal::DecayResult result;

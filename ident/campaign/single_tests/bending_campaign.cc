@@ -120,7 +120,7 @@ void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& res
   const double span = campaign.test.span_m.value;
   if (!(deflection > 0 && span > 0)) return;
   constexpr double kLongestSpan = 20;        // m, of a bench
-  constexpr double kLeastDeflection = 1e-6;  // of the span
+  constexpr double kLeastDeflection = 1e-6;  // relative to the span
   if (span > kLongestSpan || deflection < kLeastDeflection * span) {
     result.findings.push_back(
         {"length_suspected",

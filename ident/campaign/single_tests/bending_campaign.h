@@ -31,8 +31,8 @@ struct BendingCampaign {
   std::vector<BendingSource> sources;
   BendingTestOptions test;  ///< span, calibrations and what they are known to; for records only
   std::optional<StrandGeometry> strand;
-  /// Of the cross-section about the axis of bending, m^4; NaN: not known. Without tension it gives
-  /// Young's modulus in bending, EI / I.
+  /// Second moment of the cross-section about the axis of bending, m^4; NaN: not known. Without
+  /// tension it gives Young's modulus in bending, EI / I.
   signal::Estimate second_moment_m4;
   double assumed_relative_std = 0;  ///< of EI values that come without an uncertainty; 0: not known
 };
@@ -59,10 +59,10 @@ struct BeamSpecimens {
 
 struct BendingCampaignResult {
   std::vector<BendingPoint> points;  ///< by rising tension
-  StiffnessCurve curve;              ///< of the usable ones; empty: none
+  StiffnessCurve curve;              ///< law through the usable points; empty: none
   std::optional<StiffnessBounds> bounds;
   std::optional<BeamSpecimens> specimens;  ///< two and more that gave an EI without tension
-  /// Of the points together: "taken_as_exact", "tension_within_test", "outside_bounds",
+  /// What concerns all points together: "taken_as_exact", "tension_within_test", "outside_bounds",
   /// "length_suspected", "large_deflection".
   std::vector<BendingFinding> findings;
 };

@@ -49,7 +49,7 @@ struct ChannelDecays {
   double sample_rate_hz = 0;
   double start_time_s = 0;         ///< of `samples`
   Eigen::VectorXd samples;         ///< between start and end
-  double start_s = 0, end_s = 0;   ///< of the window of `strongest`
+  double start_s = 0, end_s = 0;   ///< window of `strongest`
   signal::DecayResult strongest;   ///< as signal/decay/decay.h has it
   std::vector<FoundDecay> decays;  ///< in time, one at least
   std::vector<PooledMode> pooled;  ///< of `each`, in the order of the strongest decay's modes

@@ -14,7 +14,7 @@ namespace rigfit::ident {
 /// EI of one state that was taken from the curve.
 struct StiffnessUse {
   int state = 0;
-  std::string parameter;  ///< of the state's scene, such as "cable.EI"
+  std::string parameter;  ///< parameter of the state's scene, such as "cable.EI"
   double tension_N = 0;
 };
 

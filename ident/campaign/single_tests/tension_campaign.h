@@ -26,7 +26,7 @@ struct TensionInputs {
   double band_low_hz = 0;
   double band_high_hz = 0;                               ///< 0: to the end
   int max_peaks = 12;                                    ///< a channel
-  std::optional<model::ModePlane> plane = std::nullopt;  ///< of the recorded motion
+  std::optional<model::ModePlane> plane = std::nullopt;  ///< plane of the recorded motion
 };
 
 struct TensionPeak {
