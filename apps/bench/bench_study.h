@@ -17,7 +17,8 @@ namespace rigfit::apps {
 
 struct BenchRow {
   std::string method;
-  int segments = 0;                 ///< of a member, the mean over members; 0: none in this task
+  /// Segments in a member, the mean over members; 0: none in this task.
+  int segments = 0;
   std::optional<double> step_s;     ///< largest time step
   std::optional<double> tolerance;  ///< asked of the method
   double wall_s = 0;                ///< median, one thread, from the parsed inputs to the answer
@@ -43,7 +44,7 @@ struct BenchStudy {
 /// How much a run may take.
 struct BenchBudget {
   bool quick = false;
-  int repeats = 15;    ///< of every row, at most
+  int repeats = 15;    ///< most repeats of a row
   double row_s = 0.2;  ///< no further repeat of a row that took this long
 };
 

@@ -243,8 +243,8 @@ signal::Recording load_bending_file(const std::filesystem::path& path, VerbConte
   NullBuffer nothing;
   std::ostream sink(&nothing);
   VerbContext own(sink);
-  own.quiet = context.quiet || context.silent;  // of progress
-  own.silent = true;                            // of notes, told below
+  own.quiet = context.quiet || context.silent;  // no progress
+  own.silent = true;                            // no notes: they are told below
   own.hashes_inputs = false;
   // The inputs are named before they are read.
   context.input(path.string());

@@ -29,10 +29,10 @@
 //                        EI_of, EA_of, damping_of: one or both of
 //                        a [test.table] with columns tension (none: one state), measured,
 //                        models = { label = column, ... }; and recordings of hammer hits: force
-//                        (channel), responses (default: every other), sensors = { channel = sensor
-//                        of the scene } where names differ, load (of the scene, that was struck),
-//                        direction ([x, y, z], struck and measured along it), band, estimator
-//                        ("h1", "h2", "hv"), force_window (s after the pulse begins),
+//                        (channel), responses (default: every other), sensors = { channel =
+//                        the scene's sensor } where names differ, load (the scene's, that was
+//                        struck), direction ([x, y, z], struck and measured along it), band,
+//                        estimator ("h1", "h2", "hv"), force_window (s after the pulse begins),
 //                        exponential_window (level at the end of the block), max_order
 //     kind = "tension"   length (m), length_std, mass_per_length (kg/m), mass_per_length_std,
 //     mass_of

@@ -52,11 +52,11 @@ struct HammerTest {
   std::string force;
   std::vector<std::string> responses;          ///< channels; empty: every other one
   std::map<std::string, std::string> sensors;  ///< channel -> sensor of the scene
-  std::string load;                            ///< of the scene; empty: its only impact
+  std::string load;                            ///< the scene's load; empty: its only impact
   std::string estimator = "h1";
   double force_window_s = 0;         ///< 0: by the noise on the force
   double exponential_end_level = 0;  ///< 0: none
-  int max_order = 0;                 ///< of the stabilisation diagram; 0: the method's own
+  int max_order = 0;                 ///< order of the stabilisation diagram; 0: the method's own
 };
 
 /// A beam that is bent without tension.

@@ -71,7 +71,7 @@ std::optional<LoadDeflection> load_deflection(const signal::Recording& recording
   int crossings = 0;
   const double middle = d.mean();
   for (Eigen::Index i = 1; i < d.size(); ++i) crossings += (d[i - 1] < middle) != (d[i] < middle);
-  constexpr int kMostTurns = 20;  // of a bending test; a vibration has more
+  constexpr int kMostTurns = 20;  // a bending test has fewer; a vibration has more
   if (crossings >= kMostTurns || d.size() < 3) return std::nullopt;
   for (const auto* force : forces) {
     if (!force->samples.allFinite()) return std::nullopt;

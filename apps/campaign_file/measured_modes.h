@@ -22,7 +22,7 @@ namespace rigfit::apps {
 struct MeasuredTableRow {
   ident::MeasuredMode mode;
   std::optional<double> tension_N;
-  std::vector<double> compared;  ///< of the columns asked for, NaN where blank
+  std::vector<double> compared;  ///< values in the columns asked for, NaN where blank
 };
 
 /// `column`: of the frequency; empty: "frequency_hz". `plane`: for rows that name none. `sensors`:

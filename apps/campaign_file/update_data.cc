@@ -202,7 +202,8 @@ class StateReader {
     if (scene.loads.empty() || scene.sensors.empty()) {
       throw UsageError(scene_of(file) + " has no load or no sensor for the FRFs of " + path);
     }
-    std::vector<std::pair<std::size_t, double>> loads, sensors;  // of each input, response
+    // Index and sign for each input, each response.
+    std::vector<std::pair<std::size_t, double>> loads, sensors;
     for (const auto& input : set.inputs) {
       const std::size_t load = match(input.name, scene.loads, path, "load");
       loads.emplace_back(load, sign_of(input.direction, scene.loads[load].direction));
@@ -380,7 +381,7 @@ class StateReader {
   const UpdateData& data_;
   VerbContext& context_;
   std::size_t files_ = 0;
-  std::size_t next_tension_ = 0;      ///< of data_.tensions
+  std::size_t next_tension_ = 0;      ///< next of data_.tensions
   bool modes_have_tensions_ = false;  ///< those of universal files, before the others
   std::size_t taken_ = 0;             // modes of universal files
   bool several_ = false;              // scenes

@@ -16,15 +16,16 @@ namespace rigfit::apps {
 struct UpdateData {
   std::vector<std::string> scenes;  ///< one for all, or one for each file below, in their order
   std::vector<std::string> modes, frfs, decays, responses;  ///< files
-  std::vector<double> tensions;     ///< of each file that is no table (universal files of modes may
-                                    ///< have none); empty: the scene's
-  std::vector<std::string> planes;  ///< in, out, any: one for all or for each file
-  std::string column;               ///< of the frequencies in tables
+  /// One for each file that is no table (universal files of modes may have none); empty: the
+  /// scene's.
+  std::vector<double> tensions;
+  std::vector<std::string> planes;   ///< in, out, any: one for all or for each file
+  std::string column;                ///< column of the frequencies in tables
   std::vector<std::string> compare;  ///< further columns: frequencies of other models
   std::vector<std::string> nodes;    ///< SENSOR=NODE[+X] of universal files of modes
   std::string decay_channel;
   std::string stiffness;  ///< table of tension_N, EI_Nm2, or JSON result of bending tests
-  int segments = 0;       ///< of every member while fitting; 0: the scene's
+  int segments = 0;       ///< segments in every member while fitting; 0: the scene's
   std::optional<std::pair<double, double>> band_hz;  ///< of FRFs, decays, universal files
 };
 
@@ -36,7 +37,7 @@ struct UpdateStates {
   std::vector<std::vector<int>> segments;  ///< by state, of each member as its file says
   /// By state, measured mode, column of `compare`: what another model says; NaN where it is blank.
   std::vector<std::vector<std::vector<double>>> compared;
-  std::vector<ident::StateClock> clocks;  ///< of the states' recordings and FRFs
+  std::vector<ident::StateClock> clocks;  ///< clocks of the states' recordings and FRFs
 };
 
 /// Throws UsageError, Refused, model::SceneError, signal::RecordingError.

@@ -25,7 +25,7 @@ struct Option {
   std::string name;  ///< "--mass"; without dashes: stands by its place
   Target target;
   std::string meaning, unit;
-  double lowest = -HUGE_VAL, highest = HUGE_VAL;  ///< of numbers
+  double lowest = -HUGE_VAL, highest = HUGE_VAL;  ///< allowed range of numbers
   bool above_lowest = false;                      ///< `lowest` itself is not allowed
   std::vector<std::string> words;                 ///< the only ones allowed; empty: any
   int numbers = 0;                                ///< how many; 0: any

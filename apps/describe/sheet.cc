@@ -34,7 +34,7 @@ ShownUnit shown_unit(std::string_view unit) {
 std::string number_text(double value, std::string_view unit, int digits) {
   if (!std::isfinite(value)) return "-";
   value *= shown_unit(unit).per_si;
-  // Of the rounded value: 99.7 with two digits is 100.
+  // Digits before the point are those after rounding: 99.7 with two digits is 100.
   const double rounded = std::abs(value) * (1 + 0.5 * std::pow(10.0, -digits));
   const int exponent = value == 0 ? 0 : static_cast<int>(std::floor(std::log10(rounded)));
   if (exponent < digits || exponent >= 9) return fmt::format("{:.{}g}", value, digits);

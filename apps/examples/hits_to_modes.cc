@@ -25,7 +25,7 @@ int main(int argc, char** argv) try {
   }
 
   signal::ImpactTestOptions hitting;
-  hitting.exponential_end_level = 0.05;  // of the window at the end of a block; poles come without
+  hitting.exponential_end_level = 0.05;  // the window's value at a block's end; poles come without
   const signal::ImpactTest test =
       signal::analyse_impact_test(recordings, argv[1], responses, hitting);
   for (const signal::Hit& hit : test.search.hits) {

@@ -14,7 +14,7 @@ namespace rigfit::apps {
 
 struct ComparedReport {
   std::string title;
-  std::string file, date, revision;  ///< of the campaign
+  std::string file, date, revision;  ///< the campaign's file, date and revision
   std::vector<Answer> answers;
 };
 

@@ -14,16 +14,17 @@ namespace rigfit::apps {
 struct GuessOptions {
   std::string kind;   ///< "bending", "axial", "decay", "modal", "tension"; empty: guessed
   std::string force;  ///< channel of the hammer; empty: guessed
-  double span_m = 0, mass_kg = 0;  ///< of bending and axial tests; 0: not given
+  double span_m = 0, mass_kg = 0;  ///< bending and axial tests; 0: not given
   double mass_per_length = 0;      ///< kg/m, of tension tests; 0: not given
-  /// Of axial and tension tests, m: one for all files, one a file in their order, or "FILE=LENGTH".
+  /// Lengths in axial and tension tests, m: one for all files, one a file in their order, or
+  /// "FILE=LENGTH".
   std::vector<std::string> lengths;
   std::map<std::string, std::string> units;          ///< by channel
   std::map<std::string, std::string> sensitivities;  ///< by channel, such as "2.27 mV/N"
 };
 
 struct GuessedCampaign {
-  std::string text;                  ///< of campaign.toml
+  std::string text;                  ///< text of campaign.toml
   std::vector<std::string> remarks;  ///< what each file was taken for and why, for the terminal
 };
 

@@ -1,5 +1,5 @@
-// A line of utility poles as a scene file: tapered poles in soil, crossarms, conductors, and a zone
-// of each pole whose flexural rigidity a fit can free.
+// A line of utility poles as a scene file: tapered poles in soil, crossarms, conductors, and in
+// each pole a zone whose flexural rigidity a fit can free.
 //
 // A pole of diameters d_g at the ground and d_t at the top has d(y) linear between, EI = E pi d^4 /
 // 64 and mass per length rho pi d^2 / 4. The soil is translational and rotational springs at the
@@ -18,7 +18,7 @@ struct UtilityLine {
   int poles = 3;
   double height_m = 10;  ///< above ground
   double ground_diameter_m = 0.30, top_diameter_m = 0.20;
-  double modulus_Pa = 10e9, density_kg_m3 = 600;  ///< of wood along the grain
+  double modulus_Pa = 10e9, density_kg_m3 = 600;  ///< wood along the grain
   double damping_ratio = 0.02;
   /// Springs at the ground line, N/m and N m/rad; unused with an embedded length.
   double soil_translational = 1e7, soil_rotational = 4e6;
@@ -28,7 +28,7 @@ struct UtilityLine {
   double crossarm_kg = 60;    ///< with insulators, at the top
   double span_m = 60;
   int conductors = 3;  ///< 0: bare poles
-  /// Of one conductor: ACSR 95/15 or so.
+  /// One conductor: ACSR 95/15 or so.
   double conductor_kg_m = 0.38, conductor_EA_N = 8.5e6, conductor_EI_Nm2 = 20;
   double conductor_tension_N = 6000;
   /// Zone of reduced EI of every pole: from `damage_from` to `damage_to` of the height, EI times

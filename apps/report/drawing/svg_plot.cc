@@ -17,8 +17,9 @@ using Marker = SeriesLook::Marker;
 
 constexpr double kPxPerMm = 96 / 25.4;
 constexpr double kPxPerPt = 96.0 / 72;
-constexpr double kCharacter = 6.6;         // px that a character of 12 px takes, on the mean
-constexpr std::size_t kDenseSeries = 900;  // of more points their extremes by half pixel are drawn
+constexpr double kCharacter = 6.6;  // px that a character of 12 px takes, on the mean
+// Longer series: only the extremes by half pixel are drawn.
+constexpr std::size_t kDenseSeries = 900;
 
 /// The range of values low..high lies between the pixels from..to.
 struct SvgAxis {

@@ -12,7 +12,7 @@ namespace rigfit::apps {
 namespace {
 
 using Eigen::Index;
-constexpr double kFirst_s = 0.5;  // of the first moments
+constexpr double kFirst_s = 0.5;  // length of the first moments
 
 /// As the answer number `k` of `count` is drawn: the last stands for the report, those before it
 /// are broken lines.

@@ -65,7 +65,7 @@ struct AnalysedDecay {
   std::string file, channel, unit;
   Origin origin = Origin::measured;
   double rate_hz = 0;
-  double start_s = 0;       ///< of the samples given
+  double start_s = 0;       ///< time of the first sample given
   Eigen::VectorXd samples;  ///< as given to the estimator
   signal::DecayResult result;
 };
@@ -127,7 +127,7 @@ struct LineRange {
 /// abscissa, with the identified modes marked, and the stabilisation diagram. `modal` and `rebuilt`
 /// may be null. Ids are `id` with "-frf", "-phase", "-coherence", "-stabilisation" in between.
 struct FrfFigures {
-  std::string test, state;  ///< of the ids: "cable-frf-200N"
+  std::string test, state;  ///< parts of the ids: "cable-frf-200N"
   Origin origin = Origin::measured;
 };
 [[nodiscard]] std::vector<Plot> frf_figures(const FrfFigures& of, const signal::FrfSet& frfs,
@@ -206,7 +206,7 @@ struct FitFigures {
 
 /// A measured mode to lay over a modelled one.
 struct MeasuredShape {
-  std::size_t mode = 0;  ///< of the analysis
+  std::size_t mode = 0;  ///< index in the analysis
   double frequency_hz = 0;
   Eigen::VectorXcd shape;  ///< at the scene's sensors; empty: frequency only
   double mac = 0;          ///< NaN: not known

@@ -43,7 +43,7 @@ class View {
                       (kPanelHeight - kTitle - 30) / (tall + room));
   }
 
-  /// Of a mode's largest displacement, m.
+  /// Largest displacement of a drawn mode, m.
   [[nodiscard]] double amplitude() const { return 0.1 * size_; }
 
   [[nodiscard]] Eigen::Vector2d at(const Vector3d& point) const {
@@ -247,7 +247,8 @@ std::vector<Picture> shapes_pictures(const std::string& id, const std::string& s
                                      const model::Scene& scene,
                                      const model::ModalAnalysis& analysis,
                                      const std::vector<MeasuredShape>& measured, std::size_t most) {
-  constexpr std::size_t kModes = 6, kColumns = 2;  // of a picture: a quarter of a page on paper
+  // Modes and columns in a picture: a quarter of a page on paper.
+  constexpr std::size_t kModes = 6, kColumns = 2;
   std::vector<std::size_t> drawn;
   for (std::size_t i = 0; i < analysis.modes.size() && drawn.size() < most; ++i) {
     if (largest_of(analysis.modes[i]) > 0) drawn.push_back(i);

@@ -15,7 +15,7 @@ namespace rigfit::apps {
 struct FitOutcome {
   const Campaign& campaign;
   const CampaignFit& fit;
-  const std::vector<std::size_t>& modal_tests;  ///< of the campaign, by CampaignResult::modal
+  const std::vector<std::size_t>& modal_tests;  ///< the campaign's tests, by CampaignResult::modal
   const ident::CampaignFitOutcome& answer;
   const std::vector<ident::FittedState>& states = answer.states;
   const std::vector<ident::UpdateState>& updates = answer.task.states;  ///< what was fitted to

@@ -30,7 +30,7 @@ double rms(const std::vector<ident::UpdatedPair>& pairs, int state) {
   return n > 0 ? std::sqrt(sum / n) : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Of a free parameter, by the first scene that has it.
+/// Unit of a free parameter, by the first scene that has it.
 std::string unit_of(const FitOutcome& of, const ident::FreeParameter* free) {
   if (!free) return {};
   const auto& name = free->targets.empty() ? free->name : free->targets.front();

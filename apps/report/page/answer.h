@@ -50,8 +50,8 @@ struct Answer {
 /// True when the verdict is a warning.
 [[nodiscard]] bool doubtful(const Answer& answer);
 
-/// Of answers for one quantity the one with the smallest standard uncertainty is recommended. One
-/// that differs from it by more than three standard uncertainties says so in its verdict.
+/// Among the answers for one quantity, recommends the one with the smallest standard uncertainty.
+/// One that differs from it by more than three standard uncertainties says so in its verdict.
 void recommend(std::vector<Answer*>& answers);
 
 /// The same for programs: SI units, null where there is no number.

@@ -13,10 +13,10 @@
 namespace rigfit::apps {
 
 struct ReportFinding {
-  std::string code, message;  ///< of the first of its kind
+  std::string code, message;  ///< code and message of the first of its kind
   std::string where;          ///< places, the first ones by name
-  std::string title, anchor;  ///< of the part that says more
-  std::size_t count = 1;      ///< of its kind
+  std::string title, anchor;  ///< title and anchor of the part that says more
+  std::size_t count = 1;      ///< number of findings of its kind
   bool refused = false, note = false;
 };
 

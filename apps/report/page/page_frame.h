@@ -17,7 +17,7 @@ struct PageFrame {
   std::string title, source, description;
   ReportDetails details;
   ReportStyle style = ReportStyle::lab;
-  std::string version;  ///< of rigfit
+  std::string version;  ///< version of rigfit
   std::string repeat;   ///< command line that makes the report again
   std::vector<std::pair<std::string, std::string>> inputs;  ///< path, SHA-256
   std::vector<std::pair<std::string, std::string>> links;   ///< other pages: file, title

@@ -10,7 +10,7 @@
 
 namespace rigfit::apps {
 
-inline constexpr std::size_t kMostRows = 300;  ///< of a table on the page
+inline constexpr std::size_t kMostRows = 300;  ///< rows of a table on the page
 inline constexpr std::size_t kMostTabs = 60;   ///< states of a group of figures on the page
 
 /// Indices of the rows on the page: all, or those with a doubtful cell first, in their order.

@@ -62,7 +62,7 @@ struct Picture {
   std::string id, title, caption;
   std::string svg;                   ///< an svg element with its own colours and the page's classes
   std::string csv;                   ///< its data
-  double width = 760, height = 440;  ///< of the svg, px
+  double width = 760, height = 440;  ///< size of the svg, px
 };
 
 using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, Picture>;
@@ -102,7 +102,7 @@ struct ModelCost {
 
 /// A measured mode and the frequency that a model has for it.
 struct ModeOfModel {
-  std::string label;  ///< of the model: "model fitted", "published model, FE"
+  std::string label;  ///< label of the model: "model fitted", "published model, FE"
   Origin origin = Origin::modelled;
   double measured_hz = 0, model_hz = 0;
 };

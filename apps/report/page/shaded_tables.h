@@ -12,7 +12,7 @@
 namespace rigfit::apps {
 
 struct Shares {
-  std::string name;                                   ///< of the quantity
+  std::string name;                                   ///< name of the quantity
   std::vector<std::pair<std::string, double>> parts;  ///< source and its size; not negative
 };
 

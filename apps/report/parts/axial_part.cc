@@ -202,7 +202,7 @@ class AxialPart : public TestPart {
   const CampaignTest& test_;
   ident::AxialInputs inputs_;
   std::size_t index_ = 0;
-  std::vector<Origin> origins_;  // of the recordings
+  std::vector<Origin> origins_;  // origins of the recordings
   ReportPart part_;
   Origin origin_ = Origin::measured;
 };

@@ -295,7 +295,7 @@ class BendingPart : public TestPart {
 
   const CampaignTest& test_;
   ident::BendingCampaign bending_;
-  std::vector<Origin> origins_;  ///< of the sources
+  std::vector<Origin> origins_;  ///< origins of the sources
   std::size_t index_ = 0;
   ReportPart part_;
 };

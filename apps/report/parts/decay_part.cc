@@ -226,7 +226,7 @@ class DecayPart : public TestPart {
     if (best_.empty() || decays_.empty()) best_ = last_best_;
   }
 
-  /// Of the strongest oscillation.
+  /// Adds frequency and damping of the strongest oscillation.
   void add_answers(const AnalysedDecay& decay, const RecordingGroup& group) {
     const auto& mode = decay.result.modes.front();
     const std::string at = group.tension_N ? fmt::format(", {:g} N", *group.tension_N) : "";
@@ -274,7 +274,7 @@ class DecayPart : public TestPart {
   const CampaignTest& test_;
   ident::DecayInputs inputs_;
   std::size_t index_ = 0, files_ = 0;
-  std::vector<const RecordingGroup*> groups_;  ///< of the recordings
+  std::vector<const RecordingGroup*> groups_;  ///< group of each recording
   ReportPart part_;
   ReportTable table_, compared_;
   PlotGroup group_;

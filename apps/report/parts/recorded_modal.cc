@@ -81,7 +81,7 @@ class HitsShown {
     }
   }
 
-  /// Of the campaign, for warnings: "cable-in-plane, 200 N".
+  /// Place in the campaign, for warnings: "cable-in-plane, 200 N".
   [[nodiscard]] std::string place(const std::string& label) const {
     return test_.name + ", " + label;
   }
@@ -270,7 +270,7 @@ class HitsShown {
   ReportPart& part_;
   const model::Scene* scene_ = nullptr;  ///< null: points keep their numbers
   std::size_t states_ = 0;               ///< that gave modes
-  std::optional<Origin> origin_;         ///< of the first of them
+  std::optional<Origin> origin_;         ///< origin of the first of them
   ReportTable hits_, modes_;
   std::vector<PlotTab> tabs_;
   std::map<std::string, Json> json_hits_;
