@@ -13,8 +13,8 @@
 // over the load, which shows a stop). The more probable one is taken while it has a probability
 // under 1 %: the row is left out, or the table is curved; more than one row in four left out are no
 // line. Source: Draper and Smith, Applied Regression Analysis, 6.1 and 8. Loading and unloading
-// that lie apart show wire friction, which stiffens the strand after every turn: the first quarter
-// of each stroke is then left out, and the change that this makes counts as uncertainty.
+// that lie apart show wire friction, which stiffens the strand after every turn: each stroke then
+// loses its first quarter, and the change that this makes counts as uncertainty.
 #pragma once
 
 #include <Eigen/Core>

@@ -12,7 +12,7 @@ namespace rigfit::apps {
 
 class CableUpdate {
  public:
-  /// Of the chain that the frequencies are of.
+  /// `fine_segments`: segments of the chain that gives the measured frequencies.
   explicit CableUpdate(int fine_segments);
 
   /// 0 segments: "auto".

@@ -36,9 +36,9 @@ using namespace rigfit::model;
 namespace fs = std::filesystem;
 
 constexpr int kModes = 3;
-constexpr double kRounding = 2e-6;             // of ccx
+constexpr double kRounding = 2e-6;             // rounding of ccx
 constexpr double kThin = 1e-3, kThick = 3e-3;  // radius of gyration over length
-constexpr double kNear = 0.01;                 // of a frequency: the same mode
+constexpr double kNear = 0.01;                 // relative distance of frequencies that are one mode
 
 Scene random_scene(int kind, unsigned seed, double slenderness) {
   std::mt19937 generator(seed);

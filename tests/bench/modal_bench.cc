@@ -1,5 +1,5 @@
-// Times of the poles of order 60 and of the whole identification. The accuracy beside them is that
-// of the truth table (modal_truth).
+// Times of the poles of order 60 and of the whole identification. The truth table (modal_truth)
+// prints their accuracy.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
-// Runs every recording of a folder and prints found against known. The folder's files are not part
-// of the project; what is known is stated here or in the folder's README.md. Names of folders that
-// are known: ruler_frfs, bar_frfs (FRFs in UFF 58); any other UFF file of FRFs is run as well.
+// Runs every recording of a folder and prints found against known. The folder's files do not belong
+// to the project; what is known is stated here or in the folder's README.md. Folders with known
+// values: ruler_frfs, bar_frfs (FRFs in UFF 58); any other UFF file of FRFs is run as well.
 //
 //   modal_recordings FOLDER
 #include <fmt/format.h>

@@ -56,7 +56,7 @@ std::vector<double> calculix(const std::string& deck) {
 struct Drawn {
   ident::CableDescription cable;
   std::vector<ident::MeasuredMode> modes;
-  double tension = 0;  ///< of the deck; 0: ccx fails
+  double tension = 0;  ///< tension in the deck; 0: ccx fails
 };
 
 Drawn draw(std::uint64_t seed, ident::CableEnds ends, bool sags) {

@@ -1,6 +1,6 @@
-// What must not depend on how a rig is written down: the units of length and time, the direction
-// of a member, left and right, the compass, the order of things. Each rewriting must leave every
-// FRF from a load to a sensor as it is, and with it equilibrium, modes and damping.
+// Results must not depend on the way a rig is written down: the units of length and time, a
+// member's direction, left and right, the compass, the order of things. Each rewriting must leave
+// every FRF from a load to a sensor as it is, and with it equilibrium, modes and damping.
 //
 // Tolerance: equilibria balance to about 1e-10 of the largest force, which changes stiffnesses by
 // as much; a resonance of damping ratio 0.01 multiplies that by 1 / (2 x 0.01). 1e-7 of an FRF's

@@ -66,7 +66,7 @@ struct SaggingCable {
 struct ElasticCatenary {
   double span_m = 0;                 ///< horizontal distance of the ends, positive
   double rise_m = 0;                 ///< the second end above the first
-  double weight_per_length_N_m = 0;  ///< of unstretched length, positive
+  double weight_per_length_N_m = 0;  ///< per unstretched length, positive
   double EA_N = 0;
 };
 

@@ -22,7 +22,7 @@ struct DefectiveFrfOptions {
   bool points_are_inputs = true;  ///< roving hammer; else roving sensor
   /// Where the fixed sensors (or the fixed hammer) are, of the length.
   std::vector<double> fixed = {0.37};
-  double noise = 2e-3;          ///< of each part of H, over the rms FRF
+  double noise = 2e-3;          ///< noise on each part of H, over the rms FRF
   double drift = 0;             ///< first to last point, half-power bandwidths
   double scatter = 0;           ///< standard deviation between points, half-power bandwidths
   double common = 0;            ///< noise on the force: relative, the same for all FRFs of a line

@@ -2,8 +2,8 @@
 // checking the analytic one and where that cannot be had. 2 n analyses for n parameters.
 //
 // A mode is followed by its plane and its place among the modes of that plane. Step: 1e-4 relative
-// (1e-4 of the largest node distance for coordinates, 1e-4 kg for masses that are zero): truncation
-// of order 1e-8, rounding of the eigenvalues of order 1e-12 / 1e-4.
+// (1e-4 of the largest node distance for coordinates, 1e-4 kg for masses that are zero), whose
+// truncation error is about 1e-8 and whose rounding error is that of the eigenvalues, 1e-12 / 1e-4.
 #pragma once
 
 #include <string>

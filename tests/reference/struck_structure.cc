@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 constexpr double kPi = std::numbers::pi;
 constexpr int kFine = 8;
-constexpr double kStruckAt = 0.17;  // of the length
+constexpr double kStruckAt = 0.17;  // place relative to the length
 
 /// Every kFine-th of the fine samples, after a low-pass at 0.35 of the sampling rate.
 VectorXd sampled(const VectorXd& fine) {

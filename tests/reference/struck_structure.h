@@ -31,25 +31,26 @@ struct StruckStructure {
 struct StrikeOptions {
   int hits = 5;
   double sample_rate_hz = 1024;
-  double before_s = 0.5, after_s = 11.5;  ///< of each recording
+  double before_s = 0.5, after_s = 11.5;  ///< time before and after the hit
   double pulse_s = 8e-3;
   double force_noise = 0;         ///< std, of the mean peak
   double force_noise_colour = 0;  ///< 0: white; c: first-order, x_n = c x_(n-1) + noise, same std
   double response_noise = 2e-3;   ///< std, of the response's rms after a hit of mean size
-  /// Relative standard deviation of all frequencies from hit to hit (stiffness, temperature, size
-  /// of the hit), alike for all modes.
+  /// Relative standard deviation of all frequencies from hit to hit (by stiffness, temperature or
+  /// size of the hit), alike for all modes.
   double frequency_scatter = 0;
   /// Cubic spring to ground at the struck point: shift of the first mode's frequency after a hit of
   /// mean size by its own amplitude (backbone curve), over its half-power bandwidth; negative:
   /// softening. The truth is the structure without it.
   double cubic = 0;
-  double second_contact = 0;  ///< of the peak, 20 to 50 ms later, in every hit
+  /// Second contact in every hit, 20 to 50 ms later, relative to the peak.
+  double second_contact = 0;
   double converter_bits = 0;  ///< steps of every channel: full scale / 2^bits; 0: none
   /// Each hit off the axis by an angle of this standard deviation, rad. Across, the struck place
   /// moves by 0.7 of the modes' amplitude, as 0.7 cos(r pi x) beside sin(r pi x).
   double off_axis = 0;
   double off_place = 0;       ///< each hit off the place, standard deviation, over the length
-  double size_scatter = 0.3;  ///< of the peaks, uniform on either side of 1
+  double size_scatter = 0.3;  ///< half width of the peaks' uniform scatter about 1
   std::uint64_t seed = 1;
 };
 

@@ -1,8 +1,8 @@
 // A second algorithm for a limp cable's small motions: straight two-node bars along the exact
 // elastic catenary, with the catenary's own axial force, consistent mass and dense algebra. Nothing
 // is shared with the segment model but the physics; the end points are not balanced by a Newton
-// method, and there is no bending. Frequencies err by the square of the bars' length; three numbers
-// of bars remove that and the fourth power.
+// method, and there is no bending. Frequencies err by the square of the bars' length; chains with
+// three numbers of bars remove that and the fourth power.
 #pragma once
 
 #include <vector>

@@ -41,7 +41,7 @@ struct Decays {
   double high = 0;     ///< upper rail; 0: none
   double low = 0;      ///< lower rail; 0: none
   double missing = 0;  ///< share of samples
-  double quantum = 0;  ///< of the converter; 0: none
+  double quantum = 0;  ///< step of the converter; 0: none
   double hum = 0;      ///< amplitude of a steady 50 Hz
 };
 
@@ -170,8 +170,7 @@ class Tally {
     if (!holds && missing_.empty()) missing_ = what;
   }
 
-  /// Bias: 0.3 standard uncertainties cost one
-  /// of the 95 % (Phi(1.66) - Phi(-2.26) = 0.94).
+  /// Bias: 0.3 standard uncertainties cost one point out of 95 % (Phi(1.66) - Phi(-2.26) = 0.94).
   [[nodiscard]] Outcome outcome() const {
     std::string others = warned_ > 0 ? fmt::format("; {} warned", warned_) : "";
     if (spurious_ > 0) others += fmt::format("; {} with a mode too many", spurious_);

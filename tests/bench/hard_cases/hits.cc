@@ -321,7 +321,7 @@ Outcome close_modes(bool quick, double bandwidths) {
     test.truth = rig({100, 100 * (1 + 0.02 * bandwidths)}, 0.01);
     tally.add(test, test.analyse(test.recording()).frfs);
   };
-  // Of the closest most are unclear; the intervals of a test's 16 residues share its noise.
+  // Most of the closest pairs are unclear; the intervals of a test's 16 residues share its noise.
   return over_tests(quick, body, bandwidths < 0.5 ? 4 : 1);
 }
 

@@ -169,7 +169,7 @@ Sweep sweep(double EI, double degrees) {
   options.error_estimate = false;
   options.damped = false;
   std::vector<NaturalMode> last;
-  std::vector<std::size_t> where(kFollowed);  // of each followed mode in the list of a step
+  std::vector<std::size_t> where(kFollowed);  // place of each followed mode in the list of a step
   std::vector<double> parity(kFollowed);
   double before[2] = {0, 0}, tension_before = 0;
   for (int step = 0; step <= kSteps; ++step) {
@@ -183,7 +183,7 @@ Sweep sweep(double EI, double degrees) {
       return out;
     }
     const auto parity_of = [](const NaturalMode& mode) {
-      // Of the transverse motion under left-right mirroring: +1 or -1.
+      // Parity of the transverse motion under left-right mirroring: +1 or -1.
       const auto& d = mode.shape[0].displacement;
       const Eigen::Index row = mode.plane == ModePlane::out ? 2 : 1;
       return d.row(row).dot(d.row(row).reverse()) / d.row(row).squaredNorm();

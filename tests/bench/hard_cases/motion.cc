@@ -44,8 +44,8 @@ void see_all(Chain& chain, MotionProblem& problem) {
   }
 }
 
-/// A free beam that spins, bends and flies. EA over EI / l^2 is 1e4 times the paper's beam's share
-/// of a segment: every step is one of its axial waves'.
+/// A free beam that spins, bends and flies. EA over EI / l^2 is 1e4 times a segment's share in the
+/// paper's beam: every step is one of its axial waves'.
 struct FlyingBeam {
   Chain chain;
   MotionProblem problem;
@@ -141,8 +141,8 @@ LongFlight fly(const FlyingBeam& beam, long steps) {
   return flight;
 }
 
-/// Energy and angular momentum as the scheme's order says, (omega h)^4 / 144, whatever the number
-/// of steps; linear momentum to the rounding of each step.
+/// Energy and angular momentum as the scheme's order says, (omega h)^4 / 144, for any number of
+/// steps; linear momentum to the rounding of each step.
 Outcome a_million_steps(bool quick, bool damped) {
   const long steps = quick ? 100'000 : 1'000'000;
   const FlyingBeam beam(damped);

@@ -18,7 +18,7 @@ double omega_squared(double kc, double mc, double M, double kf, double km) {
   double low = 0, high = 2 * kc / M;
   for (int i = 0; i < 200; ++i) {
     const double W = 0.5 * (low + high), x = std::sqrt(W * mc / kc);
-    const double u = std::cos(x) + kf / kc * std::sin(x) / x;  // of u0 = 1
+    const double u = std::cos(x) + kf / kc * std::sin(x) / x;  // relative to u0
     const double force = kc * (-x * std::sin(x)) + kf * std::cos(x);
     (force > W * M * (u + force / km) ? low : high) = W;
   }

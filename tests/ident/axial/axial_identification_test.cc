@@ -231,7 +231,7 @@ TEST(AxialTest, IntervalsCoverOverVirtualCampaigns) {
     test.EA_N = rig.EA, test.damping_ratio = rig.zeta, test.mass_per_length_kg_m = rig.per_length;
     test.hung_mass_kg = rig.mass + setup.mass_kg.std * normal(random);
     test.after_s = 1, test.before_s = 0.2;
-    test.load_cell.noise_std = 2;  // of taps near 100 N
+    test.load_cell.noise_std = 2;  // the taps reach about 100 N
     std::vector<AxialDecay> decays;
     for (const double length : {0.7, 1.0, 1.3}) {
       test.length_m = length + kLength * normal(random);

@@ -74,7 +74,7 @@ struct Record {
 
 struct Coupon {
   double K = 20;          // N/mm
-  double toe_mm = 0.3;    // of slack, rounded over 0.04 mm
+  double toe_mm = 0.3;    // slack, rounded over 0.04 mm
   double elastic_mm = 2;  // then 15 % of the slope
   double beyond = 0.15;   // relative slope
   double travel_mm = 6;

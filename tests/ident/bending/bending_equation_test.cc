@@ -51,8 +51,8 @@ TEST(LambdaFromBendingRatio, InvertsOverTenDecades) {
     const double ratio = bending_ratio(lambda);
     const LambdaSolution solution = lambda_from_bending_ratio(ratio);
     ASSERT_TRUE(solution.converged) << lambda;
-    // The ratio is stored to half a unit in the last place: d ln(lambda) = eps F / (dF/d ln lambda)
-    // of that cannot be had back.
+    // The ratio is stored to half a unit in the last place, which loses d ln(lambda) = eps F /
+    // (dF/d ln lambda) for good.
     const double conditioning = ratio / bending_ratio_log_derivative(lambda);
     ASSERT_NEAR(solution.lambda, lambda, lambda * (4e-15 + 4e-16 * conditioning)) << lambda;
     most = std::max(most, solution.iterations);

@@ -1,5 +1,5 @@
 // Bending tests simulated without the estimator's assumptions: end springs in closed form, six laws
-// of wire friction by their differential equations, a tension that grows, readings with noise,
+// for wire friction by their differential equations, a tension that grows, readings with noise,
 // resolution, drift and spikes.
 //
 // End springs of rotational stiffness k (each), lambda = sqrt(P l^2 / (4 EI)), c = k l / (2 EI
@@ -30,7 +30,7 @@ struct Bending {
   double friction_N = 0, friction_travel_m = 1e-4;
   double load_noise = 0, deflection_noise = 0;  ///< relative to the largest value
   double load_resolution_N = 0, deflection_resolution_m = 0;
-  double drift = 0;  ///< of the load cell over the record, relative to the largest load
+  double drift = 0;  ///< load cell's drift over the record, relative to the largest load
   int deflection_spikes = 0, load_spikes = 0;
   double spike = 3;      ///< height, in largest values
   double toe = 0;        ///< share of the travel over which only a fifth of the stiffness acts
@@ -79,7 +79,7 @@ inline BendingRecord record(const Bending& test, std::mt19937_64& random) {
   double z = 0, before = 0, share_before = 0;
   for (int i = 0; i < n; ++i) {
     const double share = static_cast<double>(i) / (n - 1) * test.strokes;
-    constexpr int kSteps = 200;  // of the friction's equation between readings
+    constexpr int kSteps = 200;  // steps of the friction's equation between readings
     double d = 0;
     for (int s = 1; s <= kSteps; ++s) {
       const double at = share_before + (share - share_before) * s / kSteps;

@@ -36,7 +36,7 @@ segments = )" + segments + "\ntension = " +
                             "cable.toml");
 }
 
-/// Of in-plane and out-of-plane modes, whose frequencies are nearly equal and change places.
+/// In-plane and out-of-plane modes whose frequencies are nearly equal and change places.
 TEST(DrawnFrequencies, AreThoseOfEverySceneByItself) {
   for (const char* segments : {"\"auto\"", "20"}) {
     std::vector<model::Scene> scenes;

@@ -53,7 +53,7 @@ TEST(StiffnessLaws, FindTheLawThatMadeThePoints) {
     EXPECT_TRUE(laws.decided) << laws.sentence;
     EXPECT_EQ(laws.laws[0].kind, test.kind) << laws.sentence;
     for (std::size_t j = 0; j < test.parameters.size(); ++j) {
-      if (test.parameters[j] == 0) continue;  // of the power law: depends on T0
+      if (test.parameters[j] == 0) continue;  // the power law's, which depends on T0
       // Points without noise: what is left is Ceres' tolerance, 1e-13 in the cost.
       EXPECT_NEAR(laws.laws[0].parameters[j].value, test.parameters[j], 1e-5 * test.parameters[j]);
     }

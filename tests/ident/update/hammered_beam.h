@@ -68,11 +68,13 @@ direction = [1.0, 0.0, 0.0]
 struct HammerTestNoise {
   int hits = 4;
   double place_m = 0.003;  ///< standard deviation of a hit's place
-  double force = 0.014;    ///< of a hit's spectrum, relative, smooth over `force_width_hz`
+  /// Noise of a hit's force spectrum, relative, smooth over `force_width_hz`.
+  double force = 0.014;
   double force_width_hz = 60;
-  double response = 0.01;     ///< of a line of a hit, relative to the rms of H over the lines
-  bool known_std = false;     ///< error bars from `response` itself, not from the hits' scatter
-  double decay_rate_1_s = 0;  ///< of an exponential window over blocks of one over the line spacing
+  double response = 0.01;  ///< noise of a line of a hit, relative to the rms of H over the lines
+  bool known_std = false;  ///< error bars from `response` itself, not from the hits' scatter
+  /// Rate of an exponential window over blocks of one over the line spacing.
+  double decay_rate_1_s = 0;
 };
 
 /// Noise of one line from a response's white noise under the test's window; unit variance.

@@ -104,7 +104,7 @@ TEST(UpdateModel, FindsTheTruthFromStartsOffByAFactorOfThree) {
     EXPECT_NEAR(result.parameters[0].value, 2.1, 1e-4 * 2.1);
     EXPECT_NEAR(result.parameters[1].value, 0.02, 1e-3 * 0.02);
     EXPECT_LT(result.rms_relative_error, 1e-5);
-    EXPECT_GT(result.rms_relative_error_before, 0.02);  // of the few that pair at all
+    EXPECT_GT(result.rms_relative_error_before, 0.02);  // the few modes that pair at all
     EXPECT_TRUE(result.parameters[0].identifiable);
     EXPECT_EQ(result.pairs.size(), 5U);
   }
@@ -225,8 +225,8 @@ TEST(UpdateModel, AWrongFrequencyOfHighLeverageIsLeftOut) {
     EXPECT_NEAR(result.parameters[0].value, 2.1, 3.3 * result.parameters[0].std);
     EXPECT_NEAR(result.parameters[1].value, 0.02, 3.3 * result.parameters[1].std);
     EXPECT_LT(result.parameters[0].std, 0.01);
-    // Of the measured ones; the modelled mode that it belongs to is listed beside, as one that the
-    // test should have seen.
+    // One measured mode stays unpaired; the modelled mode that it belongs to is listed beside it,
+    // as one that the test should have seen.
     EXPECT_EQ(unpaired_measured(result), 1U);
     EXPECT_EQ(result.unpaired.size(), 2U);
     EXPECT_EQ(result.pairs.size(), 5U);

@@ -74,7 +74,7 @@ TEST(SampleRateInput, OneClockIsNotAveragedOverItsRecordings) {
   const auto four = tension(tests(4, 0), shared);
   EXPECT_NEAR(part_of(four, "sample rate"), part_of(one, "sample rate"),
               0.01 * part_of(one, "sample rate"));
-  EXPECT_LT(part_of(four, "data"), 0.6 * part_of(one, "data"));  // of their own: a half
+  EXPECT_LT(part_of(four, "data"), 0.6 * part_of(one, "data"));  // the tests' own part: a half
   EXPECT_GT(four.std, part_of(one, "sample rate") * 0.99);
   // Four stated rates are four roundings.
   EXPECT_NEAR(part_of(tension(tests(4, 0), apart), "sample rate"),

@@ -45,7 +45,7 @@ TEST(FindAnswers, RoundingOfTheMeasuredModesChangesNothing) {
     const auto& answer = answers.front();
     const double ln_EI = answer.solution.q[0];
     const double std = std::sqrt(answer.hessian.inverse()(0, 0));
-    // Of ln EI: twice the 0.1 % of one mode's frequency, and half as much again.
+    // Bound on the std of ln EI: twice the 0.1 % of one mode's frequency, and half as much again.
     EXPECT_LT(std, 3e-3);
     EXPECT_NEAR(ln_EI, std::log(testing::kLaboratoryEI), 4 * std);
     EXPECT_EQ(answer.solution.matches.unpaired_measured, 0);

@@ -87,7 +87,7 @@ double worst(Scene scene, const std::vector<double>& truth, int n) {
 
 TEST(SegmentLumping, ClampedEndsCostLittle) {
   // The clamped 200 N cable, whose layers of 55 mm are shorter than a segment of 80: a plain joint
-  // of half a segment errs by 9e-3.
+  // with half a segment errs by 9e-3.
   Scene cable = testing::paper_cable(200, 0.5972);
   for (auto& node : cable.nodes) node.support.kind = Support::Kind::clamped;
   const double e = 200 / 221780.0;

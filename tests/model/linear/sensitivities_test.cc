@@ -158,7 +158,7 @@ TEST(Sensitivities, ToAnAskedAccuracyNeedNoSegments) {
     // 2400 accurate segments err by 1.5e-7 themselves.
     EXPECT_NEAR(hz / truth.analysis.modes[k].frequency_hz, 1, 1.2e-6) << i;
     for (Eigen::Index p = 0; p < 3; ++p) {
-      // Of a chain of some forty segments, whose frequencies err by 1e-3.
+      // Derivatives with some forty segments, whose frequencies err by 1e-3.
       EXPECT_NEAR(found[0].frequency(i, p), truth.frequency(i, p),
                   0.02 * std::abs(truth.frequency(i, p)) + 1e-6 * hz)
           << i << ' ' << names[std::size_t(p)];

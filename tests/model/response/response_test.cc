@@ -30,7 +30,7 @@ double relative_difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, i
   return (a.col(column) - b.col(column)).norm() / b.col(column).norm();
 }
 
-/// Of a column that varies about a large mean, such as a tension.
+/// Relative difference in a column that varies about a large mean, such as a tension.
 double changes_apart(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, int column) {
   const Eigen::VectorXd change = b.col(column).array() - b.col(column).mean();
   return (a.col(column) - b.col(column)).norm() / change.norm();

@@ -1,5 +1,5 @@
-// The scene reader, fed with seeds, with regressions of faults found by fuzzing and with thousands
-// of mutations of both, gives a scene that reads back from its own text, or a reason.
+// The scene reader is fed with seeds, with regressions of faults found by fuzzing and with
+// thousands of mutations of both. It gives a scene that reads back from its own text, or a reason.
 #include <gtest/gtest.h>
 
 #include "tests/fuzz/mutations.h"

@@ -22,7 +22,7 @@ Equilibrium rest_of(const Scene& scene) {
 
 TEST(Equilibrium, LimpCableIsTheElasticCatenary) {
   // The chain's nodes lie on the catenary to second order in the segment length; Richardson's value
-  // of two numbers of segments to fourth.
+  // from two numbers of segments is of fourth order.
   for (const double tension : {2.0, 25.0, 200.0}) {
     for (const double rise : {0.0, 1.5}) {
       Scene scene = paper_cable(tension, 0);

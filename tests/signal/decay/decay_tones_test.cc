@@ -18,8 +18,8 @@ using Eigen::Index;
 // Hum of a twentieth of the amplitude, 0.2 to 0.3 Hz beside a mode that it stands alone before for
 // half a second and beats with for a second, 0.3 times: 200 records at 40 dB. Mean squares of
 // errors over standard uncertainties to 4 sqrt(2 / 200) = 0.4; where the tone is fitted beside a
-// mode that was spent on it, or until it only creeps, that of the frequency is 1.6. The side lobes
-// of its line are no tones.
+// mode that was spent on it, or until it only creeps, that of the frequency is 1.6. The line's side
+// lobes are no tones.
 TEST(DecayTones, HumBesideAModeAsLongAsItStandsAloneBefore) {
   double frequency = 0, damping = 0;
   int others = 0;

@@ -112,7 +112,8 @@ TEST(NarrowRecord, WhiteNoiseStaysWhite) {
   const auto other = narrow_record(tone + noise, kAll, small());
   ASSERT_TRUE(other);
   ASSERT_EQ(other->shift_line, with->shift_line);
-  const Eigen::VectorXd difference = with->samples - other->samples;  // of two noises
+  // Difference between two noises.
+  const Eigen::VectorXd difference = with->samples - other->samples;
   const auto n = static_cast<double>(difference.size());
   const double variance = difference.squaredNorm() / n;
   EXPECT_NEAR(variance * static_cast<double>(with->step), 2 * 0.09, 0.18 * 0.13);

@@ -76,8 +76,8 @@ TEST(ImpactTest, GivesTheExactFrfAlsoUnderAnExponentialWindow) {
 
 // Errors over their error bars, real and imaginary parts, lines to 1200 Hz, n hits, noise on all
 // channels; damped so that nothing rings on into the next hit (4.7 1/s over 2 s: 8e-5). The mean
-// square of Gaussian errors with correct error bars is one, for error bars with 42 (n - 1) degrees
-// of freedom 1 + 2 / (42 (n - 1)): 1.024 at n = 3. The noise on the force is common to the
+// square of Gaussian errors with correct error bars is one; error bars with f = 42 (n - 1) degrees
+// of freedom make it 1 + 2 / f, or 1.024 at n = 3. The noise on the force is common to the
 // responses, the window's noise bandwidth is 2.5 Hz: 480 lines x 2 parts x 8 seeds scatter by
 // sqrt(2 / 7680) = 1.6 %, three of which with the 2.4 % are 7 %. Coverage of 1.96 std: 0.05, with
 // the same number 0.01.

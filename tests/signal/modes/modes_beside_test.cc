@@ -121,7 +121,7 @@ TEST(ModesBeside, AFitThatDoesNotConvergeWithThemSaysSo) {
   const auto& notes = result.model.notes;
   EXPECT_TRUE(std::any_of(notes.begin(), notes.end(),
                           [](const Note& note) { return note.code == "modes_beside"; }));
-  EXPECT_GE(result.model.modes.size(), 4u);  // of five: the diagram's poles are near them
+  EXPECT_GE(result.model.modes.size(), 4u);  // five are there; the diagram's poles are near them
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ TEST(Plausibility, ValuesAsTheFileGivesThem) {
   EXPECT_FALSE(implausible_values(channel, false));
   channel.samples.setZero();
   EXPECT_FALSE(implausible_values(channel, false));
-  channel.quantity = Quantity::force;  // of a stay cable
+  channel.quantity = Quantity::force;  // force in a stay cable
   channel.samples.setConstant(5e6);
   EXPECT_FALSE(implausible_values(channel, false));
 }

@@ -47,7 +47,7 @@ TEST(Clipping, RangeRestAndNothing) {
 }
 
 TEST(Clipping, TwoEqualSamplesOfASharpTop) {
-  // Of a half sine of six samples those above 0.8 are two; noise of five steps keeps tops unequal.
+  // A half sine of six samples has two above 0.8; noise of five steps keeps tops unequal.
   Eigen::VectorXd pulse = Eigen::VectorXd::Zero(60);
   for (Index k = 0; k < 6; ++k)
     pulse[20 + k] = std::sin(EIGEN_PI * (static_cast<double>(k) + 0.6) / 6.2);

@@ -37,8 +37,8 @@ VectorXcd refined(const FrfLines& data, const VectorXcd& poles) {
   return refine_modes(data, noise_unknown(data.H, 1, 0), poles).poles;
 }
 
-// The disturbance moves the poles; the background spans it to 1 part in 1000, so that next to none
-// of the movement is left.
+// The disturbance moves the poles; the background spans it to 1 part in 1000, which leaves next to
+// none of the movement.
 TEST(SmoothBackground, PolesStayInPlaceUnderNoiseNearTheHit) {
   const VectorXcd poles =
       (VectorXcd(2) << Complex(-1, 20 * kTwoPi), Complex(-1, 31 * kTwoPi)).finished();

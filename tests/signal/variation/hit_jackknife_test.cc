@@ -56,8 +56,8 @@ std::vector<JackknifeOfHits> found_in(const FrfSet& set) {
   return jackknife_of_hits(set, band, noise, fit);
 }
 
-// A ten-thousandth of the bandwidth of 0.4 Hz: errors of second order are as small a part, a tenth
-// of what the tests allow.
+// A ten-thousandth of the bandwidth of 0.4 Hz: errors of second order are as small a part, which
+// is a tenth of the tests' tolerance.
 const std::vector<double> kBeside{3e-5, -1e-5, 2e-5, -5e-5, 1e-5};
 
 TEST(HitJackknife, EqualHitsGiveTheStandardErrorOfTheMean) {

@@ -125,7 +125,7 @@ TEST(CompareReports, NameFileDateAndRevision) {
   EXPECT_EQ(table.columns[2].name, "before: campaign.toml, 2026-05-18, revision A");
 }
 
-// Of two values of a member's stiffness the better known one is recommended, whatever it was
+// The better known one of two values of a member's stiffness is recommended, whatever it was
 // measured in; a mass belongs to its structure, and says so. A contradiction is a verdict.
 TEST(Answer, OneValueAQuantityIsRecommended) {
   Answer a = stiffness(2.17, 0.005), b = stiffness(2.30, 0.004), m = stiffness(0.023, 0.001);

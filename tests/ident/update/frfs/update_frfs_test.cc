@@ -468,7 +468,7 @@ TEST(UpdateFrfs, TheMeanPlaceOfTheHitsIsNoErrorOfTheModel) {
       Eigen::VectorXcd all = Eigen::VectorXcd::Zero(mean[f].H.size());
       for (const auto& hit : hits) all += hit[f].H / kHits;
       for (const auto& hit : hits) squares += (hit[f].H - all).array().abs2();
-      // Of the real and of the imaginary part of a mean of four.
+      // Variance of the real and of the imaginary part of a mean of four.
       mean[f].std = (squares / (2.0 * (kHits - 1) * kAveraged)).sqrt();
       for (std::size_t hit = 1; hit < kAveraged; ++hit) mean[f].H += hits[hit][f].H;
       mean[f].H /= kAveraged;

@@ -103,7 +103,7 @@ FreeParameter each_tension() {
 TEST(UpdateSegments, ClosedFormFrequenciesGiveTheirOwnParameters) {
   UpdateOptions options;
   options.starts = 1;
-  options.huber_threshold = 1e3;  // of what 30 segments cost, no outlier is made
+  options.huber_threshold = 1e3;  // the error of 30 segments makes no outlier
   const auto left =
       update_model(four_tensions(0, 1e-4, nullptr), {{"cable.EI"}, each_tension()}, options);
   const auto given =

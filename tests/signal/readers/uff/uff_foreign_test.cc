@@ -22,7 +22,7 @@ struct Axis {
 
 /// One dataset 58 as text; an FRF in m/s^2 per N from 1 Hz in steps of 1 Hz unless told.
 struct Dataset {
-  int type = 4;     ///< of the function
+  int type = 4;     ///< type of the function
   int numbers = 5;  ///< 2 and 4: real; 5 and 6: complex
   int spacing = 1;  ///< 1: even
   int response = 1, response_direction = 2, reference = 5, reference_direction = 2;
