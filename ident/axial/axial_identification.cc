@@ -362,11 +362,11 @@ class Identification {
     if (!(std::abs(s.value) > 2 * s.std) || r.lengths.size() < 2) return;
     note("series_compliance",
          s.value > 0
-             ? fmt::format("the lengths show a compliance in series of {:.2g} m/N (std {:.1g}): "
-                           "grips, load cell, adapter or frame give way. EA is the slope of 1/k "
-                           "over length, which leaves it out; it is {:.2g} % of the chain's",
-                           s.value, s.std,
-                           100 * s.value / (s.value + r.reference_length_m / r.EA_N.value))
+             ? fmt::format(
+                   "Stiffen grips, load cell, adapter or frame: they add {:.2g} m/N in series "
+                   "(std {:.1g}), {:.2g} % of the chain's compliance; EA, from the slope of "
+                   "1/k over length, leaves it out",
+                   s.value, s.std, 100 * s.value / (s.value + r.reference_length_m / r.EA_N.value))
              : fmt::format("Check how the lengths are measured: stiffness falls faster with length "
                            "than a cable's does (compliance in series {:.2g} m/N, std {:.1g}); a "
                            "length added to all of them does not change EA",
@@ -410,7 +410,7 @@ class Identification {
     if (r.share_of_catalogue < 0.5) {
       const double missing = r.reference_length_m * (1 / r.EA_N.value - 1 / r.catalogue_EA_N);
       r.plausibility += fmt::format(
-          ": that is low: either the strand is nearly slack, or grips and frame add {:.2g} µm/N",
+          ", which is low: either the strand is nearly slack, or grips and frame add {:.2g} µm/N",
           1e6 * missing);
       const auto& s = r.series_compliance_m_N;
       const double most = s.value + 2 * s.std;
@@ -418,11 +418,11 @@ class Identification {
         r.plausibility += fmt::format(" (the lengths allow {:.2g} µm/N beyond what is fitted)",
                                       1e6 * std::max(0.0, 2 * s.std));
       }
-      note("below_catalogue", r.plausibility);
+      note("below_catalogue",
+           "Check the strand's tension, the grips and the frame: " + r.plausibility);
     } else if (r.share_of_catalogue > 1.3) {
-      r.plausibility +=
-          ": stiffer than a rope of that much steel; check mass, length and frequency";
-      note("above_catalogue", r.plausibility);
+      r.plausibility += ", stiffer than a rope of that much steel";
+      note("above_catalogue", "Check mass, length and frequency: " + r.plausibility);
     }
   }
 

@@ -22,8 +22,8 @@ namespace {
 constexpr Eigen::Index kShortStroke = 40;
 constexpr double kLeastStraight = 0.4;  // share of a stroke's deflection
 constexpr const char* kNoStiffness =
-    ": a curved load-deflection diagram has no one EI; load less, cut off the rows of a toe or a "
-    "stop, or look for slip and loose clamps";
+    "Load less, cut off the rows of a toe or a stop, or look for slip and loose clamps: a curved "
+    "load-deflection diagram has no single EI; ";
 
 /// Rows of a short table that lie off the line of the others by more than half the load's range
 /// (of the middle 80 %): they would tear the strokes apart.
@@ -51,14 +51,14 @@ class Analysis {
     const Eigen::Index n = d_.size();
     if (n < 3) {
       refuse("too_few_points",
-             fmt::format("{} complete rows of tension, load and deflection; at least 3 are needed",
+             fmt::format("Add rows: {} are complete in tension, load and deflection, 3 are needed",
                          n));
       return finish();
     }
     range_d_ = d_.maxCoeff() - d_.minCoeff();
     range_Q_ = Q_.maxCoeff() - Q_.minCoeff();
     if (!(range_d_ > 0 && range_Q_ > 0)) {
-      refuse("no_loading", "load or deflection never changes: nothing was loaded");
+      refuse("no_loading", "Check the load and deflection channels: one of them never changes");
       return finish();
     }
     result_.load_noise_N = options_.load_noise_N > 0 ? options_.load_noise_N : sample_noise(Q_);
@@ -66,8 +66,8 @@ class Analysis {
         options_.deflection_noise_m > 0 ? options_.deflection_noise_m : sample_noise(d_);
     mean_tension_ = P_.mean();
     if (!beam() && !(mean_tension_ > 0)) {
-      refuse("no_tension", fmt::format("the mean tension is {:.4g} N; check the sign and zero of "
-                                       "the tension channel",
+      refuse("no_tension", fmt::format("Check the sign and zero of the tension channel: its mean "
+                                       "is {:.4g} N",
                                        mean_tension_));
       return finish();
     }
@@ -119,7 +119,9 @@ class Analysis {
     }
     P_.conservativeResize(kept), Q_.conservativeResize(kept), d_.conservativeResize(kept);
     if (kept < n) {
-      note("missing", fmt::format("{} of {} rows miss a value and were left out", n - kept, n));
+      note("missing",
+           fmt::format("Check the channels for gaps: {} of {} rows miss a value and are left out",
+                       n - kept, n));
     }
   }
 
@@ -135,9 +137,10 @@ class Analysis {
     if (rows.empty()) return;
     std::sort(rows.begin(), rows.end());
     rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-    note("spike", fmt::format("{} rows hold a spike and were left out, the first: row {} ({:.4g} "
-                              "N, {:.4g} m)",
-                              rows.size(), rows[0] + 1, Q_[rows[0]], d_[rows[0]]));
+    note("spike",
+         fmt::format("Check row {} ({:.4g} N, {:.4g} m): it is the first of {} with a spike, "
+                     "which are left out",
+                     rows[0] + 1, Q_[rows[0]], d_[rows[0]], rows.size()));
     for (Eigen::Index i = 0; i < d_.size(); ++i) {
       if (!std::binary_search(rows.begin(), rows.end(), i)) kept.push_back(i);
     }
@@ -169,13 +172,13 @@ class Analysis {
     }
     if (!beam() && worst > std::max(0.02 * mean_tension_, 8 * noise)) {
       const std::string message = fmt::format(
-          "the tension fell by {:.3g} N ({:.1f} %) while the cable was being loaded: a clamp "
+          "the tension fell by {:.3g} N ({:.1f} %) while the cable was being loaded, so a clamp "
           "slipped or the frame gave way",
           worst, 100 * worst / mean_tension_);
       if (worst > 0.1 * mean_tension_) {
-        refuse("clamp_slip", message + "; tighten the clamps and repeat");
+        refuse("clamp_slip", "Tighten the clamps and repeat: " + message);
       } else {
-        note("clamp_slip", message + "; the tension is used as measured");
+        note("clamp_slip", "Check the clamps: " + message + "; the tension is used as measured");
       }
     }
     // Return to zero: load gone, deflection not.
@@ -184,9 +187,9 @@ class Analysis {
     if (Q_[0] <= low && Q_[n - 1] <= low) {
       const double set = d_[n - 1] - d_[0];
       if (std::abs(set) > std::max(0.03 * range_d_, 8 * result_.deflection_noise_m)) {
-        note("set", fmt::format("after unloading {:.3g} m of deflection is left ({:.0f} % of the "
-                                "largest): slip in the clamps, or the strand settled",
-                                set, 100 * std::abs(set) / range_d_));
+        note("set", fmt::format("Check the clamps for slip: {:.3g} mm of deflection is left after "
+                                "unloading ({:.0f} % of the largest), unless the strand settled",
+                                1e3 * set, 100 * std::abs(set) / range_d_));
       }
     }
   }
@@ -219,7 +222,7 @@ class Analysis {
     }
     std::erase_if(runs, [](const StrokeRange& run) { return run.last - run.first + 1 < 4; });
     if (runs.empty()) {
-      refuse("no_loading", "no loading or unloading stroke of four samples or more was found");
+      refuse("no_loading", "Load and unload in strokes of four samples or more: none was found");
       return;
     }
     if (beam()) return fit_elastic_parts(runs);
@@ -238,8 +241,8 @@ class Analysis {
       }
       if (result_.strokes.empty()) {
         refuse("no_slope",
-               "no stroke has a straight part with a positive slope of load over "
-               "deflection");
+               "Check the signs of load and deflection: no stroke has a straight part with a "
+               "positive slope");
         return;
       }
       take(pool_strokes(freedoms));
@@ -277,8 +280,8 @@ class Analysis {
     if (result_.strokes.empty()) {
       if (!result_.refused) {
         refuse("no_slope",
-               "no stroke has an elastic part with a positive slope of load over "
-               "deflection");
+               "Check the signs of load and deflection: no stroke has an elastic part with a "
+               "positive slope");
       }
       return;
     }
@@ -342,8 +345,8 @@ class Analysis {
           std::hypot(options_.load_noise_N, options_.deflection_noise_m * range_Q_ / range_d_);
       table_ = fit_table_line(strokes, digits / std::sqrt(12.0), stated);
       if (!table_.usable) {
-        refuse("no_slope", fmt::format("{} rows give no line of load over deflection that rises "
-                                       "and whose scatter shows; add rows",
+        refuse("no_slope", fmt::format("Add rows: {} give no rising line of load over deflection "
+                                       "with a scatter that can be seen",
                                        d_.size()));
         return;
       }
@@ -440,16 +443,18 @@ class Analysis {
                               100 * toe_));
     }
     if (tensioned && (steepest_ > 2 || top_ > kTurnShare + 0.05)) {
-      note("stop", fmt::format("the last {:.0f} % of the loading leave the straight line ({:.1f} "
-                               "times as steep: a stop or a sensor's end, where above 2) and were "
-                               "left out",
-                               100 * top_, steepest_));
+      note("stop",
+           fmt::format("Deflect less, or check for a stop or a sensor's end: the last {:.0f} % "
+                       "of the loading leave the straight line (slope {:.1f} times as "
+                       "steep) and are left out",
+                       100 * top_, steepest_));
     }
     if (tensioned && least_straight_ < kLeastStraight) {
-      return refuse("curved", fmt::format("only {:.0f} % of a stroke are straight within {:.1f} % "
-                                          "of the load{}",
-                                          100 * std::max(0.0, least_straight_), 100 * kStraight,
-                                          kNoStiffness));
+      return refuse(
+          "curved",
+          fmt::format("{}only {:.0f} % of a stroke are straight within {:.1f} % "
+                      "of the load",
+                      kNoStiffness, 100 * std::max(0.0, least_straight_), 100 * kStraight));
     }
     if (std::abs(curvature_.value) > 3 * curvature_.std) judge_curvature(curvature_.value);
   }
@@ -461,25 +466,28 @@ class Analysis {
     const bool friction = result_.friction_probability > 0.9;
     if (std::abs(curvature) > (friction ? 2 * kCurvatureWarning : kCurvatureRefusal)) {
       refuse(friction ? "friction" : "curved",
-             message + (friction ? ", with wire friction after the turns taken out: it turns round "
-                                   "over most of a stroke; deflect further"
-                                 : kNoStiffness));
+             (friction ? "Deflect further: wire friction turns round over most of a stroke, and "
+                         "without it "
+                       : kNoStiffness) +
+                 message);
     } else {
-      note("curved", message + "; EI is that of its mean slope");
+      note("curved",
+           "Look for slip, a toe or a stop: " + message + "; EI is that of its mean slope");
     }
   }
 
   void judge_table() {
     const TableLine& t = table_;
     if (t.too_many_off) {
-      refuse("curved", std::string("more than one row in four lie off the line of the others") +
-                           kNoStiffness);
+      refuse("curved", std::string(kNoStiffness) +
+                           "more than one row in four lie off the line of the others");
     }
     if (t.left_out > 0) {
       note("spike",
-           fmt::format("{} {} off the line of the others (a stop, a toe, a misreading) and left "
-                       "out",
-                       t.left_out, t.left_out == 1 ? "row lies" : "rows lie"));
+           fmt::format(
+               "Check for a stop, a toe or a misreading: {} {} off the line of the others and "
+               "left out",
+               t.left_out, t.left_out == 1 ? "row lies" : "rows lie"));
     }
     if (t.hysteresis_N > 0) {
       note("friction", fmt::format("loading and unloading lie {:.2g} N apart: wire friction, which "
@@ -489,8 +497,8 @@ class Analysis {
     }
     if (t.strokes_differ) {
       note("strokes_differ",
-           "the slopes of the strokes differ by more than their noise (5 %): "
-           "their scatter is in the uncertainty");
+           "Repeat the strokes, or check the clamps: their slopes differ by more than their noise "
+           "(5 %), and this scatter widens the interval of EI");
     }
     if (t.curved) {
       judge_curvature(t.curvature);
@@ -505,8 +513,8 @@ class Analysis {
   void judge_slope() {
     const double relative = result_.compliance_m_N.std / result_.compliance_m_N.value;
     if (relative > 0.3) {
-      refuse("no_slope", fmt::format("the slope is uncertain by {:.0f} %: noise, or strokes that "
-                                     "do not agree",
+      refuse("no_slope", fmt::format("Load further, or repeat: noise or strokes that do not agree "
+                                     "make the slope uncertain by {:.0f} %",
                                      100 * relative));
     }
     const auto status = result_.stiffness.status;

@@ -211,8 +211,8 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
   if (!positive_finite(slope) || !positive_finite(span) || !std::isfinite(tension) || tension < 0) {
     result.status = BendingStatus::not_positive;
     result.reason = fmt::format(
-        "the slope d/Q ({:.4g} m/N) and the span ({:.4g} m) must be positive and the tension "
-        "({:.4g} N) not negative; check signs and zero of the channels",
+        "Check signs and zero of the channels: the slope d/Q ({:.4g} m/N) and the span ({:.4g} m) "
+        "must be positive and the tension ({:.4g} N) not negative",
         slope, span, tension);
     return result;
   }
@@ -230,9 +230,9 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
     draw(0);
     result.status = BendingStatus::string_like;
     result.reason = fmt::format(
-        "4 P d / (Q l) = {:.5f} is not below 1: the cable yields as much as a string without "
-        "bending stiffness would, so these data hold no EI{}; check the span, the calibration of "
-        "tension and load, and slip in the clamps",
+        "Check the span, the calibration of tension and load, and slip in the clamps: 4 P d / "
+        "(Q l) = {:.5f} is not below 1, so the cable is as soft as a string without bending "
+        "stiffness and these data hold no EI{}",
         result.ratio,
         interval && result.high > 0 && std::isfinite(result.high)
             ? fmt::format(" (97.5 % of what the uncertainties allow lies below {:.3g} N m2)",
@@ -267,8 +267,8 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
   if (!std::isfinite(result.high)) {
     result.status = BendingStatus::not_positive;
     result.reason = fmt::format(
-        "the slope d/Q = {:.4g} +- {:.2g} m/N is not known to be positive, so EI has no upper "
-        "bound; load further or average more loadings",
+        "Load further, or average more loadings: the slope d/Q = {:.4g} +- {:.2g} m/N is not "
+        "known to be positive, so EI has no upper bound",
         slope, measured.compliance_m_N.std);
     result.EI_Nm2.std = std::numeric_limits<double>::quiet_NaN();
     result.high = std::numeric_limits<double>::quiet_NaN();
@@ -276,9 +276,9 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
     result.status = BendingStatus::upper_bound_only;
     result.low = 0;
     result.reason = fmt::format(
-        "4 P d / (Q l) = {:.5f} is too near to 1 for its uncertainty: a string without bending "
-        "stiffness is within the 95 % interval, only EI < {:.3g} N m2 can be said; shorten the "
-        "span or lower the tension",
+        "Shorten the span or lower the tension: 4 P d / (Q l) = {:.5f} is too near to 1 for its "
+        "uncertainty, a string without bending stiffness is within the 95 % interval, and only "
+        "EI < {:.3g} N m2 can be said",
         result.ratio, result.high);
   }
   return result;

@@ -157,18 +157,18 @@ std::vector<std::string> exact_input_texts(const UpdateResult& result) {
 std::vector<Finding> fit_findings(const UpdateResult& result) {
   std::vector<Finding> findings;
   if (result.fit.ruled_out()) {
-    findings.push_back(
-        {"model_ruled_out",
-         "the data rule this model out: " + fit_text(result.fit) +
-             ". An end condition, a mass, a length, a pair or a stated uncertainty "
-             "is wrong; the intervals hold only as far as the model's error is random",
-         "", false});
+    findings.push_back({"model_ruled_out",
+                        "Check end conditions, masses, lengths, pairs and stated uncertainties: "
+                        "the data rule this model out (" +
+                            fit_text(result.fit) +
+                            "), and the intervals hold only as far as its error is random",
+                        "", false});
   }
   if (!result.alternatives.empty() && result.alternatives.front().weight < 0.9) {
     findings.push_back(
         {"several_answers",
-         fmt::format("the data support {} answers, the heaviest with a weight of {:.2f}: see "
-                     "alternatives; more modes, their planes or shapes, or a prior decide",
+         fmt::format("Give more modes, their planes or shapes, or a prior: the data support {} "
+                     "answers, the heaviest with a weight of {:.2f} (see alternatives)",
                      result.alternatives.size(), result.alternatives.front().weight),
          "", true});
   }
@@ -177,18 +177,20 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
   }
   for (const auto& open : result.open) findings.push_back({"not_identifiable", open, "", true});
   for (const auto& p : result.parameters) {
-    if (p.at_bound) findings.push_back({"at_bound", "ended at its bound", p.name, false});
+    if (p.at_bound)
+      findings.push_back({"at_bound", "Check its bound, at which the fit ended", p.name, false});
     if (p.identifiable && std::abs(p.segment_shift) > 0.5 * p.std) {
       findings.push_back(
           {"segments",
-           fmt::format("is about {:.2g} off for want of segments, which is most of its "
-                       "uncertainty: more segments, or \"auto\", make it smaller",
+           fmt::format("Take more segments, or \"auto\": too few make the value about {:.2g} off, "
+                       "which is most of its uncertainty",
                        p.segment_shift),
            p.name, false});
     }
     if (p.identifiable && !std::isfinite(p.std_from_data)) {
-      findings.push_back(
-          {"from_prior", "is known from its prior only, not from these data", p.name, false});
+      findings.push_back({"from_prior",
+                          "Add data that depend on it, or hold it: it is known from its prior only",
+                          p.name, false});
     }
   }
   std::string exact;
@@ -202,22 +204,25 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
   }
   if (!exact.empty()) {
     findings.push_back({"exact_inputs",
-                        "the intervals leave out what is taken as exact: " + exact +
-                            ". State what these inputs are known to, or fit them",
+                        "State what these inputs are known to, or fit them; the intervals take "
+                        "them as exact: " +
+                            exact,
                         "", false});
   }
   for (const auto& ends : result.exact_ends) {
     const std::string text = exact_ends_text(result, ends);
     if (text.empty()) continue;
     findings.push_back({"exact_ends",
-                        "the intervals leave out the end conditions: " + text +
-                            ". Compare the ends (--ends, --candidates), or fit springs there",
+                        "Compare the ends (--ends, --candidates), or fit springs there; the "
+                        "intervals leave out the end conditions: " +
+                            text,
                         "", false});
   }
   if (result.starts > 1 && result.starts_agreeing < result.starts) {
     findings.push_back(
         {"starts_differ",
-         fmt::format("{} of {} starts ended in this answer, the others in worse ones",
+         fmt::format("Check the start values: only {} of {} starts ended in this answer, the "
+                     "others in worse ones",
                      result.starts_agreeing, result.starts),
          "", false});
   }

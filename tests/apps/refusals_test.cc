@@ -284,7 +284,7 @@ TEST(Refusals, OfRecordings) {
        {"axial @decay.csv --mass 2 --length 1 --adapter-stiffness 1 --adapter-bar 1 2 3", 2,
         "say the same: give one"},
        {"axial @uneven.csv --mass 2 --length 1", 4, "samples are not evenly spaced in time"},
-       {"decay @uneven.csv", 4, "not evenly spaced in time; resample the recording first"},
+       {"decay @uneven.csv", 4, "Resample the recording first"},
        {"decay @two.csv", 2, "name the channel with --channel; there are: \"F\", \"a\""},
        {"bending @millimetres.csv --span 0.5", 3, "its unit is not one of force (\"m\")"},
        {"axial @decay.csv @two.csv --mass 2.2 --length 1 2 3", 2, "2 files and 3 lengths"},

@@ -58,10 +58,12 @@ std::vector<std::string> response_names(std::span<const StruckPlace> places,
     if (!without) {
       names.push_back(name);
     } else {
-      findings.push_back({"channel_left_out",
-                          fmt::format("{} has no channel \"{}\": it is no response of this test",
-                                      without->path.string(), title),
-                          title, false});
+      findings.push_back(
+          {"channel_left_out",
+           fmt::format("Name the channel alike in all recordings: {} has no \"{}\", which is "
+                       "left out of the responses",
+                       without->path.string(), title),
+           title, false});
     }
   }
   return names;
@@ -83,8 +85,8 @@ Finding all_rejected(const HammerTest& test) {
   }
   const std::size_t total = test.hits();
   return {count.contains(HitFault::unresolved_pulse) ? "pulse_not_resolved" : "no_hit_accepted",
-          fmt::format("no FRF: {} of {} hit{} rejected: {}; first: {}", total, total,
-                      total == 1 ? "" : "s", why, first->reason),
+          fmt::format("Repeat the hits: {} of {} rejected ({}), so there is no FRF; first: {}",
+                      total, total, why, first->reason),
           "", true};
 }
 
@@ -166,10 +168,11 @@ HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
   test.force_unit = first.channels[static_cast<std::size_t>(force)].unit;
   test.responses = response_names(places, options, force, test.findings);
   if (test.responses.empty()) {
-    test.findings.push_back({"no_response",
-                             "has no channel besides the force that all recordings have; there is "
-                             "no FRF",
-                             first.path.string(), true});
+    test.findings.push_back(
+        {"no_response",
+         "Record the responses too: the test has no channel besides the force that "
+         "all recordings have, and so no FRF",
+         first.path.string(), true});
     return test;
   }
   if (places.size() == 1 && places.front().name.empty()) {
@@ -178,11 +181,12 @@ HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
     analyse_places(places, options, test);
   }
   if (test.hits() == 0) {
-    test.findings.push_back({"no_hit",
-                             fmt::format("no hit in \"{}\": nothing rises above the noise; is it "
-                                         "the force, and is the sign of its pulses right?",
-                                         test.force),
-                             first.path.string(), true});
+    test.findings.push_back(
+        {"no_hit",
+         fmt::format("Check that \"{0}\" is the force and the sign of its pulses: no "
+                     "hit in \"{0}\" rises above the noise",
+                     test.force),
+         first.path.string(), true});
     return test;
   }
   double& rate_std = test.frfs.sample_rate_relative_std;
@@ -244,8 +248,8 @@ IdentifiedModes identify(const signal::FrfSet& frfs,
   if (!found.converged()) {
     found.findings.push_back(
         {"not_converged",
-         fmt::format("the refinement ended by {} after {} iterations: frequencies and damping are "
-                     "near, not at, the best fit",
+         fmt::format("Narrow the band: the refinement ended by {} after {} iterations, so that "
+                     "frequencies and damping are near, not at, the best fit",
                      name_of(result.end), result.iterations),
          "", false});
   }

@@ -39,8 +39,9 @@ Found find(const AxialInputs& inputs, std::size_t index) {
     found.findings.push_back({code, why, entry.name, true});
   };
   if (recording.time_s.size() > 0 || !(rate > 0)) {
-    refuse("not_uniform", recording.time_s.size() > 0 ? "its samples are not evenly spaced in time"
-                                                      : "gives no sample rate; add sample_rate_hz");
+    refuse("not_uniform", recording.time_s.size() > 0
+                              ? "Resample it: its samples are not evenly spaced in time"
+                              : "Add sample_rate_hz: the file gives no sample rate");
     return found;
   }
   const signal::Channel* channel = nullptr;
@@ -160,18 +161,20 @@ void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
   for (auto& d : result.decays) {
     if (!d.left_out.empty()) continue;
     if (!d.mode) {
-      leave_out(d, "other_mode",
-                fmt::format("left out: its strongest mode, {:.4g} Hz, is not the axial one of the "
-                            "other records or does not decay; give a band",
-                            d.result.modes.front().frequency_hz.value));
+      leave_out(
+          d, "other_mode",
+          fmt::format("Give a band: the strongest mode, {:.4g} Hz, is not the axial one of the "
+                      "other records or does not decay; left out",
+                      d.result.modes.front().frequency_hz.value));
       continue;
     }
     const auto& f = d.result.modes[*d.mode].damped_frequency_hz;
     if (f.std > kImprecise * median) {
-      leave_out(d, "imprecise_decay",
-                fmt::format("left out: {:.4g} Hz is known to {:.2g} Hz, the other records to "
-                            "{:.2g} Hz: all records of a length count the same",
-                            f.value, f.std, median));
+      leave_out(
+          d, "imprecise_decay",
+          fmt::format("Repeat this tap: {:.4g} Hz is known to {:.2g} Hz, the other records to "
+                      "{:.2g} Hz; left out, as all records of a length count the same",
+                      f.value, f.std, median));
     }
   }
 }
@@ -279,7 +282,7 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
   }
   if (decays.empty()) {
     result.findings.push_back(
-        {"no_decay", "none of the records holds a decay that can be used", "", true});
+        {"no_decay", "Repeat the taps, or give a band: no record holds a usable decay", "", true});
     return result;
   }
   const std::size_t before = result.findings.size();

@@ -97,9 +97,9 @@ void name_spread_of_tension(const std::vector<StiffnessPoint>& points,
   const auto& point = points[most];
   result.findings.push_back(
       {"tension_within_test",
-       fmt::format("at {:.4g} N the tension changes while the cable is loaded: EI belongs to a "
-                   "tension known to {:.2g} N, which is {:.2g} % of EI(T) beside {:.2g} % of the "
-                   "test; a smaller load changes it less",
+       fmt::format("Load less at {:.4g} N: the load changes the tension, so that EI belongs to a "
+                   "tension known to {:.2g} N; this adds {:.2g} % to EI(T), the test itself {:.2g} "
+                   "%",
                    point.tension_N, point.tension_std_N,
                    100 * std::abs(change[most]) / point.EI_Nm2, 100 * point.std / point.EI_Nm2),
        false});
@@ -124,22 +124,22 @@ void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& res
   if (span > kLongestSpan || deflection < kLeastDeflection * span) {
     result.findings.push_back(
         {"length_suspected",
-         fmt::format("a span of {:.4g} m with deflections up to {:.3g} mm: if the span is {:.4g} "
-                     "mm, give {:.4g}; EI goes with about its cube",
-                     span, 1e3 * deflection, span, 1e-3 * span),
+         fmt::format("Give the span in m: {:.4g} m with deflections up to {:.3g} mm is no bending "
+                     "test (as mm: {:.4g} m); EI goes with about the cube of the span",
+                     span, 1e3 * deflection, 1e-3 * span),
          false});
   } else if (deflection > 0.5 * span) {
     result.findings.push_back(
         {"length_suspected",
-         fmt::format("deflections of {:.3g} m on a span of {:.3g} m: are they millimetres taken "
-                     "as metres? Give the unit in the title or in a TOML file beside the recording",
+         fmt::format("Give the unit of the deflection in the title or in a TOML file beside the "
+                     "recording: {:.3g} m on a span of {:.3g} m may be millimetres",
                      deflection, span),
          false});
   } else if (deflection > 0.1 * span) {
     result.findings.push_back(
         {"large_deflection",
-         fmt::format("the deflection reaches {:.0f} % of the span: the equation is that of small "
-                     "deflections (error of the order of its square, {:.1g} %)",
+         fmt::format("Deflect less: {:.0f} % of the span is much for the equation of small "
+                     "deflections, whose error is about its square, {:.1g} %",
                      100 * deflection / span, 100 * deflection * deflection / span / span),
          false});
   }
@@ -224,8 +224,8 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
       }
       result.findings.push_back(
           {"outside_bounds",
-           fmt::format("EI = {:.4g} N m2 at {:.4g} N lies outside what the strand's "
-                       "geometry allows",
+           fmt::format("Check span, units and the strand's wires: EI = {:.4g} N m2 at {:.4g} N "
+                       "lies outside what the strand's geometry allows",
                        point.EI_Nm2, point.tension_N),
            false});
     }

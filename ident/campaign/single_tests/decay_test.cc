@@ -179,8 +179,8 @@ std::optional<Finding> not_uniform(const signal::Recording& recording) {
   if (recording.time_s.size() == 0 && recording.sample_rate_hz > 0) return std::nullopt;
   return Finding{"not_uniform",
                  recording.time_s.size() > 0
-                     ? "samples are not evenly spaced in time; resample the recording first"
-                     : "gives no sample rate; state it (sample_rate_hz, --sample-rate)",
+                     ? "Resample the recording first: its samples are not evenly spaced in time"
+                     : "State the sample rate (sample_rate_hz, --sample-rate): the file gives none",
                  "", true};
 }
 

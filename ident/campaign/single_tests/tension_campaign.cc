@@ -32,17 +32,16 @@ void add_tones(const signal::SpectralPeaks& found, std::size_t index, const std:
   if (!left_out.empty()) {
     findings.push_back(
         {"steady_tone",
-         fmt::format("{} Hz: the amplitude is constant as that of no resonance which "
-                     "noise drives (mains hum, a machine): left out",
+         fmt::format("Check for mains hum or a machine at {} Hz: the amplitude is constant, "
+                     "unlike that of a resonance driven by noise; left out",
                      left_out),
          where, false});
   }
   if (!possible.empty()) {
     findings.push_back(
         {"possible_tone",
-         fmt::format("{} Hz: a steady tone or a mode of little damping, which this "
-                     "record cannot tell apart: taken as a mode; a longer record, or "
-                     "--band, decides",
+         fmt::format("Record longer, or give --band: this record cannot tell whether {} Hz is a "
+                     "steady tone or a mode of little damping; taken as a mode",
                      possible),
          where, false});
   }

@@ -42,39 +42,41 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
   const auto& best = result.candidates.front();
   if (best.fit.ruled_out()) {
     warn("model_ruled_out",
-         fmt::format("chi-square {:.4g} for {:.3g} degrees of freedom ({}): the frequencies do "
-                     "not agree with the best model within their uncertainties",
+         fmt::format("Check length, mass, ends and frequencies: the frequencies do not agree with "
+                     "the best model within their uncertainties (chi-square {:.4g} for {:.3g} "
+                     "degrees of freedom, {})",
                      best.fit.chi2, best.fit.degrees_of_freedom, p_text(best.fit.p_value)));
   }
   if (result.EA_assumed) {
     warn("EA_assumed",
-         "no EA: a strain of 0.001 is taken, within a factor of 2 or so; it matters where the sag "
-         "does");
+         "Give EA: a strain of 0.001 is taken, within a factor of 2 or so; this matters where the "
+         "cable sags");
   }
   if (result.EI_assumed) {
-    warn("EI_assumed",
-         "no EI, and fewer than three frequencies cannot tell it: L sqrt(T / EI) anywhere in 2 to "
-         "2000 is part of the interval");
+    warn(
+        "EI_assumed",
+        "Give EI, or three frequencies: fewer cannot tell it, so that the interval covers L sqrt(T "
+        "/ EI) anywhere in 2 to 2000");
   }
   if (result.large_sag) {
     warn("deep_sag_not_corrected",
-         "the segment model has no equilibrium at the best tension: the closed forms of a shallow "
-         "cable stand alone");
+         "Check length and mass: the segment model has no equilibrium at the best tension, and the "
+         "closed forms of a shallow cable are used uncorrected");
   }
   if (result.mass_reference_matters) {
     warn("mass_reference_unknown",
-         "whether the mass per length is that of the installed or of the unstretched cable matters "
-         "here: say mass_of");
+         "Say with mass_of whether the mass per length is that of the installed or of the "
+         "unstretched cable: here the answers differ");
   }
   if (cable.length_m.std == 0 || cable.mass_per_length.std == 0) {
     warn("exact_inputs",
-         "length or mass per length is taken as exact: give its standard uncertainty to count it "
-         "(1 % of length is 2 % of tension)");
+         "Give the standard uncertainty of length and mass per length: without it they count as "
+         "exact (1 % of length is 2 % of tension)");
   }
   if (!result.decided) {
     findings.push_back({"not_decided",
-                        "the frequencies do not decide which modes they are: no order has 90 % of "
-                        "the weight; a further frequency, EI or the kind of ends can",
+                        "Give a further frequency, EI or the kind of ends: these frequencies do "
+                        "not decide which modes they are, no order has 90 % of the weight",
                         "", true});
   }
   return findings;
