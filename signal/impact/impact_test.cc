@@ -339,8 +339,8 @@ class Analysis {
       frfs.unit = ratio_of_units(response.unit, force.unit);
       test_.notes.push_back(
           {"form_unknown",
-           fmt::format("force in \"{}\" and response in \"{}\" make no receptance, mobility or "
-                       "accelerance; state units and sensitivities beside the recording",
+           fmt::format("State units and sensitivities beside the recording: force in \"{}\" and "
+                       "response in \"{}\" do not form a receptance, mobility or accelerance",
                        force.unit.empty() ? "?" : force.unit,
                        response.unit.empty() ? "?" : response.unit),
            force.unit != "N" ? force.name : response.name});
@@ -387,8 +387,10 @@ class Analysis {
     if (hidden > 0.05) {
       test_.notes.push_back(
           {"double_hit_hidden",
-           fmt::format("noise on the force hides second contacts below {:.2g} % of a hit",
-                       100 * hidden),
+           fmt::format(
+               "double hits smaller than {:.2g} % of the peak cannot be detected in the force "
+               "noise",
+               100 * hidden),
            ""});
     }
     if (test_.frfs.averages == 1) {

@@ -39,9 +39,10 @@ std::optional<Finding> rate_finding(double relative_std, double frequency_hz, do
   if (!(relative_std * frequency_hz > 0.1 * own_std_hz)) return std::nullopt;
   return Finding{
       "rate_uncertainty",
-      fmt::format("the sample rate is known to {:.2g} %: {:.2g} Hz of the first frequency; it is "
-                  "in the standard uncertainties of what follows from the frequencies",
-                  100 * relative_std, relative_std * frequency_hz),
+      fmt::format(
+          "State the sample rate with more digits: it is known to {:.2g} %, which adds {:.2g} "
+          "Hz to the uncertainty of the first frequency and is counted in all results",
+          100 * relative_std, relative_std * frequency_hz),
       std::move(where), false};
 }
 

@@ -171,7 +171,7 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
     if ((first_unnamed || is_index_name(first.name)) && counts_samples(first.samples)) {
       left_out.push_back(0);
       recording.notes.push_back(
-          {"index_column_left_out", "counts the samples: left out", first.name});
+          {"index_column_left_out", "ignored: it is a row counter", first.name});
     } else if ((first_unnamed || first.quantity == Quantity::time) &&
                (looks_like_time(first.samples, table.decimals[0]) || options.time_unit_s > 0)) {
       time = 0;
