@@ -124,8 +124,8 @@ class CableRows {
                                  : ident::MassReference::unstretched;
     }
     if (const auto ends = text(row, "ends"); !ends.empty()) {
-      const auto kind = choice("ends", ends, {"pinned", "clamped", "springs", "compare"});
-      if (kind < 3) test.options.ends = {static_cast<ident::CableEnds>(kind)};
+      (void)choice("ends", ends, {ident::kCableEndsWords.begin(), ident::kCableEndsWords.end()});
+      test.options.ends = ident::cable_ends(ends);
     }
     std::optional<model::ModePlane> plane;
     if (const auto name = text(row, "plane"); !name.empty()) {
@@ -151,6 +151,15 @@ class CableRows {
       add(value);
     }
     if (test.modes.empty()) throw std::invalid_argument("no frequency");
+    std::istringstream orders(text(row, "order"));
+    for (std::size_t i = 0; orders >> std::ws && !orders.eof(); ++i) {
+      int order = 0;
+      if (!(orders >> order) || order < 1 || i >= test.modes.size()) {
+        throw std::invalid_argument("order \"" + text(row, "order") +
+                                    "\" is no list of one whole number a frequency");
+      }
+      test.modes[i].order = order;
+    }
   }
 
   TextTable table_;

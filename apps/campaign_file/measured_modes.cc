@@ -108,6 +108,14 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
       table.fail(line.line, "plane", "\"" + word + "\" is no plane",
                  "write in, out, or leave it blank");
     }
+    const double order = value("order", true);
+    if (std::isfinite(order)) {
+      if (order != std::round(order) || order > 200) {
+        table.fail(line.line, "order", "is no whole number of 1 to 200",
+                   "1 is the first mode of its plane");
+      }
+      row.mode.order = static_cast<int>(order);
+    }
     for (const auto& name : compare) row.compared.push_back(value(name, true));
     const double tension = value("tension_N", true);
     if (std::isfinite(tension)) row.tension_N = tension;

@@ -1,10 +1,10 @@
 // Measured modes as people keep them: a table with one mode a line.
 //
-//   frequency_hz, std, damping_ratio, damping_std, plane, tension_N, shape:<sensor> ...
+//   frequency_hz, std, damping_ratio, damping_std, plane, order, tension_N, shape:<sensor> ...
 //
-// Only the frequency is needed; blank: not measured. `plane` is in or out (of the test). Other
-// tables are read too by naming their frequency column ("test_Hz"). How it may be written:
-// text_table.h.
+// Only the frequency is needed; blank: not measured. `order` counts the modes of a plane from 1
+// (`tension` obeys it). `plane` is in or out (of the test). Other tables are read too by naming
+// their frequency column ("test_Hz"). How it may be written: text_table.h.
 //
 // Or as other programs keep them: universal files with datasets 55, and 15 or 2411 for where their
 // nodes are (signal/readers/uff/read_uff_modes.h).

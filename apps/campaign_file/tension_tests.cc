@@ -41,11 +41,9 @@ void read_cable(TomlTable& table, ident::CableTest& test) {
   if (!(std::abs(cable.inclination_deg) <= 90)) {
     throw table.error("inclination", "is beyond 90 degrees", "0 is horizontal, 90 a hanger");
   }
-  const auto ends = table.choice_or("ends", {"compare", "pinned", "clamped", "springs"}, "compare");
   auto& options = test.options;
-  if (ends == "pinned") options.ends = {ident::CableEnds::pinned};
-  if (ends == "clamped") options.ends = {ident::CableEnds::clamped};
-  if (ends == "springs") options.ends = {ident::CableEnds::springs};
+  options.ends = ident::cable_ends(table.choice_or(
+      "ends", {ident::kCableEndsWords.begin(), ident::kCableEndsWords.end()}, "compare"));
   const auto probability = [&table](const char* key, double otherwise) {
     const double value = table.number_or(key, Bound::positive, "", otherwise);
     if (!(value >= 0.001 && value <= 0.9)) {
@@ -75,9 +73,14 @@ void CampaignTestReader::read_tension(TomlTable& table, CampaignTest& test) {
   }
   if (table.has("frequencies")) {
     const double std = table.number_or("frequency_std", Bound::positive, "Hz", std::nan(""));
-    for (const double hz : table.numbers("frequencies", 1, 200, Bound::positive, "Hz")) {
+    const auto frequencies = table.numbers("frequencies", 1, 200, Bound::positive, "Hz");
+    const auto count = static_cast<int>(frequencies.size());
+    std::vector<double> orders(frequencies.size(), 0);
+    if (table.has("orders")) orders = table.numbers("orders", count, count, Bound::positive, "");
+    for (std::size_t i = 0; i < frequencies.size(); ++i) {
       ident::MeasuredMode mode;
-      mode.frequency_hz = {hz, std};
+      mode.frequency_hz = {frequencies[i], std};
+      mode.order = static_cast<int>(std::lround(orders[i]));
       mode.plane = inputs.plane;
       inputs.test.modes.push_back(std::move(mode));
     }

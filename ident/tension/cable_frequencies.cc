@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace rigfit::ident {
@@ -178,17 +179,41 @@ class HalfBeam {
 
 CableFrequencies cable_frequencies(const SaggingBeam& cable, int count, double limit_hz,
                                    CableRoots* near) {
-  const HalfBeam beam(cable);
   CableRoots own;
   CableRoots& roots = near != nullptr ? *near : own;
   CableFrequencies found;
+  SaggingBeam mirrored = cable;
+  if (cable.first_pinned) {
+    mirrored.length_m *= 2;
+    mirrored.lambda_squared = 0;
+  }
+  const HalfBeam beam(mirrored);
   const auto straight = [&](int n) {
     const auto i = static_cast<std::size_t>(n);
     if (roots.straight.size() <= i) roots.straight.resize(i + 1, 0);
     double& b = roots.straight[i];
-    if (b == 0 && n > 0) b = roots.straight[i - 1] + kPi / 2;
-    return b = beam.straight(n, b, roots.last_step);
+    if (b == 0 && n > 0) b = roots.straight[i - 1] + (cable.first_pinned ? kPi : kPi / 2);
+    return b = beam.straight(cable.first_pinned ? 2 * n + 1 : n, b, roots.last_step);
   };
+  if (cable.first_pinned) {
+    for (int n = 0; n < count; ++n) {
+      found.out_hz.push_back(beam.frequency_hz(straight(n)));
+      if (found.out_hz.back() >= limit_hz) break;
+    }
+    found.in_hz = found.out_hz;
+    if (cable.lambda_squared > 0) {
+      SaggingBeam pinned = cable;
+      pinned.first_pinned = false;
+      pinned.spring_Nm_rad = 0;
+      const auto modes = static_cast<int>(found.out_hz.size());
+      const auto hung =
+          cable_frequencies(pinned, modes, std::numeric_limits<double>::infinity(), nullptr);
+      for (std::size_t i = 0; i < found.in_hz.size(); ++i) {
+        found.in_hz[i] *= hung.in_hz[i] / hung.out_hz[i];
+      }
+    }
+    return found;
+  }
   std::size_t sagging_count = 0;
   const auto sagging = [&](double low, double high) {
     if (roots.sagging.size() <= sagging_count) roots.sagging.push_back(0);

@@ -34,6 +34,10 @@ struct SaggingBeam {
   double EI_Nm2 = 0;           ///< > 0
   double spring_Nm_rad = 0;    ///< rotational spring at each end; 0: pinned, infinity: clamped
   double lambda_squared = 0;   ///< Irvine's parameter, 0: no sag
+  /// The first end is pinned whatever the spring. Without sag these modes are the antisymmetric
+  /// ones of the beam joined to its mirror image; the sag then changes them as those of a pinned
+  /// cable.
+  bool first_pinned = false;
 };
 
 /// Out of plane by rising frequency. In plane by family: symmetric modes at even places,

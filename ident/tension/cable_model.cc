@@ -143,7 +143,8 @@ SaggingBeam CableModel::beam(const CableState& state, bool sags) const {
           state.tension_N,
           state.EI_Nm2,
           state.spring_Nm_rad,
-          sags ? lambda_squared(state) : 0};
+          sags ? lambda_squared(state) : 0,
+          state.first_pinned};
 }
 
 CableFrequencies CableModel::frequencies(const CableState& state, int count, double limit_hz,
@@ -197,8 +198,9 @@ model::Scene cable_scene(const CableDescription& cable, CableEnds ends, double t
   scene.nodes[1].name = "end";
   scene.nodes[1].position = {L * std::cos(angle), L * std::sin(angle), 0};
   for (auto& node : scene.nodes) {
-    if (ends == CableEnds::pinned) node.support.kind = model::Support::Kind::pinned;
-    if (ends == CableEnds::clamped) node.support.kind = model::Support::Kind::clamped;
+    const bool pinned = ends == CableEnds::pinned ||
+                        (ends == CableEnds::pinned_clamped && &node == &scene.nodes.front());
+    node.support.kind = pinned ? model::Support::Kind::pinned : model::Support::Kind::clamped;
     if (ends == CableEnds::springs) {
       node.support.kind = model::Support::Kind::elastic;
       node.support.translational.setConstant(std::numeric_limits<double>::infinity());

@@ -30,6 +30,7 @@ struct CableCorrection {
 struct CableState {
   double tension_N = 0, EI_Nm2 = 0, spring_Nm_rad = 0;
   double length = 1, mass = 1, EA = 1, EI = 1;
+  bool first_pinned = false;  ///< whatever the spring
 };
 
 /// Something that is known of a cable with an uncertainty.

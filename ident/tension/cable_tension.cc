@@ -23,7 +23,10 @@ using signal::kNaN;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-constexpr double kSettled = 3e-5;   // change of ln f
+constexpr double kSettled = 3e-5;  // change of ln f
+// Beyond these what was measured is no such cable: 3 % is the largest error of the model that is
+// summed over, and a sound one reaches it in few modes only.
+constexpr double kRmsRuledOut = 0.02, kWorstRuledOut = 0.05, kChanceRuledOut = 1e-6;
 constexpr double kSameCell = 1e-3;  // change of ln T, ln EI, ln k: fits of one cell from two starts
 
 /// Whether the heaviest cell of an answer is one of another answer: two starts have led to one.
@@ -234,6 +237,19 @@ TensionCandidate candidate_of(const EndsPosterior& one, const TensionData& data)
     candidate.fit.p_value = gsl_cdf_chisq_Q(candidate.fit.chi2, candidate.fit.degrees_of_freedom);
   candidate.fit.model_std = cell.model_std;
   list_modes(one, data, candidate);
+  double squares = 0, weighted = 0;
+  for (const auto& mode : candidate.modes) {
+    if (mode.order == 0 || !std::isfinite(mode.relative_error)) continue;
+    const double square = mode.relative_error * mode.relative_error;
+    const double own = data.stated ? mode.measured_std_hz / mode.measured_hz : 0;
+    squares += square;
+    weighted += square / (own * own + cell.model_std * cell.model_std);
+    candidate.worst_error = std::max(candidate.worst_error, std::sqrt(square));
+  }
+  candidate.rms_error = std::sqrt(squares / std::max(1, pairs));
+  if (candidate.fit.degrees_of_freedom > 0 && weighted > 0 && std::isfinite(weighted)) {
+    candidate.p_with_model_error = gsl_cdf_chisq_Q(weighted, candidate.fit.degrees_of_freedom);
+  }
   return candidate;
 }
 
@@ -365,8 +381,19 @@ const char* name_of(CableEnds ends) {
       return "clamped";
     case CableEnds::springs:
       return "springs";
+    case CableEnds::pinned_clamped:
+      return "pinned-clamped";
   }
   return "";
+}
+
+std::vector<CableEnds> cable_ends(const std::string& word) {
+  std::vector<CableEnds> ends;
+  for (const CableEnds one :
+       {CableEnds::pinned, CableEnds::clamped, CableEnds::springs, CableEnds::pinned_clamped}) {
+    if (word == "compare" || word == name_of(one)) ends.push_back(one);
+  }
+  return ends;
 }
 
 std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes) {
@@ -447,6 +474,9 @@ TensionResult identify_tension(const CableDescription& cable,
   }
   result.solved = true;
   result.decided = decided >= 0.9;
+  const auto& heaviest = result.candidates.front();
+  result.ruled_out = heaviest.rms_error > kRmsRuledOut || heaviest.worst_error > kWorstRuledOut ||
+                     heaviest.p_with_model_error < kChanceRuledOut;
   const auto summary = summarise_tension(solved);
   result.tension_N = summary.tension;
   result.low = summary.low;

@@ -62,11 +62,15 @@ class TensionData {
     double ln_hz = 0;
     AssignedMode mode;
     double ln_seen = 0, ln_unseen = 0;
+    int rank = 0;  ///< among the modes of its plane by rising frequency, from 1
   };
   /// Modes of the cable by rising frequency, with their probabilities of being seen.
   void list(const CableFrequencies& frequencies, std::vector<Listed>& listed) const;
-  /// ln of the probability density factor of pairing measured i with a mode, without the normal.
+  /// ln of the probability density factor of pairing measured i with a mode, without the normal;
+  /// -infinity where another order is stated.
   [[nodiscard]] double ln_pair(std::size_t i, const Listed& listed) const;
+  /// That measured i is no mode of the cable; -infinity where its order is stated.
+  [[nodiscard]] double ln_false_of(std::size_t i) const;
   /// ln of the part of the likelihood that an assignment has whatever the frequencies' misfit.
   [[nodiscard]] double ln_assigned(const std::vector<AssignedMode>& assigned,
                                    const std::vector<Listed>& listed) const;

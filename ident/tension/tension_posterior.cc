@@ -184,7 +184,10 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
       const double EI = exact   ? given_EI(cable, T)
                         : given ? std::exp(y)
                                 : T * L * L * std::exp(-2 * y);
-      return CableState{T, EI, spring_of(q, EI, T, L)};
+      return CableState{.tension_N = T,
+                        .EI_Nm2 = EI,
+                        .spring_Nm_rad = spring_of(q, EI, T, L),
+                        .first_pinned = ends == CableEnds::pinned_clamped};
     };
     if (!(near != nullptr && local.fit(near->state, state_at)) && !local.fit(first, state_at)) {
       return;
@@ -230,7 +233,7 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
           at_spring(std::exp(ln_q), ln_flat, near, cells);
         });
   } else {
-    at_spring(ends == CableEnds::clamped ? kUnbounded : 0, 0, nullptr, answer.cells);
+    at_spring(ends == CableEnds::pinned ? 0 : kUnbounded, 0, nullptr, answer.cells);
   }
   double top = -kUnbounded;
   for (const auto& cell : answer.cells) top = std::max(top, cell.ln_weight);
@@ -259,7 +262,10 @@ CableState refitted(const CableModel& model, const TensionData& data,
   const bool done = local.fit(state, [&](double ln_tension) {
     const double T = std::exp(ln_tension);
     const double EI = cable.EI_Nm2 ? base : T * L * L / (x * x);
-    return CableState{T, EI, spring_of(q, EI, T, L)};
+    return CableState{.tension_N = T,
+                      .EI_Nm2 = EI,
+                      .spring_Nm_rad = spring_of(q, EI, T, L),
+                      .first_pinned = state.first_pinned};
   });
   return done ? local.state() : state;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,8 +15,13 @@
 
 namespace rigfit::ident {
 
-enum class CableEnds { pinned, clamped, springs };
+/// `pinned_clamped`: pinned at the first (lower) end, clamped at the second.
+enum class CableEnds { pinned, clamped, springs, pinned_clamped };
 [[nodiscard]] const char* name_of(CableEnds ends);
+/// The kinds of a word: "compare" is all of them, else the one of that name; empty: no such word.
+[[nodiscard]] std::vector<CableEnds> cable_ends(const std::string& word);
+inline constexpr std::array<const char*, 5> kCableEndsWords = {"compare", "pinned", "clamped",
+                                                               "springs", "pinned-clamped"};
 
 /// What a mass per length is of: of the cable as it hangs, or of the cable without tension. The two
 /// differ by T / EA.
@@ -36,7 +42,7 @@ struct CableDescription {
 };
 
 struct TensionOptions {
-  std::vector<CableEnds> ends = {CableEnds::pinned, CableEnds::clamped, CableEnds::springs};
+  std::vector<CableEnds> ends = cable_ends("compare");
   double missed = 0.1;       ///< probability that the test misses a mode of its plane in its band
   double false_mode = 0.05;  ///< probability that a measured mode is none of the cable's
   double leaked = 0.1;       ///< probability that a mode of the other plane shows up
@@ -68,7 +74,11 @@ struct TensionCandidate {
   double weight = 0;               ///< probability among the candidates
   std::vector<TensionMode> modes;  ///< by measured mode
   int missed = 0;                  ///< modelled modes that the test should have seen
-  double weight_of_orders = 1;     ///< probability of these orders, given these ends
+  double rms_error = 0;            ///< relative, of the paired modes
+  double worst_error = 0;          ///< the largest, unsigned
+  /// Of a misfit beyond the stated uncertainties and the model's error found; NaN without either.
+  double p_with_model_error = 1;
+  double weight_of_orders = 1;  ///< probability of these orders, given these ends
   std::vector<UpdateBudgetTerm> budget;
 };
 
@@ -88,6 +98,9 @@ struct TensionResult {
   double sag_m = 0;
   double irvine_parameter = 0;   ///< (w L / T)^2 L EA / (T Le), of the heaviest candidate
   double bending_parameter = 0;  ///< L sqrt(T / EI)
+  /// The best candidate's frequencies are off by 2 % rms, one by 5 %, or by far more than its own
+  /// model error allows: what was measured is no such cable.
+  bool ruled_out = false;
   bool decided =
       true;  ///< answers with one and the same order of the modes have 90 % of the weight
   bool EA_assumed = false;              ///< no EA given, and the sag matters
@@ -125,7 +138,7 @@ struct Described<ident::TensionCandidate> {
   static constexpr auto solved = [](const T& c) { return c.solved; };
   static constexpr std::string_view title = "kinds of ends";
   static constexpr auto fields = std::tuple{
-      field("ends", &T::ends, "", "ends", "pinned, clamped or springs"),
+      field("ends", &T::ends, "", "ends", "pinned, clamped, springs or pinned-clamped"),
       field("solved", &T::solved, "", "", "false: see message"),
       field("weight", &T::weight, "%", "weight", "probability among the candidates", 3),
       field("tension_N", where(solved, bounded(&T::tension_N, &T::low, &T::high)), "N", "tension",
@@ -184,6 +197,7 @@ struct Described<ident::TensionResult> {
           "of the heaviest candidate"),
       field("irvine_parameter", &T::irvine_parameter, "", "", "of the heaviest candidate"),
       field("bending_parameter", &T::bending_parameter, "", "", "L sqrt(T / EI)"),
+      field("ruled_out", &T::ruled_out, "", "", "what was measured is no such cable"),
       field("decided", &T::decided, "", "", "one order of the modes has 90 % of the weight"),
       field("candidates", &T::candidates, "", "candidates", "heaviest first"),
       field(

@@ -12,10 +12,17 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr int kMaxOrder = 40;        // highest order of a measured mode
 constexpr double kSearchStd = 0.01;  // relative: the grids of EI and springs are coarse
 constexpr double kTwin = 0.005;      // modes of both planes closer than this are seen as one
 constexpr std::size_t kShortlist = 16;
+// Measured frequencies that hypotheses start from, at most: that all are false has a probability of
+// 0.05^12, and the search of 60 takes a fifth of the time.
+constexpr std::size_t kStarts = 12;
+
+/// Of the modelled modes: some 40, and twice the measured ones.
+int highest_order(const TensionData& data) {
+  return std::max<int>(40, 2 * static_cast<int>(data.modes.size()));
+}
 
 using Listed = TensionData::Listed;
 
@@ -36,8 +43,10 @@ class Alignment {
           best = best_[i * width_ + j - 1] + listed[j - 1].ln_unseen;
           step = Step::skip_listed;
         }
-        if (i > 0 && best_[(i - 1) * width_ + j] + data.ln_false > best) {
-          best = best_[(i - 1) * width_ + j] + data.ln_false;
+        if (const double left_out =
+                i > 0 ? best_[(i - 1) * width_ + j] + data.ln_false_of(i - 1) : best;
+            left_out > best || (i > 0 && j == 0)) {
+          best = left_out;
           step = Step::skip_measured;
         }
         if (i > 0 && j > 0) {
@@ -55,10 +64,12 @@ class Alignment {
         step_[i * width_ + j] = step;
       }
     }
-    score_ = static_cast<double>(n) * data.ln_false;
-    for (std::size_t i = 1; i <= n; ++i) {  // the last pair; what is measured beyond is false
+    std::vector<double> beyond(n + 1, 0);  // measured ones from i on are false
+    for (std::size_t i = n; i-- > 0;) beyond[i] = beyond[i + 1] + data.ln_false_of(i);
+    score_ = beyond[0];
+    for (std::size_t i = 1; i <= n; ++i) {  // the last pair
       for (std::size_t j = 1; j <= m; ++j) {
-        const double score = best_[i * width_ + j] + static_cast<double>(n - i) * data.ln_false;
+        const double score = best_[i * width_ + j] + beyond[i];
         if (step_[i * width_ + j] != Step::pair || score < score_) continue;
         score_ = score;
         last_measured_ = i;
@@ -105,7 +116,11 @@ CableFrequencies between(const CableFrequencies& a, const CableFrequencies& b, d
 
 class Search {
  public:
-  Search(const CableModel& model, const TensionData& data) : model_(model), data_(data) {}
+  Search(const CableModel& model, const TensionData& data) : model_(model), data_(data) {
+    const std::size_t n = data.ln_hz.size();
+    for (std::size_t i = 0; i < n; i += (n + kStarts - 1) / kStarts)
+      starts_.push_back(data.ln_hz[i]);
+  }
 
   /// Factor of EA and springs in the states that follow.
   void set(double EA, double q) {
@@ -119,7 +134,8 @@ class Search {
     const double limit = 1.3 * data_.highest_hz;
     for (double ln_upper = ln_high; ln_upper > ln_low;) {
       const double ln_lower = std::max(ln_low, ln_upper - step);
-      const auto lower = model_.frequencies(state_at(ln_lower), kMaxOrder, limit, &roots_);
+      const auto lower =
+          model_.frequencies(state_at(ln_lower), highest_order(data_), limit, &roots_);
       // As many modes of the upper tension as of the lower one.
       const auto count = static_cast<int>(std::max(lower.in_hz.size(), lower.out_hz.size()));
       const auto upper = model_.frequencies(state_at(ln_upper), count,
@@ -151,7 +167,7 @@ class Search {
       const auto& to = in ? upper.in_hz : upper.out_hz;
       for (std::size_t j = 0; j < std::min(from.size(), to.size()); ++j) {
         if (!in && j < lower.in_hz.size() && lower.in_hz[j] == from[j]) continue;
-        for (const double ln_hz : data_.ln_hz) {
+        for (const double ln_hz : starts_) {
           const double a = std::log(from[j]), b = std::log(to[j]);
           // A symmetric in-plane mode of a sagging cable may fall with the tension.
           const double share = (ln_hz - a) / (b - a);
@@ -205,6 +221,7 @@ class Search {
 
   const CableModel& model_;
   const TensionData& data_;
+  std::vector<double> starts_;  // ln of measured frequencies that hypotheses start from
   std::vector<Listed> listed_;
   CableRoots roots_;
   std::map<std::vector<int>, Assignment> found_;
@@ -260,9 +277,18 @@ void TensionData::list(const CableFrequencies& frequencies, std::vector<Listed>&
   add(frequencies.out_hz, model::ModePlane::out, out_);
   std::stable_sort(listed.begin(), listed.end(),
                    [](const auto& a, const auto& b) { return a.ln_hz < b.ln_hz; });
+  int in = 0, out = 0;
+  for (auto& one : listed) one.rank = ++(one.mode.plane == model::ModePlane::in ? in : out);
+}
+
+double TensionData::ln_false_of(std::size_t i) const {
+  return modes[i].order > 0 ? -std::numeric_limits<double>::infinity() : ln_false;
 }
 
 double TensionData::ln_pair(std::size_t i, const Listed& listed) const {
+  if (modes[i].order > 0 && modes[i].order != listed.rank) {
+    return -std::numeric_limits<double>::infinity();
+  }
   const auto& plane = modes[i].plane;
   const bool crossed = plane && *plane != listed.mode.plane && ((in_ && out_) || any_);
   return std::log(1 - options_.false_mode) + listed.ln_seen +
@@ -275,14 +301,16 @@ double TensionData::ln_assigned(const std::vector<AssignedMode>& assigned,
   std::vector<bool> taken(listed.size(), false);
   for (std::size_t i = 0; i < assigned.size(); ++i) {
     if (assigned[i].order < 0) {
-      ln += ln_false;
+      ln += ln_false_of(i);
       continue;
     }
     last = ln_hz[i];
     const auto found = std::find_if(listed.begin(), listed.end(),
                                     [&](const auto& one) { return one.mode == assigned[i]; });
     if (found == listed.end()) {  // beyond the list: as the last of it
-      ln += ln_pair(i, listed.back());
+      auto beyond = listed.back();
+      beyond.rank = assigned[i].order + 1;
+      ln += ln_pair(i, beyond);
       continue;
     }
     taken[static_cast<std::size_t>(found - listed.begin())] = true;
@@ -346,7 +374,7 @@ std::vector<Assignment> search_assignments(const CableModel& model, const Tensio
         };
         // At a given x frequencies go with sqrt(T), but for the sag.
         const double guess = string(top_hz);
-        const auto at = model.frequencies(state(std::log(guess)), kMaxOrder,
+        const auto at = model.frequencies(state(std::log(guess)), highest_order(data),
                                           std::numeric_limits<double>::infinity());
         const double high = 1.1 * guess * std::pow(top_hz / at.out_hz.front(), 2);
         const double low =

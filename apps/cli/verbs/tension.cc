@@ -64,9 +64,16 @@ std::vector<ident::MeasuredMode> measured_modes(const TensionCommand& command,
       modes.push_back(std::move(row.mode));
     }
   }
-  for (const double frequency : command.frequencies) {
+  if (!command.orders.empty() && command.orders.size() != command.frequencies.size()) {
+    throw UsageError("--order needs one number for each of --frequencies");
+  }
+  for (std::size_t i = 0; i < command.frequencies.size(); ++i) {
     ident::MeasuredMode mode;
-    mode.frequency_hz = {frequency,
+    if (!command.orders.empty()) {
+      mode.order = static_cast<int>(std::lround(command.orders[i]));
+      if (mode.order != command.orders[i]) throw UsageError("--order takes whole numbers");
+    }
+    mode.frequency_hz = {command.frequencies[i],
                          command.frequency_std > 0 ? command.frequency_std : std::nan("")};
     mode.plane = plane_of(command);
     modes.push_back(std::move(mode));
@@ -180,9 +187,7 @@ Json tension_result(const TensionCommand& command, const std::vector<signal::Rec
   inputs.max_peaks = command.max_peaks;
   inputs.plane = plane_of(command);
   auto& options = inputs.test.options;
-  if (command.ends == "pinned") options.ends = {ident::CableEnds::pinned};
-  if (command.ends == "clamped") options.ends = {ident::CableEnds::clamped};
-  if (command.ends == "springs") options.ends = {ident::CableEnds::springs};
+  options.ends = ident::cable_ends(command.ends);
   options.missed = command.missed;
   options.false_mode = command.false_mode;
   const auto campaign = ident::tension_campaign(inputs);
@@ -220,6 +225,9 @@ describe::Options options_of(TensionCommand& c) {
       option("--frequencies", c.frequencies, "Measured frequencies", "Hz").positive().type("HZ"),
       option("--frequency-std", c.frequency_std, "Standard uncertainty of --frequencies", "Hz")
           .positive(),
+      option("--order", c.orders, "Which modes --frequencies are: 1 is the first of its plane")
+          .within(1, 200)
+          .type("N"),
       option("--plane", c.plane, "The motion that was measured").one_of({"in", "out", "any"}),
       option("--length", c.length, "Between the ends, along the chord", "m").type("V[,STD]"),
       option("--mass-per-length", c.mass, "Of the cable", "kg/m").type("V[,STD]"),
@@ -232,7 +240,8 @@ describe::Options options_of(TensionCommand& c) {
       option("--EA", c.EA, "Axial rigidity", "N").type("V[,STD]"),
       option("--inclination", c.inclination, "Of the chord, degrees: 0 horizontal, 90 a hanger")
           .within(-90, 90),
-      option("--ends", c.ends, "Kinds of ends").one_of({"compare", "pinned", "clamped", "springs"}),
+      option("--ends", c.ends, "Kinds of ends")
+          .one_of({ident::kCableEndsWords.begin(), ident::kCableEndsWords.end()}),
       option("--missed", c.missed, "Probability that a mode in the band was missed")
           .within(0.001, 0.9),
       option("--false", c.false_mode, "Probability that a measured mode is none of the cable's")

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ident/campaign/single_tests/rate_uncertainty.h"
+#include "signal/recording/recording_error.h"
 
 namespace rigfit::ident {
 namespace {
@@ -55,18 +56,19 @@ void add_peaks(const TensionInputs& inputs, std::size_t index, TensionCampaignRe
     options.high_hz = inputs.band_high_hz;
   }
   options.max_peaks = inputs.max_peaks;
+  std::vector<const signal::Channel*> channels;
   for (const auto& asked : inputs.channels) {
-    const bool there = std::any_of(recording.channels.begin(), recording.channels.end(),
-                                   [&asked](const auto& channel) { return channel.name == asked; });
-    if (!there) {
-      campaign.result.findings.push_back({"channel", "no channel \"" + asked + "\"", name, true});
+    try {
+      channels.push_back(&recording.channel(asked));
+    } catch (const signal::RecordingError& error) {
+      campaign.result.findings.push_back({"channel", error.what(), name, true});
     }
   }
-  for (const auto& channel : recording.channels) {
-    const auto& asked = inputs.channels;
-    if (!asked.empty() && std::find(asked.begin(), asked.end(), channel.name) == asked.end()) {
-      continue;
-    }
+  if (inputs.channels.empty()) {
+    for (const auto& one : recording.channels) channels.push_back(&one);
+  }
+  for (const auto* one : channels) {
+    const auto& channel = *one;
     signal::SpectralPeaks found;
     try {
       found = signal::spectral_peaks(channel.samples, recording.sample_rate_hz, options);

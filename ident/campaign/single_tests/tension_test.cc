@@ -40,12 +40,21 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
     findings.push_back({code, std::move(message), "", false});
   };
   const auto& best = result.candidates.front();
-  if (best.fit.ruled_out()) {
-    warn("model_ruled_out",
-         fmt::format("Check length, mass, ends and frequencies: the frequencies do not agree with "
-                     "the best model within their uncertainties (chi-square {:.4g} for {:.3g} "
-                     "degrees of freedom, {})",
-                     best.fit.chi2, best.fit.degrees_of_freedom, p_text(best.fit.p_value)));
+  if (result.ruled_out) {
+    findings.push_back(
+        {"model_ruled_out",
+         fmt::format("Check that this is one cable between two ends: its frequencies are {:.2g} % "
+                     "off (rms), {:.2g} % at most, with the best of {} kinds of ends. State other "
+                     "ends (--ends), orders (--order), masses or EI, or fit a scene (update)",
+                     100 * best.rms_error, 100 * best.worst_error, result.candidates.size()),
+         "", true});
+  } else if (best.fit.ruled_out()) {
+    warn("systematic_misfit",
+         fmt::format("Enlarge the uncertainties of the frequencies, or name what the cable lacks "
+                     "here (masses, ends): chi-square is {:.4g} for {:.3g} degrees of freedom "
+                     "({}). The interval counts a model error of {:.2g} %",
+                     best.fit.chi2, best.fit.degrees_of_freedom, p_text(best.fit.p_value),
+                     100 * best.fit.model_std));
   }
   if (result.EA_assumed) {
     warn("EA_assumed",
@@ -75,8 +84,9 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
   }
   if (!result.decided) {
     findings.push_back({"not_decided",
-                        "Give a further frequency, EI or the kind of ends: these frequencies do "
-                        "not decide which modes they are, no order has 90 % of the weight",
+                        "Say which modes these are (--order), or give a further frequency, --EI or "
+                        "--ends (--missed where modes were not excited): no order of the modes has "
+                        "90 % of the weight",
                         "", true});
   }
   return findings;

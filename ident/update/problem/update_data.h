@@ -52,6 +52,7 @@ struct MeasuredMode {
   signal::Estimate damping_ratio;                        ///< value not finite: not measured
   std::optional<model::ModePlane> plane = std::nullopt;  ///< of the test
   Eigen::VectorXcd shape = {};  ///< at the scene's sensors, in their order; empty: not measured
+  int order = 0;                ///< among the modes of its plane, from 1; 0: not stated
 };
 
 /// One measured FRF, from a load of the scene to a sensor of it, in the sensor's quantity per N.

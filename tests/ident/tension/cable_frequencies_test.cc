@@ -29,6 +29,24 @@ TEST(CableFrequencies, PinnedBeamIsTheClosedForm) {
   }
 }
 
+TEST(CableFrequencies, OneEndPinnedTheOtherClampedWithoutTension) {
+  // Wave numbers times L: 3.926602, 7.068583, 10.210176, 13.351769 (Blevins, 1979).
+  const double wave[] = {3.926602312, 7.068582746, 10.210176123, 13.351768778};
+  SaggingBeam beam{2, 3, 1e-9 * 50 / 4, 50, kInf, 0};
+  beam.first_pinned = true;
+  const auto f = cable_frequencies(beam, 4, kInf);
+  ASSERT_EQ(f.in_hz.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(f.in_hz[i] / (wave[i] * wave[i] / (2 * kPi * 4) * std::sqrt(50.0 / 3)), 1, 1e-8);
+  }
+  // A soft spring is a pin there too.
+  beam = {2, 3, 10, 50, 1e-8, 0};
+  beam.first_pinned = true;
+  const auto soft = cable_frequencies(beam, 3, kInf),
+             pinned = cable_frequencies({2, 3, 10, 50, 0, 0}, 3, kInf);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(soft.in_hz[i] / pinned.in_hz[i], 1, 1e-8);
+}
+
 TEST(CableFrequencies, ClampedBeamWithoutTension) {
   // Wave numbers times L of a clamped beam: 4.730041, 7.853205, 10.995608, 14.137165 (Blevins,
   // 1979). T L^2 / EI = 1e-9 changes them by 1e-10.

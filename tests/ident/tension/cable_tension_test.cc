@@ -92,6 +92,23 @@ TEST(CableTension, HangerWithoutItsThirdMode) {
   EXPECT_NEAR(result.end_N - result.start_N, 30 * 10 * model::kStandardGravity, 1);
 }
 
+TEST(CableTension, HangerPinnedBelowAndClampedAbove) {
+  // 50 kN where bending matters: L sqrt(T / EI) = 10. The truth is the segment model.
+  CableDescription cable;
+  cable.length_m = {20, 0.005};
+  cable.mass_per_length = {30, 0.03};
+  cable.mass_reference = MassReference::installed;
+  cable.EA_N = {1e9, 0};
+  cable.inclination_deg = 90;
+  const double EI = 2e5;
+  const auto modes = frequencies(cable, CableEnds::pinned_clamped, 5e4, EI, 5, 1e-3);
+  const auto result = identify_tension(cable, modes);
+  ASSERT_TRUE(result.solved) << result.message;
+  EXPECT_LT(result.low, 5e4);
+  EXPECT_GT(result.high, 5e4);
+  EXPECT_LT(result.high - result.low, 0.5 * 5e4);
+}
+
 TEST(CableTension, IntervalsHoldOverSpansAndTensions) {
   // Half a metre to a kilometre, 1 N to 10 MN, any ends, EI unknown, one mode missing. A 95 %
   // interval fails 3 times or more in 8 with a probability of 1 %.

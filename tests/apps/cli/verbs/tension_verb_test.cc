@@ -40,7 +40,7 @@ void expect_tension(const nlohmann::json& json) {
   EXPECT_GT(T["high"].get<double>(), kTension);
   EXPECT_NEAR(T["value"].get<double>() / kTension, 1, 0.02);
   EXPECT_TRUE(json["decided"].get<bool>());
-  ASSERT_EQ(json["candidates"].size(), 3u);
+  ASSERT_EQ(json["candidates"].size(), 4u);
   double weights = 0, squares = 0;
   for (const auto& one : json["candidates"]) weights += one["weight"].get<double>();
   EXPECT_NEAR(weights, 1, 1e-9);
@@ -62,6 +62,55 @@ TEST(TensionVerb, FromFrequenciesWithAMissingAndAFalseOne) {
     orders.push_back(mode["order"].is_null() ? 0 : mode["order"].get<int>());
   EXPECT_EQ(orders, (std::vector<int>{1, 2, 0, 4, 5}));
   EXPECT_NEAR(json["formulas"]["pinned_beam_N"].get<double>() / kTension, 1, 1e-2);
+}
+
+TEST(TensionVerb, OneFrequencyWhoseOrderIsStated) {
+  const std::vector<std::string> first = {
+      "--frequency-std", "0.004", "--plane", "out", "--frequencies", std::to_string(frequency(3))};
+  auto stated = first;
+  stated.insert(stated.end(), {"--order", "3"});
+  const auto run = run_program(command(stated));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  EXPECT_LT(json["tension_N"]["low"].get<double>(), kTension);
+  EXPECT_GT(json["tension_N"]["high"].get<double>(), kTension);
+  EXPECT_EQ(json["modes"][0]["order"], 3);
+  stated.emplace_back("1");
+  EXPECT_EQ(run_program(command(stated)).exit_code, 2);  // one number a frequency
+}
+
+TEST(TensionVerb, OrdersOfATable) {
+  const TemporaryFolder folder;
+  // Every second mode alone looks like a string of four times the tension.
+  std::ostringstream table;
+  table << "order,frequency_hz,frequency_std_hz\n";
+  for (const int n : {2, 4, 6}) table << n << ',' << frequency(n) << ",0.004\n";
+  const auto run = run_program(
+      command({"--measured", folder.write("modes.csv", table.str()), "--plane", "out"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = parsed(run.out);
+  EXPECT_NEAR(json["tension_N"]["value"].get<double>() / kTension, 1, 0.02);
+  const auto bad = run_program(command(
+      {"--measured", folder.write("bad.csv", "order,frequency_hz\n1.5,3\n"), "--plane", "out"}));
+  EXPECT_EQ(bad.exit_code, 3);
+  EXPECT_THAT(bad.err, HasSubstr("bad.csv:2"));
+}
+
+TEST(TensionVerb, WhatIsNoCableIsRefused) {
+  // A cantilever: (1.8751^2, 4.6941^2, 7.8548^2, 10.9955^2) in ratio.
+  const auto run =
+      run_program({"tension", "--length", "1", "--mass-per-length", "1", "--frequencies", "3.516",
+                   "22.034", "61.697", "120.902", "--frequency-std", "0.01"});
+  EXPECT_EQ(run.exit_code, 4) << run.out;
+}
+
+TEST(TensionVerb, SixtyFrequencies) {
+  std::vector<std::string> arguments = {"--plane", "out", "--frequency-std", "0.01",
+                                        "--frequencies"};
+  for (int n = 1; n <= 60; ++n) arguments.push_back(std::to_string(frequency(n)));
+  const auto run = run_program(command(arguments));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NEAR(parsed(run.out)["tension_N"]["value"].get<double>() / kTension, 1, 0.02);
 }
 
 TEST(TensionVerb, FromATable) {
