@@ -27,6 +27,7 @@ constexpr double kSettled = 3e-5;  // change of ln f
 // Beyond these what was measured is no such cable: 3 % is the largest error of the model that is
 // summed over, and a sound one reaches it in few modes only.
 constexpr double kRmsRuledOut = 0.02, kWorstRuledOut = 0.05, kChanceRuledOut = 1e-6;
+constexpr double kSoundModel = 5e-3;  // error of the model that the chance counts, at most
 constexpr double kSameCell = 1e-3;  // change of ln T, ln EI, ln k: fits of one cell from two starts
 
 /// Whether the heaviest cell of an answer is one of another answer: two starts have led to one.
@@ -242,8 +243,9 @@ TensionCandidate candidate_of(const EndsPosterior& one, const TensionData& data)
     if (mode.order == 0 || !std::isfinite(mode.relative_error)) continue;
     const double square = mode.relative_error * mode.relative_error;
     const double own = data.stated ? mode.measured_std_hz / mode.measured_hz : 0;
+    const double of_model = data.stated ? std::min(cell.model_std, kSoundModel) : cell.model_std;
     squares += square;
-    weighted += square / (own * own + cell.model_std * cell.model_std);
+    weighted += square / (own * own + of_model * of_model);
     candidate.worst_error = std::max(candidate.worst_error, std::sqrt(square));
   }
   candidate.rms_error = std::sqrt(squares / std::max(1, pairs));

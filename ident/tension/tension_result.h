@@ -76,7 +76,7 @@ struct TensionCandidate {
   int missed = 0;                  ///< modelled modes that the test should have seen
   double rms_error = 0;            ///< relative, of the paired modes
   double worst_error = 0;          ///< the largest, unsigned
-  /// Of a misfit beyond the stated uncertainties and the model's error found; NaN without either.
+  /// Chance of the misfit with a model error of 0.5 % at most beside the stated uncertainties.
   double p_with_model_error = 1;
   double weight_of_orders = 1;  ///< probability of these orders, given these ends
   std::vector<UpdateBudgetTerm> budget;

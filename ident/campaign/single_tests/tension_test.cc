@@ -56,6 +56,13 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
                      best.fit.chi2, best.fit.degrees_of_freedom, p_text(best.fit.p_value),
                      100 * best.fit.model_std));
   }
+  for (const auto& mode : best.modes) {
+    if (mode.order > 0) continue;
+    warn("unpaired",
+         fmt::format("Check {:.5g} Hz: it is no mode of the cable in this answer. State "
+                     "its order (--order) if it is one",
+                     mode.measured_hz));
+  }
   if (result.EA_assumed) {
     warn("EA_assumed",
          "Give EA: a strain of 0.001 is taken, within a factor of 2 or so; this matters where the "
