@@ -91,35 +91,13 @@ class Scene:
         scene._core = core
         return scene
 
-    @property
-    def title(self):
-        """As in the file."""
-        return self._core.title
-
-    @property
-    def nodes(self):
-        """Names."""
-        return self._core.nodes()
-
-    @property
-    def members(self):
-        """Names."""
-        return self._core.members()
-
-    @property
-    def loads(self):
-        """Names."""
-        return self._core.loads()
-
-    @property
-    def sensors(self):
-        """Names."""
-        return self._core.sensors()
-
-    @property
-    def parameters(self):
-        """Every number that can be fitted or set, such as ``"cable.EI"``: name to value."""
-        return self._core.parameters()
+    title = property(lambda self: self._core.title, doc="As in the file.")
+    nodes = property(lambda self: self._core.nodes(), doc="Names.")
+    members = property(lambda self: self._core.members(), doc="Names.")
+    loads = property(lambda self: self._core.loads(), doc="Names.")
+    sensors = property(lambda self: self._core.sensors(), doc="Names.")
+    parameters = property(lambda self: self._core.parameters(),
+                          doc="""Every number that can be fitted or set, such as ``"cable.EI"``: name to value.""")
 
     def with_parameters(self, values):
         """The scene with other values of some parameters, ``{"cable.tension": 210.0}``."""

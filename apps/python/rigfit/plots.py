@@ -27,24 +27,13 @@ def plot_recording(recording, axes=None):
     return axes
 
 
-def _frf(result, axes):
+def _frf(result, axes, responses, inputs, units=""):
     axes = axes_or_new(axes)
-    for r, response in enumerate(result.response_names):
-        for i, _ in enumerate(result.input_names):
-            axes.semilogy(result.frequency_hz, np.abs(result.H[:, r, i]), label=response, linewidth=0.8)
+    for r, response in enumerate(responses):
+        for i, source in enumerate(inputs):
+            axes.semilogy(result.frequency_hz, np.abs(result.H[:, r, i]), label=f"{response} by {source}", linewidth=0.8)
     axes.set_xlabel("frequency, Hz")
-    axes.set_ylabel(f"|H|, {result.units}")
-    axes.legend()
-    return axes
-
-
-def _scene_frf(result, axes):
-    axes = axes_or_new(axes)
-    for s, sensor in enumerate(result.sensors):
-        for i, load in enumerate(result.loads):
-            axes.semilogy(result.frequency_hz, np.abs(result.H[:, s, i]), label=f"{sensor} by {load}")
-    axes.set_xlabel("frequency, Hz")
-    axes.set_ylabel("|H|")
+    axes.set_ylabel(f"|H|{units}")
     axes.legend()
     return axes
 
@@ -120,7 +109,8 @@ def _pairs(pairs, axes):
 
 # By the name of the result's class: results.py calls plot(), so its classes are not imported here.
 _PLOTS = {
-    "FrfResult": _frf, "SceneFrfs": _scene_frf, "ModalResult": _modal, "DecayResult": _decay,
+    "FrfResult": lambda r, axes: _frf(r, axes, r.response_names, r.input_names, f", {r.units}"),
+    "SceneFrfs": lambda r, axes: _frf(r, axes, r.sensors, r.loads), "ModalResult": _modal, "DecayResult": _decay,
     "BendingResult": _bending, "AxialResult": _budget, "ModesResult": _modes, "RespondResult": _respond,
     "UpdateResult": lambda r, axes: _pairs(r.pairs, axes), "TensionResult": lambda r, axes: _pairs(r.modes, axes),
 }

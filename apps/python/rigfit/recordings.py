@@ -122,25 +122,10 @@ class Recording(Sequence):
         recording._set(core)
         return recording
 
-    @property
-    def name(self):
-        """File, or the name given."""
-        return self._core.name
-
-    @property
-    def format(self):
-        """``"csv"``, ``"uff58-binary"``, ... or ``"memory"``."""
-        return self._core.format
-
-    @property
-    def fs(self):
-        """Sample rate, Hz; 0: not known."""
-        return self._core.fs
-
-    @property
-    def start_time_s(self):
-        """Time of the first sample, s."""
-        return self._core.start_time_s
+    name = property(lambda self: self._core.name, doc="File, or the name given.")
+    format = property(lambda self: self._core.format, doc="""``"csv"``, ``"uff58-binary"``, ... or ``"memory"``.""")
+    fs = property(lambda self: self._core.fs, doc="Sample rate, Hz; 0: not known.")
+    start_time_s = property(lambda self: self._core.start_time_s, doc="Time of the first sample, s.")
 
     @property
     def time_s(self):

@@ -246,228 +246,75 @@ class Result(Record):
                 f"<pre>{html.escape(text)}</pre><details><summary>keys</summary>{html.escape(keys)}</details>")
 
 
-class InspectResult(Result):
-    """Quality of recordings: ``recordings``."""
-
-    recordings: "Records"
-
-    main = "recordings"
+def _result(name, main, doc, base=object, **kinds):
+    """The class of a verb's results: the list that `to_frame` makes a table of, and types of keys for editors."""
+    members = {key: one for key, one in vars(base).items() if base is not object and key not in ("__dict__", "__weakref__")}
+    return type(name, (Result,), {**members, "__doc__": doc, "__annotations__": kinds, "__module__": __name__, "main": main})
 
 
-class ResampleResult(Result):
-    """A recording at another rate: ``recording``; ``channels`` with ``error_rms``, ``sample_rate_hz``, ``from_hz``."""
-
-    channels: "Records"
-    from_hz: float
-    sample_rate_hz: float
-
-    main = "channels"
-
-
-class DecayResult(Result):
-    """Free decay: ``modes``, strongest first, ``decays``, ``frequency_drift_hz``, ``amplitude_dependence``."""
-
-    modes: "Records"
-    decays: "Records"
-    channel: str
-    unit: str
-
-    main = "modes"
-
-
-class FrfResult(Result):
-    """Averaged FRFs of hits: ``hits``, ``averages`` and the arrays.
-
-    Attributes
-    ----------
-    frequency_hz : numpy.ndarray, shape (lines,)
-    H : numpy.ndarray, complex, shape (lines, responses, inputs)
-        SI per N, sign exp(+i 2 pi f t).
-    H_std : numpy.ndarray or None
-        Standard deviation of the real and of the imaginary part, each.
-    coherence : numpy.ndarray or None
-    response_names, input_names : list of str
-    """
-
-    hits: "Records"
-    averages: int
-    units: str
-
-    main = "hits"
-
-    @property
-    def frequency_hz(self):
-        """Lines, Hz."""
-        return self._arrays().frequency_hz
-
-    @property
-    def H(self):
-        """lines x responses x inputs."""
-        return self._arrays().H
-
-    @property
-    def H_std(self):
-        """Layout of H; None: not known."""
-        return self._arrays().H_std
-
-    @property
-    def coherence(self):
-        """Layout of H; None: not known."""
-        return self._arrays().coherence
-
-    @property
-    def response_names(self):
-        """Names along the second axis of H."""
-        return self._arrays().responses
-
-    @property
-    def input_names(self):
-        """Names along the third axis of H."""
-        return self._arrays().inputs
-
+class _WithFrfs:
     def _arrays(self):
         frfs = self.__dict__.get("frfs")
         if frfs is None:
             raise Error("no hit was accepted: there are no FRFs", code="no_frfs")
         return frfs
 
-
-class ModalResult(Result):
-    """Modes of FRFs: ``modes`` with ``frequency_hz``, ``damping_ratio``, ``shape``; ``stabilisation`` and more."""
-
-    modes: "Records"
-    auto_mac: "list[list[float]]"
-
-    main = "modes"
+    frequency_hz = property(lambda self: self._arrays().frequency_hz, doc="Lines, Hz.")
+    H = property(lambda self: self._arrays().H, doc="lines x responses x inputs, SI per N, sign exp(+i 2 pi f t).")
+    H_std = property(lambda self: self._arrays().H_std, doc="Of the real and of the imaginary part, each; None: not known.")
+    coherence = property(lambda self: self._arrays().coherence, doc="Layout of H; None: not known.")
+    response_names = property(lambda self: self._arrays().responses, doc="Names along the second axis of H.")
+    input_names = property(lambda self: self._arrays().inputs, doc="Names along the third axis of H.")
 
 
-class BendingResult(Result):
-    """EI at each tension: ``tests``, ``laws``, ``curve``, ``bounds``."""
-
-    tests: "Records"
-    laws: "Records"
-
-    main = "tests"
-
-
-class AxialResult(Result):
-    """Hanging-mass test: ``EA_N``, ``damping_ratio``, ``damping_Ns_m``, ``samples``, ``budget``."""
-
-    EA_N: "Estimate"
-    damping_ratio: "Estimate"
-    damping_Ns_m: "Estimate"
-    samples: "Records"
-    budget: "Records"
-
-    main = "samples"
-
-
-class ModesResult(Result):
-    """Natural modes of a scene: ``modes``, ``equilibrium``, ``relative_error_estimate``, ``modelled``."""
-
-    modes: "Records"
-    equilibrium: "Record"
-    relative_error_estimate: float
-
-    main = "modes"
-
-
-class SceneFrfs(Result):
-    """FRFs of a scene: ``frequency_hz`` and ``H``, lines x sensors x loads; ``sensors``, ``loads``, ``units``."""
-
-    sensors: "list[str]"
-    loads: "list[str]"
-    units: "list[str]"
-    H: "NDArray[Any]"
-    frequency_hz: "NDArray[Any]"
-
-
-class RespondResult(Result):
-    """Time response: ``time_s``, ``samples`` (rows x sensors), ``solver``, ``energy_drift`` ..."""
-
-    sensors: "Records"
-    solver: str
-    nonlinear: bool
-    time_s: "NDArray[Any]"
-    response: "NDArray[Any]"
-
-    main = "sensors"
-
+class _WithSamples:
     def to_frame(self):
         """A pandas.DataFrame, a column a sensor over time in s."""
         names = [sensor["name"] for sensor in self._fields["sensors"]]
         return frame({name: self.__dict__["response"][:, i] for i, name in enumerate(names)}, self.time_s)
 
 
-class UpdateResult(Result):
-    """A fit: ``parameters``, ``pairs``, ``alternatives``, ``fit``; ``covariance`` of the parameters, fitted ``scenes``.
-    Where models were compared, it is of the heaviest, with ``candidates`` and ``averaged``.
-
-    Attributes
-    ----------
-    covariance : numpy.ndarray or None
-        Of the parameters in their order; None where one of them cannot be identified.
-    fitted_scenes : list of Scene
-        One a state.
-    """
-
-    parameters: "Records"
-    pairs: "Records"
-    alternatives: "Records"
-    fit: "Record"
-    candidates: "Records"
-    averaged: "Records"
-    fitted_scenes: "list[Scene]"
-    covariance: "NDArray[Any] | None"
-
-    main = "parameters"
-
-
-class TensionResult(Result):
-    """Tension of a cable: ``tension_N``, ``EI_Nm2``, ``candidates``, ``modes``, ``formulas``, ``budget``."""
-
-    tension_N: "Estimate"
-    EI_Nm2: "Estimate"
-    ends: str
-    candidates: "Records"
-    modes: "Records"
-    formulas: "Record"
-    budget: "Records"
-
-    main = "modes"
-
-
-class TensionTableResult(Result):
-    """Tensions of a table of cables: ``cables``, each as a `TensionResult` with ``name`` and ``line``, or ``error``."""
-
-    cables: "Records"
-
-    main = "cables"
-
-
-class PredictResult(Result):
-    """Modes of another scene with a fit's parameters: ``modes`` (``frequency_hz`` with low, high), ``interval``,
-    ``parameters_used``; ``measured`` where it was compared, ``response`` where it was written."""
-
-    modes: "Records"
-    interval: str
-    parameters_used: "list[str]"
-    measured: "Records"
-
-    main = "modes"
-
-
-class SynthesizeResult(Result):
-    """Files that a virtual laboratory wrote: ``files``."""
-
-    files: "list[str]"
-
-
-class ReportResult(Result):
-    """The document of a report: ``answers``, ``summary``, ``fits`` ...; the page is ``report.html`` in its folder."""
-
-    title: str
-    answers: "Records"
-    summary: "Records"
-
-    main = "answers"
+InspectResult = _result("InspectResult", "recordings", "Quality of recordings: ``recordings``.", recordings="Records")
+ResampleResult = _result(
+    "ResampleResult", "channels", "A recording at another rate: ``recording``; ``channels`` with ``error_rms``.",
+    channels="Records", from_hz="float", sample_rate_hz="float")
+DecayResult = _result(
+    "DecayResult", "modes", "Free decay: ``modes``, strongest first, ``decays``, ``frequency_drift_hz``, ``amplitude_dependence``.",
+    modes="Records", decays="Records", channel="str", unit="str")
+FrfResult = _result("FrfResult", "hits", "Averaged FRFs of hits: ``hits``, ``averages`` and the arrays.", base=_WithFrfs,
+                    hits="Records", averages="int", units="str")
+ModalResult = _result(
+    "ModalResult", "modes", "Modes of FRFs: ``modes`` with ``frequency_hz``, ``damping_ratio``, ``shape``; ``stabilisation`` ...",
+    modes="Records", auto_mac="list[list[float]]")
+BendingResult = _result("BendingResult", "tests", "EI at each tension: ``tests``, ``laws``, ``curve``, ``bounds``.", tests="Records", laws="Records")
+AxialResult = _result(
+    "AxialResult", "samples", "Hanging-mass test: ``EA_N``, ``damping_ratio``, ``damping_Ns_m``, ``samples``, ``budget``.",
+    EA_N="Estimate", damping_ratio="Estimate", damping_Ns_m="Estimate", samples="Records", budget="Records")
+ModesResult = _result("ModesResult", "modes", "Natural modes of a scene.", modes="Records", equilibrium="Record",
+                      relative_error_estimate="float")
+SceneFrfs = _result(
+    "SceneFrfs", "", "FRFs of a scene: ``frequency_hz`` and ``H``, lines x sensors x loads; ``sensors``, ``loads``, ``units``.",
+    sensors="list[str]", loads="list[str]", units="list[str]", H="NDArray[Any]", frequency_hz="NDArray[Any]")
+RespondResult = _result("RespondResult", "sensors", "Time response: ``time_s``, ``response`` (rows x sensors).", base=_WithSamples,
+                        sensors="Records", solver="str", nonlinear="bool", time_s="NDArray[Any]", response="NDArray[Any]")
+UpdateResult = _result(
+    "UpdateResult", "parameters", "A fit: ``parameters``, ``pairs``, ``alternatives``, ``fit``; ``covariance`` of the parameters in "
+    "their order (None where one of them cannot be identified), ``fitted_scenes``.\n\nWhere models were compared, it is of the "
+    "heaviest, with ``candidates`` and ``averaged``.",
+    parameters="Records", pairs="Records", alternatives="Records", fit="Record", candidates="Records", averaged="Records",
+    fitted_scenes="list[Scene]", covariance="NDArray[Any] | None")
+TensionResult = _result(
+    "TensionResult", "modes", "Tension of a cable: ``tension_N``, ``EI_Nm2``, ``candidates``, ``modes``, ``formulas``, ``budget``.",
+    tension_N="Estimate", EI_Nm2="Estimate", ends="str", candidates="Records", modes="Records", formulas="Record",
+    budget="Records")
+TensionTableResult = _result(
+    "TensionTableResult", "cables", "Tensions of a table of cables: ``cables``, each as a `TensionResult` with ``name`` and "
+    "``line``, or ``error``.", cables="Records")
+PredictResult = _result(
+    "PredictResult", "modes", "Modes of another scene with a fit's parameters: ``modes`` (``frequency_hz`` with low, high), "
+    "``interval``; ``measured`` where it was compared, ``response`` where it was written.",
+    modes="Records", interval="str", parameters_used="list[str]", measured="Records")
+SynthesizeResult = _result("SynthesizeResult", "", "Files that a virtual laboratory wrote: ``files``.", files="list[str]")
+ReportResult = _result(
+    "ReportResult", "answers", "The document of a report: ``answers``, ``summary``, ``fits`` ...; the page is ``report.html``.",
+    title="str", answers="Records", summary="Records")
