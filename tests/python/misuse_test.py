@@ -167,7 +167,7 @@ class Misuse(unittest.TestCase):
         self.wrong("campaign", "one or two", rigfit.report, ["campaign.toml"] * 3, "out")
         self.wrong("decimal", "one of", rigfit.read, "ei.csv", decimal=";")
         self.wrong("map", "dict", rigfit.predict, CABLE, "fit.json", map="cable.EI")
-        self.wrong("measured", "unknown column", rigfit.update, CABLE, measured=[{"frequency_hz": 7.0, "x": 1}])
+        self.wrong("measured[0]", "unknown entry 'x'", rigfit.update, CABLE, measured=[{"frequency_hz": 7.0, "x": 1}])
 
     def test_missing_samples_are_said(self):
         data = np.sin(np.arange(256.0))
