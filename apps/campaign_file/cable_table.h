@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/single_tests/tension_test.h"
+#include "ident/campaign/single_tests/cable_campaign.h"
 
 namespace rigfit::apps {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/readers/read_recording.h"
 

@@ -4,7 +4,7 @@
 #include <complex>
 
 #include "apps/cli/json_document.h"
-#include "ident/campaign/modal/hammer_test.h"
+#include "ident/campaign/modal/hammer_campaign.h"
 #include "signal/modes/modal_model.h"
 
 namespace rigfit::apps {

@@ -16,12 +16,12 @@
 #include <vector>
 
 #include "ident/campaign/fit_campaign.h"
+#include "ident/campaign/modal/modal_campaign.h"
 #include "ident/campaign/modal/modal_model.h"
-#include "ident/campaign/modal/modal_test.h"
 #include "ident/campaign/modal/model_answers.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
-#include "ident/campaign/single_tests/decay_test.h"
+#include "ident/campaign/single_tests/decay_campaign.h"
 #include "ident/campaign/single_tests/scene_use.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
 

@@ -11,6 +11,11 @@
 namespace rigfit::ident {
 namespace {
 
+/// A multiple of a standard uncertainty: two digits, without an exponent.
+std::string in_std(double times) {
+  return times < 99.5 ? fmt::format("{:.2g} std", times) : fmt::format("{:.0f} std", times);
+}
+
 int missed_of(const UpdateAlternative& one) {
   return static_cast<int>(std::count_if(one.unpaired.begin(), one.unpaired.end(),
                                         [](const auto& lone) { return lone.missing; }));
@@ -109,8 +114,8 @@ std::string exact_ends_text(const UpdateResult& result, const ExactEnds& ends) {
     const double shift = ends.shift[static_cast<Eigen::Index>(p)];
     const double most = ends.largest_shift[static_cast<Eigen::Index>(p)];
     if (stds_of(most, parameter) < kEndsMatter) continue;
-    list += fmt::format("{}{} by {:+.2g}, up to {:+.2g} ({:.2g} std)", list.empty() ? "" : ", ",
-                        parameter.name, shift, most, stds_of(most, parameter));
+    list += fmt::format("{}{} by {:+.2g}, up to {:+.2g} ({})", list.empty() ? "" : ", ",
+                        parameter.name, shift, most, in_std(stds_of(most, parameter)));
   }
   if (list.empty()) return list;
   std::string nodes;
@@ -140,11 +145,11 @@ std::vector<std::string> exact_input_texts(const UpdateResult& result) {
     const auto shifts = exact_shifts(result, p);
     for (const auto& one : shifts) {
       if (one.stds < kInputMatters) break;
-      list += list.empty() ? fmt::format("{:.3g} % of {} changes it by {:+.2g} ({:.2g} std)",
+      list += list.empty() ? fmt::format("{:.3g} % of {} changes it by {:+.2g} ({})",
                                          100 * one.input->relative_change, one.input->name,
-                                         one.shift, one.stds)
-                           : fmt::format(", of {} by {:+.2g} ({:.2g} std)", one.input->name,
-                                         one.shift, one.stds);
+                                         one.shift, in_std(one.stds))
+                           : fmt::format(", of {} by {:+.2g} ({})", one.input->name, one.shift,
+                                         in_std(one.stds));
     }
     if (!list.empty()) texts.push_back(result.parameters[p].name + ": " + list);
   }

@@ -1,7 +1,7 @@
 // Impact tests of several points struck, as one set of FRFs: the transducers stay, the hammer
 // moves.
 //
-// Each point is an impact test of its own (impact_test.h); their FRFs become the columns of one set
+// Each point is an impact test of its own (impact_frfs.h); their FRFs become the columns of one set
 // whose inputs are the points. A point that bears the name of a response is its driving point, and
 // two such points are each other's reciprocity check.
 #pragma once
@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/frf_checks.h"
 #include "signal/spectra/frf_set.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 #include "signal/spectra/fft.h"
 #include "signal/spectra/frf.h"
 #include "tests/reference/ten_mode_truth.h"

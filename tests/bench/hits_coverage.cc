@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
 #include "tests/reference/struck_structure.h"
 

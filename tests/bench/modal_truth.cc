@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/mac.h"
 #include "tests/reference/ten_mode_truth.h"

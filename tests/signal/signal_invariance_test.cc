@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
 #include "tests/reference/ten_mode_truth.h"
 

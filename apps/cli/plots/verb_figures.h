@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "apps/cli/plots/plot_option.h"
-#include "ident/campaign/modal/hammer_test.h"
+#include "ident/campaign/modal/hammer_campaign.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
-#include "ident/campaign/single_tests/decay_test.h"
+#include "ident/campaign/single_tests/decay_campaign.h"
 #include "ident/tension/cable_tension.h"
 #include "ident/update/update_checks.h"
 #include "model/linear/modal_analysis.h"

@@ -1,5 +1,5 @@
 // rigfit decay: frequency and damping of a free decay, with what the decay looks like.
-#include "ident/campaign/single_tests/decay_test.h"
+#include "ident/campaign/single_tests/decay_campaign.h"
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>

@@ -1,12 +1,12 @@
 // The options of a hammer test on the command line, shared by the verbs that begin with one, and
-// its analysis (ident/campaign/modal/hammer_test.h).
+// its analysis (ident/campaign/modal/hammer_campaign.h).
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "apps/cli/verb.h"
-#include "ident/campaign/modal/hammer_test.h"
+#include "ident/campaign/modal/hammer_campaign.h"
 
 namespace rigfit::apps {
 

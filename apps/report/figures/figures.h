@@ -10,7 +10,7 @@
 #include "apps/campaign_file/campaign.h"
 #include "apps/report/drawing/plot.h"
 #include "apps/report/page/report_part.h"
-#include "ident/campaign/modal/hammer_test.h"
+#include "ident/campaign/modal/hammer_campaign.h"
 #include "ident/campaign/modal/model_answers.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/modal/modal_test.h"
+#include "ident/campaign/modal/modal_campaign.h"
 #include "ident/campaign/single_tests/origin.h"
 #include "ident/campaign/single_tests/scene_use.h"
 #include "model/linear/modal_analysis.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/single_tests/tension_test.h"
+#include "ident/campaign/single_tests/cable_campaign.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/spectral_peaks.h"
 

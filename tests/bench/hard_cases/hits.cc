@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
 #include "tests/bench/hard_cases/hard_case.h"
 #include "tests/reference/ten_mode_truth.h"

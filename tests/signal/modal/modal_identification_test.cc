@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 #include "signal/modes/modal_synthesis.h"
 #include "tests/expect_matrix.h"
 #include "tests/reference/ten_mode_truth.h"

@@ -1,5 +1,5 @@
 // A modal test of a campaign: hits recorded at several states of a rig (one a tension). Each state
-// is a hammer test (hammer_test.h); what cannot take part is refused and the rest goes on.
+// is a hammer test (hammer_campaign.h); what cannot take part is refused and the rest goes on.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/modal/hammer_test.h"
+#include "ident/campaign/modal/hammer_campaign.h"
 #include "ident/campaign/single_tests/finding.h"
 #include "ident/campaign/single_tests/origin.h"
 

@@ -1,4 +1,4 @@
-#include "ident/campaign/single_tests/tension_test.h"
+#include "ident/campaign/single_tests/cable_campaign.h"
 
 #include <fmt/format.h>
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "ident/campaign/single_tests/finding.h"
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 #include "signal/impact/roving_hammer.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/recording/recording.h"

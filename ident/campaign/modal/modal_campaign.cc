@@ -1,4 +1,4 @@
-#include "ident/campaign/modal/modal_test.h"
+#include "ident/campaign/modal/modal_campaign.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Hits of the virtual laboratory's beam (testdata/virtual_laboratory), some of them made unfit.
-#include "ident/campaign/modal/modal_test.h"
+#include "ident/campaign/modal/modal_campaign.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>

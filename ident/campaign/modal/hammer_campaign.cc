@@ -1,4 +1,4 @@
-#include "ident/campaign/modal/hammer_test.h"
+#include "ident/campaign/modal/hammer_campaign.h"
 
 #include <fmt/format.h>
 

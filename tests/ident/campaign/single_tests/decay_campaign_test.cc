@@ -1,4 +1,4 @@
-#include "ident/campaign/single_tests/decay_test.h"
+#include "ident/campaign/single_tests/decay_campaign.h"
 
 #include <gtest/gtest.h>
 

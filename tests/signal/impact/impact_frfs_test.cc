@@ -1,4 +1,4 @@
-#include "signal/impact/impact_test.h"
+#include "signal/impact/impact_frfs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
