@@ -21,7 +21,7 @@ namespace {
 class StateReader {
  public:
   StateReader(const UpdateData& data, VerbContext& context) : data_(data), context_(context) {
-    files_ = data.modes.size() + data.frfs.size() + data.decays.size() + data.responses.size();
+    files_ = data.modes.size() + data.frfs.size() + data.decays.size();
     if (data.scenes.size() > 1 && data.scenes.size() != files_) {
       throw UsageError(
           "with several scenes, give one --measured, --frf or --decay for each, in "
@@ -37,7 +37,7 @@ class StateReader {
     modes_have_tensions_ = universal > 0 && data.tensions.size() == universal + tests;
     if (!data.tensions.empty() && data.tensions.size() != tests && !modes_have_tensions_) {
       throw UsageError(
-          "--tension: one for each --frf, --decay and --response, in their order; where --measured "
+          "--tension: one for each --frf and --decay, in their order; where --measured "
           "has universal files, one for each of them before these");
     }
     if (!data.stiffness.empty()) {
@@ -54,7 +54,6 @@ class StateReader {
     std::size_t& test = next_tension_;
     for (const auto& path : data_.frfs) read_frf(path, file++, tension_of(test++));
     for (const auto& path : data_.decays) read_decay(path, file++, tension_of(test++));
-    for (const auto& path : data_.responses) read_response(path, file++, tension_of(test++));
     check_compared();
     const auto known = [](const auto& tension) { return tension.has_value(); };
     if (!result_.stiffness.empty() &&
@@ -326,56 +325,6 @@ class StateReader {
       mode.plane = plane_of(file);
       add(at, std::move(mode), {});
     }
-  }
-
-  // Channels that are called like sensors; their decays' modes give starting values.
-  void read_response(const std::string& path, std::size_t file, std::optional<double> tension) {
-    const model::Scene scene = scene_for(file);
-    const auto recording = load_recording(path, context_);
-    if (!(recording.sample_rate_hz > 0)) throw UsageError(path + " gives no sample rate");
-    ident::MeasuredHistory history;
-    history.rate_hz = recording.sample_rate_hz;
-    std::vector<const signal::Channel*> channels;
-    for (const auto& channel : recording.channels) {
-      for (std::size_t k = 0; k < scene.sensors.size(); ++k) {
-        if (scene.sensors[k].name != channel.name) continue;
-        history.sensors.push_back(k);
-        channels.push_back(&channel);
-      }
-    }
-    if (channels.empty())
-      throw UsageError(path + " has no channel called like a sensor of " + scene_of(file));
-    for (const auto& load : scene.loads) {
-      if (load.kind == model::Load::Kind::record) {
-        throw UsageError(scene_of(file) +
-                         ": loads of kind record are not fitted; give an impact "
-                         "or a release");
-      }
-    }
-    const std::size_t at = state_at(scene_of(file), scene, tension);
-    add_clock(at, recording.sample_rate_hz, recording.sample_rate_relative_std);
-    auto& state = result_.states[at];
-    history.samples.resize(recording.samples(), static_cast<Eigen::Index>(channels.size()));
-    signal::DecayOptions options;
-    if (data_.band_hz) {
-      options.band_low_hz = data_.band_hz->first, options.band_high_hz = data_.band_hz->second;
-    }
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-      history.samples.col(static_cast<Eigen::Index>(c)) = channels[c]->samples;
-      const auto decay =
-          signal::estimate_decay(channels[c]->samples, recording.sample_rate_hz, options);
-      if (!decay.refusal.empty() || !state.measured.empty()) continue;
-      for (const auto& found : decay.modes) {
-        if (found.doubtful) continue;
-        ident::MeasuredMode mode;
-        mode.frequency_hz = found.frequency_hz;
-        mode.damping_ratio = found.damping_ratio;
-        mode.plane = plane_of(file);
-        add(at, std::move(mode), {});
-      }
-    }
-    state.modes_lead_only = true;
-    state.histories.push_back(std::move(history));
   }
 
   const UpdateData& data_;

@@ -15,7 +15,7 @@ namespace rigfit::apps {
 
 struct UpdateData {
   std::vector<std::string> scenes;  ///< one for all, or one for each file below, in their order
-  std::vector<std::string> modes, frfs, decays, responses;  ///< files
+  std::vector<std::string> modes, frfs, decays;  ///< files
   /// One for each file that is no table (universal files of modes may have none); empty: the
   /// scene's.
   std::vector<double> tensions;

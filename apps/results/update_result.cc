@@ -194,10 +194,6 @@ Json update_json(const ident::UpdateResult& result, const States& states) {
     json["rms_log_frf_error"] = json_number(result.rms_log_frf_error);
     json["rms_log_frf_error_before"] = json_number(result.rms_log_frf_error_before);
   }
-  if (std::isfinite(result.history_error)) {
-    json["history_error"] = result.history_error;
-    json["history_error_before"] = json_number(result.history_error_before);
-  }
   return json;
 }
 
@@ -311,10 +307,6 @@ void print_update(std::ostream& out, const ident::UpdateResult& result, const St
     out << fmt::format(
         "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
         result.frf_lines, result.rms_log_frf_error_before, result.rms_log_frf_error);
-  }
-  if (std::isfinite(result.history_error)) {
-    out << fmt::format("rms of model less record over the record's: {:.2g} before, {:.2g} fitted\n",
-                       result.history_error_before, result.history_error);
   }
   for (const auto& text : ident::exact_input_texts(result)) out << "  " << text << '\n';
 }

@@ -20,7 +20,7 @@ void check(const std::vector<ModelCandidate>& candidates) {
     }
     std::size_t measured = 0, first = 0;
     for (const auto& state : one.states) {
-      if (!state.frfs.empty() || !state.histories.empty()) {
+      if (!state.frfs.empty()) {
         throw std::invalid_argument("candidates: models are compared by modes, not by FRFs");
       }
       measured += state.measured.size();

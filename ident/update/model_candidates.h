@@ -41,7 +41,7 @@ struct CandidateComparison {
   std::vector<UpdatedParameter> averaged;
 };
 
-/// Fits of modes alone (throws std::invalid_argument for FRFs or histories, candidates without a
+/// Fits of modes alone (throws std::invalid_argument for FRFs, candidates without a
 /// name of their own, other numbers of measured modes, or none).
 [[nodiscard]] CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candidates,
                                                      const UpdateOptions& options);

@@ -41,7 +41,6 @@ void state_values(const UpdateProblem& problem, const UpdateSolution& answer,
     result.rms_log_frf_error = problem.rms_log_frf_error(answer.q);
     result.frf_lines = problem.frf_lines();
   }
-  if (problem.has_histories()) result.history_error = problem.history_error(answer.q);
 }
 
 // Everything in the result that follows from the answer. `by_segments`: of state_uncertainty.
@@ -215,7 +214,6 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   }
 
   if (problem.has_frfs()) result.rms_log_frf_error_before = problem.rms_log_frf_error(start);
-  if (problem.has_histories()) result.history_error_before = problem.history_error(start);
 
   std::vector<UpdateAnswer> answers = answers_of(problem, options, result, failure);
   if (answers.empty()) {

@@ -5,7 +5,6 @@
 //
 //   sum_pairs rho((ln f_model(p) - ln f_measured) / s) + the same of damping ratios where measured
 //   + the same of shapes where asked for (both of unit length, the model's sign)
-//   + sum_samples rho((y_model(p) - y_measured) / s) of time histories where measured
 //   + sum_lines rho(Re, Im of ln(H_model(p) / H_measured) / s) of FRFs where measured
 //   + sum_priors ((p - p0) / s_p)^2
 //

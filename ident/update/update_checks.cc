@@ -159,10 +159,6 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
             !problem.redraw_frfs(solution.coordinates, spread, [&] { return normal(random); })) {
           continue;
         }
-        if (!problem.redraw_histories(solution.coordinates, spread,
-                                      [&] { return normal(random); })) {
-          continue;
-        }
         Eigen::VectorXd start = problem.start();
         for (Eigen::Index j = 0; j < n; ++j) {
           const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];

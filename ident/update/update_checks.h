@@ -40,7 +40,7 @@ struct UpdateMonteCarlo {
 };
 
 /// Refits from the solution, with its pairs. Drawn anew in each sample, all normal: measured
-/// frequencies, damping ratios, FRFs and time histories about the fitted model's (by their
+/// frequencies, damping ratios, and FRFs about the fitted model's (by their
 /// uncertainties, the fit's own scatter where they have none), priors, and every input.
 /// `progress` is called after each sample, from any thread.
 [[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,

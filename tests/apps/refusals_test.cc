@@ -237,8 +237,6 @@ TEST(Refusals, OfUpdate) {
        {table + "@blank.csv", 3, "blank.csv: holds no rows; give a header line"},
        {"update @scene.toml --decay @norate.csv", 2, "norate.csv gives no sample rate"},
        {"update @scene.toml --decay @two.csv", 2, "several channels: name one with --channel"},
-       {"update @scene.toml --response @norate.csv", 2, "norate.csv gives no sample rate"},
-       {"update @scene.toml --response @decay.csv", 2, "no channel called like a sensor of"},
        {"update @scene.toml --decay @decay.csv --band 300 400", 4, "above half the sample rate"}});
   // A fit that does not get on says so itself: what its solver logs is not for people.
   const auto path = [&](const char* name) { return (files.folder.path() / name).string(); };

@@ -179,7 +179,7 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
         "candidates are compared without --hold-out, --profile and --monte-carlo: give these to a "
         "fit of the model chosen");
   }
-  if (!options.data.frfs.empty() || !options.data.responses.empty()) {
+  if (!options.data.frfs.empty()) {
     throw UsageError("candidates are compared by modes: give --measured or --decay alone");
   }
   auto models = candidate_models(options, states, context);
@@ -216,9 +216,8 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
 }
 
 Json run_update(VerbContext& context, UpdateCommand options) {
-  if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty() &&
-      options.data.responses.empty()) {
-    throw UsageError("nothing to fit to: give --measured, --frf, --decay or --response");
+  if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty()) {
+    throw UsageError("nothing to fit to: give --measured, --frf or --decay");
   }
   if (!options.band.empty()) {
     if (!(options.band[0] < options.band[1])) throw UsageError("--band must rise");
@@ -315,14 +314,10 @@ describe::Options options_of(UpdateCommand& c) {
       option("--decay", c.data.decays,
              "Recordings of free decays: their frequencies and damping ratios")
           .file(),
-      option("--response", c.data.responses,
-             "Recordings of the response to the scene's own loads from t = 0 on, fitted sample by "
-             "sample; channels are called like the scene's sensors")
-          .file(),
       option("--channel", c.data.decay_channel, "Channel of the decays"),
       option("--tension", c.data.tensions,
-             "N, of each universal file of --measured (or of none of them), then of each --frf, "
-             "--decay and --response: the cables' tension in that state")
+             "N, of each universal file of --measured (or of none of them), then of each --frf "
+             "and --decay: the cables' tension in that state")
           .positive(),
       option("--band", c.band, "Lines and modes of FRFs, decays and UFF 55 that count", "Hz")
           .count(2)
@@ -367,7 +362,7 @@ describe::Options options_of(UpdateCommand& c) {
       option("--aim", c.aims,
              "Where a load of the scene struck, LOAD=METRES,DEGREES (standard uncertainties of its "
              "place along the member and of its direction, of the mean of the hits): carried on "
-             "like every --input. With --frf and --response"),
+             "like every --input. With --frf"),
       option("--profile", c.profile, "Also 95 % intervals by profile (of data and priors alone)"),
       option("--assumed-std", c.assumed_std,
              "Relative standard uncertainty of frequencies that come without one")
@@ -391,7 +386,7 @@ describe::Options options_of(UpdateCommand& c) {
       option("--hold-out", c.hold_out,
              "Also leave out each state in turn and predict it from the others"),
       option("--monte-carlo", c.monte_carlo,
-             "Refits with measured frequencies, damping ratios, FRFs and time histories, priors, "
+             "Refits with measured frequencies, damping ratios and FRFs, priors, "
              "the stiffness table, EA, every --input and --aim drawn anew")
           .within(0, 1000000),
       option("--out", c.out, "Updated scene")};

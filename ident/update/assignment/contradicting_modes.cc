@@ -11,14 +11,14 @@ namespace rigfit::ident {
 namespace {
 
 constexpr double kMisfit = 9, kAgreement = 3;  // chi-squared a degree of freedom
-constexpr double kLeast = 2;                   // degrees of freedom that are left
+constexpr double kLeastFreedom = 2;            // degrees of freedom that are left
 
 /// Chi-squared a degree of freedom; infinite without a model or without freedom.
 double chi_squared_per_degree(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                               const Eigen::VectorXd& q) {
   Eigen::VectorXd r;
   if (!problem.residuals(q, matches, UpdateStage::full, r, nullptr) ||
-      static_cast<double>(r.size() - problem.size()) < kLeast) {
+      static_cast<double>(r.size() - problem.size()) < kLeastFreedom) {
     return std::numeric_limits<double>::infinity();
   }
   return r.squaredNorm() / static_cast<double>(r.size() - problem.size());
@@ -27,7 +27,7 @@ double chi_squared_per_degree(const UpdateProblem& problem, const std::vector<Up
 }  // namespace
 
 bool is_misfit(const UpdateProblem& problem, const UpdateSolution& solution) {
-  if (!problem.uncertainties_known() || problem.has_frfs() || problem.has_histories()) return false;
+  if (!problem.uncertainties_known() || problem.has_frfs()) return false;
   const double misfit = chi_squared_per_degree(problem, solution.matches.matches, solution.q);
   return misfit > kMisfit && std::isfinite(misfit);
 }

@@ -48,8 +48,7 @@ std::optional<ResolvedFit> with_resolving_segments(const UpdateProblem& settled,
                                                    const UpdateSolution& answer,
                                                    UpdateResult result) {
   constexpr int kMostTimes = 8;
-  if (!options.segment_uncertainty || !settled.has_frfs() || settled.has_histories() ||
-      !settled.has_given_segments()) {
+  if (!options.segment_uncertainty || !settled.has_frfs() || !settled.has_given_segments()) {
     return std::nullopt;
   }
   const auto& matches = answer.matches.matches;

@@ -144,8 +144,7 @@ std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows_of(int state) const 
 
 std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(
     const std::vector<UpdateMatch>& matches) const {
-  Eigen::Index row =
-      residual_count(matches, UpdateStage::full) - priors_ - 2 * frf_lines() - history_samples();
+  Eigen::Index row = residual_count(matches, UpdateStage::full) - priors_ - 2 * frf_lines();
   std::vector<FrfRows> all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (!takes_part(s)) continue;
@@ -153,9 +152,6 @@ std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(
       rows.first = row;
       row += 2 * static_cast<Eigen::Index>(rows.relative_std.size());
       all.push_back(std::move(rows));
-    }
-    for (const auto& history : states_[static_cast<std::size_t>(s)].histories) {
-      row += history.samples.array().isFinite().count();
     }
   }
   return all;

@@ -16,7 +16,7 @@
 namespace rigfit::ident {
 
 /// As target of an UncertainInput's effect: no scene parameter but all measured frequencies of the
-/// state (of modes, of the lines of FRFs, rates of time histories); the change is relative.
+/// state (of modes, of the lines of FRFs); the change is relative.
 inline constexpr std::string_view kSampleRateTarget = "sample rate";
 
 /// What was measured in a state was sampled at that stated rate, known to e.

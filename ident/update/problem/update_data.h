@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "model/linear/modal_analysis.h"
-#include "model/scene/force_history.h"
 #include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
@@ -74,23 +73,13 @@ struct MeasuredFrf {
 /// 51-83, equivalent noise bandwidth.
 [[nodiscard]] double lines_per_independent(double decay_rate_1_s, double line_spacing_hz);
 
-/// What sensors recorded while the scene's own loads acted, from t = 0 of the loads on.
-struct MeasuredHistory {
-  std::vector<std::size_t> sensors;  ///< of the scene, one a column
-  double rate_hz = 0;
-  Eigen::MatrixXd samples;   ///< rows (0, 1/rate, ...) x sensors, SI; NaN: not recorded
-  Eigen::VectorXd std = {};  ///< of a sample, one a sensor; empty: unknown
-  std::vector<model::ForceHistory> records = {};  ///< by load of the scene; for kind `record`
-};
-
 /// The rig in one state: its scene as known before, and what was measured.
 struct UpdateState {
   std::string name;
   model::Scene scene;
   std::vector<MeasuredMode> measured;
   std::vector<MeasuredFrf> frfs = {};
-  std::vector<MeasuredHistory> histories = {};
-  /// The modes were found in these FRFs or histories: they give its starting values and are listed,
+  /// The modes were found in these FRFs: they give its starting values and are listed,
   /// but do not count a second time.
   bool modes_lead_only = false;
   /// Band that the test of `measured` looked at; none: from 0 to the highest measured mode.

@@ -32,18 +32,16 @@ struct UpdateOptions {
   double frf_model_relative_std = 0;
   /// Lines whose uncertainty is a larger part of the FRF say nothing in their logarithm.
   double frf_max_relative_std = 0.5;
-  /// Of time histories that come without one, of their own rms; it then only weighs.
-  double assumed_history_relative_std = 0.05;
   /// Standard uncertainty of a component of a unit shape; 0: shapes only pair, they are not fitted.
   double shape_std = 0;
   /// What the model cannot reach, relative in frequency, added to every measured uncertainty.
   double model_relative_std = 0;
   double huber_threshold = 2;         ///< standard deviations beyond which a pair pulls linearly
-  PairingOptions pairing = {};        ///< of lists of pairs, and of fits of FRFs and histories
+  PairingOptions pairing = {};        ///< of lists of pairs, and of fits of FRFs
   AssignmentOptions assignment = {};  ///< of fits to modes
   double first_common_factor = 4;     ///< common_factor_range of the first pairing of each start
   /// 1: the answer near the scene's own values. More: fits to modes look over the whole range of
-  /// the parameters (update_alternatives.h); fits of FRFs and histories begin so many times.
+  /// the parameters (update_alternatives.h); fits of FRFs begin so many times.
   int starts = 4;
   double start_spread = 3;  ///< factor by which the others are off, up or down, at most
   std::uint64_t seed = 1;

@@ -63,17 +63,6 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       }
       if (frf.std.size() == 0) uncertainties_known_ = false;
     }
-    for (const auto& history : state.histories) {
-      const bool known_sensors =
-          std::all_of(history.sensors.begin(), history.sensors.end(),
-                      [&](std::size_t sensor) { return sensor < state.scene.sensors.size(); });
-      const auto columns = static_cast<Eigen::Index>(history.sensors.size());
-      if (!known_sensors || history.samples.cols() != columns || !(history.rate_hz > 0) ||
-          (history.std.size() != 0 && history.std.size() != columns)) {
-        throw std::invalid_argument("update: a time history without its sensors, rate or columns");
-      }
-      if (history.std.size() == 0) uncertainties_known_ = false;
-    }
     if (state.modes_lead_only) continue;
     for (const auto& mode : state.measured) {
       if (!known(mode.frequency_hz.std)) uncertainties_known_ = false;

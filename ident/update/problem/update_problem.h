@@ -167,9 +167,6 @@ class UpdateProblem {
                                             UpdateStage stage) const;
   [[nodiscard]] bool has_modes() const;
   [[nodiscard]] bool has_frfs() const;
-  [[nodiscard]] bool has_histories() const;
-  /// Model less measured over measured, rms; NaN without histories or without a model.
-  [[nodiscard]] double history_error(const Eigen::VectorXd& q) const;
   /// Rms of |ln(H_model / H_measured)| over the fitted lines of the states that take part (or
   /// `only` that one); NaN without any or without a model.
   [[nodiscard]] double rms_log_frf_error(const Eigen::VectorXd& q, int only = -1) const;
@@ -196,7 +193,7 @@ class UpdateProblem {
   };
   [[nodiscard]] std::vector<FrequencyRow> frequency_rows(const std::vector<UpdateMatch>& matches,
                                                          UpdateStage stage) const;
-  [[nodiscard]] bool modes_only() const { return has_modes() && !has_frfs() && !has_histories(); }
+  [[nodiscard]] bool modes_only() const { return has_modes() && !has_frfs(); }
 
   [[nodiscard]] double relative_std(int state, int measured) const;
   [[nodiscard]] double damping_relative_std(int state, int measured) const;
@@ -211,9 +208,6 @@ class UpdateProblem {
   /// False when there is no model there.
   [[nodiscard]] bool redraw_frfs(const Eigen::VectorXd& q, double spread,
                                  const std::function<double()>& normal);
-  /// The same of every sample of a time history.
-  [[nodiscard]] bool redraw_histories(const Eigen::VectorXd& q, double spread,
-                                      const std::function<double()>& normal);
   void set_prior(Eigen::Index coordinate, double q) {
     coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
   }
@@ -244,9 +238,6 @@ class UpdateProblem {
   [[nodiscard]] Targets targets_of(int state) const;
   [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
                                  std::string& failure) const;
-  [[nodiscard]] Eigen::Index history_samples() const;
-  [[nodiscard]] bool history_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
-                                       Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
   [[nodiscard]] std::vector<FrfRows> frf_rows_of(int state) const;  // `first` left 0
   void whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const;         // columns times L

@@ -1,5 +1,5 @@
 // Residuals of the update: frequencies, damping ratios and shapes of pairs, then what
-// update_frfs.cc and update_histories.cc add, then priors.
+// update_frfs.cc adds, then priors.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -38,7 +38,7 @@ Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& match
     count += damping_fitted(mode) ? 2 : 1;
     if (shape_fitted(mode)) count += mode.shape.size();
   }
-  if (stage == UpdateStage::full) count += 2 * frf_lines() + history_samples();
+  if (stage == UpdateStage::full) count += 2 * frf_lines();
   return count;
 }
 
@@ -97,7 +97,6 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
     for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
       if (!takes_part(s)) continue;
       if (!frf_residuals(s, q, row, r, jacobian)) return false;
-      if (!history_residuals(s, q, row, r, jacobian)) return false;
     }
   }
   for (Eigen::Index j = 0; j < size(); ++j) {

@@ -133,9 +133,6 @@ struct UpdateResult {
   double rms_log_frf_error = std::numeric_limits<double>::quiet_NaN();
   double rms_log_frf_error_before = std::numeric_limits<double>::quiet_NaN();
   Eigen::Index frf_lines = 0;
-  /// Rms of model less measured over that of the measured, all samples; NaN without histories.
-  double history_error = std::numeric_limits<double>::quiet_NaN();
-  double history_error_before = std::numeric_limits<double>::quiet_NaN();
   UpdateFit fit;
   std::vector<ExactInput> exact_inputs;  ///< what no interval holds
   std::vector<ExactEnds> exact_ends;     ///< the same, of end conditions; of fits to modes

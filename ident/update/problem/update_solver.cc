@@ -44,12 +44,10 @@ class UpdateCost : public ceres::CostFunction {
       q[j] = coordinates[static_cast<std::size_t>(j)].from_step(blocks[0][j]);
     }
     // Most steps are taken: the Jacobian found with the residuals of a trial serves when it is
-    // asked for. Only those of time histories cost more than they save.
-    if (q_.size() == 0 || q != q_ || (derivatives && J_.size() == 0)) {
-      J_.resize(0, 0);
+    // asked for.
+    if (q_.size() == 0 || q != q_) {
       q_.resize(0);
-      const bool with = derivatives || !problem_.has_histories();
-      if (!problem_.residuals(q, matches_, stage_, r_, with ? &J_ : nullptr)) return false;
+      if (!problem_.residuals(q, matches_, stage_, r_, &J_)) return false;
       q_ = q;
     }
     const Eigen::VectorXd& r = r_;
@@ -276,8 +274,7 @@ UpdateSolution lead_by_modes(const UpdateProblem& problem, Eigen::VectorXd q,
 
 UpdateSolution solve_from(const UpdateProblem& problem, Eigen::VectorXd q,
                           const UpdateOptions& options) {
-  if (!problem.has_frfs() && !problem.has_histories())
-    return lead_by_modes(problem, std::move(q), options, UpdateStage::full);
+  if (!problem.has_frfs()) return lead_by_modes(problem, std::move(q), options, UpdateStage::full);
   UpdateSolution best;
   if (problem.has_modes()) {
     best = lead_by_modes(problem, q, options, UpdateStage::lead);
@@ -339,9 +336,8 @@ std::vector<UpdateSolution> solve_from_all_starts(const UpdateProblem& problem,
   std::vector<UpdateSolution> solved(starts.size());
   solved[0] = solve_from(problem, starts[0], options);
   if (starts.size() == 1) return solved;
-  // Time histories run out of phase with few segments.
-  const bool coarsen = options.coarse_starts && !problem.has_histories() &&
-                       problem.fewest_segments() >= kCoarsenFrom && solved[0].q.size() > 0;
+  const bool coarsen =
+      options.coarse_starts && problem.fewest_segments() >= kCoarsenFrom && solved[0].q.size() > 0;
   const UpdateProblem coarse = problem.with_segments(coarsen ? kCoarse : 1);
   UpdateOptions rough = options;
   rough.function_tolerance = std::max(options.function_tolerance, kCoarseTolerance);

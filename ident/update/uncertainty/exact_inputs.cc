@@ -94,7 +94,7 @@ void state_exact_inputs(const UpdateProblem& problem, const UpdateOptions& optio
     result.exact_inputs.push_back({one.name, kChange, Eigen::VectorXd::Constant(n, signal::kNaN)});
     scaled.insert(scaled.end(), one.by_state.begin(), one.by_state.end());
   }
-  if (exact.empty() || problem.has_histories() || result.identifiability.std.size() != n) return;
+  if (exact.empty() || result.identifiability.std.size() != n) return;
   const UpdateProblem wide = problem.with_scaled(scaled);
   Eigen::VectorXd q = Eigen::VectorXd::Zero(wide.size()), r;  // ln 1
   q.head(n) = result.coordinates;

@@ -13,8 +13,7 @@
 namespace rigfit::ident {
 
 /// Fills `result.exact_inputs`; its uncertainty is stated with `problem`. Without the changes (NaN)
-/// where the data are time histories, whose derivatives cost a simulation each, and where the model
-/// has none.
+/// where the model has no derivatives.
 void state_exact_inputs(const UpdateProblem& problem, const UpdateOptions& options,
                         const std::vector<UpdateMatch>& matches, UpdateResult& result);
 

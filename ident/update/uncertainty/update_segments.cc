@@ -157,9 +157,7 @@ double segment_excess(const UpdateProblem& problem, const std::vector<UpdateMatc
 int auto_segments_needed(const UpdateProblem& problem, const UpdateOptions& options,
                          const std::vector<UpdateMatch>& matches, const UpdateResult& result,
                          int now) {
-  if (!options.segment_uncertainty || !problem.has_auto_segments() || problem.has_histories()) {
-    return now;
-  }
+  if (!options.segment_uncertainty || !problem.has_auto_segments()) return now;
   const double excess =
       std::max(problem.left_over_accuracy(matches), segment_excess(problem, matches, result));
   if (!(excess > 1)) return now;

@@ -8,8 +8,7 @@
 // their segments taken off. From n, 2 n and 4 n segments Romberg's table gives ln f for h -> 0; its
 // difference to ln f of n, found at the parameters and held, is subtracted wherever the model with
 // n segments is asked, twice over as the parameters move. What Romberg's last column changed stays
-// as the uncertainty. FRFs and time histories are fitted as n segments give them; of
-// histories Richardson's estimate of their error is all uncertainty.
+// as the uncertainty. FRFs are fitted as n segments give them.
 //
 // "auto" gets more segments until what is left is below a fifth of every parameter's uncertainty by
 // all else, below a fifth of chi-square's standard deviation in the residuals of FRFs, and below
@@ -17,9 +16,8 @@
 // whose segments are given: the fit is repeated with 2, 4 and 8 times as many until they meet the
 // same limits. That fit has the verdict and the covariance; what the given segments moved the
 // parameters by, with what is left, is their uncertainty. An error that moves a resonance by a part
-// of its width is not linear in h^2, and no linear estimate holds it. Time histories stay with the
-// segments that they have, as their cost goes with the square of the segments. Source: Stoer
-// and Bulirsch, Introduction to Numerical Analysis, 3.4. For the update and its checks, not for
+// of its width is not linear in h^2, and no linear estimate holds it. Source: Stoer and
+// Bulirsch, Introduction to Numerical Analysis, 3.4. For the update and its checks, not for
 // users.
 #pragma once
 

@@ -104,7 +104,7 @@ TEST(UpdateFrfs, FindsStiffnessMassAndDampingFromStartsOffByThree) {
   for (const double factor : {1.0 / 3, 3.0}) {
     auto start = beam(2.1 * factor, 0.02 / factor, kRatio);
     model::set_parameter(start, "beam.damping_ratio", 0.01 * factor);
-    UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 1), {}, true};
+    UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 1), true};
     UpdateOptions options;
     options.segment_uncertainty = false;  // the data have the model's segments
     const auto result =
@@ -201,12 +201,9 @@ TEST(UpdateFrfs, IntervalsCover) {
 TEST(UpdateFrfs, AHeldOutStateIsPredicted) {
   std::vector<UpdateState> states;
   for (const double tip : {0.01, 0.03, 0.05}) {
-    UpdateState state{"tip " + std::to_string(tip),
-                      beam(3.0, tip, kRatio),
+    UpdateState state{"tip " + std::to_string(tip), beam(3.0, tip, kRatio),
                       modes_of(beam(2.1, tip, kRatio), 3, 0.1),
-                      frfs_of(beam(2.1, tip, kRatio), 0.02, 7),
-                      {},
-                      true};
+                      frfs_of(beam(2.1, tip, kRatio), 0.02, 7), true};
     states.push_back(state);
   }
   UpdateOptions options;
@@ -373,57 +370,13 @@ TEST(DamperFit, AndFromFrfsAndAnAxialDamperIsNotSeenInBending) {
   const auto truth = beam(2.1, 0.02, "damping = { bending = 0.004, axial = 1.0 }");
   auto start = truth;
   model::set_parameter(start, "beam.damping_bending", 0.01);
-  UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 5), {}, true};
+  UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 5), true};
   const auto result = update_model({state}, {{"beam.damping_bending"}, {"beam.damping_axial"}});
   EXPECT_TRUE(result.parameters[0].identifiable);
   EXPECT_NEAR(result.parameters[0].value, 0.004, 4 * result.parameters[0].std);
   EXPECT_FALSE(result.parameters[1].identifiable);
   ASSERT_EQ(result.open.size(), 1U);
   EXPECT_NE(result.open[0].find("beam.damping_axial"), std::string::npos);
-}
-
-// The response to the scene's own hammer, sample by sample.
-TEST(UpdateHistories, StiffnessAndDampingComeFromTheTimeResponse) {
-  const auto truth = beam(2.1, 0.02, kRatio);
-  model::ResponseOptions options;
-  options.sampling.duration_s = 1;
-  options.sampling.rate_hz = 500;
-  const auto exact = model::simulate_response(truth, options);
-  ASSERT_TRUE(exact.completed) << exact.reason;
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> normal;
-  MeasuredHistory history;
-  history.sensors = {1};
-  history.rate_hz = 500;
-  history.samples = exact.samples.col(1);
-  const double std = 0.02 * std::sqrt(history.samples.squaredNorm() / 501);
-  for (double& sample : history.samples.reshaped()) sample += std * normal(random);
-  history.samples(17) = std::nan("");  // a dropout
-  history.std = Eigen::VectorXd::Constant(1, std);
-  auto start = beam(2.1 * 1.5, 0.02, kRatio);
-  model::set_parameter(start, "beam.damping_ratio", 0.03);
-  UpdateState state{"beam", start, modes_of(truth, 3, 0.1), {}, {history}, true};
-  UpdateOptions update;
-  update.starts = 2;
-  const auto result = update_model({state}, {{"beam.EI_z"}, {"beam.damping_ratio"}}, update);
-  ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
-  EXPECT_NEAR(result.parameters[0].value, 2.1, 4 * result.parameters[0].std);
-  EXPECT_NEAR(result.parameters[1].value, 0.01, 4 * result.parameters[1].std);
-  EXPECT_NEAR(result.history_error, 0.02, 0.003);  // the noise that was added
-  EXPECT_GT(result.history_error_before, 0.5);
-  EXPECT_EQ(result.degrees_of_freedom, 501 - 1 - 2);
-
-  // Drawn anew: 24 samples know a standard deviation to 15 %, three of these.
-  update.segment_uncertainty = false;
-  const auto study =
-      update_monte_carlo(result, {state}, {{"beam.EI_z"}, {"beam.damping_ratio"}}, update, 24);
-  ASSERT_EQ(study.samples, 24);
-  for (std::size_t p = 0; p < 2; ++p) {
-    const auto j = static_cast<Eigen::Index>(p);
-    const double by_data = result.parameters[p].budget[0].std;
-    EXPECT_NEAR(study.std[j], by_data, 0.45 * by_data) << p;
-    EXPECT_NEAR(study.mean[j], result.parameters[p].value, 0.62 * by_data) << p;
-  }
 }
 
 // Shapes say where stiffness or mass sits, which few frequencies do not.
@@ -499,12 +452,8 @@ TEST(UpdateStarts, CoarseOnesEndInTheSameAnswer) {
     return scene;
   };
   const auto truth = with_segments(beam(2.1, 0.02, kRatio));
-  const UpdateState state{"beam",
-                          with_segments(beam(3.0, 0.01, kRatio)),
-                          modes_of(truth, 3, 0.1),
-                          frfs_of(truth, 0.02, 8),
-                          {},
-                          true};
+  const UpdateState state{"beam", with_segments(beam(3.0, 0.01, kRatio)), modes_of(truth, 3, 0.1),
+                          frfs_of(truth, 0.02, 8), true};
   UpdateOptions options;
   options.segment_uncertainty = false;  // the data have the model's segments
   const auto fast = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
