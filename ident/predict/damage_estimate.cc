@@ -9,7 +9,7 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr double kOneSided = 1.644854;  // of a normal density, 95 %
+constexpr double kOneSided = 1.644854;  // normal density, 95 %
 constexpr double kTwoSided = 1.959964;
 
 Eigen::Index index_of(const FittedParameters& fitted, const std::string& name) {

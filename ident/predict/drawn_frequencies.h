@@ -14,9 +14,9 @@ namespace rigfit::ident {
 /// Every member leaves its segments to the program.
 [[nodiscard]] bool all_auto(const model::Scene& scene, const model::ModesOptions& options);
 
-/// Of each scene the frequencies (Hz) of the modes that have the plane and order of `reference`'s;
-/// empty where there is no equilibrium or one of them is not found. Scenes whose members all leave
-/// their segments to the program are solved to `accuracy`.
+/// Frequencies (Hz), by scene, of the modes with the planes and orders of `reference`; a scene that
+/// has no equilibrium, or lacks one of these modes, gets an empty vector. Scenes whose members all
+/// leave their segments to the program are solved to `accuracy`.
 [[nodiscard]] std::vector<Eigen::VectorXd> drawn_frequencies(
     std::span<const model::Scene> scenes, const std::vector<model::NaturalMode>& reference,
     const model::ModesOptions& options, double accuracy);

@@ -16,7 +16,7 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr double kCoverage = 1.959964;  // of a normal density, 95 %
+constexpr double kCoverage = 1.959964;  // normal density, 95 %
 constexpr double kLinear = 0.05;        // departure in standard uncertainties that needs samples
 
 bool has(const std::vector<std::string>& names, const std::string& name) {
@@ -124,11 +124,11 @@ model::ModesOptions modes_options(const PredictionOptions& options, bool shapes)
   return modes;
 }
 
-constexpr double kRateAccuracy = 1e-4;  // of a frequency, in the chain that derivatives are of
+constexpr double kRateAccuracy = 1e-4;  // relative, frequencies of the chain for derivatives
 
-/// Modes and their derivatives. Where a scene leaves its segments to the program the frequencies
-/// are those of `analyse_modes`, by many times cheaper than one chain as accurate; the derivatives
-/// are of a chain to 1e-4.
+/// Modes and their derivatives. Where a scene leaves its segments to the program, `analyse_modes`
+/// gives the frequencies, many times cheaper than one chain as accurate, and a chain accurate to
+/// 1e-4 gives the derivatives.
 model::ModeSensitivities nominal_modes(const model::Scene& scene,
                                        const std::vector<std::string>& targets,
                                        const model::ModesOptions& options) {

@@ -8,9 +8,9 @@
 // with analytic derivatives of frequencies, damping ratios and FRFs (the change of the equilibrium
 // included). Positive quantities get the interval
 // y exp(-+ 1.96 std / y). The linear answer is checked at one and at 1.96 standard uncertainties
-// along each principal direction of C: where a frequency departs from it by more than a twentieth
-// of its std, the modes are sampled instead (positive parameters lognormal), and the interval is
-// that of the samples.
+// along each principal direction of C: where a frequency departs from it by more than 5 % of its
+// std, the modes are sampled instead (positive parameters lognormal), and the interval comes from
+// the samples.
 //
 // The uncertainty is that of the parameters handed over, and of the scene's own inputs that
 // scene_inputs.h adds to them. What else the scene takes as known counts as exact. Sources: GUM
@@ -39,7 +39,7 @@ struct KnownParameter {
   /// Scene parameters that take it (model/scene/parameters.h); empty: `name`, or, for a member with
   /// one EI only here or there, EI for EI_z.
   std::vector<std::string> targets = {};
-  std::vector<double> factors = {};  ///< of each target; empty: 1
+  std::vector<double> factors = {};  ///< one per target; empty: 1
 };
 
 /// By how much each parameter of a fit changes when an input of the fit is larger by one of its
@@ -65,7 +65,7 @@ void add_effect(const std::string& input, Eigen::Index parameter, double change,
 
 struct PredictionOptions {
   int count = 6;                     ///< modes
-  std::optional<int> segments = {};  ///< of every member; else the scene's
+  std::optional<int> segments = {};  ///< for every member; else the scene's
   int samples = 200;                 ///< where the linear answer does not hold
   bool always_sample = false;
   std::uint64_t seed = 1;
@@ -80,7 +80,7 @@ struct PredictedMode {
 struct ModePrediction {
   model::Equilibrium equilibrium;    ///< no modes unless converged
   std::vector<PredictedMode> modes;  ///< by rising frequency
-  Eigen::MatrixXd covariance;        ///< of the frequencies, linear
+  Eigen::MatrixXd covariance;        ///< frequencies, to first order, Hz^2
   double nonlinearity = 0;  ///< largest departure from the linear answer, in standard uncertainties
   bool sampled = false;     ///< std and intervals come from samples
   std::vector<std::string> used, not_used;  ///< names of parameters
@@ -101,7 +101,7 @@ struct ModePrediction {
 struct FrfPrediction {
   Eigen::VectorXd frequency_hz;
   std::vector<Eigen::MatrixXcd> H;   ///< per line: sensors x loads
-  std::vector<Eigen::MatrixXd> std;  ///< of ln |H|, linear
+  std::vector<Eigen::MatrixXd> std;  ///< standard uncertainty of ln |H|, first order
 };
 /// Throws as above.
 [[nodiscard]] FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fitted,
@@ -110,7 +110,7 @@ struct FrfPrediction {
 /// A measured frequency held against a prediction.
 struct HeldAgainst {
   std::size_t measured = 0;
-  int mode = -1;  ///< of the prediction; -1: paired with none
+  int mode = -1;  ///< index in the prediction; -1: not paired
   double relative_error =
       std::numeric_limits<double>::quiet_NaN();  ///< predicted over measured - 1
   /// Difference over the standard uncertainty of both together.

@@ -19,7 +19,7 @@ constexpr std::size_t kShortlist = 16;
 // 0.05^12, and the search of 60 takes a fifth of the time.
 constexpr std::size_t kStarts = 12;
 
-/// Of the modelled modes: some 40, and twice the measured ones.
+/// Highest order of the modelled modes: 40 or twice the number of measured ones, the larger.
 int highest_order(const TensionData& data) {
   return std::max<int>(40, 2 * static_cast<int>(data.modes.size()));
 }

@@ -255,7 +255,7 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     state_exact_inputs(settled, options, answer.matches.matches, result);
     state_exact_ends(settled, options, answer.matches.matches, result);
   }
-  // Of differences of the cost only: the segments of the beginning serve, at their own error.
+  // Only differences of the cost count here: the segments of the beginning serve, with their error.
   const UpdateProblem quick =
       result.auto_segments > options.auto_segments
           ? settled.with_auto_segments(options.auto_segments).with_segment_errors_off(answer.q)

@@ -20,7 +20,7 @@ namespace {
 
 using signal::kNaN;
 
-// Of each row of values (rows x samples): mean, standard deviation, central 95 % interval.
+// For each row of values (rows x samples): mean, standard deviation, central 95 % interval.
 struct Spread {
   Eigen::VectorXd mean, std, low, high;
 };

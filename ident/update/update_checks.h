@@ -14,12 +14,12 @@ namespace rigfit::ident {
 struct HeldOut {
   int state = 0;
   UpdateStatus status = UpdateStatus::not_converged;
-  double rms_fitted = 0;     ///< of the states that were fitted
-  double rms_predicted = 0;  ///< of the one held out
-  double rms_before = 0;     ///< of the one held out, at the start values
-  double frf_fitted = 0, frf_predicted = 0, frf_before = 0;  ///< the same of rms |ln FRF ratio|
-  std::vector<UpdatedPair> pairs;                            ///< of the one held out
-  std::optional<model::Scene> scene = std::nullopt;          ///< of the one held out, as predicted
+  double rms_fitted = 0;     ///< over the fitted states
+  double rms_predicted = 0;  ///< held-out state
+  double rms_before = 0;     ///< held-out state, at the start values
+  double frf_fitted = 0, frf_predicted = 0, frf_before = 0;  ///< rms |ln FRF ratio| likewise
+  std::vector<UpdatedPair> pairs;                            ///< held-out state
+  std::optional<model::Scene> scene = std::nullopt;          ///< held-out state, as predicted
 };
 
 /// Each state in turn is left out, the others fitted, and it is predicted by what is shared.

@@ -14,15 +14,15 @@ namespace {
 // Segments while looking around: with 12 the ninth mode of a cable is a fifth too low, and the
 // right assignment is often lost.
 constexpr double kFewSegments = 20;
-constexpr ModelErrors kSearchErrors{0.05, 0.5};  // of the model while looking around
-// Of the model while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
+constexpr ModelErrors kSearchErrors{0.05, 0.5};  // model errors while looking around
+// Model error while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
 constexpr double kLeastStd = 2e-3;
 constexpr double kSure = 12, kSureError = 5e-3;  // see the header
 constexpr std::size_t kSeeds = 8;                // local fits with few segments
-constexpr std::size_t kRefined = 4;              // of these, with all
+constexpr std::size_t kRefined = 4;              // local fits refined with all segments
 constexpr int kRounds = 6;
 constexpr double kNegligible = 7;        // ln of the ratio of weights
-constexpr double kDampingRange = 4.605;  // ln(100): of a damping ratio without a partner
+constexpr double kDampingRange = 4.605;  // ln(100): range of an unpaired damping ratio
 
 double width_of(const UpdateCoordinate& coordinate) {
   return coordinate.logarithmic ? std::log(10.0) : 0.1;

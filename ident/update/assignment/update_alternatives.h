@@ -19,10 +19,10 @@
 // same for all answers, wherever the search began. Answers closer to each other than three standard
 // deviations are one.
 //
-// The search is skipped where the answer near the start explains the measured modes with an error
-// of the model below 0.5 %, its segments' taken off, and could not do so by chance: degrees of
-// freedom times ln(0.1 / error), less what missed and false modes cost in ln(likelihood), above 12.
-// An answer with a parameter at a bound needs an error of 0.
+// The search is skipped where the answer near the start explains the measured modes with a model
+// error below 0.5 % (segments' error taken off) and could not do so by chance: the degrees of
+// freedom times ln(0.1 / error), less the ln(likelihood) that missed and false modes cost,
+// exceed 12. An answer with a parameter at a bound needs an error of 0.
 //
 // Sources: Kass and Raftery, JASA 90 (1995) 773; Beck and Katafygiotis, J. Eng. Mech. 124 (1998)
 // 455. For the update and its checks, not for users.
@@ -41,9 +41,9 @@ struct ModelErrors {
 
 struct UpdateAnswer {
   UpdateSolution solution;
-  ModelErrors errors;  ///< of the largest posterior probability
+  ModelErrors errors;  ///< those of largest posterior probability
   double log_evidence = 0;
-  Eigen::MatrixXd hessian;  ///< of -ln(likelihood times prior), by coordinate
+  Eigen::MatrixXd hessian;  ///< second derivatives of -ln(posterior), by coordinate
   double weight = 1;
 };
 

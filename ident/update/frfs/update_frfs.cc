@@ -42,7 +42,7 @@ UpdateProblem::FrfLines UpdateProblem::lines_of(const MeasuredFrf& frf) const {
     const bool difference = frf_differences_ && frf.std.size() > 0 && own > kNoisy;
     if (!difference && own > options_.frf_max_relative_std) continue;
     if (!difference)
-      own *= std::sqrt(1 + own * own);  // of ln(1 + n), n complex noise of variance own^2 a part
+      own *= std::sqrt(1 + own * own);  // std of ln(1 + n), n complex noise, parts' variance own^2
     const double relative = std::hypot(own, options_.frf_model_relative_std, frf_model_std_);
     if (!(relative > 0)) continue;  // exact lines have no weight beside others
     lines.line.push_back(k);

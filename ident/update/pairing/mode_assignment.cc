@@ -7,7 +7,7 @@ namespace rigfit::ident {
 namespace {
 
 constexpr double kFarthest = 6;  // standard deviations: beyond, a pair is none
-constexpr double kTwin = 0.999;  // of a probability; far above rounding, far below what data say
+constexpr double kTwin = 0.999;  // probability; rounding is far below, data say more
 
 bool transverse(model::ModePlane plane) {
   return plane == model::ModePlane::in || plane == model::ModePlane::out;

@@ -44,14 +44,14 @@ struct AssignmentOptions {
 /// A mode that a test should have seen, had the structure it.
 struct MissedMode {
   int model = 0;           ///< index
-  double probability = 0;  ///< of being seen
+  double probability = 0;  ///< that the test sees it
 };
 
 struct ModeAssignment {
   std::vector<ModePair> pairs;  ///< by measured index
   std::vector<int> unpaired_measured;
   std::vector<MissedMode> missed;  ///< inside the band, probability 1/2 or more
-  double log_likelihood = 0;       ///< of all below together
+  double log_likelihood = 0;       ///< ln(likelihood) of pairs, false and missed modes
   /// Its parts: pairs without their normal densities, false modes, missed modes.
   double log_detected = 0, log_false = 0, log_missed = 0;
 };

@@ -27,8 +27,8 @@ struct PairingMode {
   double frequency_hz = 0;
   std::optional<model::ModePlane> plane = std::nullopt;  ///< measured: the plane of the test
   Eigen::VectorXcd shape = {};  ///< at the same points on both sides; empty: not known
-  /// Of a modelled mode, 0..1: how much the test could see of it (driving and response point off
-  /// its nodes). An invisible mode costs nothing unpaired.
+  /// How much the test could see of a modelled mode, 0..1 (driving and response point off its
+  /// nodes). An invisible mode costs nothing when it stays unpaired.
   double visibility = 1;
 };
 
@@ -66,7 +66,7 @@ struct UnpairedMode {
 struct ModePairing {
   std::vector<ModePair> pairs;  ///< by measured index
   std::vector<UnpairedMode> unpaired_measured, unpaired_model;
-  double cost = 0;           ///< of the whole assignment
+  double cost = 0;           ///< total cost of the assignment
   double common_factor = 1;  ///< that the pairs were found with
 };
 

@@ -30,8 +30,9 @@ struct UpdateCoordinate {
   [[nodiscard]] double from_step(double u) const;        ///< q
   [[nodiscard]] double step_derivative(double u) const;  ///< d q / d u
   [[nodiscard]] std::pair<double, double> step_bounds() const { return {step(low), step(high)}; }
-  /// Of a rotational spring with logarithmic q, `half` the stiffness half way between a free and a
-  /// held end: nothing where that is 0, or so far off that the bounds' fixities are 0 and 1.
+  /// Makes the step the fixity of a rotational spring with logarithmic q. `half` is the stiffness
+  /// half way between a free and a held end. Does nothing where that is 0, or so far off that the
+  /// bounds' fixities are 0 and 1.
   void step_by_fixity(double half);
 };
 
@@ -39,8 +40,8 @@ struct UpdateCoordinate {
 /// temperature. Everything else in a scene is positive or zero.
 [[nodiscard]] bool may_be_negative(const std::string& name);
 [[nodiscard]] bool is_joint_damper(const std::string& name);
-/// What a quantity that starts at zero is measured by: a hundredth of the scene's mass for masses,
-/// of the largest tension for a load cell's zero, else 1.
+/// Scale of a quantity that starts at zero: 1 % of the scene's mass for masses, 1 % of the largest
+/// tension for a load cell's zero, else 1.
 [[nodiscard]] double scale_at_zero(const model::Scene& scene, const std::string& name);
 
 /// The first member at a node, its length and the axis along which all members there lie.

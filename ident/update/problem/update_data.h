@@ -49,21 +49,22 @@ struct UncertainInput {
 struct MeasuredMode {
   signal::Estimate frequency_hz;                         ///< std not finite: unknown
   signal::Estimate damping_ratio;                        ///< value not finite: not measured
-  std::optional<model::ModePlane> plane = std::nullopt;  ///< of the test
+  std::optional<model::ModePlane> plane = std::nullopt;  ///< plane of the test
   Eigen::VectorXcd shape = {};  ///< at the scene's sensors, in their order; empty: not measured
   int order = 0;                ///< among the modes of its plane, from 1; 0: not stated
 };
 
 /// One measured FRF, from a load of the scene to a sensor of it, in the sensor's quantity per N.
 struct MeasuredFrf {
-  std::size_t sensor = 0, load = 0;  ///< of the scene, in its order
+  std::size_t sensor = 0, load = 0;  ///< indices in the scene
   Eigen::VectorXd frequency_hz;      ///< positive
   Eigen::VectorXcd H;
-  Eigen::VectorXd std = {};  ///< of the real and of the imaginary part; empty: unknown
-  /// Of an exponential window shared by force and response: the model is taken at
-  /// s = i omega + this (model/frfs/frf_synthesis.h), so that its own damping is what is fitted.
+  Eigen::VectorXd std = {};  ///< std of the real and of the imaginary part; empty: unknown
+  /// Decay rate of an exponential window on force and response. The model is evaluated at
+  /// s = i omega + decay_rate (model/frfs/frf_synthesis.h), so that the window's damping is not
+  /// fitted.
   double decay_rate_1_s = 0;
-  /// Neighbouring lines share their noise under a window: so many of them count as one
+  /// Number of lines that count as one, since neighbouring lines share their noise under a window
   /// (`lines_per_independent` below).
   double lines_per_independent = 1;
 };

@@ -37,8 +37,8 @@ struct UpdateOptions {
   /// What the model cannot reach, relative in frequency, added to every measured uncertainty.
   double model_relative_std = 0;
   double huber_threshold = 2;         ///< standard deviations beyond which a pair pulls linearly
-  PairingOptions pairing = {};        ///< of lists of pairs, and of fits of FRFs
-  AssignmentOptions assignment = {};  ///< of fits to modes
+  PairingOptions pairing = {};        ///< for lists of pairs, and for fits of FRFs
+  AssignmentOptions assignment = {};  ///< for fits to modes
   double first_common_factor = 4;     ///< common_factor_range of the first pairing of each start
   /// 1: the answer near the scene's own values. More: fits to modes look over the whole range of
   /// the parameters (update_alternatives.h); fits of FRFs begin so many times.

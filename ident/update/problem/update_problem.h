@@ -54,7 +54,8 @@ struct UpdateMatches {
   std::vector<UpdateMatch> matches;
   std::vector<UpdatedUnpaired> unpaired;
   int unpaired_measured = 0;
-  double log_likelihood = 0, log_detected = 0, log_false = 0, log_missed = 0;  ///< of an assignment
+  /// ln(likelihood) of an assignment and its parts (mode_assignment.h).
+  double log_likelihood = 0, log_detected = 0, log_false = 0, log_missed = 0;
 };
 
 /// What counts as data: first the modes alone, then everything (modes that only lead drop out).
@@ -80,11 +81,11 @@ class UpdateProblem {
   [[nodiscard]] UpdateProblem with_auto_segments(int segments) const;
   [[nodiscard]] bool has_auto_segments() const;
   [[nodiscard]] bool has_given_segments() const;
-  /// The same with the error of "auto" segments, as it is at q, taken off the frequencies that
-  /// count as data (update_segments.h); `with_segments(2)` of it then differs by what may be left
-  /// of it.
+  /// This problem with the error of "auto" segments, evaluated at q, taken off the frequencies that
+  /// count as data (update_segments.h). Its `with_segments(2)` differs by the error that may
+  /// remain.
   [[nodiscard]] UpdateProblem with_segment_errors_off(const Eigen::VectorXd& q) const;
-  [[nodiscard]] bool takes_errors_off() const;  ///< of any mode
+  [[nodiscard]] bool takes_errors_off() const;  ///< for any mode
   /// The same with nothing taken off.
   [[nodiscard]] UpdateProblem with_segment_errors() const;
   /// What is left in these pairs' frequencies over the accuracy that their scenes ask for, largest.
@@ -94,8 +95,8 @@ class UpdateProblem {
     Eigen::MatrixXd U;
     Eigen::ArrayXd less;
     Eigen::VectorXd off;    ///< C times the estimates of the sources that are in the residuals
-    Eigen::VectorXd scale;  ///< of the rows, first: D^(-1/2)
-    Eigen::Array3d shares = {0, 0, 1};  ///< of the force, of the place, least own part: D
+    Eigen::VectorXd scale;  ///< scales the rows first: D^(-1/2)
+    Eigen::Array3d shares = {0, 0, 1};  ///< shares that force and place take, least own part: D
     std::shared_ptr<const Sources> widest = nullptr;  ///< with all of the error bars in D and in C
   };
   /// The same with `off` subtracted from its residuals, then multiplied by L; null: as they are.
@@ -140,7 +141,7 @@ class UpdateProblem {
   struct FrfRows {
     Eigen::Index first = 0;
     std::vector<double> relative_std;
-    std::size_t frf = 0;  ///< of the state
+    std::size_t frf = 0;  ///< index in the state
     int state = 0;
     std::size_t load = 0;
     std::vector<double> frequency_hz = {};
@@ -148,7 +149,7 @@ class UpdateProblem {
   [[nodiscard]] std::vector<FrfRows> frf_rows(const std::vector<UpdateMatch>& matches) const;
   /// The same with its inputs off by so many standard uncertainties each.
   [[nodiscard]] UpdateProblem with_inputs(const Eigen::VectorXd& off) const;
-  [[nodiscard]] int fewest_segments() const;  ///< of any member
+  [[nodiscard]] int fewest_segments() const;  ///< in any member
   [[nodiscard]] model::Scene scene_at(int state, const Eigen::VectorXd& q) const;
   /// `matches`: modes are asked for that these need; null: all that may pair.
   [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives,
@@ -197,7 +198,7 @@ class UpdateProblem {
 
   [[nodiscard]] double relative_std(int state, int measured) const;
   [[nodiscard]] double damping_relative_std(int state, int measured) const;
-  /// Of a state's measured frequencies, where the inputs have its sample rate off.
+  /// Factor on a state's measured frequencies where the inputs change its sample rate.
   [[nodiscard]] double measured_factor(int state) const;
   [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
   [[nodiscard]] int evaluations() const { return shared_->evaluations; }
@@ -256,7 +257,7 @@ class UpdateProblem {
   double segment_factor_ = 1;
   double model_std_ = 0, damping_model_std_ = 0, frf_model_std_ = 0;
   bool frf_differences_ = false;
-  // Of ln f, by state; with as many segments as there are, and with twice as many.
+  // Errors of ln f, by state, with the segments that there are (`here`) and with twice as many.
   struct ModeError {
     model::ModePlane plane;
     int order;

@@ -19,7 +19,7 @@ enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
 struct UpdateBudgetTerm {
   std::string source;  ///< "data", "model", "prior of ...", "segments", or an input's name
   double std = 0;
-  /// Of an input: by how much the value changes when the input is larger by one standard
+  /// For an input: change of the value when the input is larger by one standard
   /// uncertainty; NaN for other sources and those of several parts.
   double change = std::numeric_limits<double>::quiet_NaN();
 };
@@ -45,8 +45,8 @@ struct UpdatedParameter {
 /// A number of the scenes that is taken as exact: neither fitted nor given with an uncertainty.
 struct ExactInput {
   std::string name;            ///< a scene parameter, or "lengths": coordinates of all nodes
-  double relative_change = 0;  ///< of it in all states, for `shift`
-  Eigen::VectorXd shift;       ///< of each parameter's value, to first order; NaN: not known
+  double relative_change = 0;  ///< relative change of the input that gives `shift`
+  Eigen::VectorXd shift;       ///< change of each parameter, to first order; NaN: unknown
 };
 
 /// Ends of members that are taken to turn as the scenes say: neither fitted nor stated.
@@ -55,8 +55,8 @@ struct ExactEnds {
   std::string taken_as;   ///< "pinned", "clamped", "springs"
   double stiffness = 0;   ///< N m/rad, springs that explain the data best; first node, in plane
   double chi2_less = 0;   ///< with these, without an error of the model
-  Eigen::VectorXd shift;  ///< of each parameter's value by them; NaN: not known
-  /// The largest by springs in the 95 % interval that the data leave.
+  Eigen::VectorXd shift;  ///< change of each parameter by them; NaN: unknown
+  /// Largest change by any springs in the 95 % interval that the data leave.
   Eigen::VectorXd largest_shift;
 };
 
@@ -67,7 +67,7 @@ struct UpdatedPair {
   double measured_hz = 0, model_hz = 0, relative_error = 0, mac = 0;
   double measured_damping = 0, model_damping = 0;  ///< NaN when not measured
   bool cross_plane = false;
-  /// Of model_hz, from parameters, inputs and segments together; NaN: not known.
+  /// Standard uncertainty of model_hz from parameters, inputs and segments; NaN: unknown.
   double model_std_hz = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -118,7 +118,7 @@ struct UpdateResult {
   std::string message;  ///< for a person, when not converged or doubtful
   std::vector<UpdatedParameter> parameters;
   Identifiability identifiability;  ///< data and priors, in the fitted coordinates (relative)
-  Eigen::MatrixXd covariance;       ///< of the parameters' values, all sources; NaN where not
+  Eigen::MatrixXd covariance;       ///< parameters' values, all sources; NaN where not
                                     ///< identifiable
   Eigen::MatrixXd correlation;      ///< the same
   /// Shifts of the fitted coordinates by one standard uncertainty of each shared source.
@@ -138,7 +138,7 @@ struct UpdateResult {
   std::vector<ExactEnds> exact_ends;     ///< the same, of end conditions; of fits to modes
   /// Heaviest first, of weight 0.001 or more; the first is this result. Of fits to modes.
   std::vector<UpdateAlternative> alternatives;
-  double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< of the model, all answers
+  double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< ln, over all answers
   double chi_squared = 0, degrees_of_freedom = 0;  ///< with the weights that the fit ended with
   double variance_factor = 1;
   double coverage_factor = 1.96;        ///< for 95 %
@@ -146,7 +146,7 @@ struct UpdateResult {
   int starts = 0, starts_agreeing = 0;  ///< that ended in this answer
   int pairings = 0, model_evaluations = 0;
   std::vector<model::Scene> scenes;  ///< updated, by state
-  Eigen::VectorXd coordinates;       ///< of the solution, for refits
+  Eigen::VectorXd coordinates;       ///< solution in fitted coordinates, for refits
 };
 
 }  // namespace rigfit::ident

@@ -326,7 +326,7 @@ bool same_answer(const UpdateProblem& problem, const UpdateSolution& a, const Up
 
 constexpr int kCoarsenFrom = 16;  // segments
 constexpr double kCoarse = 1.0 / 3;
-constexpr double kCoarseTolerance = 1e-5;  // of the cost, below what tells answers apart
+constexpr double kCoarseTolerance = 1e-5;  // relative change of the cost; answers differ by more
 
 }  // namespace
 

@@ -14,7 +14,7 @@ namespace rigfit::ident {
 namespace {
 
 using Kind = model::Support::Kind;
-constexpr double kLeast = 1e-3, kMost = 1 - 1e-3;  // of the fixity
+constexpr double kLeast = 1e-3, kMost = 1 - 1e-3;  // range of the fixity
 constexpr double kMatters = 1;  // standard uncertainties, to first order, from which it is fitted
 
 // Springs that one fixity holds: their scene parameters with what is half way.
@@ -134,7 +134,7 @@ class EndChanges {
   EndChanges(const UpdateProblem& problem, const UpdateResult& result)
       : problem_(problem), result_(result) {}
 
-  // Of the parameters' values at q; NaN where they are not identifiable.
+  // Changes of the parameters' values at q; NaN where they are not identifiable.
   [[nodiscard]] Eigen::VectorXd at(const Eigen::VectorXd& q) const {
     Eigen::VectorXd change(problem_.size());
     for (Eigen::Index j = 0; j < change.size(); ++j) {
@@ -152,7 +152,7 @@ class EndChanges {
       if (std::abs(other[j]) > std::abs(most[j])) most[j] = other[j];
     }
   }
-  // Of each parameter the largest within the fixity's interval, to first order.
+  // Largest change of each parameter within the fixity's interval, to first order.
   [[nodiscard]] Eigen::VectorXd largest(const NearPoint& point) const {
     Eigen::VectorXd most = at(point.with(point.best));
     for (const double side : {-1.0, 1.0}) {

@@ -102,7 +102,7 @@ double correlated_variance_factor(const UpdateProblem& problem,
   const auto all = problem.frf_rows(matches);
   const auto R = autocorrelation(all, r);
   if (R.empty()) return 0;
-  Eigen::MatrixXd meat = J.transpose() * J;  // of all other data as they are
+  Eigen::MatrixXd meat = J.transpose() * J;  // all other data count unchanged
   for (const auto& rows : all) {
     const auto own = J.middleRows(rows.first, 2 * lines_of(rows));
     meat += (R[0] - 1) * own.transpose() * own;

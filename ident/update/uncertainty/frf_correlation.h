@@ -2,13 +2,13 @@
 //
 // The noise that a force window leaves, the smallest part of a place that is not taken out and a
 // model that is a little off move neighbouring lines alike, and all responses of a load. With z_k
-// the complex residual of line k (over its standard deviation), of what is left after the fit
+// the complex residual of line k after the fit, over its standard deviation,
 //   R_l = mean Re(conj(z_k) z_(k+l)) / 2
-// of each FRF with itself, and with the others of the same load. For the probability of the misfit
-// lines count as one by the integrated autocorrelation time t = 1 + 2 sum_l R_l / R_0, up to the
-// first R_l / R_0 below 2 / sqrt(lines) (Bartlett's effective number of samples). A parameter feels
-// the correlation only as far as its derivatives reach, which is the width of a resonance: its
-// variance is that of the sandwich
+// correlates each FRF with itself and with those of the same load. For the probability of the
+// misfit lines count as one by the integrated autocorrelation time t = 1 + 2 sum_l R_l / R_0, up to
+// the first R_l / R_0 below 2 / sqrt(lines) (Bartlett's effective number of samples). A parameter
+// feels the correlation only as far as its derivatives reach, which is the width of a resonance:
+// its variance is that of the sandwich
 //   B M B,  B = (J' J)^-1,  M = sum_(k, l) J_k' R_l J_(k+l),
 // with the same R_l, or with M the sum of s_g s_g', s_g = J' r of blocks of 2 t lines of all
 // responses of a load, where that is larger: what is left over is no stationary noise where a small

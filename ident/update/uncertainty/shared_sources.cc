@@ -56,7 +56,7 @@ Eigen::MatrixXd force_columns(const std::vector<const UpdateProblem::FrfRows*>& 
   return columns;
 }
 
-// Of sources that error bars hold, by row of the residuals.
+// Sources that the error bars already contain, by row of the residuals.
 struct HeldInBars {
   Eigen::ArrayXd force, place;  // sum_k C_ik^2, in a line's own variance
   Eigen::ArrayXd lines;         // that count as one

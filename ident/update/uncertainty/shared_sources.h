@@ -47,7 +47,7 @@ struct SharedChanges {
   std::vector<std::string> names;    ///< "segments", "force of ...", the inputs; one a column
   std::vector<Eigen::Index> inputs;  ///< which input each column is; -1: none
   std::vector<bool> in_error_bars;   ///< hits scatter by it: the lines' error bars hold it as well
-  Eigen::MatrixXd changes;           ///< of the residuals of `problem`, by one standard uncertainty
+  Eigen::MatrixXd changes;           ///< residuals' changes by one standard uncertainty
   std::string message;               ///< sources that could not be evaluated, "; " after each
 };
 

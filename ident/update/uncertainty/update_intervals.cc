@@ -11,9 +11,9 @@ namespace {
 
 using signal::kNaN;
 
-constexpr double kCurved = 0.12;    // of the root of the deviance: a quarter of the deviance
+constexpr double kCurved = 0.12;    // in the root of the deviance: a quarter of the deviance
 constexpr double kStraight = 0.03;  // standard uncertainty in q below which models are linear
-constexpr double kProfiled = 0.01;  // of the root of the deviance
+constexpr double kProfiled = 0.01;  // tolerance, root of the deviance
 constexpr int kMostProfiled = 4;    // parameters that the data cannot tell, profiled all the same
 
 // How far the deviance is above the solution's, as a standard normal would have it.

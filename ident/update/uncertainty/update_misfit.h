@@ -31,7 +31,7 @@ namespace rigfit::ident {
 /// Probability of a misfit below which the model errs.
 inline constexpr double kUnlikelyMisfit = 0.05;
 
-/// Of the problem with no error of the model but the one that is allowed for, at q.
+/// Misfit at q of the problem whose only model error is the one allowed for.
 [[nodiscard]] UpdateFit misfit_of(const UpdateProblem& problem,
                                   const std::vector<UpdateMatch>& matches,
                                   const Eigen::VectorXd& q);

@@ -14,11 +14,11 @@
 // all else, below a fifth of chi-square's standard deviation in the residuals of FRFs, and below
 // the scene's accuracy in the frequencies, at most eight times as many as at first. FRFs of members
 // whose segments are given: the fit is repeated with 2, 4 and 8 times as many until they meet the
-// same limits. That fit has the verdict and the covariance; what the given segments moved the
-// parameters by, with what is left, is their uncertainty. An error that moves a resonance by a part
-// of its width is not linear in h^2, and no linear estimate holds it. Source: Stoer and
-// Bulirsch, Introduction to Numerical Analysis, 3.4. For the update and its checks, not for
-// users.
+// same limits. That fit gives the verdict and the covariance. The change of the parameters by the
+// given segments, with the error that remains, is their uncertainty. An error that shifts a
+// resonance by part of its width is not linear in h^2, so that no linear estimate covers it.
+// Source: Stoer and Bulirsch, Introduction to Numerical Analysis, 3.4. Internal to the update and
+// its checks.
 #pragma once
 
 #include "ident/update/problem/update_solver.h"
@@ -26,8 +26,8 @@
 namespace rigfit::ident {
 
 /// `problem` with the segments' error taken off at the answer, and the answer moved to its minimum,
-/// pairs kept; `passes`: again at the parameters that this leads to. As `problem` where nothing is
-/// to be taken off, or no minimum is found then.
+/// pairs kept; `passes` repeats this at the parameters found. Returns `problem` unchanged where
+/// nothing is to be taken off, or where no minimum is found then.
 [[nodiscard]] UpdateProblem take_segments_off(const UpdateProblem& problem,
                                               const UpdateOptions& options, UpdateSolution& answer,
                                               int passes = 2);

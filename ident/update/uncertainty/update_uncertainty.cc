@@ -79,7 +79,7 @@ void state_shifts(const UpdateProblem& problem, const UpdateOptions& options,
 
 // What the model's own error does to the coordinates.
 struct ModelPart {
-  Eigen::VectorXd widening;       // of the standard uncertainties, for errors that modes share
+  Eigen::VectorXd widening;       // factors on the uncertainties, for errors that modes share
   Eigen::VectorXd data_variance;  // by the stated uncertainties alone; empty: no error of the model
 };
 
@@ -174,7 +174,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   for (Eigen::Index i = 0; i < n; ++i) {
     by[i] = problem.coordinates()[static_cast<std::size_t>(i)].derivative(q[i]);
   }
-  // Of a problem with its sources the covariance holds the part of the inputs.
+  // The covariance of a problem with sources contains the part of the inputs.
   Eigen::MatrixXd outside = result.shifts * result.shifts.transpose();
   Eigen::VectorXd inside = Eigen::VectorXd::Zero(n);
   if (problem.has_sources()) {

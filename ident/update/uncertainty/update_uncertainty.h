@@ -10,7 +10,7 @@
 
 namespace rigfit::ident {
 
-/// Of singular values, below which a direction counts as not determined.
+/// Ratio of singular values below which a direction counts as not determined.
 inline constexpr double kRankTolerance = 1e-8;
 
 /// Huber's weights of the data's residuals, as factors of their rows; one for priors.
