@@ -24,9 +24,9 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Ends a verb without a result: the data cannot support what was asked. A verb that can give part
-/// of it sets `VerbContext::exit_code` by `refuse` instead and returns that part. `code` is the
-/// finding's, stable, for programs.
+/// Ends a verb without a result: the data cannot support what was asked. A verb that has a partial
+/// result sets `VerbContext::exit_code` by `refuse` instead and returns that result. `code` is the
+/// finding's code, which stays the same from version to version.
 class Refused : public std::runtime_error {
  public:
   explicit Refused(const std::string& message, std::string code = "refused")

@@ -25,7 +25,7 @@ struct Input {
   std::string path;
   std::string sha256;           ///< empty: could not be read then
   std::int64_t size = 0;        ///< bytes
-  std::int64_t changed_ns = 0;  ///< of its content, by the file system's clock
+  std::int64_t changed_ns = 0;  ///< time of the last change, file system's clock
   std::uint64_t file_id = 0;    ///< inode
 };
 
@@ -43,7 +43,7 @@ class VerbContext {
   bool silent = false;   ///< nothing on standard error: the caller takes all from warnings()
   int threads = 1;
   std::uint64_t seed = 1;
-  signal::ReadOptions reading;       ///< of every recording, by the command line
+  signal::ReadOptions reading;       ///< how recordings are read, by the command line
   bool hashes_inputs = true;         ///< false: their names are enough
   std::vector<std::string> command;  ///< as typed, for provenance
 

@@ -11,8 +11,8 @@
 
 namespace rigfit::apps {
 
-/// The scene's sensor or load of that name as a UFF point called `shown_name`. Nodes are the places
-/// of sensors and loads, each once, in the scene's order from 1; without one of that name node 0.
+/// The scene's sensor or load called `name` as a UFF point called `shown_name`. UFF nodes number
+/// the places of sensors and loads from 1, each once, in the scene's order; an unknown name gets 0.
 [[nodiscard]] signal::MeasuredPoint uff_point(const model::Scene& scene, const std::string& name,
                                               const std::string& shown_name);
 

@@ -15,7 +15,7 @@ struct ResultTable {
   std::string file;
   std::vector<std::string> columns;
   std::vector<std::vector<double>> rows;  ///< SI; NaN: blank
-  std::vector<long> lines;                ///< of each row in the file, 1-based
+  std::vector<long> lines;                ///< line of each row in the file, 1-based
   long header_line = 1;
 
   /// By its title, with or without its unit. Throws model::SceneError naming the columns there are,

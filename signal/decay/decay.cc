@@ -281,7 +281,7 @@ class Estimation {
   DecayModesOptions search_;
   DecayResult result_;
   DecaySamples samples_;
-  std::vector<DecayCandidate> peaks_;  // of the window, where they are known
+  std::vector<DecayCandidate> peaks_;  // in the window, where they are known
   std::optional<DampedSinusoidsFit> fit_;
   std::vector<DecayTone> tones_;
   ToneStretches stretches_;

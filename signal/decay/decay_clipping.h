@@ -2,10 +2,10 @@
 // where they are.
 //
 // Too few samples on a rail to pile up there (clipping.h) still bias a damping ratio. Those at the
-// record's extremes are left out, the rest is fitted, and what the fit says there is compared: of
-// an unclipped record the extremes are its luckiest samples and the fit lies inside them; of a
-// clipped one it lies outside, by more than the noise and by more than the fit errs within a cycle
-// of them (friction, jitter and close modes make it err everywhere):
+// record's extremes are left out, the rest is fitted, and the fit is compared there. In an
+// unclipped record the extremes are its luckiest samples and the fit lies inside them. In a clipped
+// record the fit lies outside, by more than the noise and by more than the fit errs within a cycle
+// around them (friction, jitter and close modes make it err everywhere):
 //   sum_j max(0, fit_j - rail)^2 / s^2 > chi-squared of as many degrees, 1e-4.
 #pragma once
 

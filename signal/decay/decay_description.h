@@ -1,6 +1,6 @@
-// From a fit of damped sinusoids to modes with uncertainties: frequency and damping by propagation
-// of the fit's covariance, intervals by the likelihood (pole_interval.h), steady tones apart, the
-// log decrement and the envelope beside them.
+// Turns a fit of damped sinusoids into modes with uncertainties. Frequency and damping come with
+// the fit's propagated covariance, intervals from the likelihood (pole_interval.h). Steady tones
+// are listed apart; the log decrement and the envelope are added.
 #pragma once
 
 #include "signal/decay/decay_result.h"

@@ -14,7 +14,7 @@ namespace rigfit::signal {
 struct Excitation {
   double amplitude = 0;      ///< rms of z, the noise's share taken off; 0: none seen
   double over_noise = 1;     ///< mean |z|^2 over what noise of that density would leave
-  double later_share = 0.5;  ///< of the sum of |z|^2 in the second half
+  double later_share = 0.5;  ///< part of the sum of |z|^2 in the second half
   Eigen::Index blocks = 0;
   bool significant = false;  ///< chance of 1e-6 in noise
 };

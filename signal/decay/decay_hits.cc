@@ -30,7 +30,7 @@ constexpr std::size_t kMostTested = 64;
 struct Jump {
   Index at = 0;
   double size = 0;
-  double w = 0;  // of the mode that jumps
+  double w = 0;  // rad per sample, mode that jumps
 };
 
 // Local maxima of |J| that stand out of what the record shows elsewhere, over 2 and over 6 cycles.
@@ -161,7 +161,7 @@ bool is_impact(const Eigen::VectorXd& y, const Jump& place, Index from, Index to
                       std::exp(-pole * static_cast<double>(half_cycle));
   const Complex then = amplitude_near(before, pole, static_cast<double>(at - from));
   const double jump = std::norm(now - then), f = pole.imag() / kTwoPi;
-  // Of a line through n amplitudes the end has 4 times the variance of the mean, 4 s^2 / n.
+  // The end of a line through n amplitudes has 4 times the variance of their mean, 4 s^2 / n.
   const double variance =
       16 * (noise.white_equivalent(f) / static_cast<double>(behind.samples) +
             noise_before.white_equivalent(f) / static_cast<double>(before.samples));

@@ -22,7 +22,7 @@ struct DecayOptions {
   double band_high_hz = 0;    ///< modes above are not reported; 0: no limit
   int max_modes = 6;          ///< in the band; as many outside it are fitted to keep them out
   double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
-  double start_time_s = 0;    ///< of the first sample, for messages
+  double start_time_s = 0;    ///< time of the first sample, for messages
   EnvelopeOptions envelope;
 };
 
@@ -36,8 +36,8 @@ struct DecayMode {
   bool bounded = true;     ///< false: the data leave an interval open on one side, where it was cut
   double correlation = 0;  ///< between frequency_hz and damping_ratio
   double amplitude = 0;    ///< at the start of the window, the signal's unit
-  double phase_rad = 0;    ///< of the cosine at the start of the window
-  double energy = 0;       ///< of the mode over the window, sum of squares: sets the order
+  double phase_rad = 0;    ///< phase of the cosine at the start of the window
+  double energy = 0;       ///< sum of squares over the window: sets the order
   double cycles = 0;       ///< damped cycles in the window
   /// Energy over the most that noise of the residual's colour shows (but for `false_alarm`).
   double detection = 0;
@@ -67,13 +67,13 @@ struct DecayResult {
   Eigen::MatrixXd covariance;
   std::vector<DecayMode> steady_tones;  ///< hum: do not decay while the modes do
   double offset = 0, drift_per_s = 0;   ///< background at the start of the window
-  double noise_std = 0;                 ///< of the residual
+  double noise_std = 0;                 ///< standard deviation of the residual
   double signal_to_noise_db = 0;    ///< power of the strongest mode at the start over the noise's
-  Eigen::Index residual_order = 0;  ///< of the autoregression; 0: white
+  Eigen::Index residual_order = 0;  ///< order of the autoregression; 0: white
   Eigen::Index degrees_of_freedom = 0;
   /// Factor on a standard uncertainty for a 95 % interval (Student).
   double coverage_factor_95 = 1.96;
-  EnvelopeResult envelope;   ///< of the strongest mode
+  EnvelopeResult envelope;   ///< for the strongest mode
   Eigen::VectorXd residual;  ///< in the window; 0 where samples are missing
   std::vector<Note> notes;
 };

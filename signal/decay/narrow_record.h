@@ -4,9 +4,9 @@
 // stands out of the noise lies in a narrow band, that band is cut out, moved down in frequency and
 // sampled as slowly as it allows; the decay is then fitted there:
 //   x_j = 2 Re sum_k H_k Y_k exp(2 pi i (k - k0) j / M)    real, at every `step`-th sample
-// by FFT of overlapping blocks, so that memory does not grow with the record. H is the square root
-// of a Nyquist filter with Meyer's smooth edges, |H(k)|^2 + |H(mirrored k)|^2 = 1: what folds at
-// both ends of the band adds up to one, and white noise of variance s^2 stays white, s^2 / step.
+// by FFT of overlapping blocks, so that memory does not grow with the record. H is the square
+// root of a Nyquist filter with Meyer's smooth edges, |H(k)|^2 + |H(mirrored k)|^2 = 1: what folds
+// at both ends of the band adds up to one, and white noise of variance s^2 stays white, s^2 / step.
 // Poles, amplitudes and their Cramer-Rao bounds are then those of the whole record, as noise
 // outside of the band holds nothing of the modes.
 //
@@ -28,9 +28,9 @@ namespace rigfit::signal {
 struct NarrowRecord {
   Eigen::VectorXd samples;       ///< less the straight line of the record
   Eigen::Index first = 0;        ///< sample of the record at which samples[0] is taken
-  Eigen::Index step = 1;         ///< of the record, between two samples
+  Eigen::Index step = 1;         ///< record's samples from one of `samples` to the next
   Eigen::Index shift_line = 0;   ///< frequencies are lowered by shift_line / length
-  Eigen::Index length = 1;       ///< of the transforms, samples of the record
+  Eigen::Index length = 1;       ///< transform length, samples of the record
   double low = 0, high = 0;      ///< kept unchanged, cycles per sample of the record
   double offset = 0, slope = 0;  ///< line of the record: at its sample 0, and a sample
 
@@ -46,7 +46,7 @@ struct NarrowRecord {
 struct NarrowOptions {
   Eigen::Index least_samples = Eigen::Index{1} << 22;  ///< shorter records are left as they are
   Eigen::Index samples_left = Eigen::Index{1} << 20;   ///< at least
-  Eigen::Index block = Eigen::Index{1} << 16;          ///< of the spectra
+  Eigen::Index block = Eigen::Index{1} << 16;          ///< block of the spectra, samples
 };
 
 /// `y` in the band of what stands out of its noise within `band`. Nothing where the record is

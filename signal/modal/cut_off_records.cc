@@ -13,7 +13,7 @@ namespace {
 constexpr double kLeft = 1e-3, kTone = 0.9;
 /// What depends on the place of the hit is smaller by its part of the record.
 constexpr double kLeftWhereHitMatters = 1e-2;
-/// Of a record, before the hit: analysers are set to some percent.
+/// Longest share of a record before the hit: analysers are set to some percent.
 constexpr double kLongestLead = 0.125;
 /// Iterations of a search, as counted by its work.
 constexpr double kIterations = 40;
@@ -39,7 +39,7 @@ double left_at_the_end(const ModalBand& band, std::complex<double> raw) {
 bool misfit_shows(const Eigen::Ref<const Eigen::MatrixXcd>& background,
                   const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
                   const Eigen::Ref<const Eigen::VectorXd>& line, double deviations) {
-  const double mean = background.rowwise().squaredNorm().dot(line);  // of noise of variance `line`
+  const double mean = background.rowwise().squaredNorm().dot(line);  // for noise of variance `line`
   double found = 0, frfs = 0;
   for (const auto& column : misfit.colwise()) {
     const double variance = (column.cwiseAbs2().array() / line.array()).mean();

@@ -22,8 +22,8 @@ using Eigen::VectorXd;
 
 /// Share of the points that must show a mode.
 constexpr double kShareOfPoints = 0.3;
-/// Of the FRFs around a mode. A global fit that leaves less has found the modes that are there;
-/// measured structures are not linear to much better.
+/// Misfit relative to the FRFs around a mode. A global fit that leaves less has found the modes
+/// that are there; measured structures are not linear to much better.
 constexpr double kSmallMisfit = 0.01;
 /// Correlation of the misfit at neighbouring lines beyond that of noise.
 constexpr double kLikeNoise = 0.2;

@@ -25,8 +25,8 @@ struct LocalMode {
   bool together = false;          ///< the single one is of all FRFs
   MeanOverPoints decay;           ///< of -Re p, rad/s
   MeanOverPoints frequency;       ///< of Im p, rad/s
-  double misfit = 0;              ///< of each point's own fit, rms over points
-  double line_correlation = 0;    ///< of those misfits, mean
+  double misfit = 0;              ///< rms over points of each point's own fit
+  double line_correlation = 0;    ///< mean correlation of those misfits
 };
 
 /// A track that is no mode.

@@ -31,14 +31,14 @@ using Eigen::VectorXd;
 /// Modes of a band, and how they came about.
 struct Search {
   FoundModes found;
-  /// Of all FRFs; empty without a fit.
+  /// Misfit of all FRFs; empty without a fit.
   [[nodiscard]] MatrixXcd misfit_of(const MatrixXcd& H) const {
     return found.model.size() > 0 ? MatrixXcd(H - found.model) : MatrixXcd();
   }
   bool exhausted = false;         ///< all FRFs together took too much work
   bool local = false;             ///< modes of local fits; else maximum likelihood of all FRFs
-  std::vector<LocalMode> points;  ///< of each mode
-  std::vector<WeakTrack> weak;    ///< of the local fits
+  std::vector<LocalMode> points;  ///< each mode as the points show it
+  std::vector<WeakTrack> weak;    ///< weak tracks among the local fits
 };
 
 /// Candidates for local fits: columns of the diagrams of the band and of parts of it, and what a

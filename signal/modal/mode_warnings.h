@@ -10,7 +10,7 @@
 namespace rigfit::signal {
 
 struct MisfitCorrelation {
-  double excess = 0;  ///< of the weighted misfit at neighbouring lines, less what the noise expects
+  double excess = 0;  ///< correlation of the weighted misfit at neighbouring lines beyond noise's
   double chance = 0;  ///< five standard deviations of that under noise
 };
 

@@ -87,11 +87,12 @@ struct MeasuredFrfs {
   Json hits, force_window;               ///< null when the FRFs came from a file
   std::shared_ptr<const ImpactRun> run;  ///< for figures; null: none wanted, FRFs from a file
 };
-/// Of hits just analysed.
+/// FRFs from hits just analysed.
 [[nodiscard]] MeasuredFrfs measured_frfs(const ImpactRun& run);
-/// Of `command.files`: one UFF file, or text tables.
+/// FRFs read from `command.files`: one UFF file, or text tables.
 [[nodiscard]] MeasuredFrfs measured_frfs(const ModalCommand& command, VerbContext& context);
-/// Of another analyser: its window, and error bars from the coherence where there are none.
+/// FRFs of another analyser: takes off its window, and makes error bars from the coherence where
+/// the file has none.
 [[nodiscard]] MeasuredFrfs measured_frfs(signal::FrfSet frfs, const ModalCommand& command,
                                          VerbContext& context);
 [[nodiscard]] Json modal_result(const MeasuredFrfs& measured, const ModalCommand& command,
@@ -199,7 +200,7 @@ struct TensionCommand {
 struct PredictCommand {
   std::string scene;  ///< name in messages
   std::string from, measured, column, plane = "any", frf, response;
-  double duration_s = 2, rate_hz = 500;  ///< of the response
+  double duration_s = 2, rate_hz = 500;  ///< predicted response
   std::vector<std::string> maps, damage, inputs;
   std::vector<double> band;
   int count = 6, segments = 0, lines = 400;

@@ -26,7 +26,7 @@
 namespace rigfit::apps {
 namespace {
 
-constexpr double kMostSamples = 5e6;  // of a record: some minutes of simulation
+constexpr double kMostSamples = 5e6;  // per record: some minutes of simulation
 namespace fs = std::filesystem;
 
 using Header = std::vector<std::pair<std::string, std::string>>;
@@ -34,7 +34,7 @@ using Header = std::vector<std::pair<std::string, std::string>>;
 // The rig as it was set up for one row of tests.
 struct State {
   model::Scene scene;
-  std::string prefix;        // of file names: "T100N-", or nothing
+  std::string prefix;        // begins the file names: "T100N-", or nothing
   std::uint64_t stream = 0;  // added to the seed
   std::optional<double> meant_N;
 };

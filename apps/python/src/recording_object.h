@@ -47,7 +47,7 @@ struct Source {
   [[nodiscard]] signal::Recording load(apps::VerbContext& context,
                                        const signal::ReadOptions& options = {}) const;
 };
-/// Of str and Recording objects, as the Python layer gives them.
+/// Sources from the str and Recording objects that the Python layer passes.
 [[nodiscard]] std::vector<Source> sources_of(const py::list& given);
 
 /// Every note of a recording at hand as a warning, as when its file is read.
