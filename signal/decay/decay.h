@@ -7,7 +7,7 @@
 // are added strongest first as long as the residual holds a peak that noise of its own colour
 // would not show. Uncertainties follow from the residual, its colour (residual_noise.h) and where
 // in the record it is large (uneven_noise.h). Records of more than 4e6 samples are fitted in the
-// band of their modes where it holds all there is.
+// band of their modes where nothing else stands out of the noise (narrow_record.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@
 namespace rigfit::signal {
 
 /// `y`: uniform samples, NaN where missing. Throws std::invalid_argument for a rate or a band that
-/// makes no sense; everything the data can do wrong is a refusal or a note.
+/// makes no sense; unsuitable data lead to a refusal or a note.
 [[nodiscard]] DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y,
                                          double sample_rate_hz, const DecayOptions& options = {});
 

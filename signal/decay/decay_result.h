@@ -1,4 +1,4 @@
-// What the estimate of a decay is asked and what it gives (decay.h).
+// Options and result of the estimate of a decay (decay.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -20,45 +20,45 @@ struct DecayOptions {
   bool trim_start = true;
   double band_low_hz = 0;     ///< modes below are not reported; 0: no limit
   double band_high_hz = 0;    ///< modes above are not reported; 0: no limit
-  int max_modes = 6;          ///< in the band; as many outside it are fitted to keep them out
+  int max_modes = 6;          ///< in the band; as many outside it are fitted as well
   double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
   double start_time_s = 0;    ///< time of the first sample, for messages
   EnvelopeOptions envelope;
 };
 
 struct DecayMode {
-  Estimate frequency_hz;  ///< undamped natural
+  Estimate frequency_hz;  ///< undamped natural frequency
   Estimate damped_frequency_hz;
   Estimate damping_ratio;
   /// From the likelihood (pole_interval.h): lopsided where noise makes the fit non-linear. The
   /// standard uncertainties above are half their lengths over `coverage_factor_95`.
   Interval frequency_interval_95_hz, damping_ratio_interval_95;
-  bool bounded = true;     ///< false: the data leave an interval open on one side, where it was cut
+  bool bounded = true;     ///< false: an interval is open on one side and was cut off there
   double correlation = 0;  ///< between frequency_hz and damping_ratio
   double amplitude = 0;    ///< at the start of the window, the signal's unit
   double phase_rad = 0;    ///< phase of the cosine at the start of the window
   double energy = 0;       ///< sum of squares over the window: sets the order
   double cycles = 0;       ///< damped cycles in the window
-  /// Energy over the most that noise of the residual's colour shows (but for `false_alarm`).
+  /// Energy over the largest that coloured noise reaches with probability `false_alarm`.
   double detection = 0;
-  /// Share of what the other modes and the background leave that this mode explains.
+  /// Share of the signal left by other modes and background that this mode explains.
   double r_squared = 0;
-  Estimate log_decrement;  ///< 2 pi zeta / sqrt(1 - zeta^2) of the fit's damping ratio, a cycle
+  Estimate log_decrement;                ///< 2 pi zeta / sqrt(1 - zeta^2), per cycle, from the fit
   Estimate damping_ratio_log_decrement;  ///< from the swings (log_decrement.h); NaN when refused
   std::string log_decrement_refusal;     ///< why; empty when there is one
-  /// The residual has a line beside the mode's that noise would not show: a second mode that beats
-  /// too slowly for the record, or a mode that changes as it decays.
+  /// The residual has a line beside the mode's that noise does not explain: a second mode that
+  /// beats too slowly for the record, or a mode that changes as it decays.
   bool company = false;
-  /// Noise of the residual's colour would show as much: what it says in `doubt`.
+  /// Noise could look like this mode; `doubt` says why.
   bool doubtful = false;
   std::string doubt;
 };
 
 struct DecayResult {
-  std::string refusal_code;  ///< stable; empty: there is a result
+  std::string refusal_code;  ///< code for programs; empty: there is a result
   std::string refusal;       ///< for a person: what is wrong and what would help
 
-  Eigen::Index start = 0, end = 0;  ///< window that was fitted, samples of what was given
+  Eigen::Index start = 0, end = 0;  ///< window that was fitted, samples of the input
   /// All decays of the record, in time (decay_window.h), and which of them was fitted.
   std::vector<DecayWindow> decays;
   std::size_t fitted_decay = 0;
@@ -68,8 +68,8 @@ struct DecayResult {
   std::vector<DecayMode> steady_tones;  ///< hum: do not decay while the modes do
   double offset = 0, drift_per_s = 0;   ///< background at the start of the window
   double noise_std = 0;                 ///< standard deviation of the residual
-  double signal_to_noise_db = 0;    ///< power of the strongest mode at the start over the noise's
-  Eigen::Index residual_order = 0;  ///< order of the autoregression; 0: white
+  double signal_to_noise_db = 0;        ///< strongest mode's power at the start over the noise's
+  Eigen::Index residual_order = 0;      ///< order of the autoregression; 0: white
   Eigen::Index degrees_of_freedom = 0;
   /// Factor on a standard uncertainty for a 95 % interval (Student).
   double coverage_factor_95 = 1.96;

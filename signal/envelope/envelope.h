@@ -26,13 +26,13 @@ enum class DecayLaw { exponential, friction, drag };
 struct EnvelopePoint {
   double time_s = 0;      ///< middle of the span, from the fit's first sample
   double amplitude = 0;   ///< geometric mean over the span, the signal's unit
-  Estimate frequency_hz;  ///< damped
+  Estimate frequency_hz;  ///< damped frequency
   Estimate damping_ratio;
 };
 
 struct EnvelopeOptions {
-  int points = 8;              ///< spans of equal duration, fewer where cycles or signal are short
-  double least_cycles = 3;     ///< in a span
+  int points = 8;              ///< spans of equal duration; fewer if cycles or signal are too few
+  double least_cycles = 3;     ///< per span
   double least_amplitude = 4;  ///< least usable envelope, in standard deviations of its own noise
 };
 
@@ -45,7 +45,7 @@ struct EnvelopeResult {
   Estimate damping_per_log_amplitude;
   /// Change of the damped frequency from the first point to the last, weighted line in time.
   Estimate frequency_drift_hz;
-  double clear_until_s = 0;  ///< the envelope stands clear of the noise until then
+  double clear_until_s = 0;  ///< the envelope is above the noise until then
 };
 
 /// Envelope of mode `m` of a fit. `noise_variance`: white-equivalent variance of a sample near the

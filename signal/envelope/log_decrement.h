@@ -1,11 +1,11 @@
-// Logarithmic decrement: what a ruler on the trace gives, done carefully.
+// Logarithmic decrement from the extremes of a decay.
 //
 // Extremes x_k, half a cycle apart, are found between the samples by band-limited (windowed-sinc)
 // interpolation. Swings d_k = |x_k - x_{k+1}| are free of an offset and decay like the motion, so
 //   ln d_k = const - k delta / 2,   zeta = delta / sqrt(4 pi^2 + delta^2),
 // by regression weighted with d_k^2 (the noise of ln d_k goes as 1 / d_k).
-// Source: Inman, Engineering Vibration, section 1.6. Biased by noise on the peaks and blind to a
-// second mode: a check of `decay`, not a replacement.
+// Source: Inman, Engineering Vibration, section 1.6. It is biased by noise on the peaks and
+// blind to a second mode, and serves as a check of `decay`, not as its replacement.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@
 namespace rigfit::signal {
 
 struct LogDecrementOptions {
-  double noise_std = 0;  ///< noise of a sample, in the signal's unit; 0: from the regression alone
+  double noise_std = 0;    ///< noise of a sample, signal's unit; 0: from the regression
   double least_swing = 6;  ///< swings below this many noise_std are not used
 };
 

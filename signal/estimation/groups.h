@@ -1,19 +1,20 @@
-// What groups of data say together: hits, points, records, lengths, specimens, blocks.
+// Statistics of grouped data (hits, points, records, lengths, specimens, blocks): do the groups
+// agree, and what are mean and uncertainty?
 //
 //   x_g = mu + u_g + e_g,   var e_g = v_g known,   var u_g = tau^2
 //
 // Test: Q = sum (x_g - mean)^2 / v_g follows chi-square with G - 1 degrees where groups agree.
 // Mean: weights 1 / (v_g + tau^2) with tau^2 such that Q(tau^2) = G - 1 (Paule and Mandel); the
 // variance 1 / sum of weights is then that of Hartung and Knapp. Where tau^2 > 0 it rests on the
-// scatter of G groups, and the interval is Student's with
-//   (G - 1) sqrt(variance / the part of it that tau^2 makes)
-// degrees: G - 1 when scatter is all there is. Always G - 1 covers 97.7 % for three groups that
-// agree, power 2 (Welch and Satterthwaite) 89 % where the scatter is of the size of v; 1/2 keeps
-// between 92 and 97.5 % (groups_test.cc).
-// Jackknife: variance of anything computed from all groups, (G - 1) / G sum (x_(-g) - mean)^2 with
-// x_(-g) the value without group g; Student's t with G - 1 degrees.
-// Sources: Cochran, Biometrics 10 (1954) 101; Paule and Mandel, J. Res. NBS 87 (1982) 377; Hartung
-// and Knapp, Statist. Med. 20 (2001) 3875; Efron, The Jackknife (1982), ch. 3.
+// scatter of G groups, and the interval is Student's with degrees
+//   (G - 1) sqrt(variance / the part of it due to tau^2),
+// which is G - 1 when scatter dominates. For three groups, G - 1 throughout would cover 97.7 % when
+// they agree, and the power 2 of Welch and Satterthwaite 89 % when the scatter is as large as v;
+// the square root covers between 92 and 97.5 % (groups_test.cc). Jackknife: a quantity x computed
+// from all groups has the variance (G - 1) / G sum (x_(-g) - mean)^2, with x_(-g) its value without
+// group g, and Student's t with G - 1 degrees. Sources: Cochran, Biometrics 10 (1954) 101; Paule
+// and Mandel, J. Res. NBS 87 (1982) 377; Hartung and Knapp, Statist. Med. 20 (2001) 3875; Efron,
+// The Jackknife (1982), ch. 3.
 #pragma once
 
 #include <span>
@@ -28,11 +29,11 @@ struct GroupMean {
   double between_variance = 0;  ///< tau^2; 0: groups agree within their own uncertainty
   double cochran_Q = 0;         ///< test of agreement
   double chance = 1;            ///< probability of such a Q where groups agree
-  double degrees = 0;           ///< of `variance`; 0: the v_g, taken as known, are all there is
+  double degrees = 0;  ///< degrees of freedom of `variance`; 0: only the known v_g contribute
   std::vector<double> weights;  ///< sum 1
 };
 
-/// `variances` positive, as many as `values`, at least one.
+/// Needs at least one value and as many positive `variances`.
 [[nodiscard]] GroupMean mean_over_groups(std::span<const double> values,
                                          std::span<const double> variances);
 
@@ -41,7 +42,7 @@ struct JackknifeVariance {
   double degrees = 0;  ///< G - 1
 };
 
-/// `without`: the value computed without group g, for each g; at least two.
+/// `without`: the value computed without group g, for each of the groups (at least two).
 [[nodiscard]] JackknifeVariance jackknife_variance(std::span<const double> without);
 
 /// Two-sided quantile for a coverage such as 0.95: Student's t, or the normal's for no (<= 0)

@@ -1,14 +1,14 @@
-// Location and scatter that a few wild samples do not move (GSL's order statistics).
+// Location and scatter that are insensitive to a few outliers (GSL's order statistics).
 #pragma once
 
 #include <vector>
 
 namespace rigfit::signal {
 
-/// Middle value (mean of the two for an even number); 0 of nothing.
+/// Middle value (mean of the two for an even number); 0 for no values.
 [[nodiscard]] double median(std::vector<double> values);
 
-/// Value below which `share` (0..1) of the values lie, linear between them; 0 of nothing.
+/// Value below which `share` (0..1) of the values lie, linear between them; 0 for no values.
 [[nodiscard]] double quantile(std::vector<double> values, double share);
 
 /// 1.4826 times the median absolute deviation: the standard deviation of Gaussian noise.

@@ -1,11 +1,11 @@
 // Hammer hits in a force signal, each accepted or rejected with its reason.
 //
-// A hit is what rises above the trigger level; what follows within `double_hit_window_s` belongs to
-// it. Second contacts are looked for in the force correlated with the hit's own pulse (a matched
-// filter: what has the shape of a contact stands out of noise, what is shorter is held back).
-// Ringing of the hammer, of anti-alias filters and the undershoot of AC-coupled amplifiers swing to
-// both sides; a second contact pushes to one side only. That difference tells them apart. Guidance
-// on what makes a hit good: ISO 7626-5 (impact excitation).
+// A hit begins where the force exceeds the trigger level, and everything within
+// `double_hit_window_s` belongs to it. Second contacts are looked for in the force correlated with
+// the hit's own pulse: this matched filter raises a contact above the noise and suppresses anything
+// shorter. Ringing of the hammer or of anti-alias filters and the undershoot of AC-coupled
+// amplifiers swing to both sides; a second contact pushes to one side only, which tells them apart.
+// Guidance on what makes a hit good: ISO 7626-5 (impact excitation).
 #pragma once
 
 #include <Eigen/Core>
@@ -34,15 +34,15 @@ enum class HitFault {
 [[nodiscard]] const char* name_of(HitFault fault);
 
 struct HitOptions {
-  PulseSign sign = PulseSign::automatic;  ///< automatic: that of most hits
+  PulseSign sign = PulseSign::automatic;  ///< automatic: the sign of most hits
   double trigger = 0.1;                   ///< a hit exceeds this part of the largest force ...
-  double trigger_noise = 10;              ///< ... and so many standard deviations of the noise
-  /// What comes within this of a hit's peak is not a hit of its own, s.
+  double trigger_noise = 10;              ///< ... and this many standard deviations of the noise
+  /// Pulses within this time of a hit's peak are not hits of their own, s.
   double double_hit_window_s = 0.25;
-  /// Smallest second contact that is reported, of the peak (3 %, so that 5 % are caught). Noise
-  /// may hide smaller ones: `Hit::smallest_second_hit`.
+  /// Smallest second contact that is reported, relative to the peak (3 %, so that 5 % are found).
+  /// Noise may hide contacts up to `Hit::smallest_second_hit`.
   double double_hit = 0.03;
-  double double_hit_noise = 6;  ///< and it exceeds so many standard deviations of filtered noise
+  double double_hit_noise = 6;  ///< and at least this many standard deviations of filtered noise
   double pulse_edge = 0.1;      ///< the pulse is where the force exceeds this part of its peak
   /// Samples a pulse needs above `pulse_edge`. A half sine with four lasts 3.2 sample intervals or
   /// more and has at most 0.5 % of its energy above half the sample rate (with three: 2.2 %, with
@@ -51,17 +51,17 @@ struct HitOptions {
   bool accept_unresolved = false;  ///< keep such hits all the same: frequencies without amplitudes
 
   double block_s = 0;         ///< 0: the length that uses most of the recordings (see `find_hits`)
-  double pre_trigger_s = -1;  ///< before the peak; negative: 1 % of the block, two pulses at least
-  /// A block cut by the next hit or the end of the record is accepted, and zero from there, when
+  double pre_trigger_s = -1;  ///< before the peak; negative: 1 % of the block, at least two pulses
+  /// A block cut by the next hit or the end of the record is accepted, and filled with zeros, when
   /// the responses have fallen to this part of their largest value (or to the noise before the
   /// hit).
   double ring_down_level = 0.01;
 
-  std::optional<std::pair<double, double>> band_hz;  ///< in which the force spectrum is asked for
+  std::optional<std::pair<double, double>> band_hz;  ///< band that the force spectrum must cover
   /// Largest drop of the force spectrum in the band, dB below its maximum. ISO 7626-5 asks for a
   /// spectrum that is reasonably flat; 20 dB is the customary outer limit, 10 dB good practice.
   double max_spectrum_drop_db = 20;
-  double good_spectrum_drop_db = 10;  ///< beyond: noted
+  double good_spectrum_drop_db = 10;  ///< a larger drop is noted
 };
 
 struct Hit {
@@ -74,13 +74,13 @@ struct Hit {
   double pulse_duration_s = 0;                   ///< between the edge crossings, interpolated
   Eigen::Index block_first = 0;                  ///< sample where the block begins
   Eigen::Index available = 0;                    ///< samples from there to the next hit or the end
-  double second_hit = 0;           ///< largest second contact, of the peak (with the noise's limit)
-  double second_hit_delay_s = 0;   ///< negative: it came first
-  double smallest_second_hit = 0;  ///< what noise lets one see, of the peak
-  double usable_hz = 0;  ///< up to where the force spectrum stays within max_spectrum_drop_db
+  double second_hit = 0;                         ///< largest second contact relative to the peak
+  double second_hit_delay_s = 0;                 ///< negative: before the peak
+  double smallest_second_hit = 0;  ///< smallest visible in the noise, relative to the peak
+  double usable_hz = 0;         ///< the force spectrum stays within max_spectrum_drop_db up to here
   double spectrum_drop_db = 0;  ///< largest in the band (0 without a band)
-  double end_level = 0;         ///< responses at the end of the block, of their largest value
-  double level_before = 0;      ///< the same before the hit
+  double end_level = 0;         ///< responses at the end of the block over their largest value
+  double level_before = 0;      ///< responses before the hit over their largest value
   bool accepted = true;
   std::vector<HitFault> faults;
   std::string reason;  ///< for a person; empty when accepted
@@ -99,8 +99,9 @@ struct HitSearch {
 };
 
 /// `force` and `responses` are channel indices, the same in every recording. The automatic block is
-/// the good FFT length that maximises (hits that last so long) x (length). Throws RecordingError
-/// when sample rates differ or are not known; no hit at all is an empty list with a note.
+/// the FFT length that maximises (number of hits that are that long) x (length). Throws
+/// RecordingError when sample rates differ or are unknown. Without any hit the list is empty, with
+/// a note.
 [[nodiscard]] HitSearch find_hits(std::span<const Recording> recordings, Eigen::Index force,
                                   std::span<const Eigen::Index> responses,
                                   const HitOptions& options = {});

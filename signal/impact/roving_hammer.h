@@ -1,9 +1,9 @@
-// Impact tests of several points struck, as one set of FRFs: the transducers stay, the hammer
+// Combines impact tests at several points into one set of FRFs: the transducers stay, the hammer
 // moves.
 //
 // Each point is an impact test of its own (impact_frfs.h); their FRFs become the columns of one set
-// whose inputs are the points. A point that bears the name of a response is its driving point, and
-// two such points are each other's reciprocity check.
+// whose inputs are the points. A point with the name of a response is a driving point, and two such
+// points allow a reciprocity check.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,12 +24,12 @@ struct StruckPoint {
 };
 
 struct DrivingPoint {
-  Eigen::Index response = 0, input = 0;  ///< of `RovingHammer::frfs`
+  Eigen::Index response = 0, input = 0;  ///< indices in `RovingHammer::frfs`
   DrivingPointCheck check;
 };
 
 struct RovingHammer {
-  std::vector<ImpactTest> tests;  ///< one a point, as given
+  std::vector<ImpactTest> tests;  ///< one per point, in the given order
   /// Responses x the points with an accepted hit, in their order; no lines when there is none.
   FrfSet frfs;
   std::vector<DrivingPoint> driving_points;
@@ -37,9 +37,9 @@ struct RovingHammer {
   std::vector<Note> notes;
 };
 
-/// All recordings have the same channels and sample rate. `options.driving_response` is not used:
-/// the points' names tell. Blocks are as long as the shortest that a point's hits leave. Throws as
-/// analyse_impact_test does.
+/// All recordings need the same channels and sample rate. Points' names determine the driving
+/// points; `options.driving_response` is not used. All blocks have the length of the shortest that
+/// any point's hits allow. Throws like analyse_impact_test.
 [[nodiscard]] RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points,
                                                  const std::string& force,
                                                  std::span<const std::string> responses,

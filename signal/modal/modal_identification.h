@@ -1,10 +1,10 @@
-// From FRFs to modes without initial guesses: stabilisation over orders, clusters of poles, maximum
-// likelihood, a test of every mode, covariance, synthesis from what is exported.
+// Identifies modes from FRFs without initial guesses: stabilisation over orders, clusters of poles,
+// maximum likelihood, a test of every mode, covariance, synthesis from the exported modes.
 //
-// Candidates come from the stabilisation diagram of the whole band first. What the fitted modes
-// leave is then searched in overlapping parts of the band, each time four times narrower, so that
-// modes that lie close for the width of the band, or are weak beside others, are found too. A
-// candidate stays when it lies in the band, is damped less than `LscfOptions::max_damping_ratio`,
+// Candidates come from the stabilisation diagram of the whole band first. The residual
+// of the fitted modes is then searched in overlapping parts of the band, each time four times
+// narrower, to find modes that are close together or weak beside others. A
+// candidate is kept when it lies in the band, is damped less than `LscfOptions::max_damping_ratio`,
 // is as prominent as `min_prominence`, and its residues stand out of the noise of all FRFs by more
 // than what the Bayesian information criterion asks for its 2 + 2 FRFs parameters (Schwarz, Ann.
 // Stat. 6 (1978) 461). An exponential window's decay rate is part of the frequency axis

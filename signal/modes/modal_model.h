@@ -1,10 +1,9 @@
-// Poles, shapes and residuals: what `modal` gives, what modes are compared with and UFF 55 is
-// written from.
+// Modal model: poles, shapes and residuals, as `modal` gives them and as UFF 55 is written.
 //
 // H(i w) = sum_r [ psi_r L_r^T / (i w - p_r) + conj ] (receptance) + lower / (i w)^2 + upper;
 // p_r = -zeta_r w_r + i w_r sqrt(1 - zeta_r^2). FRFs measured under an exponential window shared by
-// force and response are this at i w + decay rate. An FRF set of unknown form is taken as
-// receptance: poles and the likeness of shapes are right then, their units are not known. Source:
+// force and response are this at i w + decay rate. An FRF set of unknown form is treated as
+// receptance: poles and MAC values are then right, while the units of shapes are unknown. Source:
 // Heylen, Lammens, Sas, Modal Analysis Theory and Testing.
 #pragma once
 
@@ -18,21 +17,21 @@
 
 namespace rigfit::signal {
 
-/// A mode as one measured point shows it by itself.
+/// A mode as identified from one measured point alone.
 struct ModeAtPoint {
-  MeasuredPoint point;     ///< struck point or response, whichever vary
+  MeasuredPoint point;     ///< excitation point or response, whichever varies
   Eigen::Index order = 0;  ///< place in the file, from 0
   Estimate frequency_hz;   ///< window damping removed
   Estimate damping_ratio;
   double misfit = 0;  ///< rms misfit over rms FRF within the half bandwidth, own pole
 };
 
-/// What changes from hit to hit, beyond noise (hit_scatter.h).
+/// Changes from hit to hit beyond noise (hit_scatter.h).
 struct BetweenHits {
-  int hits = 0;                 ///< that show the mode by themselves; 0: not known
+  int hits = 0;                 ///< number of hits that show the mode alone; 0: unknown
   double frequency_std_hz = 0;  ///< standard deviation of one hit's frequency
   double damping_std = 0;
-  bool beyond_noise = false;  ///< then value and standard deviation allow for it
+  bool beyond_noise = false;  ///< then values and uncertainties allow for the changes
 };
 
 struct IdentifiedMode {
@@ -47,24 +46,24 @@ struct IdentifiedMode {
   double reconstruction_error = 0;       ///< rms misfit over rms FRF near the mode
   /// Share of the orders of the stabilisation diagram that show the mode, 0..1.
   double presence = 0;
-  /// How far the residues of all FRFs together stand out of their noise: the root of the sum over
-  /// FRFs of residue' covariance^-1 residue, over what chance gives a mode that is not there.
+  /// Strength of the residues of all FRFs against noise: the root of the sum over FRFs of
+  /// residue' covariance^-1 residue, over the value that a false mode reaches by chance.
   double significance = 0;
-  /// The window's decay rate is more than half of what was measured: the corrected damping is
-  /// mostly a difference of large numbers and is not to be used.
+  /// The window's decay rate is more than half of the measured one: the corrected damping is a
+  /// small difference of large numbers. Do not use it.
   bool damping_dominated_by_window = false;
-  /// What gave the pole: "global" (maximum likelihood of all FRFs, whose misfit looks like noise),
-  /// "local" (fits of the lines around it, point by point, and their mean).
+  /// Source of the pole: "global" (maximum likelihood of all FRFs, with a misfit like noise) or
+  /// "local" (mean over points of fits to the lines around it).
   std::string refinement = "global";
   /// Scatter of the frequency between points beyond the points' own errors (tau), drift included.
   double between_points_std_hz = 0;
   double between_points_std_damping = 0;
   Estimate trend_hz;  ///< change of frequency from one point to the next; NaN: fewer than 4 points
-  bool has_trend = false;           ///< chance of such a trend without one below 1 %
-  std::vector<ModeAtPoint> points;  ///< where several points were measured, in their order
+  bool has_trend = false;           ///< the trend would arise by chance in less than 1 %
+  std::vector<ModeAtPoint> points;  ///< by measured point; empty for a single one
   BetweenHits between_hits;
   bool doubtful = false;
-  std::string doubt;  ///< why, for a person; empty when not doubtful
+  std::string doubt;  ///< reason in words; empty when not doubtful
 };
 
 struct ModalModel {

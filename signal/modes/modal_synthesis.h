@@ -1,4 +1,4 @@
-// FRFs rebuilt from exported modes, and how well they agree with the measured ones.
+// Synthesises FRFs from exported modes and compares them with the measured ones.
 #pragma once
 
 #include "signal/modes/modal_model.h"
@@ -7,16 +7,15 @@
 
 namespace rigfit::signal {
 
-/// FRFs of `model` in `form` at `frequency_hz` (lines at 0 Hz only when the form has no division by
-/// zero there, else they are dropped), as measured under a window of `decay_rate_1_s`.
-/// Throws std::invalid_argument when the model's form is unknown and another one is asked.
+/// FRFs of `model` in `form` at `frequency_hz` (lines at 0 Hz are dropped where the form divides by
+/// zero), as measured under a window of `decay_rate_1_s`.
+/// Throws std::invalid_argument when the model's form is unknown and `form` is another one.
 [[nodiscard]] FrfSet synthesised(const ModalModel& model,
                                  const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
                                  FrfForm form, double decay_rate_1_s = 0);
 
-/// The same of a whole fit, at the window that it was fitted under: with its background
-/// (`ModalResult::background`) at the lines from the first to the last one used, linear between
-/// them, 0 at others.
+/// FRFs of a whole fit, under the window of that fit. Its background (`ModalResult::background`) is
+/// added from the first to the last line used, linearly interpolated, and is 0 at other lines.
 [[nodiscard]] FrfSet synthesised(const ModalResult& fit,
                                  const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
                                  FrfForm form);

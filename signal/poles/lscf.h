@@ -24,8 +24,7 @@ struct LscfOptions {
   /// Poles above this damping ratio describe the band, not a structure.
   double max_damping_ratio = 0.2;
   /// A pole is stable when the nearest one of the order below differs by less than this,
-  /// relatively; the customary limits of a stabilisation diagram. They mark the diagram, and choose
-  /// nothing.
+  /// relatively; the customary limits of a stabilisation diagram. They only mark the diagram.
   double stable_frequency = 0.01;
   double stable_damping = 0.05;
 };
@@ -37,7 +36,7 @@ struct StabilisationPole {
   double frequency_hz = 0;          ///< undamped, |pole| / 2 pi
   double damping_ratio = 0;
   bool stable_frequency = false;
-  bool stable_damping = false;  ///< frequency and damping are
+  bool stable_damping = false;  ///< both frequency and damping are stable
 };
 
 struct LscfResult {
@@ -45,7 +44,7 @@ struct LscfResult {
   int orders_solved = 0;  ///< below max_order when the lines do not determine more unknowns
 };
 
-/// `frequency_hz`: lines, uniform or not, rising; the band is what is passed. `H`: lines x (No Ni),
+/// `frequency_hz`: rising lines, uniform or not, of the band to be analysed. `H`: lines x (No Ni),
 /// column `response * inputs + input`. `line_weight`: lines, factor on the error of every FRF (1 /
 /// standard deviation up to a scale), empty: 1. `column_weight`: the same per column of H;
 /// responses are weighted by the mean over their inputs. Throws std::invalid_argument on sizes that

@@ -1,11 +1,11 @@
-// Which poles of a stabilisation diagram are one and the same, over the orders: candidates for
+// Groups the poles of a stabilisation diagram that belong together over the orders: candidates for
 // physical modes, chosen without initial guesses.
 //
 // Distance of two poles: |p - q| over the sum of their half bandwidths -Re(p) - Re(q) (and of half
 // a line spacing, below which no data tell poles apart). It is free of scale: two modes whose
 // resonances can be seen apart lie further than 1 from each other however close they are in Hz;
 // estimates of one mode by different orders lie within a small part of 1. Poles of successive
-// orders are linked to tracks by that distance. Poles that follow noise wander by their own
+// orders are linked to tracks by that distance. Poles that follow noise change by their own
 // bandwidth from order to order and form no long track.
 #pragma once
 
@@ -30,7 +30,7 @@ struct PoleCluster {
   int lowest_order = 0;
 };
 
-/// By rising frequency. `line_spacing_hz`: of the FRFs.
+/// Clusters by rising frequency. `line_spacing_hz` is that of the FRFs.
 [[nodiscard]] std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation,
                                                      double line_spacing_hz,
                                                      const PoleClusterOptions& options = {});

@@ -1,11 +1,11 @@
 // What is wrong with a recording's channels, found without changing a sample.
 //
-// Each finding has a code for programs, a sentence for people and the samples it is about:
+// Each finding has a code for programs, a sentence for people and the samples that it concerns:
 // `clipped` (flat tops at the extremes, at or below the nominal range), `missing` (NaN, empty),
 // `dropouts` (runs of exactly the same value, mostly zero, inside a moving signal), `stuck` (no
 // motion at all, or only in a part), `offset`, `drift`, `noise_floor`, `mains_hum` (50 or 60 Hz and
-// harmonics), `one_bit`, `coarse_quantisation`. Times are the reader's business: its notes
-// on them are repeated by `inspect`.
+// harmonics), `one_bit`, `coarse_quantisation`. The readers check the times, and `inspect`
+// repeats their notes.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,17 +20,18 @@ namespace rigfit::signal {
 struct QualityFinding {
   std::string code;
   std::string message;      ///< with numbers and units
-  long samples = 0;         ///< concerned; 0: not countable
+  long samples = 0;         ///< number concerned; 0: not countable
   Eigen::Index first = -1;  ///< sample where it begins; -1: everywhere
 };
 
 /// Figures and findings of one channel.
 struct ChannelQuality {
   std::string channel;
-  double min = 0, max = 0, mean = 0, rms = 0;  ///< SI, of the samples there are; NaN when none
+  double min = 0, max = 0, mean = 0,
+         rms = 0;  ///< SI, without missing samples; NaN when there are none
   long missing_samples = 0;
   long clipped_samples = 0;
-  long stuck_samples = 0;  ///< in runs of equal values that chance does not explain
+  long stuck_samples = 0;  ///< samples in runs of equal values too long for chance
   double quantum = 0;      ///< smallest step between values, SI; 0: none found
   double noise_floor =
       0;                 ///< rms of the broadband floor, SI (from the median line of the spectrum)
@@ -40,7 +41,7 @@ struct ChannelQuality {
   std::vector<QualityFinding> findings;
 };
 
-/// One entry a channel, in the recording's order.
+/// One entry per channel, in the recording's order.
 struct QualityResult {
   std::vector<ChannelQuality> channels;
 };

@@ -1,5 +1,5 @@
-// FRFs that an analyser exported: universal files (dataset 58), MATLAB files, tables over frequency
-// as text.
+// Reads FRFs that an analyser exported: universal files (dataset 58), MATLAB files, or text tables
+// over frequency.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace rigfit::signal {
 
-/// FRFs of a universal or MATLAB file, or of text tables over the same lines (one file a response,
-/// or all in one). Throws RecordingError.
+/// FRFs from a universal or MATLAB file, or from text tables over the same lines (one file per
+/// response, or one for all). Throws RecordingError.
 [[nodiscard]] FrfSet read_frfs(const std::vector<std::filesystem::path>& files,
                                const ReadOptions& options = {});
 

@@ -1,9 +1,9 @@
-// LabVIEW measurement files (.lvm, text) to a Recording.
+// Reads LabVIEW measurement files (.lvm, text) into a Recording.
 //
 // Source: National Instruments, "Specification for the LabVIEW Measurement File (.lvm)". One file
-// header, then segments, each with its own header (channels, units, X0, Delta_X) and table; X
-// values none, one column, or one per channel. Segments of the same channels are joined; where they
-// do not follow each other without a gap the times are kept.
+// header is followed by segments, each with its own header (channels, units, X0, Delta_X) and
+// table, which has no X values, one column of them, or one per channel. Segments of the same
+// channels are joined; where gaps lie between them the times are kept.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace rigfit::signal {
 
-/// `done_with` is told how far the file has been read. Throws RecordingError.
+/// `done_with`, if given, is called with the bytes read so far. Throws RecordingError.
 [[nodiscard]] Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
                                  const ReadOptions& options = {},
                                  const std::function<void(std::size_t)>& done_with = {});

@@ -1,22 +1,23 @@
-// What a person says about a recording beside its file: names, scales and directions of channels,
-// the sample rate. A TOML file beside it (`name.csv` -> `name.toml`) or a table of a campaign.
+// Adds to a recording what its file does not say: names, scales and directions of channels, the
+// sample rate. It is a TOML file beside the recording (`name.csv` -> `name.toml`) or a table of a
+// campaign.
 //
 //   sample_rate_hz = 500.0        # where the file gives none, or a wrong one
-//   time_unit = "ms"              # of the time column, where the file does not say
+//   time_unit = "ms"              # unit of the time column, where the file gives none
 //   decimal = ","                 # decimal sign, where a table can be read in two ways
-//   separator = ";"               # between columns: "comma", "semicolon", "tab", "blank" or the
-//   sign format = "csv"                # where the content does not tell (read_recording.h)
+//   separator = ";"               # between columns: the sign or "comma", "semicolon", "tab",
+//   "blank" format = "csv"                # where the content does not tell (read_recording.h)
 //   variables = ["acc", "force"]  # arrays to take of a file that names several (.mat)
 //   [[channel]]
 //   source = "CH8"                # the file's name for it, or "#5" for the fifth
-//   name = "hammer"               # to be called so from here on
-//   sensitivity = 2.27            # of the transducer, in `sensitivity_unit`
-//   sensitivity_unit = "mV/N"     # the file's unit (or one like it) per unit of what is measured
-//   direction = [0.0, -1.0, 0.0]  # of positive values, scene axes
+//   name = "hammer"               # new name, used from here on
+//   sensitivity = 2.27            # transducer's sensitivity, in `sensitivity_unit`
+//   sensitivity_unit = "mV/N"     # the file's unit (or a multiple of it) per measured unit
+//   direction = [0.0, -1.0, 0.0]  # direction of positive values, scene axes
 //
-// `unit` (beside a sensitivity only where the file gives none) is that of its numbers; `scale`
-// (they times it are in `unit`) and `offset` (added after it, in `unit`) turn the file's numbers
-// into it. `range` is the full scale, in the unit that results.
+// `unit` is the unit of the result: number * `scale` + `offset`. With a sensitivity, `unit` is the
+// unit of the file's numbers, and is needed only where the file has none. `range` is the full scale
+// in the unit that results.
 #pragma once
 
 #include <array>
@@ -52,10 +53,10 @@ struct RecordingDescription {
   ReadOptions reading;
   std::vector<ChannelDescription> channels;
   bool of_folder =
-      false;  ///< for all recordings of a folder: channels that one lacks are passed over
+      false;  ///< for all recordings of a folder: channels that one of them lacks are ignored
 };
 
-/// The TOML file of a recording's name in its folder, if there is one.
+/// The TOML file with the recording's name in its folder, if there is one.
 [[nodiscard]] std::optional<std::filesystem::path> description_beside(
     const std::filesystem::path& recording);
 
@@ -63,18 +64,18 @@ struct RecordingDescription {
 [[nodiscard]] std::optional<std::filesystem::path> description_of_folder(
     const std::filesystem::path& recording);
 
-/// Names of formats that `format` may say (read_recording.h tells them apart by content).
+/// Values that `format` can have (read_recording.h detects the format from the content).
 [[nodiscard]] std::vector<std::string> format_names();
 
 /// Separator or decimal sign by its sign or name ("tab", "comma", "point"); 0: not known.
 [[nodiscard]] char sign_named(const std::string& text);
 
-/// What `first` says, and what `second` says where `first` says nothing.
+/// The options of `first`; where `first` leaves one open, that of `second`.
 [[nodiscard]] ReadOptions merged(ReadOptions first, const ReadOptions& second);
 
-/// Reads a whole file. Throws document::DocumentError for what makes no sense.
+/// Reads a whole file. Throws document::DocumentError for unknown keys and invalid values.
 [[nodiscard]] RecordingDescription read_description(const std::filesystem::path& file);
-/// Takes the keys of reading and `channel` of a table; the caller calls finish().
+/// Reads the keys above from a table of a larger document; the caller then calls finish().
 [[nodiscard]] RecordingDescription read_description(document::TomlTable& table);
 
 /// Renames, rescales and orients the recording's channels as described; its notes of missing units

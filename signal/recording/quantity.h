@@ -1,4 +1,4 @@
-// The physical quantity of a channel, of a unit, of a sensor.
+// The physical quantity that a channel, a unit or a sensor stands for.
 #pragma once
 
 namespace rigfit::signal {

@@ -1,7 +1,7 @@
-// What a logger wrote, in SI, as every reader returns it and every estimator takes it.
+// A recording in SI units: every reader returns it and every estimator takes it.
 //
 // Units are converted once, by the reader; a channel whose unit is unknown keeps its numbers and
-// says so by an empty `unit`. Missing samples (empty fields, NaN) are NaN in `samples` and counted;
+// has an empty `unit`. Missing samples (empty fields, NaN) are NaN in `samples` and counted;
 // nothing is repaired here.
 #pragma once
 
@@ -44,8 +44,8 @@ struct Recording {
   std::filesystem::path path;
   std::string format;         ///< "csv", "lvm", "uff58-ascii", "uff58-binary", "wav", "npy", "mat"
   double sample_rate_hz = 0;  ///< from the time column where there is one; 0: not known
-  /// Uncertainty of a rate that the file states rounded: a relative error of every frequency. 0:
-  /// none.
+  /// Relative uncertainty of a rate that the file states rounded, and so of every frequency. 0: the
+  /// rate is exact.
   double sample_rate_relative_std = 0;
   double start_time_s = 0;
   double time_jitter_s = 0;  ///< rms departure of the time column from uniform sampling
@@ -58,23 +58,23 @@ struct Recording {
   [[nodiscard]] Eigen::Index samples() const {
     return channels.empty() ? 0 : channels.front().samples.size();
   }
-  /// s; samples over rate.
+  /// Samples over rate, s; 0 without a rate.
   [[nodiscard]] double duration_s() const {
     return sample_rate_hz > 0 ? static_cast<double>(samples()) / sample_rate_hz : 0;
   }
   /// Index of the channel of that name (exact, then case-insensitive, then 1-based "#k").
-  /// Throws RecordingError naming the channels there are.
+  /// Throws RecordingError, which lists the recording's channels.
   [[nodiscard]] Eigen::Index channel_index(const std::string& name) const;
-  /// The channel of this name or number ("#5"). Throws RecordingError naming those there are.
+  /// The channel of this name or number ("#5"). Throws RecordingError, which lists the channels.
   [[nodiscard]] const Channel& channel(const std::string& name) const {
     return channels[static_cast<std::size_t>(channel_index(name))];
   }
 };
 
-/// Most entries of a list of names or of notes of one code that are shown.
+/// Largest number of names in a list, or of notes with one code, that is shown.
 inline constexpr std::size_t kMostListed = 20;
 
-/// Names in quotes, with commas: the first 20, and how many there are.
+/// The first 20 names in quotes, separated by commas, and the number of names.
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 [[nodiscard]] std::string listed_names(const std::vector<Channel>& channels);
 

@@ -1,4 +1,4 @@
-// What is wrong with a recording, said such that the person who made it can mend it.
+// Says what is wrong with a recording so that the person who made it can fix it.
 #pragma once
 
 #include <stdexcept>

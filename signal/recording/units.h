@@ -1,4 +1,4 @@
-// Unit text as people and loggers write it, to SI: factor, offset, SI symbol and quantity.
+// Parses units as people and loggers write them: factor and offset to SI, SI symbol, quantity.
 //
 // Accepted: products and quotients of (prefixed) symbols with exponents in any usual spelling
 // ("m/s2", "m/s^2", "m/s**2", "ms-2", "m.s^-2", "N*m", "(kN)", "[mm]"), names ("Newtons", "volt"),

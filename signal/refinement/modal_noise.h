@@ -1,11 +1,11 @@
-// The noise of a set of FRFs as few numbers: what weights, covariances and tests of modes need.
+// Noise model of a set of FRFs in few numbers, for weights, covariances and tests of modes.
 //
 // Noise of the responses gives each FRF an error of its own; noise of a force multiplies all FRFs
-// with its input by one and the same random factor. Both are divided by the same force spectrum:
+// of its input by the same random factor. Both are divided by the same force spectrum:
 //   var Re(error_kc) = var Im(error_kc) = q_k (a_c + b_i |H_kc|^2),   i: input of column c,
-// the b part being common to the FRFs of an input. Error bars taken from a few hits scatter much
-// (tens of percent) from line to line; weights made of each alone would lose information and claim
-// too much. Smoothing q over lines and FRFs takes thousands of them together.
+// the b part being common to the FRFs of an input. Error bars from a few hits scatter by
+// tens of percent from line to line; weights made of each alone would lose information and
+// understate uncertainties. The smoothed q averages thousands of them over lines and FRFs.
 //
 // Lines of records weighted by an exponential window exp(-sigma t) of length T have correlated
 // errors
@@ -30,19 +30,19 @@ struct FrfNoise {
   [[nodiscard]] Eigen::Index inputs() const { return common.size(); }
 };
 
-/// From standard deviations (same size as `H`), such as hits of an average give.
+/// Noise from the standard deviations (same size as `H`) of an average over hits.
 [[nodiscard]] FrfNoise noise_from_std(const Eigen::Ref<const Eigen::MatrixXcd>& H,
                                       const Eigen::Ref<const Eigen::MatrixXd>& H_std,
                                       Eigen::Index inputs, double correlation_lines);
 
-/// From what a fit `model` leaves of `H`. `leverage`: lines, the share (0..1) of each line's
+/// Noise from the `residual` of a fit `model`. `leverage`: lines, the share (0..1) of each line's
 /// freedom that the fit has used up, mean over FRFs.
 [[nodiscard]] FrfNoise noise_from_residuals(const Eigen::Ref<const Eigen::MatrixXcd>& model,
                                             const Eigen::Ref<const Eigen::MatrixXcd>& residual,
                                             const Eigen::Ref<const Eigen::VectorXd>& leverage,
                                             Eigen::Index inputs, double correlation_lines);
 
-/// When nothing is known: every FRF with a variance of its mean square, the same at all lines.
+/// Noise when nothing is known: each FRF's variance is its mean square, the same at all lines.
 [[nodiscard]] FrfNoise noise_unknown(const Eigen::Ref<const Eigen::MatrixXcd>& H,
                                      Eigen::Index inputs, double correlation_lines);
 

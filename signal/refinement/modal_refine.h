@@ -1,13 +1,13 @@
-// Maximum likelihood of all modal parameters on FRFs with error bars.
+// Maximum-likelihood fit of all modal parameters to FRFs with error bars.
 //
 // Minimises sum_k w_k^2 sum_c |H_kc - model_kc(p, R, lower, upper)|^2 / a_c over the poles p and,
 // at every step, over all residues and residuals, which enter linearly (variable projection: the
 // linear unknowns are eliminated exactly, the poles move by Gauss-Newton in Kaufman's form). The
 // basis functions and the line weights w are common to all FRFs, hence a step costs one Gram matrix
-// and two products with the FRFs, whatever their number. Weights and the noise they come from:
-// modal_noise.h; what the answer is worth: modal_covariance.h. Sources: Golub, Pereyra, Separable
-// nonlinear least squares, Inverse Problems 19 (2003) R1; Kaufman, BIT 15 (1975) 49; Pintelon,
-// Schoukens, System Identification, 2nd ed., ch. 9.
+// and two products with the FRFs, whatever their number. modal_noise.h gives the
+// weights and the noise behind them, modal_covariance.h the uncertainty of the result. Sources:
+// Golub, Pereyra, Separable nonlinear least squares, Inverse Problems 19 (2003) R1; Kaufman, BIT 15
+// (1975) 49; Pintelon, Schoukens, System Identification, 2nd ed., ch. 9.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,7 @@
 
 namespace rigfit::signal {
 
-/// What is fitted: lines x FRFs along s (modal_basis.h).
+/// Data of the fit: lines x FRFs along s (modal_basis.h).
 struct FrfLines {
   Eigen::VectorXcd s;
   int power = 0;
@@ -37,7 +37,7 @@ enum class RefineEnd { converged, iteration_limit, no_descent, rank_deficient };
 [[nodiscard]] const char* name_of(RefineEnd end);
 
 struct ModalRefineResult {
-  Eigen::VectorXcd poles;     ///< rad/s, of the structure (s carries the window)
+  Eigen::VectorXcd poles;     ///< structure's poles, rad/s (s contains the window)
   Eigen::MatrixXcd residues;  ///< modes x FRFs
   Eigen::VectorXcd lower, upper;
   Eigen::MatrixXcd background;  ///< terms of FrfLines::background x FRFs
@@ -47,8 +47,8 @@ struct ModalRefineResult {
   Eigen::VectorXd leverage;  ///< lines: share of the freedom used, mean over FRFs
 };
 
-/// Columns of the linear unknowns: those of modal_basis.h, then two real ones a background term,
-/// each line multiplied by `line_weight`.
+/// Columns of the linear unknowns, each line multiplied by `line_weight`: those of modal_basis.h,
+/// then two real columns per background term.
 [[nodiscard]] Eigen::MatrixXd weighted_basis(const FrfLines& data,
                                              const Eigen::Ref<const Eigen::VectorXcd>& poles,
                                              const Eigen::Ref<const Eigen::VectorXd>& line_weight);
@@ -56,8 +56,8 @@ struct ModalRefineResult {
 /// Lines x FRFs of a fit, background included.
 [[nodiscard]] Eigen::MatrixXcd fitted_frfs(const FrfLines& data, const ModalRefineResult& fit);
 
-/// From starting poles (positive imaginary part). FRFs with infinite `noise.column` are left out of
-/// the poles.
+/// Fits from the poles `start` (positive imaginary part). FRFs with infinite `noise.column` do not
+/// influence the poles.
 [[nodiscard]] ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
                                              const Eigen::Ref<const Eigen::VectorXcd>& start,
                                              const ModalRefineOptions& options = {});

@@ -23,8 +23,8 @@ struct DampedSinusoidsOptions {
   int background_terms = 2;   ///< 0: none, 1: offset, 2: offset and drift
   int max_iterations = 60;    ///< steps, taken or refused
   double step_in_std = 1e-3;  ///< stop when a step is this small against the standard uncertainties
-  /// A part of a pole that keeps its starting value: 2 m the real, 2 m + 1 the imaginary part of
-  /// pole m. Degrees of freedom and covariance are those of the free fit.
+  /// Index of a part of a pole that keeps its starting value: 2 m for the real, 2 m + 1 for the
+  /// imaginary part of pole m. Degrees of freedom and covariance are those of the free fit.
   std::optional<Eigen::Index> held;
 };
 

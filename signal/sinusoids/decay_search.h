@@ -1,10 +1,11 @@
-// Where in a record damped sinusoids are: a bank of matched filters over frequency and decay rate.
+// Searches a record for damped sinusoids by a bank of matched filters over frequency and decay
+// rate.
 //
 // For a decay rate a the filter's output at frequency w is |sum_j y_j exp(-(a + i w) j)|^2, one FFT
 // applied to the record under the window exp(-a j). Divided by half the window's energy it is the
 // energy that a sinusoid of that pole takes out of the record, and for white noise of variance s^2
-// it has a mean of 2 s^2 (chi-squared, two degrees). The noise is read beside each peak, from the
-// median of the undamped spectrum around it, so that coloured noise does not pass for modes.
+// it has a mean of 2 s^2 (chi-squared, two degrees). The noise at each peak is the median
+// of the undamped spectrum around it, so that coloured noise is not taken for modes.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,9 +16,9 @@
 namespace rigfit::signal {
 
 struct DecaySearchOptions {
-  double lowest = 0;             ///< cycles per sample; peaks below are not looked at
+  double lowest = 0;             ///< cycles per sample; lower peaks are ignored
   double highest = 0.5;          ///< cycles per sample
-  int candidates = 3;            ///< at most so many distinct peaks, best first
+  int candidates = 3;            ///< largest number of distinct peaks, best first
   bool damped = true;            ///< false: the undamped filter only
   double energy_over_noise = 0;  ///< peaks with less are left out; see `detection_threshold`
 };
@@ -31,7 +32,7 @@ struct DecayCandidate {
 /// The undamped filter's output at all frequencies.
 struct LineSpectrum {
   Eigen::VectorXd power;       ///< 2 |F|^2 / N
-  double lines_per_cycle = 0;  ///< of `power` in a frequency of one cycle per sample
+  double lines_per_cycle = 0;  ///< lines of `power` per frequency of one cycle per sample
   Eigen::Index samples = 0;    ///< N
   double total = 0;            ///< sum of squares of the samples
 };
@@ -40,23 +41,23 @@ struct LineSpectrum {
 /// Strongest distinct peaks of the bank, by energy. `y` should have its offset and trend removed.
 [[nodiscard]] std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
                                                         const DecaySearchOptions& options = {});
-/// Those of the undamped filter alone.
+/// Strongest distinct peaks of the undamped filter alone.
 [[nodiscard]] std::vector<DecayCandidate> search_lines(const LineSpectrum& spectrum,
                                                        const DecaySearchOptions& options = {});
 
-/// What `search_decays` chooses from: the strongest peaks of the damped bank at all frequencies,
-/// with their noise, in no order and not distinct.
+/// The peaks from which `search_decays` chooses: the strongest of the damped bank at all
+/// frequencies, with their noise, unordered and not distinct.
 [[nodiscard]] std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y);
-/// Its choice among them for a record of so many samples; `lowest`, `highest` and `damped` of the
-/// options are not looked at.
+/// The choice that `search_decays` makes among `peaks` for a record of `samples` samples; `lowest`,
+/// `highest` and `damped` of the options are ignored.
 [[nodiscard]] std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks,
                                                           Eigen::Index samples,
                                                           const DecaySearchOptions& options = {});
 
-/// Starts for a pole near `candidate` that lives for a few cycles only, where the two halves of the
-/// spectrum and the background overlap and the bank misleads: the fit's own functional (offset and
-/// drift included) on a grid of frequencies and decay rates, best first. Empty when `candidate`
-/// lives for many cycles.
+/// Starts for a pole near `candidate` that lasts only a few cycles. There the two halves of the
+/// spectrum and the background overlap and the bank is misleading, so the fit's own functional
+/// (offset and drift included) is evaluated on a grid of frequencies and decay rates. Best first;
+/// empty when `candidate` lasts many cycles.
 [[nodiscard]] std::vector<DecayCandidate> few_cycle_starts(
     const Eigen::Ref<const Eigen::VectorXd>& y, const DecayCandidate& candidate,
     const DecaySearchOptions& options = {});
@@ -65,7 +66,7 @@ struct LineSpectrum {
 /// `false_alarm`.
 [[nodiscard]] double detection_threshold(Eigen::Index samples, double false_alarm);
 
-/// The straight line of least squares taken off, missing samples (NaN) left out and set to 0.
+/// `y` less its least-squares line; missing samples (NaN) are left out and set to 0.
 [[nodiscard]] Eigen::VectorXd without_trend(const Eigen::Ref<const Eigen::VectorXd>& y);
 
 }  // namespace rigfit::signal

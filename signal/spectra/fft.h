@@ -2,7 +2,7 @@
 //
 //   X_k = sum_n x_n exp(-2 pi i k n / N),   k = 0 .. N/2   (one-sided, unscaled)
 //   x_n = (1/N) sum_k X_k exp(+2 pi i k n / N)             (inverse, X_-k = conj X_k)
-// FFTW 3 behind it, planned without timing trials so that the same input gives the same bits in
+// Computed by FFTW 3, planned without timing trials so that the same input gives the same bits in
 // every run.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What physics demands of measured FRFs of a passive structure.
+// Checks measured FRFs against the physics of a passive structure.
 //
 // Driving point (response and force at the same place and direction): the real part of the mobility
 // is nowhere negative (the imaginary part of the receptance nowhere positive), on every line s = a
@@ -21,7 +21,7 @@ enum class DrivingPointVerdict {
   consistent,
   inverted,      ///< consistent with one signal's sign reversed
   inconsistent,  ///< not at the same place or direction, or a time shift between the channels
-  unclear,       ///< too little stands out of the noise
+  unclear,       ///< too little signal above the noise
 };
 [[nodiscard]] const char* name_of(DrivingPointVerdict verdict);
 
@@ -30,8 +30,8 @@ struct DrivingPointCheck {
   /// Part of sum |Re mobility| with the wrong sign, over lines where it exceeds three standard
   /// deviations (all lines when these are not known).
   double wrong_sign_share = 0;
-  int resonances = 0;  ///< peaks that stand out 25-fold (power) from the dips beside them
-  int missing_antiresonances = 0;  ///< between neighbouring ones
+  int resonances = 0;              ///< peaks with 25 times the power of the dips beside them
+  int missing_antiresonances = 0;  ///< pairs of resonances without one between
 };
 
 /// Checks one column of known form within the band. Up to 5 % of wrong sign is consistent, 95 % or
@@ -41,16 +41,16 @@ struct DrivingPointCheck {
     const FrfSet& frfs, Eigen::Index response, Eigen::Index input,
     std::optional<std::pair<double, double>> band_hz = {});
 
-/// What a person should know of it, without `where`; nothing when all is well.
+/// Note for the user on a failed check (`where` is left empty); nothing when it passed.
 [[nodiscard]] std::optional<Note> note_of(const DrivingPointCheck& check);
 
 struct ReciprocityCheck {
   std::string a, b;       ///< the two points
   double difference = 0;  ///< |H_ab - H_ba| over their mean, root mean squares over the lines
-  double from_noise = 0;  ///< what the error bars alone lead one to expect; 0: not known
+  double from_noise = 0;  ///< difference expected from the error bars; 0: unknown
 };
 
-/// Every pair of points (by name) that occurs as response and input both ways.
+/// Checks every pair of points (by name) measured in both directions.
 [[nodiscard]] std::vector<ReciprocityCheck> check_reciprocity(
     const FrfSet& frfs, std::optional<std::pair<double, double>> band_hz = {});
 

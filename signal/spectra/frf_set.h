@@ -1,4 +1,4 @@
-// Frequency response functions with their error bars: what `frf` gives and `modal` takes.
+// Frequency response functions with their error bars: output of `frf`, input of `modal`.
 //
 // H(f) = response / force with exp(+i 2 pi f t) (passive poles lie in the upper half of the
 // frequency plane: H of a lightly damped mode has negative imaginary receptance). One-sided lines.
@@ -38,22 +38,22 @@ struct FrfSet {
   std::string unit;  ///< such as "(m/s^2)/N"
   double exponential_decay_rate_1_s =
       0;  ///< window shared by force and response; adds to every pole
-  /// From the beginning of the blocks to the hits' peaks, mean; 0: not known. Tells, under a
-  /// window, where in time the noise is.
+  /// Mean time from the beginning of the blocks to the hits' peaks; 0: unknown. With a window it
+  /// determines how the noise of neighbouring lines correlates (modal_noise.h).
   double pre_trigger_s = 0;
-  /// FRFs of the single hits behind the average, layout as H, fewer lines; columns of inputs with
-  /// fewer hits are NaN. Tells what changes between hits (hit_scatter.h). Empty: not kept.
+  /// FRFs of the single hits in the average, layout as H, fewer lines; columns of inputs with fewer
+  /// hits are NaN. They show what changes between hits (hit_scatter.h). Empty: not kept.
   std::vector<Eigen::MatrixXcd> by_hit;
   /// Integral of the force over each hit's pulse by input, then hit, in the order of `by_hit`: the
-  /// force's unit times s, N s as a rule. Weighs the hits (hit_jackknife.h). Empty: not known.
+  /// force's unit times s, usually N s. They weight the hits (hit_jackknife.h). Empty: unknown.
   std::vector<std::vector<double>> hit_impulse;
-  /// The longest time between a hit and noise on the force that a force window leaves, or the hit's
-  /// block's beginning where its end cuts the responses off: either adds to H the transform of a
-  /// signal that lies within this time of the hit, smooth over lines. 0: nothing of the kind.
+  /// Noise on the force left by a force window, and responses cut off at the end of a block, add to
+  /// H the transform of a signal that lies within this time of the hit, s, and so is smooth over
+  /// lines. 0: there is neither.
   double force_noise_span_s = 0;
   int averages = 0;
   double sample_rate_hz = 0;
-  /// Standard uncertainty of the rate, relative: all frequencies are off by it alike
+  /// Relative standard uncertainty of the rate, common to all frequencies
   /// (Recording::sample_rate_relative_std).
   double sample_rate_relative_std = 0;
   std::vector<Note> notes;
@@ -64,8 +64,8 @@ struct FrfSet {
 };
 
 /// Multiplies by s^k to get `form`, with s = i omega + exponential_decay_rate_1_s: under a shared
-/// exponential window the lines hold H on that line of the s plane. Where this divides, the line at
-/// 0 Hz is dropped (noted). Throws std::invalid_argument when either form is unknown.
+/// exponential window H is known on that line of the s plane. Where s^k is a division, the line at
+/// 0 Hz is dropped, with a note. Throws std::invalid_argument when either form is unknown.
 [[nodiscard]] FrfSet converted(const FrfSet& frfs, FrfForm form);
 
 }  // namespace rigfit::signal

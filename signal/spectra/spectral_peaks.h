@@ -1,5 +1,5 @@
-// Resonances in the motion of a structure that something unknown drives (wind, traffic, a pluck):
-// frequency and half-power bandwidth of each peak with its uncertainty.
+// Resonances of a structure under unmeasured excitation (wind, traffic, a pluck): frequency of each
+// peak with its uncertainty, and half-power bandwidth.
 //
 // Peaks are found in Welch's averaged spectrum, where they exceed the local floor by what noise
 // alone would show once in a hundred records. Each is then fitted in the periodogram P(f) of the
@@ -25,28 +25,28 @@ namespace rigfit::signal {
 
 struct SpectralPeakOptions {
   double low_hz = 0, high_hz = 0;  ///< band; high 0: to the end
-  int max_peaks = 12;              ///< the strongest
+  int max_peaks = 12;              ///< only the strongest are kept
   double resolution_hz =
       0;  ///< of Welch's spectrum; 0: a 200th of the record's lines, at least 8 averages
 };
 
 struct SpectralPeak {
   Estimate frequency_hz;
-  double bandwidth_hz = 0;     ///< half-power
+  double bandwidth_hz = 0;     ///< half-power bandwidth
   double signal_to_noise = 0;  ///< power at the peak over the floor beside it
-  bool tone = false;           ///< as narrow as the record resolves
-  bool undecided = false;      ///< as steady as a tone, and as a resonance of little damping may be
+  bool tone = false;           ///< as narrow as the record can resolve
+  bool undecided = false;      ///< may be a tone or a lightly damped resonance
 };
 
 struct SpectralPeaks {
   std::vector<SpectralPeak> peaks;         ///< by rising frequency
-  std::vector<SteadyTone> tones;           ///< by rising frequency; none of the peaks
+  std::vector<SteadyTone> tones;           ///< by rising frequency; not among the peaks
   Eigen::VectorXd frequency_hz, spectrum;  ///< Welch's, one-sided, unit^2/Hz, without the tones
   std::string reason;                      ///< why there is no peak
 };
 
 /// `samples`: finite, uniform. Throws std::invalid_argument for fewer than 256 samples, a sample
-/// that is not finite, or a band that holds none of the lines.
+/// that is not finite, or a band without any line.
 [[nodiscard]] SpectralPeaks spectral_peaks(const Eigen::Ref<const Eigen::VectorXd>& samples,
                                            double sample_rate_hz,
                                            const SpectralPeakOptions& options = {});

@@ -9,11 +9,10 @@
 //
 // and for a resonance with u = 2 pi B T, T the record's length, v is that of a random walk about
 // its mean for small u (Cramer and von Mises' distribution, 2 u omega^2; exceeded in 99.9 % of
-// records: omega^2 = 0.0174), and 0.2 or more for 16 independent powers; for a decay that nothing
-// drives u^2 /
-// 12. Half of the least of a damping ratio of 1e-4, lower than cables have, is the limit below
-// which a line is a tone. Where v is no larger than a tone's but the limit is lower still, the
-// record cannot tell them apart.
+// records: omega^2 = 0.0174), and 0.2 or more for 16 independent powers; for a free decay it is
+// u^2 / 12. A line is a tone when v is below half of the smallest of these for a damping ratio of
+// 1e-4, which is lower than that of cables. Where v is no larger than a tone's but not below this
+// limit, the record cannot tell tone and resonance apart.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,8 +21,8 @@
 namespace rigfit::signal {
 
 enum class LineNature {
-  varies,     ///< its power changes as that of no tone
-  undecided,  ///< as steady as a tone, and as a resonance of little damping may be in this record
+  varies,     ///< its power changes more than a tone's
+  undecided,  ///< a tone or, in so short a record, a lightly damped resonance
   steady      ///< a tone
 };
 
@@ -31,25 +30,25 @@ struct SteadyTone {
   double frequency_hz = 0;
   double amplitude = 0;  ///< in the unit of the samples
   double variation = 0;  ///< v
-  double limit = 0;      ///< v below which no resonance is, in 99.9 % of records
-  /// What lies nearer to the tone is its own where its frequency wanders (a twentieth of its power
-  /// or more is left by one sinusoid; a resonance below it leaves less): modes there are not seen.
-  /// Else 0.
+  double limit = 0;      ///< v that a resonance exceeds in 99.9 % of records
+  /// Distance within which everything belongs to a tone whose frequency varies (a single sinusoid
+  /// leaves 5 % or more of its power), so that modes there cannot be seen. 0: a constant tone.
   double reach_hz = 0;
 };
 
-/// Twice the resolution of a block, Hz: nearer to a tone its remainder cannot be told from a mode.
+/// Twice the resolution of a block, Hz: closer to a tone, a mode and the tone's remainder look
+/// alike.
 [[nodiscard]] double tone_resolution_hz(double samples, double sample_rate_hz);
 
-/// What a line of a record is, with its measures; `varies` where fewer than 8 of its periods are in
-/// a block.
+/// Nature of a spectral line, with its `measures`; `varies` where a block holds fewer than 8 of its
+/// periods.
 [[nodiscard]] LineNature nature_of_line(const Eigen::Ref<const Eigen::VectorXd>& samples,
                                         double sample_rate_hz, double frequency_hz,
                                         SteadyTone& measures);
 
-/// Steady tones in lines of the record's own periodogram that stand out of their neighbours by what
-/// noise shows once in a thousand records, strongest first, and the samples without them (least
-/// squares over frequency, amplitude and phase). `samples`: finite, at least 256.
+/// Steady tones, strongest first, among the periodogram's lines that exceed their neighbours by
+/// what noise shows once in a thousand records; and the samples without these tones (least squares
+/// over frequency, amplitude and phase). Needs at least 256 finite `samples`.
 struct TonesRemoved {
   std::vector<SteadyTone> tones;
   Eigen::VectorXd samples;

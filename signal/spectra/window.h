@@ -1,11 +1,11 @@
-// Windows of impact tests.
+// Force and exponential windows for impact tests.
 //
-// Force: one through the pulse, half cosines up to it and down from it, else zero: what comes
-// before and after is noise, not force. Exponential: w(t) = exp(-a t), shared by force and
-// response. Since both become functions of s = i omega + a, their ratio is the FRF on that line of
-// the s plane: every pole moves by -a, no amplitude changes, and a is taken off again from the
-// poles. Source: Fladung, Rost, "Application and correction of the exponential window", Mechanical
-// Systems and Signal Processing 11 (1997) 23-36.
+// The force window is 1 during the pulse, rises to it and falls from it by half cosines, and is 0
+// elsewhere, where the channel holds only noise. The exponential window w(t) = exp(-a t) is applied
+// to force and response. Since both become functions of s = i omega + a, their ratio is the FRF on
+// that line of the s plane: every pole moves by -a, no amplitude changes, and the poles are
+// corrected by +a afterwards. Source: Fladung, Rost, "Application and correction of the exponential
+// window", Mechanical Systems and Signal Processing 11 (1997) 23-36.
 #pragma once
 
 #include <Eigen/Core>

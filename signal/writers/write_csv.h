@@ -1,5 +1,5 @@
 // Recordings as CSV that this and other tools read: a header of `key,value` lines, a line of names
-// with units, a time column, then one column a channel in the channel's source unit.
+// with units, a time column, then one column per channel in the channel's source unit.
 #pragma once
 
 #include <string>

@@ -2,9 +2,9 @@
 // mode shapes as dataset 55, points as dataset 15.
 //
 // Values are written in double precision: exactly in binary (58b, little-endian IEEE), with 13
-// digits in text. Fixed columns as the format has them; lines end with '\n'. What has no exact
-// place (long names, the exact rate, averages, the decay rate of a window) is kept in
-// identification lines 1, 2, 4 and 5, so that our own files come back whole.
+// digits in text. Columns are those of the format; lines end with '\n'. Data for which the format
+// has no exact place (long names, the exact rate, averages, the decay rate of a window) go to
+// identification lines 1, 2, 4 and 5, so that files written here are read back without loss.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ namespace rigfit::signal {
 /// size).
 enum class UffEncoding { ascii, binary, binary_single };
 
-/// One dataset 58 (time response) a channel; `remark` stands in every second identification line.
+/// One dataset 58 (time response) per channel; `remark` is their second identification line.
 [[nodiscard]] std::string uff_text(const Recording& recording, UffEncoding encoding,
                                    const std::string& remark = {});
 
@@ -29,7 +29,7 @@ enum class UffEncoding { ascii, binary, binary_single };
 /// type 6 (coherence) and one of type 0 (standard deviation of real and imaginary part).
 [[nodiscard]] std::string uff_text(const FrfSet& frfs, UffEncoding encoding);
 
-/// Where a node is, for dataset 15.
+/// Position of a node, for dataset 15.
 struct NodePosition {
   int node = 0;
   std::array<double, 3> position_m{0, 0, 0};
@@ -37,8 +37,8 @@ struct NodePosition {
 
 /// Dataset 15 (when positions are given), then for each mode a dataset 55 with a complex eigenvalue
 /// (analysis type 3): shapes at nodes by direction, values as they are, unscaled. Responses without
-/// a node are numbered from 1 in their order; without a direction they are put on z. "Modal A" is
-/// psi / L at the first response that is also an input, else 0.
+/// a node are numbered from 1 in their order; those without a direction are written as z. "Modal A"
+/// is psi / L at the first response that is also an input, else 0.
 [[nodiscard]] std::string uff_text(const ModalModel& modes,
                                    const std::vector<NodePosition>& positions = {});
 

@@ -1,9 +1,10 @@
-// MATLAB files (.mat): version 5 to 7 and 7.3, numeric arrays, also inside structs and cells. By
-// libmatio.
+// Reads MATLAB files (.mat), versions 5 to 7 and 7.3, by libmatio: numeric arrays, also inside
+// structs and cells.
 //
-// Arrays whose longer side has the same length are the channels of the recording; a variable named
-// as a time ("t", "time") is the time, a scalar named as a rate or step ("fs", "dt") gives the
-// rate. Where arrays of several lengths could be meant the file is refused with their names.
+// Arrays whose longer side has the same length are the channels of the recording; a variable with a
+// name for time ("t", "time") holds the times, and a scalar named like a rate or step ("fs", "dt")
+// gives the rate. Where arrays of several lengths could be meant the file is refused, with their
+// names.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +19,8 @@ namespace rigfit::signal {
 [[nodiscard]] Recording read_mat(const std::filesystem::path& path,
                                  const ReadOptions& options = {});
 
-/// FRFs: complex arrays of lines x points beside a vector of as many frequencies ("freq", "f").
+/// Reads FRFs: complex arrays (lines x points) beside a frequency vector of as many lines ("freq",
+/// "f").
 /// Throws RecordingError.
 [[nodiscard]] FrfSet read_mat_frfs(const std::filesystem::path& path,
                                    const ReadOptions& options = {});

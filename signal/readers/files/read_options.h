@@ -1,4 +1,4 @@
-// What a person adds to a recording that its file does not say.
+// Options for reading a recording whose file leaves something open.
 #pragma once
 
 #include <string>
@@ -6,15 +6,15 @@
 
 namespace rigfit::signal {
 
-/// What the person who reads a recording knows of it.
+/// Facts about a recording that its file does not state, or states wrongly.
 struct ReadOptions {
-  /// Hz; for a file without times or rate. Where the file says otherwise, this is taken and the
-  /// disagreement noted. 0: as the file says.
+  /// Hz, for a file without times or rate. Where the file states another rate, this one is used and
+  /// the difference is noted. 0: the file's.
   double sample_rate_hz = 0;
-  double time_unit_s = 0;  ///< seconds per number of the time column; 0: as the file says
-  char decimal = 0;        ///< decimal sign of a table, '.' or ','; 0: found
-  char separator = 0;      ///< between columns, ',', ';', tab or ' '; 0: found
-  std::string format;      ///< one of `format_names()`; empty: by the content
+  double time_unit_s = 0;  ///< seconds per number of the time column; 0: the file's
+  char decimal = 0;        ///< decimal sign of a table, '.' or ','; 0: detected
+  char separator = 0;      ///< between columns, ',', ';', tab or ' '; 0: detected
+  std::string format;      ///< one of `format_names()`; empty: detected from the content
   std::vector<std::string> variables;  ///< arrays to take of a file that names several; empty: all
 };
 

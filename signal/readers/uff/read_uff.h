@@ -1,9 +1,9 @@
-// Universal files to what the rest takes: time histories to a Recording, frequency response
-// functions (with coherence and, where we wrote it, their standard deviation) to an FrfSet.
+// Reads universal files: time histories into a Recording, frequency response functions (with
+// coherence and, if rigfit wrote the file, their standard deviation) into an FrfSet.
 //
-// The sample rate is one over the printed step; where a whole number of hertz lies within half of
-// the step's last digit, it is that. Channels are called by their entity name, else by the first
-// identification line, else by label, else by node and direction ("5+Z").
+// The sample rate is one over the printed step, rounded to a whole number of hertz where that lies
+// within half of the step's last digit. A channel gets its entity name, else the first
+// identification line, else the label, else node and direction ("5+Z") as its name.
 #pragma once
 
 #include <cstddef>
@@ -17,20 +17,20 @@
 
 namespace rigfit::signal {
 
-/// `done_with` is told how far the file has been read. Throws RecordingError; also when the file
-/// holds functions but no time history.
+/// `done_with`, if given, is called with the bytes read so far. Throws RecordingError, also when
+/// the file holds functions but no time history.
 [[nodiscard]] Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
                                  const ReadOptions& options = {},
                                  const std::function<void(std::size_t)>& done_with = {});
 
-/// Throws RecordingError; also when there is no FRF, when FRFs between some points are absent, or
-/// when they do not share their frequencies.
+/// Throws RecordingError, also when there is no FRF, when FRFs between some points are absent, or
+/// when their frequencies differ.
 [[nodiscard]] FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path);
 /// Reads a file. Throws RecordingError.
 [[nodiscard]] FrfSet read_uff_frfs(const std::filesystem::path& path);
 
-/// As read_uff where there is a time history; else functions of any type as channels, for looking
-/// at: `sample_rate_hz` stays 0, complex ones are given by magnitude (both noted).
+/// Like read_uff for a file with time histories. Otherwise functions of any type become channels,
+/// to be looked at: `sample_rate_hz` stays 0 and complex values become magnitudes (both are noted).
 [[nodiscard]] Recording read_uff_functions(std::string_view bytes,
                                            const std::filesystem::path& path);
 

@@ -1,5 +1,5 @@
-// Mode shapes that other programs wrote: datasets 55 of a universal file, with the points of 15 or
-// 2411 and the units of 164. FRFs and time histories beside them are passed over.
+// Reads mode shapes of other programs: datasets 55 of a universal file, with the points of 15 or
+// 2411 and the units of 164. FRFs and time histories in the same file are ignored.
 //
 // Dataset 55 ("data at nodes") gives normal modes (analysis type 2: frequency in hertz, viscous and
 // hysteretic damping, the latter twice a damping ratio) and complex modes (types 3 and 7:
@@ -43,10 +43,10 @@ struct UffMode {
 struct UffModes {
   std::vector<UffNode> nodes;
   std::vector<UffMode> modes;        ///< by rising frequency
-  std::vector<std::string> remarks;  ///< what was left out, for a person
+  std::vector<std::string> remarks;  ///< items left out, for a person
 };
 
-/// Throws RecordingError with the line for what cannot be read, and when there is no mode.
+/// Throws RecordingError with the line that cannot be read, and when there is no mode.
 [[nodiscard]] UffModes read_uff_modes(std::string_view bytes, const std::filesystem::path& path);
 /// Reads a file. Throws RecordingError.
 [[nodiscard]] UffModes read_uff_modes(const std::filesystem::path& path);
