@@ -1,5 +1,5 @@
-// How a segment of length l is lumped: its mass' share between its nodes and the flexibility of its
-// joints, so that lumping costs little at clamped ends too.
+// Lumping of a segment of length l: how its mass is shared by its nodes, and the flexibility of its
+// joints, chosen so that errors stay small at clamped ends too.
 //
 // Joints are given by their flexibility in l / EI (1: the plain joint of EI / l).
 //   mass    c of it couples a segment's nodes, 1/2 - c is at each. c = 1/6 (a rigid rod's) cancels
@@ -16,15 +16,15 @@
 //             e_0 = (q - 1 + 1 / (e^p + q^2 e_1 + q^2 e_2 e^(-2p) / (1 + q^2 e_2 e^(-p)))) / q^2,
 //           puts the chain, beyond a layer it may not resolve, where the beam is: at x - sqrt(EI/T)
 //           times its slope.
-//   beam    An axial force N (weight, guys) leaves N l^2 / 12 times the fourth derivative behind
-//   when
-//           c = 1/6: taken out of the joints' EI. Gregory's weights turn the first two segments at
-//           a clamp by -1/8 and 1/24 of l M / EI too far, with which N works: the sum of their
-//           squares, 5/288 N l^2 / EI, goes into the end's flexibility of 3/8, as 5/108 N l^2 into
-//           its EI. A column then buckles where it should, to the fourth order.
-// The paper's lumping is c = 1/6, plain joints, and half a segment (1/2, 0, 0) at a clamp. The same
-// with c = 0 for cables leaves errors in even powers of l alone, whose coefficients fall fast
-// (those of sin(kl/2) / (kl/2)): such short chains are extrapolated to l = 0.
+//   beam    An axial force N (weight, guys) leaves an error of N l^2 / 12 times the fourth
+//           derivative when c = 1/6, which is subtracted from the joints' EI. Gregory's weights
+//           turn the first two segments at a clamp by -1/8 and 1/24 of l M / EI too far, on which N
+//           does work: the sum of their squares, 5/288 N l^2 / EI, is added to the end's
+//           flexibility of 3/8, and 5/108 N l^2 to its EI. The buckling load of a column then is
+//           right to the fourth order.
+// The paper's lumping is c = 1/6, plain joints, and half a segment (1/2, 0, 0) at a clamp. With c =
+// 0 for cables instead, errors are in even powers of l alone, with quickly falling coefficients
+// (those of sin(kl/2) / (kl/2)): such coarse chains are extrapolated to l = 0.
 #pragma once
 
 #include <array>
@@ -49,21 +49,21 @@ struct ClampFlexibility {
 /// `q2` = T l^2 / EI, not negative; infinite for a member without bending stiffness.
 [[nodiscard]] ClampFlexibility clamp_flexibility(double q2);
 
-/// What pulls a member about its equilibrium, N, before that is known: from its tension or its
+/// Estimated tension of a member, N, before the equilibrium is known: from its stated tension or
 /// length, sag included; zero for a beam. `chord` m, `weight` N/m across the chord.
 [[nodiscard]] double nominal_tension(const Member& member, double chord, double level_part,
                                      double weight);
 
-/// Linear along a member, tension positive, N.
+/// Axial force that varies linearly along a member, tension positive, N.
 struct AxialForce {
   double first = 0, second = 0;
-  /// At `s` from 0 (first node) to 1 (second), N.
+  /// Force at `s` from 0 (first node) to 1 (second), N.
   [[nodiscard]] double at(double s) const { return first + (second - first) * s; }
 };
 
-/// What pulls or presses a beam between a supported node and a free one: its own weight, that of
-/// the free node and half of what else ends there, and the cables' tension; as drawn. Zero for
-/// cables and for beams held at both ends or at none. `ends`: nodes of each member.
+/// Axial force in a beam between a supported node and a free one, as drawn: from its weight, the
+/// weight of the free node and of half of the other members there, and the cables' tension. Zero
+/// for cables and for beams held at both ends or at none. `ends`: nodes of each member.
 [[nodiscard]] AxialForce nominal_axial_force(const Scene& scene,
                                              const std::vector<std::array<int, 2>>& ends,
                                              std::size_t member);

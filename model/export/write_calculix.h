@@ -1,20 +1,20 @@
-// A scene as an input deck of CalculiX (ccx), an independent finite-element program: quadratic beam
-// elements, prestress and sag by a non-linear static step, then natural frequencies about that
-// state.
+// Writes a scene as an input deck of CalculiX (ccx), an independent finite-element program:
+// quadratic beam elements, prestress and sag by a non-linear static step, then natural frequencies
+// about that state.
 //
 // Every member becomes a bar of rectangular section with the member's EA and EI: h = sqrt(12 EI/EA)
 // in each direction, E = EA/(b h), density from its mass (the rectangular form of Jalali and
 // Rideout 2021, eq. (16), chosen because ccx integrates a rectangle exactly and a circle only
 // nearly). Torsion follows from that section and Poisson's ratio, not from the scene's GJ. A cable
-// starts straight between its nodes; a thermal strain gives it its unstretched length. Of a thermal
-// strain a, ccx 2.20 takes a - a^2/2 off Green's strain (strings at tensions from 0.005 to 0.08 EA
-// tell that from a to 2e-5 of the tension); a is chosen such that the force at rest is the scene's.
-// About rest its axial stiffness is then 1 + 1.5 e of the scene's, e the strain at rest. A cable is
-// first cooled to a tight state, from which the sagging one is reached without passing through
-// slack. Its pinned ends are left free to twist: ccx turns a node with a held rotation into a rigid
-// body, and once such an end has turned by the sag's slope, holding one component resists the
-// others as well (frequencies of the 25 N cable rise by 0.12 % when its modes are even, 0.35 % when
-// odd). The spinning mode that this leaves is not the scene's.
+// starts straight between its nodes; a thermal strain gives it its unstretched length. For a
+// thermal strain a, ccx 2.20 subtracts a - a^2/2 from Green's strain (found from strings at
+// tensions from 0.005 to 0.08 EA, to 2e-5 of the tension); a is chosen so that the force at rest is
+// the scene's. The axial stiffness about rest is then 1 + 1.5 e times the scene's, with e the
+// strain at rest. A cable is first cooled to a tight state, from which the sagging one is reached
+// without passing through slack. Its pinned ends are left free to twist: ccx turns a node with a
+// held rotation into a rigid body, and once such an end has turned by the sag's slope, holding one
+// component resists the others as well (frequencies of the 25 N cable rise by 0.12 % when its modes
+// are even, 0.35 % when odd). This adds a spinning mode that the scene does not have.
 #pragma once
 
 #include <string>
@@ -44,11 +44,12 @@ struct CalculixMember {
 struct CalculixDeck {
   std::string text;
   std::vector<CalculixMember> members;
-  std::vector<std::string> notes;  ///< what the deck cannot say as the scene does
+  std::vector<std::string> notes;  ///< differences between deck and scene
 };
 
 /// `equilibrium` (converged, of the same scene) gives each cable's unstretched length. Throws
-/// SceneError naming what cannot be exported: EI = 0, taper, rotational springs, released joints.
+/// SceneError for features that cannot be exported: EI = 0, taper, rotational springs, released
+/// joints.
 [[nodiscard]] CalculixDeck calculix_deck(const Scene& scene, const Equilibrium& equilibrium,
                                          const CalculixOptions& options = {});
 

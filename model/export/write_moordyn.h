@@ -1,10 +1,11 @@
-// A scene's cables as an input file of MoorDyn (version 2): line types, points, lines, options.
+// Writes a scene's cables as an input file of MoorDyn (version 2): line types, points, lines,
+// options.
 //
 // MoorDyn's z is the scene's y, its y the scene's -z; there is no water. A line's unstretched
 // length is the equilibrium's; its bending stiffness acts between segments but not at its ends,
 // which are pinned. A member's damping ratio z becomes the axial damping that gives the first axial
 // mode, omega = pi / L sqrt(EA / m), that ratio: BA = 2 z EA / omega; an axial joint damper is BA
-// as it stands.
+// itself.
 #pragma once
 
 #include <string>
@@ -17,11 +18,11 @@ namespace rigfit::model {
 
 struct MoordynInput {
   std::string text;
-  std::vector<std::string> notes;  ///< what it cannot say as the scene does
+  std::vector<std::string> notes;  ///< differences between file and scene
 };
 
-/// `equilibrium`: converged, of the same scene. Throws SceneError naming what cannot be exported:
-/// beams, springs at supports, tapered cables, gravity that is not along -y.
+/// `equilibrium` is the converged one of the same scene. Throws SceneError for what cannot be
+/// exported: beams, springs at supports, tapered cables, gravity that is not along -y.
 [[nodiscard]] MoordynInput moordyn_input(const Scene& scene, const Equilibrium& equilibrium);
 
 }  // namespace rigfit::model

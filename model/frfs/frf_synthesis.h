@@ -1,12 +1,12 @@
 // Frequency response functions of a scene, from any of its loads to any of its sensors, about the
-// equilibrium: H = r (K + i omega C - omega^2 M)^-1 l, per newton at the load, by solving the
-// damped equations at every line, so that no mode is left out.
+// equilibrium: H = r (K + i omega C - omega^2 M)^-1 l, per newton at the load, from the
+// damped equations at every line, without truncation of modes.
 //
 // Sign e^(+i omega t). Acceleration sensors give (m/s^2)/N (accelerance), velocity m/s/N,
 // displacement m/N (receptance), force sensors N/N. Members with a modal damping ratio add
 // C = sum_r 2 zeta_r omega_r (M phi_r)(M phi_r)' over the modes up to twice the highest line
 // (Clough and Penzien, Dynamics of Structures, ch. 12; the inverse by Woodbury's formula), which
-// is the damping that the modal response has; modes beyond take none.
+// is the damping of the modal response; higher modes have none.
 //
 // FRFs averaged under an exponential window exp(-a t) shared by force and response are the same
 // function on the line s = i omega + a (signal/spectra/window.h): transforms of windowed signals
@@ -30,9 +30,9 @@ struct SynthesizedFrfs {
   std::vector<Eigen::MatrixXcd> H;  ///< per line: sensors x loads
 };
 
-/// Uses of `options`: segments, rotary inertia, torsion; "auto" members get the segments that the
-/// scene's accuracy asks of the modes among the lines. Lines and the window's decay rate must not
-/// be negative.
+/// Of `options`, segments, rotary inertia and torsion are used; "auto" members get the segments
+/// that the scene's accuracy requires for the modes within the lines. Lines and the window's decay
+/// rate must not be negative.
 [[nodiscard]] SynthesizedFrfs synthesize_frfs(const Scene& scene,
                                               const Eigen::VectorXd& frequency_hz,
                                               const ModesOptions& options = {},

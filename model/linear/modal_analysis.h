@@ -1,5 +1,5 @@
-// From a scene to its static equilibrium and natural modes, in one call: the entry point for every
-// user of the model who does not need to see the chain inside.
+// Computes a scene's static equilibrium and natural modes in one call: the entry point for users
+// who do not need the chain itself.
 //
 // Undamped modes are (K - omega^2 M) phi = 0 about the equilibrium, mass-normalised; K is the
 // tangent with gravity, tension and curvature in it. Damped modes solve the quadratic problem with
@@ -22,23 +22,23 @@ namespace rigfit::model {
 struct ModalAnalysis {
   Equilibrium equilibrium;
   std::vector<NaturalMode>
-      modes;  ///< by rising frequency, planes found separately where the scene has them
-  double relative_error_estimate = 0;  ///< error of the asked frequencies by the number of segments
-  /// True if an accuracy was asked for, or every member left its segments to the program:
-  /// `frequency_hz` are then extrapolated to vanishing segments (segment_extrapolation.h); shapes,
+      modes;  ///< by rising frequency; planes of a symmetric scene are solved separately
+  double relative_error_estimate = 0;  ///< error of the frequencies due to the number of segments
+  /// True if an accuracy was given, or every member has "auto" segments: `frequency_hz` is then
+  /// extrapolated to vanishing segments (segment_extrapolation.h); shapes,
   /// damping, equilibrium and sensitivities belong to the finest chain.
   bool extrapolated = false;
   bool complete = false;  ///< a Sturm count proves that no mode in the range was missed
   int unknowns = 0;
   std::vector<LeftOut>
-      left_out;  ///< "modelled" in the document says what was kept and what was not
+      left_out;  ///< effects left out; with `kept` this is "modelled" in the document
   std::vector<std::string> kept;
 };
 
-/// Never throws for physics: see `equilibrium.status`; modes are empty unless it is converged.
+/// Does not throw when no equilibrium is found: check `equilibrium.status`; `modes` are then empty.
 [[nodiscard]] ModalAnalysis analyse_modes(const Scene& scene, const ModesOptions& options = {});
 
-/// Modes and their derivatives by the parameters asked for.
+/// Modes and their derivatives by the given parameters.
 struct ModeSensitivities {
   ModalAnalysis analysis;
   Eigen::MatrixXd

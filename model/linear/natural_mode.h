@@ -1,4 +1,4 @@
-// A natural mode of a scene, and what may be asked of the modes.
+// A natural mode of a scene, and the options of modal analysis.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,8 +30,9 @@ struct ModeShape {
 /// One natural mode.
 struct NaturalMode {
   double frequency_hz = 0;  ///< undamped
-  /// For vanishing segments, from one more number of segments than `frequency_hz` where that is
-  /// extrapolated itself, else from three; the frequency when no error estimate was asked for.
+  /// Frequency extrapolated to vanishing segments, from three numbers of segments, or from one more
+  /// than `frequency_hz` where that is extrapolated itself. Equal to `frequency_hz` without an
+  /// error estimate.
   double extrapolated_hz = 0;
   double damping_ratio = 0;
   ModePlane plane = ModePlane::in;
@@ -42,25 +43,25 @@ struct NaturalMode {
   Eigen::VectorXd
       sensor_shape;  ///< modal displacement at each of the scene's sensors along its direction; at
                      ///< a force sensor the change of axial force, N kg^-1/2
-  Eigen::VectorXd load_shape;  ///< the same at each of the scene's loads
+  Eigen::VectorXd load_shape;  ///< modal displacement at each of the scene's loads, likewise
 };
 
-/// Which modes are wanted, and of what model.
+/// Which modes are computed, and with which model.
 struct ModesOptions {
   int count = 6;                                     ///< first N, ignored when a band is given
   std::optional<std::pair<double, double>> band_hz;  ///< all modes inside
   RotaryInertia rotary_inertia = RotaryInertia::accurate;
-  bool damped = true;          ///< damping ratios too
+  bool damped = true;          ///< also compute damping ratios
   bool shapes = true;          ///< false: frequencies, planes and sensors only
-  bool error_estimate = true;  ///< two finer chains too: 3.5 times the time again
+  bool error_estimate = true;  ///< solves two finer chains as well, for 3.5 times the time
   /// `in` or `out`: only the motion in or out of the plane of symmetry, where the scene has one;
-  /// `count` is then of its modes. Others: both.
+  /// `count` then refers to its modes. Other values: both.
   std::optional<ModePlane> plane;
   std::optional<int> segments;  ///< overrides every member's number
-  /// Frequencies to this relative accuracy, whatever number of segments the members and `segments`
-  /// say: taken to vanishing segments. What is left is the analysis' `relative_error_estimate`.
+  /// Relative accuracy of frequencies, which are extrapolated to vanishing segments; numbers of
+  /// segments are then ignored. `relative_error_estimate` gives the remaining error.
   std::optional<double> accuracy;
-  std::optional<bool> torsion;  ///< force modelling it or not; else by need
+  std::optional<bool> torsion;  ///< whether to model torsion; empty: if needed
 };
 
 }  // namespace rigfit::model

@@ -1,18 +1,17 @@
-// The time response of a scene, by the solver that the scene needs: one call.
+// Computes the time response of a scene by a solver chosen for it.
 //
-// The linear answer comes first; from it the shift of frequencies by the size of the motion is
-// estimated (nonlinearity.h). Within the scene's accuracy the exact
-// modal response is the answer; beyond it the equations are integrated as they are, in the plane
-// when nothing pushes the scene out of it: explicitly unless that would take many times the work of
-// the stiff scheme or cannot be had of the scene (joint dampers that overdamp waves, torsion, nodes
-// that turn in space). Only the motions that a load drives are
-// looked at; axial waves are slowed (explicit_motion.h) where the estimate of what that costs
-// allows it; members that say "auto" get the segments that bring the error of frequencies below the
-// scene's accuracy. Every choice can be forced, and what was left out is listed with its estimated
-// cost (response_estimates.h).
+// The linear response is computed first, and from it the shift of frequencies with amplitude is
+// estimated (nonlinearity.h). If the shift is within the scene's accuracy, the exact modal response
+// is returned. Otherwise the non-linear equations are integrated, in the plane when nothing pushes
+// the scene out of it. The explicit scheme is used unless it would take many times the work of the
+// stiff one or cannot handle the scene (joint dampers that overdamp waves, torsion, nodes that turn
+// in space). Only motions that a load drives are computed; axial waves are slowed
+// (explicit_motion.h) where the estimated error allows it; "auto" members get enough segments to
+// keep the error of frequencies below the scene's accuracy. Every choice can be forced, and effects
+// left out are listed with their estimated error (response_estimates.h).
 //
-// A hung mass acts as mass x |gravity| along the load's direction, and is gone at t = 0. Sensors:
-// displacements from the unloaded equilibrium, force the axial force (static part included).
+// A hung mass acts as mass x |gravity| along the load's direction and is removed at t = 0. Sensors
+// read displacements from the unloaded equilibrium, or the axial force with its static part.
 #pragma once
 
 #include <optional>
@@ -37,37 +36,38 @@ enum class ResponseSolver {
 /// The word in JSON, such as "modal".
 [[nodiscard]] const char* name_of(ResponseSolver solver);
 
-/// What time history is wanted, and what is forced of the choices above.
+/// Sampling of the time history, and choices above that are forced.
 struct ResponseOptions {
   SamplingOptions sampling;
   ResponseSolver solver = ResponseSolver::automatic;
-  std::optional<bool> plane;    ///< move in the plane of symmetry only; else by need
-  std::optional<bool> torsion;  ///< model it or not; else by need
-  /// Axial waves as they are, or not: the modal solver then lets modes along the members follow
-  /// at once, explicit steps slow them as far as one step a sample needs. Else by estimate.
+  std::optional<bool> plane;    ///< motion in the plane of symmetry only; empty: if possible
+  std::optional<bool> torsion;  ///< whether to model torsion; empty: if needed
+  /// Whether axial waves are resolved. If not, the modal solver treats modes along the members as
+  /// quasi-static, and the explicit scheme slows axial waves until one step per sample is stable.
+  /// Empty: decided by the estimated error.
   std::optional<bool> axial;
   std::optional<int> segments;   ///< overrides every member's number
   std::optional<double> step_s;  ///< largest step of the explicit scheme
-  /// Local, of the stiff scheme; else a thousandth of the scene's accuracy.
+  /// Local tolerance of the stiff scheme; empty: a thousandth of the scene's accuracy.
   std::optional<double> relative_tolerance;
   std::vector<ForceHistory> records;  ///< by load of the scene; used for kind `record`
   /// Number of modes of each motion in the linear answer; 0: all up to 400 unknowns a motion, else
   /// the lowest 200.
   int modes = 0;
-  /// Estimate the error by the number of segments also where none says "auto" (as long again).
+  /// Also estimate the error due to segments where no member is "auto" (doubles the time).
   bool resolution_estimate = false;
 };
 
-/// The time history, and how it was found.
+/// The time history, and how it was computed.
 struct ResponseResult {
-  Equilibrium equilibrium;  ///< look at `status` first: nothing else is set unless it converged
+  Equilibrium equilibrium;  ///< check `status` first: the rest is set only if it converged
   bool completed = false;
-  bool impossible = false;  ///< what was asked for cannot be had of this scene
+  bool impossible = false;  ///< the scene does not allow the options
   std::string reason;       ///< for a person, when not completed
-  /// Estimated error of samples that were forced to be linear while the motion is not: the phase
-  /// that the shift of frequencies runs up over half of the duration; else 0.
+  /// Estimated error of a linear solution forced on a non-linear motion: the phase error due to the
+  /// shift of frequencies over half of the duration; else 0.
   double linear_error = 0;
-  std::string told;  ///< why a scheme slower than the explicit one was taken; or empty
+  std::string told;  ///< why a scheme slower than the explicit one was used; or empty
 
   double rate_hz = 0;
   std::vector<std::string> sensors;  ///< names
@@ -82,10 +82,10 @@ struct ResponseResult {
   int unknowns = 0;
   long steps = 0;
   double step_s = 0;
-  double wall_s = 0;  ///< from the scene to the samples; what is estimated after that not counted
+  double wall_s = 0;  ///< time to compute the samples, s; later estimates not counted
   double energy_drift = 0;
   std::vector<int> segments;  ///< by member
-  /// Relative error of frequencies, weighted by energy; negative: not asked for.
+  /// Relative error of frequencies, weighted by energy; negative: not estimated.
   double resolution_error = -1;
   EnergyBalance energy;
   std::vector<std::string> members;  ///< names
@@ -93,7 +93,8 @@ struct ResponseResult {
   std::vector<LeftOut> left_out;
 };
 
-/// Never throws for physics. Throws SceneError for a record load without its history.
+/// Throws SceneError for a record load without its history. Failures to compute a response are
+/// reported in the result.
 [[nodiscard]] ResponseResult simulate_response(const Scene& scene, const ResponseOptions& options);
 
 }  // namespace rigfit::model

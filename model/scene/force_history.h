@@ -1,4 +1,4 @@
-// A force over time as a load gives it: a half-sine pulse, straight lines between samples, or none.
+// Force of a load over time: a half-sine pulse, samples joined by straight lines, or none.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace rigfit::model {
 
-/// Zero outside its samples, linear between them.
+/// Sampled force; zero outside its samples, linear between them.
 struct ForceHistory {
   std::vector<double> time_s;  ///< strictly rising
   std::vector<double> force_N;
@@ -20,11 +20,11 @@ class LoadForce {
   /// A release has no force after t = 0.
   LoadForce(const Load& load, const ForceHistory* record);
 
-  /// N along the load's direction.
+  /// Force along the load's direction, N.
   [[nodiscard]] double at(double time_s) const;
   /// Times where the force or its slope jumps (a pulse's ends, a record's samples), rising.
   [[nodiscard]] std::vector<double> corners() const;
-  /// The last time at which it is not zero; 0 when it never is.
+  /// The last time at which the force is not zero; 0 when it always is.
   [[nodiscard]] double end_s() const;
 
  private:

@@ -1,4 +1,4 @@
-// What a model of a scene leaves out, and what that costs.
+// An effect that a model leaves out, and the error that this causes.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@ namespace rigfit::model {
 struct LeftOut {
   std::string what;           ///< such as "torsion"
   double relative_error = 0;  ///< estimated
-  /// What the error is of: "frequency" (of the modes that take part), or "response" (root mean
-  /// square of the sensors' samples).
+  /// Quantity in error: "frequency" (of the modes that take part) or "response" (rms of the
+  /// sensors' samples).
   std::string of = "frequency";
 };
 

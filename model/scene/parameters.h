@@ -1,4 +1,4 @@
-// The numbers of a scene by name, for fits and sensitivities.
+// Access to the numbers of a scene by name, for fits and sensitivities.
 #pragma once
 
 #include <functional>
@@ -9,18 +9,19 @@
 
 namespace rigfit::model {
 
-/// A number of the scene by name: "<member>.EI" (".EI_z", ".EI_y" for one of two), ".EA", ".GJ",
+/// Value of the number with this name: "<member>.EI" (".EI_z", ".EI_y" for one of two), ".EA",
+/// ".GJ",
 /// ".mass_per_length", ".tension", ".unstretched_length", ".stretch", ".taper", ".damping_ratio",
 /// ".damping_axial", ".damping_bending", ".damping_torsion", "<node>.mass", "<node>.x|.y|.z",
 /// "<node>.translational_x|_y|_z", "<node>.rotational_x|_y|_z", "<load>.mass", "<load>.peak",
 /// "<load>.position" (0..1, on a member), "<load>.direction_x|_y|_z" (turns the unit vector);
 /// "load_cell.scale", "load_cell.zero" where a cable has a tension; "<member>.thermal_expansion",
 /// "temperature_change" where a cable expands (actual_state.h).
-/// Both throw SceneError naming the parameters there are when the name is unknown.
+/// Throws SceneError, which lists the scene's parameters, when the name is unknown.
 [[nodiscard]] double parameter(const Scene& scene, const std::string& name);
-/// Sets it; throws SceneError for an unknown name.
+/// Sets the number with this name; throws SceneError like `parameter`.
 void set_parameter(Scene& scene, const std::string& name, double value);
-/// All names that the scene has.
+/// Names of all parameters of the scene.
 [[nodiscard]] std::vector<std::string> parameter_names(const Scene& scene);
 
 /// A parameter's name and unit, and how it is read and set.
@@ -33,7 +34,7 @@ struct ParameterAccess {
 
 /// Every parameter the scene has, members first, in the scene's order.
 [[nodiscard]] std::vector<ParameterAccess> scene_parameters(const Scene& scene);
-/// Those of the given names, in their order; throws SceneError for an unknown one.
+/// The parameters with these names, in their order; throws SceneError for an unknown name.
 [[nodiscard]] std::vector<ParameterAccess> parameters_named(const Scene& scene,
                                                             const std::vector<std::string>& names);
 

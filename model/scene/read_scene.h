@@ -1,5 +1,5 @@
-// Scene files (TOML) in and out. Every key is checked: unknown keys, wrong types, missing nodes,
-// negative or non-finite values are refused with file, line, key and remedy.
+// Reads and writes scene files (TOML). Every key is checked: unknown keys, wrong types, missing
+// nodes, negative or non-finite values are refused with file, line, key and remedy.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,11 @@
 
 namespace rigfit::model {
 
-/// Throws SceneError.
+/// Reads a file. Throws SceneError.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
-/// The same from text; `file` is named in messages.
+/// Reads a scene from text; messages name `file`. Throws SceneError.
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::string& file);
-/// A scene file that reads back to the same scene.
+/// Text of a scene file that is read back as the same scene.
 [[nodiscard]] std::string scene_text(const Scene& scene);
 
 }  // namespace rigfit::model

@@ -1,5 +1,5 @@
-// A rig as a person describes it: nodes, members, loads, sensors. Plain data in SI; `read_scene`
-// fills it and checks it, the chain is built from it.
+// Description of a rig: nodes, members, loads and sensors, as plain data in SI. `read_scene` fills
+// and checks it; the segment chain is built from it.
 //
 // Axes: x along the cables, y up, z out of plane. Mass and stiffness are per unstretched length.
 #pragma once
@@ -111,7 +111,7 @@ struct Load {
 
 /// A point and a direction at which a quantity is read.
 struct Sensor {
-  /// What it reads along its direction; `force` is the axial force of the member.
+  /// Quantity along the sensor's direction; `force` is the axial force of the member.
   enum class Quantity { acceleration, velocity, displacement, force };
   std::string name;
   Place place;
@@ -123,7 +123,7 @@ struct Sensor {
 struct LoadCell {
   double scale = 1;
   double zero = 0;  ///< N
-  /// N, that stands behind a reading.
+  /// True tension for a reading, N.
   [[nodiscard]] double tension(double reading) const { return scale * reading + zero; }
 };
 
@@ -132,10 +132,10 @@ struct Scene {
   std::string title;
   std::string file;  ///< where it was read from, empty: made in memory
   Eigen::Vector3d gravity{0, -kStandardGravity, 0};  ///< m/s^2
-  double accuracy =
-      1e-4;  ///< relative error in frequency asked of "auto" and of the choice of solver
+  double accuracy = 1e-4;  ///< relative error in frequency that "auto" segments and the choice of
+                           ///< solver must keep
   LoadCell load_cell;
-  double temperature_change = 0;  ///< K, against that at which the cables' lengths were stated
+  double temperature_change = 0;  ///< K, since the cables' lengths were measured
   std::vector<SceneNode> nodes;
   std::vector<Member> members;
   std::vector<Load> loads;

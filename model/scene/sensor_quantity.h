@@ -1,10 +1,10 @@
-// What sensors can read: the one place that says of each quantity its word in scene files, its
-// unit, how often the motion is differentiated for it, and what of the motion it reads.
+// Table of the quantities that sensors can read: for each its name in scene files, its unit, the
+// number of time derivatives and the part of the motion that it reads.
 //
-// A quantity is linear in the motion: y = (d/dt)^n r q with the row r of what it reads. To add one:
-// its enumerator in Sensor::Quantity, its line in sensor_quantity.cc and a test; if it reads
-// something new of the motion, also its row in `sensor_row` (model/linear/modes.cc) and its value
-// in MotionKernel::sensor_value (model/motion).
+// A quantity is linear in the motion: y = (d/dt)^n r q, with a row r. To add one, add its
+// enumerator to Sensor::Quantity, its line to sensor_quantity.cc and a test. If it reads a new part
+// of the motion, add also its row to `sensor_row` (model/linear/modes.cc) and its value to
+// MotionKernel::sensor_value (model/motion).
 #pragma once
 
 #include <span>
@@ -15,7 +15,7 @@
 
 namespace rigfit::model {
 
-/// What a quantity reads, before it is differentiated.
+/// Part of the motion that a quantity reads, before differentiation.
 enum class SensorReading {
   displacement,  ///< displacement of a point from the equilibrium along the sensor's direction, m
   axial_force,   ///< axial force in a member's segment, static part included, N
@@ -27,10 +27,10 @@ struct SensorQuantity {
   const char* name;  ///< in scene files and JSON
   const char* unit;  ///< SI
   SensorReading reading;
-  int derivatives;  ///< by time, of the reading
+  int derivatives;  ///< number of time derivatives of the reading
 };
 
-/// All there are; the first is the default of a scene file.
+/// All quantities; the first is the default of a scene file.
 [[nodiscard]] std::span<const SensorQuantity> sensor_quantities();
 /// The entry of one quantity.
 [[nodiscard]] const SensorQuantity& described(Sensor::Quantity quantity);

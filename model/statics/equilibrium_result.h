@@ -1,5 +1,4 @@
-// What a static equilibrium is reported as: status, and sag and tension of every member in the
-// scene's axes.
+// Result of the static equilibrium: status, and sag and tension of every member.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +9,7 @@ namespace rigfit::model {
 
 /// How the search for the equilibrium ended.
 enum class EquilibriumStatus { converged, slack, buckled, mechanism, not_converged };
-/// In words, such as "slack".
+/// The word in JSON, such as "slack".
 [[nodiscard]] const char* name_of(EquilibriumStatus status);
 
 /// One member at rest.
@@ -24,7 +23,7 @@ struct MemberEquilibrium {
   Eigen::Matrix3Xd positions;  ///< m, 3 x (segments + 1), from the first node to the second
 };
 
-/// The static equilibrium of a scene; look at `status` first.
+/// The static equilibrium of a scene; check `status` first.
 struct Equilibrium {
   EquilibriumStatus status = EquilibriumStatus::not_converged;
   std::string reason;   ///< for a person, when not converged
