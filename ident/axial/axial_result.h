@@ -1,4 +1,4 @@
-// Decays of a hanging mass, what is asked of them and what they give (axial_identification.h).
+// Input and result of hanging-mass tests (axial_identification.h).
 #pragma once
 
 #include <optional>
@@ -20,26 +20,26 @@ struct AxialDecay {
 struct AxialSetup {
   signal::Estimate mass_kg{0, 0};               ///< hung, adapter and clamp included; one for all
   signal::Estimate mass_per_length_kg_m{0, 0};  ///< cable; 0: massless
-  /// Standard uncertainty of a length, m; independent from length to length (cut and measured
-  /// anew). Not given: the uncertainty of EA is not known.
+  /// Standard uncertainty of a length, m; independent between lengths (each is cut and
+  /// measured anew). Not given: the uncertainty of EA is unknown.
   std::optional<double> length_std_m;
   /// Std of the sample rate, common to all frequencies.
   double rate_relative_std = 0;
   signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series, below; 0: rigid
   signal::Estimate frame_stiffness_N_m{0, 0};    ///< in series, above; 0: rigid
-  /// The frame is what is stated above, or rigid: one length then gives EA. Several lengths test
-  /// it.
+  /// The user states that the frame is as above (0: rigid), so that one length gives EA. Several
+  /// lengths test this statement.
   bool frame_stated = false;
-  /// Standard uncertainty of what else gives way in series, m/N, about none. 0: known to be rigid;
-  /// not given: nothing is known of it, and only several lengths can tell.
+  /// Standard uncertainty of other compliance in series, m/N, about zero. 0: known to be rigid; not
+  /// given: unknown, so that several lengths are needed.
   std::optional<double> series_compliance_std_m_N;
-  /// What EA should about be; 0: metallic area from the mass per length times the modulus below.
+  /// Expected EA, N; 0: metallic area (from the mass per length) times `rope_modulus_Pa`.
   double catalogue_EA_N = 0;
 };
 
 struct AxialOptions {
   double steel_density_kg_m3 = 7850;
-  /// Modulus of a stranded rope on its metallic area; makers give 60 to 100 GPa for 7x19.
+  /// Modulus of a stranded rope relative to its metallic area; makers give 60 to 100 GPa for 7x19.
   double rope_modulus_Pa = 80e9;
   /// Modulus of solid steel: no steel cable is stiffer for its mass, and no aluminium one.
   double solid_modulus_Pa = 210e9;
@@ -51,7 +51,7 @@ struct AxialSample {
   double length_m = 0;
   double stiffness_N_m = 0;        ///< k, static, adapter included
   double cable_stiffness_N_m = 0;  ///< kc
-  signal::Estimate EA_N;           ///< its std: of the record alone
+  signal::Estimate EA_N;           ///< std from the record alone
   signal::Estimate damping_ratio;
   double damping_Ns_m = 0;
 };
@@ -59,7 +59,7 @@ struct AxialSample {
 struct AxialLength {
   double length_m = 0;
   int records = 0;
-  signal::Estimate EA_N;  ///< std: repeats and this length's own uncertainty, not what all share
+  signal::Estimate EA_N;  ///< std from repeats and this length, not from shared inputs
   signal::Estimate damping_ratio;
   double damping_Ns_m = 0;
 };
@@ -78,18 +78,18 @@ struct BudgetRow {
 struct AxialTestResult {
   /// std and interval NaN where the lengths' uncertainty is not given.
   signal::Estimate EA_N;
-  /// `coverage` interval; of a bound (`conditional`) the high end is infinite where no mass per
-  /// length says what solid metal has, and the std of EA is then infinite too.
+  /// `coverage` interval. Of a bound (`conditional`) without a mass per length, the high end and
+  /// the std of EA are infinite.
   double EA_low_N = 0, EA_high_N = 0;
   double coverage_factor = 0;  ///< half the interval over the standard uncertainty
-  /// The lengths cannot tell what else gives way: `EA_N` is the value if nothing does, the least
-  /// that EA can be; its std and interval are those of a bound.
+  /// The lengths cannot separate other compliance: `EA_N` is the value without any, which is a
+  /// lower bound; std and interval are those of a bound.
   bool conditional = false;
-  signal::Estimate EA_if_rigid_N;  ///< where `conditional`: if nothing else gives way
+  signal::Estimate EA_if_rigid_N;  ///< if `conditional`: EA without other compliance
   double EA_if_rigid_low_N = 0, EA_if_rigid_high_N = 0;
   /// Static stiffness of the whole chain (cable, adapter, frame) at the one length; 0 for several.
   signal::Estimate assembly_stiffness_N_m;
-  /// Compliance in series that the lengths show, beside what is told; NaN: none is fitted.
+  /// Compliance in series from the lengths, beside the stated one; NaN: not fitted.
   signal::Estimate series_compliance_m_N;
   signal::Estimate damping_ratio;
   double damping_low = 0, damping_high = 0;
@@ -99,12 +99,12 @@ struct AxialTestResult {
   std::vector<AxialLength> lengths;
   std::vector<BudgetRow> budget;  ///< of EA, largest first
 
-  /// Chance that lengths of one EA disagree as these do; 1 where they are too few to tell.
+  /// Probability of such a disagreement between lengths of the same EA; 1 for too few lengths.
   double homogeneity_p = 1;
   double between_lengths_std_N = 0;  ///< scatter of EA between lengths; 0: they agree (5 %)
 
   double catalogue_EA_N = 0;      ///< given or from the mass per length; 0: neither
-  double share_of_catalogue = 0;  ///< EA over it
+  double share_of_catalogue = 0;  ///< EA over catalogue_EA_N
   std::string plausibility;       ///< a sentence, empty without a catalogue value
   std::vector<signal::Note> notes;
 };

@@ -4,8 +4,9 @@
 //
 // P tension, l clear span between the clamps, Q load at mid-span, d deflection there; small
 // deflections, Euler-Bernoulli. F -> lambda^2 / 12 (d = Q l^3 / (192 EI)) for small lambda and
-// F -> 1 (a string, which says nothing about EI) for large lambda.
-// Source: Jalali and Rideout 2021, eqs. (17)-(19); there in a form that cancels and overflows.
+// F -> 1 (a string, which carries no information on EI) for large lambda.
+// Source: Jalali and Rideout 2021, eqs. (17)-(19), whose form suffers from cancellation and
+// overflow.
 //
 // F is evaluated without cancellation by the continued fraction of tanh (Lambert; Abramowitz and
 // Stegun 4.5.70) below lambda = 2 and by 1 - tanh above; both are good to a few units in the last
@@ -39,23 +40,23 @@ struct LambdaSolution {
 [[nodiscard]] LambdaSolution lambda_from_bending_ratio(double ratio);
 
 /// Deflection at mid-span per unit load, m/N. Tension zero is allowed. Throws
-/// std::invalid_argument for EI or span not positive, a negative tension, or what is not finite.
+/// std::invalid_argument for EI or span not positive, a negative tension, or a value not finite.
 [[nodiscard]] double midspan_compliance(double EI_Nm2, double tension_N, double span_m);
 
-/// Relative change of the compliance by clamps that turn, times their rotational stiffness k (each,
-/// N m/rad), to first order in 1/k: 2 EI tanh^2(lambda / 2) / (l F), without tension 6 EI / l, of a
+/// k times the relative increase of the compliance by clamps of rotational stiffness k (each, N
+/// m/rad), to first order in 1/k: 2 EI tanh^2(lambda / 2) / (l F); without tension 6 EI / l; for a
 /// cantilever 3 EI / l.
 [[nodiscard]] double clamp_compliance(double EI_Nm2, double tension_N, double span_m,
                                       BeamEnds ends = BeamEnds::tensioned);
 
-/// What was measured at one tension. A standard uncertainty of zero means exactly known; one that
-/// is not finite means that it is not known, and no interval is given then.
+/// Measurement at one tension. A standard uncertainty of zero means exactly known, one that is not
+/// finite means unknown: then no interval is given.
 struct ComplianceMeasurement {
   signal::Estimate compliance_m_N;  ///< slope d/Q
   signal::Estimate tension_N;
   signal::Estimate span_m;
   double degrees_of_freedom = 0;  ///< for the slope's uncertainty (Student's t); 0: normal
-  /// Not `tensioned`: the tension is not used, EI = L^3 / (c s) (beam_ends.h).
+  /// For other ends than `tensioned` the tension is ignored, EI = L^3 / (c s) (beam_ends.h).
   BeamEnds ends = BeamEnds::tensioned;
   /// Stiffness of each clamp, N m/rad; 0: rigid. 1 over it is the standard uncertainty of its
   /// flexibility.
@@ -64,7 +65,7 @@ struct ComplianceMeasurement {
 
 enum class BendingStatus {
   solved,
-  not_positive,      ///< the slope, the tension or the span
+  not_positive,      ///< slope, tension or span are not positive
   string_like,       ///< 4 P d / (Q l) >= 1: softer than a string without any EI
   upper_bound_only,  ///< solved, but the 95 % interval reaches EI = 0
   not_converged,
@@ -76,20 +77,20 @@ struct StiffnessFromBending {
   std::string reason;                                       ///< for a person; empty when solved
   double ratio = std::numeric_limits<double>::quiet_NaN();  ///< 4 P d / (Q l)
   double lambda = std::numeric_limits<double>::quiet_NaN();
-  /// std is half of the central 68.27 % interval, which is the linear formula's where that holds.
+  /// std is half of the central 68.27 % interval; where a linear formula holds, both agree.
   signal::Estimate EI_Nm2;
   double low = std::numeric_limits<double>::quiet_NaN();   ///< N m^2, 95 % interval
   double high = std::numeric_limits<double>::quiet_NaN();  ///< N m^2; given also for string_like
-  /// Relative change of EI per relative change of each; the first is -1 for a beam without tension
-  /// and falls without bound as the ratio approaches 1.
+  /// Relative change of EI per relative change of each input; the first is -1 for a beam without
+  /// tension and falls without bound as the ratio approaches 1.
   double log_sensitivity_compliance = std::numeric_limits<double>::quiet_NaN();
   double log_sensitivity_tension = std::numeric_limits<double>::quiet_NaN();
   double log_sensitivity_span = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// EI with its interval. The interval comes from the distributions of slope, tension, span
-/// and clamps pushed through the equation (4096 Sobol points, the same in every run), so it is
-/// right where a linear formula is not; draws that are softer than a string count as EI = 0.
+/// EI with its interval. The interval propagates the distributions of slope, tension, span and
+/// clamps through the equation (4096 Sobol points, the same in every run), so that it also holds
+/// where a linear formula does not; draws softer than a string count as EI = 0.
 [[nodiscard]] StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& measured);
 
 }  // namespace rigfit::ident

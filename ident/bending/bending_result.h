@@ -1,4 +1,4 @@
-// Records of a bending test, what is asked of them and what they give (bending_analysis.h).
+// Records, options and result of a bending test (bending_analysis.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -11,8 +11,8 @@
 
 namespace rigfit::ident {
 
-/// One record at one tension, SI, samples in the order of time. NaN rows are left out and counted.
-/// Without tension `tension_N` may be empty.
+/// One record at one tension, SI, samples in order of time. Rows with NaN are left out and counted.
+/// For a beam without tension `tension_N` may be empty.
 struct BendingRecord {
   Eigen::VectorXd tension_N, load_N, deflection_m;
 };
@@ -48,16 +48,16 @@ struct BendingStroke {
 struct BendingFinding {
   std::string code;  ///< "toe", "stop", "clamp_slip", "curved", "set", "missing" ...
   std::string message;
-  bool refuses = false;  ///< there is no EI because of it
+  bool refuses = false;  ///< true: no EI is given because of it
 };
 
 struct BendingTestResult {
   bool refused = false;
-  BeamEnds ends = BeamEnds::tensioned;  ///< as asked; otherwise the tensions are zero
+  BeamEnds ends = BeamEnds::tensioned;  ///< from the options; tensions are zero unless `tensioned`
   std::vector<BendingFinding> findings;
   signal::Estimate tension_N;  ///< mean over the samples used; std from calibration
   double tension_low_N = 0, tension_high_N = 0;  ///< over the samples used
-  /// Standard uncertainty of the tension that EI belongs to (tension_spread.h), over the strokes.
+  /// Standard uncertainty of the tension at which EI holds, within the strokes (tension_spread.h).
   double tension_spread_N = 0;
   signal::Estimate compliance_m_N;  ///< 1/K, calibration included
   double degrees_of_freedom = 0;    ///< for the compliance; 0: many
@@ -67,10 +67,10 @@ struct BendingTestResult {
   // Wire friction after the turns, averaged over its laws; zero where strokes are too short to
   // tell.
   double friction_probability = 0;          ///< Akaike weight of the laws with friction
-  double friction_travel_m = 0;             ///< over which it turns round; 0: none is seen
-  double friction_load_N = 0;               ///< half of what it adds after a turn
-  double relative_std_friction = 0;         ///< of K: what the laws differ by
-  double relative_friction_correction = 0;  ///< of K, against straight lines
+  double friction_travel_m = 0;             ///< travel over which it reverses; 0: no friction seen
+  double friction_load_N = 0;               ///< half of the load that it adds after a turn
+  double relative_std_friction = 0;         ///< of K, from the spread between the laws
+  double relative_friction_correction = 0;  ///< of K, relative to straight lines
   StiffnessFromBending stiffness;           ///< solved only when not refused
 };
 

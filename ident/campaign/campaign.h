@@ -1,11 +1,11 @@
-// A whole campaign on a rig: its tests, and fits over them, in the order in which they need each
-// other.
+// Evaluates a whole campaign on a rig: its tests and the fits to them, in the order in which they
+// depend on each other.
 //
 //   bending tests -> EI(T) ------+
 //   axial tests -> EA, damping --+-> scenes of the modal tests -> their modes against the test
 //   hits -> FRFs -> modes -------+                            -> fits -> answers to recorded decays
 //
-// The report calls this. A program fills in the tests that were made and leaves the others empty.
+// The report calls this. A caller fills in the tests that were made and leaves the others empty.
 #pragma once
 
 #include <cstddef>
@@ -27,10 +27,10 @@
 
 namespace rigfit::ident {
 
-/// A hammer test; with a scene, the model's modes beside it.
+/// A hammer test; with a scene, its modes are compared with the model's.
 struct ModalInputs {
-  std::string name;                        ///< in the names of its states
-  std::vector<ModalRecording> recordings;  ///< none: published modes alone
+  std::string name;                        ///< used in the names of its states
+  std::vector<ModalRecording> recordings;  ///< may be empty: published modes only
   ModalTestOptions options;
   std::vector<PublishedMode> published;
   TestSetup setup;
@@ -43,23 +43,24 @@ struct DecayRecording {
   std::optional<double> tension_N;
 };
 
-/// Free decays; with a scene, what the model and the fits named answer to the same release or tap.
+/// Free decays; with a scene, they are compared with the responses of the model and of `fits` to
+/// the same release or tap.
 struct DecayInputs {
   std::vector<DecayRecording> recordings;
   DecayTestOptions options;
   std::optional<SceneUse> scene;
   std::map<std::string, std::string> sensors;  ///< channel -> sensor, where names differ
   std::string load;                            ///< the scene's load that set the rig free
-  std::vector<std::size_t> fits;               ///< that predict these decays
+  std::vector<std::size_t> fits;               ///< indices of fits that predict these decays
 };
 
 /// A fit to the modes of modal tests that have a scene.
 struct FitInputs {
   std::string title;
-  std::vector<std::size_t> tests;  ///< of CampaignInputs::modal
+  std::vector<std::size_t> tests;  ///< indices in CampaignInputs::modal
   std::vector<FreeParameter> free;
-  UpdateOptions options;  ///< what EI, EA and damping are known to is added to its inputs
-  bool hold_out = false;  ///< each state in turn
+  UpdateOptions options;  ///< inputs for EI, EA and damping are added
+  bool hold_out = false;  ///< predict each state from the others
 };
 
 struct CampaignInputs {
@@ -88,10 +89,10 @@ struct DecayOutcome {
 };
 struct DecaysOutcome {
   std::vector<DecayOutcome> channels;  ///< by recording, then channel
-  std::vector<Finding> findings;       ///< recordings and channels refused; `where`: the recording
+  std::vector<Finding> findings;       ///< refused recordings and channels; `where` names them
 };
 
-/// A state of a fit: `modal` of the result's modal test `test`.
+/// A state of a fit: `modal` is a state of the result's modal test `test`.
 struct FittedState {
   std::size_t test = 0;
   const ModalState* modal = nullptr;
@@ -104,7 +105,7 @@ struct CampaignFitOutcome {
   double wall_s = 0;
 };
 
-/// Holds what it was made from: its parts point to each other, so it can be moved, not copied.
+/// Contains its inputs. Its parts point to each other, so it can be moved but not copied.
 struct CampaignResult {
   CampaignResult() = default;
   CampaignResult(const CampaignResult&) = delete;
@@ -113,20 +114,20 @@ struct CampaignResult {
   CampaignResult& operator=(CampaignResult&&) = default;
   ~CampaignResult() = default;
 
-  CampaignInputs inputs;  ///< recordings of hits have gone on to `modal`
+  CampaignInputs inputs;  ///< recordings of hits are moved to `modal`
   std::vector<BendingCampaignResult> bending;
   std::vector<AxialCampaignResult> axial;
   std::vector<TensionCampaignResult> tension;
   std::vector<ModalOutcome> modal;
   std::vector<CampaignFitOutcome> fits;
   std::vector<DecaysOutcome> decays;
-  KnownValues known;  ///< by the first bending and the first axial test that have an answer
+  KnownValues known;  ///< from the first bending and axial tests with a result
 };
 
-/// Works through tests and fits on `threads` threads; the numbers do not depend on how many. Throws
-/// std::invalid_argument for options that make no sense, std::out_of_range for a test or fit that
-/// is named and not there, model::SceneError for parameters that a scene does not have; what
-/// recordings hold is refused in the findings.
+/// Works through tests and fits on `threads` threads; the numbers do not depend on their count.
+/// Throws std::invalid_argument for invalid options, std::out_of_range for an index of a missing
+/// test or fit, model::SceneError for parameters that a scene does not have. Unsuitable recordings
+/// become findings.
 [[nodiscard]] CampaignResult run_campaign(CampaignInputs inputs);
 
 }  // namespace rigfit::ident

@@ -1,6 +1,6 @@
-// A fit of a campaign: a scene's uncertain parameters fitted to what was measured in all states,
-// states held out and predicted, and what to look at before the numbers are used. One way for the
-// verb and for the report.
+// A fit of a campaign: fits a scene's uncertain parameters to the measurements of all states,
+// predicts states that were held out, and lists findings to be read before the numbers are used.
+// The verb and the report both call it.
 #pragma once
 
 #include <string>
@@ -16,33 +16,33 @@ struct FitTask {
   std::vector<UpdateState> states;
   std::vector<FreeParameter> free;
   UpdateOptions options;
-  bool hold_out = false;  ///< each state in turn, where there are two or more
+  bool hold_out = false;  ///< hold out each of two or more states
 };
 
 struct FitOutcome {
   UpdateResult result;
   std::vector<HeldOut> held;      ///< empty: nothing was held out
   double rms_held_out = 0;        ///< rms over all pairs that were held out; NaN without
-  std::vector<Finding> findings;  ///< the gravest first
+  std::vector<Finding> findings;  ///< most severe first
 };
 
-/// Throws as update_model does. Fits to modes with a state held out begin at the answer to all, so
-/// that they do not end in another assignment; what only the held-out state has stays as it was
-/// known before.
+/// Throws like update_model. Fits to modes with a state held out start from the fit to all states,
+/// so that the assignment of modes stays the same; parameters of the held-out state alone keep
+/// their prior values.
 [[nodiscard]] FitOutcome fit_campaign(const FitTask& task);
 
-/// What to look at before the numbers of a fit are used, the gravest first.
+/// Findings to be read before the numbers of a fit are used, most severe first.
 [[nodiscard]] std::vector<Finding> fit_findings(const UpdateResult& result);
 
 /// "chi-square 12.3 on 8 degrees of freedom, probability 0.14 ...".
 [[nodiscard]] std::string fit_text(const UpdateFit& fit);
 
-/// What the fit takes as exact; then, of each parameter, what 1 % of these inputs changes it by,
-/// the largest first, where that is more than its standard uncertainty; and what other end
-/// conditions change. Empty where nothing is.
+/// Inputs that the fit takes as exact; then for each parameter its change per 1 % of these inputs,
+/// largest first, where that exceeds its standard uncertainty; and the change by other end
+/// conditions. Empty if no input is taken as exact.
 [[nodiscard]] std::vector<std::string> exact_input_texts(const UpdateResult& result);
 
-/// Says of each alternative but the first what it is and why it weighs less.
+/// Describes each alternative but the first, and why it has less weight.
 [[nodiscard]] std::vector<std::string> alternative_texts(const UpdateResult& result);
 
 }  // namespace rigfit::ident

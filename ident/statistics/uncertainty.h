@@ -1,11 +1,11 @@
-// What a least-squares fit knows about its parameters: covariance, correlations, rank, and the
-// names of those that the data cannot separate.
+// Uncertainty of the parameters of a least-squares fit: covariance, correlations, rank, and the
+// names of parameters that the data cannot separate.
 //
 // With J the Jacobian of residuals already divided by their standard deviations and S a diagonal
 // matrix of the parameters' scales, J S = U diag(s) V'. A direction v_i of relative change is known
 // to 1 / s_i, so var(p_j) = S_j^2 sum_i (V_ji / s_i)^2. A parameter whose relative standard
-// uncertainty exceeds `max_relative_std` is not determined: it gets none, and each direction
-// responsible is named. Source: Golub and Van Loan, Matrix Computations, 5.5; Bard, Nonlinear
+// uncertainty exceeds `max_relative_std` is not determined and gets none; each direction
+// responsible is reported. Source: Golub and Van Loan, Matrix Computations, 5.5; Bard, Nonlinear
 // Parameter Estimation, 7.
 #pragma once
 
@@ -18,8 +18,8 @@
 namespace rigfit::ident {
 
 struct IdentifiabilityOptions {
-  /// Above this relative standard uncertainty a parameter counts as not determined: its order of
-  /// magnitude is then all that is left.
+  /// Above this relative standard uncertainty a parameter counts as not determined: at most its
+  /// order of magnitude is known.
   double max_relative_std = 1;
   /// Singular values below this share of the largest are zero as far as the Jacobian's own accuracy
   /// goes.
@@ -28,7 +28,7 @@ struct IdentifiabilityOptions {
   double variance_factor = 1;
 };
 
-/// A direction in parameter space along which the data say nothing.
+/// A direction in parameter space that the data do not determine.
 struct OpenDirection {
   std::vector<int> parameters;  ///< those that take part, the strongest first
   Eigen::VectorXd direction;    ///< relative change of all, unit length
@@ -49,8 +49,8 @@ struct Identifiability {
   Eigen::VectorXd scales;           ///< S
   double null_below = 0;            ///< singular values not above this are zero
 
-  /// Standard uncertainty of a quantity with this gradient by the parameters: what is open in them
-  /// may still be determined in it. NaN when it is not.
+  /// Standard uncertainty of a quantity with this gradient by the parameters. It may be determined
+  /// even where the parameters are not; NaN when it is not.
   [[nodiscard]] double std_of(const Eigen::Ref<const Eigen::VectorXd>& gradient) const;
   /// Change of the parameters that residuals changed by `change` bring about, in the directions
   /// that are determined: -(J'J)^-1 J' change.
@@ -60,9 +60,9 @@ struct Identifiability {
   [[nodiscard]] bool complete() const { return open.empty(); }
 };
 
-/// `jacobian` residuals x parameters, whitened; `scales` (> 0) what a relative change of 1 means.
-/// Throws std::invalid_argument when sizes differ; a Jacobian with what is not finite determines
-/// nothing.
+/// `jacobian` residuals x parameters, whitened; `scales` (> 0): parameters' change that counts
+/// as 1. Throws std::invalid_argument when sizes differ. A Jacobian with values that are not finite
+/// determines no parameter.
 [[nodiscard]] Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
                                               const Eigen::Ref<const Eigen::VectorXd>& scales,
                                               const std::vector<std::string>& names,

@@ -1,4 +1,4 @@
-// Laws of EI(T), points and fitted parameters (stiffness_law.h).
+// Points, laws and fitted parameters of EI(T) (stiffness_law.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -21,10 +21,10 @@ struct StiffnessPoint {
   double std = std::numeric_limits<double>::quiet_NaN();
   double low = std::numeric_limits<double>::quiet_NaN();
   double high = std::numeric_limits<double>::quiet_NaN();
-  /// Part of the uncertainty that it shares with the other points (span, calibration), relative to
-  /// EI: no part of its weight, but of every band.
+  /// Uncertainty shared with the other points (span, calibration), relative to EI. It does not
+  /// enter the weight but every band.
   double shared_relative_std = 0;
-  /// Standard uncertainty of the tension that EI belongs to: the spread within the test
+  /// Standard uncertainty of the tension at which EI holds, from its spread within the test
   /// (tension_spread.h).
   double tension_std_N = 0;
 };
@@ -37,7 +37,7 @@ struct StiffnessLawOptions {
                             LawKind::saturating};
   std::optional<StiffnessBounds> bounds =
       std::nullopt;  ///< bounds of the strand; they fix the saturating law's ends
-  /// As the points' shared_relative_std, of all of them; the largest counts.
+  /// Common value for the points' shared_relative_std; the larger one counts.
   double common_relative_std = 0;
   /// Used for points without an interval instead of their scatter; 0: the scatter is used.
   double assumed_relative_std = 0;
@@ -58,13 +58,13 @@ struct FittedLaw {
   Eigen::MatrixXd covariance;      ///< covariance of the free parameters in their order
   double reference_tension_N = 1;  ///< T0 of the power law
   bool converged = false;
-  std::string message;     ///< when it has not, or a parameter is not determined
+  std::string message;     ///< if not converged, or a parameter is not determined
   double chi_squared = 0;  ///< weighted sum of squares (of relative errors without weights)
   double degrees_of_freedom = 0;
   double rms_relative_error = 0;  ///< rms of the points about the law
   /// NaN when there are too few points for it (n <= k + 1).
   double aicc = std::numeric_limits<double>::quiet_NaN();
-  /// Among the laws that AICc ranks; NaN when it ranks fewer than two of several.
+  /// Weight among the laws that AICc ranks; NaN when it ranks fewer than two of several.
   double akaike_weight = std::numeric_limits<double>::quiet_NaN();
 
   double scatter_relative_std = 0;  ///< relative scatter of a new test about the law
@@ -82,7 +82,7 @@ struct StiffnessPrediction {
 struct StiffnessLaws {
   std::vector<FittedLaw> laws;  ///< best first
   bool decided = false;         ///< the points favour the first one clearly
-  std::string sentence;         ///< what the points say about the choice, for a person
+  std::string sentence;         ///< the choice and its reason in words
   bool weighted = false;        ///< the points' own intervals were used
 };
 

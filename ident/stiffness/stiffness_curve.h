@@ -1,4 +1,4 @@
-// EI of a cable over its tension as a model takes it: from bending tests, with what it is known to.
+// EI(T) of a cable from bending tests, with its uncertainty, for use in a model.
 //
 // Where the points favour one law (stiffness_law.h), EI(T) is that law. Where several laws compete,
 // it is their mean by Akaike weight. Where no law can be ranked, or none passes through the points
@@ -10,12 +10,12 @@
 //   law            columns of the Cholesky factor of the covariance of its parameters
 //   other laws     sqrt(weight) (EI of that law - EI of the curve)
 //   interpolation  the standard uncertainty of each point times its share at the tension
-//   tension        what all points change by where EI belongs to another tension of their tests
+//   tension        change of all points if EI holds at another tension within their tests
 //                  (tension_spread.h)
-//   shared         what the tests share (span, calibrations), relative to EI
+//   shared         uncertainty common to the tests (span, calibrations), relative to EI
 // so that the covariance of EI between two tensions is the sum of products of their terms. Terms of
-// a law are scaled so that 1.96 of them span its Student's 95 % band. Outside the tested tensions
-// the law goes on to half the lowest and twice the highest one; interpolation keeps the nearest
+// a law are scaled so that 1.96 of them span its Student's 95 % band. The law is extrapolated down
+// to half the lowest and up to twice the highest tested tension; interpolation keeps the nearest
 // point's EI.
 #pragma once
 
@@ -55,9 +55,9 @@ class StiffnessCurve {
 
   [[nodiscard]] bool empty() const { return points_.empty(); }
   [[nodiscard]] StiffnessSource source() const { return source_; }
-  /// What EI(T) is taken from and why, for a person.
+  /// Source of EI(T) and the reason for it, in words.
   [[nodiscard]] const std::string& sentence() const { return sentence_; }
-  /// As given, by rising tension.
+  /// The points, by rising tension.
   [[nodiscard]] const std::vector<StiffnessPoint>& points() const { return points_; }
   [[nodiscard]] const StiffnessLaws& laws() const { return laws_; }
   [[nodiscard]] double lowest_tension_N() const { return points_.front().tension_N; }
@@ -65,9 +65,9 @@ class StiffnessCurve {
 
   /// Throws std::invalid_argument for an empty curve or a tension that is negative or not finite.
   [[nodiscard]] StiffnessAtTension at(double tension_N) const;
-  /// Empty where no uncertainty is known.
+  /// The terms above at these tensions; empty where no uncertainty is known.
   [[nodiscard]] std::vector<StiffnessTerm> uncertainty(std::span<const double> tensions_N) const;
-  /// Of EI at the tensions, N^2 m^4; NaN where no uncertainty is known.
+  /// Covariance of EI at the tensions, N^2 m^4; NaN where no uncertainty is known.
   [[nodiscard]] Eigen::MatrixXd covariance(std::span<const double> tensions_N) const;
 
  private:

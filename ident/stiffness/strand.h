@@ -1,5 +1,5 @@
-// Bending stiffness a strand can have, and the solid cylinder that stands for it in a
-// finite-element model.
+// Bounds of a strand's bending stiffness, and the equivalent solid cylinder for a finite-element
+// model.
 //
 // EImin = sum_i E pi d_i^4 / 64 (all elements slip), EImax = E pi d_c^4 / 64 (none does).
 // Source: Jalali and Rideout 2021, eqs. (16), (20), (21).

@@ -1,8 +1,9 @@
-// A hammer test of one state of a rig: recordings of hits to FRFs, and FRFs to modes.
+// Evaluates a hammer test of one state of a rig: recordings of hits give FRFs, and these give
+// modes.
 //
-// The transducers stay; one place is struck or several. The places' FRFs are the inputs of one set
-// (signal/impact/roving_hammer.h). Without a band, modes are looked for up to the highest frequency
-// that the force of every accepted hit excites.
+// The transducers stay while one or several places are struck, which are the inputs of one set of
+// FRFs (signal/impact/roving_hammer.h). Without a band, modes are looked for up to the highest
+// frequency that the force of every accepted hit excites.
 #pragma once
 
 #include <optional>
@@ -28,19 +29,19 @@ struct StruckPlace {
 struct HammerTestOptions {
   std::string force;                   ///< channel: its name, or "#k" for the k-th
   std::vector<std::string> responses;  ///< empty: every other channel that all recordings have
-  /// The response at the place struck, of an only place without a name; empty: not known. Places
-  /// with names are at the response of that name.
+  /// The response at the excitation point, for a single place without a name; empty: unknown. A
+  /// named place is at the response of that name.
   std::string driving_point;
   signal::ImpactTestOptions impact;  ///< `driving_response` is set by `driving_point`
 };
 
 struct HammerTest {
   std::string force, force_unit;          ///< the channel's name and unit
-  std::vector<std::string> responses;     ///< as used: names, or "#k" where a name is there twice
-  std::vector<signal::ImpactTest> tests;  ///< one a place, as given
+  std::vector<std::string> responses;     ///< names, or "#k" where a name occurs twice
+  std::vector<signal::ImpactTest> tests;  ///< one per place, in the given order
   signal::FrfSet frfs;     ///< all places with an accepted hit; no lines when there is none
-  bool amplitudes = true;  ///< false: pulses were not resolved; only frequencies mean something
-  double usable_hz = 0;    ///< least of the accepted hits'; 0 when there is none
+  bool amplitudes = true;  ///< false: pulses not resolved, so only frequencies are valid
+  double usable_hz = 0;    ///< smallest of the accepted hits; 0 without any
   std::vector<signal::DrivingPoint> driving_points;
   std::vector<signal::ReciprocityCheck> reciprocity;
   /// Refused: "no_response", "no_hit", "no_hit_accepted", "pulse_not_resolved" (then there are no
@@ -59,14 +60,15 @@ struct HammerTest {
 
 struct IdentifiedModes {
   std::optional<signal::ModalResult> modal;  ///< empty: too few lines; see `findings`
-  /// Refused: "no_modes", "rank_deficient", "window_damping" (of one mode: its frequency stands).
+  /// Refused: "no_modes", "rank_deficient", "window_damping" (one mode's damping; its frequency is
+  /// valid).
   /// Warnings: "doubtful_mode" and "not_converged" among others.
   std::vector<Finding> findings;
   [[nodiscard]] bool converged() const;
 };
 
-/// Modes of FRFs. The band is `band_hz`, or else up to `usable_hz` (0: to the last line);
-/// `options.low_hz` and `high_hz` are not used. The uncertainty of the FRFs' sample rate goes into
+/// Modes of FRFs. The band is `band_hz`, or else ends at `usable_hz` (0: the last line);
+/// `options.low_hz` and `high_hz` are ignored. The uncertainty of the FRFs' sample rate goes into
 /// the frequencies' uncertainty and their covariance (rate_uncertainty.h).
 [[nodiscard]] IdentifiedModes identify(const signal::FrfSet& frfs,
                                        const std::optional<std::pair<double, double>>& band_hz,

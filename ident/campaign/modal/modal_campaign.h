@@ -1,5 +1,6 @@
-// A modal test of a campaign: hits recorded at several states of a rig (one a tension). Each state
-// is a hammer test (hammer_campaign.h); what cannot take part is refused and the rest goes on.
+// A modal test of a campaign: hits recorded at several states of a rig (one per tension). Each
+// state is a hammer test (hammer_campaign.h); unusable recordings are refused and the rest is
+// evaluated.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,12 +17,12 @@ namespace rigfit::ident {
 struct ModalRecording {
   signal::Recording recording;
   std::optional<double> tension_N;  ///< tension of its state; empty: the rig has one state only
-  std::string place;                ///< struck; empty: the only one
+  std::string place;                ///< excitation point; empty: the only one
   Origin origin = Origin::measured;
 };
 
 struct ModalTestOptions {
-  HammerTestOptions hammer;  ///< its band of hits is the band that modes are looked for in
+  HammerTestOptions hammer;  ///< its band of hits is also the band of the modes
   signal::ModalOptions modal;
 };
 
@@ -30,7 +31,7 @@ struct RecordedHit {
   std::string place;
   double rate_hz = 0;
   Eigen::VectorXd force;                          ///< N, offset removed
-  Eigen::Index pulse_first = 0, pulse_last = -1;  ///< the pulse and its ringing; noise else
+  Eigen::Index pulse_first = 0, pulse_last = -1;  ///< the pulse and its ringing; the rest is noise
   Eigen::MatrixXd responses;                      ///< samples x responses, values at rest removed
 };
 
@@ -41,11 +42,10 @@ struct ModalTestState {
   HammerTest hammer;                         ///< inputs named by the places; "hammer" without
   std::optional<signal::ModalResult> modal;  ///< empty: no FRFs, or too few lines
   std::vector<std::string> channels;         ///< responses, in the order of the FRFs
-  /// Axis of positive values, as the recordings say, by response and by input; zero where they do
-  /// not.
+  /// Axes of positive values from the recordings, by response and by input; zero if not stated.
   std::vector<Eigen::Vector3d> directions, force_directions;
-  std::vector<RecordedHit> hits;  ///< one a place with an accepted hit
-  std::vector<Finding> findings;  ///< what was found about hits, FRFs and modes
+  std::vector<RecordedHit> hits;  ///< one per place with an accepted hit
+  std::vector<Finding> findings;  ///< findings on hits, FRFs and modes
 
   [[nodiscard]] bool has_modes() const { return modal && !modal->model.modes.empty(); }
 };
@@ -55,8 +55,8 @@ struct ModalTest {
   std::vector<Finding> findings;       ///< recordings that cannot take part (code "recording")
 };
 
-/// Recordings must be evenly sampled, at the rate that most have, with the channels asked for and
-/// the force in N (or without a unit); the others are refused. Never throws for a recording.
+/// Recordings must be evenly sampled, at the rate that most have, with the requested channels and
+/// the force in N (or without a unit); others are refused without an exception.
 [[nodiscard]] ModalTest run_modal_test(std::vector<ModalRecording> recordings,
                                        const ModalTestOptions& options);
 

@@ -1,6 +1,6 @@
-// A modal test against its scene: at every state of the rig the scene takes what earlier tests
-// found (EI at the tension, EA, damping), its modes are computed and paired with what was measured,
-// by recordings, by a published table, or both.
+// Compares a modal test with its scene: at every state of the rig the scene takes the results of
+// earlier tests (EI at the tension, EA, damping), and its modes are computed and paired with
+// measured ones from recordings, from a published table, or both.
 #pragma once
 
 #include <map>
@@ -16,12 +16,12 @@
 
 namespace rigfit::ident {
 
-/// How a test was made, as its scene needs to know.
+/// Set-up of a test, as far as its scene needs it.
 struct TestSetup {
-  /// Struck and measured along this, whatever the scene says; unit vector.
+  /// Direction of hits and sensors, overriding the scene's; unit vector.
   std::optional<Eigen::Vector3d> direction;
   std::map<std::string, std::string> sensors;  ///< channel -> sensor, where names differ
-  std::optional<model::ModePlane> plane;       ///< what all modes of the test lie in, leakage apart
+  std::optional<model::ModePlane> plane;       ///< plane of all measured modes, except for leakage
 };
 
 /// The scene with the sensors and loads that a test had, in the order of its FRFs.
@@ -30,7 +30,7 @@ struct Instrumented {
   std::vector<Eigen::Index> response, input;  ///< FRFs' sensor and load, as indices in `scene`
 };
 
-/// `scene` with the sensors and loads of these FRFs; those that it does not have are left out.
+/// `scene` with the sensors and loads of these FRFs; those missing in the scene are left out.
 [[nodiscard]] Instrumented instrumented(model::Scene scene, const TestSetup& test,
                                         const ModalTestState& recorded);
 
@@ -50,7 +50,7 @@ struct MeasuredRow {
   std::vector<double> models_hz;    ///< by published model; NaN: dash
   std::optional<std::size_t> mode;  ///< index of the modelled mode paired with it
   double mac = 0;                   ///< MAC of that pair; NaN: fewer than two sensors
-  bool other_plane = false;         ///< that mode lies in a plane the test was not made to see
+  bool other_plane = false;         ///< that mode lies in another plane than the test's
 };
 
 struct ModalState {
@@ -60,8 +60,8 @@ struct ModalState {
   const ModalTestState* recorded = nullptr;
   model::ModalAnalysis analysis;
   double wall_s = 0;  ///< duration of the analysis
-  /// What the number of segments costs in frequency: median over the modes (where two modes cross,
-  /// the number of segments may swap them, and the largest error says nothing).
+  /// Relative error in frequency due to the number of segments, median over the modes (where two
+  /// modes cross, the number of segments may swap them, so that the largest error is meaningless).
   double segments_error = 0;
   std::vector<MeasuredRow> rows;
 };
@@ -84,8 +84,8 @@ struct RmsError {
   double value = 0;  ///< rms relative error; NaN without rows
   int rows = 0;
 };
-/// Over the rows of the test's own recordings where there are any, else over the published ones;
-/// leakage from the other plane counts as paired.
+/// Rms error over the rows from the test's own recordings, or else over the published ones; leakage
+/// from the other plane counts as paired.
 [[nodiscard]] RmsError rms_of_model(const std::vector<ModalState>& states);
 [[nodiscard]] RmsError rms_of_published(const std::vector<ModalState>& states, std::size_t model);
 

@@ -1,5 +1,5 @@
-// What versions of a model answer to what was done to the rig: FRFs, the response to a hit as it
-// was recorded, and the response to a release or tap, laid over a recorded decay.
+// Responses of versions of a model to the excitation of the rig: FRFs, the response to a recorded
+// hit, and the response to a release or tap overlaid on a recorded decay.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct ModelVersion {
   model::Scene scene;  ///< instrumented as the test was
 };
 
-/// The FRFs of a test within its band and those of the versions.
+/// FRFs of a test within its band, and those of the model's versions.
 struct FrfComparison {
   signal::FrfSet test;
   /// The test is rebuilt from its modes without the exponential window, which lowers every peak of
@@ -32,18 +32,18 @@ struct FrfComparison {
                                          const std::vector<ModelVersion>& versions,
                                          Eigen::Index most_lines = 1500);
 
-/// What each version answers to the force of a hit on its first load, as recorded; not completed
-/// where it gives no answer. The force is that of the pulse: what is recorded beside it is noise.
+/// Response of each version to the recorded force of a hit on its first load; not completed where
+/// there is none. Only the force within the pulse is used, as the rest is noise.
 [[nodiscard]] std::vector<model::ResponseResult> answers_to_hit(
     const RecordedHit& hit, const std::vector<ModelVersion>& versions);
 
-/// What one version answers to a release or tap.
+/// Response of one version to a release or tap.
 struct ReleaseAnswer {
   std::string label;
   model::ResponseResult response;  ///< first sensor only
   Eigen::Index start = 0;          ///< sample of the record where it begins
-  signal::DecayResult found;       ///< by the record's estimator, over the same stretch of time
-  std::string failure;             ///< why there is no answer; empty: there is one
+  signal::DecayResult found;  ///< decay of the response, from the record's estimator and window
+  std::string failure;        ///< why there is no answer; empty: there is one
 };
 
 /// A recorded decay: its samples and the window that its estimator used.
@@ -54,18 +54,18 @@ struct RecordedDecay {
 };
 
 /// Simulates every version, whose scenes have one load and one sensor, for as long as the record
-/// lasts, at most 10 s, and moves each along the time axis to where it is most like the record.
+/// lasts, at most 10 s, and shifts each in time to best match the record.
 [[nodiscard]] std::vector<ReleaseAnswer> release_answers(const RecordedDecay& decay,
                                                          const signal::DecayOptions& options,
                                                          const std::vector<ModelVersion>& versions,
                                                          int threads);
 
-/// The oscillation of an answer that is the one of the record: the nearest in frequency within
-/// 15 %; null when there is none.
+/// The oscillation of an answer that corresponds to `mode`: the nearest in frequency within 15 %;
+/// null when there is none.
 [[nodiscard]] const signal::DecayMode* same_oscillation(const signal::DecayMode& mode,
                                                         const ReleaseAnswer& answer);
 
-/// Missing samples at the mean of the others.
+/// `samples` with the mean in place of missing ones.
 [[nodiscard]] Eigen::VectorXd filled(const Eigen::VectorXd& samples);
 
 }  // namespace rigfit::ident

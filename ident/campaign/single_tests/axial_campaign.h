@@ -1,12 +1,11 @@
-// The hanging-mass test of a laboratory, from its recordings to EA and damping: the decays of every
-// recording, the axial mode of each, and the test over all (axial_identification.h). The verb
-// `axial` and the report call this, so that their numbers are the same.
+// Analyses hanging-mass tests from recordings to EA and damping: finds the decays of every
+// recording and the axial mode of each, and evaluates them together (axial_identification.h). The
+// verb `axial` and the report call this, so that their numbers are the same.
 //
-// The axial mode: the band given, or else that mode which most of the decays' energy has at one EA
-// (a factor of 1.6 either way). A mode at which the hung mass would stretch the cable by more than
-// a tenth, g / (omega^2 L) > 0.1, is none: the mass swings (1 for its pendulum, 1/4 for the ripple
-// that this makes in the tension). A mode that is not seen to decay (hum, ambient motion) is none
-// where others do.
+// The axial mode lies in the given band, or is the mode with most of the decays' energy at one EA
+// (within a factor of 1.6). A mode with g / (omega^2 L) > 0.1, at which the hung mass would stretch
+// the cable by more than a tenth, is excluded: the mass swings (the pendulum has 1, its ripple in
+// the tension 1/4). A mode that does not decay (hum, ambient motion) is excluded where others do.
 #pragma once
 
 #include <cstddef>
@@ -43,12 +42,12 @@ struct AxialFoundDecay {
   std::string channel, unit;
   double rate_hz = 0;
   double start_s = 0;          ///< start of the fitted window on the recording's time axis
-  double samples_start_s = 0;  ///< of `samples`
-  Eigen::VectorXd samples;     ///< as given to the estimator
+  double samples_start_s = 0;  ///< time of samples[0], s
+  Eigen::VectorXd samples;     ///< input of the estimator
   signal::DecayResult result;
-  /// Index of the axial mode of `result`; empty: refused or none, see the findings.
+  /// Index of the axial mode in `result`; empty: refused or none found, see the findings.
   std::optional<std::size_t> mode;
-  std::string left_out;  ///< code; empty: it takes part
+  std::string left_out;  ///< code of the reason; empty: used
 };
 
 struct AxialCampaignResult {
@@ -61,11 +60,11 @@ struct AxialCampaignResult {
   std::vector<Finding> findings;
 };
 
-/// A decay with what the test makes of it, for documents.
+/// A decay with its result in the test, for documents.
 struct AxialRecord {
   const AxialRecording* recording;
   const AxialFoundDecay* decay;
-  const AxialSample* sample;  ///< null: it takes no part
+  const AxialSample* sample;  ///< null: not used
 
   [[nodiscard]] const signal::DecayMode& mode() const { return decay->result.modes[*decay->mode]; }
   [[nodiscard]] std::string refused() const {
@@ -75,24 +74,25 @@ struct AxialRecord {
 [[nodiscard]] std::vector<AxialRecord> axial_records(const AxialInputs& inputs,
                                                      const AxialCampaignResult& result);
 
-/// Throws nothing for what recordings hold; std::invalid_argument for a band that makes no sense.
+/// Unsuitable recordings become findings; throws std::invalid_argument for an invalid band.
 [[nodiscard]] AxialCampaignResult axial_campaign(const AxialInputs& inputs);
 
-/// What the axial test says of scenes.
+/// Results of the axial test that scenes use.
 struct AxialKnowledge {
   signal::Estimate EA_N, damping_ratio;
 };
 [[nodiscard]] AxialKnowledge knowledge_of(const AxialTestResult& result);
 
-/// What the scenes' numbers from an axial test are known to, for a fit: one standard uncertainty of
-/// EA moves all of them together, and so does one of the damping ratio.
+/// Uncertainties of the scenes' values from an axial test, as inputs of a fit: EA moves all its
+/// values together, and so does the damping ratio.
 struct AxialUncertainty {
   UncertainInput EA{"EA (axial test)"}, damping{"damping ratio (axial test)"};
 };
 
 /// Sets the scene's parameters `EA_of` and `damping_of` (such as "cable.EA",
-/// "cable.damping_ratio") to the values of an axial test; what has no value (NaN) stays as it is.
-/// `uncertainty`, when given, gets the effects on these parameters of the scene of state `state`.
+/// "cable.damping_ratio") to the values of an axial test; a NaN leaves the
+/// parameter unchanged. `uncertainty`, if given, receives the effects on these parameters in state
+/// `state`.
 /// Throws model::SceneError for a parameter that the scene does not have.
 void apply_axial(const AxialKnowledge& known, const std::vector<std::string>& EA_of,
                  const std::vector<std::string>& damping_of, model::Scene& scene, int state = 0,

@@ -1,5 +1,5 @@
-// The cross-section of a beam bent without tension, as a person gives it, and its second moment of
-// area about the axis of bending:
+// Cross-section of a beam bent without tension, and its second moment of area about the axis of
+// bending:
 //
 //   rectangle  I = w h^3 / 12   (h along the load)
 //   round      I = pi d^4 / 64
@@ -13,7 +13,7 @@
 
 namespace rigfit::ident {
 
-/// One of the three, or none.
+/// A cross-section given in one of three ways, or not at all.
 struct BeamSection {
   std::optional<std::array<double, 2>> rectangle_m;  ///< width, height
   double diameter_m = 0;                             ///< round and solid; 0: not given
@@ -23,7 +23,7 @@ struct BeamSection {
   double relative_std = 0;
 };
 
-/// m^4; NaN where no section is given.
+/// Second moment of area, m^4; NaN where no section is given.
 [[nodiscard]] inline signal::Estimate second_moment(const BeamSection& section) {
   double moment = section.second_moment_m4;
   if (section.rectangle_m) {

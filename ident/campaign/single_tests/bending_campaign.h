@@ -1,13 +1,13 @@
-// The bending tests of a campaign: load-deflection records at one or more tensions, or EI values
-// already worked out, to EI at each tension, laws EI(T) and the curve that a model takes.
+// Evaluates the bending tests of a campaign: from load-deflection records at one or more tensions,
+// or from given EI values, to EI at each tension, laws EI(T) and the curve for models.
 //
 //   records -> analyse_bending_test (each tension of a table by itself) -> points
 //   EI values ------------------------------------------------------------> points
-//   points -> StiffnessCurve: laws without the uncertainty that the tests share in their weights
+//   points -> StiffnessCurve (shared uncertainty does not enter the weights of its laws)
 //
-// What tests share: the span, the calibrations of load, deflection and tension, relative to EI by
-// the sensitivities of the bending equation. Tests without tension have no EI(T): their curve is
-// empty, their EI and modulus are given with the scatter between specimens.
+// Tests share the uncertainties of span and calibrations (load, deflection, tension), which the
+// sensitivities of the bending equation convert to EI. Tests without tension have no EI(T): their
+// curve is empty, and EI and modulus come with the scatter between specimens.
 #pragma once
 
 #include <optional>
@@ -29,28 +29,28 @@ struct BendingSource {
 
 struct BendingCampaign {
   std::vector<BendingSource> sources;
-  BendingTestOptions test;  ///< span, calibrations and what they are known to; for records only
+  BendingTestOptions test;  ///< span and calibrations with uncertainties; for records only
   std::optional<StrandGeometry> strand;
   /// Second moment of the cross-section about the axis of bending, m^4; NaN: not known. Without
   /// tension it gives Young's modulus in bending, EI / I.
   signal::Estimate second_moment_m4;
-  double assumed_relative_std = 0;  ///< of EI values that come without an uncertainty; 0: not known
+  double assumed_relative_std = 0;  ///< for EI values without an uncertainty; 0: unknown
 };
 
 /// One tension of one source.
 struct BendingPoint {
   std::size_t source = 0;
-  std::size_t row = 0;   ///< of EI values, from 1; 0: from a record
+  std::size_t row = 0;   ///< row of EI values, from 1; 0: from a record
   BendingRecord record;  ///< the rows at this tension; empty: EI values
   std::optional<BendingTestResult> analysis;
   StiffnessPoint point;  ///< NaN where refused
 
   [[nodiscard]] bool refused() const { return analysis && analysis->refused; }
-  /// An EI that laws and curve take.
+  /// Whether laws and curve use this EI.
   [[nodiscard]] bool usable() const { return !refused() && point.EI_Nm2 > 0; }
 };
 
-/// Specimens of one kind, bent without tension: plain means, as each is one draw from the kind.
+/// Specimens of one kind, bent without tension, with plain means, as each is one draw of the kind.
 struct BeamSpecimens {
   std::size_t count = 0;
   double EI_Nm2 = 0, modulus_Pa = 0;  ///< means; modulus NaN without a section
@@ -61,8 +61,8 @@ struct BendingCampaignResult {
   std::vector<BendingPoint> points;  ///< by rising tension
   StiffnessCurve curve;              ///< law through the usable points; empty: none
   std::optional<StiffnessBounds> bounds;
-  std::optional<BeamSpecimens> specimens;  ///< two and more that gave an EI without tension
-  /// What concerns all points together: "taken_as_exact", "tension_within_test", "outside_bounds",
+  std::optional<BeamSpecimens> specimens;  ///< if two or more gave an EI without tension
+  /// Findings on all points together: "taken_as_exact", "tension_within_test", "outside_bounds",
   /// "length_suspected", "large_deflection".
   std::vector<BendingFinding> findings;
 };
@@ -70,7 +70,7 @@ struct BendingCampaignResult {
 /// A table of at most this many rows is split by tension; a longer one is a record of one test.
 inline constexpr Eigen::Index kLongestBendingTable = 400;
 
-/// Throws std::invalid_argument as analyse_bending_test, stiffness_bounds, fit_stiffness_laws.
+/// Throws std::invalid_argument like analyse_bending_test, stiffness_bounds and fit_stiffness_laws.
 [[nodiscard]] BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign);
 
 /// Young's modulus in bending of a test without tension, Pa; NaN without a second moment.

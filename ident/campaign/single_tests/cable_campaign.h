@@ -1,5 +1,5 @@
-// Tensions of several cables from their frequencies: what a laboratory or a bridge survey did, and
-// what follows. One cable that cannot be solved does not keep the others from it.
+// Identifies the tensions of several cables from their frequencies, as in a laboratory or a bridge
+// survey. A cable that cannot be solved does not affect the others.
 #pragma once
 
 #include <string>
@@ -23,13 +23,13 @@ struct CableTestResult {
   std::vector<Finding> findings;  ///< refusals and warnings, for a person
 };
 
-/// One cable. Numbers that make no sense are a refusal, not an exception.
+/// Analyses one cable. Invalid numbers lead to a refusal, not to an exception.
 [[nodiscard]] CableTestResult analyse_cable_test(const CableTest& test);
-/// Several at a time on `threads`; the same numbers whatever their count.
+/// Analyses several cables on `threads` threads; the numbers do not depend on their count.
 [[nodiscard]] std::vector<CableTestResult> analyse_cable_tests(const std::vector<CableTest>& tests,
                                                                int threads = 1);
 
-/// Why a result is not what it seems, in words.
+/// Warnings and refusals of a result, in words.
 [[nodiscard]] std::vector<Finding> tension_findings(const TensionResult& result,
                                                     const CableDescription& cable);
 

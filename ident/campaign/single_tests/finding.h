@@ -1,4 +1,4 @@
-// What an analysis has to say beside its numbers: warnings, and what was refused and why.
+// Warnings and refusals that accompany the numbers of an analysis.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@ namespace rigfit::ident {
 struct Finding {
   std::string code;      ///< stable, for programs
   std::string message;   ///< for a person, with figures
-  std::string where;     ///< file, channel, place struck, mode ...; empty: the whole
-  bool refused = false;  ///< part of what was asked cannot be had
+  std::string where;     ///< file, channel, point, mode ...; empty: the whole test
+  bool refused = false;  ///< true: a result is missing because of it
 };
 
 }  // namespace rigfit::ident

@@ -1,4 +1,4 @@
-// Where a value of a campaign comes from.
+// Source of a value of a campaign.
 #pragma once
 
 namespace rigfit::ident {

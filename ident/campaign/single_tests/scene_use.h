@@ -1,5 +1,5 @@
-// What the scene of a test takes from the tests made before it: EI at the tension of a state, EA
-// and the damping ratio of an axial test, each with what it is known to.
+// Transfers results of earlier tests to the scene of a test: EI at the tension of a state, EA and
+// the damping ratio of an axial test, each with its uncertainty.
 #pragma once
 
 #include <optional>
@@ -27,7 +27,7 @@ struct SceneUse {
 /// The scene that stands for the rig at a tension (empty: as built).
 struct SceneOfState {
   model::Scene scene;
-  std::optional<double> EI_Nm2;  ///< where a bending test gave it
+  std::optional<double> EI_Nm2;  ///< if a bending test gave it
 };
 /// Throws model::SceneError for a parameter that the scene does not have.
 [[nodiscard]] SceneOfState scene_at(const SceneUse& use, const KnownValues& known,
@@ -40,7 +40,7 @@ struct StateUse {
   std::optional<double> tension_N;
 };
 
-/// What EI, EA and damping of these states are known to, as inputs of a fit: each source moves all
+/// Uncertainties of EI, EA and damping in these states, as inputs of a fit: each source moves all
 /// states together.
 [[nodiscard]] std::vector<UncertainInput> known_inputs(const KnownValues& known,
                                                        const std::vector<StateUse>& states);

@@ -1,6 +1,6 @@
-// The tension of a cable from recordings of its motion, from frequencies measured otherwise, or
-// from both: peaks of the recordings' spectra, those that agree merged, and the tension that
-// explains them. The verb `tension` and the report call this, so that their numbers are the same.
+// Identifies the tension of a cable from recordings of its motion, from given frequencies, or from
+// both: peaks of the recordings' spectra are merged where they agree, and the tension is fitted to
+// them. The verb `tension` and the report call this, so that their numbers are the same.
 #pragma once
 
 #include <cstddef>
@@ -20,12 +20,12 @@ struct TensionRecording {
 };
 
 struct TensionInputs {
-  CableTest test;  ///< its modes: measured otherwise, may be none
+  CableTest test;  ///< its modes are given frequencies; may be empty
   std::vector<TensionRecording> recordings = {};
   std::vector<std::string> channels = {};  ///< empty: all
   double band_low_hz = 0;
   double band_high_hz = 0;                               ///< 0: to the end
-  int max_peaks = 12;                                    ///< a channel
+  int max_peaks = 12;                                    ///< per channel
   std::optional<model::ModePlane> plane = std::nullopt;  ///< plane of the recorded motion
 };
 
@@ -45,13 +45,13 @@ struct TensionTone {
 struct TensionCampaignResult {
   std::vector<TensionPeak> peaks;   ///< in the order of recordings and channels
   std::vector<TensionTone> tones;   ///< in the order of recordings and channels
-  std::vector<MeasuredMode> modes;  ///< what the tension is found from, merged
+  std::vector<MeasuredMode> modes;  ///< merged modes to which the tension is fitted
   /// `tension.solved` false: see its message. Warnings: "no_peaks",
   /// "steady_tone", "possible_tone" and those of tension_findings.
   CableTestResult result;
 };
 
-/// Throws nothing for what recordings hold; what makes no sense is a refusal in the findings.
+/// Does not throw for unsuitable recordings or inputs: they are refused in the findings.
 [[nodiscard]] TensionCampaignResult tension_campaign(const TensionInputs& inputs);
 
 }  // namespace rigfit::ident
