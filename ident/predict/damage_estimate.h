@@ -2,13 +2,13 @@
 //
 //   d = 1 - EI_zone / (r EI_sound),   var d = (EI_zone / (r EI_sound))^2 var ln(EI_zone / EI_sound)
 //
-// r is the ratio that a sound zone has (of a taper). Damage is called where d > 1.645 std: a sound
-// pole is called damaged with a probability of 5 %. The smallest damage that is then found with a
-// probability of 95 % is (1.645 + 1.645) std. It is a statement about stiffness, not about
-// strength.
+// r is EI_zone / EI_sound of an undamaged beam (not 1 with a taper). Damage is reported if d
+// > 1.645 std, so that a sound pole is called damaged with a probability of 5 %. The smallest
+// damage that is found with a probability of 95 % is then (1.645 + 1.645) std. Damage means lost
+// stiffness, not strength.
 //
-// Soil and damage: a softer soil lowers the same modes as a softer base. Their correlation in the
-// fit says whether the measurements tell them apart.
+// A softer soil lowers the same modes as a softer base: the correlation of the two in the fit shows
+// whether the measurements separate them.
 #pragma once
 
 #include <optional>
@@ -21,8 +21,8 @@ namespace rigfit::ident {
 
 struct DamageQuestion {
   std::string zone;             ///< parameter of the fit: EI of the zone
-  std::string sound;            ///< the same of the sound part; empty: `sound_EI`
-  signal::Estimate sound_EI{};  ///< where no parameter of the fit stands for it
+  std::string sound;            ///< parameter of the fit: EI of the sound part; empty: `sound_EI`
+  signal::Estimate sound_EI{};  ///< used if the sound part is no parameter of the fit
   double sound_ratio = 1;       ///< r
 };
 
@@ -31,11 +31,11 @@ struct DamageEstimate {
   double low = 0, high = 0;       ///< 95 %
   double smallest_found = 0;      ///< with 95 % probability, at 5 % false calls
   bool called = false;            ///< d > 1.645 std
-  std::vector<std::string> like;  ///< parameters that the measurements do not tell apart from it
+  std::vector<std::string> like;  ///< parameters that the data do not separate from it
   std::string statement;          ///< for a person
 };
 
-/// Correlation beyond which another parameter counts as not told apart.
+/// Correlation above which another parameter counts as not separated.
 inline constexpr double kNotToldApart = 0.95;
 
 /// Throws std::invalid_argument for a parameter that the fit does not have.

@@ -1,10 +1,10 @@
 // Time response of a scene to its loads with the parameters of a fit, and its 95 % interval.
 //
-// The parameters are drawn from their covariance, positive ones lognormal; every draw moves the
-// scene, its equilibrium and its answer. The interval is that of the draws, sample by sample: what
-// each instant lies within with a probability of 95 %, not a band that holds the whole history. A
-// frequency that is known to s drifts out of phase by 2 pi s t, so that the interval opens with
-// time until it spans the amplitude. Source: JCGM 101:2008 (sampling).
+// The parameters are drawn from their covariance, positive ones lognormal; the scene, its
+// equilibrium and its response are computed for every draw. The interval is that of the draws at
+// each instant: it holds the value at that instant with a probability of 95 %, not the whole
+// history. With a standard uncertainty s of a frequency the phase error grows as 2 pi s t, so that
+// the interval widens with time until it spans the amplitude. Source: JCGM 101:2008 (sampling).
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +24,7 @@ struct ResponsePredictionOptions {
 };
 
 struct ResponsePrediction {
-  model::ResponseResult response;           ///< at the fitted values; look at it first
+  model::ResponseResult response;           ///< at the fitted values; check its status first
   Eigen::MatrixXd low, high;                ///< as `response.samples`: 95 %
   int samples = 0;                          ///< draws that have a response
   std::vector<std::string> used, not_used;  ///< names of parameters

@@ -1,5 +1,5 @@
-// Parameters of a fit, with their covariance, in another scene: its modes and FRFs with their
-// uncertainty.
+// Predicts modes and FRFs of another scene, with uncertainties, from the parameters of a fit and
+// their covariance.
 //
 // With p the fitted values, C their covariance and y(p) a quantity of the scene,
 //
@@ -12,9 +12,9 @@
 // std, the modes are sampled instead (positive parameters lognormal), and the interval comes from
 // the samples.
 //
-// The uncertainty is that of the parameters handed over, and of the scene's own inputs that
-// scene_inputs.h adds to them. What else the scene takes as known counts as exact. Sources: GUM
-// (JCGM 100:2008), 5; JCGM 101:2008 (sampling).
+// The uncertainty contains the fitted parameters and the scene's own inputs that scene_inputs.h
+// adds. All other numbers of the scene count as exact. Sources: GUM (JCGM 100:2008), 5; JCGM
+// 101:2008 (sampling).
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@
 
 namespace rigfit::ident {
 
-/// A parameter as a fit left it, and what it is called in another scene.
+/// A fitted parameter, and its name in another scene.
 struct KnownParameter {
   std::string name;
   double value = 0;
@@ -42,11 +42,11 @@ struct KnownParameter {
   std::vector<double> factors = {};  ///< one per target; empty: 1
 };
 
-/// By how much each parameter of a fit changes when an input of the fit is larger by one of its
-/// standard uncertainties.
+/// Change of each parameter of a fit when an input of the fit is larger by one standard
+/// uncertainty.
 struct InputEffect {
   std::string name;
-  Eigen::VectorXd change;  ///< one a parameter
+  Eigen::VectorXd change;  ///< one per parameter
 };
 
 struct FittedParameters {
@@ -59,14 +59,14 @@ struct FittedParameters {
 void add_effect(const std::string& input, Eigen::Index parameter, double change,
                 FittedParameters& fitted);
 
-/// Values and covariance of what a fit identified; the others are left out.
+/// Values and covariance of the parameters that a fit identified.
 [[nodiscard]] FittedParameters fitted_parameters(const UpdateResult& fit,
                                                  const std::vector<FreeParameter>& free);
 
 struct PredictionOptions {
   int count = 6;                     ///< modes
   std::optional<int> segments = {};  ///< for every member; else the scene's
-  int samples = 200;                 ///< where the linear answer does not hold
+  int samples = 200;                 ///< draws, where the linear answer does not hold
   bool always_sample = false;
   std::uint64_t seed = 1;
 };
@@ -103,11 +103,11 @@ struct FrfPrediction {
   std::vector<Eigen::MatrixXcd> H;   ///< per line: sensors x loads
   std::vector<Eigen::MatrixXd> std;  ///< standard uncertainty of ln |H|, first order
 };
-/// Throws as above.
+/// Throws like predict_modes.
 [[nodiscard]] FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fitted,
                                          const Eigen::VectorXd& frequency_hz);
 
-/// A measured frequency held against a prediction.
+/// A measured frequency compared with a prediction.
 struct HeldAgainst {
   std::size_t measured = 0;
   int mode = -1;  ///< index in the prediction; -1: not paired

@@ -1,4 +1,4 @@
-// Tension of a cable, hanger or stay from its natural frequencies, without a tension to start from.
+// Tension of a cable, hanger or stay from its natural frequencies; no starting value is needed.
 //
 // The cable is a tensioned beam with sag, stretch and inclination between ends that are pinned,
 // clamped or held by equal rotational springs (cable_frequencies.h), corrected by a segment model
@@ -21,15 +21,15 @@
 
 namespace rigfit::ident {
 
-/// Modes found in several recordings or channels as one list by rising frequency: those that agree
-/// within three standard uncertainties are one, its mean weighted, its uncertainty not below what
-/// their scatter gives. Modes without an uncertainty, or of different planes, stay apart.
+/// Modes found in several recordings or channels as one list by rising frequency: modes that agree
+/// within three standard uncertainties are merged into their weighted mean, whose uncertainty is at
+/// least that from their scatter. Modes without an uncertainty, or of different planes, stay apart.
 [[nodiscard]] std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes);
 
-/// Throws std::invalid_argument for numbers that make no sense, or no mode.
+/// Throws std::invalid_argument for invalid numbers, or without any mode.
 void check_cable(const CableDescription& cable, const std::vector<MeasuredMode>& modes);
 
-/// Throws as check_cable.
+/// Throws like check_cable.
 [[nodiscard]] TensionResult identify_tension(const CableDescription& cable,
                                              const std::vector<MeasuredMode>& modes,
                                              const TensionOptions& options = {});

@@ -1,4 +1,4 @@
-// A cable as described, what is asked of its frequencies and what they give (cable_tension.h).
+// Description of a cable, options and result of its tension (cable_tension.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -18,12 +18,12 @@ namespace rigfit::ident {
 /// `pinned_clamped`: pinned at the first (lower) end, clamped at the second.
 enum class CableEnds { pinned, clamped, springs, pinned_clamped };
 [[nodiscard]] const char* name_of(CableEnds ends);
-/// The kinds of a word: "compare" is all of them, else the one of that name; empty: no such word.
+/// The kinds of ends that a word names: "compare" for all, else one; empty for an unknown word.
 [[nodiscard]] std::vector<CableEnds> cable_ends(const std::string& word);
 inline constexpr std::array<const char*, 5> kCableEndsWords = {"compare", "pinned", "clamped",
                                                                "springs", "pinned-clamped"};
 
-/// What a mass per length is of: of the cable as it hangs, or of the cable without tension. The two
+/// State of the cable to which a mass per length refers: as it hangs, or without tension. The two
 /// differ by T / EA.
 enum class MassReference { installed, unstretched };
 
@@ -44,7 +44,7 @@ struct CableDescription {
 struct TensionOptions {
   std::vector<CableEnds> ends = cable_ends("compare");
   double missed = 0.1;       ///< probability that the test misses a mode of its plane in its band
-  double false_mode = 0.05;  ///< probability that a measured mode is none of the cable's
+  double false_mode = 0.05;  ///< probability that a measured mode is not the cable's
   double leaked = 0.1;       ///< probability that a mode of the other plane shows up
 };
 
@@ -55,17 +55,17 @@ struct TensionMode {
   double model_hz = 0, relative_error = 0;      ///< NaN when paired with none
 };
 
-/// What a source contributes to the std of the tension.
+/// Contribution of a source to the std of the tension.
 struct TensionBudgetRow {
   std::string source;
   double std_N = 0;
 };
 
-/// One kind of ends.
+/// Result for one kind of ends.
 struct TensionCandidate {
   CableEnds ends = CableEnds::pinned;
   bool solved = false;
-  std::string message;             ///< why not, or what the fit warns of
+  std::string message;             ///< why it is not solved, or a warning of the fit
   signal::Estimate tension_N;      ///< at mid-span
   double low = 0, high = 0;        ///< 95 %
   signal::Estimate EI_Nm2;         ///< std 0: given as exact
@@ -76,7 +76,7 @@ struct TensionCandidate {
   int missed = 0;                  ///< modelled modes that the test should have seen
   double rms_error = 0;            ///< relative, of the paired modes
   double worst_error = 0;          ///< the largest, unsigned
-  /// Chance of the misfit with a model error of 0.5 % at most beside the stated uncertainties.
+  /// Probability of the misfit with a model error of up to 0.5 % beside the stated uncertainties.
   double p_with_model_error = 1;
   double weight_of_orders = 1;  ///< probability of these orders, given these ends
   std::vector<UpdateBudgetTerm> budget;
@@ -89,8 +89,8 @@ struct TensionFormulas {
 struct TensionResult {
   bool solved = false;
   std::string message;  ///< why not
-  /// At mid-span, over all candidates; without what lies more than half the interval's width
-  /// outside of it (less than 5 % of the probability: other orders, other ends).
+  /// Tension at mid-span, over all candidates. Answers further outside the interval than half its
+  /// width are left out (other orders or ends, with less than 5 % of the probability).
   signal::Estimate tension_N;
   double low = 0, high = 0;       ///< 95 % of the mixture
   double start_N = 0, end_N = 0;  ///< at the first (lower) and at the second end
@@ -99,13 +99,13 @@ struct TensionResult {
   double irvine_parameter = 0;   ///< (w L / T)^2 L EA / (T Le), of the heaviest candidate
   double bending_parameter = 0;  ///< L sqrt(T / EI)
   /// The best candidate's frequencies are off by 2 % rms, one by 5 %, or by far more than its own
-  /// model error allows: what was measured is no such cable.
+  /// model error allows: the measured structure is not such a cable.
   bool ruled_out = false;
   bool decided =
       true;  ///< answers with one and the same order of the modes have 90 % of the weight
   bool EA_assumed = false;              ///< no EA given, and the sag matters
-  bool EI_assumed = false;              ///< no EI given, and fewer than three modes to tell it
-  bool mass_reference_matters = false;  ///< not said, and the answers differ
+  bool EI_assumed = false;              ///< no EI given, and fewer than three modes to fit it
+  bool mass_reference_matters = false;  ///< it is not stated, and the answers differ
   bool large_sag = false;               ///< no equilibrium of the segment model: closed forms alone
   std::vector<TensionCandidate> candidates;  ///< heaviest first
   TensionFormulas formulas;                  ///< from the lowest mode of the heaviest candidate

@@ -1,14 +1,14 @@
-// Model choice: several models of the same measured modes, such as pinned ends, clamped ends and
-// springs, each fitted, weighed by its evidence, their parameters averaged.
+// Model choice: several models of the same measured modes (such as pinned ends, clamped ends and
+// springs) are fitted and weighted by their evidence, and their parameters are averaged.
 //
 //   w_k = Z_k / sum Z,   p(theta | data) = sum_k w_k p_k(theta | data)
 //
 // with Z_k the evidence of a fit, all its answers together (update_alternatives.h: Laplace, with
 // the model's own error integrated over). Parameters without a prior have the same broad prior in
-// every model, so that one more parameter costs ln(ln(10) sqrt(2 pi) / its standard uncertainty) or
-// so and must earn it. The interval of a parameter is that of the mixture. Candidates are equally
-// probable before the test. Sources: Hoeting et al., Statistical Science 14 (1999) 382; Kass and
-// Raftery, JASA 90 (1995) 773.
+// every model, so that one more parameter costs about ln(ln(10) sqrt(2 pi) / its standard
+// uncertainty) and must reduce the misfit by more. The interval of a parameter is that of the
+// mixture. Candidates are equally probable before the test. Sources: Hoeting et al., Statistical
+// Science 14 (1999) 382; Kass and Raftery, JASA 90 (1995) 773.
 #pragma once
 
 #include <string>
@@ -20,7 +20,7 @@
 
 namespace rigfit::ident {
 
-/// A model by name: the rig's states with its scenes, and what of it is fitted.
+/// A named model: the rig's states with its scenes, and the fitted parameters.
 struct ModelCandidate {
   std::string name;
   std::vector<UpdateState> states;  ///< the same measured modes in every candidate

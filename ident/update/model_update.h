@@ -1,11 +1,11 @@
-// Fitting a scene's uncertain parameters to measured modes.
+// Fits a scene's uncertain parameters to measured modes and FRFs.
 //
 // Unknowns p (stiffnesses, masses, tensions, spans ... of one scene in one or several states, such
 // as several tensions) minimise
 //
-//   sum_pairs rho((ln f_model(p) - ln f_measured) / s) + the same of damping ratios where measured
-//   + the same of shapes where asked for (both of unit length, the model's sign)
-//   + sum_lines rho(Re, Im of ln(H_model(p) / H_measured) / s) of FRFs where measured
+//   sum_pairs rho((ln f_model(p) - ln f_measured) / s) + such a sum over measured damping ratios
+//   + such a sum over shapes if requested (both of unit length, the model's sign)
+//   + sum_lines rho(Re, Im of ln(H_model(p) / H_measured) / s) over measured FRFs
 //   + sum_priors ((p - p0) / s_p)^2
 //
 // with Huber's rho, s the relative standard uncertainty of the measured value and of the model
@@ -15,15 +15,14 @@
 // followed by its plane and its place among the modes of that plane, which crossings of planes do
 // not change.
 //
-// Uncertainty, to first order: the data's scatter and the priors through (J'J)^-1; what is known of
-// the scene but not fitted (`UncertainInput`) and the error of the segments through the shift
-// -(J'J)^-1 J' (d residuals) that it causes. The error of segments that a
-// scene leaves to the program is taken off the frequencies, what may be left of it counts
-// (update_segments.h); that of all others is 4/3 of their difference
-// to a model of twice as many segments (Richardson, second order; a fourth-order error comes out a
-// quarter too large). Shifts of one source are shared by all parameters and all predictions, so
-// that what the fit makes up for is not counted against what it predicts.
-// Sources: Friswell and Mottershead 1995; Mottershead, Link, Friswell 2011.
+// Uncertainty, to first order: the data's scatter and the priors through (J'J)^-1; inputs that
+// are uncertain but not fitted (`UncertainInput`) and the error of the segments through the shift
+// -(J'J)^-1 J' (d residuals) that they cause. The error of "auto" segments is subtracted from the
+// frequencies and only the rest counts (update_segments.h); the error of given numbers of segments
+// is 4/3 of the difference to a model of twice as many segments (Richardson, second order; it is a
+// quarter too large for a fourth-order error). The shifts of one source are shared by all
+// parameters and predictions, so that an error compensated by the fit does not count in a
+// prediction. Sources: Friswell and Mottershead 1995; Mottershead, Link, Friswell 2011.
 #pragma once
 
 #include <limits>
@@ -35,13 +34,13 @@
 
 namespace rigfit::ident {
 
-/// Throws model::SceneError for a parameter that is not there, std::invalid_argument for no state,
-/// no parameter, or numbers that make no sense.
+/// Throws model::SceneError for an unknown parameter, std::invalid_argument without a state or
+/// parameter, or for invalid numbers.
 [[nodiscard]] UpdateResult update_model(const std::vector<UpdateState>& states,
                                         const std::vector<FreeParameter>& free,
                                         const UpdateOptions& options = {});
 
-/// The modes of the states' scenes as they are, paired with what was measured.
+/// Modes of the states' scenes without a fit, paired with the measured ones.
 struct PairedModes {
   std::vector<UpdatedPair> pairs;
   std::vector<UpdatedUnpaired> unpaired;

@@ -22,7 +22,7 @@ struct HeldOut {
   std::optional<model::Scene> scene = std::nullopt;          ///< held-out state, as predicted
 };
 
-/// Each state in turn is left out, the others fitted, and it is predicted by what is shared.
+/// Leaves out each state in turn, fits the others, and predicts it with the shared parameters.
 [[nodiscard]] std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
                                                  const std::vector<FreeParameter>& free,
                                                  const UpdateOptions& options = {});
@@ -39,9 +39,9 @@ struct UpdateMonteCarlo {
   Frequencies fitted, before;
 };
 
-/// Refits from the solution, with its pairs. Drawn anew in each sample, all normal: measured
-/// frequencies, damping ratios, and FRFs about the fitted model's (by their
-/// uncertainties, the fit's own scatter where they have none), priors, and every input.
+/// Refits from the solution, with its pairs. Each sample draws from normal distributions: measured
+/// frequencies, damping ratios and FRFs about the fitted model's (with their uncertainties, or the
+/// fit's scatter where there are none), priors, and every input.
 /// `progress` is called after each sample, from any thread.
 [[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
                                                   const std::vector<UpdateState>& states,
@@ -50,14 +50,15 @@ struct UpdateMonteCarlo {
                                                   const std::function<void()>& progress = {});
 
 struct ProfileInterval {
-  double low = std::numeric_limits<double>::quiet_NaN();  ///< NaN: open, the cost stays below
+  double low =
+      std::numeric_limits<double>::quiet_NaN();  ///< NaN: open, as the cost stays below the limit
   double high = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// 95 % intervals by profile: where the least cost with that parameter held, all others fitted
-/// anew, exceeds the solution's by half the squared coverage factor (times the variance factor). Of
-/// data and priors; inputs and segments are not in it. NaN for what is not identifiable.
-/// Source: Bates and Watts, Nonlinear Regression Analysis, 6.1.2.
+/// Profile-likelihood 95 % intervals: the limits are where the minimum cost with the parameter held
+/// and all others fitted again exceeds the solution's by half the squared coverage factor (times
+/// the variance factor). They cover data and priors, not inputs and segments. NaN if not
+/// identifiable. Source: Bates and Watts, Nonlinear Regression Analysis, 6.1.2.
 [[nodiscard]] std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
                                                              const std::vector<UpdateState>& states,
                                                              const std::vector<FreeParameter>& free,

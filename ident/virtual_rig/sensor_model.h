@@ -1,6 +1,6 @@
-// From what happens at a sensor to what a logger writes: sensitivity, transverse sensitivity,
-// offset, drift, noise, quantisation and clipping. Part of the virtual laboratory; every recording
-// made with it is synthetic.
+// Turns the signal at a sensor into the samples that a logger writes: sensitivity, transverse
+// sensitivity, offset, drift, noise, quantisation and clipping. Part of the virtual laboratory;
+// every recording made with it is synthetic.
 //
 //   y = clip( quantise( x + t x_transverse + offset + drift(t) + noise ) )
 // Drift is a straight line plus a random walk; noise is white over the logger's band.
@@ -17,18 +17,18 @@ namespace rigfit::ident {
 
 struct SensorModel {
   double noise_std = 0;               ///< noise of one sample, in the unit of the signal
-  double offset_std = 0;              ///< constant offset drawn once a record
-  double drift_per_s = 0;             ///< standard deviation of the slope drawn once a record
+  double offset_std = 0;              ///< constant offset drawn once per record
+  double drift_per_s = 0;             ///< standard deviation of the slope, drawn once per record
   double random_walk_per_root_s = 0;  ///< standard deviation after 1 s
   double transverse_sensitivity = 0;  ///< share of the transverse signal, 0..1
   double full_scale = 0;              ///< +-, beyond it the logger clips; 0: never
   int bits = 0;                       ///< bits of the converter over 2 full_scale; 0: not quantised
 };
 
-/// The instruments of the paper's rig. Ranges and noise are those of the classes of instruments
-/// named (data sheets round them so): a hammer of about 2 mV/N into a 24-bit converter of +-10 V,
-/// accelerometers of 100 mV/g with 1 % to 5 % transverse sensitivity, a 500 N tension cell and a
-/// 50 N load cell on 16-bit converters, an LVDT of +-25 mm.
+/// The instruments of the paper's rig, with ranges and noise typical of data sheets for their
+/// class: a hammer of about 2 mV/N into a 24-bit converter of +-10 V, accelerometers of 100 mV/g
+/// with 1 % to 5 % transverse sensitivity, a 500 N tension cell and a 50 N load cell on 16-bit
+/// converters, an LVDT of +-25 mm.
 struct VirtualInstruments {
   SensorModel hammer{.noise_std = 0.02, .offset_std = 0.05, .full_scale = 4400, .bits = 24};  ///< N
   SensorModel accelerometer{.noise_std = 3e-3,
@@ -61,7 +61,7 @@ struct VirtualInstruments {
 /// Seeded random numbers that are the same on every run.
 using Random = std::mt19937_64;
 
-/// What the logger writes of `signal` (one sample a step of `dt_s`); `transverse` has the same
+/// Samples that the logger writes for `signal` (one per step of `dt_s`); `transverse` has the same
 /// length or is empty. Throws std::invalid_argument for different lengths or a converter without
 /// full scale.
 [[nodiscard]] Eigen::VectorXd recorded(const Eigen::Ref<const Eigen::VectorXd>& signal,

@@ -1,9 +1,8 @@
-// The hanging-mass test of a virtual laboratory: what the tension load cell of a mass on a cable
-// records after a tap. Synthetic.
+// Simulates a hanging-mass test: the recorded tension of a cable with a mass after a tap.
 //
-// Finer than the lumped M + mc/3 that is fitted: the cable is a continuous elastic rod, the
-// massless adapter in series, and the mass swings as a pendulum besides. The undamped frequency is
-// the first root of
+// The simulation is finer than the lumped M + mc/3 of textbooks: the cable is a continuous elastic
+// rod with a massless adapter in series, and the mass also swings as a pendulum. The undamped
+// frequency is the first root of
 //   w^2 M = k(w),  1/k(w) = 1/km + 1/(EA b cot(b L)),  b = w sqrt(m / EA),
 // EA b cot(b L) being the dynamic stiffness of a rod fixed at its other end (Meirovitch,
 // Fundamentals of Vibrations, sec. 8.3).

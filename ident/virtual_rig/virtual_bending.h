@@ -1,10 +1,10 @@
-// The bending test of a virtual laboratory: a clamped cable under tension, loaded at mid-span and
-// unloaded again, with load cells for tension and load and an LVDT for the deflection. Synthetic.
+// Simulates a bending test: a clamped cable under tension, loaded at mid-span and unloaded again,
+// with load cells for tension and load and an LVDT for the deflection.
 //
-// Finer than the straight-line slope that is fitted: the elastic deflection follows eq. (17) with
-// the tension of the moment, which grows with the deflection (P = P0 + k_frame * 2 d^2 / l), and
-// wire friction adds a hysteretic load (Dahl 1968: dq/dd = (q_f / d_f) (1 - q/q_f sign(dd))^i), so
-// that loading starts steeper than it goes on and unloading lies below it.
+// The simulation is finer than the fitted straight line: the elastic deflection follows eq. (17)
+// with the instantaneous tension, which grows with the deflection (P = P0 + k_frame * 2 d^2 / l),
+// and wire friction adds a hysteretic load (Dahl 1968: dq/dd = (q_f / d_f) (1 - q/q_f sign(dd))^i),
+// so that loading starts steeper than it goes on and unloading lies below it.
 #pragma once
 
 #include "ident/virtual_rig/sensor_model.h"
@@ -14,15 +14,15 @@ namespace rigfit::ident {
 
 struct VirtualBendingTest {
   double EI_Nm2 = 0;  ///< at the tension before loading, with the wires slipping: the truth
-  /// d EI / d tension where EI follows the tension of the moment; 0: it keeps that at rest, as
-  /// where friction between wires was set when the cable was tensioned.
+  /// d EI / d tension if EI follows the instantaneous tension; 0: EI stays that at rest, as if
+  /// friction between wires was set when the cable was tensioned.
   double EI_by_tension_m2 = 0;
   double span_m = 0;
   double tension_N = 0;  ///< before loading
   double peak_load_N = 10;
   double frame_stiffness_N_m = 2e4;  ///< tension gained per metre that the cable shortens its ends
   double friction_load_N = 0.02;     ///< q_f, hysteresis half width
-  double friction_travel_m = 5e-5;   ///< d_f, over which it builds up
+  double friction_travel_m = 5e-5;   ///< d_f, travel over which it builds up
   double friction_exponent = 1;      ///< i of Dahl's law: 0 bilinear, 1 exponential, 2 long tail
   int cycles = 2;                    ///< loading and unloading
   double cycle_s = 60;

@@ -1,10 +1,10 @@
-// Hammer hits and cut strings on a virtual rig, as its logger would write them. Synthetic.
+// Simulates the recordings of hammer hits and releases on a virtual rig.
 //
 // Every load of the scene is a test: an impact is struck `hits` times, each hit in a triggered
 // record with the hammer's force; a release is recorded once. The simulated rig is finer than the
-// fitted one (`finer` times the segments, the accelerometers' masses), the person with the hammer
-// hits a little off in place, direction, strength and hardness, and some hits are double. The
-// logger's anti-aliasing filter (linear phase, -80 dB) acts on all channels alike.
+// fitted one (`finer` times the segments, the accelerometers' masses), hits vary in place,
+// direction, strength and hardness, and some hits are double. The logger's anti-aliasing filter
+// (linear phase, -80 dB) acts on all channels alike.
 #pragma once
 
 #include <functional>
@@ -19,17 +19,17 @@ namespace rigfit::ident {
 
 struct VirtualRigOptions {
   int hits = 5;         ///< hits for every impact
-  int double_hits = 1;  ///< double ones among them
+  int double_hits = 1;  ///< number of double hits among them
   double record_s = 8;
   double pre_trigger_s = 0.05;
   double sample_rate_hz = 1024;
-  int finer = 4;                   ///< times the scene's segments (30 where it says "auto")
+  int finer = 4;                   ///< factor on the scene's segments (30 for "auto")
   double peak_scatter = 0.2;       ///< relative standard deviation from hit to hit
-  double duration_scatter = 0.05;  ///< relative
+  double duration_scatter = 0.05;  ///< relative standard deviation
   double position_scatter_m = 0.003;
   double direction_scatter_rad = 0.03;
-  /// Mass of each accelerometer (4.8 g: data sheet of the paper's B&K 4507), on the rig wherever
-  /// the scene has no mass at its place yet.
+  /// Mass of each accelerometer (4.8 g: data sheet of the paper's B&K 4507), added where
+  /// the scene has no mass yet.
   double accelerometer_mass_kg = 4.8e-3;
   VirtualInstruments instruments;
 };
@@ -41,11 +41,11 @@ struct VirtualRigRecord {
   double peak_N = 0;         ///< peak of the first blow
   double second_peak_N = 0;  ///< peak of the bounce, zero: none
   double second_after_s = 0;
-  signal::Recording recording;  ///< force (impacts only), then one channel a sensor
+  signal::Recording recording;  ///< force (impacts only), then one channel per sensor
 };
 
-/// Response of a scene at its sensors: rows = duration * rate, columns = sensors. Loads act as the
-/// scene says, sensors read SI.
+/// Response of a scene at its sensors: rows = duration * rate, columns = sensors. Loads act as in
+/// the scene, sensors read SI.
 using Simulate =
     std::function<Eigen::MatrixXd(const model::Scene& scene, double duration_s, double rate_hz)>;
 
@@ -58,7 +58,7 @@ using Simulate =
 /// The scene with `finer` times the segments.
 [[nodiscard]] model::Scene finer_scene(const model::Scene& scene, int finer);
 
-/// The scene with its accelerometers' masses: what hangs in the laboratory.
+/// The scene with its accelerometers' masses added.
 [[nodiscard]] model::Scene scene_with_accelerometers(model::Scene scene,
                                                      double accelerometer_mass_kg);
 

@@ -1,4 +1,4 @@
-// Which modelled mode is which measured one, as a probability.
+// Assigns modelled modes to measured ones by probability.
 //
 // A test that looked at a band of frequencies sees a modelled mode j with the probability
 //
@@ -9,7 +9,7 @@
 //
 //   pair (i, j):        ln (1 - false) + ln P_j + ln N(ln(f_j / f_i); 0, s_i) [+ ln p(MAC_ij)]
 //   measured, unpaired: ln false, the density of false modes over ln f
-//   modelled, unpaired: ln (1 - P_j) inside the band; outside of it nobody looked
+//   modelled, unpaired: ln (1 - P_j) inside the band; 0 outside, where the test did not look
 //
 // with p(MAC) = exp(-(1 - MAC) / m) / (m (1 - exp(-1 / m))) for the right shape and 1 for a wrong
 // one. The assignment of the largest likelihood comes from the Hungarian method. The band goes from
@@ -31,17 +31,17 @@ namespace rigfit::ident {
 
 struct AssignmentOptions {
   double missed = 0.1;       ///< probability that a test misses a mode that it can see
-  double false_mode = 0.05;  ///< probability that a measured mode is none of the structure's
-  /// Probability that a mode shows up all the same that the test cannot see: of the other plane, or
-  /// with its nodes at the points of the test.
+  double false_mode = 0.05;  ///< probability that a measured mode is not the structure's
+  /// Probability that a mode shows up that the test should not see: a mode of the other plane, or
+  /// one with its nodes at the points of the test.
   double leaked = 0.1;
-  /// Response over the strongest mode's in the band that is half visible (a dynamic range of 30
-  /// dB).
+  /// Response relative to the band's strongest mode at which a mode is half visible (a dynamic
+  /// range of 30 dB).
   double visible_ratio = 0.03;
   double mac_scale = 0.2;  ///< m above
 };
 
-/// A mode that a test should have seen, had the structure it.
+/// A modelled mode that the test should have seen if the structure had it.
 struct MissedMode {
   int model = 0;           ///< index
   double probability = 0;  ///< that the test sees it
@@ -56,9 +56,10 @@ struct ModeAssignment {
   double log_detected = 0, log_false = 0, log_missed = 0;
 };
 
-/// `relative_std`: of each measured frequency, the model's error included. `band_hz`: what the test
-/// looked at; none: from 0 to its highest measured mode. `PairingMode::visibility` of modelled
-/// modes is a response amplitude of any unit; all 0 within a test's plane: not known, all visible.
+/// `relative_std` is that of each measured frequency, the model's error included. `band_hz` is the
+/// test's band; empty: from 0 to its highest measured mode. `PairingMode::visibility` of modelled
+/// modes is a response amplitude in any unit; if all are 0 within a test's plane, all count as
+/// visible.
 [[nodiscard]] ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
                                           const std::vector<double>& relative_std,
                                           const std::vector<PairingMode>& modelled,

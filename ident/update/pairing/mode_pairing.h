@@ -1,4 +1,4 @@
-// Which modelled mode is which measured one: never by row number, by what they are.
+// Pairs modelled and measured modes by their properties, never by row number.
 //
 // An optimal assignment (Hungarian method) of the least total cost, in which any mode may stay
 // unpaired at a price. The cost of a pair is
@@ -35,20 +35,20 @@ struct PairingMode {
 struct PairingOptions {
   double frequency_scale = 0.1;  ///< relative deviation that costs 1
   double mac_scale = 0.5;        ///< loss of MAC that costs 1
-  double plane_price = 1.5;      ///< pairing over different planes
+  double plane_price = 1.5;      ///< price of pairing across planes
   /// Prices of leaving a mode unpaired. A pair is made when it costs less than both together: 20 %
   /// in frequency with these.
   double unpaired_measured = 2;
   double unpaired_model = 2;
-  /// Above 1: a factor common to all modelled frequencies, up to this and down to its inverse, is
-  /// tried too (a model with a wrong tension is wrong in all modes alike). Costs as one more
-  /// deviation of that size over `common_factor_scale`.
+  /// Above 1: also tries a factor common to all modelled frequencies, between the inverse and this
+  /// (a model with a wrong tension errs in all modes alike). It costs like one more deviation of
+  /// that size over `common_factor_scale`.
   double common_factor_range = 1;
   double common_factor_scale = 0.5;
 };
 
 struct ModePair {
-  int measured = 0, model = 0;  ///< indices into what was given
+  int measured = 0, model = 0;  ///< indices of the input
   double relative_error = 0;    ///< f_model / f_measured - 1
   double mac = std::numeric_limits<double>::quiet_NaN();
   double cost = 0;
@@ -58,7 +58,7 @@ struct ModePair {
 struct UnpairedMode {
   int index = 0;
   /// A modelled mode between the lowest and the highest measured frequency of a test in its plane:
-  /// the test missed it. Outside nobody looked.
+  /// the test missed it. Outside, the test did not look.
   bool missing = false;
   std::string reason;  ///< for a person
 };
@@ -67,7 +67,7 @@ struct ModePairing {
   std::vector<ModePair> pairs;  ///< by measured index
   std::vector<UnpairedMode> unpaired_measured, unpaired_model;
   double cost = 0;           ///< total cost of the assignment
-  double common_factor = 1;  ///< that the pairs were found with
+  double common_factor = 1;  ///< common factor used for the pairs
 };
 
 /// Throws std::invalid_argument for frequencies that are not positive and finite.

@@ -1,5 +1,5 @@
-// What an update is given: free parameters, what is taken as known with its uncertainty, and what
-// was measured in each state of the rig.
+// Input of an update: free parameters, inputs with their uncertainty, and the measurements in each
+// state of the rig.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,15 +18,17 @@ struct FreeParameter {
   std::string name;  ///< for people and results
   /// Scene parameters (see model::parameter) that all take this value; empty: `name` itself.
   std::vector<std::string> targets = {};
-  /// What each target is of the value, such as -1 for the other end of a symmetric rig; empty: 1.
+  /// Factor from the value to each target, such as -1 for the other end of a symmetric rig;
+  /// empty: 1.
   std::vector<double> factors = {};
   bool per_state = false;                                ///< a value of its own in every state
-  std::optional<double> start = std::nullopt;            ///< else as the scene has it
-  std::optional<signal::Estimate> prior = std::nullopt;  ///< from a test before
-  /// Without `prior`: one at the scene's own value, in each state where it is `per_state`, such as
-  /// a load cell's reading; relative standard uncertainty, 0: none.
+  std::optional<double> start = std::nullopt;            ///< empty: the scene's value
+  std::optional<signal::Estimate> prior = std::nullopt;  ///< from an earlier test
+  /// Without `prior`: relative standard uncertainty of a prior at the scene's own value (in each
+  /// state if `per_state`), such as a load cell's reading; 0: no prior.
   double prior_relative_std = 0;
-  double low = -std::numeric_limits<double>::infinity();  ///< bounds; positive ones stay so anyway
+  double low = -std::numeric_limits<double>::infinity();  ///< bounds; positive parameters always
+                                                          ///< stay positive
   double high = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] double factor(std::size_t target) const {
@@ -34,12 +36,12 @@ struct FreeParameter {
   }
 };
 
-/// A number that the fit takes as known: a load cell's reading, a length, a mass, an EI from a
-/// bending test. It moves numbers of the scenes, one standard uncertainty of it by `change`.
+/// An uncertain number that is not fitted: a load cell's reading, a length, a mass, an EI from a
+/// bending test. One standard uncertainty of it changes numbers of the scenes by `change`.
 struct UncertainInput {
   struct Effect {
     int state = 0;
-    std::string target;  ///< scene parameter; one that is fitted is not moved
+    std::string target;  ///< scene parameter; has no effect on a fitted one
     double change = 0;   ///< by one standard uncertainty
   };
   std::string name;
@@ -74,16 +76,16 @@ struct MeasuredFrf {
 /// 51-83, equivalent noise bandwidth.
 [[nodiscard]] double lines_per_independent(double decay_rate_1_s, double line_spacing_hz);
 
-/// The rig in one state: its scene as known before, and what was measured.
+/// The rig in one state: its scene as known before, and the measurements.
 struct UpdateState {
   std::string name;
   model::Scene scene;
   std::vector<MeasuredMode> measured;
   std::vector<MeasuredFrf> frfs = {};
-  /// The modes were found in these FRFs: they give its starting values and are listed,
-  /// but do not count a second time.
+  /// True if the modes were identified from these FRFs: they give starting values and are listed,
+  /// but do not count as data a second time.
   bool modes_lead_only = false;
-  /// Band that the test of `measured` looked at; none: from 0 to the highest measured mode.
+  /// Band of the test of `measured`; empty: from 0 to the highest measured mode.
   std::optional<std::pair<double, double>> band_hz = std::nullopt;
 };
 

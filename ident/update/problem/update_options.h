@@ -1,4 +1,4 @@
-// How an update is done. Every default serves; a user of the library sets few of them.
+// Options of an update. The defaults suit most fits.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,44 +22,43 @@ using FrfSolver =
                                           const std::vector<std::string>&, double decay_rate_1_s)>;
 
 struct UpdateOptions {
-  /// Relative standard uncertainty of frequencies that come without one; it then only weighs, the
-  /// scatter about the fit gives the variance.
+  /// Relative standard uncertainty of frequencies that come without one. It only sets their weight;
+  /// the scatter about the fit gives the variance.
   double assumed_relative_std = 0.01;
   double assumed_damping_relative_std = 0.2;
-  /// Relative standard uncertainty of FRFs that come without one; it then only weighs.
+  /// Relative standard uncertainty of FRFs that come without one; it only sets their weight.
   double assumed_frf_relative_std = 0.05;
-  /// What the model cannot reach, relative in FRFs, added to every line's uncertainty.
+  /// Model error, relative in FRFs, added to every line's uncertainty.
   double frf_model_relative_std = 0;
-  /// Lines whose uncertainty is a larger part of the FRF say nothing in their logarithm.
+  /// Lines with a larger relative uncertainty are left out: their logarithm has no information.
   double frf_max_relative_std = 0.5;
-  /// Standard uncertainty of a component of a unit shape; 0: shapes only pair, they are not fitted.
+  /// Standard uncertainty of a component of a unit shape; 0: shapes are used for pairing only.
   double shape_std = 0;
-  /// What the model cannot reach, relative in frequency, added to every measured uncertainty.
+  /// Model error, relative in frequency, added to every measured uncertainty.
   double model_relative_std = 0;
   double huber_threshold = 2;         ///< standard deviations beyond which a pair pulls linearly
   PairingOptions pairing = {};        ///< for lists of pairs, and for fits of FRFs
   AssignmentOptions assignment = {};  ///< for fits to modes
   double first_common_factor = 4;     ///< common_factor_range of the first pairing of each start
-  /// 1: the answer near the scene's own values. More: fits to modes look over the whole range of
-  /// the parameters (update_alternatives.h); fits of FRFs begin so many times.
+  /// 1: finds the answer near the scene's own values. More: fits to modes search the whole range of
+  /// the parameters (update_alternatives.h); fits to FRFs have this number of starts.
   int starts = 4;
-  double start_spread = 3;  ///< factor by which the others are off, up or down, at most
+  double start_spread = 3;  ///< largest factor, up or down, of the other starts
   std::uint64_t seed = 1;
   int max_iterations = 60;
-  double function_tolerance = 1e-9;  ///< relative, of the cost
+  double function_tolerance = 1e-9;  ///< relative change of the cost
   int max_pairings = 8;
-  int threads = 1;  ///< over the starts
-  /// Starts but the first look for their minimum with a third of the segments (from 16 on); only
-  /// those that find another one than the first are followed with all.
+  int threads = 1;  ///< work on starts in parallel
+  /// All starts but the first search with a third of the segments (if there are 16 or more); only
+  /// those that find another minimum than the first continue with all segments.
   bool coarse_starts = true;
-  /// The segments' error is taken off frequencies where the scene leaves them to the program, and
-  /// what is left of it part of the uncertainties (update_segments.h). False: the data have this
-  /// model's segments.
+  /// True: the error of "auto" segments is subtracted from frequencies, and the rest of it adds to
+  /// the uncertainties (update_segments.h). False: the data come from a model with these segments.
   bool segment_uncertainty = true;
   std::vector<UncertainInput> inputs = {};  ///< independent of each other
-  /// Segments of members that leave them to the program, at first: more where the data need them.
+  /// Initial number of segments of "auto" members; it grows where the data need more.
   int auto_segments = 30;
-  bool exact_ends = true;     ///< what other end conditions would change is worked out
+  bool exact_ends = true;     ///< compute the effect of other end conditions
   ModeSolver solver = {};     ///< empty: model::analyse_mode_sensitivities
   FrfSolver frf_solver = {};  ///< empty: model::synthesize_frf_sensitivities
 };

@@ -1,4 +1,4 @@
-// What an update gives: parameters with their uncertainty and its sources, pairs, the misfit, and
+// Result of an update: parameters with their uncertainty and its sources, pairs, the misfit, and
 // all answers that the data support.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace rigfit::ident {
 enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
 [[nodiscard]] const char* name_of(UpdateStatus status);
 
-/// What one source adds to a parameter's uncertainty; the squares of all add up to std^2.
+/// Contribution of one source to a parameter's uncertainty; the squares of all add up to std^2.
 struct UpdateBudgetTerm {
   std::string source;  ///< "data", "model", "prior of ...", "segments", or an input's name
   double std = 0;
@@ -29,17 +29,17 @@ struct UpdatedParameter {
   int state = -1;  ///< -1: shared
   double start = 0, value = 0;
   double std = 0;  ///< NaN when not identifiable
-  /// 95 % interval; of all alternatives together where there are several; NaN: open to this side.
+  /// 95 % interval; of all alternatives together where there are several; NaN: open on this side.
   double low = std::numeric_limits<double>::quiet_NaN();
   double high = std::numeric_limits<double>::quiet_NaN();
   bool interval_by_profile = false;  ///< else linear, in ln(value) where the value is positive
   bool identifiable = false;
-  double std_from_data = 0;  ///< without the priors; NaN when the data alone cannot
+  double std_from_data = 0;  ///< without priors; NaN if the data do not determine it
   bool at_bound = false;
   std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
-  /// By how much the value may still be too large for want of segments; NaN: not known.
+  /// Largest remaining error of the value due to the number of segments; NaN: unknown.
   double segment_shift = std::numeric_limits<double>::quiet_NaN();
-  double segments_taken_off = 0;  ///< by how much it would be larger, had nothing been taken off
+  double segments_taken_off = 0;  ///< correction for segments, which lowered the value
 };
 
 /// A number of the scenes that is taken as exact: neither fitted nor given with an uncertainty.
@@ -49,14 +49,14 @@ struct ExactInput {
   Eigen::VectorXd shift;       ///< change of each parameter, to first order; NaN: unknown
 };
 
-/// Ends of members that are taken to turn as the scenes say: neither fitted nor stated.
+/// Ends of members whose rotational stiffness is taken as exact: neither fitted nor stated.
 struct ExactEnds {
   std::vector<std::string> nodes;
   std::string taken_as;   ///< "pinned", "clamped", "springs"
   double stiffness = 0;   ///< N m/rad, springs that explain the data best; first node, in plane
-  double chi2_less = 0;   ///< with these, without an error of the model
+  double chi2_less = 0;   ///< decrease of chi2 by these springs, without model error
   Eigen::VectorXd shift;  ///< change of each parameter by them; NaN: unknown
-  /// Largest change by any springs in the 95 % interval that the data leave.
+  /// Largest change by springs within their 95 % interval from the data.
   Eigen::VectorXd largest_shift;
 };
 
@@ -79,22 +79,22 @@ struct UpdatedUnpaired {
   std::string reason;
 };
 
-/// How the fit agrees with the uncertainties that its data come with. Where the probability of the
-/// misfit is below 5 %, what is left over goes into a random effect of the model: a relative error
-/// in frequency of its own in every state and mode, by Paule and Mandel's estimate, and shared by
-/// the states of a mode and by the modes of a state where that makes more of it.
+/// Agreement of the fit with the stated uncertainties of its data. If the probability of the misfit
+/// is below 5 %, the excess is attributed to a random error of the model: a relative error in
+/// frequency, independent for every state and mode, by Paule and Mandel's estimate; or shared by
+/// the states of a mode and by the modes of a state if that gives larger uncertainties.
 struct UpdateFit {
   double chi2 = 0, degrees_of_freedom = 0;
-  double by_inputs = 0;  ///< so much larger chi2 were, had the inputs no uncertainty; 0: not needed
+  double by_inputs = 0;  ///< decrease of chi2 by the inputs' uncertainty; 0: not needed
   double p_value = std::numeric_limits<double>::quiet_NaN();  ///< NaN: no degree of freedom
   bool stated = false;   ///< the uncertainties came with the data; else they are assumed
-  double model_std = 0;  ///< relative in frequency, of that random effect
-  /// The same of FRFs, relative in every line: what is left beyond the lines' uncertainties and
-  /// what they share (segments, inputs, the place of the hits).
+  double model_std = 0;  ///< std of that random error, relative in frequency
+  /// Std of such a random error of FRFs, relative in every line, beyond the lines' uncertainties
+  /// and shared errors (segments, inputs, the place of the hits).
   double frf_model_std = 0;
-  /// So many neighbouring lines of FRFs err together, by the autocorrelation of what is left over:
-  /// chi2 and its degrees of freedom are divided by it for the probability, and variances
-  /// multiplied.
+  /// Number of neighbouring FRF lines that err together, from the autocorrelation of residuals. For
+  /// the probability, chi2 and its degrees of freedom are divided by it; variances are multiplied
+  /// by it.
   double correlated_lines = 1;
   [[nodiscard]] bool ruled_out() const { return stated && p_value < 0.01; }
 };
@@ -103,8 +103,8 @@ struct UpdateFit {
 struct UpdateAlternative {
   double weight = 1;  ///< probability, all alternatives together 1
   double log_evidence = 0;
-  /// Parts of ln(evidence) of the assignment alone: pairs, measured modes that are none of the
-  /// model's, modes that the tests should have seen.
+  /// Parts of ln(evidence) of the assignment alone: pairs, measured modes that the model
+  /// lacks, modelled modes that the tests should have seen.
   double log_detected = 0, log_false = 0, log_missed = 0;
   std::vector<UpdatedParameter> parameters;
   std::vector<UpdatedPair> pairs;
@@ -120,10 +120,10 @@ struct UpdateResult {
   Identifiability identifiability;  ///< data and priors, in the fitted coordinates (relative)
   Eigen::MatrixXd covariance;       ///< parameters' values, all sources; NaN where not
                                     ///< identifiable
-  Eigen::MatrixXd correlation;      ///< the same
+  Eigen::MatrixXd correlation;      ///< NaN like the covariance
   /// Shifts of the fitted coordinates by one standard uncertainty of each shared source.
   Eigen::MatrixXd shifts;
-  std::vector<std::string> shift_sources;  ///< "segments" and the inputs; one a column
+  std::vector<std::string> shift_sources;  ///< "segments" and the inputs; one per column
   std::vector<std::string> open;           ///< what the data cannot separate, in words
   std::vector<UpdatedPair> pairs;
   std::vector<UpdatedUnpaired> unpaired;
@@ -134,16 +134,16 @@ struct UpdateResult {
   double rms_log_frf_error_before = std::numeric_limits<double>::quiet_NaN();
   Eigen::Index frf_lines = 0;
   UpdateFit fit;
-  std::vector<ExactInput> exact_inputs;  ///< what no interval holds
-  std::vector<ExactEnds> exact_ends;     ///< the same, of end conditions; of fits to modes
-  /// Heaviest first, of weight 0.001 or more; the first is this result. Of fits to modes.
+  std::vector<ExactInput> exact_inputs;  ///< not covered by any interval
+  std::vector<ExactEnds> exact_ends;     ///< end conditions likewise; for fits to modes
+  /// Answers of weight 0.001 or more, heaviest first; the first is this result. For fits to modes.
   std::vector<UpdateAlternative> alternatives;
   double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< ln, over all answers
-  double chi_squared = 0, degrees_of_freedom = 0;  ///< with the weights that the fit ended with
+  double chi_squared = 0, degrees_of_freedom = 0;  ///< with the final weights of the fit
   double variance_factor = 1;
   double coverage_factor = 1.96;        ///< for 95 %
-  int auto_segments = 0;                ///< as they were in the end, for members that leave them
-  int starts = 0, starts_agreeing = 0;  ///< that ended in this answer
+  int auto_segments = 0;                ///< final number for "auto" members
+  int starts = 0, starts_agreeing = 0;  ///< number that ended in this answer
   int pairings = 0, model_evaluations = 0;
   std::vector<model::Scene> scenes;  ///< updated, by state
   Eigen::VectorXd coordinates;       ///< solution in fitted coordinates, for refits
