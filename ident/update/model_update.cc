@@ -6,7 +6,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "ident/update/assignment/contradicting_modes.h"
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/frfs/frf_segments.h"
 #include "ident/update/problem/update_problem.h"
@@ -75,6 +74,19 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
   state_uncertainty(problem, options, matches, result, by_segments);
 }
 
+// The search weighs the data with an error of the model; where they agree without it, they alone
+// have the answer.
+void take_error_off(const UpdateProblem& problem, const UpdateOptions& options,
+                    UpdateSolution& answer) {
+  if (!problem.modes_only()) return;
+  Eigen::VectorXd q = answer.q;
+  double cost = 0;
+  if (minimise(problem, answer.matches.matches, UpdateStage::full, options, q, cost) &&
+      misfit_of(problem, answer.matches.matches, q).p_value > kUnlikelyMisfit) {
+    answer.q = std::move(q);
+  }
+}
+
 // The error of the model that the misfit at the answer asks for, and the answer with it.
 void allow_for_misfit(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
                       UpdateResult& result) {
@@ -125,6 +137,7 @@ void state_alternatives(const UpdateProblem& problem, const UpdateOptions& optio
       parameter.std = parameter.low = parameter.high = kNaN;
     }
     UpdateSolution solution = answers[k].solution;
+    take_error_off(problem, options, solution);
     UpdateProblem settled = take_segments_off(problem, options, solution);
     allow_for_misfit(options, settled, solution, other);
     state_answer(settled, options, solution, other);
@@ -223,8 +236,8 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     return result;
   }
   UpdateSolution answer = answers.front().solution;
+  take_error_off(problem, options, answer);
   UpdateProblem settled = take_segments_off(problem, options, answer);
-  leave_out_contradictions(settled, options, answer);
   allow_for_misfit(options, settled, answer, result);
   allow_for_shared(options, settled, answer, result);
   result.auto_segments = options.auto_segments;

@@ -186,7 +186,7 @@ TEST(UpdateModel, AParameterWithoutInfluenceIsNamedAlone) {
   EXPECT_EQ(result.open[0], "the data do not determine beam.EI_y");
 }
 
-TEST(UpdateModel, AStrayModeIsLeftUnpairedAndAnOutlierDoesNotBend) {
+TEST(UpdateModel, AStrayModeIsLeftUnpairedAndAnOutlierWidensTheInterval) {
   auto random = seeded(4);
   UpdateState state{"beam", beam(2.6, 0.3, 0.02), {}};
   state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 1e-3, random);
@@ -198,12 +198,12 @@ TEST(UpdateModel, AStrayModeIsLeftUnpairedAndAnOutlierDoesNotBend) {
   state.measured.push_back(stray);
   state.measured[3].frequency_hz.value *= 1.05;  // fifty standard deviations
   const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}});
-  EXPECT_NEAR(result.parameters[0].value, 2.1, 0.02 * 2.1);
-  ASSERT_EQ(result.unpaired.size(), 2U);
+  // The stray mode finds no partner; what the outlier is off is the model's error for all.
+  EXPECT_NEAR(result.parameters[0].value, 2.1, 2 * result.parameters[0].std);
+  EXPECT_GT(result.fit.model_std, 0.01);
+  ASSERT_EQ(result.unpaired.size(), 1U);
   EXPECT_TRUE(result.unpaired[0].measured);
   EXPECT_NEAR(result.unpaired[0].frequency_hz, between, 1e-12);
-  EXPECT_EQ(result.unpaired[1].frequency_hz, state.measured[3].frequency_hz.value);
-  EXPECT_NE(result.unpaired[1].reason.find("left out"), std::string::npos);
 }
 
 std::size_t unpaired_measured(const UpdateResult& result) {
