@@ -100,8 +100,8 @@ class ElasticSearch {
     const double highest = load.maxCoeff(&peak);
     const double after = load.tail(rows_ - peak).minCoeff();
     if (highest - after < 0.1 * data_.load_range) return;
-    note("break", fmt::format("the load falls from its largest value ({}) by {:.0f} %: what "
-                              "follows is left out",
+    note("break", fmt::format("Check for a break or slip: the load falls from its largest value "
+                              "({}) by {:.0f} %, and the rows after it are left out",
                               at(peak), 100 * (highest - after) / data_.load_range));
     rows_ = peak + 1;
   }
@@ -206,16 +206,17 @@ class ElasticSearch {
       const CurveBin& end = bins_[parts_[k].last];
       if (end.x > 0.8 && end.y > 0.05) {
         note("curved",
-             fmt::format("the curve bends upwards at {}, where most of the deflection and little "
-                         "of the load is past: a toe before it or a stop after it; cut one off",
-                         at(end.last)),
+             fmt::format(
+                 "Cut off a toe before {0} or a stop after it: the curve bends upwards at {0}, "
+                 "after most of the deflection and little of the load",
+                 at(end.last)),
              true);
         return;
       }
       ++k;
     }
     if (k > 0) {
-      note("toe", fmt::format("up to {} the curve is a toe (supports and slack settle), left out",
+      note("toe", fmt::format("the rows up to {} are left out as a toe (supports and slack settle)",
                               at(bins_[parts_[k - 1].last].last)));
     }
     const CurvePart& elastic = parts_[k];
@@ -223,18 +224,20 @@ class ElasticSearch {
       const double ratio = parts_[k + 1].slope / elastic.slope;
       const std::string place = at(bins_[elastic.last].last);
       if (ratio >= kStopSlope) {
-        note("stop", fmt::format("from {} on the load rises {:.1f} times as steeply: the "
-                                 "deflection met a stop or its sensor's end; left out",
-                                 place, ratio));
+        note("stop",
+             fmt::format("Deflect less, or check for a stop or a sensor's end: from {} on the "
+                         "load rises {:.1f} times as steeply, which is left out",
+                         place, ratio));
       } else if (ratio > 1) {
         note("curved",
-             fmt::format("from {} on the slope rises by {:.0f} %: a stiffening load-deflection "
-                         "diagram has no one EI; deflect less, or look at the supports",
-                         place, 100 * (ratio - 1)),
+             fmt::format(
+                 "Deflect less, or check the supports: from {} on the slope rises by {:.0f} %, "
+                 "and a stiffening load-deflection diagram has no single EI",
+                 place, 100 * (ratio - 1)),
              true);
       } else {
-        note("yield", fmt::format("from {} on the slope falls to {:.0f} % of the elastic part's: "
-                                  "yield, slip or large deflection; left out",
+        note("yield", fmt::format("Check for yield, slip or large deflection: from {} on the slope "
+                                  "falls to {:.0f} % of the elastic part's, which is left out",
                                   place, 100 * std::max(0.0, ratio)));
       }
     }

@@ -438,9 +438,10 @@ class Analysis {
                        1e3 * result_.friction_travel_m, 2 * result_.friction_load_N,
                        100 * result_.relative_friction_correction));
     } else if (tensioned && toe_ > kTurnShare + 0.05) {
-      note("toe", fmt::format("the first {:.0f} % of the deflection are a toe (slack or friction "
-                              "being taken up) and were left out",
-                              100 * toe_));
+      note("toe",
+           fmt::format("the first {:.0f} % of the deflection are left out as a toe (slack or "
+                       "friction being taken up)",
+                       100 * toe_));
     }
     if (tensioned && (steepest_ > 2 || top_ > kTurnShare + 0.05)) {
       note("stop",
@@ -450,11 +451,10 @@ class Analysis {
                        100 * top_, steepest_));
     }
     if (tensioned && least_straight_ < kLeastStraight) {
-      return refuse(
-          "curved",
-          fmt::format("{}only {:.0f} % of a stroke are straight within {:.1f} % "
-                      "of the load",
-                      kNoStiffness, 100 * std::max(0.0, least_straight_), 100 * kStraight));
+      return refuse("curved", fmt::format("{}only {:.0f} % of a stroke is straight within {:.1f} % "
+                                          "of the load",
+                                          kNoStiffness, 100 * std::max(0.0, least_straight_),
+                                          100 * kStraight));
     }
     if (std::abs(curvature_.value) > 3 * curvature_.std) judge_curvature(curvature_.value);
   }
@@ -490,10 +490,11 @@ class Analysis {
                t.left_out, t.left_out == 1 ? "row lies" : "rows lie"));
     }
     if (t.hysteresis_N > 0) {
-      note("friction", fmt::format("loading and unloading lie {:.2g} N apart: wire friction, which "
-                                   "stiffens the strand after every turn; the rows after the turns "
-                                   "are left out and what that changes is uncertainty",
-                                   2 * t.hysteresis_N));
+      note("friction",
+           fmt::format("loading and unloading lie {:.2g} N apart by wire friction, which "
+                       "stiffens the strand after every turn; the rows after the turns "
+                       "are left out, and the change by this adds to the uncertainty",
+                       2 * t.hysteresis_N));
     }
     if (t.strokes_differ) {
       note("strokes_differ",

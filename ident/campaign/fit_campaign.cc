@@ -122,8 +122,7 @@ std::string exact_ends_text(const UpdateResult& result, const ExactEnds& ends) {
   for (const auto& node : ends.nodes) nodes += (nodes.empty() ? "" : ", ") + node;
   const bool better = ends.chi2_less > 1e-3;
   return fmt::format(
-      "{} taken as {}; springs there that the data cannot tell from the best ({}) change {}", nodes,
-      ends.taken_as,
+      "{} taken as {}; springs there that fit as well ({}) change {}", nodes, ends.taken_as,
       better ? fmt::format("{:.2g} N m/rad, chi-square {:.2g} less", ends.stiffness, ends.chi2_less)
              : ends.taken_as,
       list);

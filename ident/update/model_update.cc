@@ -52,8 +52,8 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
   result.message.clear();
   if (!answer.converged) {
     result.message =
-        "the fit or its pairs had not settled; what is given is the best that was "
-        "seen; ";
+        "Try other start values or narrower bounds: the fit or its pairs had not settled, and the "
+        "best values so far are given; ";
   }
   const auto data = problem.residual_count(matches, UpdateStage::full);
   if (problem.size() > data) {
@@ -231,7 +231,8 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   std::vector<UpdateAnswer> answers = answers_of(problem, options, result, failure);
   if (answers.empty()) {
     result.status = UpdateStatus::no_model;
-    result.message = "from no start could the model be fitted: " + failure;
+    result.message =
+        "Check the scene and the bounds: from no start could the model be fitted, " + failure;
     result.model_evaluations = problem.evaluations();
     return result;
   }

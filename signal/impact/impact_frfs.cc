@@ -296,8 +296,8 @@ class Analysis {
       frfs.form = FrfForm::unknown;
       frfs.unit.clear();
       frfs.notes.push_back({"unscaled",
-                            "the hits' pulses are not resolved: amplitudes and phases "
-                            "have no meaning, frequencies and damping have",
+                            "Use frequencies and damping only: the hits' pulses are not "
+                            "resolved, so that amplitudes and phases have no meaning",
                             ""});
     }
   }
@@ -374,35 +374,39 @@ class Analysis {
     if (left > options_.hits.ring_down_level && left > 3 * quietest()) {
       test_.notes.push_back(
           {"ring_down_truncated",
-           fmt::format("responses are still at {:.2g} % of their largest value at the end of the "
-                       "block; wait longer between hits or use an exponential window",
-                       100 * left),
+           fmt::format(
+               "Wait longer between hits, or use an exponential window: responses are still at "
+               "{:.2g} % of their largest value at the end of the block",
+               100 * left),
            ""});
     }
     if (drop > options_.hits.good_spectrum_drop_db) {
       test_.notes.push_back(
           {"force_spectrum_low",
-           fmt::format("the force spectrum falls by {:.1f} dB within the band", drop), ""});
+           fmt::format("Use a harder tip or a narrower band: the force spectrum falls by {:.1f} dB "
+                       "within the band",
+                       drop),
+           ""});
     }
     if (hidden > 0.05) {
-      test_.notes.push_back(
-          {"double_hit_hidden",
-           fmt::format(
-               "double hits smaller than {:.2g} % of the peak cannot be detected in the force "
-               "noise",
-               100 * hidden),
-           ""});
+      test_.notes.push_back({"double_hit_hidden",
+                             fmt::format("Reduce the noise on the force: double hits smaller than "
+                                         "{:.2g} % of the peak cannot be detected in it",
+                                         100 * hidden),
+                             ""});
     }
     if (test_.frfs.averages == 1) {
       test_.notes.push_back(
           {"one_hit",
            estimate.std_from_noise_before_hit
-               ? "one hit has no coherence; its error bars come from the noise before it"
-               : "one hit has neither coherence nor error bars",
+               ? "Average several hits: one has no coherence, and its error bars come from the "
+                 "noise before it"
+               : "Average several hits: one has neither coherence nor error bars",
            ""});
     } else if (test_.frfs.averages == 2) {
       test_.notes.push_back(
-          {"two_hits", "error bars from two hits are themselves uncertain by half or more", ""});
+          {"two_hits",
+           "Average more hits: error bars from two are themselves uncertain by half or more", ""});
     }
   }
 
@@ -418,8 +422,8 @@ class Analysis {
     };
     if (!test_.force_noise) {
       test_.notes.push_back({"force_noise_unknown",
-                             "too few samples beside the pulses to measure the noise on the force: "
-                             "H1 is not corrected for it",
+                             "Record longer beside the hits: too few samples there to measure the "
+                             "noise on the force, for which H1 is not corrected",
                              ""});
     } else if (test_.force_window_by_noise) {
       test_.notes.push_back(
@@ -434,15 +438,15 @@ class Analysis {
     }
     // What is subtracted is known to some 10 %; beyond a tenth of the force's power that is 1 %.
     if (test_.force_noise_left > 0.1) {
-      test_.notes.push_back(
-          {"force_noise",
-           fmt::format("noise on the force has up to {} of its power in the band: {}",
-                       percent(test_.force_noise_left),
-                       options_.estimator == FrfEstimator::h1
-                           ? "H1 is corrected for it as far as its mean power is known; a force "
-                             "window keeps it out"
-                           : "a force window keeps it out"),
-           ""});
+      test_.notes.push_back({"force_noise",
+                             fmt::format("Use a force window, or a shorter one: noise has up to {} "
+                                         "of the force's power in the "
+                                         "band{}",
+                                         percent(test_.force_noise_left),
+                                         options_.estimator == FrfEstimator::h1
+                                             ? ", and H1 is corrected by its mean power only"
+                                             : ""),
+                             ""});
     }
   }
 

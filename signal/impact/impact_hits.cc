@@ -446,7 +446,8 @@ HitSearch find_hits(std::span<const Recording> recordings, Index force,
     if (peaks.empty()) {
       search.notes.push_back(
           {"no_hit",
-           fmt::format("no hit in \"{}\": nothing rises above the noise", channel_of(i).name),
+           fmt::format("Check the force channel: nothing in \"{}\" rises above the noise",
+                       channel_of(i).name),
            recordings[i].path.string()});
     }
     for (const Index peak : peaks) {

@@ -33,7 +33,7 @@ void same_rate(std::span<const StruckPoint> points) {
           {recording.path.string(), 0, 0, "", fmt::format("{}", recording.sample_rate_hz)},
           fmt::format("is sampled at another rate than {} ({} Hz)", first.path.string(),
                       first.sample_rate_hz),
-          "FRFs of several points need one rate: resample, or analyse the points by themselves");
+          "resample it, or analyse the points by themselves: FRFs of several points need one rate");
     }
   }
 }
@@ -46,8 +46,9 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
     if (tests[p].frfs.H.rows() > 0) {
       kept.push_back(p);
     } else {
-      notes.push_back(
-          {"point_left_out", "no hit on this point can be used: it is left out", points[p].name});
+      notes.push_back({"point_left_out",
+                       "Repeat the hits on this point: none can be used, and it is left out",
+                       points[p].name});
     }
   }
   if (kept.empty()) return all;
@@ -176,8 +177,8 @@ RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points, const st
     if (check.difference > 0.1 && check.difference > 3 * check.from_noise) {
       result.notes.push_back(
           {"not_reciprocal",
-           fmt::format("FRFs both ways differ by {:.2g} % (noise: {:.2g} %): other places or "
-                       "directions than named, a non-linear structure, or a wrong sensitivity",
+           fmt::format("Check places, directions and sensitivities, and whether the structure is "
+                       "linear: FRFs both ways differ by {:.2g} % (noise: {:.2g} %)",
                        100 * check.difference, 100 * check.from_noise),
            check.a + ", " + check.b});
     }

@@ -38,18 +38,19 @@ std::optional<std::string> implausible_values(const Channel& channel, bool by_vo
   }
   const bool high = largest > bounds.most;
   if (!(largest > 0) || (!high && largest >= bounds.least)) return std::nullopt;
-  std::string text = fmt::format("reaches {:.3g} {}, {} than such a channel measures", largest,
-                                 channel.unit, high ? "more" : "less");
+  std::string text = by_voltage ? "Check the sensitivity"
+                                : fmt::format("Check its unit (\"{}\" in the file) and scale",
+                                              channel.source_unit);
+  text += fmt::format(": it reaches {:.3g} {}, {} than such a channel measures", largest,
+                      channel.unit, high ? "more" : "less");
   if (channel.quantity == Quantity::acceleration) {
     text += high ? fmt::format(" ({:.0f} g)", largest / 9.80665)
                  : fmt::format(" ({:.2g} g)", largest / 9.80665);
   }
   if (by_voltage) {
-    text += high ? ": is the sensitivity in V and not in mV, or are the file's numbers mV and not "
+    text += high ? "; is the sensitivity in V and not in mV, or are the file's numbers mV and not "
                    "V? Each makes a factor of a thousand"
-                 : ": is the sensitivity in mV and not in V? That makes a factor of a thousand";
-  } else {
-    text += fmt::format(": check its unit (\"{}\" in the file) and scale", channel.source_unit);
+                 : "; is the sensitivity in mV and not in V? That makes a factor of a thousand";
   }
   return text;
 }

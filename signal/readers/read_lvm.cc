@@ -376,15 +376,16 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
   if (recording.sample_rate_relative_std > 2e-5) {
     recording.notes.push_back(
         {"rate_rounded",
-         fmt::format("Delta_X is printed as {}: {:.9g} Hz is taken, known to {:.2g} Hz, and so is "
-                     "every frequency in proportion; give sample_rate_hz where it is known better",
-                     first.header.at("Delta_X", reference), recording.sample_rate_hz,
-                     recording.sample_rate_relative_std * recording.sample_rate_hz),
+         fmt::format(
+             "Give sample_rate_hz if it is known better: Delta_X is printed as {}, so {:.9g} Hz "
+             "is uncertain by {:.2g} Hz, and every frequency in proportion",
+             first.header.at("Delta_X", reference), recording.sample_rate_hz,
+             recording.sample_rate_relative_std * recording.sample_rate_hz),
          ""});
   }
   if (recording.sample_rate_hz == 0) {
     recording.notes.push_back(
-        {"no_sample_rate", "neither X values nor Delta_X give a sample rate: give it", ""});
+        {"no_sample_rate", "Give the sample rate: neither X values nor Delta_X state it", ""});
   }
 
   std::set<std::string> used;

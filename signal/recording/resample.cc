@@ -87,7 +87,7 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
   const Index n = t.size();
   if (!t.allFinite() || !(t.tail(n - 1).array() > t.head(n - 1).array()).all()) {
     throw refusal(recording, "", "the times do not rise throughout",
-                  "mend them: take out samples whose time goes back or repeats");
+                  "take out samples whose time goes back or repeats");
   }
   const Eigen::VectorXd steps = t.tail(n - 1) - t.head(n - 1);
   const double usual = median({steps.begin(), steps.end()});

@@ -92,9 +92,11 @@ Finding all_rejected(const HammerTest& test) {
 
 /// Why a place among others gave no FRF.
 std::string left_out(const ImpactTest& test) {
-  if (test.search.hits.empty()) return "no hit rises above the noise of the force: left out";
-  return fmt::format("none of {} hit{} can be used: left out; first: {}", test.search.hits.size(),
-                     test.search.hits.size() == 1 ? "" : "s", test.search.hits.front().reason);
+  if (test.search.hits.empty())
+    return "Repeat the hits here: none rises above the noise of the force; left out";
+  return fmt::format("Repeat the hits here: none of {} hit{} can be used; left out; first: {}",
+                     test.search.hits.size(), test.search.hits.size() == 1 ? "" : "s",
+                     test.search.hits.front().reason);
 }
 
 void analyse_one(const StruckPlace& place, const HammerTestOptions& options, HammerTest& test) {

@@ -129,7 +129,7 @@ SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
     if (change_by_segments(problem, residuals, change)) {
       add("segments", -1);
     } else {
-      shared.message += "what the segments cost is not known: no model with twice as many; ";
+      shared.message += "the error of the segments is unknown, as twice as many gave no model; ";
     }
   }
   const Eigen::Index inputs = problem.inputs_off().size();
@@ -139,8 +139,7 @@ SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
       add(name, i, problem.in_error_bars(i));
     } else {
       shared.message += fmt::format(
-          "{} is not in the uncertainties: no model within half of its standard uncertainty; ",
-          name);
+          "{} is not in the uncertainties, as half its standard uncertainty gave no model; ", name);
     }
   }
   const Eigen::Index count = problem.residual_count(matches, UpdateStage::full);

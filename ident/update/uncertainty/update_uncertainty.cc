@@ -40,8 +40,8 @@ void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& op
       0.95, from_scatter ? result.degrees_of_freedom / result.fit.correlated_lines : 0);
   if (!stated && !std::isfinite(reduced)) {
     result.message +=
-        "no more data than unknowns: uncertainties rest on the assumed one of the "
-        "frequencies; ";
+        "State the frequencies' uncertainties: without more data than unknowns the assumed one "
+        "determines all others; ";
   }
 }
 

@@ -182,7 +182,7 @@ class BodyParser {
                          (kind == ColumnKind::clock && parse_clock(text, value, decimals));
       if (!known && kind != ColumnKind::empty) {
         bad_ = {p, c, text.substr(0, 60), "not a number",
-                "mend or delete the line, or leave the field empty where there is no value"};
+                "fix or delete the line, or leave the field empty where there is no value"};
         return nullptr;
       }
     } else if (std::isinf(value)) {

@@ -217,9 +217,8 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
     if (channel.nominal_range > 0 &&
         (channel.samples.array().abs() > 1.1 * channel.nominal_range).any()) {
       table.notes.push_back({"range_not_used",
-                             "the header's range of " + fmt::format("{:.9g}", column.range) +
-                                 " is exceeded by the numbers and seems not to be in the "
-                                 "channel's unit: not used",
+                             "Check the unit: the numbers exceed the header's range of " +
+                                 fmt::format("{:.9g}", column.range) + ", which is not used",
                              channel.name});
       channel.nominal_range = 0;
     }

@@ -89,7 +89,7 @@ void note_time_faults(const TimeAxis& axis, const CsvLayout& layout, double reso
          "sampling is not uniform (rms departure " + decimal_text(axis.jitter_s) + " s)", ""});
   } else if (axis.rate_hz > 0 && resolution * axis.rate_hz > 1) {
     recording.notes.push_back({"time_rounded",
-                               "times are known to " + decimal_text(resolution) +
+                               "times are rounded to " + decimal_text(resolution) +
                                    " s, coarser than the sampling step; the rate is that of the "
                                    "whole record",
                                ""});
@@ -186,11 +186,10 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
                (first.samples.tail(first.samples.size() - 1).array() >
                 first.samples.head(first.samples.size() - 1).array())
                    .all()) {
-      recording.notes.push_back(
-          {"time_not_assumed",
-           "column 1 rises but has no title: kept as a channel (loads, masses?); where it is time, "
-           "give titles or --time-unit s",
-           first.name});
+      recording.notes.push_back({"time_not_assumed",
+                                 "Give titles or --time-unit s if column 1 is time: it rises but "
+                                 "has no title, and is kept as a channel (loads, masses?)",
+                                 first.name});
     }
   }
 
@@ -233,11 +232,11 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
                  suspected > 0) {
         recording.notes.push_back(
             {"time_unit_suspected",
-             "the times have no unit and are whole numbers: in seconds the rate is " +
-                 decimal_text(axis.rate_hz) + " Hz, in " + name_of_unit(suspected) + " it is " +
-                 decimal_text(axis.rate_hz / suspected) +
-                 " Hz; seconds are taken: say --time-unit " + name_of_unit(suspected) +
-                 " (key time_unit) where they are not",
+             "Give --time-unit " + std::string(name_of_unit(suspected)) +
+                 " (key time_unit) if the times are not in seconds: they are whole numbers without "
+                 "a unit; in seconds the rate is " +
+                 decimal_text(axis.rate_hz) + " Hz, in " + name_of_unit(suspected) + " " +
+                 decimal_text(axis.rate_hz / suspected) + " Hz",
              column.name});
       }
     }
@@ -258,13 +257,13 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
         while (at < column.samples.size() && std::isfinite(column.samples[at])) ++at;
         throw RecordingError({file, layout.body_line + static_cast<long>(at), 0, column.name, ""},
                              "the time is missing and sampling is not uniform",
-                             "mend the times, or delete that column and give the sample rate");
+                             "fix the times, or delete that column and give the sample rate");
       }
       recording.time_s = column.samples;
     }
     if (axis.rate_hz == 0 && column.samples.size() > 1) {
       recording.notes.push_back(
-          {"time_unusable", "the times do not rise: no sample rate from them", column.name});
+          {"time_unusable", "Give the sample rate: the times do not rise", column.name});
     }
     left_out.push_back(*time);
     // LabVIEW and others repeat the time for each channel.

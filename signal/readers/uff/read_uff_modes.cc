@@ -145,7 +145,7 @@ class UffModesReader {
     const auto parsed = std::from_chars(first, last, value);
     if (parsed.ec != std::errc() || parsed.ptr != last) {
       throw error(word.column, word.text, "not a whole number",
-                  "mend the value, or export the file again");
+                  "fix the value, or export the file again");
     }
     return value;
   }
@@ -180,7 +180,7 @@ class UffModesReader {
         throw error(static_cast<long>(from) + static_cast<long>(p - begin) + 1,
                     std::string_view(p, static_cast<std::size_t>(word_end - p)),
                     q == nullptr ? "not a number" : "a number too large for a double",
-                    "mend the value, or export the file again");
+                    "fix the value, or export the file again");
       }
       values.push_back(value);
       p = q;
@@ -329,7 +329,7 @@ class UffModesReader {
     }
     if (!std::isfinite(mode.frequency_hz)) {
       throw error(0, trim_blanks(*line_), "a frequency too large for a double",
-                  "mend the value, or export the file again");
+                  "fix the value, or export the file again");
     }
     if (mode.damping_ratio == 0) mode.damping_ratio = kNaN;
     const bool directed = (characteristic == kTranslations && values == 3) ||
@@ -403,7 +403,7 @@ class UffModesReader {
         if (!std::isfinite(x)) {
           throw RecordingError({file_, 0, 0, "", std::to_string(per_metre_)},
                                "node " + std::to_string(number) + " lies beyond all bounds",
-                               "mend the factor of lengths in dataset 164");
+                               "fix the factor of lengths in dataset 164");
         }
       }
       out_.nodes.push_back(node);

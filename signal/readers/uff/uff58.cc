@@ -383,7 +383,7 @@ class Uff58Reader {
     std::size_t start = at;
     while (start > 0 && bytes_[start - 1] != '\n' && bytes_[start - 1] != '\r') --start;
     return error(at, static_cast<long>(at - start) + 1, word, problem,
-                 "mend the value, or export the file again");
+                 "fix the value, or export the file again");
   }
 
   void finish(const Uff58& f, std::optional<std::size_t> mark, std::size_t end, Uff58File& file) {
