@@ -2,9 +2,9 @@
 // number of time derivatives and the part of the motion that it reads.
 //
 // A quantity is linear in the motion: y = (d/dt)^n r q, with a row r. To add one, add its
-// enumerator to Sensor::Quantity, its line to sensor_quantity.cc and a test. If it reads a new part
-// of the motion, add also its row to `sensor_row` (model/linear/modes.cc) and its value to
-// MotionKernel::sensor_value (model/motion).
+// enumerator to Sensor::Quantity, its line to sensor_quantity.cc and a test. If it reads
+// another part of the motion, add also its row to `sensor_row` (model/linear/modes.cc) and its
+// value to MotionKernel::sensor_value (model/motion).
 #pragma once
 
 #include <span>

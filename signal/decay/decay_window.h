@@ -35,9 +35,9 @@ struct DecayWindow {
 /// writes zeros); such a run has 16 samples or more and is three times as long as any other.
 [[nodiscard]] Eigen::Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y);
 
-/// One past the last sample on a rail, which is an extreme value with runs longer than a sinusoid
-/// of that frequency has at that sample rate, or one at which samples pile up (clipping.h). 0:
-/// none.
+/// One past the last sample on a rail, which is an extreme value with runs longer than those of
+/// a sinusoid of that frequency at that sample rate, or one at which samples pile up (clipping.h).
+/// 0: none.
 [[nodiscard]] Eigen::Index clipped_until(const Eigen::Ref<const Eigen::VectorXd>& y,
                                          double cycles_per_sample);
 

@@ -4,8 +4,8 @@
 // For a decay rate a the filter's output at frequency w is |sum_j y_j exp(-(a + i w) j)|^2, one FFT
 // applied to the record under the window exp(-a j). Divided by half the window's energy it is the
 // energy that a sinusoid of that pole takes out of the record, and for white noise of variance s^2
-// it has a mean of 2 s^2 (chi-squared, two degrees). The noise at each peak is the median
-// of the undamped spectrum around it, so that coloured noise is not taken for modes.
+// it has a mean of 2 s^2 (chi-squared, two degrees). The median of the undamped spectrum around
+// a peak is the noise there, so that coloured noise is not taken for modes.
 #pragma once
 
 #include <Eigen/Core>
