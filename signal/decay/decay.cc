@@ -10,6 +10,7 @@
 #include "signal/decay/decay_clipping.h"
 #include "signal/decay/decay_description.h"
 #include "signal/decay/decay_judgement.h"
+#include "signal/decay/decay_offset.h"
 #include "signal/decay/decay_start.h"
 #include "signal/decay/decay_tones.h"
 #include "signal/decay/narrow_record.h"
@@ -59,10 +60,10 @@ class Estimation {
 
   DecayResult run() {
     if (!usable() || !choose_window() || !take_samples() || !find_modes()) return result_;
-    if (!leave_out_tones()) return result_;
+    if (!options_.choose_window) warn_of_rails();
+    if (!leave_out_tones() || !leave_out_offset()) return result_;
     leave_out_the_tail();
     trim_start();
-    if (!options_.choose_window) warn_of_rails();
     if (moved_start_) {
       note(result_, "start_chosen",
            fmt::format("the fit starts at sample {}, after the impact or release",
@@ -72,6 +73,10 @@ class Estimation {
     if (!tones_.empty()) {
       fit_->unit_covariance = covariance_beside_tones(*fit_, tones_, stretches_);
       fit_->degrees -= 3 * static_cast<Index>(tones_.size());
+    }
+    if (offset_) {
+      fit_->unit_covariance = covariance_beside_offset(*fit_, *offset_, samples_.missing);
+      fit_->degrees -= 2;
     }
     if (fit_->unit_covariance.size() == 0 || fit_->degrees < 1) {
       refuse(result_, "not_determined",
@@ -231,6 +236,21 @@ class Estimation {
     return true;
   }
 
+  // An offset that dies away; the modes are looked for anew without it.
+  bool leave_out_offset() {
+    offset_ = decaying_offset(samples_, *fit_, options_.false_alarm);
+    if (!offset_) return true;
+    const auto count = y_.size() - result_.start;
+    y_.tail(count).array() -= offset_->at_samples(0, count);
+    samples_ = decay_samples(y_, result_.start, result_.end);
+    note(result_, "decaying_offset",
+         fmt::format("an offset of {:.4g} that dies away with a time constant of {:.3g} s was "
+                     "fitted with the modes (an amplifier's high-pass?)",
+                     offset_->amplitude, 1 / (offset_->rate * rate_)));
+    peaks_.clear();
+    return find_modes();
+  }
+
   // Behind what the slowest mode has left the record only costs time and invites drift.
   void leave_out_the_tail() {
     double slowest = std::numeric_limits<double>::infinity();
@@ -284,6 +304,7 @@ class Estimation {
   std::vector<DecayCandidate> peaks_;  // in the window, where they are known
   std::optional<DampedSinusoidsFit> fit_;
   std::vector<DecayTone> tones_;
+  std::optional<DecayingOffset> offset_;
   ToneStretches stretches_;
   bool moved_start_ = false;
 };

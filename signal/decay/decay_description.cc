@@ -13,7 +13,6 @@
 #include "signal/envelope/log_decrement.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/decay_search.h"
-#include "signal/sinusoids/detected_strength.h"
 #include "signal/sinusoids/pole_interval.h"
 #include "signal/sinusoids/residual_noise.h"
 #include "signal/sinusoids/uneven_noise.h"
@@ -71,8 +70,8 @@ double local_excess(const LineSpectrum& residual, Complex pole, double variance)
 /// Intervals of the modes `kept`, and standard uncertainties and covariance that go with them.
 void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
                          const DampedSinusoidsFit& fit, const ResidualNoise& noise,
-                         const Eigen::MatrixXd& covariance, double false_alarm,
-                         const std::vector<std::size_t>& kept, std::vector<DecayMode>& modes) {
+                         const Eigen::MatrixXd& covariance, const std::vector<std::size_t>& kept,
+                         std::vector<DecayMode>& modes) {
   const double factor = result.coverage_factor_95;
   Eigen::VectorXd scale = Eigen::VectorXd::Ones(result.covariance.rows());
   const LineSpectrum spectrum = line_spectrum(fit.residual);
@@ -86,7 +85,7 @@ void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
         std::sqrt(std::max(1.0, local_excess(spectrum, fit.poles[kept[i]], variance)));
     PoleEvidence evidence;
     evidence.energy = energy_explained(fit, kept[i]) / std::max(variance, 1e-300);
-    evidence.strength = detected_strength(evidence.energy, energy_needed(fit, false_alarm));
+    evidence.strength = std::sqrt(std::max(0.0, evidence.energy - 3));
     Interval* const intervals[] = {&mode.damping_ratio_interval_95, &mode.frequency_interval_95_hz};
     Estimate* const estimates[] = {&mode.damping_ratio, &mode.frequency_hz};
     for (Index part = 0; part < 2; ++part) {
@@ -156,8 +155,7 @@ class Description {
                                   2 * static_cast<Index>(kept_[static_cast<std::size_t>(k)]));
       }
     }
-    widen_by_likelihood(result_, samples_, fit_, noise_, covariance_, options_.false_alarm, kept_,
-                        all_);
+    widen_by_likelihood(result_, samples_, fit_, noise_, covariance_, kept_, all_);
     for (const std::size_t m : kept_) {
       note_uneven_noise(m);
       result_.modes.push_back(finished(all_[m]));
@@ -212,6 +210,11 @@ class Description {
     return fall(m) < -0.05 && fall(m) + 3 * fall_std(m) < 0;
   }
 
+  /// Known to fall by less than `kSteady` over a window that would show a decay.
+  [[nodiscard]] bool steady(std::size_t m) const {
+    return std::abs(fall(m)) + 2 * fall_std(m) < kSteady && all_[m].cycles > kFewCycles;
+  }
+
   /// Steady tones apart, modes outside of the band and weaker ones that grow left out. False:
   /// refused.
   bool keep_what_decays() {
@@ -245,6 +248,15 @@ class Description {
       note(
           result_, "grows",
           fmt::format("a weaker oscillation at {:.6g} Hz grows; it is fitted but not reported", f));
+    }
+    if (!kept_.empty() && steady(kept_.front())) {
+      const double f = all_[kept_.front()].damped_frequency_hz.value;
+      refuse(result_, "nothing_decays",
+             fmt::format("record a free decay (a tap, a release): the oscillation at {:.6g} Hz "
+                         "keeps its amplitude within {:.0f} % over the window: a machine, a "
+                         "shaker or hum drives it, or the window is too short to show the decay",
+                         f, 100 * kSteady));
+      return false;
     }
     if (!kept_.empty()) return true;
     refuse(result_, "no_decay",
@@ -418,6 +430,10 @@ class Description {
     return true;
   }
 
+  // Mains frequency and machines keep their amplitude to a few per cent; a decay that falls by less
+  // has no damping to tell.
+  static constexpr double kSteady = 0.02;
+  static constexpr double kFewCycles = 10;  // the frequency of fewer is worth having by itself
   // What goes on beside a decay may be as large as this share of it.
   static constexpr double kMostExcited = 0.1;
 

@@ -18,6 +18,9 @@ namespace {
 constexpr double kWidestFrequency = 0.25;
 // The same where an interval had to be cut: coloured noise looks so.
 constexpr double kWidestUnbounded = 0.05;
+// Energy over the largest that noise shows with probability `false_alarm`: at 2.5 times the
+// detection itself shifts the root of the energy by under 1 % of its standard uncertainty.
+constexpr double kLeastDetection = 2.5;
 
 }  // namespace
 
@@ -41,6 +44,15 @@ void judge_decay(DecayResult& result, double sample_rate_hz) {
                "frequency ({:.4g} Hz) is uncertain by more than {:.0f} %: the record holds {:.2g} "
                "cycles at {:.3g} dB; more cycles or less noise are needed",
                f, 100 * widest, mode.cycles, result.signal_to_noise_db));
+    return;
+  }
+  if (mode.detection < kLeastDetection) {
+    refuse(result, "too_noisy",
+           fmt::format("repeat the test with a harder blow or a longer record, or give a band "
+                       "around the mode: the oscillation at {:.4g} Hz has {:.2g} times the energy "
+                       "that noise alone may show, and below {:.2g} times the values that are seen "
+                       "are those which noise made larger",
+                       f, mode.detection, kLeastDetection));
     return;
   }
   if (mode.cycles < 1) {
@@ -79,14 +91,6 @@ void judge_decay(DecayResult& result, double sample_rate_hz) {
              "what the fit leaves near {:.4g} Hz is no noise: a mode close by that beats too "
              "slowly for this record, or one that changes as it decays",
              each.damped_frequency_hz.value));
-  }
-  // Records in which noise hid such an oscillation were refused: of those left the noise made it
-  // larger, which the interval knows (detected_strength.h) and the value does not.
-  if (mode.detection < 2.5) {
-    note(result, "near_noise",
-         fmt::format("near the noise: {:.2g} times the energy that noise alone may show; the "
-                     "intervals allow for having stood out of it, the amplitude does not",
-                     mode.detection));
   }
   if (mode.cycles < 3) {
     note(result, "few_cycles",

@@ -10,8 +10,8 @@
 // The amplitude's phase and the other of a and w taken out by Laplace's approximation, it is
 //   g(theta) = exp(mu r) / r  sqrt(V(2 a) / V(a + a^))  for theta = a, without the root for w,
 // with V(q) the variance of j = 0 .. N-1 under weights exp(-q j) (1 / q^2 in a long record). mu is
-// the mode's true root energy: the most likely one, given that it was detected
-// (detected_strength.h). The interval leaves 2.5 % of g on either side. Where the fit is as good as
+// the mode's true root energy, most likely sqrt(R^2 - 3) (chi-squared with four degrees, far above
+// the noise). The interval leaves 2.5 % of g on either side. Where the fit is as good as
 // linear, exp(mu (r - R)) is exp(-z^2 / 2) and the interval value +- k std; sigma not being known,
 // Student's law stands for the exponential.
 // Sources: Fraser, The Structure of Inference (1968), ch. 2; Barndorff-Nielsen, Biometrika 67
