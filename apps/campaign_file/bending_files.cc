@@ -111,7 +111,7 @@ class Columns {
           {.file = file_, .channel = found->name, .value = found->source_unit},
           "is a mass without a unit of mass", "title it in kg or g, or in a TOML file beside it");
     }
-    warnings_.push_back({"mass_as_load",
+    warnings_.push_back({"assumed",
                          "masses are taken as dead weights, times 9.80665 m/s2; the place on earth "
                          "changes that by up to 0.3 %",
                          file_ + ": " + found->name});
@@ -135,8 +135,8 @@ class Columns {
               signal::listed_names(recording_.channels)));
     }
     if (found->unit.empty()) {
-      warnings_.push_back({"unit_unknown", fmt::format("no unit given, taken as {}", si),
-                           file_ + ": " + found->name});
+      warnings_.push_back(
+          {"no_unit", fmt::format("no unit given, taken as {}", si), file_ + ": " + found->name});
     } else if (found->unit != si) {
       throw signal::RecordingError(
           {.file = file_, .channel = found->name, .value = found->unit},

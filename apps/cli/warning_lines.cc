@@ -8,61 +8,38 @@
 namespace rigfit::apps {
 namespace {
 
-constexpr std::array<std::string_view, 23> kAnswerMayBeWrong = {
-    "model_ruled_out", "not_identifiable", "not_converged",     "fit_not_decided", "not_decided",
-    "outside_bounds",  "below_catalogue",  "cross-plane",       "hits_disagree",   "clamp_slip",
-    "clipped",         "unit_unknown",     "unscaled",          "rates_disagree",  "rate_disagrees",
-    "unit_suspected",  "length_suspected", "time_gaps",         "at_bound",        "extrapolated",
-    "curved",          "unpaired",         "systematic_misfit",
-};
-constexpr std::array<std::string_view, 3> kTakenAsSaid = {"taken_as_exact", "exact_inputs",
-                                                          "exact_ends"};
+constexpr auto kAnswerMayBeWrong = std::to_array<std::string_view>({
+    "model_ruled_out",   "not_identifiable", "not_converged",  "not_decided",    "outside_bounds",
+    "below_catalogue",   "cross-plane",      "hits_disagree",  "clamp_slip",     "clipped",
+    "no_unit",           "unscaled",         "rates_disagree", "unit_suspected", "length_suspected",
+    "time_axis",         "at_bound",         "extrapolated",   "curved",         "unpaired",
+    "systematic_misfit",
+});
+constexpr std::array<std::string_view, 2> kTakenAsSaid = {"taken_as_exact", "exact_ends"};
 // What was done, in normal operation: reading, choosing, leaving out with a reason.
-constexpr std::array kNotes = std::to_array<std::string_view>({
-    "channels_left_out",
+constexpr auto kNotes = std::to_array<std::string_view>({
     "coloured_residual",
-    "columns_left_out",
-    "comments_skipped",
-    "datasets_left_out",
     "decay_cut_off",
+    "decaying_offset",
     "double_hit_hidden",
     "doubtful_mode",
-    "empty_rows_left_out",
     "fitted_in_band",
-    "footer_skipped",
     "force_window_chosen",
-    "frequencies_by_rate",
     "friction",
-    "functions_left_out",
     "hits_rejected",
-    "index_column_left_out",
-    "line_at_zero_dropped",
+    "left_out",
     "mains_hum",
     "modes_beside",
-    "not_all_drawn",
-    "range_not_used",
-    "rate_overridden",
-    "rate_rounded",
+    "read_as",
     "remark",
-    "repeated_time_column",
-    "rows_are_channels",
-    "samples_stated",
     "segments",
-    "segments_joined",
     "start_chosen",
     "tension_within_test",
-    "text_column_left_out",
     "thermal_expansion",
-    "time_column_assumed",
-    "time_rounded",
-    "time_unit_overridden",
     "toe",
     "uff_remark",
     "uneven_noise",
     "universal_file",
-    "unnamed_column",
-    "values_assumed",
-    "variables_left_out",
     "window_damping",
 });
 

@@ -207,7 +207,7 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
                          first.input->name, result.parameters[p].name);
   }
   if (!exact.empty()) {
-    findings.push_back({"exact_inputs",
+    findings.push_back({"taken_as_exact",
                         "State what these inputs are known to, or fit them; the intervals take "
                         "them as exact: " +
                             exact,
@@ -224,7 +224,7 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
   }
   if (result.starts > 1 && result.starts_agreeing < result.starts) {
     findings.push_back(
-        {"starts_differ",
+        {"several_answers",
          fmt::format("Check the start values: only {} of {} starts ended in this answer, the "
                      "others in worse ones",
                      result.starts_agreeing, result.starts),

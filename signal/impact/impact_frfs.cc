@@ -328,7 +328,7 @@ class Analysis {
       }
       frfs.form = FrfForm::accelerance;
       test_.notes.push_back(
-          {"forms_mixed", "responses of different quantities are all given as accelerances", ""});
+          {"frf_form", "responses of different quantities are all given as accelerances", ""});
     } else if (known) {
       frfs.form = forms.front();
     } else {
@@ -338,7 +338,7 @@ class Analysis {
       const Channel& response = channel(0, test_.responses[unknown]);
       frfs.unit = ratio_of_units(response.unit, force.unit);
       test_.notes.push_back(
-          {"form_unknown",
+          {"frf_form",
            fmt::format("State units and sensitivities beside the recording: force in \"{}\" and "
                        "response in \"{}\" do not form a receptance, mobility or accelerance",
                        force.unit.empty() ? "?" : force.unit,
@@ -382,7 +382,7 @@ class Analysis {
     }
     if (drop > options_.hits.good_spectrum_drop_db) {
       test_.notes.push_back(
-          {"force_spectrum_low",
+          {"force_noise",
            fmt::format("Use a harder tip or a narrower band: the force spectrum falls by {:.1f} dB "
                        "within the band",
                        drop),
@@ -397,7 +397,7 @@ class Analysis {
     }
     if (test_.frfs.averages == 1) {
       test_.notes.push_back(
-          {"one_hit",
+          {"few_hits",
            estimate.std_from_noise_before_hit
                ? "Average several hits: one has no coherence, and its error bars come from the "
                  "noise before it"
@@ -421,7 +421,7 @@ class Analysis {
       return part >= 3 ? std::string("three times or more") : fmt::format("{:.2g} %", 100 * part);
     };
     if (!test_.force_noise) {
-      test_.notes.push_back({"force_noise_unknown",
+      test_.notes.push_back({"force_noise",
                              "Record longer beside the hits: too few samples there to measure the "
                              "noise on the force, for which H1 is not corrected",
                              ""});

@@ -299,7 +299,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   result.low_hz = band.frequency_hz[0];
   result.high_hz = band.frequency_hz[result.lines_used - 1];
   if (frfs.form == FrfForm::unknown) {
-    model.notes.push_back({"form_unknown",
+    model.notes.push_back({"frf_form",
                            "the FRFs do not say whether they are receptances, mobilities or "
                            "accelerances: the units of shapes and residuals are not known",
                            ""});

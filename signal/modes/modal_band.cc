@@ -36,7 +36,7 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
     }
   }
   if (unusable > 0) {
-    notes.push_back({"lines_left_out",
+    notes.push_back({"data_left_out",
                      fmt::format("{} lines with values that are not finite are left out", unusable),
                      ""});
   }

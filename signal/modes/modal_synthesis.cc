@@ -44,7 +44,7 @@ FrfSet synthesised(const ModalModel& model, const Eigen::Ref<const Eigen::Vector
     set.frequency_hz.resize(lines);
     std::copy_if(frequency_hz.begin(), frequency_hz.end(), set.frequency_hz.begin(),
                  [](double f) { return f != 0; });
-    set.notes.push_back({"line_dropped", "the line at 0 Hz is dropped: lower residual / s^2", ""});
+    set.notes.push_back({"data_left_out", "the line at 0 Hz is dropped: lower residual / s^2", ""});
   } else {
     set.frequency_hz = frequency_hz;
   }

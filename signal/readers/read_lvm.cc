@@ -288,7 +288,7 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
       joined.push_back(&segments[k]);
     } else {
       recording.notes.push_back(
-          {"segment_left_out",
+          {"data_left_out",
            "segment " + std::to_string(k + 1) + " has other channels than the first: left out",
            "line " + std::to_string(segments[k].layout.body_line)});
     }
@@ -335,8 +335,7 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
   }
   if (joined.size() > 1) {
     recording.notes.push_back(
-        {"segments_joined",
-         std::to_string(joined.size()) + " segments are joined into one recording", ""});
+        {"read_as", std::to_string(joined.size()) + " segments are joined into one recording", ""});
   }
 
   if (have_x || joined.size() > 1) {
@@ -349,7 +348,7 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
     recording.time_jitter_s = axis.jitter_s;
     if (!axis.agrees_with_stated && axis.rate_hz > 0) {
       recording.notes.push_back(
-          {"rate_disagrees",
+          {"rates_disagree",
            fmt::format(
                "the X values give {:.9g} Hz, Delta_X says {:.9g} Hz: the X values are taken",
                axis.rate_hz, first_times.stated_rate_hz),
@@ -375,7 +374,7 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
   // 20 ppm: what ordinary loggers' clocks are off by anyhow.
   if (recording.sample_rate_relative_std > 2e-5) {
     recording.notes.push_back(
-        {"rate_rounded",
+        {"read_as",
          fmt::format(
              "Give sample_rate_hz if it is known better: Delta_X is printed as {}, so {:.9g} Hz "
              "is uncertain by {:.2g} Hz, and every frequency in proportion",
@@ -398,7 +397,7 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
     const double delta = number_at(first.header, "Delta_X", c);
     if (has_numbers(first, c) && delta > 0 && reference_delta > 0 &&
         std::abs(delta / reference_delta - 1) > 1e-6) {
-      recording.notes.push_back({"channel_left_out",
+      recording.notes.push_back({"data_left_out",
                                  "is sampled at another rate than \"" +
                                      first.layout.columns[reference].name + "\" (Delta_X " +
                                      first.header.at("Delta_X", c) + " s): left out",
@@ -421,7 +420,7 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
       recording.notes.push_back({"no_samples", "holds no number at all", channel.name});
     } else if (stated > 0 && stated != held) {
       recording.notes.push_back(
-          {"samples_stated",
+          {"read_as",
            "the header states " + std::to_string(std::llround(std::min(stated, 1e15))) +
                " samples, the table holds " + std::to_string(std::llround(held)),
            channel.name});
@@ -432,7 +431,7 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
   for (const auto* segment : joined) {
     if (segment->body.incomplete_last) {
       recording.notes.push_back(
-          {"incomplete_last_line", "the last line broke off before its end and is left out", ""});
+          {"incomplete", "the last line broke off before its end and is left out", ""});
     }
   }
   return recording;

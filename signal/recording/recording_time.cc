@@ -16,7 +16,7 @@ void take_stated_rate(double rate_hz, Recording& recording) {
   const double of_file = recording.sample_rate_hz;
   if (of_file > 0 && std::abs(of_file / rate_hz - 1) > 1e-4) {
     recording.notes.push_back(
-        {"rate_overridden",
+        {"read_as",
          fmt::format("the file gives {:.9g} Hz; {:.9g} Hz is taken as asked", of_file, rate_hz),
          ""});
     recording.time_s.resize(0);
@@ -33,7 +33,7 @@ void take_unit(const std::string& text, Channel& channel, std::vector<Note>& not
     channel.si_offset = unit->offset;
     if (unit->quantity != Quantity::unknown) channel.quantity = unit->quantity;
   } else if (!text.empty()) {
-    notes.push_back({"unknown_unit",
+    notes.push_back({"no_unit",
                      "unit \"" + text + "\" is not known: the numbers are kept as they are",
                      channel.name});
   }
@@ -58,7 +58,7 @@ std::string unused_name(const std::string& name, std::set<std::string>& used) {
 }
 
 Note not_uniform_note(const TimeAxis& axis) {
-  return {"time_not_uniform",
+  return {"time_axis",
           fmt::format("sampling is not uniform: times go back {} times, repeat {} times, {} gaps",
                       axis.backward, axis.repeated, axis.gaps),
           ""};

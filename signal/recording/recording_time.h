@@ -11,12 +11,12 @@
 namespace rigfit::signal {
 
 /// Takes the sample rate that somebody states, as exact, in place of what the file gives; 0: none
-/// is stated. Notes "rate_overridden" where the file's differs by more than 1e-4, relative: then
+/// is stated. Notes "read_as" where the file's differs by more than 1e-4, relative: then
 /// its times no longer hold either and go.
 void take_stated_rate(double rate_hz, Recording& recording);
 
 /// The unit of a channel as its file writes it: SI symbol, factor, offset and quantity. One that is
-/// not known is noted ("unknown_unit"), unless it is empty.
+/// not known is noted ("no_unit"), unless it is empty.
 void take_unit(const std::string& text, Channel& channel, std::vector<Note>& notes);
 
 /// Numbers of a file as samples in SI; what is no number is missing.
@@ -31,7 +31,7 @@ void note_unitless(Recording& recording);
 /// Leaves the first 20 notes of each code and says in the last of them how many there were.
 void shorten(std::vector<Note>& notes);
 
-/// "time_not_uniform", with the counts of what is wrong with the times.
+/// "time_axis", with the counts of what is wrong with the times.
 [[nodiscard]] Note not_uniform_note(const TimeAxis& axis);
 
 }  // namespace rigfit::signal

@@ -202,8 +202,8 @@ void hide(const Masks& clipped, Recording& recording) {
     if (count == 0) continue;
     channel.missing_samples += count;
     recording.notes.push_back(
-        {"clipped_left_out",
-         fmt::format("{} samples at or beside clipped ones have no value", count), channel.name});
+        {"data_left_out", fmt::format("{} samples at or beside clipped ones have no value", count),
+         channel.name});
   }
 }
 
@@ -239,7 +239,7 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     const double even = rate_hz > own || rate_hz == 0 ? (rate_hz > 0 ? rate_hz : own) : own;
     result.recording = made_even(recording, even, result.error_rms, clipped);
     result.recording.notes.push_back(
-        {"made_even",
+        {"assumed",
          fmt::format("uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a "
                      "cubic spline",
                      usual, even),

@@ -56,7 +56,7 @@ void error_bars_from_coherence(FrfSet& frfs, int averages,
     return;
   }
   if (frfs.averages == 0) {
-    frfs.notes.push_back({"averages_unknown",
+    frfs.notes.push_back({"assumed",
                           "the coherence weighs the lines; the file does not say of how many "
                           "averages it is, so that "
                           "the error bars of the FRFs are those of two, the largest possible",

@@ -105,21 +105,21 @@ DrivingPointCheck check_driving_point(const FrfSet& frfs, Index response, Index 
 
 std::optional<Note> note_of(const DrivingPointCheck& check) {
   if (check.verdict == DrivingPointVerdict::inverted) {
-    return Note{"driving_point_inverted",
+    return Note{"driving_point",
                 "force and response point in opposite directions at the driving point; "
                 "turn one of them round",
                 ""};
   }
   if (check.verdict == DrivingPointVerdict::inconsistent) {
     return Note{
-        "driving_point_inconsistent",
+        "driving_point",
         fmt::format("{:.0f} % of the mobility's real part has the wrong sign for a driving point: "
                     "the response is elsewhere or in another direction, or a channel is delayed",
                     100 * check.wrong_sign_share),
         ""};
   }
   if (check.missing_antiresonances > 0) {
-    return Note{"antiresonance_missing",
+    return Note{"driving_point",
                 fmt::format("{} of {} resonances are not followed by the antiresonance that a "
                             "driving point has",
                             check.missing_antiresonances, check.resonances),

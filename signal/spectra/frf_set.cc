@@ -72,7 +72,7 @@ FrfSet converted(const FrfSet& frfs, FrfForm form) {
     drop_first_row(result.H_std);
     drop_first_row(result.coherence);
     for (Eigen::MatrixXcd& hit : result.by_hit) drop_first_row(hit);
-    result.notes.push_back({"line_at_zero_dropped",
+    result.notes.push_back({"left_out",
                             std::string("a ") + name_of(frfs.form) + " has no " + name_of(form) +
                                 " at 0 Hz; that line is left out",
                             ""});

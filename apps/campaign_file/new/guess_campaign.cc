@@ -374,7 +374,7 @@ GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::st
   for (std::size_t place = 0; place < files.size(); ++place) {
     const auto& file = files[place];
     const auto leave_out = [&](const std::string& why) {
-      context.warn("file_left_out", "is left out: " + why, file);
+      context.warn("data_left_out", "is left out: " + why, file);
     };
     try {
       context.input(file);

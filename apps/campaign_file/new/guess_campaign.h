@@ -31,7 +31,7 @@ struct GuessedCampaign {
 /// Reads the recordings (inputs and notes go to the context). A force channel with short pulses
 /// makes hits; loads over deflections, with tension or without, a bending test; what is left a free
 /// decay. Units and sensitivities stand in the campaign. What cannot be used is warned of
-/// ("file_left_out"). Throws UsageError where a test needs a number that is not given or a number
+/// ("data_left_out"). Throws UsageError where a test needs a number that is not given or a number
 /// is given that no test takes, signal::RecordingError where no file can be read.
 [[nodiscard]] GuessedCampaign guess_campaign(const std::filesystem::path& folder,
                                              const std::vector<std::string>& files,

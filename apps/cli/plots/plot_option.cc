@@ -137,8 +137,7 @@ void write_plots(VerbContext& context, const PlotCommand& command, const std::st
   if (!context.plots) return;
   auto& sheet = *context.plots;
   if (sheet.blocks.empty()) {
-    context.warn("nothing_to_draw", "there is no result to draw; no figure was written",
-                 command.file);
+    context.warn("not_drawn", "there is no result to draw; no figure was written", command.file);
     return;
   }
   if (sheet.title.empty()) sheet.title = "rigfit " + verb;
@@ -151,7 +150,7 @@ void write_plots(VerbContext& context, const PlotCommand& command, const std::st
   } else {
     const auto figures = figures_svg(sheet.title, sheet.blocks);
     if (figures.height <= 0) {
-      context.warn("nothing_to_draw", "these results are drawn on a page only: write .html",
+      context.warn("not_drawn", "these results are drawn on a page only: write .html",
                    command.file);
       return;
     }
@@ -159,7 +158,7 @@ void write_plots(VerbContext& context, const PlotCommand& command, const std::st
   }
   context.out << "figures: " << file.string() << '\n';
   if (command.show && !open_for_user(file)) {
-    context.warn("not_shown", "there is no xdg-open, or it failed: open the file in a browser",
+    context.warn("not_drawn", "there is no xdg-open, or it failed: open the file in a browser",
                  file.string());
   }
 }

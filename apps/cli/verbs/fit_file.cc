@@ -111,7 +111,7 @@ ident::FittedParameters read_fit(const std::string& path, bool accepted, VerbCon
   }
   if (json.contains("alternatives") && json["alternatives"].is_array() &&
       !json["alternatives"].empty() && json["alternatives"][0].value("weight", 1.0) < 0.9) {
-    context.warn("fit_not_decided",
+    context.warn("not_decided",
                  "the fit has several answers; the prediction is of the heaviest one", path);
   }
   return fitted;

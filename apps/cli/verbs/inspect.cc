@@ -208,8 +208,8 @@ Json inspect(const InspectCommand& options, VerbContext& context) {
     result["recordings"].push_back(inspect_file(path, options.sample_rate_hz, context));
   }
   if (context.plots && options.files.size() > kMostDrawn) {
-    context.warn("not_all_drawn", fmt::format("the first {} of {} recordings are drawn", kMostDrawn,
-                                              options.files.size()));
+    context.warn("left_out", fmt::format("the first {} of {} recordings are drawn", kMostDrawn,
+                                         options.files.size()));
   }
   return result;
 }

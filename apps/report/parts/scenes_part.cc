@@ -73,7 +73,7 @@ ReportPart scenes_part(const Campaign& campaign) {
   if (!table.rows.empty()) part.blocks.push_back(std::move(table));
   if (inferred + assumed > 0) {
     part.warnings.push_back(
-        {"values_assumed",
+        {"read_as",
          fmt::format("{} of the model are not measured but inferred ({}) or assumed ({}); each is "
                      "listed with how",
                      counted(static_cast<std::size_t>(inferred + assumed), "value"), inferred,

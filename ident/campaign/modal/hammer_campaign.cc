@@ -59,7 +59,7 @@ std::vector<std::string> response_names(std::span<const StruckPlace> places,
       names.push_back(name);
     } else {
       findings.push_back(
-          {"channel_left_out",
+          {"data_left_out",
            fmt::format("Name the channel alike in all recordings: {} has no \"{}\", which is "
                        "left out of the responses",
                        without->path.string(), title),

@@ -45,7 +45,7 @@ struct HammerTest {
   std::vector<signal::DrivingPoint> driving_points;
   std::vector<signal::ReciprocityCheck> reciprocity;
   /// Refused: "no_response", "no_hit", "no_hit_accepted", "pulse_not_resolved" (then there are no
-  /// FRFs). Warnings: "channel_left_out", "point_left_out", and those of the hits and FRFs.
+  /// FRFs). Warnings: "data_left_out", "point_left_out", and those of the hits and FRFs.
   std::vector<Finding> findings;
 
   [[nodiscard]] std::size_t hits() const;

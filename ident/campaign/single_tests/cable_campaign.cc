@@ -80,12 +80,12 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
          "closed forms of a shallow cable are used uncorrected");
   }
   if (result.mass_reference_matters) {
-    warn("mass_reference_unknown",
+    warn("assumed",
          "Say with mass_of whether the mass per length is that of the installed or of the "
          "unstretched cable: here the answers differ");
   }
   if (cable.length_m.std == 0 || cable.mass_per_length.std == 0) {
-    warn("exact_inputs",
+    warn("taken_as_exact",
          "Give the standard uncertainty of length and mass per length: without it they count as "
          "exact (1 % of length is 2 % of tension)");
   }

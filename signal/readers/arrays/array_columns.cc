@@ -33,7 +33,7 @@ std::vector<ArrayColumn> columns_of(const Eigen::Ref<const Eigen::MatrixXd>& val
   const bool wide = values.cols() > values.rows();
   const Eigen::Index count = wide ? values.rows() : values.cols();
   if (wide && count > 1) {
-    notes.push_back({"rows_are_channels",
+    notes.push_back({"read_as",
                      "an array of " + std::to_string(values.rows()) + " x " +
                          std::to_string(values.cols()) + ": its rows are taken as channels",
                      name});
@@ -76,7 +76,7 @@ Recording recording_of_columns(std::vector<ArrayColumn> columns, const std::file
         std::none_of(columns.begin(), columns.end(),
                      [](const auto& other) { return is_time_name(other.name); })) {
       table.notes.push_back(
-          {"time_column_assumed", "rises in equal steps: taken as time in seconds", channel.name});
+          {"read_as", "rises in equal steps: taken as time in seconds", channel.name});
       entry.name = channel.name = "time";
     }
     take_samples(std::move(column.values), channel);

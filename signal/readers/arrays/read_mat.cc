@@ -395,8 +395,7 @@ Recording read_mat(const std::filesystem::path& path, const ReadOptions& options
     }
   }
   if (!left.empty()) {
-    notes.push_back(
-        {"variables_left_out", list_of(taken) + " is taken, left out is " + list_of(left), ""});
+    notes.push_back({"left_out", list_of(taken) + " is taken, left out is " + list_of(left), ""});
   }
   const double rate = stated_rate(arrays, *taken.front(), notes);
   return recording_of_columns(std::move(columns), path, "mat", options, rate, std::move(notes));
@@ -446,7 +445,7 @@ FrfSet read_mat_frfs(const std::filesystem::path& path, const ReadOptions& optio
   }
   FrfSet set;
   if (axis == nullptr) {
-    set.notes.push_back({"frequencies_by_rate",
+    set.notes.push_back({"read_as",
                          fmt::format("no vector of frequencies: by the sampling rate and block "
                                      "length in the file they go to {:.9g} Hz",
                                      frequency_hz[frequency_hz.size() - 1]),

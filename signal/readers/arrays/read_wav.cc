@@ -109,7 +109,7 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
     const std::size_t held = bytes.size() - chunk - 8;
     if (stated > held && stated < 0xFFFFFF00u) {
       recording.notes.push_back(
-          {"cut_short",
+          {"incomplete",
            fmt::format(
                "the file states {} bytes of samples and holds {}: cut short, or a wrong size",
                stated, held),

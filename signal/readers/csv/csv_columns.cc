@@ -151,42 +151,42 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
   if (!unnamed.empty()) {
     const std::string found = what_is_in(bytes, layout, unnamed);
     table.notes.push_back(
-        {"columns_left_out",
+        {"left_out",
          columns_text(unnamed) +
              (found.empty() ? " without name or numbers: left out"
                             : " without a name, filled in few lines (" + found + "): left out"),
          ""});
   }
   for (const std::size_t c : words) {
-    table.notes.push_back({"text_column_left_out",
+    table.notes.push_back({"left_out",
                            "column " + std::to_string(c + 1) + " holds words (" +
                                what_is_in(bytes, layout, {c}) + "): left out",
                            layout.columns[c].name});
   }
   if (body.short_rows > 0) {
-    table.notes.push_back({"short_rows",
+    table.notes.push_back({"incomplete",
                            std::to_string(body.short_rows) +
                                " lines have fewer fields than the table has columns; what is "
                                "absent counts as missing",
                            ""});
   }
   if (body.comment_lines > 0) {
-    table.notes.push_back({"comments_skipped",
+    table.notes.push_back({"left_out",
                            std::to_string(body.comment_lines) + " comment lines inside the table "
                                                                 "skipped",
                            ""});
   }
   if (body.footer_line > 0) {
-    table.notes.push_back({"footer_skipped", "text behind the table skipped",
-                           "line " + std::to_string(body.footer_line)});
+    table.notes.push_back(
+        {"left_out", "text behind the table skipped", "line " + std::to_string(body.footer_line)});
   }
   if (body.incomplete_last) {
     table.notes.push_back(
-        {"incomplete_last_line", "the last line broke off before its end and is left out", ""});
+        {"incomplete", "the last line broke off before its end and is left out", ""});
   }
   if (body.empty_rows_at_end > 0) {
     table.notes.push_back(
-        {"empty_rows_left_out",
+        {"left_out",
          std::to_string(body.empty_rows_at_end) + " rows without any number at the end left out",
          ""});
   }
@@ -216,7 +216,7 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
     take_samples(std::move(body.columns[c]), channel);
     if (channel.nominal_range > 0 &&
         (channel.samples.array().abs() > 1.1 * channel.nominal_range).any()) {
-      table.notes.push_back({"range_not_used",
+      table.notes.push_back({"left_out",
                              "Check the unit: the numbers exceed the header's range of " +
                                  fmt::format("{:.9g}", column.range) + ", which is not used",
                              channel.name});

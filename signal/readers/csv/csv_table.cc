@@ -52,8 +52,7 @@ Recording recording_of_table(CsvTable csv, const std::filesystem::path& path,
   for (std::size_t k = 0; k < csv.channels.size(); ++k) {
     if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
     if (layout.has_names && layout.columns[csv.column[k]].name.empty()) {
-      recording.notes.push_back(
-          {"unnamed_column", "has no title in the header", csv.channels[k].name});
+      recording.notes.push_back({"read_as", "has no title in the header", csv.channels[k].name});
     }
     recording.channels.push_back(std::move(csv.channels[k]));
   }

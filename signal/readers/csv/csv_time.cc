@@ -68,13 +68,13 @@ void note_time_faults(const TimeAxis& axis, const CsvLayout& layout, double reso
     return "near line " + std::to_string(layout.body_line + static_cast<long>(sample));
   };
   if (axis.backward > 0 || axis.repeated > 0) {
-    recording.notes.push_back({"time_not_rising",
+    recording.notes.push_back({"time_axis",
                                "times go back " + std::to_string(axis.backward) +
                                    " times and repeat " + std::to_string(axis.repeated) + " times",
                                line(axis.first_fault)});
   }
   if (axis.gaps > 0) {
-    recording.notes.push_back({"time_gaps",
+    recording.notes.push_back({"time_axis",
                                std::to_string(axis.gaps) + " gaps in the times, the longest " +
                                    decimal_text(axis.longest_gap_s) + " s",
                                line(axis.longest_gap_at)});
@@ -85,10 +85,10 @@ void note_time_faults(const TimeAxis& axis, const CsvLayout& layout, double reso
   }
   if (!axis.uniform && axis.rate_hz > 0) {
     recording.notes.push_back(
-        {"time_not_uniform",
+        {"time_axis",
          "sampling is not uniform (rms departure " + decimal_text(axis.jitter_s) + " s)", ""});
   } else if (axis.rate_hz > 0 && resolution * axis.rate_hz > 1) {
-    recording.notes.push_back({"time_rounded",
+    recording.notes.push_back({"read_as",
                                "times are rounded to " + decimal_text(resolution) +
                                    " s, coarser than the sampling step; the rate is that of the "
                                    "whole record",
@@ -102,7 +102,7 @@ double give_unit(double unit_s, Channel& column, Recording& recording) {
   if (factor == 1) return 1;
   if (!column.source_unit.empty()) {
     recording.notes.push_back(
-        {"time_unit_overridden",
+        {"read_as",
          "the file says \"" + column.source_unit + "\" of the times; the unit asked for is taken",
          column.name});
   }
@@ -170,13 +170,12 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
     Channel& first = table.channels[0];
     if ((first_unnamed || is_index_name(first.name)) && counts_samples(first.samples)) {
       left_out.push_back(0);
-      recording.notes.push_back(
-          {"index_column_left_out", "ignored: it is a row counter", first.name});
+      recording.notes.push_back({"left_out", "ignored: it is a row counter", first.name});
     } else if ((first_unnamed || first.quantity == Quantity::time) &&
                (looks_like_time(first.samples, table.decimals[0]) || options.time_unit_s > 0)) {
       time = 0;
       if (first.source_unit.empty() && !layout.has_names) {
-        recording.notes.push_back({"time_column_assumed",
+        recording.notes.push_back({"read_as",
                                    options.time_unit_s > 0
                                        ? "column 1 is taken as time in the unit given"
                                        : "column 1 rises in equal steps: taken as time in seconds",
@@ -186,7 +185,7 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
                (first.samples.tail(first.samples.size() - 1).array() >
                 first.samples.head(first.samples.size() - 1).array())
                    .all()) {
-      recording.notes.push_back({"time_not_assumed",
+      recording.notes.push_back({"assumed",
                                  "Give titles or --time-unit s if column 1 is time: it rises but "
                                  "has no title, and is kept as a channel (loads, masses?)",
                                  first.name});
@@ -223,7 +222,7 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
         column.samples *= unit;
         printed *= unit;
         axis = axis_of();
-        recording.notes.push_back({"time_unit_by_rate",
+        recording.notes.push_back({"assumed",
                                    "the times have no unit; in " + std::string(name_of_unit(unit)) +
                                        " they give the rate that the header states: so taken",
                                    column.name});
@@ -231,7 +230,7 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
                      suspected_unit(column, table.decimals[*time], axis.rate_hz);
                  suspected > 0) {
         recording.notes.push_back(
-            {"time_unit_suspected",
+            {"time_axis",
              "Give --time-unit " + std::string(name_of_unit(suspected)) +
                  " (key time_unit) if the times are not in seconds: they are whole numbers without "
                  "a unit; in seconds the rate is " +
@@ -245,7 +244,7 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
     recording.time_jitter_s = axis.jitter_s;
     note_time_faults(axis, layout, axis_options.printed_resolution_s, recording);
     if (!axis.agrees_with_stated && axis.rate_hz > 0) {
-      recording.notes.push_back({"rate_disagrees",
+      recording.notes.push_back({"rates_disagree",
                                  "the times give " + decimal_text(axis.rate_hz) +
                                      " Hz, the header says " + decimal_text(layout.stated_rate_hz) +
                                      " Hz (\"" + layout.rate_text + "\"): the times are taken",
@@ -263,7 +262,7 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
     }
     if (axis.rate_hz == 0 && column.samples.size() > 1) {
       recording.notes.push_back(
-          {"time_unusable", "Give the sample rate: the times do not rise", column.name});
+          {"time_axis", "Give the sample rate: the times do not rise", column.name});
     }
     left_out.push_back(*time);
     // LabVIEW and others repeat the time for each channel.
@@ -274,8 +273,7 @@ std::vector<std::size_t> take_csv_times(CsvTable& table, const std::string& file
       if (other.quantity != Quantity::time && !is_time_name(title)) continue;
       if ((other.samples - column.samples).cwiseAbs().maxCoeff() <= printed) {
         left_out.push_back(k);
-        recording.notes.push_back(
-            {"repeated_time_column", "the same times once more: left out", other.name});
+        recording.notes.push_back({"read_as", "the same times once more: left out", other.name});
       }
     }
   }

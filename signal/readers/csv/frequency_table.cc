@@ -178,7 +178,7 @@ double phase_factor(const Channel& phase, FrfSet& set, const std::string& where)
   if (phase.quantity == Quantity::angle) return 1;
   const double largest = phase.samples.cwiseAbs().maxCoeff();
   const bool degrees = largest > 2 * std::numbers::pi;
-  set.notes.push_back({"phase_unit_assumed",
+  set.notes.push_back({"assumed",
                        fmt::format("the phase has no unit and reaches {:.4g}: taken as {}", largest,
                                    degrees ? "degrees" : "radians"),
                        where});
@@ -200,8 +200,8 @@ Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::strin
     values[k] = std::polar(1.0, radians * columns.second->samples[k]) * magnitude;
   }
   if (decibels) {
-    set.notes.push_back({"decibel_reference",
-                         "magnitudes in dB are taken over 1 of the FRF's unit: 10^(dB/20)", where});
+    set.notes.push_back(
+        {"assumed", "magnitudes in dB are taken over 1 of the FRF's unit: 10^(dB/20)", where});
   }
   return values;
 }
@@ -230,7 +230,7 @@ void set_form(const FrequencyTable& table, const Columns& columns, FrfSet& set) 
   if (const std::string unit = unit_of(set.form); !unit.empty()) {
     set.unit = unit;
     set.notes.push_back(
-        {"unit_by_title",
+        {"assumed",
          "the title says " + std::string(name_of(set.form)) + ": the numbers are taken in " + unit,
          table.path.string()});
     return;
@@ -374,7 +374,7 @@ FrfSet frfs_of(const std::vector<FrequencyTable>& tables) {
   if (!whole(0)) first = 1;
   if (lines > 2 && !whole(lines - 1)) --lines;
   if (const Eigen::Index left = set.frequency_hz.size() - (lines - first); left > 0) {
-    set.notes.push_back({"line_left_out",
+    set.notes.push_back({"data_left_out",
                          left == 2 ? "the first and the last line are no numbers and are left out"
                                    : std::string("the ") + (first == 1 ? "first" : "last") +
                                          " line is no number and is left out",

@@ -108,8 +108,7 @@ void copy_remarks(const Uff58File& file, Recording& recording) {
   std::set<int> numbers(file.other_datasets.begin(), file.other_datasets.end());
   std::string text;
   for (const int number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
-  recording.notes.push_back(
-      {"datasets_left_out", "datasets other than 58 are not read: " + text, ""});
+  recording.notes.push_back({"left_out", "datasets other than 58 are not read: " + text, ""});
 }
 
 void pad(Recording& recording, std::size_t file_size) {
@@ -130,7 +129,7 @@ void pad(Recording& recording, std::size_t file_size) {
     channel.samples.conservativeResize(longest);
     channel.samples.tail(longest - had).setConstant(std::numeric_limits<double>::quiet_NaN());
     channel.missing_samples += longest - had;
-    recording.notes.push_back({"shorter_channel",
+    recording.notes.push_back({"incomplete",
                                "has " + std::to_string(had) + " samples of " +
                                    std::to_string(longest) + "; the rest counts as missing",
                                channel.name});
@@ -238,7 +237,7 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
                          "copy the file again");
   }
   if (chosen.size() < file.functions.size()) {
-    recording.notes.push_back({"functions_left_out",
+    recording.notes.push_back({"left_out",
                                std::to_string(file.functions.size() - chosen.size()) +
                                    " functions that are no time histories are left out (the file "
                                    "holds: " +
@@ -276,7 +275,7 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
   }
   if (!left.empty()) {
     recording.notes.push_back(
-        {"channels_left_out", "other start, rate or times than the rest: left out", left});
+        {"left_out", "other start, rate or times than the rest: left out", left});
   }
   recording.format = first.binary ? "uff58-binary" : "uff58-ascii";
   for (const auto* f : taken) recording.channels.push_back(channel_of(*f, recording.notes));
@@ -466,7 +465,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
     }
     set.H = Eigen::MatrixXcd(set.H.bottomRows(lines - 1));
     set.frequency_hz = Eigen::VectorXd(set.frequency_hz.tail(lines - 1));
-    set.notes.push_back({"line_left_out", "the line at 0 Hz is no number and is left out", ""});
+    set.notes.push_back({"data_left_out", "the line at 0 Hz is no number and is left out", ""});
   }
   const auto fill = [&](const std::vector<Placed>& from, Eigen::MatrixXd& into, bool scaled,
                         const char* what) {

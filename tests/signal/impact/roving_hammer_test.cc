@@ -85,7 +85,7 @@ TEST_F(Roving, NamesAPointStruckTheOtherWay) {
   EXPECT_EQ(roving.driving_points[1].check.verdict, DrivingPointVerdict::inverted);
   // H and -H: their mean is nothing but noise.
   EXPECT_GT(roving.reciprocity[0].difference, 10);
-  EXPECT_THAT(roving.notes, Contains(Field(&Note::code, "driving_point_inverted")));
+  EXPECT_THAT(roving.notes, Contains(Field(&Note::code, "driving_point")));
   EXPECT_THAT(roving.notes, Contains(Field(&Note::code, "not_reciprocal")));
 }
 

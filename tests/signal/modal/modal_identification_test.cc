@@ -224,7 +224,7 @@ TEST(ModalIdentification, DeadAndBrokenFrfsAreSaid) {
   std::vector<std::string> codes;
   for (const Note& note : result.model.notes) codes.push_back(note.code);
   EXPECT_NE(std::find(codes.begin(), codes.end(), "dead_frf"), codes.end());
-  EXPECT_NE(std::find(codes.begin(), codes.end(), "lines_left_out"), codes.end());
+  EXPECT_NE(std::find(codes.begin(), codes.end(), "data_left_out"), codes.end());
   set.H.setZero();
   EXPECT_TRUE(identify_modes(set).model.modes.empty());
 }

@@ -43,7 +43,7 @@ TEST(ReadLvm, ARateGivenByHandOverridesTheFilesAndSaysSo) {
   options.sample_rate_hz = 250;
   const Recording r = read_lvm(text, "x.lvm", options);
   EXPECT_EQ(r.sample_rate_hz, 250);
-  EXPECT_THAT(codes(r), ::testing::ElementsAre("rate_overridden"));
+  EXPECT_THAT(codes(r), ::testing::ElementsAre("read_as"));
   EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("gives 1000 Hz"));
   options.sample_rate_hz = 1000;
   EXPECT_THAT(codes(read_lvm(text, "x.lvm", options)), ::testing::IsEmpty());
@@ -58,7 +58,7 @@ TEST(ReadLvm, ChannelsOfOneNameAreToldApartAndThoseOfAnotherRateLeftOut) {
   EXPECT_EQ(r.channels[0].name, "F");
   EXPECT_EQ(r.channels[1].name, "F_2");
   EXPECT_EQ(r.channels[1].samples[2], 8);
-  ASSERT_THAT(codes(r), ::testing::ElementsAre("channel_left_out"));
+  ASSERT_THAT(codes(r), ::testing::ElementsAre("data_left_out"));
   EXPECT_EQ(r.notes[0].where, "slow");
   EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("Delta_X 0.002 s"));
 }
@@ -66,7 +66,7 @@ TEST(ReadLvm, ChannelsOfOneNameAreToldApartAndThoseOfAnotherRateLeftOut) {
 TEST(ReadLvm, XThatIsUnevenIsKeptAndXThatIsMissingThereRefused) {
   const std::string table = "X_Value\tF\ta\n0.000\t1\t2\n0.001\t3\t4\n0.002\t5\t6\n0.008\t7\t8\n";
   const Recording r = read_lvm(lvm(kTwo, table), "x.lvm");
-  EXPECT_THAT(codes(r), ::testing::Contains("time_not_uniform"));
+  EXPECT_THAT(codes(r), ::testing::Contains("time_axis"));
   ASSERT_EQ(r.time_s.size(), 4);
   EXPECT_EQ(r.time_s[3], 0.008);
   std::string lacking = table;
@@ -81,7 +81,7 @@ TEST(ReadLvm, XValuesWinOverAStepThatDisagrees) {
   const Recording r = read_lvm(
       lvm(kTwo, "X_Value\tF\ta\n0.000\t1\t2\n0.004\t3\t4\n0.008\t5\t6\n0.012\t7\t8\n"), "x.lvm");
   EXPECT_EQ(r.sample_rate_hz, 250);
-  EXPECT_THAT(codes(r), ::testing::Contains("rate_disagrees"));
+  EXPECT_THAT(codes(r), ::testing::Contains("rates_disagree"));
 }
 
 TEST(ReadLvm, TablesOfNothingSayWhere) {

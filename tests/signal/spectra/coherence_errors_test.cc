@@ -56,7 +56,7 @@ TEST(CoherenceErrors, SaysWhatIsNotKnown) {
   std::mt19937_64 random(3);
   FrfSet set = averaged(4, 3, random);
   error_bars_from_coherence(set, 0, std::pair(10.0, 300.0));
-  EXPECT_THAT(set.notes, Contains(Field(&Note::code, "averages_unknown")));
+  EXPECT_THAT(set.notes, Contains(Field(&Note::code, "assumed")));
   EXPECT_THAT(set.notes, Contains(Field(&Note::code, "low_coherence")));
   EXPECT_TRUE((set.H_std.array() > 0).all());
   FrfSet one = averaged(4, 0.1, random);

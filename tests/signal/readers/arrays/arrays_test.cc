@@ -102,7 +102,7 @@ TEST(Wav, CutShortIsReadAsFarAsItGoesAndSaid) {
   const std::string whole = wav(1, 16, 1, std::string(2000, '\1'));
   const auto recording = read_wav(std::string_view(whole).substr(0, 1044), "a.wav");
   EXPECT_EQ(recording.samples(), 500);
-  EXPECT_TRUE(noted(recording, "cut_short"));
+  EXPECT_TRUE(noted(recording, "incomplete"));
   EXPECT_THAT(refusal_of([&] { return read_wav(whole.substr(0, 20), "a.wav"); }),
               ::testing::HasSubstr("WAV"));
 }
@@ -128,7 +128,7 @@ TEST(Npy, ArraysOfSamplesAndChannelsAreRead) {
       "a.npy");
   ASSERT_EQ(by_rows.channels.size(), 1u);
   EXPECT_NEAR(by_rows.sample_rate_hz, 1000, 1e-9);
-  EXPECT_TRUE(noted(by_rows, "time_column_assumed"));
+  EXPECT_TRUE(noted(by_rows, "read_as"));
   EXPECT_EQ(by_rows.channels[0].samples[5], 25);
   const auto wide =
       read_npy(npy("{'descr': '<f8', 'fortran_order': True, 'shape': (2, 40), }", bytes_of(values)),
@@ -274,7 +274,7 @@ TEST_F(Mat, SeveralLengthsAreAskedAbout) {
   options.variables = {"short_one"};
   const auto recording = read_mat(path_, options);
   EXPECT_EQ(recording.samples(), 50);
-  EXPECT_TRUE(noted(recording, "variables_left_out"));
+  EXPECT_TRUE(noted(recording, "left_out"));
 }
 
 TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {

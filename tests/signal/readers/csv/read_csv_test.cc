@@ -113,14 +113,14 @@ TEST(ReadCsv, LoggerHeaderWithLabelledRows) {
   EXPECT_DOUBLE_EQ(r.channels[0].nominal_range, 2);
   EXPECT_EQ(r.channels[1].name, "CH8");
   EXPECT_EQ(r.channels[1].nominal_range, 0);  // 5 V is exceeded by the numbers: noted
-  EXPECT_THAT(codes(r.notes), ::testing::ElementsAre("range_not_used"));
+  EXPECT_THAT(codes(r.notes), ::testing::ElementsAre("left_out"));
   EXPECT_EQ(r.sample_rate_hz, 1000);
 }
 
 TEST(ReadCsv, HeaderRateAgainstTimes) {
   const auto r = read("Sample rate: 500 Hz\nt,F\ns,N\n" + rows(20, 1, ","));
   EXPECT_EQ(r.sample_rate_hz, 1000);
-  EXPECT_THAT(codes(r.notes), ::testing::Contains("rate_disagrees"));
+  EXPECT_THAT(codes(r.notes), ::testing::Contains("rates_disagree"));
   EXPECT_EQ(r.channels[0].unit, "N");
 }
 
@@ -134,7 +134,7 @@ TEST(ReadCsv, StrayColumnsAreLeftOutAndSaid) {
   ASSERT_EQ(r.channels.size(), 2u);
   EXPECT_EQ(r.sample_rate_hz, 100);
   ASSERT_EQ(r.notes.size(), 1u);
-  EXPECT_EQ(r.notes[0].code, "columns_left_out");
+  EXPECT_EQ(r.notes[0].code, "left_out");
   EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("\"Mass\", \"2.5\", \"kg\""));
 }
 
@@ -183,9 +183,9 @@ TEST(ReadCsv, ARateGivenByHandOverridesTheFilesAndSaysSo) {
   options.sample_rate_hz = 20;
   const auto recording = read("t (s),a\n0,1\n0.1,2\n0.2,3\n", options);
   EXPECT_EQ(recording.sample_rate_hz, 20);
-  EXPECT_THAT(codes(recording.notes), ::testing::Contains("rate_overridden"));
+  EXPECT_THAT(codes(recording.notes), ::testing::Contains("read_as"));
   EXPECT_THAT(codes(read("t (s),a\n0,1\n0.05,2\n0.1,3\n", options).notes),
-              ::testing::Not(::testing::Contains("rate_overridden")));
+              ::testing::Not(::testing::Contains("read_as")));
 }
 
 TEST(ReadCsv, WideTablesAndRowsOfNothingLeaveTheTimesTheirDigits) {
@@ -206,13 +206,13 @@ TEST(ReadCsv, WideTablesAndRowsOfNothingLeaveTheTimesTheirDigits) {
     }
     const auto even = read(text);
     EXPECT_NEAR(even.sample_rate_hz, 1234, 1234 * 1e-6 / (59 / 1234.0));
-    EXPECT_THAT(codes(even.notes), ::testing::Not(::testing::Contains("time_rounded")));
+    EXPECT_THAT(codes(even.notes), ::testing::Not(::testing::Contains("read_as")));
     const std::size_t at = text.find("\n0.03079");  // sample 38
     ASSERT_NE(at, std::string::npos);
     text.erase(at, text.find('\n', at + 1) - at);
     const auto gap = read(text);
     EXPECT_EQ(gap.time_s.size(), 59);
-    EXPECT_THAT(codes(gap.notes), ::testing::Contains("time_gaps"));
+    EXPECT_THAT(codes(gap.notes), ::testing::Contains("time_axis"));
     EXPECT_NEAR(gap.sample_rate_hz, 1234, 1234 * 1e-6 / (59 / 1234.0));
   }
 }

@@ -106,7 +106,7 @@ TEST(Times, MassesOfAFewRowsAreNone) {
   const auto recording = read("0.5;0.12\n1.0;0.25\n1.5;0.36\n2.0;0.49\n2.5;0.61\n");
   EXPECT_EQ(recording.channels.size(), 2u);
   EXPECT_EQ(recording.sample_rate_hz, 0);
-  EXPECT_TRUE(noted(recording, "time_not_assumed"));
+  EXPECT_TRUE(noted(recording, "assumed"));
 }
 
 TEST(Times, OfACoarseClockAreRecognised) {
@@ -140,16 +140,16 @@ TEST(Times, WithoutAUnitInWholeNumbersAreSuspected) {
   std::string text = "t;a\n";
   for (int k = 0; k < 50; ++k) text += fmt::format("{};{}.5\n", 2000 * k, k % 5);
   const auto suspected = read(text);
-  EXPECT_TRUE(noted(suspected, "time_unit_suspected"));
+  EXPECT_TRUE(noted(suspected, "time_axis"));
   ReadOptions options;
   options.time_unit_s = 1e-6;
   const auto given = read(text, options);
   EXPECT_NEAR(given.sample_rate_hz, 500, 1e-9);
-  EXPECT_FALSE(noted(given, "time_unit_suspected"));
+  EXPECT_FALSE(noted(given, "time_axis"));
   // The header's rate says which unit it is.
   const auto stated = read("fs = 500 Hz\n" + text);
   EXPECT_NEAR(stated.sample_rate_hz, 500, 1e-9);
-  EXPECT_TRUE(noted(stated, "time_unit_by_rate"));
+  EXPECT_TRUE(noted(stated, "assumed"));
 }
 
 TEST(RateOfStep, OfFewDigitsIsTheUsualRateWithItsUncertainty) {

@@ -95,7 +95,7 @@ TEST(UffForeign, QuantitiesComeFromDataTypesWhereUnitsAreUnknown) {
     const Recording r = read_uff(d.text(), "x.uff");
     EXPECT_EQ(r.channels[0].quantity, quantity) << type;
     EXPECT_EQ(r.channels[0].samples[2], 3);
-    EXPECT_THAT(codes(r.notes), ::testing::Contains("unknown_unit"));
+    EXPECT_THAT(codes(r.notes), ::testing::Contains("no_unit"));
   }
 }
 
@@ -140,7 +140,7 @@ TEST(UffForeign, ShorterChannelsArePaddedAndVeryUnequalOnesRefused) {
   EXPECT_EQ(r.channels[1].missing_samples, 2);
   EXPECT_EQ(r.channels[1].samples[2], 8);
   EXPECT_TRUE(std::isnan(r.channels[1].samples[3]));
-  ASSERT_THAT(codes(r.notes), ::testing::Contains("shorter_channel"));
+  ASSERT_THAT(codes(r.notes), ::testing::Contains("incomplete"));
   // 100 channels of one sample beside one of 30,000: 3 million samples from 0.5 MB of text.
   std::string text = time_history(std::vector<std::string>(30000, "1")).text();
   for (int k = 2; k < 102; ++k) {
@@ -177,7 +177,7 @@ TEST(UffForeign, FunctionsThatAreNoTimeHistoriesAreNamed) {
     EXPECT_EQ(alone.where().line, 2);
     const Recording r = read_uff(d.text() + time_history({"1", "2"}).text(), "x.uff");
     ASSERT_EQ(r.channels.size(), 1u);
-    ASSERT_THAT(codes(r.notes), ::testing::ElementsAre("functions_left_out"));
+    ASSERT_THAT(codes(r.notes), ::testing::ElementsAre("left_out"));
     EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr(names[type]));
   }
 }
@@ -188,7 +188,7 @@ TEST(UffForeign, ARateGivenByHandOverridesTheFilesAndSaysSo) {
   const std::string text = time_history({"1", "2", "3"}).text();
   const Recording r = read_uff(text, "x.uff", options);
   EXPECT_EQ(r.sample_rate_hz, 250);
-  ASSERT_THAT(codes(r.notes), ::testing::ElementsAre("rate_overridden"));
+  ASSERT_THAT(codes(r.notes), ::testing::ElementsAre("read_as"));
   EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("gives 1000 Hz"));
   options.sample_rate_hz = 1000;
   EXPECT_THAT(codes(read_uff(text, "x.uff", options).notes), ::testing::IsEmpty());
@@ -296,7 +296,7 @@ TEST(UffForeign, WhatIsNoNumberAtRestOrInCoherenceIsLeftOut) {
   coherence.type = 6, coherence.numbers = 2;
   coherence.values = {"NaN", "0.5", "0.75"};
   const FrfSet f = read_uff_frfs(mobility.text() + coherence.text(), "x.uff");
-  EXPECT_THAT(codes(f.notes), ::testing::Contains("line_left_out"));
+  EXPECT_THAT(codes(f.notes), ::testing::Contains("data_left_out"));
   ASSERT_EQ(f.frequency_hz.size(), 2);
   EXPECT_EQ(f.frequency_hz[0], 1);
   EXPECT_EQ(f.H(0, 0), std::complex<double>(3, 4));
