@@ -70,6 +70,20 @@ std::vector<double> segment_frequencies(const model::Scene& scene, model::ModePl
   return frequencies;
 }
 
+/// Rayleigh's quotient where the attached masses are `factor` times those of the correction.
+void change_masses(const CableDescription& cable, double factor, std::vector<double>& frequencies) {
+  const double all = cable.mass_per_length.value * cable.length_m.value;
+  for (std::size_t i = 0; i < frequencies.size(); ++i) {
+    double share = 0;
+    for (const auto& mass : cable.masses) {
+      const double moved =
+          std::sin(static_cast<double>(i + 1) * signal::kTwoPi / 2 * mass.position);
+      share += 2 * mass.mass * moved * moved / all;
+    }
+    frequencies[i] *= std::sqrt((1 + share) / (1 + factor * share));
+  }
+}
+
 std::vector<double> logarithms_of_ratio(const std::vector<double>& segments,
                                         const std::vector<double>& straight_segments,
                                         const std::vector<double>& closed,
@@ -97,6 +111,7 @@ std::vector<CableInput> uncertain_inputs(const CableDescription& cable) {
   } else {
     add(3, kAssumedStrainStd, &CableState::EA);
   }
+  if (!cable.masses.empty()) add(4, cable.masses_std, &CableState::attached);
   if (cable.EI_Nm2 && cable.EI_Nm2->value > 0 &&
       cable.EI_Nm2->std <= kNormalEI * cable.EI_Nm2->value) {
     add(kCableInputs.size() - 1, cable.EI_Nm2->std / cable.EI_Nm2->value, &CableState::EI);
@@ -152,6 +167,10 @@ CableFrequencies CableModel::frequencies(const CableState& state, int count, dou
   auto found = cable_frequencies(beam(state, true), count, limit_hz, near);
   apply(correction_.in, found.in_hz);
   apply(correction_.out, found.out_hz);
+  if (state.attached != 1) {
+    change_masses(cable_, state.attached, found.in_hz);
+    change_masses(cable_, state.attached, found.out_hz);
+  }
   return found;
 }
 

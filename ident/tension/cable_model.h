@@ -7,7 +7,11 @@
 //
 // with segment models of the cable as it hangs, with its masses, and of the same cable straight and
 // without them: the error of the segments cancels to first order. The correction changes slowly
-// with the tension, so that one at the estimate, repeated until it stays, is exact there.
+// with the tension, so that one at the estimate, repeated until it stays, is exact there. Where the
+// masses M_j at x_j differ from the given ones by a factor a, order n changes by Rayleigh's
+// quotient:
+//
+//   f^2 ~ 1 / (1 + a s_n),   s_n = sum_j 2 M_j sin^2(n pi x_j) / (m L)
 #pragma once
 
 #include <array>
@@ -30,6 +34,7 @@ struct CableCorrection {
 struct CableState {
   double tension_N = 0, EI_Nm2 = 0, spring_Nm_rad = 0;
   double length = 1, mass = 1, EA = 1, EI = 1;
+  double attached = 1;        ///< factor on the attached masses
   bool first_pinned = false;  ///< whatever the spring
 };
 
@@ -39,8 +44,8 @@ struct CableInput {
   double std = 0;         ///< std of the input's logarithm
   double CableState::*factor = nullptr;
 };
-inline constexpr std::array<const char*, 5> kCableInputs = {"length", "mass per length", "EA",
-                                                            "EA (assumed)", "EI"};
+inline constexpr std::array<const char*, 6> kCableInputs = {
+    "length", "mass per length", "EA", "EA (assumed)", "attached masses", "EI"};
 /// Of EI as given: up to this its logarithm counts as normal, beyond it is summed over a grid.
 inline constexpr double kNormalEI = 0.3;
 [[nodiscard]] std::vector<CableInput> uncertain_inputs(const CableDescription& cable);

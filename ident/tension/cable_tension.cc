@@ -418,6 +418,13 @@ void check_cable(const CableDescription& cable, const std::vector<MeasuredMode>&
   if (cable.EA_N) positive(cable.EA_N->value, "EA");
   if (!(std::abs(cable.inclination_deg) <= 90))
     throw std::invalid_argument("the inclination is within +-90 degrees");
+  for (const auto& mass : cable.masses) {
+    if (!(mass.position > 0 && mass.position < 1)) {
+      throw std::invalid_argument(
+          "a mass on the cable is at a place between 0 and 1 of its length");
+    }
+    positive(mass.mass, "a mass on the cable");
+  }
   if (modes.empty()) throw std::invalid_argument("no measured frequency");
   for (const auto& mode : modes) positive(mode.frequency_hz.value, "a measured frequency");
 }

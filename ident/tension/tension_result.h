@@ -39,6 +39,7 @@ struct CableDescription {
   double inclination_deg = 0;
   double gravity = model::kStandardGravity;      ///< m/s^2
   std::vector<model::AttachedMass> masses = {};  ///< along the cable
+  double masses_std = 0;  ///< std of the logarithm of a factor that all of them share
 };
 
 struct TensionOptions {
@@ -110,7 +111,7 @@ struct TensionResult {
   std::vector<TensionCandidate> candidates;  ///< heaviest first
   TensionFormulas formulas;                  ///< from the lowest mode of the heaviest candidate
   /// Budget of tension_N; the squares add up: "frequencies", "model", "EI", "end springs",
-  /// "assignment", "ends", "length", "mass per length", "EA".
+  /// "assignment", "ends", and those of kCableInputs.
   std::vector<UpdateBudgetTerm> budget;
 };
 

@@ -33,7 +33,7 @@ void take_unit(const std::string& text, Channel& channel, std::vector<Note>& not
     channel.si_offset = unit->offset;
     if (unit->quantity != Quantity::unknown) channel.quantity = unit->quantity;
   } else if (!text.empty()) {
-    notes.push_back({"no_unit",
+    notes.push_back({"unknown_unit",
                      "unit \"" + text + "\" is not known: the numbers are kept as they are",
                      channel.name});
   }

@@ -16,7 +16,7 @@ namespace rigfit::signal {
 void take_stated_rate(double rate_hz, Recording& recording);
 
 /// The unit of a channel as its file writes it: SI symbol, factor, offset and quantity. One that is
-/// not known is noted ("no_unit"), unless it is empty.
+/// not known is noted ("unknown_unit"), unless it is empty.
 void take_unit(const std::string& text, Channel& channel, std::vector<Note>& notes);
 
 /// Numbers of a file as samples in SI; what is no number is missing.

@@ -293,7 +293,7 @@ TEST(Refusals, OfRecordings) {
        {"frf @two.csv --force F --force-window x", 2,
         "--force-window is by-noise, off, auto or a time"},
        {"frf @two.csv --force F --struck a b", 2, "--struck names 2 points for 1 file"},
-       {"frf @two.csv --force F --response a", 4, "no hit in \"F\""},
+       {"frf @two.csv --force F --response a", 4, "nothing in \"F\" rises above the noise"},
        {"modal @decay.csv --force a", 4, "has no channel besides the force"},
        {"modal @decay.csv", 3, "no table of FRFs"},
        {"inspect @none.csv", 3, "cannot be opened: No such file"}});

@@ -186,8 +186,9 @@ struct TensionCommand {
   std::string measured, column, plane = "any", length, mass, EI, EA, mass_of, ends = "compare";
   double frequency_std = 0, inclination = 0, sample_rate_hz = 0, missed = 0.1, false_mode = 0.05;
   int max_peaks = 12;
-  std::vector<double> orders;  ///< whole numbers, one for each of `frequencies`
-  std::string table, out;      ///< many cables, a row each (campaign_file/cable_table.h)
+  std::vector<double> orders;       ///< whole numbers, one for each of `frequencies`
+  std::vector<std::string> masses;  ///< "PLACE=KG[,STD]"
+  std::string table, out;           ///< many cables, a row each (campaign_file/cable_table.h)
 };
 /// `recordings`: one for each of `command.files`, in that order.
 [[nodiscard]] Json tension_result(const TensionCommand& command,

@@ -1,6 +1,7 @@
 // rigfit tension: tension of a cable, hanger or stay from its natural frequencies.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -27,7 +28,6 @@ constexpr const char* kExample =
     "62.1,0.5 --EA 1.6e9\n"
     "  rigfit tension --table cables.csv --out tensions.csv --json tensions.json";
 
-/// One cable or many.
 /// "V" or "V,STD".
 signal::Estimate value_and_std(const std::string& text, const std::string& option) {
   signal::Estimate estimate{0, 0};
@@ -90,6 +90,17 @@ ident::CableDescription description_of(const TensionCommand& command) {
   if (command.mass_of == "installed") cable.mass_reference = ident::MassReference::installed;
   if (command.mass_of == "unstretched") cable.mass_reference = ident::MassReference::unstretched;
   cable.inclination_deg = command.inclination;
+  for (const std::string& text : command.masses) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos) {
+      throw UsageError(
+          fmt::format("--mass-at: write PLACE=KG or PLACE=KG,STD (0.5=1.2,0.1), not \"{}\"", text));
+    }
+    const double place = value_and_std(text.substr(0, equals), "--mass-at").value;
+    const auto mass = value_and_std(text.substr(equals + 1), "--mass-at");
+    cable.masses.push_back({place, mass.value});
+    cable.masses_std = std::max(cable.masses_std, mass.std / mass.value);
+  }
   return cable;
 }
 
@@ -234,6 +245,10 @@ describe::Options options_of(TensionCommand& c) {
       option("--table", c.table, "Many cables, a row each (columns: ident/tension/README.md)")
           .type("CABLES.csv"),
       option("--out", c.out, "Table of the tensions of --table").writes().type("F.csv"),
+      option("--mass-at", c.masses,
+             "Masses or clamps on the cable: place from 0 to 1 of its length, kg (the largest "
+             "relative std counts for all)")
+          .type("PLACE=KG[,STD]"),
       option("--mass-of", c.mass_of, "State of the cable that the mass per length is of")
           .one_of({"installed", "unstretched"}),
       option("--EI", c.EI, "Flexural rigidity, N m2 (default: fitted)").type("V[,STD]"),

@@ -76,7 +76,7 @@ void add_channel(RecordingObject& object, const py::dict& given) {
     channel.si_offset = unit->offset;
   } else if (!text.empty()) {
     object.recording.notes.push_back(
-        {"no_unit", "unit \"" + text + "\" is not known: its numbers are kept as they are",
+        {"unknown_unit", "unit \"" + text + "\" is not known: its numbers are kept as they are",
          channel.name});
   }
   const auto array = given["data"].cast<py::array_t<double, py::array::c_style>>();

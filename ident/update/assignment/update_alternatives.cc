@@ -1,6 +1,7 @@
 #include "ident/update/assignment/update_alternatives.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -405,6 +406,33 @@ class Search {
     return best;
   }
 
+  // A false mode that has a partner and high leverage holds all others off. Pairs whose loss takes
+  // most off the misfit, r_i^2 / (1 - h_ii), are left out as long as the evidence rises.
+  void leave_out_false(UpdateAnswer& answer) const {
+    while (answer.solution.q.size() > 0 && answer.errors.frequency > kLeastStd) {
+      const auto& solution = answer.solution;
+      const UpdateProblem here =
+          problem_.with_model_std(answer.errors.frequency, answer.errors.damping);
+      Eigen::VectorXd r;
+      Eigen::MatrixXd J;
+      const auto& all = solution.matches.matches;
+      if (!here.residuals(solution.q, all, UpdateStage::full, r, &J)) return;
+      const Eigen::MatrixXd hat = J * J.completeOrthogonalDecomposition().pseudoInverse();
+      double most = 0;
+      std::size_t worst = all.size();
+      for (const auto& row : here.frequency_rows(all, UpdateStage::full)) {
+        const double gained = r[row.row] * r[row.row] / std::max(1 - hat(row.row, row.row), 1e-6);
+        if (gained > most) most = gained, worst = row.match;
+      }
+      if (worst == all.size()) return;
+      Seed rest{solution.q, solution.matches, 0};
+      rest.matches.matches.erase(rest.matches.matches.begin() + static_cast<std::ptrdiff_t>(worst));
+      UpdateAnswer without = settled(problem_, options_, std::move(rest), answer.errors);
+      if (without.solution.q.size() == 0 || without.log_evidence <= answer.log_evidence) return;
+      answer = std::move(without);
+    }
+  }
+
   // With all segments; what then has next to no weight is dropped.
   std::vector<UpdateAnswer> refined(std::vector<UpdateAnswer> rough) {
     std::vector<UpdateAnswer> answers;
@@ -415,6 +443,7 @@ class Search {
       if (rough[k].log_evidence < most - kNegligible) return;
       found[k] = settled(problem_, options_, {rough[k].solution.q, rough[k].solution.matches, 0},
                          rough[k].errors);
+      leave_out_false(found[k]);
     });
     for (std::size_t k = 0; k < found.size(); ++k) {
       if (found[k].solution.q.size() > 0) merge(std::move(found[k]), answers);

@@ -95,7 +95,7 @@ TEST(UffForeign, QuantitiesComeFromDataTypesWhereUnitsAreUnknown) {
     const Recording r = read_uff(d.text(), "x.uff");
     EXPECT_EQ(r.channels[0].quantity, quantity) << type;
     EXPECT_EQ(r.channels[0].samples[2], 3);
-    EXPECT_THAT(codes(r.notes), ::testing::Contains("no_unit"));
+    EXPECT_THAT(codes(r.notes), ::testing::Contains("unknown_unit"));
   }
 }
 
