@@ -207,7 +207,7 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
                          first.input->name, result.parameters[p].name);
   }
   if (!exact.empty()) {
-    findings.push_back({"taken_as_exact",
+    findings.push_back({"exact_inputs",
                         "State what these inputs are known to, or fit them; the intervals take "
                         "them as exact: " +
                             exact,

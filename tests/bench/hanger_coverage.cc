@@ -149,7 +149,7 @@ void add(Row& row, const Case& one, const Hanger& model, Ends ends, std::uint64_
   bool ends_named = false, inputs_named = false;
   for (const auto& finding : ident::fit_findings(result)) {
     ends_named = ends_named || finding.code == "exact_ends";
-    inputs_named = inputs_named || finding.code == "taken_as_exact";
+    inputs_named = inputs_named || finding.code == "exact_inputs";
   }
   row.ends += ends_named;
   row.inputs += inputs_named;

@@ -85,7 +85,7 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
          "unstretched cable: here the answers differ");
   }
   if (cable.length_m.std == 0 || cable.mass_per_length.std == 0) {
-    warn("taken_as_exact",
+    warn("exact_inputs",
          "Give the standard uncertainty of length and mass per length: without it they count as "
          "exact (1 % of length is 2 % of tension)");
   }

@@ -198,6 +198,16 @@ class Search {
     return H.rows() == d.size() && d.dot(H * d) < 9;
   }
 
+  // A positive parameter that the data leave free stays near q: the prior of the evidence.
+  static UpdateProblem held_about(const Eigen::VectorXd& q, UpdateProblem problem) {
+    for (Eigen::Index j = 0; j < q.size(); ++j) {
+      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+      if (coordinate.prior_std == 0 && coordinate.logarithmic)
+        problem.set_prior(j, q[j], width_of(coordinate));
+    }
+    return problem;
+  }
+
   // Fitted and assigned anew until the assignment stays; of those that were seen the best.
   UpdateAnswer settled(const UpdateProblem& problem, const UpdateOptions& options, Seed seed,
                        ModelErrors errors = kSearchErrors) const {
@@ -212,7 +222,8 @@ class Search {
                                     [](const auto& match) { return !match.cross_plane; });
       if (!fits) break;
       double cost = 0;
-      const UpdateProblem here = problem.with_model_std(errors.frequency, errors.damping);
+      const UpdateProblem here =
+          held_about(q, problem.with_model_std(errors.frequency, errors.damping));
       Eigen::VectorXd at = q;
       const bool converged = minimise(here, matches.matches, UpdateStage::full, options, at, cost);
       Evidence evidence;

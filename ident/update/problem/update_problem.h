@@ -212,6 +212,12 @@ class UpdateProblem {
   void set_prior(Eigen::Index coordinate, double q) {
     coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
   }
+  /// A prior where there was none.
+  void set_prior(Eigen::Index coordinate, double q, double std) {
+    set_prior(coordinate, q);
+    coordinates_[static_cast<std::size_t>(coordinate)].prior_std = std;
+    ++priors_;
+  }
 
  private:
   // Lines of one FRF that are fitted, with their relative uncertainty.

@@ -186,7 +186,7 @@ TEST(UpdateModel, AParameterWithoutInfluenceIsNamedAlone) {
   EXPECT_EQ(result.open[0], "the data do not determine beam.EI_y");
 }
 
-TEST(UpdateModel, AStrayModeIsLeftUnpairedAndAnOutlierWidensTheInterval) {
+TEST(UpdateModel, AStrayModeAndAnOutlierAreLeftUnpaired) {
   auto random = seeded(4);
   UpdateState state{"beam", beam(2.6, 0.3, 0.02), {}};
   state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 1e-3, random);
@@ -198,12 +198,36 @@ TEST(UpdateModel, AStrayModeIsLeftUnpairedAndAnOutlierWidensTheInterval) {
   state.measured.push_back(stray);
   state.measured[3].frequency_hz.value *= 1.05;  // fifty standard deviations
   const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}});
-  // The stray mode finds no partner; what the outlier is off is the model's error for all.
+  // Both cost less as false modes than as the model's error for all; the modelled mode that the
+  // outlier belongs to is listed as one that the test should have seen.
   EXPECT_NEAR(result.parameters[0].value, 2.1, 2 * result.parameters[0].std);
-  EXPECT_GT(result.fit.model_std, 0.01);
-  ASSERT_EQ(result.unpaired.size(), 1U);
-  EXPECT_TRUE(result.unpaired[0].measured);
-  EXPECT_NEAR(result.unpaired[0].frequency_hz, between, 1e-12);
+  EXPECT_LT(result.parameters[0].std, 0.1);
+  EXPECT_EQ(result.fit.model_std, 0);
+  EXPECT_EQ(result.unpaired.size(), 3U);
+  EXPECT_EQ(result.pairs.size(), 4U);
+}
+
+// Antisymmetric modes in plane hardly depend on EA. Modes 2, 4, 6 at four tensions, 0.3 %: they
+// determine EI; EA is not determined, or its interval is wide and holds the truth.
+TEST(UpdateModel, EvenModesDoNotDecideEA) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    auto random = seeded(seed);
+    std::vector<UpdateState> states;
+    for (const double tension : {100.0, 150.0, 200.0, 300.0}) {
+      UpdateState state{std::to_string(tension) + " N", cable(tension, 0.6), {}};
+      for (const ModePlane plane : {ModePlane::in, ModePlane::out}) {
+        const auto all = measured(state.scene, plane, 6, 3e-3, random);
+        for (const std::size_t k : {1, 3, 5}) state.measured.push_back(all[k]);
+      }
+      states.push_back(std::move(state));
+    }
+    const auto result = update_model(states, {{"cable.EI"}, {"cable.EA"}});
+    EXPECT_NEAR(result.parameters[0].value, 0.6, 4 * result.parameters[0].std) << seed;
+    const auto& EA = result.parameters[1];
+    // An upper end that is not a number is open.
+    EXPECT_TRUE(!EA.identifiable || (EA.low < 221780 && !(EA.high < 2 * 221780)))
+        << seed << ": " << EA.low << " " << EA.high;
+  }
 }
 
 std::size_t unpaired_measured(const UpdateResult& result) {

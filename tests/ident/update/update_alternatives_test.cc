@@ -76,10 +76,9 @@ TEST(FindAnswers, LooksNoFurtherWhereTheAnswerNearTheStartCannotBeChance) {
   EXPECT_NEAR(result.parameters[0].value, testing::kTension, 1e-4 * testing::kTension);
 }
 
-// From there the nearest minimum is that of pinned ends, 14 % off with frequencies off by 0.3 %.
-TEST(FindAnswers, LooksFurtherWhereABoundHoldsAnAnswerThatMisfits) {
+// Without a prior about the start the spring runs to its bound: pinned ends, 14 % off.
+TEST(FindAnswers, WhatTheDataHardlyTellStaysNearItsStart) {
   const auto result = FreeHanger().from(1.1);
-  EXPECT_GT(result.starts, 2);
   EXPECT_NEAR(result.parameters[0].value, testing::kTension, 1e-4 * testing::kTension);
 }
 
