@@ -75,6 +75,8 @@ namespace {
 // Standard uncertainties from which a change counts: an input of which nothing is said may well be
 // known to 1 % only; where that moves a parameter by more, it would be its largest uncertainty.
 constexpr double kInputMatters = 1;
+// A model that is off by more in its FRFs is another structure's.
+constexpr double kFrfErrorRuledOut = 0.03;
 // End conditions move a parameter out of its 95 % interval.
 constexpr double kEndsMatter = 1.96;
 
@@ -167,6 +169,15 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
                             fit_text(result.fit) +
                             "), and the intervals hold only as far as its error is random",
                         "", false});
+  }
+  if (result.fit.frf_model_std > kFrfErrorRuledOut) {
+    findings.push_back(
+        {"model_ruled_out",
+         fmt::format("Check the scene, the units and the places of hammer and "
+                     "sensors: the model misses the FRFs by {} in every line beyond "
+                     "their noise, more than the {} up to which parameters are given",
+                     percent(result.fit.frf_model_std), percent(kFrfErrorRuledOut)),
+         "", true});
   }
   if (!result.alternatives.empty() && result.alternatives.front().weight < 0.9) {
     findings.push_back(

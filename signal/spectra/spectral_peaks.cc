@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "signal/estimation/groups.h"
 #include "signal/numerics/numbers.h"
 #include "signal/spectra/fft.h"
 
@@ -61,6 +62,11 @@ VectorXd floor_of(const VectorXd& spectrum, Index reach) {
   }
   return floor;
 }
+
+// Parts of the record that are compared, as long as a part resolves the peak into so many lines.
+constexpr Index kParts = 8;
+constexpr double kLinesInPart = 2;
+constexpr double kPartsDiffer = 0.01;  // chance that parts which agree look so
 
 struct Lorentzian {
   Eigen::Vector4d parameters;  // f0, ln B, ln A, ln C
@@ -131,6 +137,40 @@ WhittleFit fit_peak(const VectorXd& power, double first_hz, double step_hz,
     if (!lower) fit.converged = true;  // no step lowers it any more
   }
   return fit;
+}
+
+/// Frequency of the peak `whole` over parts of the record; `between_parts_hz` where they differ.
+/// `from`, `to`: its band, Hz.
+void compare_parts(const VectorXd& samples, double rate_hz, double from, double to,
+                   const WhittleFit& whole, SpectralPeak& peak) {
+  const Index length = good_fft_length_below(samples.size() / kParts);
+  const double line = rate_hz / static_cast<double>(length);
+  if (!(peak.bandwidth_hz > kLinesInPart * line)) return;
+  const Index first = std::max<Index>(1, std::lround(from / line));
+  const Index count = std::min(length / 2, static_cast<Index>(std::lround(to / line))) - first + 1;
+  RealFft fft(length);
+  const VectorXd window = hann(length);
+  std::vector<double> values, variances;
+  for (Index k = 0; k < kParts; ++k) {
+    const VectorXd power =
+        block_power(samples.segment(k * (samples.size() / kParts), length), window, rate_hz, fft);
+    const auto part = fit_peak(power.segment(first, count), line * static_cast<double>(first), line,
+                               whole.shape.parameters);
+    const double center = part.shape.parameters[0];
+    if (!part.converged || std::abs(center - peak.frequency_hz.value) > 2 * peak.bandwidth_hz) {
+      continue;
+    }
+    values.push_back(center);
+    variances.push_back(kHannVariance * part.covariance(0, 0));
+  }
+  if (static_cast<Index>(values.size()) < kParts / 2) return;
+  const GroupMean mean = mean_over_groups(values, variances);
+  if (mean.chance > kPartsDiffer) return;
+  peak.between_parts_hz = std::sqrt(mean.between_variance);
+  peak.frequency_hz = {mean.mean,
+                       std::max(peak.frequency_hz.std, std::sqrt(mean.variance) *
+                                                           coverage_factor(0.95, mean.degrees) /
+                                                           coverage_factor(0.95, 0))};
 }
 
 /// Local maxima of Welch's spectrum that stand out of the floor, strongest first.
@@ -245,6 +285,8 @@ SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& recorded, double 
     // A tone's frequency is known to a part of a line; the resonance's formula does not hold there.
     const double std = std::sqrt(kHannVariance * fit.covariance(0, 0));
     peak.frequency_hz = {center, peak.tone ? std::max(std, line / std::sqrt(12.0)) : std};
+    compare_parts(samples, rate_hz, line * static_cast<double>(from),
+                  line * static_cast<double>(to), fit, peak);
     const auto within = [&](double reach, bool wanders) {
       return std::any_of(result.tones.begin(), result.tones.end(), [&](const auto& tone) {
         return (tone.reach_hz > 0) == wanders &&

@@ -8,10 +8,13 @@
 //   -ln L = sum_lines ln S(f) + P(f) / S(f),   S(f) = A (B/2)^2 / ((f - f0)^2 + (B/2)^2) + C
 //
 // whose information gives the uncertainties: for a resonance driven by white noise var f0 = B / (4
-// pi T), the Cramer-Rao bound, T the record's length. Tones of constant amplitude (mains hum, a
-// machine) are taken out first and listed apart (steady_tones.h); a line as steady as a tone that
-// may be a resonance of little damping stays a peak with a mark. Sources: Welch, IEEE Trans. Audio
-// Electroacoust. 15 (1967) 70; Whittle, Ark. Mat. 2 (1953) 423.
+// pi T), the Cramer-Rao bound, T the record's length. Each is fitted in eight parts of the record
+// too: where their frequencies scatter by more than their uncertainties (wind, traffic and
+// temperature change a cable), value and uncertainty are those of groups that differ (groups.h).
+// Tones of constant amplitude (mains hum, a machine) are taken out first and listed apart
+// (steady_tones.h); a line as steady as a tone that may be a resonance of little damping stays a
+// peak with a mark. Sources: Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70; Whittle, Ark.
+// Mat. 2 (1953) 423.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,8 +37,10 @@ struct SpectralPeak {
   Estimate frequency_hz;
   double bandwidth_hz = 0;     ///< half-power bandwidth
   double signal_to_noise = 0;  ///< power at the peak over the floor beside it
-  bool tone = false;           ///< as narrow as the record can resolve
-  bool undecided = false;      ///< may be a tone or a lightly damped resonance
+  /// Std of the frequency between parts of the record, beyond their uncertainty; 0: they agree.
+  double between_parts_hz = 0;
+  bool tone = false;       ///< as narrow as the record can resolve
+  bool undecided = false;  ///< may be a tone or a lightly damped resonance
 };
 
 struct SpectralPeaks {

@@ -15,6 +15,12 @@ int rank_of(const ReportFinding& one) {
   return one.refused ? -1 : static_cast<int>(level_of(one.code));
 }
 
+/// Without the folders of a file.
+std::string place_of(const std::string& where) {
+  const auto slash = where.rfind('/', where.find(": "));
+  return slash == std::string::npos ? where : where.substr(slash + 1);
+}
+
 }  // namespace
 
 std::vector<ReportFinding> findings_of(std::span<const ReportPart> parts) {
@@ -26,11 +32,11 @@ std::vector<ReportFinding> findings_of(std::span<const ReportPart> parts) {
         return !one.refused && !warning.refused && one.code == warning.code;
       });
       if (same == list.end()) {
-        list.push_back({warning.code, with_parameter_words(warning.message), warning.where,
-                        part.title, part.id, 1, warning.refused,
+        list.push_back({warning.code, with_parameter_words(warning.message),
+                        place_of(warning.where), part.title, part.id, 1, warning.refused,
                         !warning.refused && is_note(warning.code)});
       } else if (++same->count <= kMostPlaces) {
-        same->where += "; " + warning.where;
+        same->where += "; " + place_of(warning.where);
       }
     }
   }

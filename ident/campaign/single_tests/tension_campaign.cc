@@ -82,6 +82,21 @@ void add_peaks(const TensionInputs& inputs, std::size_t index, TensionCampaignRe
       campaign.modes.push_back(std::move(mode));
       campaign.peaks.push_back({index, name, channel.name, peak});
     }
+    std::string differ;
+    for (const auto& peak : found.peaks) {
+      if (peak.between_parts_hz == 0) continue;
+      differ += fmt::format("{}{:.5g} Hz (std {:.2g} Hz)", differ.empty() ? "" : ", ",
+                            peak.frequency_hz.value, peak.between_parts_hz);
+    }
+    if (!differ.empty()) {
+      campaign.result.findings.push_back(
+          {"groups_differ",
+           "Look for wind, traffic or temperature, or take a calmer stretch: from part to part of "
+           "the record the frequency changes by more than its uncertainty, which the intervals "
+           "allow for: " +
+               differ,
+           name + ": " + channel.name, false});
+    }
     add_tones(found, index, name, channel.name, campaign);
     if (found.peaks.empty()) {
       campaign.result.findings.push_back(
