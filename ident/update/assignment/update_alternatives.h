@@ -16,9 +16,9 @@
 // factor of 100), H the Hessian of -ln(L prior). Damping ratios known to 1e-4 would otherwise lead
 // the search: a wrong pair's costs more than all frequencies together. Parameters without a prior
 // get a normal one about the answer, of ln(10) in ln(value) and of a tenth for coordinates: the
-// same for all answers, wherever the search began; while looking for one it is about the place where
-// the search began, so that what the data leave free stays there. Answers closer to each other than three standard
-// deviations are one.
+// same for all answers, wherever the search began; while looking for one it is about the place
+// where the search began, so that what the data leave free stays there. Answers closer to each
+// other than three standard deviations are one.
 //
 // The search is skipped where the answer near the start explains the measured modes with a model
 // error below 0.5 % (segments' error taken off) and could not do so by chance: the degrees of

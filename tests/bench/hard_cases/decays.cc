@@ -379,7 +379,8 @@ std::vector<HardCase> decay_cases() {
         fmt::format("pair, {:g} beats in the record, 20, 40, 60 dB", 2 * apart),
         apart < 1 ? covered + ", or one mode explains all but noise, or a warning" : covered,
         pairs(apart), 60,
-        apart < 1 ? std::set<std::string>{"grows", "not_separable", "too_noisy"} : std::set<std::string>{}));
+        apart < 1 ? std::set<std::string>{"grows", "not_separable", "too_noisy"}
+                  : std::set<std::string>{}));
   }
   return cases;
 }
