@@ -37,6 +37,9 @@ describe::Options options_of(ReadingOptions& c) {
               .group("Reading"),
           option("--variable", c.variables, "Arrays to take of .mat files")
               .type("NAME")
+              .group("Reading"),
+          option("--sheet", c.sheet, "Sheet of .xlsx files (the first), or its number as #2")
+              .type("NAME")
               .group("Reading")};
 }
 
@@ -44,6 +47,7 @@ signal::ReadOptions read_options(const ReadingOptions& given) {
   signal::ReadOptions options;
   options.format = given.format;
   options.variables = given.variables;
+  options.sheet = given.sheet;
   if (!given.decimal.empty()) options.decimal = signal::sign_named(given.decimal);
   if (!given.separator.empty()) options.separator = signal::sign_named(given.separator);
   if (const auto unit = signal::parse_unit(given.time_unit); !given.time_unit.empty() && unit) {

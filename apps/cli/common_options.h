@@ -23,7 +23,7 @@ struct CommonOptions {
 
 /// What a person says of every recording of a run, as in the TOML file beside it.
 struct ReadingOptions {
-  std::string format, decimal, separator, time_unit;
+  std::string format, decimal, separator, time_unit, sheet;
   std::vector<std::string> variables;
 };
 [[nodiscard]] describe::Options options_of(ReadingOptions& given);

@@ -7,6 +7,7 @@
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
+#include "signal/readers/read_over_frequency.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/recording/recording_error.h"
@@ -24,8 +25,7 @@ FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOpti
     if (format == RecordingFormat::uff && files.size() == 1)
       return read_uff_frfs(file.bytes(), path);
     if (format == RecordingFormat::mat && files.size() == 1) return read_mat_frfs(path, options);
-    std::optional<FrequencyTable> table;
-    if (format == RecordingFormat::csv) table = read_frequency_table(file.bytes(), path, options);
+    std::optional<FrequencyTable> table = frequency_table_in(file.bytes(), path, options);
     if (!table) {
       throw RecordingError({path.string(), 0, 0, "", ""},
                            format == RecordingFormat::uff ? "is one of several universal files"

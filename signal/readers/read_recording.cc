@@ -13,6 +13,7 @@
 #include "signal/readers/read_lvm.h"
 #include "signal/readers/recording_description.h"
 #include "signal/readers/uff/read_uff.h"
+#include "signal/readers/xlsx/read_xlsx.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 
@@ -25,7 +26,7 @@ RecordingFormat format_named(const std::string& name, const std::string& file) {
   const auto at = std::find(names.begin(), names.end(), name);
   if (at == names.end()) {
     throw RecordingError({file, 0, 0, "", name}, "no format of that name is read",
-                         "csv (any table of text), lvm, uff, wav, npy or mat");
+                         "csv (any table of text), lvm, uff, wav, npy, mat or xlsx");
   }
   return static_cast<RecordingFormat>(at - names.begin());  // in the order of the enumeration
 }
@@ -43,6 +44,7 @@ RecordingFormat format_of(std::string_view bytes) {
       (bytes.substr(126, 2) == "IM" || bytes.substr(126, 2) == "MI")) {
     return RecordingFormat::mat;
   }
+  if (is_excel_workbook(bytes)) return RecordingFormat::xlsx;
   auto head = bytes.substr(0, 1024);
   if (head.substr(0, 3) == "\xEF\xBB\xBF") head.remove_prefix(3);
   std::size_t at = 0;
@@ -83,6 +85,8 @@ Recording read_any(const std::filesystem::path& path, const ReadOptions& options
       return read_uff(file.bytes(), path, options, read_to);
     case RecordingFormat::lvm:
       return read_lvm(file.bytes(), path, options, read_to);
+    case RecordingFormat::xlsx:
+      return read_xlsx(path, options);
     case RecordingFormat::csv:
       break;
   }

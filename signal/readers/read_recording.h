@@ -12,18 +12,19 @@
 namespace rigfit::signal {
 
 /// Formats that are told apart by their content.
-enum class RecordingFormat { csv, lvm, uff, wav, npy, mat };
+enum class RecordingFormat { csv, lvm, uff, wav, npy, mat, xlsx };
 
 /// Detects the format by the first bytes: "    -1" begins UFF, "LabVIEW Measurement" LVM, "RIFF"
 /// WAV,
-/// "\x93NUMPY" a NumPy array, "MATLAB" with its version mark a .mat file. Everything else is read
-/// as a table.
+/// "\x93NUMPY" a NumPy array, "MATLAB" with its version mark a .mat file, a zip archive
+/// of an Excel workbook's parts .xlsx. Everything else is read as a table of text.
 [[nodiscard]] RecordingFormat format_of(std::string_view bytes);
 
 /// `options.format`, if given, overrides the detection. `done_with`, if given, is called now and
-/// then with the bytes read so far (never for a MATLAB file, which a library reads whole). Throws
-/// RecordingError with file, line, channel, value and remedy. Formats that are recognised but not
-/// read (TDMS, MDF, HDF5, XLSX ...) are refused by name, with advice on how to convert them.
+/// then with the bytes read so far (never for a MATLAB file or a workbook, which a library reads
+/// whole). Throws RecordingError with file, line, channel, value and remedy. Formats that are
+/// recognised but not read (TDMS, MDF, HDF5, XLS ...) are refused by name, with advice on how to
+/// convert them.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& path,
                                        const ReadOptions& options = {},
                                        const std::function<void(std::size_t)>& done_with = {});

@@ -193,6 +193,7 @@ RecordingDescription read_description(document::TomlTable& table) {
                            "write \"comma\", \"semicolon\", \"tab\" or \"blank\", or the sign");
   if (table.has("format")) reading.format = table.choice_or("format", format_names(), "");
   if (table.has("variables")) reading.variables = table.string_or_strings("variables");
+  if (table.has("sheet")) reading.sheet = table.string("sheet");
   for (auto& entry : table.tables_or_empty("channel")) {
     description.channels.push_back(read_channel(entry));
     entry.finish();
@@ -200,7 +201,9 @@ RecordingDescription read_description(document::TomlTable& table) {
   return description;
 }
 
-std::vector<std::string> format_names() { return {"csv", "lvm", "uff", "wav", "npy", "mat"}; }
+std::vector<std::string> format_names() {
+  return {"csv", "lvm", "uff", "wav", "npy", "mat", "xlsx"};
+}
 
 char sign_named(const std::string& text) {
   if (text.size() == 1 && std::string(",;.\t ").find(text[0]) != std::string::npos) return text[0];
@@ -223,6 +226,7 @@ ReadOptions merged(ReadOptions first, const ReadOptions& second) {
   if (first.separator == 0) first.separator = second.separator;
   if (first.format.empty()) first.format = second.format;
   if (first.variables.empty()) first.variables = second.variables;
+  if (first.sheet.empty()) first.sheet = second.sheet;
   return first;
 }
 

@@ -6,8 +6,10 @@
 //   time_unit = "ms"              # unit of the time column, where the file gives none
 //   decimal = ","                 # decimal sign, where a table can be read in two ways
 //   separator = ";"               # between columns: the sign or "comma", "semicolon", "tab",
-//   "blank" format = "csv"                # where the content does not tell (read_recording.h)
+//                                 # "blank"
+//   format = "csv"                # where the content does not tell (read_recording.h)
 //   variables = ["acc", "force"]  # arrays to take of a file that names several (.mat)
+//   sheet = "Run 3"               # of a workbook (.xlsx); without it the first
 //   [[channel]]
 //   source = "CH8"                # the file's name for it, or "#5" for the fifth
 //   name = "hammer"               # new name, used from here on

@@ -8,8 +8,12 @@ namespace {
 std::string message(const RecordingError::Where& where, const std::string& problem,
                     const std::string& remedy) {
   std::string text = where.file;
-  if (where.line > 0) text += fmt::format(":{}", where.line);
-  if (where.column > 0) text += fmt::format(":{}", where.column);
+  if (!where.cell.empty()) {
+    text += ":" + where.cell;
+  } else {
+    if (where.line > 0) text += fmt::format(":{}", where.line);
+    if (where.column > 0) text += fmt::format(":{}", where.column);
+  }
   text += ": ";
   if (!where.channel.empty()) text += fmt::format("channel \"{}\": ", where.channel);
   text += problem;

@@ -37,7 +37,7 @@ ODD = [None, True, 0, -1, 1, 2, 7, 2**70, -2**70, 0.0, -0.5, 0.5, 1e-320, 1e308,
        pathlib.Path("/"), pathlib.Path(CABLE), CABLE, "title = 1\n", rigfit.Scene(CABLE), ...]
 
 FUNCTIONS = {
-    rigfit.read: ["file", "sample_rate", "format", "decimal", "separator", "time_unit", "variable"],
+    rigfit.read: ["file", "sample_rate", "format", "decimal", "separator", "time_unit", "variable", "sheet"],
     rigfit.Recording: ["channels", "fs", "units", "start_time_s", "name"],
     rigfit.inspect: ["recordings", "sample_rate"],
     rigfit.resample: ["recording", "rate", "out", "sample_rate"],

@@ -16,10 +16,9 @@
 #include "document/document_error.h"
 #include "document/toml_table.h"
 #include "signal/impact/pulse_shape.h"
-#include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
-#include "signal/readers/read_recording.h"
+#include "signal/readers/read_over_frequency.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
@@ -306,8 +305,7 @@ std::string test_text(const std::string& name, const Test& test, const GuessOpti
 bool over_frequency(const std::string& file, VerbContext& context) {
   const signal::MappedFile mapped(file);
   return context.reading.format.empty() && !signal::foreign_format(mapped.bytes()) &&
-         signal::format_of(mapped.bytes()) == signal::RecordingFormat::csv &&
-         signal::read_frequency_table(mapped.bytes(), file, context.reading).has_value();
+         signal::frequency_table_in(mapped.bytes(), file, context.reading).has_value();
 }
 
 /// Files, and those in folders, which describe nothing and are none of ours.

@@ -18,6 +18,7 @@
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
+#include "signal/readers/read_over_frequency.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/spectra/line_peaks.h"
@@ -38,11 +39,8 @@ A TOML file beside a recording (hits.csv -> hits.toml) names, scales and orients
 std::optional<signal::FrequencyTable> frequency_table(const std::string& path,
                                                       std::string_view bytes,
                                                       VerbContext& context) {
-  if (!context.reading.format.empty() || signal::foreign_format(bytes) ||
-      signal::format_of(bytes) != signal::RecordingFormat::csv) {
-    return std::nullopt;
-  }
-  return signal::read_frequency_table(bytes, path, context.reading);
+  if (!context.reading.format.empty() || signal::foreign_format(bytes)) return std::nullopt;
+  return signal::frequency_table_in(bytes, path, context.reading);
 }
 
 signal::Recording functions_of(const signal::FrequencyTable& table, VerbContext& context) {
@@ -255,7 +253,7 @@ describe::Options options_of(InspectCommand& c) {
   using describe::option;
   return {option("FILE", c.files,
                  "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
-                 ".mat, NumPy .npy; spectra and FRFs as text")
+                 ".mat, NumPy .npy, Excel .xlsx; spectra and FRFs as tables")
               .required(),
           option("--sample-rate", c.sample_rate_hz, "Sample rate in Hz of files that give none")
               .positive()

@@ -38,7 +38,7 @@ def _with_folder(function):
     return called
 
 
-def read(file, sample_rate=None, *, format=None, decimal=None, separator=None, time_unit=None, variable=None):
+def read(file, sample_rate=None, *, format=None, decimal=None, separator=None, time_unit=None, variable=None, sheet=None):
     """Reads a recording: every format that ``rigfit inspect`` reads. A TOML file of its name beside it describes its channels.
 
     Parameters
@@ -46,13 +46,15 @@ def read(file, sample_rate=None, *, format=None, decimal=None, separator=None, t
     file : path
     sample_rate : float, optional
         Hz, where the file gives none.
-    format : {"csv", "lvm", "uff", "wav", "npy", "mat"}, optional
+    format : {"csv", "lvm", "uff", "wav", "npy", "mat", "xlsx"}, optional
         Where the content misleads.
     decimal : {".", ","}, optional
     separator : {",", ";", "\\t", " "}, optional
     time_unit : {"s", "ms", "us", "min"}, optional
     variable : str or list of str, optional
         Arrays to take of .mat files.
+    sheet : str, optional
+        Sheet of .xlsx files, by name or number ("#2"); the first one otherwise.
 
     Returns
     -------
@@ -64,7 +66,7 @@ def read(file, sample_rate=None, *, format=None, decimal=None, separator=None, t
     InputError
         With file, line, channel, value and remedy.
     """
-    given = {"format": format, "decimal": decimal, "separator": separator, "time_unit": time_unit, "variable": variable}
+    given = {"format": format, "decimal": decimal, "separator": separator, "time_unit": time_unit, "variable": variable, "sheet": sheet}
     options = {key: checked(key, options_of("read")[key], value) for key, value in given.items() if value is not None}
     if sample_rate is not None:
         options["sample_rate"] = checks.number("sample_rate", sample_rate, positive=True)

@@ -312,8 +312,12 @@ std::optional<FrequencyTable> read_frequency_table(std::string_view bytes,
                                                    const std::filesystem::path& path,
                                                    const ReadOptions& options) {
   std::string converted;
-  CsvTable csv = read_csv_columns(text_without_mark(bytes, converted, path.string()), path.string(),
-                                  {}, options);
+  return frequency_table_of(read_csv_columns(text_without_mark(bytes, converted, path.string()),
+                                             path.string(), {}, options),
+                            path);
+}
+
+std::optional<FrequencyTable> frequency_table_of(CsvTable csv, const std::filesystem::path& path) {
   const auto at = frequency_column(csv);
   if (!at) return std::nullopt;
   FrequencyTable table;

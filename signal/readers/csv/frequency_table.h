@@ -46,6 +46,10 @@ struct FrequencyTable {
                                                                  const std::filesystem::path& path,
                                                                  const ReadOptions& options = {});
 
+/// The functions of a table that is over frequency. Empty, and throws, as above.
+[[nodiscard]] std::optional<FrequencyTable> frequency_table_of(CsvTable csv,
+                                                               const std::filesystem::path& path);
+
 /// Whether a function is given in dB, by its unit or title.
 [[nodiscard]] bool in_decibels(const Channel& function);
 

@@ -17,7 +17,7 @@ struct Signature {
 
 constexpr const char* kSpreadsheet = "save the sheet as CSV (File, Save As, CSV UTF-8)";
 
-constexpr std::array<Signature, 24> kSignatures = {{
+constexpr std::array<Signature, 23> kSignatures = {{
     {"TDSm"sv, "a National Instruments TDMS file",
      "export it as LVM, CSV or UFF 58: in LabVIEW or DIAdem, or in Python by nptdms "
      "(TdmsFile.read(F).as_dataframe().to_csv)"},
@@ -29,7 +29,6 @@ constexpr std::array<Signature, 24> kSignatures = {{
      "finalise it and export it as MAT or CSV, in Python by asammdf"},
     {"\x89HDF\r\n\x1a\n"sv, "an HDF5 file",
      "export the arrays as .npy, .mat or CSV, in Python by h5py and numpy.save"},
-    {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv, "an old Excel workbook (.xls)", kSpreadsheet},
     {"|CF,"sv, "an imc FAMOS file", "export it as CSV or UFF 58 from FAMOS"},
     {"|CK,"sv, "an imc FAMOS file", "export it as CSV or UFF 58 from FAMOS"},
     {"PAR1"sv, "an Apache Parquet file", "write it as CSV, in Python by pandas: to_csv"},
@@ -52,7 +51,24 @@ constexpr std::array<Signature, 24> kSignatures = {{
     {"DEWE"sv, "a Dewesoft file", "export it as UFF 58, MAT or CSV from DewesoftX"},
 }};
 
+constexpr auto kCompoundFile = "\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv;
+constexpr auto kZipPart = "PK\x03\x04"sv;  // a part of a zip archive: 30 bytes, then its name
+
 }  // namespace
+
+bool is_excel_workbook(std::string_view bytes) {
+  const auto head = bytes.substr(0, 1 << 16);
+  if (head.substr(0, kZipPart.size()) != kZipPart) return false;
+  bool office = false;  // a workbook, a text or slides
+  for (std::size_t at = 0; at != std::string_view::npos && at + 30 < head.size();
+       at = head.find(kZipPart, at + 1)) {
+    const auto name = head.substr(at + 30);
+    if (name.starts_with("xl/")) return true;
+    if (name.starts_with("word/") || name.starts_with("ppt/")) return false;
+    office |= name.starts_with("[Content_Types].xml");
+  }
+  return office;
+}
 
 std::optional<ForeignFormat> foreign_format(std::string_view bytes) {
   for (const auto& signature : kSignatures) {
@@ -60,11 +76,18 @@ std::optional<ForeignFormat> foreign_format(std::string_view bytes) {
       return ForeignFormat{signature.name, signature.remedy};
     }
   }
-  if (bytes.substr(0, 4) == "PK\x03\x04"sv) {
-    const auto head = bytes.substr(0, 1 << 16);
-    if (head.find("xl/") != std::string_view::npos || head.find("[Content_Types].xml") == 30) {
-      return ForeignFormat{"an Excel workbook (.xlsx)", kSpreadsheet};
+  if (bytes.substr(0, kCompoundFile.size()) == kCompoundFile) {
+    // Its streams have names in UTF-16.
+    if (bytes.find("E\0n\0c\0r\0y\0p\0t\0e\0d\0P\0a\0c\0k\0a\0g\0e\0"sv) !=
+        std::string_view::npos) {
+      return ForeignFormat{"an Excel workbook or Office document with a password",
+                           "open it, take the password off and save it as .xlsx"};
     }
+    return ForeignFormat{"an old Excel workbook (.xls)",
+                         "open it in a spreadsheet program and save it as .xlsx, or as CSV"};
+  }
+  if (bytes.substr(0, 4) == kZipPart && !is_excel_workbook(bytes)) {
+    const auto head = bytes.substr(0, 1 << 16);
     if (head.find("opendocument.spreadsheet") != std::string_view::npos) {
       return ForeignFormat{"an OpenDocument spreadsheet (.ods)", kSpreadsheet};
     }

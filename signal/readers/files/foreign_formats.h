@@ -16,4 +16,8 @@ struct ForeignFormat {
 /// By the first bytes; empty: none of those known.
 [[nodiscard]] std::optional<ForeignFormat> foreign_format(std::string_view bytes);
 
+/// Whether the bytes begin a zip archive with the parts of an Excel workbook (.xlsx), which is
+/// read.
+[[nodiscard]] bool is_excel_workbook(std::string_view bytes);
+
 }  // namespace rigfit::signal

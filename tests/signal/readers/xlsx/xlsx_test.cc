@@ -1,0 +1,473 @@
+// Workbooks as spreadsheet programs and libraries save them, and everything in them that is
+// refused.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <minizip/zip.h>
+
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "signal/readers/read_frfs.h"
+#include "signal/readers/read_recording.h"
+#include "signal/readers/recording_description.h"
+#include "signal/recording/recording_error.h"
+#include "tests/fuzz/mutations.h"
+#include "tests/fuzz/require_sound.h"
+
+namespace rigfit::signal::xlsx_test {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+// Numbers of cell styles in `kStyles`.
+constexpr int kDateTime = 1, kPassed = 2, kPercent = 3;
+constexpr const char* kStyles =
+    R"(<styleSheet><numFmts count="2"><numFmt numFmtId="164" formatCode="yyyy\-mm\-dd\ hh:mm:ss.000"/>)"
+    R"(<numFmt numFmtId="165" formatCode="[h]:mm:ss.000;@"/></numFmts><cellXfs><xf numFmtId="0"/>)"
+    R"(<xf numFmtId="164"/><xf numFmtId="165"/><xf numFmtId="10"/></cellXfs></styleSheet>)";
+constexpr const char* kTypes =
+    "http://schemas.openxmlformats.org/officeDocument/2006/relationships/";
+
+std::string number(const std::string& cell, double value, int style = 0) {
+  return fmt::format(R"(<c r="{}" s="{}"><v>{:.17g}</v></c>)", cell, style, value);
+}
+
+std::string words(const std::string& cell, const std::string& text) {
+  return fmt::format(R"(<c r="{}" t="inlineStr"><is><t>{}</t></is></c>)", cell, text);
+}
+
+std::string row(int k, const std::string& cells) {
+  return fmt::format(R"(<row r="{}">{}</row>)", k, cells);
+}
+
+/// Titles in row 1 and 60 samples at 100 Hz from row 2 on: time in A, force in B.
+double force(int k) { return std::sin(0.3 * k) / 3; }
+std::string titles() { return row(1, words("A1", "Time (s)") + words("B1", "Force [N]")); }
+std::string samples(int first_row = 2, int count = 60) {
+  std::string rows;
+  for (int k = 0; k < count; ++k) {
+    const std::string at = std::to_string(first_row + k);
+    rows += row(first_row + k, number("A" + at, k / 100.0) + number("B" + at, force(k)));
+  }
+  return rows;
+}
+
+/// A workbook of sheets by their rows, as a file.
+class Workbooks : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = fs::temp_directory_path() /
+            fmt::format("rigfit_xlsx_{}.xlsx",
+                        ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  }
+  void TearDown() override { fs::remove(path_); }
+
+  void add_sheet(const std::string& name, const std::string& rows, const std::string& tail = "") {
+    const std::size_t k = ++sheets_;
+    parts_[fmt::format("xl/worksheets/sheet{}.xml", k)] =
+        R"(<?xml version="1.0"?><worksheet xmlns="x"><sheetData>)" + rows + "</sheetData>" + tail +
+        "</worksheet>";
+    listed_ += fmt::format(R"(<sheet name="{}" sheetId="{}" r:id="rId{}"/>)", name, k, k);
+    relations_ += fmt::format(
+        R"(<Relationship Id="rId{}" Type="{}worksheet" Target="worksheets/sheet{}.xml"/>)", k,
+        kTypes, k);
+  }
+
+  void write(int level = 6) {
+    parts_["[Content_Types].xml"] = "<Types/>";
+    parts_["xl/workbook.xml"] =
+        "<workbook>" + properties_ + "<sheets>" + listed_ + "</sheets></workbook>";
+    parts_["xl/styles.xml"] = kStyles;
+    std::string relations = relations_;
+    for (const char* kind : {"styles", "sharedStrings"}) {
+      if (!parts_.contains(fmt::format("xl/{}.xml", kind))) continue;
+      relations += fmt::format(R"(<Relationship Id="{}" Type="{}{}" Target="/xl/{}.xml"/>)", kind,
+                               kTypes, kind, kind);
+    }
+    parts_["xl/_rels/workbook.xml.rels"] = "<Relationships>" + relations + "</Relationships>";
+    const zipFile zip = ::zipOpen64(path_.c_str(), APPEND_STATUS_CREATE);
+    ASSERT_NE(zip, nullptr);
+    for (const auto& [name, text] : parts_) {
+      zip_fileinfo info{};
+      ASSERT_EQ(::zipOpenNewFileInZip64(zip, name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr,
+                                        Z_DEFLATED, level, 0),
+                ZIP_OK);
+      ASSERT_EQ(::zipWriteInFileInZip(zip, text.data(), static_cast<unsigned>(text.size())),
+                ZIP_OK);
+      ASSERT_EQ(::zipCloseFileInZip(zip), ZIP_OK);
+    }
+    ASSERT_EQ(::zipClose(zip, nullptr), ZIP_OK);
+  }
+
+  void write_one(const std::string& rows, const std::string& tail = "") {
+    add_sheet("Run 1", rows, tail);
+    write();
+  }
+
+  Recording read(const std::string& sheet = "") {
+    ReadOptions options;
+    options.sheet = sheet;
+    return read_recording(path_, options);
+  }
+
+  std::string refusal(const std::string& sheet = "") {
+    try {
+      static_cast<void>(read(sheet));
+    } catch (const RecordingError& error) {
+      EXPECT_FALSE(error.remedy().empty());
+      return error.what();
+    }
+    ADD_FAILURE() << "read without a word";
+    return "";
+  }
+
+  std::string bytes() const {
+    std::ifstream file(path_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  void put(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
+
+  fs::path path_;
+  std::map<std::string, std::string> parts_;
+  std::string properties_;
+  std::size_t sheets_ = 0;
+  std::string listed_, relations_;
+};
+
+std::string note_of(const Recording& recording, const std::string& code) {
+  for (const auto& note : recording.notes) {
+    if (note.code == code) return note.message + " " + note.where;
+  }
+  return "";
+}
+
+/// The samples of `samples()`, bit by bit.
+void expect_force(const Recording& recording, int count = 60) {
+  ASSERT_EQ(recording.channels.size(), 1u);
+  EXPECT_EQ(recording.channels[0].name, "Force");
+  EXPECT_EQ(recording.channels[0].unit, "N");
+  EXPECT_EQ(recording.format, "xlsx");
+  EXPECT_DOUBLE_EQ(recording.sample_rate_hz, 100);
+  ASSERT_EQ(recording.samples(), count);
+  for (int k = 0; k < count; ++k) EXPECT_EQ(recording.channels[0].samples[k], force(k)) << k;
+}
+
+TEST_F(Workbooks, GiveTheNumbersAsSaved) {
+  write_one(titles() + samples());
+  const Recording recording = read();
+  expect_force(recording);
+  EXPECT_TRUE(recording.notes.empty()) << recording.notes.front().message;
+}
+
+TEST_F(Workbooks, TextsMayBeSharedInRunsOfFontsOrOverTwoLines) {
+  parts_["xl/sharedStrings.xml"] =
+      "<sst><si><r><t>Ti</t></r><r><rPr><b/></rPr><t>me (s)</t></r></si>"
+      "<si><t>Force&#10;[N]</t><rPh sb=\"0\" eb=\"1\"><t>reading</t></rPh></si></sst>";
+  write_one(R"(<row r="1"><c r="A1" t="s"><v>0</v></c><c r="B1" t="s"><v>1</v></c></row>)" +
+            samples());
+  expect_force(read());
+}
+
+TEST_F(Workbooks, UnitsMayStandInARowOfTheirOwnAndTheTableAnywhere) {
+  std::string rows = row(2, words("C2", "Test of 3 May; \"new\" rope")) +
+                     row(4, words("C4", "Time") + words("D4", "Force")) +
+                     row(5, words("C5", "ms") + words("D5", "kN"));
+  for (int k = 0; k < 30; ++k) {
+    const std::string at = std::to_string(6 + k);
+    rows += row(6 + k, number("C" + at, 10 * k) + number("D" + at, 0.5 * k));
+  }
+  write_one(rows, R"(<mergeCells><mergeCell ref="C2:D2"/></mergeCells>)");
+  const Recording recording = read();
+  EXPECT_DOUBLE_EQ(recording.sample_rate_hz, 100);
+  ASSERT_EQ(recording.channels.size(), 1u);
+  for (int k = 0; k < 30; ++k) EXPECT_EQ(recording.channels[0].samples[k], 500.0 * k);
+}
+
+TEST_F(Workbooks, FormulasGiveTheirSavedValues) {
+  std::string rows = titles();
+  for (int k = 0; k < 60; ++k) {
+    rows += row(2 + k, fmt::format(R"(<c r="A{0}"><f>(ROW()-2)/100</f><v>{1:.17g}</v></c>)"
+                                   R"(<c r="B{0}"><f t="shared" si="0"/><v>{2:.17g}</v></c>)",
+                                   2 + k, k / 100.0, force(k)));
+  }
+  write_one(rows);
+  expect_force(read());
+}
+
+TEST_F(Workbooks, NamesMayHaveANamespaceAndCellsNoReferences) {
+  std::string rows =
+      "<x:row><x:c t=\"str\"><x:v>Time (s)</x:v></x:c>"
+      "<x:c t=\"str\"><x:v>Force [N]</x:v></x:c></x:row>";
+  for (int k = 0; k < 60; ++k) {
+    rows += fmt::format("<x:row><x:c><x:v>{}</x:v></x:c><x:c><x:v>{:.17g}</x:v></x:c></x:row>",
+                        k / 100.0, force(k));
+  }
+  add_sheet("Run 1", "");
+  parts_["xl/worksheets/sheet1.xml"] =
+      "<!-- made by a program --><x:worksheet xmlns:x=\"x\">"
+      "<x:sheetData>" +
+      rows + "</x:sheetData></x:worksheet>";
+  write();
+  expect_force(read());
+}
+
+TEST_F(Workbooks, EmptyCellsAndRowsAreMissingSamples) {
+  std::string rows = row(1, words("A1", "Force [N]") + words("B1", "Load [N]"));
+  for (int k = 2; k < 30; ++k) {
+    if (k == 9) continue;
+    const std::string at = std::to_string(k);
+    rows += row(k, (k == 5 ? R"(<c r="A5" t="e"><v>#N/A</v></c>)" : number("A" + at, k)) +
+                       (k == 7 ? R"(<c r="B7" s="1"/>)" : number("B" + at, -k)));
+  }
+  write_one(rows);
+  const Recording recording = read();
+  ASSERT_EQ(recording.samples(), 28);
+  EXPECT_EQ(recording.channels[0].missing_samples, 2);
+  EXPECT_EQ(recording.channels[1].missing_samples, 2);
+  EXPECT_TRUE(std::isnan(recording.channels[0].samples[3]));
+  EXPECT_TRUE(std::isnan(recording.channels[1].samples[5]));
+  EXPECT_TRUE(std::isnan(recording.channels[0].samples[7]));
+  EXPECT_EQ(recording.channels[0].samples[8], 10);
+  EXPECT_EQ(note_of(recording, "incomplete"), "");
+}
+
+TEST_F(Workbooks, OneColumnKeepsItsEmptyRows) {
+  write_one(row(1, words("B1", "Force [N]")) + row(2, number("B2", 1)) + row(3, number("B3", 2)) +
+            row(5, number("B5", 4)) + row(6, number("B6", 5)));
+  const Recording recording = read();
+  ASSERT_EQ(recording.samples(), 5);
+  EXPECT_TRUE(std::isnan(recording.channels[0].samples[2]));
+  EXPECT_EQ(recording.channels[0].samples[4], 5);
+}
+
+TEST_F(Workbooks, DatesAreATimeAxisInBothSystems) {
+  // 2026-11-24 09:30 counted from 1900 and from 1904, which are 1462 days apart.
+  for (const double day : {46350.0, 46350.0 - 1462}) {
+    properties_ = day == 46350 ? "" : R"(<workbookPr date1904="1"/>)";
+    std::string rows = titles();
+    for (int k = 0; k < 60; ++k) {
+      const std::string at = std::to_string(2 + k);
+      rows += row(2 + k, number("A" + at, day + (34200 + k * 0.01) / 86400, kDateTime) +
+                             number("B" + at, force(k)));
+    }
+    parts_.clear(), listed_.clear(), relations_.clear(), sheets_ = 0;
+    write_one(rows);
+    const Recording recording = read();
+    ASSERT_EQ(recording.samples(), 60);
+    // Times are rounded to 0.6 us in the file and to 10 us as text, over 0.59 s.
+    EXPECT_NEAR(recording.sample_rate_hz, 100, 100 * 1.1e-5 / 0.59);
+    EXPECT_EQ(recording.channels[0].samples[7], force(7));
+  }
+}
+
+TEST_F(Workbooks, HoursPassedAreATimeAxis) {
+  std::string rows = titles();
+  for (int k = 0; k < 60; ++k) {
+    const std::string at = std::to_string(2 + k);
+    rows += row(2 + k, number("A" + at, (86399.7 + k * 0.01) / 86400, kPassed) +
+                           number("B" + at, force(k)));
+  }
+  write_one(rows);
+  const Recording recording = read();
+  ASSERT_EQ(recording.samples(), 60);
+  EXPECT_NEAR(recording.sample_rate_hz, 100, 1e-6);
+}
+
+TEST_F(Workbooks, TheFirstSheetIsTakenUnlessOneIsNamed) {
+  add_sheet("Notes", row(1, words("A1", "no numbers")));
+  listed_.insert(listed_.find(" sheetId"), R"( state="hidden")");
+  add_sheet("Run 1", titles() + samples());
+  add_sheet("Run 2", titles() + samples(2, 40));
+  write();
+  expect_force(read());
+  EXPECT_THAT(note_of(read(), "assumed"),
+              AllOf(HasSubstr("--sheet"), HasSubstr("\"Run 1\""), HasSubstr("\"Run 2\"")));
+  expect_force(read("Run 2"), 40);
+  expect_force(read("#3"), 40);
+  EXPECT_EQ(note_of(read("Run 2"), "assumed"), "");
+  EXPECT_THAT(refusal("Run 3"), AllOf(HasSubstr("no sheet of that name"), HasSubstr("\"Run 2\"")));
+  EXPECT_THAT(refusal("Notes"), AllOf(HasSubstr("Notes"), HasSubstr("holds no numbers")));
+}
+
+TEST_F(Workbooks, ASidecarNamesTheSheet) {
+  fs::path sidecar = path_;
+  sidecar.replace_extension(".toml");
+  std::ofstream(sidecar) << "sheet = \"Run 2\"\nformat = \"xlsx\"\n";
+  EXPECT_EQ(read_description(sidecar).reading.sheet, "Run 2");
+  EXPECT_EQ(merged({}, read_description(sidecar).reading).sheet, "Run 2");
+  fs::remove(sidecar);
+}
+
+TEST_F(Workbooks, RefusalsNameTheCell) {
+  const std::string good = titles() + samples(2, 30);
+  const auto refused = [&](const std::string& cells) {
+    parts_.clear(), listed_.clear(), relations_.clear(), sheets_ = 0;
+    write_one(good + row(32, number("A32", 0.3) + cells) + samples(33, 10), "");
+    return refusal();
+  };
+  EXPECT_THAT(refused(R"(<c r="B32" t="e"><f>1/0</f><v>#DIV/0!</v></c>)"),
+              AllOf(HasSubstr("'Run 1'!B32"), HasSubstr("#DIV/0!"), HasSubstr("empty the cell")));
+  EXPECT_THAT(refused(R"(<c r="B32"><f>A32*2</f></c>)"),
+              AllOf(HasSubstr("'Run 1'!B32"), HasSubstr("without its value")));
+  EXPECT_THAT(refused(R"(<c r="B32"><f>A32*2</f><v></v></c>)"), HasSubstr("without its value"));
+  EXPECT_THAT(refused(words("B32", "slipped")),
+              AllOf(HasSubstr("'Run 1'!B32"), HasSubstr("Force"), HasSubstr("slipped")));
+  EXPECT_THAT(refused(words("B32", "#4 slipped")), HasSubstr("'Run 1'!B32"));
+  for (const char* text : {"1.25", "1,25", " 7 "}) {
+    EXPECT_THAT(refused(words("B32", text)),
+                AllOf(HasSubstr("'Run 1'!B32"), HasSubstr("number stored as text")));
+  }
+  EXPECT_THAT(refused(number("B32", 12, kDateTime)),
+              AllOf(HasSubstr("'Run 1'!B32"), HasSubstr("before 1900-03-01")));
+  EXPECT_THAT(refused(R"(<c r="B32" t="b"><v>1</v></c>)"), HasSubstr("TRUE"));
+  EXPECT_THAT(refused(R"(<c r="B32"><v>1e400</v></c>)"), HasSubstr("'Run 1'!B32"));
+  EXPECT_THAT(refused(R"(<c r="B32" t="s"><v>0</v></c>)"), HasSubstr("'Run 1'!B32"));
+}
+
+TEST_F(Workbooks, NumbersStoredAsTextAreRefusedInWholeColumnsToo) {
+  std::string rows = titles();
+  for (int k = 2; k < 40; ++k) {
+    rows += row(
+        k, number(fmt::format("A{}", k), k) + words(fmt::format("B{}", k), fmt::format("0,{}", k)));
+  }
+  write_one(rows);
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("'Run 1'!B2"), HasSubstr("number stored as text")));
+}
+
+TEST_F(Workbooks, MergedCellsAreRefusedButForAHeading) {
+  const std::string heading = row(1, words("A1", "Cable 7"));
+  const std::string rows =
+      heading + row(3, words("A3", "Time (s)") + words("B3", "Force [N]")) + samples(4);
+  const auto with = [&](const std::string& range) {
+    parts_.clear(), listed_.clear(), relations_.clear(), sheets_ = 0;
+    write_one(rows, fmt::format(R"(<mergeCells><mergeCell ref="{}"/></mergeCells>)", range));
+  };
+  with("A1:B2");
+  expect_force(read());
+  for (const char* range : {"B3:C3", "A2:A3", "B10:B12", "A63:B63"}) {
+    with(range);
+    EXPECT_THAT(refusal(), AllOf(HasSubstr("merged cells"), HasSubstr(range)));
+  }
+  with("A90:B91");  // below the table
+  expect_force(read());
+  with("A1:?");
+  EXPECT_THAT(refusal(), HasSubstr("damaged"));
+}
+
+TEST_F(Workbooks, HiddenRowsAndPercentAreNoted) {
+  std::string rows = titles() + samples();
+  rows.replace(rows.find(R"(<row r="9">)"), 11, R"(<row r="9" hidden="1">)");
+  rows += row(62, number("A62", 0.6) + number("B62", force(60), kPercent));
+  write_one(rows);
+  const Recording recording = read();
+  expect_force(recording, 61);
+  EXPECT_THAT(note_of(recording, "read_as"), HasSubstr("1 rows"));
+  EXPECT_THAT(note_of(recording, "assumed"), HasSubstr("B62"));
+}
+
+TEST_F(Workbooks, FrfsAreReadFromASheet) {
+  std::string rows = row(1, words("A1", "Frequency (Hz)") + words("B1", "Real ((m/s^2)/N)") +
+                                words("C1", "Imag ((m/s^2)/N)"));
+  for (int k = 0; k < 50; ++k) {
+    rows += row(2 + k, number(fmt::format("A{}", 2 + k), 1 + k) +
+                           number(fmt::format("B{}", 2 + k), force(k)) +
+                           number(fmt::format("C{}", 2 + k), -force(k)));
+  }
+  write_one(rows);
+  const FrfSet set = read_frfs({path_});
+  ASSERT_EQ(set.H.rows(), 50);
+  EXPECT_EQ(set.H(7, 0), std::complex<double>(force(7), -force(7)));
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("'Run 1', row 2"), HasSubstr("rigfit modal")));
+}
+
+TEST_F(Workbooks, ScatteredCellsDoNotFillTheMemory) {
+  write_one(titles() + samples() + row(1048576, number("XFD1048576", 1)));
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("XFD1048576"), HasSubstr("scattered")));
+}
+
+TEST_F(Workbooks, WhatUnpacksToTooMuchIsRefused) {
+  add_sheet("Run 1", "");
+  parts_["xl/worksheets/sheet1.xml"] = "<worksheet><sheetData>" + std::string(20 << 20, ' ');
+  write(1);
+  EXPECT_LT(fs::file_size(path_), 1 << 18);
+  EXPECT_THAT(refusal(), HasSubstr("unpacks to more"));
+}
+
+TEST_F(Workbooks, DamagedOnesAreRefused) {
+  write_one(titles() + samples());
+  std::string encrypted = bytes();
+  for (std::size_t at = encrypted.find("PK\1\2"); at != std::string::npos;
+       at = encrypted.find("PK\1\2", at + 1)) {
+    encrypted[at + 8] = static_cast<char>(encrypted[at + 8] | 1);
+  }
+  put(encrypted);
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("encrypted"), HasSubstr("password")));
+
+  write();
+  parts_["xl/worksheets/sheet1.xml"] = "<worksheet><sheetData><row><c></row></sheetData>";
+  write();
+  EXPECT_THAT(refusal(), HasSubstr("damaged"));
+  parts_["xl/worksheets/sheet1.xml"] = "</row><row r=\"1\">";
+  write();
+  EXPECT_THAT(refusal(), HasSubstr("damaged"));
+  for (const char* cells : {R"(<row r="2"/><row r="2"><c r="A2"><v>1</v></c></row>)",
+                            R"(<row r="2"><c r="B2"><v>1</v></c><c r="A2"><v>1</v></c></row>)",
+                            R"(<row r="2"><c r="A3"><v>1</v></c></row>)",
+                            R"(<row r="2"><c r="XFE2"><v>1</v></c></row>)",
+                            R"(<row r="1048577"><c><v>1</v></c></row>)"}) {
+    parts_["xl/worksheets/sheet1.xml"] =
+        std::string("<worksheet><sheetData>") + cells + "</sheetData></worksheet>";
+    write();
+    EXPECT_THAT(refusal(), HasSubstr("damaged")) << cells;
+  }
+}
+
+TEST_F(Workbooks, CutOffAnywhereIsRefused) {
+  parts_["xl/sharedStrings.xml"] = "<sst><si><t>Time (s)</t></si></sst>";
+  write_one(titles() + samples());
+  const std::string whole = bytes();
+  ASSERT_GT(whole.size(), 1000u);
+  for (std::size_t size = 1; size < whole.size(); size += 37) {
+    put(whole.substr(0, size));
+    EXPECT_THROW(static_cast<void>(read()), RecordingError) << size;
+  }
+}
+
+TEST_F(Workbooks, ChangedBytesAreReadOrRefused) {
+  std::mt19937_64 random(11);
+  parts_["xl/sharedStrings.xml"] = "<sst><si><t>Time (s)</t></si></sst>";
+  add_sheet("Run 1", titles() + samples(2, 5));
+  add_sheet("Run 2", titles());
+  write(0);  // stored, so that the XML itself is changed, too
+  const std::string whole = bytes();
+  const std::map<std::string, std::string> parts = parts_;
+  const std::string listed = listed_;
+  const std::vector<std::string> tags = {"<c r=\"A1\"", "</row>", "<v>",
+                                         "t=\"s\"",     "&#0;",   "PK\1\2"};
+  for (int k = 0; k < 400; ++k) {
+    put(mutated(whole, tags, random));
+    EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read()); })) << k;
+  }
+  for (int k = 0; k < 400; ++k) {
+    parts_ = parts;
+    auto part = parts_.begin();
+    std::advance(part, static_cast<long>(random() % parts_.size()));
+    part->second = mutated(part->second, tags, random);
+    listed_ = k % 8 == 0 ? mutated(listed, tags, random) : listed;
+    write(0);
+    EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read()); })) << k;
+  }
+}
+
+}  // namespace
+}  // namespace rigfit::signal::xlsx_test
