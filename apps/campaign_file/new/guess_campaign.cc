@@ -137,12 +137,19 @@ Guess guess_of(const signal::Recording& recording, const GuessOptions& options) 
       if (hammer->quantity == signal::Quantity::voltage) {
         guess.why += fmt::format(", in V: say --sensitivity \"{}=X mV/N\"", hammer->name);
       }
+    } else if (bent && lower_case(bent->deflection).starts_with("exten")) {
+      throw signal::RecordingError(
+          {.file = recording.path.string()}, "has load over extension: bent or pulled",
+          "if a beam was bent, give it alone with --kind bending; if a cable was pulled, EA is its "
+          "length times the slope that rigfit bending --span LENGTH --tension 0 prints");
     } else if (bent) {
       guess.kind = "bending";
       guess.why = "load over deflection, no tension; how it is held is assumed";
     } else {
       guess.kind = "decay";
-      guess.why = "no hammer and no load-deflection pair: taken as free vibration";
+      guess.why =
+          "no hammer and no load-deflection pair: taken as free vibration; of a hung mass: give it "
+          "to rigfit axial for EA";
     }
   }
   if (guess.kind == "bending") {
@@ -157,7 +164,7 @@ Guess guess_of(const signal::Recording& recording, const GuessOptions& options) 
   if (recording.sample_rate_hz == 0) {
     throw signal::RecordingError(
         {.file = recording.path.string()}, "gives no sample rate",
-        "write sample_rate_hz = ... into a " +
+        "if it is a recording, write sample_rate_hz = ... into a " +
             fs::path(recording.path).replace_extension(".toml").filename().string() + " beside it");
   }
   if (guess.kind == "modal") {
@@ -344,7 +351,10 @@ void check_options(const std::vector<Test>& tests, const std::vector<std::string
   };
   const auto refuse = [](bool given, const char* option, const char* kinds) {
     if (given)
-      throw UsageError(fmt::format("{} belongs to {} tests; no file is one", option, kinds));
+      throw UsageError(
+          fmt::format("{} belongs to {} tests; no file is one: give the files of such a test "
+                      "alone, with --kind",
+                      option, kinds));
   };
   refuse(options.span_m > 0 && !has({"bending"}), "--span", "bending");
   refuse(options.mass_kg > 0 && !has({"axial"}), "--mass", "axial");

@@ -114,7 +114,7 @@ signal::Recording load(const std::string& path, VerbContext& context, double rat
         {"load_deflection_table",
          fmt::format(
              "has no times and is a load-deflection table (load \"{}\", deflection \"{}\"{}): "
-             "rigfit bending takes it",
+             "give it to rigfit bending if a cable or a beam was bent",
              table->load, table->deflection,
              table->tension.empty() ? ", no tension: --tension 0"
                                     : ", tension \"" + table->tension + "\""),

@@ -93,6 +93,15 @@ TEST(New, AFolderOfMixedFiles) {
   EXPECT_THAT(folder.read("rig3/campaign.toml"), HasSubstr("length = 2.4"));
   const auto only = run_program({"new", rig + "4", "--from", data + "/photo.jpg"});
   EXPECT_EQ(only.exit_code, 3);
+  // Load over extension may be of a beam that was bent or of a cable that was pulled: it is asked.
+  const std::string pull = folder.write(
+      "pull.csv", "Load (N);Extension (mm)\n0,0;0,000\n100,0;1,333\n200,0;2,667\n300,0;4,000\n");
+  const auto asked = run_program({"new", rig + "5", "--from", pull});
+  EXPECT_EQ(asked.exit_code, 3);
+  EXPECT_THAT(asked.err, HasSubstr("EA is its length times the slope"));
+  const auto bent =
+      run_program({"new", rig + "6", "--from", pull, "--kind", "bending", "--span", "2"});
+  EXPECT_EQ(bent.exit_code, 0) << bent.err;
 }
 
 }  // namespace
