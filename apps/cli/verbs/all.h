@@ -15,6 +15,7 @@ Verb inspect_verb();
 Verb modal_verb();
 Verb modes_verb();
 Verb new_verb();
+Verb plan_verb();
 Verb predict_verb();
 Verb report_verb();
 Verb resample_verb();

@@ -1,0 +1,239 @@
+// rigfit plan: what to measure so that parameters are known to a goal.
+#include "ident/plan/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "apps/campaign_file/update_inputs.h"
+#include "apps/cli/json_document.h"
+#include "apps/cli/verbs/all.h"
+#include "apps/describe/digits.h"
+#include "apps/results/update_parameters.h"
+#include "model/scene/read_scene.h"
+
+namespace rigfit::apps {
+namespace {
+
+struct PlanCommand {
+  std::string scene;
+  std::vector<std::string> goals, free, priors, inputs;
+  std::vector<double> tensions, lengths;
+  ident::PlanOptions plan;
+};
+
+// "NAME=PERCENT%" or "NAME=STD".
+ident::PlanGoal goal_of(const std::string& text) {
+  const auto equals = text.rfind('=');
+  std::string number = equals == std::string::npos ? "" : text.substr(equals + 1);
+  ident::PlanGoal goal{text.substr(0, equals), 0, number.ends_with("%")};
+  if (goal.relative) number.pop_back();
+  try {
+    std::size_t used = 0;
+    goal.std = std::stod(number, &used) / (goal.relative ? 100 : 1);
+    if (used != number.size()) goal.std = 0;
+  } catch (const std::exception&) {
+  }
+  if (goal.parameter.empty() || !(goal.std > 0) || !std::isfinite(goal.std)) {
+    throw UsageError("--goal \"" + text +
+                     "\": write NAME=PERCENT%, such as cable.EI=5%, or NAME=STD");
+  }
+  return goal;
+}
+
+std::string relative_text(double std, double value) {
+  return std::isfinite(std) && value != 0 ? std_digits(100 * std / std::abs(value)) + " %" : "-";
+}
+
+void print_plan(const ident::PlanResult& plan, VerbContext& context) {
+  auto& out = context.out;
+  std::size_t width = 24;
+  for (const auto& proposal : plan.proposals) width = std::max(width, proposal.what.size());
+  out << fmt::format("{:>4}  {:<{}} {:>8}", "step", "predicted std after it", width, "cost, s");
+  for (const auto& parameter : plan.parameters) out << fmt::format("  {:>14}", parameter.name);
+  const auto row = [&](std::size_t step, const std::string& what, double cost, auto std_of) {
+    out << fmt::format("\n{:>4}  {:<{}} {:>8.0f}", step, what, width, cost);
+    for (std::size_t p = 0; p < plan.parameters.size(); ++p) {
+      const auto& parameter = plan.parameters[p];
+      out << fmt::format("  {:>{}}", relative_text(std_of(p), parameter.value),
+                         std::max<std::size_t>(14, parameter.name.size()));
+    }
+  };
+  row(0, "known before", 0, [&](auto p) { return plan.parameters[p].std_before; });
+  for (std::size_t k = 0; k < plan.proposals.size(); ++k) {
+    const auto& proposal = plan.proposals[k];
+    row(k + 1, proposal.what, proposal.cost_s, [&](auto p) { return proposal.std[p]; });
+  }
+  for (const auto& goal : plan.goals) {
+    const auto& one = plan.parameters[goal.parameter];
+    out << fmt::format("\n{}: std {} ({}), goal {}: {}; with everything measured {}", one.name,
+                       std_digits(one.std), relative_text(one.std, one.value),
+                       std_digits(goal.wanted_std), goal.reached ? "reached" : "out of reach",
+                       std_digits(one.best_std));
+  }
+  for (const auto& text : plan.exact_inputs) out << "\n  " << text;
+  out << '\n';
+}
+
+Json std_json(const std::string& name, double std, double value) {
+  return {{"name", name},
+          {"std", json_number(std)},
+          {"relative_std", json_number(value != 0 ? std / std::abs(value) : std::nan(""))}};
+}
+
+Json plan_json(const ident::PlanResult& plan, const std::vector<ident::UpdateState>& states) {
+  Json json{{"goals", Json::array()},
+            {"parameters", Json::array()},
+            {"proposals", Json::array()},
+            {"modes", Json::array()},
+            {"not_identifiable", Json::array()}};
+  for (const auto& goal : plan.goals) {
+    json["goals"].push_back({{"name", goal.goal.parameter},
+                             {"std", json_number(goal.wanted_std)},
+                             {"reached", goal.reached},
+                             {"takes", goal.takes}});
+  }
+  for (const auto& one : plan.parameters) {
+    Json row = std_json(one.name, one.std, one.value);
+    row["value"] = json_number(one.value);
+    row["std_before"] = json_number(one.std_before);
+    row["best_std"] = json_number(one.best_std);
+    json["parameters"].push_back(std::move(row));
+  }
+  for (const auto& proposal : plan.proposals) {
+    Json row{{"what", proposal.what}, {"cost", proposal.cost_s}, {"parameters", Json::array()}};
+    for (std::size_t p = 0; p < plan.parameters.size(); ++p) {
+      const auto& one = plan.parameters[p];
+      row["parameters"].push_back(std_json(one.name, proposal.std[p], one.value));
+    }
+    json["proposals"].push_back(std::move(row));
+  }
+  for (const auto& mode : plan.modes) {
+    json["modes"].push_back(
+        {{"state", states[mode.state].name},
+         {"plane", model::name_of(mode.plane)},
+         {"order", mode.order + 1},
+         {"frequency_hz", json_estimate(mode.frequency_hz, mode.frequency_std * mode.frequency_hz)},
+         {"damping_ratio",
+          json_estimate(mode.damping_ratio, mode.damping_std * mode.damping_ratio)}});
+  }
+  for (const auto& open : plan.not_identifiable) {
+    Json row{{"parameters", Json::array()}, {"message", open.message}};
+    for (const int p : open.parameters) {
+      row["parameters"].push_back(plan.parameters[static_cast<std::size_t>(p)].name);
+    }
+    json["not_identifiable"].push_back(std::move(row));
+  }
+  return json;
+}
+
+void tell_plan(const ident::PlanResult& plan, VerbContext& context) {
+  for (const auto& goal : plan.goals) {
+    const auto& one = plan.parameters[goal.parameter];
+    if (goal.reached) continue;
+    context.refuse(
+        "goal_out_of_reach",
+        fmt::format("To know {} to {}, {}", one.name, std_digits(goal.wanted_std), goal.takes),
+        one.name);
+  }
+  for (const auto& open : plan.not_identifiable) {
+    context.warn("not_identifiable", "Whatever is measured, " + open.message);
+  }
+  for (const auto& text : plan.exact_inputs) context.warn("exact_inputs", text);
+  for (const auto& text : plan.left_out) context.warn("state_left_out", text);
+}
+
+Json run_plan(const PlanCommand& command, VerbContext& context) {
+  context.input(command.scene);
+  const model::Scene scene = model::read_scene(command.scene);
+  std::vector<ident::PlanGoal> goals;
+  auto names = command.free;
+  for (const auto& text : command.goals) {
+    goals.push_back(goal_of(text));
+    const auto& goal = goals.back().parameter;
+    const bool named = std::any_of(names.begin(), names.end(), [&](const auto& name) {
+      return free_parameter(name).name == goal;
+    });
+    if (!named) names.push_back(goal);
+  }
+  auto options = command.plan;
+  std::sort(options.hits.begin(), options.hits.end());
+  std::sort(options.durations_s.begin(), options.durations_s.end());
+  options.threads = context.threads;
+  try {
+    UpdateStates states;
+    states.states = ident::plan_states(scene, command.tensions, command.lengths);
+    states.tension.resize(states.states.size());
+    options.inputs = uncertain_inputs(command.inputs, 0, states);
+    const auto plan = ident::plan_measurements(
+        states.states, free_parameters(names, command.priors, scene), goals, options);
+    if (!plan.failure.empty()) throw NotConverged(command.scene + ": " + plan.failure);
+    print_plan(plan, context);
+    tell_plan(plan, context);
+    return plan_json(plan, states.states);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+}
+
+describe::Options options_of(PlanCommand& c) {
+  using describe::option;
+  return {
+      option("scene", c.scene, "Scene file (TOML), near the truth").required().type("SCENE"),
+      option("--goal", c.goals,
+             "Standard uncertainty to be reached, NAME=PERCENT% or NAME=STD: the parameter is free")
+          .required()
+          .type("NAME=PERCENT%"),
+      option("--free", c.free, "Further parameters that are unknown, as in `rigfit update`"),
+      option("--prior", c.priors, "NAME=VALUE,STD of a free parameter, from other tests"),
+      option("--input", c.inputs, "Uncertainty of what is not fitted, as in `rigfit update`"),
+      option("--tension", c.tensions, "Further tensions of all cables that can be set", "N")
+          .positive(),
+      option("--length", c.lengths, "Further lengths of the only member that can be set", "m")
+          .positive(),
+      option("--modes", c.plan.modes, "Most modes of each plane that a test can identify")
+          .within(1, 30),
+      option("--hits", c.plan.hits, "Numbers of hits that a test may average (default: 5 10 20)")
+          .within(1, 1000),
+      option("--duration", c.plan.durations_s, "Durations that records may have (default: 4 8 16)",
+             "s")
+          .within(1e-3, 3600),
+      option("--sensors", c.plan.sensors, "Most sensors in one test").within(1, 100),
+      option("--as-drawn", c.plan.as_drawn,
+             "Hammers and sensors only where and along what the scene says"),
+      option("--noise", c.plan.noise_std,
+             "Noise of one sample, in the sensors' unit (default: typical instruments)")
+          .positive(),
+      option(
+          "--frequency-std", c.plan.frequency_relative_std,
+          "Relative standard uncertainty of the frequency of every mode seen in a state, instead "
+          "of what noise, hits and duration give")
+          .within(1e-9, 1.0),
+      option("--model-std", c.plan.model_relative_std,
+             "Relative error in frequency of the model itself (default: the scene's accuracy)")
+          .within(0.0, 1.0),
+      option("--state-time", c.plan.state_s, "Time to set another tension or length", "s")
+          .from_zero(),
+      option("--place-time", c.plan.place_s, "Time to place a sensor or move the hammer", "s")
+          .from_zero()};
+}
+
+}  // namespace
+
+Verb plan_verb() {
+  return verb_of<PlanCommand>(
+      "plan", "What to measure so that parameters are known to a goal",
+      "Every step adds a hammer test, a sensor, hits or longer records, the one that helps most "
+      "per "
+      "time first; `rigfit update` with the proposed modes gives the predicted std. Exit code 4 "
+      "when a goal is out of reach.\nExample:\n"
+      "  rigfit plan testdata/jalali2021/scenes/cable.toml --goal cable.EI=5% \\\n"
+      "    --free cable.tension --input right.x=0.002",
+      [](const PlanCommand& c, VerbContext& context) { return run_plan(c, context); });
+}
+
+}  // namespace rigfit::apps

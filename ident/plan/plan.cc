@@ -1,0 +1,357 @@
+#include "ident/plan/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "ident/campaign/fit_campaign.h"
+#include "ident/plan/plan_candidates.h"
+#include "ident/update/model_update.h"
+#include "ident/update/uncertainty/update_uncertainty.h"
+#include "signal/numerics/numbers.h"
+
+namespace rigfit::ident {
+namespace {
+
+using Tests = std::vector<PlanTest>;
+
+// Of the best that can be had, where that misses a goal: further steps cost much and add little.
+constexpr double kNearBest = 1.05;
+// Least decrease of the sum of ln(std / goal): 1 % of a std is not worth a step. Far from the
+// goals, by a factor of e, the first of two steps may show little beyond rounding.
+constexpr double kLeastGain = 0.01, kFarFromGoals = 1, kNoGain = 1e-6;
+
+// To better than itself, as in an update.
+bool is_determined(double variance) {
+  return variance <= std::pow(IdentifiabilityOptions().max_relative_std, 2);
+}
+
+// A step: the tests after it, and the one that it adds or changes.
+struct Move {
+  Tests tests;
+  std::size_t changed = 0;
+};
+
+class Planner {
+ public:
+  /// `targets`: coordinates of the goals, and the std to be reached.
+  Planner(const PlanCandidates& candidates, const PlanOptions& options,
+          std::vector<std::pair<Eigen::Index, double>> targets)
+      : candidates_(candidates), options_(options), targets_(std::move(targets)) {}
+
+  [[nodiscard]] Eigen::MatrixXd covariance(const Tests& tests) const {
+    return plan_covariance(candidates_, planned_modes(candidates_, options_, tests));
+  }
+
+  /// Sum of ln(std / target) of the goals that are not reached.
+  [[nodiscard]] double shortfall(const Tests& tests) const {
+    const auto C = covariance(tests);
+    double sum = 0;
+    for (const auto& [i, target] : targets_) {
+      sum += std::max(0.0, 0.5 * std::log(C(i, i)) - std::log(target));
+    }
+    return sum;
+  }
+
+  /// On the rig, s: records, places of hammer and sensors, states other than the first.
+  [[nodiscard]] double cost(const Tests& tests) const {
+    double sum = 0;
+    std::set<std::size_t> visited{0};
+    for (const auto& test : tests) {
+      sum += options_.hits[test.hits] * options_.durations_s[test.duration] +
+             options_.place_s * (1 + static_cast<double>(test.sensors.size()));
+      if (visited.insert(test.state).second) sum += options_.state_s;
+    }
+    return sum;
+  }
+
+  /// Greedy steps within `limits`, until the targets are reached or, with `all`, the limits.
+  [[nodiscard]] std::vector<Move> steps(const Tests& limits, bool all) const {
+    std::vector<Move> taken;
+    Tests now;
+    for (;;) {
+      const double left = shortfall(now);
+      if (!all && left <= 0) return taken;
+      Move best;
+      double best_rate = -std::numeric_limits<double>::infinity(), gain = 0;
+      for (auto& move : moves(now, limits)) {
+        const double less = left - shortfall(move.tests);
+        const double rate = less / std::max(cost(move.tests) - cost(now), 1.0);
+        if (rate > best_rate) best_rate = rate, gain = less, best = std::move(move);
+      }
+      const double least = left > kFarFromGoals ? kNoGain : kLeastGain;
+      if (best.tests.empty() || (!all && gain < least)) return taken;
+      now = best.tests;
+      taken.push_back(std::move(best));
+    }
+  }
+
+  /// The tests without what can be left out at no larger shortfall, the costliest first.
+  [[nodiscard]] Tests needed(Tests tests) const {
+    const double allowed = shortfall(tests) + kNoGain;
+    for (;;) {
+      auto fewer = reductions(tests);
+      std::stable_sort(fewer.begin(), fewer.end(),
+                       [&](const auto& a, const auto& b) { return cost(a) < cost(b); });
+      const auto enough = std::find_if(fewer.begin(), fewer.end(),
+                                       [&](const auto& one) { return shortfall(one) <= allowed; });
+      if (enough == fewer.end()) return tests;
+      tests = *enough;
+    }
+  }
+
+ private:
+  [[nodiscard]] std::vector<Move> moves(const Tests& now, const Tests& limits) const {
+    std::vector<Move> list;
+    for (const auto& limit : limits) {
+      const auto here = std::find_if(now.begin(), now.end(), [&](const PlanTest& test) {
+        return test.state == limit.state && test.load == limit.load;
+      });
+      const auto at = static_cast<std::size_t>(here - now.begin());
+      const auto add = [&](const auto& change) {
+        list.push_back({now, at});
+        if (here == now.end()) {
+          list.back().tests.push_back({limit.state, limit.load, {}, limit.modes, 0, 0});
+        }
+        change(list.back().tests[at]);
+      };
+      for (const auto sensor : limit.sensors) {
+        if (here != now.end() &&
+            (static_cast<int>(here->sensors.size()) >= options_.sensors ||
+             std::count(here->sensors.begin(), here->sensors.end(), sensor) > 0)) {
+          continue;
+        }
+        add([&](PlanTest& test) { test.sensors.push_back(sensor); });
+      }
+      if (here == now.end()) continue;
+      if (here->hits < limit.hits) add([](PlanTest& test) { ++test.hits; });
+      if (here->duration < limit.duration) add([](PlanTest& test) { ++test.duration; });
+    }
+    return list;
+  }
+
+  [[nodiscard]] static std::vector<Tests> reductions(const Tests& tests) {
+    std::vector<Tests> list;
+    for (std::size_t t = 0; t < tests.size(); ++t) {
+      const auto& test = tests[t];
+      const auto add = [&](const auto& change) {
+        list.push_back(tests);
+        change(list.back()[t]);
+      };
+      list.push_back(tests);
+      list.back().erase(list.back().begin() + static_cast<std::ptrdiff_t>(t));
+      for (std::size_t k = 0; k < test.sensors.size() && test.sensors.size() > 1; ++k) {
+        add([k](PlanTest& one) {
+          one.sensors.erase(one.sensors.begin() + static_cast<std::ptrdiff_t>(k));
+        });
+      }
+      if (test.hits > 0) add([](PlanTest& one) { --one.hits; });
+      if (test.duration > 0) add([](PlanTest& one) { --one.duration; });
+      if (test.modes > 1) add([](PlanTest& one) { --one.modes; });
+    }
+    return list;
+  }
+
+  const PlanCandidates& candidates_;
+  const PlanOptions& options_;
+  std::vector<std::pair<Eigen::Index, double>> targets_;
+};
+
+// All hammers in all states with all sensors at once, as often and as long as allowed.
+Tests all_tests(const PlanCandidates& candidates, const PlanOptions& options) {
+  PlanTest test{0, 0, {}, options.modes, options.hits.size() - 1, options.durations_s.size() - 1};
+  for (std::size_t k = 0; k < candidates.sensors.size(); ++k) test.sensors.push_back(k);
+  Tests tests;
+  for (test.state = 0; test.state < candidates.states.size(); ++test.state) {
+    for (test.load = 0; test.load < candidates.loads.size(); ++test.load) tests.push_back(test);
+  }
+  return tests;
+}
+
+std::string text_of(const PlanTest& test, const PlanCandidates& candidates,
+                    const PlanOptions& options) {
+  std::string sensors;
+  for (const auto sensor : test.sensors) {
+    sensors += (sensors.empty() ? "" : " + ") + candidates.sensors[sensor].name;
+  }
+  const auto modes = planned_modes(candidates, options, {test});
+  double highest = 0;
+  for (const auto& mode : modes) highest = std::max(highest, mode.frequency_hz);
+  return fmt::format("{}: {}, read {}, {} mode{} to {:.4g} Hz, {} hits of {:g} s",
+                     candidates.problem.states()[test.state].name, candidates.loads[test.load].name,
+                     sensors, modes.size(), modes.size() == 1 ? "" : "s", highest,
+                     options.hits[test.hits], options.durations_s[test.duration]);
+}
+
+// Parameters whose value differs between the states become one per state.
+void part_by_state(const std::vector<UpdateState>& states, std::vector<FreeParameter>& free) {
+  for (auto& parameter : free) {
+    const auto& target = parameter.targets.empty() ? parameter.name : parameter.targets.front();
+    const double own = model::parameter(states.front().scene, target);
+    if (std::all_of(states.begin(), states.end(), [&](const auto& state) {
+          return model::parameter(state.scene, target) == own;
+        })) {
+      continue;
+    }
+    parameter.per_state = true;
+    if (!parameter.prior) continue;
+    parameter.prior_relative_std = parameter.prior->std / std::abs(parameter.prior->value);
+    parameter.prior.reset();
+  }
+}
+
+double by_coordinate(const PlanCandidates& candidates, Eigen::Index i) {
+  return std::abs(
+      candidates.problem.coordinates()[static_cast<std::size_t>(i)].derivative(candidates.q[i]));
+}
+
+// Of the values; NaN: not determined.
+std::vector<double> planned_stds(const PlanCandidates& candidates, const Eigen::MatrixXd& C) {
+  std::vector<double> stds;
+  for (Eigen::Index i = 0; i < C.rows(); ++i) {
+    stds.push_back(is_determined(C(i, i)) ? by_coordinate(candidates, i) * std::sqrt(C(i, i))
+                                          : signal::kNaN);
+  }
+  return stds;
+}
+
+PlannedGoal planned_goal(const PlanCandidates& candidates, const std::vector<FreeParameter>& free,
+                         const PlanGoal& goal) {
+  const auto& coordinates = candidates.problem.coordinates();
+  const auto at = std::find_if(coordinates.begin(), coordinates.end(), [&](const auto& one) {
+    return free[static_cast<std::size_t>(one.parameter)].name == goal.parameter;
+  });
+  if (at == coordinates.end() || !(goal.std > 0) || !std::isfinite(goal.std)) {
+    throw std::invalid_argument("the goal " + goal.parameter +
+                                " is no free parameter or not positive");
+  }
+  const auto i = at - coordinates.begin();
+  const double unit = goal.relative ? std::abs(at->value(candidates.q[i])) : 1;
+  return {goal, static_cast<std::size_t>(i), goal.std * unit, false, ""};
+}
+
+// What no measurement determines: the null space of all data, without priors.
+std::vector<OpenDirection> open_directions(const PlanCandidates& candidates,
+                                           const std::vector<PlannedMode>& modes) {
+  const Eigen::Index n = candidates.problem.size();
+  IdentifiabilityOptions limits;
+  limits.relative_rank_tolerance = kRankTolerance;
+  return identifiability(plan_rows(candidates, modes).leftCols(n), Eigen::VectorXd::Ones(n),
+                         candidates.problem.names(), limits)
+      .open;
+}
+
+// What would reach a goal that the plan misses. `least`: covariance with everything measured.
+std::string what_it_takes(const PlanCandidates& candidates, const PlannedGoal& goal,
+                          const Eigen::MatrixXd& least) {
+  const auto i = static_cast<Eigen::Index>(goal.parameter);
+  const double wanted = goal.wanted_std / by_coordinate(candidates, i);
+  const double excess = least(i, i) - wanted * wanted;
+  if (excess <= 0) {
+    return candidates.problem.inputs().empty()
+               ? "allow more sensors, hits or longer records"
+               : "fit the uncertain inputs as free parameters with priors, or know them better";
+  }
+  // A prior of variance v on parameter j lowers the variance by c^2 / (var_j + v). One that is
+  // wider than the value says nothing, and the condition is then rounding.
+  Eigen::Index easiest = -1;
+  double widest = 0;
+  for (Eigen::Index j = 0; j < least.rows(); ++j) {
+    const double prior = least(i, j) * least(i, j) / excess - least(j, j);
+    if (j != i && prior > widest && is_determined(prior)) easiest = j, widest = prior;
+  }
+  if (easiest >= 0) {
+    return fmt::format("give a prior: {} known to {:.2g} by another test",
+                       candidates.problem.names()[static_cast<std::size_t>(easiest)],
+                       std::sqrt(widest) * by_coordinate(candidates, easiest));
+  }
+  return is_determined(least(i, i))
+             ? fmt::format(
+                   "add tensions or lengths, or make the frequencies {:.1f} times more "
+                   "accurate, model included",
+                   std::sqrt(least(i, i)) / wanted)
+             : "add tensions or lengths, or priors of other parameters";
+}
+
+// What the update that the plan ends in takes as exact, and what 1 % of that changes.
+std::vector<std::string> exact_inputs_of(std::vector<UpdateState> states,
+                                         const std::vector<FreeParameter>& free,
+                                         const std::vector<UncertainInput>& inputs,
+                                         const std::vector<PlannedMode>& modes) {
+  for (const auto& mode : modes) {
+    states[mode.state].measured.push_back(
+        {{mode.frequency_hz, mode.frequency_std * mode.frequency_hz},
+         {mode.damping_ratio, mode.damping_std * mode.damping_ratio},
+         mode.plane});
+  }
+  UpdateOptions update;
+  update.inputs = inputs;
+  update.starts = 1;
+  update.segment_uncertainty = false;
+  return exact_input_texts(update_model(states, free, update));
+}
+
+}  // namespace
+
+PlanResult plan_measurements(const std::vector<UpdateState>& states,
+                             std::vector<FreeParameter> free, const std::vector<PlanGoal>& goals,
+                             const PlanOptions& options) {
+  part_by_state(states, free);
+  const PlanCandidates candidates = plan_candidates(states, free, options);
+  PlanResult result;
+  result.failure = candidates.states.front().failure;
+  if (!result.failure.empty()) return result;
+  for (std::size_t s = 1; s < states.size(); ++s) {
+    const auto& failure = candidates.states[s].failure;
+    if (!failure.empty()) result.left_out.push_back(states[s].name + ": " + failure);
+  }
+  const Tests everything = all_tests(candidates, options);
+  const auto all_modes = planned_modes(candidates, options, everything);
+  const Eigen::MatrixXd least = plan_covariance(candidates, all_modes, true);
+  result.not_identifiable = open_directions(candidates, all_modes);
+  std::vector<std::pair<Eigen::Index, double>> targets;
+  for (const auto& one : goals) {
+    const auto goal = planned_goal(candidates, free, one);
+    const auto i = static_cast<Eigen::Index>(goal.parameter);
+    targets.emplace_back(i, std::max(goal.wanted_std / by_coordinate(candidates, i),
+                                     kNearBest * std::sqrt(least(i, i))));
+    result.goals.push_back(goal);
+  }
+  const Planner planner(candidates, options, std::move(targets));
+  const auto found = planner.steps(everything, false);
+  Tests now;
+  const auto before = planned_stds(candidates, planner.covariance(now));
+  if (!found.empty()) {
+    for (const auto& move : planner.steps(planner.needed(found.back().tests), true)) {
+      result.proposals.push_back({text_of(move.tests[move.changed], candidates, options),
+                                  planner.cost(move.tests) - planner.cost(now),
+                                  planned_stds(candidates, planner.covariance(move.tests))});
+      now = move.tests;
+    }
+  }
+  const auto after = planned_stds(candidates, planner.covariance(now)),
+             best = planned_stds(candidates, least);
+  const auto names = candidates.problem.names();
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    const double value =
+        candidates.problem.coordinates()[j].value(candidates.q[static_cast<Eigen::Index>(j)]);
+    result.parameters.push_back({names[j], value, before[j], after[j], best[j]});
+  }
+  for (auto& goal : result.goals) {
+    goal.reached = after[goal.parameter] <= goal.wanted_std;
+    if (!goal.reached) goal.takes = what_it_takes(candidates, goal, least);
+  }
+  result.modes = planned_modes(candidates, options, now);
+  if (!result.modes.empty()) {
+    result.exact_inputs = exact_inputs_of(states, free, options.inputs, result.modes);
+  }
+  return result;
+}
+
+}  // namespace rigfit::ident

@@ -1,0 +1,249 @@
+#include "ident/plan/plan_candidates.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "ident/plan/decay_bound.h"
+#include "ident/statistics/in_parallel.h"
+#include "ident/update/uncertainty/shared_sources.h"
+#include "model/scene/scene_error.h"
+
+namespace rigfit::ident {
+namespace {
+
+constexpr double kSeenEnergy = 100;  // 20 dB (plan_candidates.h)
+// Loggers' anti-aliasing filters pass 0.8 of the Nyquist frequency (virtual_rig.h).
+constexpr double kUsableShare = 0.4;
+
+// As an update with `options.modes` measured modes asks for.
+int mode_count(const PlanOptions& options) { return std::min(100, 3 * options.modes + 8); }
+
+void place_candidates(const model::Scene& scene, const PlanOptions& options,
+                      PlanCandidates& candidates) {
+  for (const auto& load : scene.loads) {
+    if (load.kind != model::Load::Kind::impact || !(load.peak > 0)) continue;
+    candidates.loads.push_back(load);
+    if (options.as_drawn || std::abs(load.direction.z()) > std::sqrt(0.5)) continue;
+    candidates.loads.push_back(load);
+    candidates.loads.back().name += " along z";
+    candidates.loads.back().direction = Eigen::Vector3d::UnitZ();
+  }
+  candidates.sensors = scene.sensors;
+  for (const auto& member : scene.members) {
+    for (int k = 0; k < 27 && !options.as_drawn; ++k) {
+      const double position = 0.1 * (1 + k / 3);
+      candidates.sensors.push_back(
+          {fmt::format("{} {:.1f} {}", member.name, position, "xyz"[k % 3]),
+           {"", member.name, position},
+           Eigen::Vector3d::Unit(k % 3)});
+    }
+  }
+  if (candidates.loads.empty() || candidates.sensors.empty()) {
+    throw std::invalid_argument("the scene has no load of kind \"impact\" or no sensor: add them");
+  }
+}
+
+// Amplitudes over the noise, loads x sensors, after a hit of each load.
+Eigen::MatrixXd decay_amplitudes(const model::NaturalMode& mode, const PlanCandidates& candidates,
+                                 const PlanOptions& options) {
+  using Quantity = model::Sensor::Quantity;
+  const VirtualInstruments instruments;
+  const double omega = 2 * M_PI * mode.frequency_hz;
+  Eigen::MatrixXd amplitude = mode.load_shape * mode.sensor_shape.transpose();
+  for (Eigen::Index l = 0; l < amplitude.rows(); ++l) {
+    const auto& load = candidates.loads[static_cast<std::size_t>(l)];
+    amplitude.row(l) *= half_sine_impulse(load.peak, load.duration, omega);
+  }
+  for (Eigen::Index s = 0; s < amplitude.cols(); ++s) {
+    const auto quantity = candidates.sensors[static_cast<std::size_t>(s)].quantity;
+    double by_quantity = omega, noise = instruments.accelerometer.noise_std;
+    if (quantity == Quantity::velocity) {  // as good as an accelerometer at that frequency
+      by_quantity = 1, noise /= omega;
+    } else if (quantity != Quantity::acceleration) {
+      by_quantity = 1 / omega;
+      noise = (quantity == Quantity::force ? instruments.tension_cell : instruments.lvdt).noise_std;
+    }
+    amplitude.col(s) *= by_quantity / options.noise_std.value_or(noise);
+  }
+  return amplitude.cwiseAbs();
+}
+
+// Fills `by_input`, from differences.
+void differentiate_by_inputs(int state, const PlanCandidates& candidates, PlanStateModes& result) {
+  const auto& inputs = candidates.problem.inputs();
+  const auto count = static_cast<Eigen::Index>(result.modes.size());
+  result.by_input = Eigen::MatrixXd::Zero(2 * count, static_cast<Eigen::Index>(inputs.size()));
+  const auto logarithms = [&](const UpdateProblem& moved, Eigen::VectorXd& values) {
+    const auto modelled = moved.modes(state, candidates.q, false);
+    values.setZero(2 * count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const auto& mode = result.modes[static_cast<std::size_t>(i)];
+      const auto* at = modelled.find(mode.plane, mode.order);
+      if (at == nullptr) return false;
+      values[i] = std::log(at->frequency_hz);
+      if (known(at->damping_ratio)) values[count + i] = std::log(at->damping_ratio);
+    }
+    return true;
+  };
+  for (Eigen::Index k = 0; k < result.by_input.cols(); ++k) {
+    Eigen::VectorXd change;
+    if (change_by_input(candidates.problem, k, logarithms, change)) {
+      result.by_input.col(k) = change;
+    } else {
+      result.failure =
+          "no equilibrium within the uncertainty of " + inputs[static_cast<std::size_t>(k)].name;
+    }
+  }
+}
+
+PlanStateModes state_modes(int state, const PlanCandidates& candidates,
+                           const PlanOptions& options) {
+  PlanStateModes result;
+  const auto modelled = candidates.problem.modes(state, candidates.q, true);
+  result.failure = modelled.failure;
+  if (!result.failure.empty()) return result;
+  // The same modes once more, at the candidates' places.
+  model::Scene scene = candidates.problem.scene_at(state, candidates.q);
+  for (auto& member : scene.members) {
+    if (member.segments == 0) member.segments = UpdateOptions().auto_segments;
+  }
+  scene.loads = candidates.loads;
+  scene.sensors = candidates.sensors;
+  model::ModesOptions modes;
+  modes.count = mode_count(options);
+  modes.shapes = modes.error_estimate = false;
+  const auto most = static_cast<Eigen::Index>(modelled.modes.size());
+  Eigen::MatrixXd frequency(most, candidates.problem.size()), damping = frequency;
+  std::size_t next = 0;
+  Eigen::Index count = 0;
+  for (const auto& natural : model::analyse_modes(scene, modes).modes) {
+    if (!known(natural.frequency_hz) || next == modelled.modes.size()) continue;
+    const auto& mode = modelled.modes[next++];
+    if (mode.order >= options.modes || mode.frequency_hz > kUsableShare * options.sample_rate_hz) {
+      continue;
+    }
+    frequency.row(count) = mode.dlog_frequency;
+    damping.row(count++) = mode.dlog_damping;
+    result.modes.push_back({static_cast<std::size_t>(state), mode.plane, mode.order,
+                            mode.frequency_hz, natural.damping_ratio});
+    result.amplitude.push_back(decay_amplitudes(natural, candidates, options));
+  }
+  result.by_coordinate.resize(2 * count, frequency.cols());
+  result.by_coordinate << frequency.topRows(count), damping.topRows(count);
+  differentiate_by_inputs(state, candidates, result);
+  return result;
+}
+
+// Inverse of a symmetric matrix whose eigenvalues count as at least 1e-6 and what rounding leaves
+// of the largest.
+Eigen::MatrixXd vague_inverse(const Eigen::MatrixXd& information) {
+  constexpr double kVague = 1e-6;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of(information);
+  const double rounding = std::numeric_limits<double>::epsilon() *
+                          static_cast<double>(information.rows()) * of.eigenvalues().maxCoeff();
+  const Eigen::VectorXd values = of.eigenvalues().cwiseMax(std::max(kVague, rounding));
+  return of.eigenvectors() * values.cwiseInverse().asDiagonal() * of.eigenvectors().transpose();
+}
+
+}  // namespace
+
+PlanCandidates plan_candidates(const std::vector<UpdateState>& states,
+                               const std::vector<FreeParameter>& free, const PlanOptions& options) {
+  // The problem computes as many modes as measured ones ask for, and damping where one has it.
+  auto asked = states;
+  const MeasuredMode any{{1, 1}, {1, 1}};
+  for (auto& state : asked) state.measured.assign(static_cast<std::size_t>(options.modes), any);
+  UpdateOptions update;
+  update.inputs = options.inputs;
+  PlanCandidates candidates{UpdateProblem(asked, free, update)};
+  candidates.q = candidates.problem.start();
+  const auto is_damping = [](const auto& name) { return name.find("damping") != name.npos; };
+  candidates.damping_free = std::any_of(free.begin(), free.end(), [&](const auto& one) {
+    return is_damping(one.name) || std::any_of(one.targets.begin(), one.targets.end(), is_damping);
+  });
+  place_candidates(states.front().scene, options, candidates);
+  candidates.states.resize(states.size());
+  in_parallel(states.size(), options.threads, [&](std::size_t s) {
+    candidates.states[s] = state_modes(static_cast<int>(s), candidates, options);
+  });
+  return candidates;
+}
+
+std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates, const PlanOptions& options,
+                                       const std::vector<PlanTest>& tests) {
+  const double model_std =
+      options.model_relative_std.value_or(candidates.problem.states().front().scene.accuracy);
+  std::vector<PlannedMode> planned;
+  for (const auto& state : candidates.states) {
+    for (std::size_t i = 0; i < state.modes.size(); ++i) {
+      PlannedMode mode = state.modes[i];
+      const double omega = 2 * M_PI * mode.frequency_hz, rate = mode.damping_ratio * omega;
+      double pole = 0;
+      for (const auto& test : tests) {
+        if (test.state != mode.state || mode.order >= test.modes) continue;
+        for (const auto sensor : test.sensors) {
+          const auto information =
+              decay_information(state.amplitude[i](static_cast<Eigen::Index>(test.load),
+                                                   static_cast<Eigen::Index>(sensor)),
+                                rate, options.durations_s[test.duration], options.sample_rate_hz);
+          if (information.energy > kSeenEnergy) {
+            pole += options.hits[test.hits] * information.pole;
+          }
+        }
+      }
+      if (!(pole > 0)) continue;
+      const double own = options.frequency_relative_std > 0 ? options.frequency_relative_std
+                                                            : 1 / (std::sqrt(pole) * omega);
+      mode.frequency_std = std::hypot(own, model_std);
+      // Frequency and decay rate are known equally well.
+      mode.damping_std = rate > 0 ? std::hypot(own * omega / rate, options.damping_model_std) : 0;
+      planned.push_back(mode);
+    }
+  }
+  return planned;
+}
+
+Eigen::MatrixXd plan_rows(const PlanCandidates& candidates, const std::vector<PlannedMode>& modes) {
+  const auto count = static_cast<Eigen::Index>(modes.size()), n = candidates.problem.size(),
+             inputs = static_cast<Eigen::Index>(candidates.problem.inputs().size());
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * count, n + inputs);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& mode = modes[static_cast<std::size_t>(i)];
+    const auto& state = candidates.states[mode.state];
+    const auto at = std::find_if(state.modes.begin(), state.modes.end(),
+                                 [&](const auto& one) {
+                                   return one.plane == mode.plane && one.order == mode.order;
+                                 }) -
+                    state.modes.begin();
+    const auto damping = at + static_cast<Eigen::Index>(state.modes.size());
+    rows.row(2 * i) << state.by_coordinate.row(at), state.by_input.row(at);
+    rows.row(2 * i) /= mode.frequency_std;
+    if (!(mode.damping_std > 0) || !candidates.damping_free) continue;
+    rows.row(2 * i + 1) << state.by_coordinate.row(damping), state.by_input.row(damping);
+    rows.row(2 * i + 1) /= mode.damping_std;
+  }
+  return rows;
+}
+
+Eigen::MatrixXd plan_covariance(const PlanCandidates& candidates,
+                                const std::vector<PlannedMode>& modes, bool least) {
+  const Eigen::MatrixXd rows = plan_rows(candidates, modes);
+  const Eigen::Index n = candidates.problem.size(), inputs = rows.cols() - n;
+  Eigen::MatrixXd information = rows.transpose() * rows;
+  information.bottomRightCorner(inputs, inputs).diagonal().array() += 1;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const double prior = candidates.problem.coordinates()[static_cast<std::size_t>(j)].prior_std;
+    if (prior > 0) information(j, j) += 1 / (prior * prior);
+  }
+  if (least) return vague_inverse(information).topLeftCorner(n, n);
+  const Eigen::MatrixXd C = vague_inverse(information.topLeftCorner(n, n));
+  const Eigen::MatrixXd shifts = C * information.topRightCorner(n, inputs);
+  return C + shifts * shifts.transpose();
+}
+
+}  // namespace rigfit::ident

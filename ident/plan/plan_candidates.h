@@ -1,0 +1,68 @@
+// What can be measured on a rig, what each mode says of the parameters, and the covariance that
+// follows (formulas in plan.h). Internal to the plan and its tests.
+//
+// A half-sine hit at a place of the mass-normalised modal displacement phi_l starts a decay of
+// amplitude phi_s phi_l F(w) w^k at a sensor, F its spectrum (decay_bound.h), k = 1 for
+// accelerations, 0 for velocities, -1 for displacements and axial forces. A mode counts as seen
+// where the energy of its decay in one record is 20 dB above the noise's: below some 15 dB no
+// estimator reaches the bound (Rife and Boorstyn 1974).
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "ident/plan/plan_data.h"
+#include "ident/update/problem/update_problem.h"
+
+namespace rigfit::ident {
+
+/// Hammer test in one state: indices of candidates, levels of the options' hits and durations.
+struct PlanTest {
+  std::size_t state = 0, load = 0;
+  std::vector<std::size_t> sensors;
+  int modes = 0;  ///< the first of each plane
+  std::size_t hits = 0, duration = 0;
+};
+
+/// Every mode of a state that a test may identify.
+struct PlanStateModes {
+  std::string failure;             ///< empty: there are modes
+  std::vector<PlannedMode> modes;  ///< no standard uncertainties
+  /// d ln(f) of each mode, then d ln(zeta) of each, by coordinate and by one std of each input.
+  Eigen::MatrixXd by_coordinate, by_input;
+  std::vector<Eigen::MatrixXd> amplitude;  ///< by mode: loads x sensors, over the noise
+};
+
+struct PlanCandidates {
+  UpdateProblem problem;
+  Eigen::VectorXd q = {};  ///< the scenes' own values
+  bool damping_free = false;
+  std::vector<PlanStateModes> states = {};
+  std::vector<model::Load> loads = {};
+  std::vector<model::Sensor> sensors = {};
+};
+
+/// Throws what UpdateProblem does, std::invalid_argument for a scene without a hammer.
+[[nodiscard]] PlanCandidates plan_candidates(const std::vector<UpdateState>& states,
+                                             const std::vector<FreeParameter>& free,
+                                             const PlanOptions& options);
+
+/// What tests identify: by state, each mode once.
+[[nodiscard]] std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates,
+                                                     const PlanOptions& options,
+                                                     const std::vector<PlanTest>& tests);
+
+/// Derivatives over standard uncertainties: a row for each frequency, and for each damping ratio
+/// where a damping is free; columns are coordinates, then inputs.
+[[nodiscard]] Eigen::MatrixXd plan_rows(const PlanCandidates& candidates,
+                                        const std::vector<PlannedMode>& modes);
+
+/// Covariance of the coordinates by `modes` and priors, as an update states it; `least`: the
+/// smallest by any weights of the data. Directions without information get a standard uncertainty
+/// of 1000, so that it is finite.
+[[nodiscard]] Eigen::MatrixXd plan_covariance(const PlanCandidates& candidates,
+                                              const std::vector<PlannedMode>& modes,
+                                              bool least = false);
+
+}  // namespace rigfit::ident
