@@ -11,7 +11,6 @@
 #include "ident/plan/decay_bound.h"
 #include "ident/statistics/in_parallel.h"
 #include "ident/update/uncertainty/shared_sources.h"
-#include "model/scene/scene_error.h"
 
 namespace rigfit::ident {
 namespace {

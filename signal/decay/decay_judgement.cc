@@ -88,8 +88,9 @@ void judge_decay(DecayResult& result, double sample_rate_hz) {
     if (!each.company) continue;
     note(result, "not_one_decay",
          fmt::format(
-             "what the fit leaves near {:.4g} Hz is no noise: a mode close by that beats too "
-             "slowly for this record, or one that changes as it decays",
+             "Record for longer, or look for a change during the decay: the residual near {:.4g} "
+             "Hz is not noise but a mode close by that beats too slowly for this record, or one "
+             "that changes as it decays",
              each.damped_frequency_hz.value));
   }
   if (mode.cycles < 3) {

@@ -79,10 +79,11 @@ void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>&
   if (std::abs(found.excess) <= std::max(found.chance, kSystematic)) return;
   result.model.notes.push_back(
       {"systematic_misfit",
-       fmt::format("the misfit is not like noise: neighbouring lines correlate by {:.2f} more than "
-                   "noise does. Something is left out (non-linearity, change between hits or "
-                   "points, modes outside the band); error bars of the modes count it",
-                   found.excess),
+       fmt::format(
+           "Look for non-linearity, a change between hits or points, modes outside the band "
+           "or a filter in the chain: the misfit of neighbouring lines correlates by {:.2f} "
+           "more than noise does. Error bars count its size, not what it shifts",
+           found.excess),
        ""});
 }
 
