@@ -418,9 +418,14 @@ class Search {
   }
 
   // A false mode that has a partner and high leverage holds all others off. Pairs whose loss takes
-  // most off the misfit, r_i^2 / (1 - h_ii), are left out as long as the evidence rises.
+  // most off the misfit, r_i^2 / (1 - h_ii), are left out as long as the evidence rises: at most a
+  // fifth of them, or a wrong model would be left with what it can follow.
   void leave_out_false(UpdateAnswer& answer) const {
-    while (answer.solution.q.size() > 0 && answer.errors.frequency > kLeastStd) {
+    const std::size_t most_out =
+        std::max<std::size_t>(1, answer.solution.matches.matches.size() / 5);
+    for (std::size_t out = 0;
+         out < most_out && answer.solution.q.size() > 0 && answer.errors.frequency > kLeastStd;
+         ++out) {
       const auto& solution = answer.solution;
       const UpdateProblem here =
           problem_.with_model_std(answer.errors.frequency, answer.errors.damping);
