@@ -205,7 +205,8 @@ LscfResult lscf(const Eigen::Ref<const VectorXd>& frequency_hz,
     const Index size = n * inputs;
     MatrixXd A = forward.topRows(size);
     L.topLeftCorner(size, size).transpose().triangularView<Eigen::Upper>().solveInPlace(A);
-    const VectorXcd y = reciprocal_zeros(A, inputs);
+    MatrixXcd left;
+    const VectorXcd y = reciprocal_zeros(A, inputs, options.participation ? &left : nullptr);
     const std::size_t present = result.poles.size();
     for (Index i = 0; i < y.size(); ++i) {
       if (!(std::abs(y[i]) > 1) || y[i].imag() >= 0) continue;  // unstable, or a conjugate
@@ -213,6 +214,7 @@ LscfResult lscf(const Eigen::Ref<const VectorXd>& frequency_hz,
       const Complex relative = -std::log(y[i]) * sums_of.period_hz();
       StabilisationPole pole;
       pole.order = n;
+      if (options.participation) pole.participation = left.col(i);
       pole.pole_rad_s = relative + Complex(0, kTwoPi * low);
       const double magnitude = std::abs(pole.pole_rad_s);
       pole.frequency_hz = magnitude / kTwoPi;

@@ -27,6 +27,7 @@ struct LscfOptions {
   /// relatively; the customary limits of a stabilisation diagram. They only mark the diagram.
   double stable_frequency = 0.01;
   double stable_damping = 0.05;
+  bool participation = false;  ///< find participation vectors as well
 };
 
 /// A pole of one order, window damping not removed.
@@ -37,6 +38,8 @@ struct StabilisationPole {
   double damping_ratio = 0;
   bool stable_frequency = false;
   bool stable_damping = false;  ///< both frequency and damping are stable
+  /// Participation of the inputs, length 1; empty unless asked for.
+  Eigen::VectorXcd participation = {};
 };
 
 struct LscfResult {

@@ -16,9 +16,15 @@ double distance(Complex p, Complex q, double spacing_rad_s) {
   return std::abs(p - q) / (std::abs(p.real()) + std::abs(q.real()) + 0.5 * spacing_rad_s);
 }
 
+bool alike(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b, double least) {
+  return a.size() == 0 || b.size() == 0 || std::norm(a.dot(b)) > least;
+}
+
 struct Track {
   std::vector<Complex> poles;  ///< from the highest order down
   std::vector<int> orders;
+  Eigen::VectorXcd participation;  ///< of the last pole linked
+  Eigen::VectorXcd first;          ///< of the highest order's
 };
 
 /// Links the poles of each order, from the highest down, to the nearest track end; each track takes
@@ -38,7 +44,10 @@ std::vector<Track> track_poles(const LscfResult& stabilisation, double spacing,
       if (tracks[t].orders.back() - order > options.max_gap + 1) continue;
       for (std::size_t i = begin; i < end; ++i) {
         const double d = distance(tracks[t].poles.back(), all[i].pole_rad_s, spacing);
-        if (d < options.radius) pairs.emplace_back(d, t, i);
+        if (d < options.radius &&
+            alike(tracks[t].participation, all[i].participation, options.min_alike)) {
+          pairs.emplace_back(d, t, i);
+        }
       }
     }
     std::sort(pairs.begin(), pairs.end());
@@ -48,9 +57,13 @@ std::vector<Track> track_poles(const LscfResult& stabilisation, double spacing,
       taken[i - begin] = true;
       tracks[t].poles.push_back(all[i].pole_rad_s);
       tracks[t].orders.push_back(order);
+      tracks[t].participation = all[i].participation;
     }
     for (std::size_t i = begin; i < end; ++i) {
-      if (!taken[i - begin]) tracks.push_back({{all[i].pole_rad_s}, {order}});
+      if (!taken[i - begin]) {
+        const auto& vector = all[i].participation;
+        tracks.push_back({{all[i].pole_rad_s}, {order}, vector, vector});
+      }
     }
     end = begin;
   }
@@ -77,6 +90,7 @@ std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation, double l
     if (cluster.presence < options.min_presence) continue;
     cluster.pole_rad_s = {median(real), median(imag)};
     cluster.lowest_order = track.orders.back();
+    cluster.participation = track.first;
     double sum = 0;
     for (std::size_t i = 0; i < real.size(); ++i) {
       sum += std::norm(Complex(real[i], imag[i]) - cluster.pole_rad_s);
@@ -92,7 +106,8 @@ std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation, double l
   std::vector<PoleCluster> kept;
   for (const PoleCluster& cluster : clusters) {
     const bool again = std::any_of(kept.begin(), kept.end(), [&](const PoleCluster& other) {
-      return distance(cluster.pole_rad_s, other.pole_rad_s, spacing) < options.radius;
+      return distance(cluster.pole_rad_s, other.pole_rad_s, spacing) < options.radius &&
+             alike(cluster.participation, other.participation, options.min_alike);
     });
     if (!again) kept.push_back(cluster);
   }

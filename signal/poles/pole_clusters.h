@@ -6,9 +6,12 @@
 // resonances can be seen apart lie further than 1 from each other however close they are in Hz;
 // estimates of one mode by different orders lie within a small part of 1. Poles of successive
 // orders are linked to tracks by that distance. Poles that follow noise change by their own
-// bandwidth from order to order and form no long track.
+// bandwidth from order to order and form no long track. Where poles come with participation vectors
+// (LscfOptions::participation), those whose vectors differ are never linked: two modes closer than
+// their bandwidths stay two.
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
 #include <vector>
 
@@ -20,7 +23,8 @@ struct PoleClusterOptions {
   double radius = 0.25;  ///< largest distance of linked poles (1: bandwidths touch)
   /// Smallest share of the upper half of the orders in which a cluster must have a pole.
   double min_presence = 0.4;
-  int max_gap = 3;  ///< orders that a track may miss in between
+  int max_gap = 3;         ///< orders that a track may miss in between
+  double min_alike = 0.8;  ///< least MAC of the participation vectors of linked poles
 };
 
 struct PoleCluster {
@@ -28,6 +32,7 @@ struct PoleCluster {
   double presence = 0;              ///< share of the upper half of the orders, 0..1
   double scatter = 0;               ///< rms distance from the median, in half bandwidths
   int lowest_order = 0;
+  Eigen::VectorXcd participation = {};  ///< that of the highest order's pole; may be empty
 };
 
 /// Clusters by rising frequency. `line_spacing_hz` is that of the FRFs.

@@ -1,0 +1,165 @@
+#include "signal/ambient/ambient_candidates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "signal/ambient/group_correlations.h"
+#include "signal/modes/mac.h"
+#include "signal/numerics/factorisations.h"
+#include "signal/numerics/numbers.h"
+#include "signal/poles/lscf.h"
+#include "signal/poles/pole_clusters.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+// The window then widens a mode by a third; with 4, of pairs 0.5 % apart 5 % more are lost.
+constexpr double kDecayTimesOfLags = 12;
+constexpr double kNarrow = 0.25;           // of a neighbour's bandwidth: follows its noise
+constexpr Index kSearchSamples = 1 << 21;  // candidates and filters need no more
+
+/// The channels that tell most: pivots of the QR of the spectral matrices over their traces.
+void choose_references(std::vector<Index>& references, const MatrixXcd& half, Index n) {
+  if (n <= 6) {
+    references.resize(static_cast<std::size_t>(n));
+    std::iota(references.begin(), references.end(), Index{0});
+    return;
+  }
+  MatrixXcd gram = MatrixXcd::Zero(n, n);
+  for (Index l = 0; l < half.rows(); ++l) {
+    const VectorXcd row = half.row(l);
+    MatrixXcd S = row.reshaped(n, n);
+    S += S.adjoint().eval();
+    gram += S.adjoint() * S / std::norm(S.trace());
+  }
+  while (references.size() < 6) {
+    Index pivot = 0;
+    gram.diagonal().real().maxCoeff(&pivot);
+    references.push_back(pivot);
+    const VectorXcd column = gram.col(pivot) / std::sqrt(std::abs(gram(pivot, pivot)));
+    gram -= column * column.adjoint();
+  }
+  std::sort(references.begin(), references.end());
+}
+
+}  // namespace
+
+VectorXcd phase_real(VectorXcd v) {
+  v.normalize();
+  return v * std::polar(1.0, -0.5 * std::arg(v.cwiseProduct(v).sum()));
+}
+
+double search_share(const AmbientSignals& signals) {
+  return std::min(1.0,
+                  static_cast<double>(kSearchSamples) / static_cast<double>(signals.samples()));
+}
+
+AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOptions& options,
+                                  AmbientResult& result, std::vector<Index> references) {
+  AmbientCandidates found;
+  auto& [spectrum, pairs, poles, presence, shapes] = found;
+  const double duration = static_cast<double>(signals.samples()) / signals.rate_hz();
+  const double rate = signals.rate_hz(), low = result.low_hz, high = result.high_hz;
+  const Index No = signals.channels();
+  double lag = std::min(duration / 16, 60 / low);
+  std::vector<PoleCluster> clusters;
+  for (int round = 0; round < 3; ++round) {
+    const auto lags = static_cast<Index>(lag * rate);
+    spectrum.emplace(rate, lags, low, high);
+    if (spectrum->omega.size() < 2 * kFewestLines) return found;
+    // Four parts: each costs an inverse transform for every pair.
+    const GroupCorrelations correlations(signals, lags, 4, search_share(signals), options.threads);
+    const MatrixXd R = correlations.all_pairs();
+    pairs = spectrum->half(R.bottomRows(lags + 1), 0, spectrum->omega.size());
+    if (references.empty()) choose_references(references, pairs, No);
+    const auto Ni = static_cast<Index>(references.size());
+    const Index lines = (spectrum->omega.size() + 1) / 2;  // 1 / L apart
+    VectorXd hz(lines), weight(No * Ni);
+    MatrixXcd H(lines, No * Ni);
+    for (Index l = 0; l < lines; ++l) {
+      hz[l] = spectrum->omega[2 * l] / kTwoPi;
+      for (Index i = 0; i < Ni; ++i) {
+        const Index from = references[static_cast<std::size_t>(i)] * No;
+        for (Index o = 0; o < No; ++o) H(l, o * Ni + i) = pairs(2 * l, from + o);
+      }
+    }
+    for (Index o = 0; o < No; ++o) {
+      weight.segment(o * Ni, Ni).setConstant(1 / H.middleCols(o * Ni, Ni).norm());
+    }
+    LscfOptions lscf_options;
+    lscf_options.participation = true;
+    lscf_options.max_order = options.max_order > 0
+                                 ? options.max_order
+                                 : static_cast<int>(std::clamp<Index>(60 / Ni, 8, 40));
+    result.stabilisation = lscf(hz, H, Ni, {}, weight, lscf_options);
+    clusters = cluster_poles(result.stabilisation, hz[1] - hz[0]);
+    for (auto& cluster : clusters) {
+      Complex& pole = cluster.pole_rad_s;
+      pole += spectrum->decay;
+      pole.real(std::min(pole.real(), -1e-4 * std::abs(pole)));
+    }
+    std::erase_if(clusters, [&](const PoleCluster& c) {
+      return -c.pole_rad_s.real() > options.max_damping_ratio * std::abs(c.pole_rad_s);
+    });
+    if (clusters.empty()) return found;
+    double slowest = -clusters.front().pole_rad_s.real();
+    for (const auto& c : clusters) slowest = std::min(slowest, -c.pole_rad_s.real());
+    const double wanted = std::clamp(kDecayTimesOfLags / slowest, 20 / high, duration / 8);
+    if (wanted > 0.6 * lag && wanted < 1.6 * lag) break;
+    if (round < 2) lag = wanted;
+  }
+  result.lag_s = static_cast<double>(spectrum->lags) / rate;
+  const auto n = static_cast<Index>(clusters.size());
+  poles.resize(n), presence.resize(n);
+  for (Index i = 0; i < n; ++i) {
+    poles[i] = clusters[static_cast<std::size_t>(i)].pole_rad_s;
+    presence[i] = clusters[static_cast<std::size_t>(i)].presence;
+  }
+  // Residues of all pairs with the references; the first left singular vector is the shape.
+  const Index lines = spectrum->omega.size();
+  MatrixXcd X(lines, n + 2), P(lines, No * static_cast<Index>(references.size()));
+  for (Index i = 0; i < n; ++i) X.col(i) = spectrum->basis(poles[i], 0, lines);
+  X.col(n).setOnes();
+  X.col(n + 1) = VectorXd::LinSpaced(lines, -1, 1).cast<Complex>();
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    P.middleCols(static_cast<Index>(i) * No, No) = pairs.middleCols(references[i] * No, No);
+  }
+  const auto qr = thin_qr(X);
+  const MatrixXcd A = qr.R.triangularView<Eigen::Upper>().solve(qr.Q.adjoint() * P);
+  shapes.resize(No, n);
+  for (Index i = 0; i < n; ++i) {
+    const VectorXcd row = A.row(i);
+    const MatrixXcd residues = row.reshaped(No, P.cols() / No);
+    shapes.col(i) = phase_real(hermitian_eigen(residues * residues.adjoint()).vectors.col(No - 1));
+  }
+  // Two candidates of one mode: within their bandwidths, and of one shape or a narrow one that few
+  // orders have on another's flank.
+  std::vector<Index> order(static_cast<std::size_t>(n)), kept;
+  std::iota(order.begin(), order.end(), Index{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Index a, Index b) { return presence[a] > presence[b]; });
+  for (const Index i : order) {
+    const bool again = std::any_of(kept.begin(), kept.end(), [&](Index j) {
+      const bool stray = presence[i] < presence[j] && poles[i].real() > kNarrow * poles[j].real();
+      return half_bandwidths(poles[i], poles[j]) < 0.75 &&
+             (stray || mac(shapes.col(i), shapes.col(j)) > 0.9);
+    });
+    if (!again) kept.push_back(i);
+  }
+  std::sort(kept.begin(), kept.end(),
+            [&](Index a, Index b) { return poles[a].imag() < poles[b].imag(); });
+  poles = poles(kept).eval(), presence = presence(kept).eval();
+  shapes = shapes(Eigen::all, kept).eval();
+  return found;
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,46 @@
+// Candidates of modes from half spectra of the correlations of all channels with a few references:
+// LSCF over orders, clusters of poles and participation vectors, shapes from the residues.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "signal/ambient/ambient_modes.h"
+#include "signal/ambient/ambient_signals.h"
+#include "signal/ambient/resonance_fit.h"
+
+namespace rigfit::signal {
+
+/// Of a band: a pole, a residue and a constant have five parameters.
+inline constexpr Eigen::Index kFewestLines = 8;
+
+/// Distance of two poles over the sum of their half bandwidths.
+[[nodiscard]] inline double half_bandwidths(std::complex<double> a, std::complex<double> b) {
+  return std::abs(a - b) / -(a.real() + b.real());
+}
+
+/// Of length 1, turned to be as real as it can be.
+[[nodiscard]] Eigen::VectorXcd phase_real(Eigen::VectorXcd shape);
+
+/// Part of the samples that the search uses: a day of 100 Hz is searched in a quarter of it.
+[[nodiscard]] double search_share(const AmbientSignals& signals);
+
+struct AmbientCandidates {
+  std::optional<LagSpectrum> spectrum;  ///< its lags follow from the narrowest candidate
+  Eigen::MatrixXcd
+      pairs;  ///< half spectra of all pairs: lines x channels^2; column j n + i: y_i x_j
+  Eigen::VectorXcd poles;  ///< by rising frequency, window taken off; none: nothing stands out
+  Eigen::VectorXd presence;
+  Eigen::MatrixXcd shapes;  ///< channels x candidates, of the scaled channels
+};
+
+/// `result`: has the band, gets the stabilisation diagram and the longest lag.
+[[nodiscard]] AmbientCandidates find_candidates(const AmbientSignals& signals,
+                                                const AmbientOptions& options,
+                                                AmbientResult& result,
+                                                std::vector<Eigen::Index> references);
+
+}  // namespace rigfit::signal

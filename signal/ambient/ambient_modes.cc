@@ -1,0 +1,455 @@
+#include "signal/ambient/ambient_modes.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numeric>
+#include <optional>
+
+#include "signal/ambient/ambient_candidates.h"
+#include "signal/ambient/ambient_signals.h"
+#include "signal/ambient/ambient_tones.h"
+#include "signal/ambient/group_correlations.h"
+#include "signal/ambient/resonance_fit.h"
+#include "signal/estimation/groups.h"
+#include "signal/modes/mac.h"
+#include "signal/numerics/factorisations.h"
+#include "signal/numerics/numbers.h"
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+constexpr double kBandHalfBandwidths = 10;  // 20: f 5 % better at twice the work, coverage lower
+constexpr double kNullHalfBandwidths = 4;  // nearer neighbours are suppressed; off: pairs are wrong
+constexpr double kFilterLoad = 1e-3;       // of the mean power: shapes are known to 3 %
+constexpr double kDecayTimesOfGroup = 5;   // what groups share lowers stds by tau / 4 T_g = 5 %
+constexpr double kFewestDecayTimes = 40;   // damping known to 16 % at best
+constexpr double kLeastOwnShare = 0.5;     // of a peak: else another mode's side
+
+/// Sums of so many neighbouring values.
+VectorXd joined_sums(const VectorXd& values, Index together) {
+  VectorXd sums = VectorXd::Zero((values.size() + together - 1) / together);
+  for (Index g = 0; g < values.size(); ++g) sums[g / together] += values[g];
+  return sums;
+}
+
+/// Standard deviation by the delete-one jackknife, neighbours joined: `without` by group.
+double jackknife_std(const VectorXd& without, Index together) {
+  const auto G = static_cast<double>(without.size());
+  const VectorXd d = joined_sums(without.array() - without.mean(), together);
+  return std::sqrt((G - 1) * (G - 1) / (G * (G - static_cast<double>(together)))) * d.norm();
+}
+
+class AmbientAnalysis {
+ public:
+  AmbientAnalysis(const Recording& recording, const AmbientOptions& options,
+                  const std::vector<Index>& channels, AmbientResult& result)
+      : options_(options), signals_(recording, channels), result_(result) {
+    duration_ = static_cast<double>(signals_.samples()) / signals_.rate_hz();
+  }
+
+  void run(std::vector<Index> references);
+
+ private:
+  void keep(const std::vector<Index>& modes);
+  void set_bands();
+  MatrixXd filters();
+  void fit_pass(bool last);
+  VectorXcd shape_row(Index mode, const VectorXcd& poles) const;
+  void judge();
+  [[nodiscard]] Index size() const { return poles_.size(); }
+
+  const AmbientOptions& options_;
+  AmbientSignals signals_;
+  AmbientResult& result_;
+  double duration_ = 0;
+  std::optional<LagSpectrum> spectrum_;
+  MatrixXcd pairs_;  ///< half spectra of all pairs: lines x channels^2
+  VectorXcd poles_;
+  VectorXd presence_;
+  MatrixXcd shapes_;  ///< channels x modes, of scaled channels
+  MatrixXd gap_;      ///< distance of the modes in half bandwidths at the pass's beginning
+  std::vector<FilteredSpectrum> bands_;
+  ResonanceFit fit_;
+  // Of the last pass, by group: poles, shapes (channels x groups, by mode), energy (groups x
+  // modes).
+  std::vector<VectorXcd> poles_without_;
+  std::vector<MatrixXcd> shapes_without_;
+  MatrixXd energy_;
+};
+
+void AmbientAnalysis::keep(const std::vector<Index>& modes) {
+  poles_ = poles_(modes).eval();
+  presence_ = presence_(modes).eval();
+  shapes_ = shapes_(Eigen::all, modes).eval();
+}
+
+void AmbientAnalysis::set_bands() {
+  const VectorXd& w = spectrum_->omega;
+  const double spacing = w[1] - w[0];
+  std::vector<Index> wide_enough;
+  bands_.clear();
+  for (Index i = 0; i < size(); ++i) {
+    const double reach = kBandHalfBandwidths * -poles_[i].real() + 3 * spectrum_->decay;
+    const auto line = [&](double omega) {
+      return std::clamp<Index>(static_cast<Index>(std::ceil((omega - w[0]) / spacing)), 0,
+                               w.size());
+    };
+    FilteredSpectrum band;
+    band.from = line(poles_[i].imag() - reach);
+    band.count = line(poles_[i].imag() + reach) - band.from;
+    if (band.count < kFewestLines) continue;
+    wide_enough.push_back(i);
+    bands_.push_back(std::move(band));
+  }
+  keep(wide_enough);
+  gap_.resize(size(), size());
+  for (Index i = 0; i < size(); ++i) {
+    for (Index j = 0; j < size(); ++j) gap_(i, j) = half_bandwidths(poles_[i], poles_[j]);
+    bands_[static_cast<std::size_t>(i)].nulled.assign(static_cast<std::size_t>(size()), false);
+  }
+}
+
+/// t_r = argmin t^T B_r t with t^T phi_r = 1 and t^T phi_s = 0 for neighbours.
+MatrixXd AmbientAnalysis::filters() {
+  const Index No = signals_.channels();
+  MatrixXd F(No, size());
+  for (Index i = 0; i < size(); ++i) {
+    auto& band = bands_[static_cast<std::size_t>(i)];
+    const VectorXcd b = spectrum_->basis(poles_[i], band.from, band.count);
+    const VectorXcd c = spectrum_->basis(std::conj(poles_[i]), band.from, band.count);
+    const VectorXd own = (2 * (b + c).real().array() - 2).abs().max(1e-12);
+    const MatrixXd spectra = pairs_.middleRows(band.from, band.count).real();
+    const VectorXd power = spectra.transpose() * own.cwiseInverse();
+    MatrixXd B = power.reshaped(No, No);
+    B += B.transpose().eval();
+    B.diagonal().array() += kFilterLoad * B.trace() / static_cast<double>(No);
+    std::vector<Index> near;
+    for (Index j = 0; j < size(); ++j) {
+      if (j != i && gap_(i, j) < kNullHalfBandwidths &&
+          mac(shapes_.col(i), shapes_.col(j)) < 0.95) {
+        near.push_back(j);
+      }
+    }
+    std::sort(near.begin(), near.end(), [&](Index a, Index d) { return gap_(i, a) < gap_(i, d); });
+    const Index most = std::min(No - 1, std::max<Index>(No - 2, 1));
+    if (static_cast<Index>(near.size()) > most) near.resize(static_cast<std::size_t>(most));
+    for (const Index j : near) band.nulled[static_cast<std::size_t>(j)] = true;
+    near.insert(near.begin(), i);
+    const MatrixXd phi = shapes_(Eigen::all, near).real();
+    const MatrixXd weighted = B.ldlt().solve(phi);
+    const MatrixXd inner = phi.transpose() * weighted;
+    F.col(i) = weighted * inner.ldlt().solve(VectorXd::Unit(inner.rows(), 0));
+  }
+  return F;
+}
+
+/// The row that takes a mode's residue from half spectra on the lines of its band.
+VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles) const {
+  const auto& band = bands_[static_cast<std::size_t>(mode)];
+  const double s = spectrum_->decay, low = spectrum_->omega[band.from] - s,
+               high = spectrum_->omega[band.from + band.count - 1] + s;
+  std::vector<Complex> used{poles[mode]};
+  for (Index j = 0; j < size(); ++j) {
+    const bool silent = band.nulled[static_cast<std::size_t>(j)] && gap_(mode, j) < 1;
+    if (j != mode && !silent && poles[j].imag() > low && poles[j].imag() < high) {
+      used.push_back(poles[j]);
+    }
+  }
+  const auto n = static_cast<Index>(used.size());
+  const VectorXd weight = band.S0.cwiseSqrt().cwiseInverse();
+  MatrixXcd X(band.count, n + 2);
+  for (Index a = 0; a < n; ++a) {
+    X.col(a) = spectrum_->basis(used[static_cast<std::size_t>(a)], band.from, band.count);
+  }
+  X.col(n).setOnes();
+  X.col(n + 1) = VectorXd::LinSpaced(band.count, -1, 1).cast<Complex>();
+  X = weight.asDiagonal() * X;
+  const VectorXd scale = X.colwise().norm().cwiseInverse().transpose();
+  const auto qr = thin_qr(X * scale.asDiagonal());
+  const VectorXcd first =
+      qr.R.adjoint().triangularView<Eigen::Lower>().solve(VectorXcd::Unit(n + 2, 0));
+  return (weight.asDiagonal() * (qr.Q * first)).conjugate() * scale[0];
+}
+
+/// Filters, correlations by group, fit, shapes; of the last pass the jackknife as well.
+void AmbientAnalysis::fit_pass(bool last) {
+  set_bands();
+  if (size() == 0) return;
+  const Index n = size(), No = signals_.channels(), L = spectrum_->lags;
+  const MatrixXd F = filters();
+  const int G = last ? options_.groups : 4;
+  const GroupCorrelations correlations(signals_, L, G, last ? 1 : search_share(signals_),
+                                       options_.threads);
+  const MatrixXd& counts = correlations.counts();
+  const VectorXd all = counts.rowwise().sum().cwiseMax(1);
+  // By group and mode: half spectra of all channels and the two-sided one of the filtered signal,
+  // of R over the number of products that are left without the group.
+  struct Spectra {
+    MatrixXcd half;
+    VectorXd S;
+  };
+  const auto spectra_of = [&](const MatrixXd& R, const VectorXd& products, Index i) {
+    const auto& band = bands_[static_cast<std::size_t>(i)];
+    const MatrixXd mean = products.cwiseInverse().asDiagonal() * R.middleCols(i * No, No);
+    const VectorXd own = mean * F.col(i);
+    const VectorXd both = own.tail(L + 1) + own.head(L + 1).reverse();
+    return Spectra{spectrum_->half(mean.bottomRows(L + 1), band.from, band.count),
+                   spectrum_->half(both, band.from, band.count).real()};
+  };
+  MatrixXd R = MatrixXd::Zero(2 * L + 1, No * n);
+  std::vector<std::vector<Spectra>> of_group(static_cast<std::size_t>(G));
+  energy_.resize(G, n);
+  correlations.each(F, [&](int g, const MatrixXd& part) {
+    R += part;
+    if (!last) return;
+    const VectorXd left = (all - counts.col(g)).cwiseMax(1);
+    for (Index i = 0; i < n; ++i) {
+      of_group[static_cast<std::size_t>(g)].push_back(spectra_of(part, left, i));
+      energy_(g, i) = part.row(L).segment(i * No, No).dot(F.col(i)) / std::max(counts(L, g), 1.0);
+    }
+  });
+  std::vector<Spectra> whole;
+  const VectorXd smoother =
+      (VectorXd::LinSpaced(2 * L + 1, -static_cast<double>(L), static_cast<double>(L))
+           .array()
+           .abs() *
+       (-spectrum_->decay * spectrum_->dt))
+          .exp();
+  for (Index i = 0; i < n; ++i) {
+    auto& band = bands_[static_cast<std::size_t>(i)];
+    whole.push_back(spectra_of(R, all, i));
+    band.S = whole.back().S;
+    const VectorXd smooth = spectra_of(R, all.cwiseQuotient(smoother), i).S.cwiseAbs();
+    band.S0 = smooth.cwiseMax(1e-3 * smooth.maxCoeff()).cwiseMax(1e-12);
+  }
+  fit_ = fit_resonances(*spectrum_, bands_, poles_);
+  poles_ = fit_.poles;
+  MatrixXcd raw(No, n);
+  for (Index i = 0; i < n; ++i) {
+    raw.col(i) =
+        (shape_row(i, poles_).transpose() * whole[static_cast<std::size_t>(i)].half).transpose();
+    shapes_.col(i) = phase_real(raw.col(i));
+  }
+  if (!last) return;
+  shapes_ = raw;
+  poles_without_.clear();
+  shapes_without_.assign(static_cast<std::size_t>(n), MatrixXcd(No, G));
+  for (int g = 0; g < G; ++g) {
+    const VectorXd left = (all - counts.col(g)).cwiseMax(1);
+    std::vector<Spectra> without;
+    std::vector<VectorXd> change;
+    for (Index i = 0; i < n; ++i) {
+      Spectra one = spectra_of(R, left, i);
+      const Spectra& group = of_group[static_cast<std::size_t>(g)][static_cast<std::size_t>(i)];
+      change.push_back(one.S - group.S - bands_[static_cast<std::size_t>(i)].S);
+      one.half -= group.half;
+      without.push_back(std::move(one));
+    }
+    VectorXcd poles = poles_ + fit_.change(change);
+    for (Index i = 0; i < n; ++i) {
+      poles[i].real(std::min(poles[i].real(), 0.05 * poles_[i].real()));
+    }
+    for (Index i = 0; i < n; ++i) {
+      shapes_without_[static_cast<std::size_t>(i)].col(g) =
+          (shape_row(i, poles).transpose() * without[static_cast<std::size_t>(i)].half).transpose();
+    }
+    poles_without_.push_back(std::move(poles));
+  }
+}
+
+void AmbientAnalysis::judge() {
+  const VectorXd& unit = signals_.scale();
+  const auto G = static_cast<Index>(poles_without_.size());
+  const double length = duration_ * signals_.present();
+  for (Index i = 0; i < size(); ++i) {
+    AmbientMode found;
+    IdentifiedMode& mode = found.mode;
+    const Complex pole = poles_[i];
+    const double half = -pole.real(), f = std::abs(pole) / kTwoPi, zeta = half / std::abs(pole);
+    const double group_s = length / static_cast<double>(G);
+    found.joined = static_cast<int>(std::clamp<Index>(
+        static_cast<Index>(std::ceil(kDecayTimesOfGroup / half / group_s)), 1, G / 2));
+    VectorXd hz(G), log_zeta(G);
+    for (Index g = 0; g < G; ++g) {
+      const Complex p = poles_without_[static_cast<std::size_t>(g)][i];
+      hz[g] = std::abs(p) / kTwoPi;
+      log_zeta[g] = std::log(-p.real() / std::abs(p));
+    }
+    const VectorXd e = joined_sums(energy_.col(i), found.joined).cwiseMax(0);
+    const double squares = e.squaredNorm();
+    found.degrees = std::max(squares * squares / std::max(e.array().pow(4).sum(), 1e-300) - 1, 1.0);
+    const double t = coverage_factor(0.95, found.degrees);
+    const double f_std = jackknife_std(hz, found.joined);
+    found.log_damping_std = jackknife_std(log_zeta, found.joined);
+    mode.frequency_hz = {f, f_std};
+    mode.damping_ratio = {zeta, zeta * found.log_damping_std};
+    mode.damping_ratio_with_window = zeta;
+    mode.pole_rad_s = pole;
+    mode.presence = presence_[i];
+    mode.refinement = "ambient";
+    found.frequency_95 = {f - t * f_std, f + t * f_std};
+    found.damping_95 = {zeta * std::exp(-t * found.log_damping_std),
+                        zeta * std::exp(t * found.log_damping_std)};
+    found.decay_times = length * half;
+    const auto& band = bands_[static_cast<std::size_t>(i)];
+    mode.reconstruction_error =
+        (band.S - fit_.model[static_cast<std::size_t>(i)]).norm() / band.S.norm();
+
+    VectorXcd shape = shapes_.col(i).cwiseProduct(unit);
+    Index top = 0;
+    shape.cwiseAbs().maxCoeff(&top);
+    shape /= shape[top];
+    found.without_group = unit.asDiagonal() * shapes_without_[static_cast<std::size_t>(i)];
+    for (Index g = 0; g < G; ++g)
+      found.without_group.col(g) /= Complex(found.without_group(top, g));
+    mode.shape = shape;
+    mode.shape_std.resize(shape.size(), 2);
+    for (Index o = 0; o < shape.size(); ++o) {
+      mode.shape_std(o, 0) = jackknife_std(found.without_group.row(o).real(), found.joined);
+      mode.shape_std(o, 1) = jackknife_std(found.without_group.row(o).imag(), found.joined);
+    }
+    mode.modal_phase_collinearity = modal_phase_collinearity(shape);
+
+    const auto doubt = [&](const char* code, std::string why) {
+      if (mode.doubtful) return;
+      mode.doubtful = true, mode.doubt = std::move(why), found.code = code;
+    };
+    const std::string where = fmt::format("{:.4g} Hz", f);
+    if (found.decay_times < kFewestDecayTimes) {
+      const double needed = kFewestDecayTimes / half;
+      doubt("too_short",
+            fmt::format("needs {:.0f} s of recording ({:.0f} decay times), has {:.0f} s", needed,
+                        kFewestDecayTimes, length));
+      result_.notes.push_back(
+          {"too_short",
+           fmt::format("record {:.0f} min: {:.0f} min hold {:.0f} decay times, "
+                       "and intervals need {:.0f}",
+                       std::ceil(needed / 60), length / 60, found.decay_times, kFewestDecayTimes),
+           where});
+    }
+    if (fit_.own_share[i] < kLeastOwnShare) {
+      doubt("peak_not_its_own", fmt::format("holds {:.0f} % of the spectrum at its frequency",
+                                            100 * std::max(0.0, fit_.own_share[i])));
+    }
+    if (found.log_damping_std > 0.5 || zeta > options_.max_damping_ratio) {
+      doubt("damping_uncertain",
+            fmt::format("damping is known to {:.0f} %", 100 * found.log_damping_std));
+    }
+    if (t * f_std > kBandHalfBandwidths * zeta * f) {
+      doubt("frequency_uncertain", "its frequency is less certain than its band is wide");
+    }
+    if (mode.modal_phase_collinearity < 0.25) {
+      doubt("complex_shape",
+            fmt::format("its shape travels (MPC {:.2f})", mode.modal_phase_collinearity));
+    }
+    for (Index j = 0; j < size(); ++j) {
+      const double apart = half_bandwidths(pole, poles_[j]);
+      if (j == i || apart > 1) continue;
+      const bool alike = mac(shapes_.col(i), shapes_.col(j)) > 0.9;
+      if (apart < 0.5 && alike &&
+          (presence_[j] > presence_[i] || (presence_[j] == presence_[i] && j < i))) {
+        doubt("close_modes",
+              fmt::format("cannot be told from the mode at {:.4g} Hz, which has its shape",
+                          std::abs(poles_[j]) / kTwoPi));
+      }
+      if (j > i) {
+        result_.notes.push_back(
+            {"close_modes",
+             fmt::format("check the shapes of the modes at {:.5g} and {:.5g} Hz, {:.2f} bandwidths "
+                         "apart: within their bandwidths shapes mix",
+                         f, std::abs(poles_[j]) / kTwoPi, apart),
+             where});
+      }
+    }
+    result_.modes.push_back(std::move(found));
+  }
+  std::sort(result_.modes.begin(), result_.modes.end(),
+            [](const AmbientMode& a, const AmbientMode& b) {
+              return a.mode.frequency_hz.value < b.mode.frequency_hz.value;
+            });
+}
+
+void AmbientAnalysis::run(std::vector<Index> references) {
+  const double rate = signals_.rate_hz();
+  result_.duration_s = duration_;
+  result_.low_hz = options_.low_hz > 0 ? options_.low_hz : 100 / duration_;
+  result_.high_hz = options_.high_hz > 0 ? std::min(options_.high_hz, rate / 2) : 0.4 * rate;
+  result_.tones = take_out_tones(signals_, result_.low_hz, result_.high_hz);
+  AmbientCandidates found = find_candidates(signals_, options_, result_, std::move(references));
+  spectrum_ = std::move(found.spectrum), pairs_ = std::move(found.pairs);
+  poles_ = std::move(found.poles), presence_ = std::move(found.presence);
+  shapes_ = std::move(found.shapes);
+  if (pairs_.rows() > 0) {
+    const Index No = signals_.channels(), lines = spectrum_->omega.size();
+    result_.spectrum_hz = spectrum_->omega / kTwoPi;
+    result_.singular_values.resize(lines, No);
+    for (Index l = 0; l < lines; ++l) {
+      const VectorXcd row = pairs_.row(l);
+      const MatrixXcd S = row.reshaped(No, No);
+      result_.singular_values.row(l) =
+          hermitian_eigen(S + S.adjoint()).values.reverse().transpose();
+    }
+  }
+  if (size() > 0) {
+    // Candidates that do not hold their own peak leave, those that the fewest orders have first:
+    // they disturb the others.
+    for (bool more = true; more;) {
+      fit_pass(false);
+      double least = 2;
+      for (Index i = 0; i < size(); ++i) {
+        if (fit_.own_share[i] < kLeastOwnShare) least = std::min(least, presence_[i]);
+      }
+      std::vector<Index> holding;
+      for (Index i = 0; i < size(); ++i) {
+        if (fit_.own_share[i] > kLeastOwnShare || presence_[i] > least) holding.push_back(i);
+      }
+      more = !holding.empty() && std::ssize(holding) < size();
+      if (more) keep(holding);
+    }
+    fit_pass(true);
+    if (size() > 0) judge();
+  }
+  if (result_.modes.empty()) {
+    result_.notes.push_back({"no_modes", "no mode stands out of the noise in the band", ""});
+  }
+}
+
+}  // namespace
+
+AmbientResult ambient_modes(const Recording& recording, const AmbientOptions& options) {
+  AmbientResult result;
+  std::vector<Index> channels, references;
+  for (const auto& name : options.channels) channels.push_back(recording.channel_index(name));
+  if (channels.empty()) {
+    channels.resize(recording.channels.size());
+    std::iota(channels.begin(), channels.end(), Index{0});
+  }
+  for (const Index c : channels) {
+    result.channels.push_back(recording.channels[static_cast<std::size_t>(c)].name);
+  }
+  for (const auto& name : options.references) {
+    const auto at = std::find(channels.begin(), channels.end(), recording.channel_index(name));
+    if (at == channels.end()) {
+      throw RecordingError({recording.path.string(), 0, 0, name},
+                           "the reference is not among the channels analysed",
+                           "choose from " + listed(result.channels));
+    }
+    references.push_back(at - channels.begin());
+  }
+  AmbientAnalysis(recording, options, channels, result).run(std::move(references));
+  return result;
+}
+
+}  // namespace rigfit::signal

@@ -1,0 +1,148 @@
+#include "signal/ambient/ambient_tones.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "signal/numerics/numbers.h"
+#include "signal/spectra/fft.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+constexpr Index kSide = 14;           // lines 3 to 14 beside a line are its neighbours
+constexpr Index kLobe = 3;            // a Hann window's lobe ends before
+constexpr double kFalseTones = 1e-3;  // chance of one in a recording of noise
+constexpr std::size_t kMostTones = 40;
+
+struct Line {
+  Index k = 0, channel = 0;
+  double F = 0;
+};
+
+/// Leaves the spectrum in `fft`: of a day of samples a copy is large.
+void hann_spectrum(const AmbientSignals& signals, Index channel, RealFft& fft) {
+  const Index n = fft.length();
+  signals.read(channel, 0, fft.time());
+  const Complex turn = std::polar(1.0, kTwoPi / static_cast<double>(n));
+  Complex now;
+  for (Index i = 0; i < n; ++i) {
+    if (i % 1024 == 0)
+      now = std::polar(1.0, kTwoPi * static_cast<double>(i) / static_cast<double>(n));
+    fft.time()[i] *= 0.5 - 0.5 * now.real();
+    now *= turn;
+  }
+  fft.forward();
+}
+
+/// Lines of exp(i 2 pi f n), f in lines, under a Hann window: at k - kSide .. k + kSide.
+VectorXcd hann_lines(double f, Index k, Index n) {
+  const auto sum = [n](double d) {  // of exp(2 pi i d m / n) over m
+    const double u = kTwoPi * d / static_cast<double>(n);
+    if (std::abs(d) < 1e-9) return Complex(static_cast<double>(n));
+    return (1.0 - std::polar(1.0, kTwoPi * d)) / (1.0 - std::polar(1.0, u));
+  };
+  VectorXcd lines(2 * kSide + 1);
+  for (Index j = -kSide; j <= kSide; ++j) {
+    const double d = f - static_cast<double>(k + j);
+    lines[j + kSide] = 0.5 * sum(d) - 0.25 * sum(d + 1) - 0.25 * sum(d - 1);
+  }
+  return lines;
+}
+
+/// The strongest outstanding lines; no two within a lobe.
+std::vector<Line> outstanding(const AmbientSignals& signals, RealFft& fft, Index low, Index high,
+                              const std::vector<Index>& refused) {
+  const double tests = static_cast<double>((high - low) * signals.channels());
+  const double limit = 12 * (std::pow(tests / kFalseTones, 1.0 / 12) - 1);
+  std::vector<Line> all, kept;
+  for (Index c = 0; c < signals.channels(); ++c) {
+    hann_spectrum(signals, c, fft);
+    const VectorXd power = fft.spectrum().cwiseAbs2();
+    for (Index k = low; k < high; ++k) {
+      if (power[k] < power[k - 1] || power[k] < power[k + 1]) continue;
+      const double beside = power.segment(k - kSide, 12).sum() + power.segment(k + kLobe, 12).sum();
+      if (24 * power[k] > limit * beside) all.push_back({k, c, 24 * power[k] / beside});
+    }
+  }
+  std::sort(all.begin(), all.end(), [](const Line& a, const Line& b) { return a.F > b.F; });
+  const auto near = [](Index a, Index b) { return std::abs(a - b) < kLobe; };
+  for (const Line& line : all) {
+    const bool known =
+        std::any_of(kept.begin(), kept.end(), [&](const Line& l) { return near(l.k, line.k); }) ||
+        std::any_of(refused.begin(), refused.end(), [&](Index k) { return near(k, line.k); });
+    if (!known && kept.size() < kMostTones) kept.push_back(line);
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::vector<AmbientTone> take_out_tones(AmbientSignals& signals, double low_hz, double high_hz) {
+  std::vector<AmbientTone> tones;
+  if (signals.samples() < 256) return tones;
+  RealFft fft(good_fft_length_below(signals.samples()));
+  const Index n = fft.length();
+  const double line_hz = signals.rate_hz() / static_cast<double>(n);
+  const Index low = std::max<Index>(kSide + 1, static_cast<Index>(low_hz / line_hz));
+  const Index high = std::min(fft.lines() - kSide - 1, static_cast<Index>(high_hz / line_hz));
+  std::vector<Index> refused;
+  // A strong tone hides weaker ones near it from the test: the search is repeated without it.
+  for (bool more = true; more && low < high && tones.size() < kMostTones;) {
+    more = false;
+    const std::vector<Line> lines = outstanding(signals, fft, low, high, refused);
+    if (lines.empty()) break;
+    std::vector<MatrixXcd> around(lines.size(), MatrixXcd(2 * kSide + 1, signals.channels()));
+    for (Index c = 0; c < signals.channels(); ++c) {
+      hann_spectrum(signals, c, fft);
+      for (std::size_t i = 0; i < lines.size(); ++i) {
+        around[i].col(c) = fft.spectrum().segment(lines[i].k - kSide, 2 * kSide + 1);
+      }
+    }
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const auto [k, channel, F] = lines[i];
+      const auto power_at = [&](double f) {
+        const auto kernel = hann_lines(f, k, n).segment(kSide - kLobe, 2 * kLobe + 1).eval();
+        return (kernel.adjoint() * around[i].middleRows(kSide - kLobe, 2 * kLobe + 1))
+                   .squaredNorm() /
+               kernel.squaredNorm();
+      };
+      double f = static_cast<double>(k);
+      for (double step = 1; step > 1e-4; step /= 2) {  // the maximum between the lines
+        const double a = power_at(f - step), b = power_at(f), c = power_at(f + step);
+        if (a - 2 * b + c < 0) f += step * std::clamp(0.5 * (a - c) / (a - 2 * b + c), -1.0, 1.0);
+      }
+      const VectorXcd kernel = hann_lines(f, k, n);
+      const auto middle = kernel.segment(kSide - kLobe, 2 * kLobe + 1);
+      VectorXcd amplitude =
+          (middle.adjoint() * around[i].middleRows(kSide - kLobe, 2 * kLobe + 1)).transpose() /
+          middle.squaredNorm();
+      const VectorXd left = (around[i].col(channel) - kernel * amplitude[channel]).cwiseAbs2();
+      const double beside = (left.head(12).sum() + left.tail(12).sum()) / 24;
+      if (std::abs(f - static_cast<double>(k)) > 1 ||
+          left.segment(kSide - 2, 5).mean() > 4 * beside) {
+        refused.push_back(k);
+        continue;
+      }
+      amplitude *= 2 / signals.present();  // both halves of the spectrum, of what samples there are
+      signals.subtract(kTwoPi * f / static_cast<double>(n), amplitude);
+      Index strongest = 0;
+      const double size = amplitude.cwiseAbs().cwiseProduct(signals.scale()).maxCoeff(&strongest);
+      tones.push_back({f * line_hz, size, strongest});
+      more = true;
+    }
+  }
+  std::sort(tones.begin(), tones.end(), [](const AmbientTone& a, const AmbientTone& b) {
+    return a.frequency_hz < b.frequency_hz;
+  });
+  return tones;
+}
+
+}  // namespace rigfit::signal

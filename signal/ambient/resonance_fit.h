@@ -1,0 +1,68 @@
+// Poles common to the two-sided auto-spectra of filtered signals, each in its own band.
+//
+// The lag window exp(-s |k| dt) moves every pole by -s, exactly; with L lags a pole's part of a
+// half spectrum is
+//
+//   b(lambda) = sum over k = 0..L of x^k = (1 - x^(L+1)) / (1 - x),  x = exp((lambda - s - i w) dt)
+//
+// and its part of an auto-spectrum 2 Re(a (b(lambda) - 1/2) + conj(a) (b(conj lambda) - 1/2)) with
+// a complex residue a. Minimised over the poles is the sum over signals q and lines of [(S_q -
+// model) / S0_q]^2 with S0 the model of the round before: the score of Whittle's likelihood.
+// Residues and a constant for each signal are eliminated (variable projection, Kaufman's Jacobian).
+// Sources: Whittle, Ark. Mat. 2 (1953) 423; Golub and Pereyra, Inverse Problems 19 (2003) R1.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <vector>
+
+namespace rigfit::signal {
+
+/// Lines and lag window of the spectra of correlations.
+struct LagSpectrum {
+  LagSpectrum(double rate_hz, Eigen::Index lags, double low_hz, double high_hz);
+
+  double dt;              ///< s
+  double decay;           ///< s of the window, 1/s: it falls to exp(-4) at the last lag
+  Eigen::Index lags;      ///< L
+  Eigen::Index length;    ///< of the transform, at least 2 L
+  Eigen::Index first;     ///< line of omega[0]
+  Eigen::VectorXd omega;  ///< rad/s
+
+  /// Sum over k = 0..L of exp(-(s + i w) k dt) R(k), R(0) halved, on `count` lines from `from` on.
+  /// R: lags 0..L x columns.
+  [[nodiscard]] Eigen::MatrixXcd half(const Eigen::Ref<const Eigen::MatrixXd>& R, Eigen::Index from,
+                                      Eigen::Index count) const;
+  /// b(lambda) and, if asked for, its derivative on those lines.
+  [[nodiscard]] Eigen::VectorXcd basis(std::complex<double> pole, Eigen::Index from,
+                                       Eigen::Index count, Eigen::VectorXcd* slope = nullptr) const;
+};
+
+/// The auto-spectrum of one mode's filtered signal in the band around the mode.
+struct FilteredSpectrum {
+  Eigen::Index from = 0, count = 0;  ///< lines
+  Eigen::VectorXd S;                 ///< count
+  Eigen::VectorXd S0;                ///< weight is 1 / S0
+  std::vector<bool> nulled;          ///< by mode: the filter suppresses it
+  std::vector<Eigen::Index> modes;   ///< those that the model has here
+};
+
+struct ResonanceFit {
+  Eigen::VectorXcd poles;
+  double cost = 0;
+  Eigen::MatrixXd normal;  ///< Gauss-Newton, (real, imaginary) of each pole
+  std::vector<Eigen::MatrixXd>
+      to_gradient;                     ///< by signal: times a change of S, adds to the gradient
+  std::vector<Eigen::VectorXd> model;  ///< by signal
+  Eigen::VectorXd own_share;           ///< by mode: its part of its signal's S at its frequency
+
+  /// First-order change of the poles for changes of every signal's S.
+  [[nodiscard]] Eigen::VectorXcd change(const std::vector<Eigen::VectorXd>& of_S) const;
+};
+
+/// One signal a mode, in the order of the poles.
+[[nodiscard]] ResonanceFit fit_resonances(const LagSpectrum& spectrum,
+                                          std::vector<FilteredSpectrum>& signals,
+                                          Eigen::VectorXcd poles);
+
+}  // namespace rigfit::signal
