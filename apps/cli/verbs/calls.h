@@ -76,8 +76,10 @@ struct ModalCommand {
   double max_damping = signal::LscfOptions().max_damping_ratio;
   int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
   std::string out, synthesis;
-  bool all = false;                  ///< print uncertain modes as well
-  std::vector<std::string> of_hits;  ///< options given that mean nothing for FRFs from a file
+  bool all = false;                     ///< print uncertain modes as well
+  bool ambient = false;                 ///< motion under unknown forces: no FRFs, no hits
+  std::vector<std::string> references;  ///< of ambient motion, in all set-ups
+  std::vector<std::string> of_hits;     ///< options given that mean nothing for FRFs from a file
 };
 /// FRFs to identify, and where they are from.
 struct MeasuredFrfs {
@@ -97,6 +99,8 @@ struct MeasuredFrfs {
                                          VerbContext& context);
 [[nodiscard]] Json modal_result(const MeasuredFrfs& measured, const ModalCommand& command,
                                 VerbContext& context);
+/// The same of ambient motion, read from `command.files`: a set-up each, joined by references.
+[[nodiscard]] Json ambient_result(const ModalCommand& command, VerbContext& context);
 
 struct BendingCommand {
   std::vector<std::string> files;

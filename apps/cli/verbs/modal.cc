@@ -175,6 +175,7 @@ void check_band(const ModalCommand& options) {
 
 Json run_modal(VerbContext& context, ModalCommand options) {
   check_band(options);
+  if (options.ambient) return ambient_result(options, context);
   return modal_result(frfs_of(context, options), options, context);
 }
 
@@ -277,7 +278,8 @@ describe::Options options_of(ModalCommand& c) {
   describe::Options options{
       option("FILE", c.files,
              "FRFs: a UFF file, a .mat file, or text tables of frequency, real and imaginary part "
-             "(or magnitude and phase); or, with --force, recordings of hits")
+             "(or magnitude and phase); or, with --force, recordings of hits; or, with --ambient, "
+             "recordings of motion under unknown forces, a set-up each")
           .required(),
       option("--order", c.order, "Highest model order of the stabilisation diagram").within(2, 400),
       option("--max-damping", c.max_damping, "Largest damping ratio that is taken for a mode")
@@ -288,6 +290,12 @@ describe::Options options_of(ModalCommand& c) {
           "FRFs rebuilt from the modes and what else was fitted, at the measured lines, as UFF 58")
           .writes()
           .type("F.uff"),
+      option("--ambient", c.ambient,
+             "Recordings of motion under wind, traffic or other unknown forces"),
+      option("--reference", c.references,
+             "Channels that stay in place in all set-ups [those that all files have]")
+          .type("C")
+          .needs("--ambient"),
       option("--all", c.all, "List uncertain modes as well"),
       option("--averages", c.averages,
              "Averages behind the coherence of FRFs from a file [as the file says]")
@@ -316,6 +324,7 @@ Verb modal_verb() {
       "  rigfit modal other.uff --exponential-window 1.5 --averages 5\n"
       "  rigfit modal point1.txt point2.txt point3.txt --averages 5\n"
       "  rigfit modal hits.csv --force hammer --exponential-window 1\n"
+      "  rigfit modal setup1.csv setup2.csv --ambient --reference top --band 0.3 8\n"
       "Exit code 4: no mode stands out, or a window's damping dominates that of a mode (the\n"
       "frequency is given all the same).",
       [](const ModalCommand& c, VerbContext& context) { return run_modal(context, c); });

@@ -115,7 +115,10 @@ def modal(frfs, *, options):
     given = [] if at_hand is not None else sources("frfs", frfs)
     if at_hand is not None and "force" in options:
         checks.fail("force", "is for recordings of hits; these are FRFs already")
-    if "force" not in options and not all(isinstance(one, str) for one in given):
+    ambient = options.get("ambient", False)
+    if ambient and (at_hand is not None or not all(isinstance(one, str) for one in given)):
+        checks.fail("ambient", "is for files of recordings")
+    if not ambient and "force" not in options and not all(isinstance(one, str) for one in given):
         checks.fail("force", "is needed for recordings of hits")
     if given:
         _check_struck(options, given)

@@ -142,6 +142,10 @@ py::tuple modal(const py::object& frfs, const py::list& given, const py::dict& o
   if (at_hand) state->frfs = frfs.cast<SharedFrfs>();
   const py::tuple answer = run_verb("modal", options, [state, at_hand](apps::VerbContext& context) {
     apps::MeasuredFrfs measured;
+    if (state->command.ambient) {
+      for (const Source& source : state->sources) state->command.files.push_back(source.name());
+      return apps::ambient_result(state->command, context);
+    }
     if (!state->command.impact.force.empty()) {
       BorrowedRun run;
       analyse(state->sources, state->command.impact, context, run);

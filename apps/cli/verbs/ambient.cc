@@ -1,0 +1,137 @@
+// rigfit modal --ambient: modes from motion under unknown forces, one or several set-ups.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "apps/campaign_file/recording_description.h"
+#include "apps/cli/verbs/calls.h"
+#include "apps/describe/digits.h"
+#include "apps/results/modal_json.h"
+#include "signal/ambient/ambient_modes.h"
+#include "signal/writers/write_uff.h"
+
+namespace rigfit::apps {
+namespace {
+
+void check_ambient_options(const ModalCommand& command) {
+  const auto& impact = command.impact;
+  if (!impact.force.empty()) throw UsageError("--ambient is for motion without a measured force");
+  for (const auto& name : command.of_hits) {
+    if (name != "--response" && name != "--sample-rate") {
+      throw UsageError(name + " is for hits; --ambient has none");
+    }
+  }
+  if (!command.synthesis.empty()) throw UsageError("--synthesis needs FRFs; --ambient has none");
+}
+
+/// Set-ups that have a reference, or an error that names the channels that would serve.
+signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context) {
+  signal::AmbientOptions options;
+  options.channels = command.impact.responses;
+  if (!command.impact.band.empty()) {
+    options.low_hz = command.impact.band[0], options.high_hz = command.impact.band[1];
+  }
+  options.max_damping_ratio = command.max_damping;
+  options.threads = context.threads;
+  signal::ReadOptions read;
+  read.sample_rate_hz = command.impact.sample_rate_hz;
+  std::vector<signal::AmbientResult> setups;
+  for (const auto& file : command.files) {
+    // One recording is held at a time: a day of many channels fills the memory. A reference that
+    // it lacks is refused below, with the channels that would serve.
+    const signal::Recording recording = load_recording(file, context, read);
+    options.references.clear();
+    for (const auto& name : command.references) {
+      const bool there = std::any_of(recording.channels.begin(), recording.channels.end(),
+                                     [&](const auto& channel) { return channel.name == name; });
+      if (there || command.files.size() == 1) options.references.push_back(name);
+    }
+    setups.push_back(signal::ambient_modes(recording, options));
+    for (auto& note : setups.back().notes) {
+      if (command.files.size() > 1)
+        note.where = file + (note.where.empty() ? "" : ", ") + note.where;
+    }
+  }
+  return signal::merge_setups(setups, command.references);
+}
+
+Json ambient_mode_json(const signal::AmbientMode& one) {
+  Json json = mode_json(one.mode);
+  json["frequency_hz"]["low"] = json_number(one.frequency_95.low);
+  json["frequency_hz"]["high"] = json_number(one.frequency_95.high);
+  json["damping_ratio"]["low"] = json_number(one.damping_95.low);
+  json["damping_ratio"]["high"] = json_number(one.damping_95.high);
+  json["degrees_of_freedom"] = json_number(one.degrees);
+  json["decay_times"] = json_number(one.decay_times);
+  json["doubt_code"] = one.code.empty() ? Json(nullptr) : Json(one.code);
+  return json;
+}
+
+void print(std::ostream& out, const signal::AmbientResult& result, bool all) {
+  std::size_t others = 0;
+  out << fmt::format("{:>4} {:>12} {:>10} {:>11} {:>10} {:>6} {:>6}\n", "mode", "f, Hz", "+-",
+                     "damping, %", "+-", "MPC", "T/tau");
+  for (std::size_t r = 0; r < result.modes.size(); ++r) {
+    const auto& one = result.modes[r];
+    const auto &f = one.mode.frequency_hz, &zeta = one.mode.damping_ratio;
+    if (one.mode.doubtful && !all) {
+      ++others;
+      continue;
+    }
+    out << fmt::format("{:>4} {:>12} {:>10} {:>11} {:>10} {:>6.3f} {:>6.0f}  {}\n", r + 1,
+                       value_digits(f.value, f.std), std_digits(f.std),
+                       value_digits(100 * zeta.value, 100 * zeta.std), std_digits(100 * zeta.std),
+                       one.mode.modal_phase_collinearity, one.decay_times,
+                       one.mode.doubtful ? "uncertain: " + one.mode.doubt : "");
+  }
+  if (others > 0) out << fmt::format("and {} uncertain: --all lists them\n", others);
+  for (const auto& tone : result.tones) {
+    out << fmt::format("tone at {:.6g} Hz taken out, amplitude {:.3g}\n", tone.frequency_hz,
+                       tone.amplitude);
+  }
+  out << fmt::format("{:.4g} to {:.4g} Hz, {:.0f} s, correlations to {:.3g} s\n", result.low_hz,
+                     result.high_hz, result.duration_s, result.lag_s);
+}
+
+}  // namespace
+
+Json ambient_result(const ModalCommand& command, VerbContext& context) {
+  check_ambient_options(command);
+  const signal::AmbientResult found = analysed(command, context);
+  for (const auto& note : found.notes) {
+    if (note.code == "no_modes") {
+      context.refuse(note.code, note.message, note.where);
+    } else {
+      context.warn(note.code, note.message, note.where);
+    }
+  }
+  Json result{{"modes", Json::array()}, {"responses", Json::array()}, {"tones", Json::array()}};
+  for (const auto& one : found.modes) result["modes"].push_back(ambient_mode_json(one));
+  for (const auto& name : found.channels) {
+    result["responses"].push_back({{"name", name}, {"node", 0}, {"direction", 0}});
+  }
+  for (const auto& tone : found.tones) {
+    result["tones"].push_back({{"frequency_hz", tone.frequency_hz}, {"amplitude", tone.amplitude}});
+  }
+  result["input_points"] = Json::array();
+  result["ambient"] = true;
+  result["amplitudes"] = false;  // shapes have no scale
+  result["band_hz"] = {found.low_hz, found.high_hz};
+  result["lag_s"] = found.lag_s;
+  print(context.out, found, command.all);
+  if (!command.out.empty()) {
+    signal::ModalModel sure;  // UFF has no place for doubts
+    for (const auto& one : found.modes) {
+      if (!one.mode.doubtful) sure.modes.push_back(one.mode);
+    }
+    for (const auto& name : found.channels) sure.responses.push_back({name, 0, 0});
+    context.write(command.out, signal::uff_text(sure));
+    result["out"] = command.out;
+    context.out << "modes (UFF 55): " << command.out << '\n';
+  }
+  return result;
+}
+
+}  // namespace rigfit::apps
