@@ -24,26 +24,28 @@ MatrixXd correlation(const Reader& block, const MatrixXd& filters, Range range, 
   const Index length = good_fft_length(std::min(range.second - range.first + 2 * lags, usual));
   const Index piece = length - 2 * lags;
   RealFft fft(length);
-  MatrixXcd sums = MatrixXcd::Zero(fft.lines(), channels * signals);
+  std::vector<std::pair<Index, Index>> pairs;  // signal, channel
+  for (Index j = 0; j < signals; ++j) {
+    for (Index i = lower ? j : 0; i < channels; ++i) pairs.emplace_back(j, i);
+  }
+  MatrixXcd sums = MatrixXcd::Zero(fft.lines(), std::ssize(pairs));
   for (Index a = range.first; a < range.second; a += piece) {
     const Index count = std::min(piece, range.second - a);
     const MatrixXd wide = block(a - lags, count + 2 * lags);
     const MatrixXcd Y = real_spectra(wide, length);
     const MatrixXcd X = lower ? real_spectra(wide.middleRows(lags, count), length)
                               : real_spectra(wide.middleRows(lags, count) * filters, length);
-    for (Index j = 0; j < signals; ++j) {
-      for (Index i = lower ? j : 0; i < channels; ++i) {
-        sums.col(j * channels + i).array() += X.col(j).array().conjugate() * Y.col(i).array();
-      }
+    for (Index p = 0; p < std::ssize(pairs); ++p) {
+      const auto [j, i] = pairs[static_cast<std::size_t>(p)];
+      sums.col(p).array() += X.col(j).array().conjugate() * Y.col(i).array();
     }
   }
   MatrixXd R = MatrixXd::Zero(span, channels * signals);
-  for (Index j = 0; j < signals; ++j) {
-    for (Index i = lower ? j : 0; i < channels; ++i) {
-      fft.spectrum() = sums.col(j * channels + i);
-      fft.inverse();
-      R.col(j * channels + i) = fft.time().head(span);
-    }
+  for (Index p = 0; p < std::ssize(pairs); ++p) {
+    const auto [j, i] = pairs[static_cast<std::size_t>(p)];
+    fft.spectrum() = sums.col(p);
+    fft.inverse();
+    R.col(j * channels + i) = fft.time().head(span);
   }
   return R;
 }

@@ -34,6 +34,8 @@ signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context
     options.low_hz = command.impact.band[0], options.high_hz = command.impact.band[1];
   }
   options.max_damping_ratio = command.max_damping;
+  // The usual order of FRFs is not that of half spectra.
+  if (command.order != ModalCommand().order) options.max_order = command.order;
   options.threads = context.threads;
   signal::ReadOptions read;
   read.sample_rate_hz = command.impact.sample_rate_hz;
