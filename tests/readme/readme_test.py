@@ -26,7 +26,7 @@ import zlib
 PROGRAM, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 DRAW = "--draw" in sys.argv[3:]
 TUTORIALS = ["apps/tutorials/%s/README.md" % who for who in ("technician", "student", "consultant", "coupled")]
-OTHERS = ["ident/predict/README.md", "testdata/jalali2021/README.md", "tests/bench/README.md"]
+OTHERS = ["ident/predict/README.md", "testdata/jalali2021/README.md"]
 NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$")
 
 
