@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "signal/ambient/ambient_modes.h"
+#include "signal/ambient/ambient_result.h"
 #include "signal/ambient/ambient_signals.h"
 #include "signal/ambient/resonance_fit.h"
 

@@ -11,7 +11,7 @@
 
 #include <vector>
 
-#include "signal/ambient/ambient_modes.h"
+#include "signal/ambient/ambient_result.h"
 #include "signal/ambient/ambient_signals.h"
 
 namespace rigfit::signal {

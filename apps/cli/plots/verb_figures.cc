@@ -15,6 +15,8 @@
 namespace rigfit::apps {
 namespace {
 
+using Eigen::Index;
+
 template <class Made>
 void add(PlotSheet& sheet, std::optional<Made> made) {
   if (made) sheet.add(Block(std::move(*made)));
@@ -25,6 +27,43 @@ void add_drawn(PlotSheet& sheet, Plot plot) {
 }
 
 }  // namespace
+
+void draw_ambient(PlotSheet& sheet, const signal::AmbientResult& found) {
+  signal::ModalResult poles;
+  poles.stabilisation = found.stabilisation;
+  Plot plot;
+  plot.id = "ambient-spectrum";
+  plot.title = "Singular values of the spectral matrix";
+  plot.caption =
+      "Motion of all channels together, each over its standard deviation. A mode is a peak of the "
+      "first singular value; where the second rises with it, two modes are close. Lines: modes, "
+      "broken where they are uncertain.";
+  plot.x_label = "frequency, Hz";
+  plot.y_label = "singular value";
+  plot.log_y = true;
+  plot.link = plot.id;
+  for (const auto& one : found.modes) {
+    const double f = one.mode.frequency_hz.value;
+    plot.marks.push_back({f, fmt::format("{:.4g}", f), Origin::modelled, one.mode.doubtful});
+    if (!one.mode.doubtful) poles.model.modes.push_back(one.mode);
+  }
+  for (Index k = 0; k < std::min<Index>(3, found.singular_values.cols()); ++k) {
+    PlotSeries series;
+    series.name = fmt::format("singular value {}", k + 1);
+    series.origin = Origin::measured;
+    series.variant = static_cast<int>(k);
+    for (Index i = 0; i < found.spectrum_hz.size(); ++i) {
+      series.x.push_back(found.spectrum_hz[i]);
+      series.y.push_back(found.singular_values(i, k));
+    }
+    plot.series.push_back(std::move(series));
+  }
+  add_drawn(sheet, std::move(plot));
+  if (poles.stabilisation.poles.empty()) return;
+  Plot diagram = stabilisation_plot("ambient-stabilisation", poles, Origin::measured);
+  diagram.link = "ambient-spectrum";
+  add_drawn(sheet, std::move(diagram));
+}
 
 void draw_recording(PlotSheet& sheet, const signal::Recording& recording,
                     const signal::QualityResult& quality) {

@@ -14,6 +14,7 @@
 #include "ident/update/update_checks.h"
 #include "model/linear/modal_analysis.h"
 #include "model/response/response.h"
+#include "signal/ambient/ambient_result.h"
 #include "signal/quality/quality.h"
 
 namespace rigfit::apps {
@@ -31,6 +32,9 @@ struct HammerFigures {
   const signal::ModalResult* modal = nullptr;
 };
 void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures);
+
+/// Singular values of the spectral matrix with the modes, stabilisation diagram.
+void draw_ambient(PlotSheet& sheet, const signal::AmbientResult& found);
 
 /// The strongest decay of a channel, and damping over amplitude.
 void draw_decay(PlotSheet& sheet, const std::string& file, const ident::ChannelDecays& decays);

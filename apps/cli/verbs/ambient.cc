@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/campaign_file/recording_description.h"
+#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/calls.h"
 #include "apps/describe/digits.h"
 #include "apps/results/modal_json.h"
@@ -123,6 +124,7 @@ Json ambient_result(const ModalCommand& command, VerbContext& context) {
   result["band_hz"] = {found.low_hz, found.high_hz};
   result["lag_s"] = found.lag_s;
   print(context.out, found, command.all);
+  if (context.plots) draw_ambient(*context.plots, found);
   if (!command.out.empty()) {
     signal::ModalModel sure;  // UFF has no place for doubts
     for (const auto& one : found.modes) {

@@ -54,6 +54,16 @@ TEST_F(AmbientVerb, MissingReferenceNamesThoseThatServe) {
   EXPECT_NE(run.err.find("\"c1\", \"c5\""), std::string::npos) << run.err;
 }
 
+TEST_F(AmbientVerb, FigureMarksTheModes) {
+  const std::string figure = (folder.path() / "modes.svg").string();
+  const auto run = run_program(
+      {"modal", setup("a.csv", 1, {0, 4, 1}), "--ambient", "--band", "0.3", "8", "--plot", figure});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string drawn = folder.read("modes.svg");
+  EXPECT_NE(drawn.find("singular value 1"), std::string::npos);
+  EXPECT_NE(drawn.find("Stabilisation diagram"), std::string::npos);
+}
+
 TEST_F(AmbientVerb, OptionsOfHitsAreRefused) {
   const auto run = run_program({"modal", setup("a.csv", 1, {0, 4}), "--ambient", "--trigger", "5"});
   EXPECT_EQ(run.exit_code, 2);

@@ -1,0 +1,61 @@
+// Options and result of modes from ambient motion (ambient_modes.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "signal/modes/modal_model.h"
+#include "signal/numerics/estimate.h"
+#include "signal/poles/lscf.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::signal {
+
+struct AmbientOptions {
+  std::vector<std::string> channels;  ///< names or "#k"; empty: all
+  /// Channels whose correlations with all others give the candidates; of several set-ups those that
+  /// stay in place. Empty: up to six are chosen, or those that all set-ups have in common.
+  std::vector<std::string> references;
+  double low_hz = 0;   ///< 0: 100 over the length, where 5 % of damping is the least to be decided
+  double high_hz = 0;  ///< 0: 0.4 times the sample rate
+  int max_order = 0;   ///< of the stabilisation diagram; 0: 60 / references, 8 to 40
+  double max_damping_ratio = 0.2;  ///< above it a pole describes the forces
+  int groups = 24;                 ///< of the jackknife: 12 lower the coverage by 1 %
+  int threads = 1;
+};
+
+struct AmbientTone {
+  double frequency_hz = 0;
+  double amplitude = 0;      ///< the largest of the channels, in its unit
+  Eigen::Index channel = 0;  ///< the one with that amplitude, of those analysed
+};
+
+struct AmbientMode {
+  /// Shape: largest component 1, unscaled otherwise; participation is empty.
+  IdentifiedMode mode;
+  Interval frequency_95, damping_95;  ///< Hz and 1; the damping's on the scale of its logarithm
+  double degrees = 0;                 ///< of freedom of both standard deviations
+  double decay_times = 0;             ///< T / tau
+  double log_damping_std = 0;
+  std::string code;  ///< why it is doubtful: "too_short", "close_modes", "peak_not_its_own", ...
+  Eigen::MatrixXcd without_group;  ///< shapes without each group: channels x groups
+  int joined = 1;                  ///< neighbouring groups that count as one
+};
+
+struct AmbientResult {
+  std::vector<AmbientMode> modes;  ///< by rising frequency, doubtful ones as well
+  std::vector<std::string> channels;
+  std::vector<AmbientTone> tones;
+  std::vector<Note> notes;
+  double low_hz = 0, high_hz = 0;
+  double lag_s = 0;          ///< longest lag of the correlations
+  double duration_s = 0;     ///< of all set-ups
+  LscfResult stabilisation;  ///< window included
+  /// Singular values of the spectral matrix of the channels over their standard deviations, lines x
+  /// channels, for figures. Empty after merging.
+  Eigen::VectorXd spectrum_hz;
+  Eigen::MatrixXd singular_values;
+};
+
+}  // namespace rigfit::signal
