@@ -35,7 +35,8 @@ void place_candidates(const model::Scene& scene, const PlanOptions& options,
   candidates.sensors = scene.sensors;
   for (const auto& member : scene.members) {
     for (int k = 0; k < 27 && !options.as_drawn; ++k) {
-      const double position = 0.1 * (1 + k / 3);
+      const int tenth = 1 + k / 3;
+      const double position = 0.1 * tenth;
       candidates.sensors.push_back(
           {fmt::format("{} {:.1f} {}", member.name, position, "xyz"[k % 3]),
            {"", member.name, position},

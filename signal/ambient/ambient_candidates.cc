@@ -66,7 +66,10 @@ double search_share(const AmbientSignals& signals) {
 AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOptions& options,
                                   AmbientResult& result, std::vector<Index> references) {
   AmbientCandidates found;
-  auto& [spectrum, pairs, poles, presence, shapes] = found;
+  auto& spectrum = found.spectrum;
+  Eigen::MatrixXcd &pairs = found.pairs, &shapes = found.shapes;
+  Eigen::VectorXcd& poles = found.poles;
+  Eigen::VectorXd& presence = found.presence;
   const double duration = static_cast<double>(signals.samples()) / signals.rate_hz();
   const double rate = signals.rate_hz(), low = result.low_hz, high = result.high_hz;
   const Index No = signals.channels();

@@ -107,7 +107,7 @@ std::vector<AmbientTone> take_out_tones(AmbientSignals& signals, double low_hz, 
       }
     }
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      const auto [k, channel, F] = lines[i];
+      const Index k = lines[i].k;
       const auto power_at = [&](double f) {
         const auto kernel = hann_lines(f, k, n).segment(kSide - kLobe, 2 * kLobe + 1).eval();
         return (kernel.adjoint() * around[i].middleRows(kSide - kLobe, 2 * kLobe + 1))
@@ -124,7 +124,8 @@ std::vector<AmbientTone> take_out_tones(AmbientSignals& signals, double low_hz, 
       VectorXcd amplitude =
           (middle.adjoint() * around[i].middleRows(kSide - kLobe, 2 * kLobe + 1)).transpose() /
           middle.squaredNorm();
-      const VectorXd left = (around[i].col(channel) - kernel * amplitude[channel]).cwiseAbs2();
+      const VectorXd left =
+          (around[i].col(lines[i].channel) - kernel * amplitude[lines[i].channel]).cwiseAbs2();
       const double beside = (left.head(12).sum() + left.tail(12).sum()) / 24;
       if (std::abs(f - static_cast<double>(k)) > 1 ||
           left.segment(kSide - 2, 5).mean() > 4 * beside) {

@@ -75,7 +75,7 @@ GroupCorrelations::GroupCorrelations(const AmbientSignals& signals, Index lags, 
   for (Index g = 0; g < groups; ++g) {
     const Index a = n * g / groups, b = n * (g + 1) / groups;
     const double used = share * static_cast<double>(b - a);
-    ranges_.emplace_back(a, a + std::clamp<Index>(static_cast<Index>(used + 0.5), 1, b - a));
+    ranges_.emplace_back(a, a + std::clamp<Index>(static_cast<Index>(std::lround(used)), 1, b - a));
   }
   counts_.resize(2 * lags + 1, groups);
   for (Index g = 0; g < groups; ++g) {

@@ -86,6 +86,24 @@ class SameNumbers(unittest.TestCase):
         self.assertEqual([m.frequency_hz.value for m in by_frfs.modes][:3],
                          [m["frequency_hz"]["value"] for m in direct["modes"]][:3])
 
+    def test_modes_from_ambient_motion(self):
+        # A mode at 2 Hz, 1 % of damping, driven by white noise for 20 minutes, at two places.
+        random, rate = np.random.default_rng(1), 20.0
+        pole = np.exp((-0.01 + 1j * np.sqrt(1 - 0.01**2)) * 2 * np.pi * 2 / rate)
+        motion = np.zeros(24000)
+        state = 0j
+        for k, kick in enumerate(random.normal(size=(24000, 2)) @ (1, 1j)):
+            state = pole * state + kick
+            motion[k] = state.real
+        noise = 0.1 * random.normal(size=(24000, 2))
+        np.savetxt(self.folder / "wind.csv", np.column_stack([np.arange(24000) / rate, motion + noise[:, 0], 0.5 * motion + noise[:, 1]]),
+                   delimiter=",", header="Time (s),a (m/s2),b (m/s2)", comments="", fmt="%.9g")
+        document = self.program("modal", "wind.csv", "--ambient", "--band", 0.5, 6)
+        result = rigfit.modal(str(self.folder / "wind.csv"), ambient=True, band=(0.5, 6))
+        self.same(document, result, ["inputs"])
+        self.assertEqual(len(result.modes), 1)
+        self.assertLess(abs(result.modes[0].frequency_hz.value - 2), 4 * result.modes[0].frequency_hz.std)
+
     def test_frfs_of_arrays(self):
         lines = np.arange(1, 101.0)
         s = 2j * np.pi * lines
