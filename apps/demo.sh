@@ -17,7 +17,7 @@ sh apps/install_packages.sh build
     exit 1
   }
 }
-echo "Building rigfit (a few minutes the first time) ..."
+echo "Building rigfit (some 5 minutes on 2 cores the first time) ..."
 cmake --build build/release --target rigfit
 
 report() {
