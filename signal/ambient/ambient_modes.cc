@@ -339,18 +339,19 @@ void AmbientAnalysis::judge() {
                        std::ceil(needed / 60), length / 60, found.decay_times, kFewestDecayTimes),
            where});
     }
-    if (fit_.own_share[i] < kLeastOwnShare) {
+    // Written so that what is not a number is doubtful.
+    if (!(fit_.own_share[i] >= kLeastOwnShare)) {
       doubt("peak_not_its_own", fmt::format("holds {:.0f} % of the spectrum at its frequency",
                                             100 * std::max(0.0, fit_.own_share[i])));
     }
-    if (found.log_damping_std > 0.5 || zeta > options_.max_damping_ratio) {
+    if (!(found.log_damping_std <= 0.5) || zeta > options_.max_damping_ratio) {
       doubt("damping_uncertain",
             fmt::format("damping is known to {:.0f} %", 100 * found.log_damping_std));
     }
-    if (t * f_std > kBandHalfBandwidths * zeta * f) {
+    if (!(t * f_std <= kBandHalfBandwidths * zeta * f)) {
       doubt("frequency_uncertain", "its frequency is less certain than its band is wide");
     }
-    if (mode.modal_phase_collinearity < 0.25) {
+    if (!(mode.modal_phase_collinearity >= 0.25)) {
       doubt("complex_shape",
             fmt::format("its shape travels (MPC {:.2f})", mode.modal_phase_collinearity));
     }

@@ -43,7 +43,10 @@ struct Beside {
       gram += e.transpose() * e;
       gradient += e.transpose() * fit.residual.segment(first, rows);
     }
+    // What lies in the fit's columns would be left with rounding alone.
+    const Eigen::VectorXd least = 1e-9 * gram.diagonal();
     gram -= cross.transpose() * fit.unit_covariance * cross;
+    gram.diagonal() = gram.diagonal().cwiseMax(least);
   }
 };
 

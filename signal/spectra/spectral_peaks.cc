@@ -66,6 +66,7 @@ VectorXd floor_of(const VectorXd& spectrum, Index reach) {
 // Parts of the record that are compared, as long as a part resolves the peak into so many lines.
 constexpr Index kParts = 8;
 constexpr double kLinesInPart = 2;
+constexpr Index kFewestPeakLines = 8;  // twice the parameters of a peak
 constexpr double kPartsDiffer = 0.01;  // chance that parts which agree look so
 
 struct Lorentzian {
@@ -148,6 +149,7 @@ void compare_parts(const VectorXd& samples, double rate_hz, double from, double 
   if (!(peak.bandwidth_hz > kLinesInPart * line)) return;
   const Index first = std::max<Index>(1, std::lround(from / line));
   const Index count = std::min(length / 2, static_cast<Index>(std::lround(to / line))) - first + 1;
+  if (count < kFewestPeakLines) return;
   RealFft fft(length);
   const VectorXd window = hann(length);
   std::vector<double> values, variances;
@@ -157,7 +159,7 @@ void compare_parts(const VectorXd& samples, double rate_hz, double from, double 
     const auto part = fit_peak(power.segment(first, count), line * static_cast<double>(first), line,
                                whole.shape.parameters);
     const double center = part.shape.parameters[0];
-    if (!part.converged || std::abs(center - peak.frequency_hz.value) > 2 * peak.bandwidth_hz) {
+    if (!part.converged || !(std::abs(center - peak.frequency_hz.value) < 2 * peak.bandwidth_hz)) {
       continue;
     }
     values.push_back(center);
@@ -269,7 +271,7 @@ SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& recorded, double 
     const Index from = std::max<Index>(1, std::lround((f0 - std::min(below, 40 * step)) / line));
     const Index to =
         std::min(periodogram.size() - 1, std::lround((f0 + std::min(above, 40 * step)) / line));
-    if (to - from < 8) continue;
+    if (to - from < kFewestPeakLines) continue;
     const double top = result.spectrum[found[i]], base = std::min(floor[found[i]], 0.5 * top);
     const auto fit =
         fit_peak(periodogram.segment(from, to - from + 1), line * static_cast<double>(from), line,
