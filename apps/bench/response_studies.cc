@@ -175,7 +175,7 @@ class Studies {
       row.step_s = 1 / base_.sampling.rate_hz;
       add(study, truth, "explicit, axial waves slowed", slowed, row);
       auto [space, space_row] = with_step(fine.solver, limit);
-      space.plane = false;
+      space.space = true;
       add(study, truth, "explicit, in space", space, space_row);
     }
     for (const double tolerance : {1e-4, 1e-6, 1e-8}) {

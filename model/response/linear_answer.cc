@@ -66,102 +66,31 @@ Eigen::VectorXd renumbered(const Eigen::VectorXd& x, const Numbering& from, cons
   return result;
 }
 
-namespace {
-
-double moving_mass(const Assembly& assembly, const Eigen::VectorXd& shape, const ChainState* along,
-                   bool twist) {
-  const Chain& chain = assembly.chain();
-  const Numbering& numbering = assembly.numbering();
-  const auto at = [&](int node) {
-    Eigen::Vector3d v = Eigen::Vector3d::Zero();
-    for (int axis = 0; axis < 3; ++axis) {
-      const int i = numbering.displacement(axis, node);
-      if (i >= 0) v[axis] = shape[i];
-    }
-    return v;
-  };
-  double sum = 0;
-  for (std::size_t k = 0; k < chain.segments.size(); ++k) {
-    const Segment& s = chain.segments[k];
-    const int turn = numbering.twist[static_cast<Eigen::Index>(k)];
-    if (twist && turn >= 0) sum += s.polar * shape[turn] * shape[turn];
-    if (twist) continue;
-    const Eigen::Vector3d v = 0.5 * (at(s.a) + at(s.b));
-    if (along) {
-      const Eigen::Vector3d t = (along->position.col(s.b) - along->position.col(s.a)).normalized();
-      sum += s.mass * v.dot(t) * v.dot(t);
-    } else {
-      sum += s.mass * v.squaredNorm();
-    }
-  }
-  return sum;
-}
-
-}  // namespace
-
-double axial_share(const Assembly& assembly, const ChainState& state,
-                   const Eigen::VectorXd& shape) {
-  const double all =
-      moving_mass(assembly, shape, nullptr, false) + moving_mass(assembly, shape, nullptr, true);
-  return all > 0 ? moving_mass(assembly, shape, &state, false) / all : 0;
-}
-
-double twist_share(const Assembly& assembly, const Eigen::VectorXd& shape) {
-  const double twist = moving_mass(assembly, shape, nullptr, true);
-  const double all = moving_mass(assembly, shape, nullptr, false) + twist;
-  return all > 0 ? twist / all : 0;
-}
-
-LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene,
-                           const LinearAnswerOptions& options) {
+LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
   LinearAnswer out;
   const ChainState& rest = modes.equilibrium.state;
   const auto loads = static_cast<Eigen::Index>(scene.loads.size());
   const auto sensors = static_cast<Eigen::Index>(scene.sensors.size());
-  // The modes that take part, motion by motion.
-  std::vector<std::vector<int>> used(modes.motions.size());
-  std::vector<bool> whole(modes.motions.size(), true);
   for (std::size_t k = 0; k < modes.motions.size(); ++k) {
-    const MotionModes& motion = modes.motions[k];
-    const Eigen::Index n = motion.omega2.size();
-    if (n == 0 || (options.planar && motion.motion == Motion::out_of_plane)) continue;
-    int inertial = 0;
-    for (int i = 0; i < motion.mass.size(); ++i) inertial += motion.mass.at(i, i) > 0;
-    if (n < inertial) whole[k] = false, out.truncated = true;
-    for (int i = 0; i < n; ++i) {
-      if (!options.axial && axial_share(*motion.assembly, rest, motion.shapes.col(i)) > 0.5) {
-        whole[k] = false;
-        continue;
-      }
-      used[k].push_back(i);
+    for (int i = 0; i < modes.motions[k].omega2.size(); ++i) {
       out.mode.push_back({static_cast<int>(k), i});
     }
   }
   const auto count = static_cast<Eigen::Index>(out.mode.size());
   out.omega.resize(count);
   out.ratio.resize(count);
-  Eigen::MatrixXd sensor_shape(sensors, count);
-  Eigen::MatrixXd& load_shape = out.load_shape;
-  load_shape.resize(count, loads);
+  Eigen::MatrixXd sensor_shape(sensors, count), load_shape(count, loads);
   out.coupled = any_joint_damping(*modes.chain);
-  if (out.coupled) out.damping = Eigen::MatrixXd::Zero(count, count);
+  Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(out.coupled ? count : 0, out.coupled ? count : 0);
 
   Eigen::MatrixXd direct = Eigen::MatrixXd::Zero(sensors, loads);
-  bool any_direct = false;
   Eigen::Index first = 0;
-  for (std::size_t k = 0; k < modes.motions.size(); ++k) {
-    const MotionModes& motion = modes.motions[k];
-    const auto n = static_cast<Eigen::Index>(used[k].size());
+  for (const MotionModes& motion : modes.motions) {
+    const Eigen::Index n = motion.omega2.size();
     if (n == 0) continue;
-    const Eigen::VectorXd ratios = modal_ratios(motion, rest, scene);
-    Eigen::MatrixXd shapes(motion.shapes.rows(), n);
-    Eigen::VectorXd omega2(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const int mode = used[k][static_cast<std::size_t>(i)];
-      shapes.col(i) = motion.shapes.col(mode);
-      omega2(i) = std::max(0.0, motion.omega2(mode));
-      out.ratio(first + i) = ratios(mode);
-    }
+    const Eigen::MatrixXd& shapes = motion.shapes;
+    const Eigen::VectorXd omega2 = motion.omega2.cwiseMax(0.0);
+    out.ratio.segment(first, n) = modal_ratios(motion, rest, scene);
     out.omega.segment(first, n) = omega2.cwiseSqrt();
     std::vector<Eigen::VectorXd> load_rows, sensor_rows;
     for (Eigen::Index l = 0; l < loads; ++l) {
@@ -177,10 +106,12 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene,
       motion.assembly->damping(rest, c);
       Eigen::MatrixXd product(shapes.rows(), n);
       for (Eigen::Index i = 0; i < n; ++i) product.col(i) = c * Eigen::VectorXd(shapes.col(i));
-      out.damping.block(first, first, n, n) = shapes.transpose() * product;
+      damping.block(first, first, n, n) = shapes.transpose() * product;
     }
-    if (!whole[k]) {
-      any_direct = true;
+    int inertial = 0;
+    for (int i = 0; i < motion.mass.size(); ++i) inertial += motion.mass.at(i, i) > 0;
+    if (n < inertial) {
+      out.truncated = true;
       // The modes left out follow a force without delay: K^-1 less what the others give.
       EnvelopeFactor factor;
       factor.factor(motion.stiffness);
@@ -207,8 +138,8 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene,
              load_shape.col(l).cwiseQuotient(out.omega.cwiseAbs2().cwiseMax(1e-300));
   }
   if (out.coupled) {
-    out.damping.diagonal() += 2 * out.ratio.cwiseProduct(out.omega);
-    out.modal = coupled_poles(out.omega, out.damping, load_shape, start);
+    damping.diagonal() += 2 * out.ratio.cwiseProduct(out.omega);
+    out.modal = coupled_poles(out.omega, damping, load_shape, start);
   } else {
     out.modal = pole_model(out.omega, out.ratio, load_shape,
                            Eigen::MatrixXd::Identity(count, count), start);
@@ -217,7 +148,7 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene,
   out.sensors.output.resize(sensors, out.modal.output.cols());
   out.sensors.output.real() = sensor_shape * out.modal.output.real();
   out.sensors.output.imag() = sensor_shape * out.modal.output.imag();
-  if (any_direct) out.sensors.direct = direct;
+  if (out.truncated) out.sensors.direct = direct;
   out.sensors.offset = Eigen::VectorXd::Zero(sensors);
   const Assembly& assembly = *modes.motions.front().assembly;
   Eigen::VectorXd axial(static_cast<Eigen::Index>(modes.chain->segments.size()));

@@ -18,23 +18,10 @@ struct LinearAnswer {
   Eigen::VectorXd omega;                ///< rad/s, modes of all motions one after the other
   Eigen::VectorXd ratio;                ///< from the members' damping ratios alone
   std::vector<ChainModes::Which> mode;  ///< motion and mode of each
-  Eigen::MatrixXd load_shape;           ///< modes x loads
-  Eigen::MatrixXd damping;              ///< coupled only: q'' + D q' + omega^2 q = ...
   bool truncated = false;               ///< not all modes of the chain are in it
 };
 
-struct LinearAnswerOptions {
-  bool axial = true;    ///< false: modes that move mostly along their members follow without delay
-  bool planar = false;  ///< true: modes out of the plane of symmetry are left out
-};
-
-[[nodiscard]] LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene,
-                                         const LinearAnswerOptions& options = {});
-
-/// Share of a shape's kinetic energy that is motion along the segments' own axes, or twist.
-[[nodiscard]] double axial_share(const Assembly& assembly, const ChainState& state,
-                                 const Eigen::VectorXd& shape);
-[[nodiscard]] double twist_share(const Assembly& assembly, const Eigen::VectorXd& shape);
+[[nodiscard]] LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene);
 
 /// Weight of the mass hung by a release, N along the load's direction.
 [[nodiscard]] double hung_weight(const Scene& scene, const Load& load);

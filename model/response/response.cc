@@ -10,11 +10,9 @@
 #include "model/motion/motion_kernel.h"
 #include "model/motion/stiff_motion.h"
 #include "model/response/linear_answer.h"
-#include "model/response/linear_balance.h"
 #include "model/response/nonlinearity.h"
 #include "model/response/response_estimates.h"
 #include "model/response/response_modes.h"
-#include "model/scene/model_reduction.h"
 #include "model/scene/scene_error.h"
 #include "model/statics/loaded_state.h"
 
@@ -115,14 +113,15 @@ class Simulation {
 
   ResponseResult run() {
     const auto started = std::chrono::steady_clock::now();
-    const bool good = find_modes() && choose() && (linear() ? run_modal() : run_exact());
+    bool good = find_modes();
+    if (good) {
+      choose();
+      good = linear() ? run_modal() : run_exact();
+    }
     out_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     if (!good) return std::move(out_);
     out_.completed = out_.samples.allFinite();
     if (!out_.completed) out_.reason = "the motion is not finite";
-    if (linear()) {
-      out_.energy = linear_balance(answer_, scene_, records_, options_.sampling);
-    }
     out_.energy_drift = out_.energy.drift();
     say_what_was_left_out();
     return std::move(out_);
@@ -133,7 +132,6 @@ class Simulation {
     out_.rate_hz = options_.sampling.rate_hz;
     for (const Sensor& sensor : scene_.sensors) out_.sensors.push_back(sensor.name);
     for (const Member& member : scene_.members) out_.members.push_back(member.name);
-    wanted_.torsion = options_.torsion;
     wanted_.modes = options_.modes;
     const bool any_auto = std::any_of(scene_.members.begin(), scene_.members.end(),
                                       [](const Member& m) { return m.segments <= 0; });
@@ -161,14 +159,9 @@ class Simulation {
     return true;
   }
 
-  bool choose() {
+  void choose() {
     const Chain& chain = *modes_.chain;
-    if (options_.plane.value_or(false) && !chain.planar) {
-      out_.impossible = true;
-      out_.reason = "the scene has no plane of symmetry to stay in";
-      return false;
-    }
-    plane_ = options_.plane.value_or(plane_is_enough(chain)) && chain.planar;
+    plane_ = !options_.space && plane_is_enough(chain);
     problem_.motion = plane_ ? Motion::in_plane : Motion::space;
     out_.motion = plane_ ? "plane" : "space";
     const MotionModes* own = nullptr;
@@ -196,24 +189,10 @@ class Simulation {
                                     shift_.frequency_at_rest_hz * options_.sampling.duration_s));
     }
     for (const Sensor& sensor : scene_.sensors) problem_.quantities.push_back(sensor.quantity);
-    return true;
   }
   [[nodiscard]] bool linear() const { return out_.solver == ResponseSolver::modal; }
 
   bool run_modal() {
-    if (!options_.axial.value_or(true) || plane_) {
-      LinearAnswerOptions less{options_.axial.value_or(true), plane_};
-      LinearAnswer all = std::move(answer_);
-      answer_ = linear_answer(modes_, scene_, less);
-      if (!less.axial) {
-        axial_ = axial_part(modes_, all, weights_);
-      }
-      out_of_plane_ = plane_ ? out_of_plane_part(modes_, all, weights_) : 0;
-      truncated_ = truncated_part(all, weights_, scene_);
-      full_ = std::move(all);
-    } else {
-      truncated_ = truncated_part(answer_, weights_, scene_);
-    }
     out_.step_s = 1 / options_.sampling.rate_hz;
     const auto rows = static_cast<Eigen::Index>(options_.sampling.rows());
     out_.samples = modal_response(answer_.sensors, problem_.quantities, scene_.loads, records_,
@@ -302,18 +281,17 @@ class Simulation {
       out_.left_out.push_back({std::move(what), error, of});
     };
     const Chain& chain = *modes_.chain;
-    const LinearAnswer& answer = full_.omega.size() > 0 ? full_ : answer_;
     if (linear()) {
       leave_out("change of stiffness with motion", shift_.frequency_shift);
-      if (answer.truncated) leave_out("modes above those found", truncated_, "response");
+      if (answer_.truncated) {
+        leave_out("modes above those found", truncated_part(answer_, weights_, scene_), "response");
+      }
     } else {
       out_.kept.push_back("geometrically exact stiffness");
     }
-    if (linear() && !options_.axial.value_or(true)) {
-      leave_out("axial dynamics: stretch follows at once", axial_, "response");
-    } else if (slowing_s2_ > 0) {
+    if (slowing_s2_ > 0) {
       const StepErrors errors = explicit_step_errors(
-          modes_, answer, weights_, shift_.frequency_shift, out_.step_s, slowing_s2_);
+          modes_, answer_, weights_, shift_.frequency_shift, out_.step_s, slowing_s2_);
       // kappa omega^2 / 2 = 1 %
       const double at_hz = std::sqrt(0.02 / slowing_s2_) / (2 * std::numbers::pi);
       std::ostringstream what;
@@ -326,7 +304,7 @@ class Simulation {
     if (out_.solver == ResponseSolver::explicit_motion) {
       leave_out(
           "what happens within a step",
-          explicit_step_errors(modes_, answer, weights_, shift_.frequency_shift, out_.step_s, 0)
+          explicit_step_errors(modes_, answer_, weights_, shift_.frequency_shift, out_.step_s, 0)
               .scheme);
     }
     if (chain.torsion) {
@@ -334,17 +312,15 @@ class Simulation {
     } else if (std::any_of(scene_.members.begin(), scene_.members.end(),
                            [](const Member& m) { return m.GJ > 0; })) {
       // Where no torque enters it is zero to first order, and exactly so in the plane.
-      const bool forced = !plane_ && reduce_model(scene_, options_.torsion).torsion_left_out;
-      leave_out("torsion", forced ? torsion_shift(scene_, wanted_, modes_, answer, weights_) : 0);
+      leave_out("torsion", 0);
     }
     if (plane_) {
-      if (!linear()) out_of_plane_ = out_of_plane_part(modes_, answer, weights_);
-      leave_out("motion out of the plane of symmetry", out_of_plane_, "response");
+      leave_out("motion out of the plane of symmetry", 0, "response");  // no load drives it
     } else {
       out_.kept.push_back("motion out of the plane");
     }
     if (out_.resolution_error < 0 && options_.resolution_estimate) {
-      out_.resolution_error = resolution_error(scene_, wanted_, modes_, answer, weights_);
+      out_.resolution_error = resolution_error(scene_, wanted_, modes_, answer_, weights_);
     }
     if (out_.resolution_error >= 0) {
       leave_out("bending within segments", out_.resolution_error);
@@ -357,14 +333,14 @@ class Simulation {
   ResponseResult out_;
   ResponseModesOptions wanted_;
   ChainModes modes_;
-  LinearAnswer answer_, full_;
+  LinearAnswer answer_;
   ModeWeights weights_;
   Nonlinearity shift_;
   MotionProblem problem_;
   std::unique_ptr<Assembly> made_;
   const Assembly* assembly_ = nullptr;
   bool plane_ = false;
-  double axial_ = 0, out_of_plane_ = 0, truncated_ = 0, slowing_s2_ = 0;
+  double slowing_s2_ = 0;
 };
 
 }  // namespace

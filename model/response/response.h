@@ -40,11 +40,9 @@ enum class ResponseSolver {
 struct ResponseOptions {
   SamplingOptions sampling;
   ResponseSolver solver = ResponseSolver::automatic;
-  std::optional<bool> plane;    ///< motion in the plane of symmetry only; empty: if possible
-  std::optional<bool> torsion;  ///< whether to model torsion; empty: if needed
-  /// Whether axial waves are resolved. If not, the modal solver treats modes along the members as
-  /// quasi-static, and the explicit scheme slows axial waves until one step per sample is stable.
-  /// Empty: decided by the estimated error.
+  bool space = false;  ///< motion in space also where nothing pushes the scene out of its plane
+  /// Whether the explicit scheme resolves axial waves. If not, it slows them until one step per
+  /// sample is stable. Empty: decided by the estimated error.
   std::optional<bool> axial;
   std::optional<int> segments;   ///< overrides every member's number
   std::optional<double> step_s;  ///< largest step of the explicit scheme
@@ -82,8 +80,8 @@ struct ResponseResult {
   int unknowns = 0;
   long steps = 0;
   double step_s = 0;
-  double wall_s = 0;  ///< time to compute the samples, s; later estimates not counted
-  double energy_drift = 0;
+  double wall_s = 0;          ///< time to compute the samples, s; later estimates not counted
+  double energy_drift = 0;    ///< 0 for the modal solver, whose samples are exact
   std::vector<int> segments;  ///< by member
   /// Relative error of frequencies, weighted by energy; negative: not estimated.
   double resolution_error = -1;

@@ -61,30 +61,6 @@ double slowed_step(const ChainModes& modes, const LinearAnswer& answer, const Mo
   return 0;
 }
 
-double out_of_plane_part(const ChainModes& modes, const LinearAnswer& answer,
-                         const ModeWeights& weights) {
-  double part = 0;
-  for (Eigen::Index p = 0; p < weights.sensors.size(); ++p) {
-    const auto mode = static_cast<std::size_t>(weights.mode_of_pole[static_cast<std::size_t>(p)]);
-    const auto motion = static_cast<std::size_t>(answer.mode[mode].motion);
-    if (modes.motions[motion].motion == Motion::out_of_plane) part += weights.sensors(p);
-  }
-  return root_part(part, weights.sensors.sum());
-}
-
-double axial_part(const ChainModes& modes, const LinearAnswer& answer, const ModeWeights& weights) {
-  double part = 0;
-  for (Eigen::Index p = 0; p < weights.sensors.size(); ++p) {
-    const auto mode = static_cast<std::size_t>(weights.mode_of_pole[static_cast<std::size_t>(p)]);
-    const auto [m, k] = answer.mode[mode];
-    const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
-    if (axial_share(*motion.assembly, modes.equilibrium.state, motion.shapes.col(k)) > 0.5) {
-      part += weights.sensors(p);
-    }
-  }
-  return root_part(part, weights.sensors.sum());
-}
-
 double truncated_part(const LinearAnswer& answer, const ModeWeights& weights, const Scene& scene) {
   if (!answer.truncated) return 0;
   const double top = answer.modal.poles.cwiseAbs().maxCoeff();
@@ -101,34 +77,6 @@ double truncated_part(const LinearAnswer& answer, const ModeWeights& weights, co
     if (derivatives == 2) return upper > 0 ? 1 : 0;
   }
   return root_part(factor * upper, weights.sensors.sum());
-}
-
-double torsion_shift(const Scene& scene, const ResponseModesOptions& options,
-                     const ChainModes& modes, const LinearAnswer& answer,
-                     const ModeWeights& weights) {
-  ResponseModesOptions with = options;
-  with.torsion = true;
-  const ChainModes full = response_modes(scene, with);
-  if (full.motions.size() != modes.motions.size()) return 1;
-  double shift = 0;
-  for (std::size_t k = 0; k < full.motions.size(); ++k) {
-    // Torsional modes have no counterpart.
-    std::vector<double> others;
-    for (Eigen::Index i = 0; i < full.motions[k].omega2.size(); ++i) {
-      if (twist_share(*full.motions[k].assembly, full.motions[k].shapes.col(i)) > 0.5) continue;
-      others.push_back(std::sqrt(std::max(full.motions[k].omega2(i), 0.0)));
-    }
-    std::size_t place = 0;
-    for (std::size_t i = 0; i < answer.mode.size(); ++i) {
-      if (answer.mode[i].motion != static_cast<int>(k)) continue;
-      const auto mode = static_cast<Eigen::Index>(i);
-      if (place < others.size() && others[place] > 0) {
-        shift += weights.energy(mode) * std::abs(answer.omega(mode) / others[place] - 1);
-      }
-      ++place;
-    }
-  }
-  return shift;
 }
 
 }  // namespace rigfit::model

@@ -30,19 +30,10 @@ struct StepErrors {
                                  const ModeWeights& weights, double shift, double interval_s,
                                  double accuracy);
 
-/// Root-mean-square part of what the sensors read that lies in modes out of the plane of symmetry.
-[[nodiscard]] double out_of_plane_part(const ChainModes& modes, const LinearAnswer& answer,
-                                       const ModeWeights& weights);
-/// The same for modes that move mostly along their members, which are made to follow at once.
-[[nodiscard]] double axial_part(const ChainModes& modes, const LinearAnswer& answer,
-                                const ModeWeights& weights);
-/// The same for modes beyond those found: by the fall of amplitudes (1 / omega^2 in displacement)
-/// over the upper half of those that were. One when it cannot be said.
+/// Root-mean-square part of what the sensors read that lies in modes beyond those found, by the
+/// fall of amplitudes (1 / omega^2 in displacement) over the upper half of those that were. One
+/// when it cannot be said.
 [[nodiscard]] double truncated_part(const LinearAnswer& answer, const ModeWeights& weights,
                                     const Scene& scene);
-/// Shift of frequencies, weighted by energy, when torsion is modelled where the scene has it.
-[[nodiscard]] double torsion_shift(const Scene& scene, const ResponseModesOptions& options,
-                                   const ChainModes& modes, const LinearAnswer& answer,
-                                   const ModeWeights& weights);
 
 }  // namespace rigfit::model

@@ -13,12 +13,6 @@ constexpr int kAllModes = 400;  // unknowns of a motion up to which all modes ar
 constexpr int kSomeModes = 200;
 constexpr int kUsualSegments = 30, kFewestAutoSegments = 8, kMostAutoSegments = 400;
 
-ModesOptions options_for(const ResponseModesOptions& options) {
-  ModesOptions out;
-  out.torsion = options.torsion;
-  return out;
-}
-
 bool driven(const MotionModes& motion) {
   const auto loads = static_cast<int>(motion.assembly->chain().loads.size());
   for (int l = 0; l < loads; ++l) {
@@ -30,7 +24,7 @@ bool driven(const MotionModes& motion) {
 }  // namespace
 
 ChainModes response_modes(const Scene& scene, const ResponseModesOptions& options) {
-  ChainModes out = prepare_motions(scene, options_for(options), options.segments);
+  ChainModes out = prepare_motions(scene, ModesOptions{}, options.segments);
   bool any = false;
   for (const MotionModes& motion : out.motions) any = any || driven(motion);
   for (std::size_t k = 0; k < out.motions.size(); ++k) {
@@ -107,7 +101,7 @@ double resolution_error(const Scene& scene, const ResponseModesOptions& options,
   for (const ChainMember& member : modes.chain->members) {
     finer.segments.push_back(2 * member.segments);
   }
-  const ChainModes fine = prepare_motions(scene, options_for(finer), finer.segments);
+  const ChainModes fine = prepare_motions(scene, ModesOptions{}, finer.segments);
   if (fine.motions.size() != modes.motions.size()) return 1;
   double error = 0;
   for (std::size_t k = 0; k < modes.motions.size(); ++k) {

@@ -11,8 +11,7 @@
 namespace rigfit::model {
 
 struct ResponseModesOptions {
-  std::vector<int> segments;    ///< by member; empty: the scene's own, 30 where it says "auto"
-  std::optional<bool> torsion;  ///< else by need
+  std::vector<int> segments;  ///< by member; empty: the scene's own, 30 where it says "auto"
   int modes = 0;  ///< modes of each motion; 0: all up to 400 unknowns a motion, else the lowest 200
 };
 

@@ -153,7 +153,7 @@ struct RespondCommand {
   std::string scene, out;
   double duration_s = 0, rate_hz = 0;
   std::string solver = "auto";
-  std::string plane = "auto", torsion = "auto", axial = "auto";
+  std::string plane = "auto", axial = "auto";
   int segments = 0;
   double step_s = 0;
   double tolerance = 0;

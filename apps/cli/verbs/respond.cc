@@ -28,11 +28,6 @@ const std::vector<std::pair<std::string, ResponseSolver>> kSolvers{
     {"stiff", ResponseSolver::stiff_motion},
 };
 
-std::optional<bool> forced(const std::string& word) {
-  if (word == "auto") return std::nullopt;
-  return word == "on";
-}
-
 /// The force of a recorded load: the file's only channel, or the one that is a force.
 model::ForceHistory read_force(const model::Scene& scene, std::size_t index) {
   const model::Load& load = scene.loads[index];
@@ -118,9 +113,8 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
   for (const auto& [name, solver] : kSolvers) {
     if (name == options.solver) wanted.solver = solver;
   }
-  wanted.plane = forced(options.plane);
-  wanted.torsion = forced(options.torsion);
-  wanted.axial = forced(options.axial);
+  wanted.space = options.plane == "off";
+  if (options.axial != "auto") wanted.axial = options.axial == "on";
   wanted.resolution_estimate = true;
   wanted.sampling.energy_samples = 20;  // for the drift
   if (options.segments > 0) wanted.segments = options.segments;
@@ -251,11 +245,10 @@ describe::Options options_of(RespondCommand& c) {
       option("--solver", c.solver,
              "auto: modal when the estimated frequency shift is within the scene's accuracy")
           .one_of(names),
-      option("--plane", c.plane, "Move in the plane of symmetry only")
-          .one_of({"auto", "on", "off"}),
-      option("--torsion", c.torsion, "Model torsion").one_of({"auto", "on", "off"}),
-      option("--axial", c.axial,
-             "Axial waves at their own speed; off: quasi-static (modal) or slowed (other solvers)")
+      option("--plane", c.plane,
+             "Move in the plane of symmetry where nothing pushes the scene out of it")
+          .one_of({"auto", "off"}),
+      option("--axial", c.axial, "Axial waves at their own speed; off: slowed (explicit solver)")
           .one_of({"auto", "on", "off"}),
       option("--segments", c.segments, "Segments of every member, instead of the scene's")
           .within(2, 10000),

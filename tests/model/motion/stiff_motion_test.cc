@@ -20,7 +20,7 @@ TEST(StiffMotion, ConvergesInSpaceWithTorsionAndTurningNodes) {
   scene.loads[0].peak = 100;
   ResponseOptions options;
   options.solver = ResponseSolver::stiff_motion;
-  options.plane = false;
+  options.space = true;
   options.sampling = {.duration_s = 0.1, .rate_hz = 2000, .energy_samples = 100};
   double drift[3];
   Eigen::MatrixXd samples[3];

@@ -122,50 +122,6 @@ TEST(ResponseEstimates, ModesAboveThoseFound) {
   }
 }
 
-TEST(ResponseEstimates, StretchThatFollowsAtOnce) {
-  Scene scene = released(12, 0.002, 0.4, {1, -0.02, 0});
-  for (Sensor& sensor : scene.sensors) sensor.direction = {1, 0, 0};
-  scene.sensors.pop_back();
-  ResponseOptions options;
-  options.solver = ResponseSolver::modal;
-  const ResponseResult full = respond(scene, options, 0.2, 5000);
-  options.axial = false;
-  const ResponseResult quasi_static = respond(scene, options, 0.2, 5000);
-  expect_honest(cost(quasi_static, "axial dynamics"), rms_difference(quasi_static, full));
-}
-
-TEST(ResponseEstimates, MotionOutOfThePlane) {
-  Scene scene = released(12, 0.002, 0.5, {0, -0.8, 0.6});
-  for (Sensor& sensor : scene.sensors) sensor.direction = {0, 0.8, -0.6};
-  scene.sensors.pop_back();
-  ResponseOptions options;
-  options.solver = ResponseSolver::modal;
-  const ResponseResult space = respond(scene, options, 1, 1000);
-  EXPECT_EQ(space.motion, "space");
-  options.plane = true;
-  const ResponseResult plane = respond(scene, options, 1, 1000);
-  EXPECT_EQ(plane.motion, "plane");
-  expect_honest(cost(plane, "motion out of the plane"), rms_difference(plane, space));
-}
-
-// Out of its plane the rig's beam is twisted by the cables it carries.
-TEST(ResponseEstimates, Torsion) {
-  Scene scene = testing::beam_and_cables(6);
-  for (Member& member : scene.members) member.GJ = 0.5;
-  scene.loads[0].place = {"", "left cable", 0.8};
-  scene.loads[0].direction = {0, 0, 1};
-  scene.loads[0].peak = 0.5;
-  scene.sensors = {testing::sensor("left cable", 0.8, Quantity::displacement, {0, 0, 1}),
-                   testing::sensor("left cable", 0.8, Quantity::velocity, {0, 0, 1})};
-  ResponseOptions options;
-  options.solver = ResponseSolver::modal;
-  const ResponseResult with = respond(scene, options, 0.5, 2000);
-  EXPECT_EQ(cost(with, "torsion"), -1);
-  options.torsion = false;
-  const ResponseResult without = respond(scene, options, 0.5, 2000);
-  expect_honest(cost(without, "torsion"), frequency_difference(without, with));
-}
-
 TEST(ResponseEstimates, SegmentsChosenReachTheAccuracy) {
   Scene scene = released(0, 0.002, 0.5);
   scene.members[0].damping_ratio = 0.02;

@@ -231,7 +231,7 @@ TEST(Response, BeamThrownBeyondNinetyDegreesInSpace) {
   EXPECT_LT(plane.energy_drift, 1e-4);
   ResponseOptions options;
   options.sampling = {.duration_s = 0.4, .rate_hz = 1000, .energy_samples = 50};
-  options.plane = false;
+  options.space = true;
   options.solver = ResponseSolver::explicit_motion;
   const ResponseResult space = simulate_response(scene, options);
   ASSERT_TRUE(space.completed) << space.reason;

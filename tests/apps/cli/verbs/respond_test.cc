@@ -356,34 +356,6 @@ quantity = "velocity"
                                        sensor);
   EXPECT_EQ(unread.exit_code, 3);
   EXPECT_NE(unread.err.find("none.csv"), std::string::npos) << unread.err;
-  // Forced into a plane that the scene does not have: three cables to a node in space.
-  const std::string tripod = R"(
-[[node]]
-name = "a"
-position = [0, 0, 0]
-support = "pinned"
-[[node]]
-name = "b"
-position = [2, 0.1, 0.2]
-support = "pinned"
-[[node]]
-name = "c"
-position = [0.9, 0.7, 1.5]
-support = "pinned"
-[[node]]
-name = "m"
-position = [1, 0.2, 0.4]
-)";
-  std::string legs;
-  for (const char* end : {"a", "b", "c"}) {
-    legs +=
-        std::string("[[member]]\nname = \"leg ") + end + "\"\nkind = \"cable\"\nnodes = [\"" + end +
-        "\", \"m\"]\nsegments = 4\nmass_per_length = 0.2\nEA = 2e5\nEI = 0.1\nstretch = 0.002\n";
-  }
-  const std::string at_middle = "[[sensor]]\nname = \"s\"\nnode = \"m\"\nquantity = \"velocity\"\n";
-  const ProgramRun forced = respond_to(tripod + legs + at_middle, {"--plane", "on"});
-  EXPECT_EQ(forced.exit_code, 4) << forced.err;
-  EXPECT_NE(forced.err.find("plane"), std::string::npos) << forced.err;
   const ProgramRun help = run_program({"respond", "--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_NE(help.out.find("cable-release.toml"), std::string::npos);
