@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "signal/readers/csv/csv_table.h"
-#include "signal/readers/csv/csv_time.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
 
@@ -55,6 +54,7 @@ Recording recording_of_columns(std::vector<ArrayColumn> columns, const std::file
                                const std::string& format, const ReadOptions& options,
                                double stated_rate_hz, std::vector<Note> notes) {
   CsvTable table;
+  table.file = path.string();
   table.notes = std::move(notes);
   table.layout.stated_rate_hz = stated_rate_hz;
   table.layout.rate_text = "in the file";
@@ -81,10 +81,10 @@ Recording recording_of_columns(std::vector<ArrayColumn> columns, const std::file
     }
     take_samples(std::move(column.values), channel);
     entry.filled = 1;
+    entry.decimals = decimals;
     table.layout.columns.push_back(std::move(entry));
     table.channels.push_back(std::move(channel));
     table.column.push_back(k);
-    table.decimals.push_back(decimals);
   }
   return recording_of_table(std::move(table), path, format, options);
 }

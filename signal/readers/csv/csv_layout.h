@@ -8,7 +8,6 @@
 // is refused with the question.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +30,12 @@ struct CsvColumn {
   double range = 0;  ///< full scale as written in the header, in `unit`; 0: none
   ColumnKind kind = ColumnKind::numbers;
   double filled = 0;  ///< share of the lines looked at that hold a number or a word for none
+  /// Most digits behind the decimal sign in the last lines looked at that hold a number; 400: none.
+  int decimals = 400;
+
+  [[nodiscard]] bool has_data() const {
+    return kind == ColumnKind::numbers || kind == ColumnKind::clock;
+  }
 };
 
 struct CsvLayout {
@@ -53,15 +58,10 @@ struct CsvLayout {
 [[nodiscard]] CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
                                         const ReadOptions& options = {});
 
+/// Sets `decimals` of the columns of a layout that a reader made itself.
+void find_csv_decimals(std::string_view bytes, CsvLayout& layout);
+
 /// Whether a column of this name holds times.
 [[nodiscard]] bool is_time_name(const std::string& name);
-
-/// 1-based number of the line that `offset` is in.
-[[nodiscard]] long line_number(std::string_view bytes, std::size_t offset);
-
-/// End of the line that begins at `from` (offset of its '\n' or '\r', or the size).
-[[nodiscard]] std::size_t line_end(std::string_view bytes, std::size_t from);
-/// Offset of the line after the one that ends at `end`.
-[[nodiscard]] std::size_t next_line(std::string_view bytes, std::size_t end);
 
 }  // namespace rigfit::signal

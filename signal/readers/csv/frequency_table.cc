@@ -7,11 +7,10 @@
 #include <cctype>
 #include <cmath>
 #include <complex>
+#include <initializer_list>
 #include <numbers>
 #include <utility>
 
-#include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/files/frf_unit.h"
 #include "signal/recording/recording_error.h"
 
@@ -32,10 +31,7 @@ bool has_word(std::string_view text, std::string_view word) {
   return false;
 }
 
-bool is_hertz(const std::string& unit) {
-  const std::string word = lower_case(unit);
-  return word == "hz" || word == "khz" || word == "hertz";
-}
+bool is_hertz(const std::string& unit) { return is_listed("|hz|khz|hertz|", lower_case(unit)); }
 
 bool is_frequency_name(const std::string& name) {
   const std::string word = lower_case(name);
@@ -47,24 +43,29 @@ bool is_frequency_name(const std::string& name) {
   });
 }
 
-constexpr std::array<std::string_view, 19> kSpectrumWords = {
-    "fft",        "spectrum",     "spectra",          "spektrum",
-    "psd",        "asd",          "autopower",        "frf",
-    "cpsd",       "autospectrum", "periodogram",      "coherence",
-    "crosspower", "octave",       "accelerance",      "inertance",
-    "receptance", "mobility",     "transfer function"};
+using Words = std::initializer_list<std::string_view>;
 
-/// The first of `words` in the text; empty: none.
-template <std::size_t N>
-std::string_view word_in(const std::string& text, const std::array<std::string_view, N>& words) {
-  for (const std::string_view word : words) {
-    if (has_word(text, word)) return word;
-  }
-  return {};
+// Of titles of channels over time, too: coherence and the like are none.
+const Words kNoTime = {"fft", "spectrum",  "spektrum",     "psd",
+                           "asd", "autopower", "autospectrum", "periodogram"};
+const Words kSpectrumOnly = {
+    "spectra",     "frf",       "cpsd",       "coherence", "crosspower",       "octave",
+    "accelerance", "inertance", "receptance", "mobility",  "transfer function"};
+
+/// The first of `words` in the text (lower case); empty: none.
+std::string_view word_in(const std::string& text, Words words) {
+  const auto* const found = std::find_if(
+      words.begin(), words.end(), [&](std::string_view word) { return has_word(text, word); });
+  return found == words.end() ? std::string_view{} : *found;
+}
+
+std::string_view spectrum_word_in(const std::string& text) {
+  const auto word = word_in(text, kNoTime);
+  return word.empty() ? word_in(text, kSpectrumOnly) : word;
 }
 
 bool speaks_of_spectra(const std::string& text) {
-  return !word_in(text, kSpectrumWords).empty() || has_word(text, "db");
+  return !spectrum_word_in(text).empty() || has_word(text, "db");
 }
 
 /// Finite, rising and not negative.
@@ -139,34 +140,25 @@ struct Columns {
 std::vector<Columns> pairs_of(const FrequencyTable& table) {
   std::vector<Columns> found;
   const auto pair_of = [&](const std::string& base, bool polar) -> Columns& {
-    // A pair with this name, or the last one begun, where titles name only one of the two.
-    for (auto& one : found) {
-      if (one.base == base && one.polar == polar && one.second == nullptr) return one;
-    }
-    found.push_back({base, nullptr, nullptr, nullptr, polar});
-    return found.back();
+    // A pair with this name that lacks its second part, or a new one.
+    const auto one = std::find_if(found.begin(), found.end(), [&](const Columns& c) {
+      return c.base == base && c.polar == polar && c.second == nullptr;
+    });
+    if (one != found.end()) return *one;
+    return found.emplace_back(Columns{base, nullptr, nullptr, nullptr, polar});
   };
   for (const auto& function : table.functions) {
     const PartOfFrf part = part_of(function.name);
-    switch (part.part) {
-      case Part::real:
-      case Part::magnitude:
-        pair_of(part.base, part.part == Part::magnitude).first = &function;
-        break;
-      case Part::imaginary:
-      case Part::phase:
-        pair_of(part.base, part.part == Part::phase).second = &function;
-        break;
-      case Part::coherence:
-        for (auto& one : found) {
-          if (one.coherence == nullptr && (one.base == part.base || found.size() == 1)) {
-            one.coherence = &function;
-            break;
-          }
-        }
-        break;
-      case Part::other:
-        break;
+    const bool polar = part.part == Part::magnitude || part.part == Part::phase;
+    if (part.part == Part::real || part.part == Part::magnitude) {
+      pair_of(part.base, polar).first = &function;
+    } else if (part.part == Part::imaginary || part.part == Part::phase) {
+      pair_of(part.base, polar).second = &function;
+    } else if (part.part == Part::coherence) {
+      const auto one = std::find_if(found.begin(), found.end(), [&](const Columns& c) {
+        return c.coherence == nullptr && (c.base == part.base || found.size() == 1);
+      });
+      if (one != found.end()) one->coherence = &function;
     }
   }
   std::erase_if(found, [](const Columns& c) { return c.first == nullptr || c.second == nullptr; });
@@ -207,15 +199,10 @@ Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::strin
 }
 
 FrfForm form_by_heading(const std::string& heading) {
-  for (const auto& [word, form] :
-       {std::pair<const char*, FrfForm>{"accelerance", FrfForm::accelerance},
-        {"inertance", FrfForm::accelerance},
-        {"mobility", FrfForm::mobility},
-        {"receptance", FrfForm::receptance},
-        {"compliance", FrfForm::receptance}}) {
-    if (heading.find(word) != std::string::npos) return form;
-  }
-  return FrfForm::unknown;
+  const auto holds = [&](const char* word) { return heading.find(word) != std::string::npos; };
+  if (holds("accelerance") || holds("inertance")) return FrfForm::accelerance;
+  if (holds("mobility")) return FrfForm::mobility;
+  return holds("receptance") || holds("compliance") ? FrfForm::receptance : FrfForm::unknown;
 }
 
 /// Form and unit by the first FRF's columns; their numbers are in SI already where the unit is
@@ -252,60 +239,42 @@ bool in_decibels(const Channel& function) {
 }
 
 std::optional<std::size_t> frequency_column(const CsvTable& table) {
-  const auto column = [&](std::size_t k) -> const CsvColumn& {
-    return table.layout.columns[table.column[k]];
-  };
   std::string titles = table.layout.heading;
   for (std::size_t k = 0; k < table.channels.size(); ++k) {
-    if (column(k).kind == ColumnKind::clock || table.channels[k].quantity == Quantity::time ||
-        is_time_name(column(k).name)) {
-      return std::nullopt;
-    }
-    titles += lower_case(column(k).name + " " + column(k).unit) + '\n';
+    if (table.is_time(k)) return std::nullopt;
+    titles += lower_case(table.column_of(k).name + " " + table.column_of(k).unit) + '\n';
   }
   if (table.channels.size() < 2) return std::nullopt;
   // The frequencies stand first, or behind a column of line numbers.
   for (std::size_t k = 0; k < std::min<std::size_t>(2, table.channels.size() - 1); ++k) {
-    const bool named =
-        is_hertz(column(k).unit) || (column(k).unit.empty() && is_frequency_name(column(k).name));
-    if (named && rises(table.channels[k].samples)) return k;
-    if (named) refuse_repeated(table, k);
+    const CsvColumn& column = table.column_of(k);
+    if (!is_hertz(column.unit) && !(column.unit.empty() && is_frequency_name(column.name)))
+      continue;
+    if (rises(table.channels[k].samples)) return k;
+    refuse_repeated(table, k);
   }
-  const auto& first = table.channels[0].samples;
-  if (!table.channels[0].source_unit.empty() || !speaks_of_spectra(titles) || !rises(first)) {
-    return std::nullopt;
-  }
-  return std::size_t{0};
+  const Channel& first = table.channels[0];
+  return first.source_unit.empty() && speaks_of_spectra(titles) && rises(first.samples)
+             ? std::optional<std::size_t>(0)
+             : std::nullopt;
 }
 
 std::string spectrum_without_frequencies(const CsvTable& table) {
-  static constexpr std::array<std::string_view, 3> kWithoutRate = {"db", "rms", "magnitude"};
-  // Titles of channels over time as well: coherence and the like are none.
-  static constexpr std::array<std::string_view, 8> kNoTime = {
-      "fft", "spectrum", "spektrum", "psd", "asd", "autopower", "autospectrum", "periodogram"};
   const bool has_rate = table.layout.stated_rate_hz > 0;
   bool has_time = false;
+  for (std::size_t k = 0; k < table.channels.size(); ++k) has_time |= table.is_time(k);
   for (std::size_t k = 0; k < table.channels.size(); ++k) {
-    const CsvColumn& column = table.layout.columns[table.column[k]];
-    if (column.kind == ColumnKind::clock || table.channels[k].quantity == Quantity::time ||
-        is_time_name(column.name)) {
-      has_time = true;
-    }
-  }
-  for (std::size_t k = 0; k < table.channels.size(); ++k) {
-    const CsvColumn& column = table.layout.columns[table.column[k]];
+    const CsvColumn& column = table.column_of(k);
     const std::string title = lower_case(column.name + " " + column.unit);
-    std::string_view word = has_time ? word_in(title, kNoTime) : word_in(title, kSpectrumWords);
+    std::string_view word = has_time ? word_in(title, kNoTime) : spectrum_word_in(title);
     if (word.empty() && !has_rate && !has_time) {
-      word = word_in(title, kWithoutRate);
-      const auto& values = table.channels[k].samples;
-      const bool negative = (values.array() < 0).any();  // NaN is not
+      word = word_in(title, {"db", "rms", "magnitude"});
+      const bool negative = (table.channels[k].samples.array() < 0).any();  // NaN is not
       if (negative && word != "db") word = {};
     }
     if (!word.empty()) return column.name.empty() ? std::string(word) : column.name;
   }
-  return has_rate || has_time ? std::string()
-                              : std::string(word_in(table.layout.heading, kSpectrumWords));
+  return has_rate || has_time ? std::string() : std::string(spectrum_word_in(table.layout.heading));
 }
 
 std::optional<FrequencyTable> read_frequency_table(std::string_view bytes,

@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-#include "signal/readers/csv/csv_columns.h"
+#include "signal/readers/csv/csv_table.h"
 #include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"

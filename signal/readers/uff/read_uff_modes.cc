@@ -14,7 +14,6 @@
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/files/mapped_file.h"
-#include "signal/readers/files/number_text.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 

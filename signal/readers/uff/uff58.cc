@@ -12,7 +12,6 @@
 
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
-#include "signal/readers/files/number_text.h"
 #include "signal/readers/uff/uff58.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"

@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-#include "signal/readers/csv/csv_columns.h"
+#include "signal/readers/csv/csv_table.h"
 #include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/files/number_text.h"
 #include "signal/readers/xlsx/clock_text.h"
 #include "signal/readers/xlsx/xml_elements.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "signal/readers/files/number_text.h"
+#include "signal/readers/csv/csv_fields.h"
 
 namespace rigfit::signal::time_axis_test {
 namespace {

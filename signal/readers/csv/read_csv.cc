@@ -1,0 +1,346 @@
+#include "signal/readers/csv/read_csv.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "signal/readers/csv/csv_table.h"
+#include "signal/readers/csv/frequency_table.h"
+#include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
+#include "signal/recording/time_axis.h"
+
+namespace rigfit::signal {
+namespace {
+
+bool is_index_name(const std::string& name) {
+  static constexpr std::string_view kWords =
+      "|sample|samples|index|no|no.|nr|nr.|#|n|scan|point|row|record|sample no|sample no.|"
+      "sample number|count|";
+  return is_listed(kWords, lower_case(name));
+}
+
+Eigen::VectorXd steps_of(const Eigen::VectorXd& values) {
+  const Eigen::Index n = std::max<Eigen::Index>(values.size(), 1) - 1;
+  return values.tail(n) - values.head(n);
+}
+
+/// 0, 1, 2 ... (or from 1), in steps of exactly one.
+bool counts_samples(const Eigen::VectorXd& values) {
+  return values.size() >= 2 && std::abs(values[0]) <= 1 && values[0] == std::floor(values[0]) &&
+         (steps_of(values).array() == 1).all();
+}
+
+/// Rows of a table without titles from which on a column that rises in equal steps is taken as
+/// time: tables of loads and masses have fewer.
+constexpr Eigen::Index kLeastTimes = 24;
+
+/// Rate of the channel's times, which are printed with steps of `printed`.
+TimeAxis axis_of(const Eigen::VectorXd& times, double& printed, double stated_rate_hz) {
+  TimeAxisOptions options;
+  options.stated_rate_hz = stated_rate_hz;
+  options.printed_resolution_s = std::max(printed, clock_tick(times, printed));
+  TimeAxis axis = time_axis(times, options);
+  printed = options.printed_resolution_s;
+  return axis;
+}
+
+/// A unit of times, in seconds, that a person can have meant; 0: none.
+struct UnitGuess {
+  double seconds = 0;
+  const char* name = "";
+};
+
+/// The unit in which the times give the stated rate.
+UnitGuess unit_by_rate(double rate_hz, double stated_hz) {
+  for (const UnitGuess& unit : {UnitGuess{1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}, {60.0, "min"}}) {
+    if (rate_hz > 0 && stated_hz > 0 && std::abs(rate_hz / unit.seconds / stated_hz - 1) < 1e-2) {
+      return unit;
+    }
+  }
+  return {};
+}
+
+/// Whole numbers in steps of one or more are seldom seconds.
+UnitGuess suspected_unit(const Channel& column, int decimals, double rate_hz) {
+  if (decimals > 0 || column.samples.size() < 20 || !(rate_hz > 0) || rate_hz > 1) return {};
+  return rate_hz >= 0.01 ? UnitGuess{1e-3, "ms"} : UnitGuess{1e-6, "us"};
+}
+
+/// Which channels of a table are its times, and what these say.
+class TimeTaker {
+ public:
+  TimeTaker(CsvTable& table, const ReadOptions& options, Recording& recording)
+      : table_(table), layout_(table.layout), options_(options), recording_(recording) {}
+
+  /// Returns the channels that are no channels of the recording. Rate, start, jitter and notes on
+  /// the times go to the recording. Throws RecordingError when sampling is not uniform and times
+  /// are missing.
+  std::vector<std::size_t> take() {
+    find();
+    if (time_) take_times();
+    return left_out_;
+  }
+
+ private:
+  void note(const char* code, std::string message, std::string where = "") {
+    recording_.notes.push_back({code, std::move(message), std::move(where)});
+  }
+  [[nodiscard]] ColumnKind kind(std::size_t k) const { return table_.column_of(k).kind; }
+  [[nodiscard]] bool rises_evenly(std::size_t k) const {
+    return looks_like_time(table_.channels[k].samples, table_.column_of(k).decimals);
+  }
+
+  void find() {
+    for (std::size_t k = 0; k < table_.channels.size() && !time_; ++k) {
+      const Channel& channel = table_.channels[k];
+      const bool named = is_time_name(channel.name) &&
+                         (channel.source_unit.empty() || channel.quantity == Quantity::time);
+      if (kind(k) == ColumnKind::clock || (named && kind(k) != ColumnKind::empty)) time_ = k;
+    }
+    refuse_shifted_titles();
+    if (time_ || table_.channels.size() < 2) return;
+    const Channel& first = table_.channels[0];
+    const bool unnamed = table_.column_of(0).name.empty() && table_.column[0] == 0;
+    if ((unnamed || is_index_name(first.name)) && counts_samples(first.samples)) {
+      left_out_.push_back(0);
+      note("left_out", "ignored: it is a row counter", first.name);
+    } else if ((unnamed || first.quantity == Quantity::time) &&
+               (rises_evenly(0) || options_.time_unit_s > 0)) {
+      time_ = 0;
+      if (first.source_unit.empty() && !layout_.has_names) {
+        note("read_as", options_.time_unit_s > 0
+                            ? "column 1 is taken as time in the unit given"
+                            : "column 1 rises in equal steps: taken as time in seconds");
+      }
+    } else if (unnamed && first.samples.size() > 2 && first.samples.allFinite() &&
+               steps_of(first.samples).minCoeff() > 0) {
+      note("assumed",
+           "Give titles or --time-unit s if column 1 is time: it rises but has no title, and is "
+           "kept as a channel (loads, masses?)",
+           first.name);
+    }
+  }
+
+  /// Titles that stand a column beside their numbers: there is one more or one less than columns,
+  /// and the times stand beside the column that is called so.
+  void refuse_shifted_titles() const {
+    const bool fewer = layout_.has_names && !layout_.columns.empty() &&
+                       layout_.columns.back().name.empty() && layout_.columns.back().filled >= 0.5;
+    if (!fewer && !layout_.more_titles) return;
+    const auto is_time = [&](std::size_t k) {
+      return k < table_.channels.size() && !counts_samples(table_.channels[k].samples) &&
+             rises_evenly(k);
+    };
+    const std::size_t at = time_.value_or(0);
+    const bool beside = time_ ? !is_time(at) && (is_time(at + 1) || (at > 0 && is_time(at - 1)))
+                              : is_time(0) && !table_.column_of(0).name.empty();
+    if (!beside) return;
+    throw RecordingError(
+        {table_.file, layout_.body_line, 0, table_.channels[at].name, ""},
+        fmt::format("the titles seem to stand a column beside their numbers: "
+                    "there are {} of them than columns, and the times are under {}",
+                    fewer ? "fewer" : "more", time_ ? "another" : "this one"),
+        "give each column its title");
+  }
+
+  void take_times() {
+    Channel& column = table_.channels[*time_];
+    const bool is_clock = kind(*time_) == ColumnKind::clock;
+    const int decimals = table_.column_of(*time_).decimals;
+    double printed = std::pow(10.0, -decimals) * std::abs(column.si_per_source);
+    const auto scale = [&](double factor) {
+      column.samples *= factor;
+      printed *= factor;
+    };
+    if (is_clock) {
+      // Midnight inside the record.
+      for (Eigen::Index k = 1; k < column.samples.size(); ++k) {
+        if (column.samples[k] - column.samples[k - 1] < -43200) {
+          column.samples.tail(column.samples.size() - k).array() += 86400;
+        }
+      }
+      const double start = column.samples[0];
+      if (std::isfinite(start)) column.samples.array() -= start;
+    } else if (const double factor = options_.time_unit_s / column.si_per_source;
+               options_.time_unit_s > 0 && factor != 1) {
+      if (!column.source_unit.empty()) {
+        note("read_as",
+             "the file says \"" + column.source_unit +
+                 "\" of the times; the unit asked for is taken",
+             column.name);
+      }
+      scale(factor);
+    }
+    double resolution = printed;
+    TimeAxis axis = axis_of(column.samples, resolution, layout_.stated_rate_hz);
+    if (options_.time_unit_s == 0 && column.source_unit.empty() && !is_clock) {
+      const UnitGuess stated = unit_by_rate(axis.rate_hz, layout_.stated_rate_hz);
+      const UnitGuess suspected = suspected_unit(column, decimals, axis.rate_hz);
+      if (stated.seconds > 0) {
+        scale(stated.seconds);
+        resolution = printed;
+        axis = axis_of(column.samples, resolution, layout_.stated_rate_hz);
+        note("assumed",
+             fmt::format("the times have no unit; in {} they give the rate that the header "
+                         "states: so taken",
+                         stated.name),
+             column.name);
+      } else if (suspected.seconds > 0) {
+        note("time_axis",
+             fmt::format("Give --time-unit {} (key time_unit) if the times are not in seconds: "
+                         "they are whole numbers without a unit; in seconds the rate is {:.9g} "
+                         "Hz, in {} {:.9g} Hz",
+                         suspected.name, axis.rate_hz, suspected.name,
+                         axis.rate_hz / suspected.seconds),
+             column.name);
+      }
+    }
+    take_axis(axis, resolution);
+    left_out_.push_back(*time_);
+    // LabVIEW and others repeat the time for each channel.
+    for (std::size_t k = 0; k < table_.channels.size(); ++k) {
+      const Channel& other = table_.channels[k];
+      if (k == *time_ || kind(k) == ColumnKind::empty || !table_.is_time(k)) continue;
+      if ((other.samples - column.samples).cwiseAbs().maxCoeff() <= printed) {
+        left_out_.push_back(k);
+        note("read_as", "the same times once more: left out", other.name);
+      }
+    }
+  }
+
+  void take_axis(const TimeAxis& axis, double resolution) {
+    const Channel& column = table_.channels[*time_];
+    const auto line = [&](Eigen::Index sample) {
+      return fmt::format("near line {}", layout_.body_line + sample);
+    };
+    recording_.sample_rate_hz = axis.rate_hz;
+    recording_.start_time_s = axis.start_s;
+    recording_.time_jitter_s = axis.jitter_s;
+    const bool is_known = axis.rate_hz > 0, is_uneven = is_known && !axis.uniform;
+    if (axis.backward > 0 || axis.repeated > 0) {
+      note("time_axis",
+           fmt::format("times go back {} times and repeat {} times", axis.backward, axis.repeated),
+           line(axis.first_fault));
+    }
+    if (axis.gaps > 0) {
+      note("time_axis",
+           fmt::format("{} gaps in the times, the longest {:.9g} s", axis.gaps, axis.longest_gap_s),
+           line(axis.longest_gap_at));
+    }
+    if (axis.missing > 0) note("time_missing", fmt::format("{} times are missing", axis.missing));
+    if (is_uneven) {
+      note("time_axis",
+           fmt::format("sampling is not uniform (rms departure {:.9g} s)", axis.jitter_s));
+    } else if (is_known && resolution * axis.rate_hz > 1) {
+      note("read_as", fmt::format("times are rounded to {:.9g} s, coarser than the sampling step; "
+                                  "the rate is that of the whole record",
+                                  resolution));
+    }
+    if (is_known && !axis.agrees_with_stated) {
+      note("rates_disagree",
+           fmt::format("the times give {:.9g} Hz, the header says {:.9g} Hz (\"{}\"): the times "
+                       "are taken",
+                       axis.rate_hz, layout_.stated_rate_hz, layout_.rate_text),
+           fmt::format("line {}", layout_.rate_line));
+    }
+    if (is_uneven && axis.missing > 0) {
+      const auto at = std::find_if_not(column.samples.begin(), column.samples.end(),
+                                       [](double t) { return std::isfinite(t); });
+      throw RecordingError(
+          {table_.file, layout_.body_line + (at - column.samples.begin()), 0, column.name, ""},
+          "the time is missing and sampling is not uniform",
+          "fix the times, or delete that column and give the sample rate");
+    }
+    if (is_uneven) recording_.time_s = column.samples;
+    if (!is_known && column.samples.size() > 1) {
+      note("time_axis", "Give the sample rate: the times do not rise", column.name);
+    }
+  }
+
+  CsvTable& table_;
+  const CsvLayout& layout_;
+  const ReadOptions& options_;
+  Recording& recording_;
+  std::optional<std::size_t> time_;
+  std::vector<std::size_t> left_out_;
+};
+
+}  // namespace
+
+bool looks_like_time(const Eigen::VectorXd& values, int decimals) {
+  const Eigen::Index n = values.size();
+  if (n < kLeastTimes || !values.allFinite() || !(values[n - 1] > values[0])) return false;
+  double printed = std::pow(10.0, -decimals);
+  const TimeAxis axis = axis_of(values, printed, 0);
+  return axis.uniform && axis.rate_hz > 0 && axis.backward == 0;
+}
+
+Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
+                             const std::string& format, const ReadOptions& options) {
+  const CsvLayout& layout = table.layout;
+  const auto refusal = [&](const std::string& channel, const char* problem, std::string remedy) {
+    return RecordingError({path.string(), layout.body_line, 0, channel, ""}, problem,
+                          std::move(remedy));
+  };
+  if (const auto column = frequency_column(table)) {
+    throw refusal(
+        table.channels[*column].name,
+        "is a spectrum or FRF over frequency, not a recording over time",
+        "rigfit inspect lists a spectrum's peaks, rigfit modal takes FRFs; for a decay or hits "
+        "export the time signal. Where the first column is time after all, title it so");
+  }
+  const std::string spectrum = spectrum_without_frequencies(table);
+  if (!spectrum.empty() && options.format.empty()) {
+    throw refusal(
+        spectrum,
+        "is a spectrum by its title, without a column of frequencies; not taken as a recording "
+        "over time",
+        "export it with its frequencies (rigfit inspect then lists the peaks), or export the time "
+        "signal; where it is a time signal after all: --format " +
+            format);
+  }
+
+  Recording recording;
+  recording.path = path;
+  recording.format = format;
+  recording.notes = std::move(table.notes);
+  const std::vector<std::size_t> left_out = TimeTaker(table, options, recording).take();
+  if (recording.sample_rate_hz == 0) recording.sample_rate_hz = layout.stated_rate_hz;
+  take_stated_rate(options.sample_rate_hz, recording);
+  if (recording.sample_rate_hz == 0) {
+    recording.notes.push_back({"no_sample_rate",
+                               "neither times nor a sample rate in the file: give the rate (option "
+                               "or sample_rate_hz in the TOML file beside the recording)",
+                               ""});
+  }
+  for (std::size_t k = 0; k < table.channels.size(); ++k) {
+    if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
+    if (layout.has_names && table.column_of(k).name.empty()) {
+      recording.notes.push_back({"read_as", "has no title in the header", table.channels[k].name});
+    }
+    recording.channels.push_back(std::move(table.channels[k]));
+  }
+  if (recording.channels.empty()) {
+    throw refusal("", "holds times but no channel beside them",
+                  "give a recording with at least one channel");
+  }
+  note_unitless(recording);
+  return recording;
+}
+
+Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
+                   const ReadOptions& options, const std::function<void(std::size_t)>& done_with) {
+  const std::string file = path.string();
+  std::string converted;
+  const std::string_view text = text_without_mark(bytes, converted, file);
+  return recording_of_table(
+      read_csv_columns(text, file, converted.empty() ? done_with : nullptr, options), path, "csv",
+      options);
+}
+
+}  // namespace rigfit::signal
