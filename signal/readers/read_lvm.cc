@@ -196,7 +196,8 @@ class LvmReader {
       segment.body = parse_csv_body(text, layout, wanted, file_, done_with_);
     }
     if (segment.body.rows == 0) {
-      throw error(titles_line, "", "the table holds no numbers", "record again");
+      throw error(layout.body < body_end ? layout.body_line : titles_line, "",
+                  "the table holds no numbers", "record again");
     }
     return segment;
   }
