@@ -3,29 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
-#include "apps/campaign_file/campaign_tests.h"
+#include "apps/campaign_file/measured_modes.h"
+#include "apps/campaign_file/recording_group.h"
+#include "apps/campaign_file/report_details.h"
+#include "apps/results/result_table.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/toml_table.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
-using model::Bound;
-using model::TomlTable;
+namespace {
 
-const char* name_of(ValueOrigin::Kind kind) {
-  switch (kind) {
-    case ValueOrigin::Kind::published:
-      return "published";
-    case ValueOrigin::Kind::inferred:
-      return "inferred";
-    case ValueOrigin::Kind::assumed:
-      return "assumed";
-  }
-  return "";
-}
+using model::TomlTable;
 
 std::string name_in(TomlTable& table, std::set<std::string>& taken) {
   std::string name = table.string("name");
@@ -41,6 +35,25 @@ std::string name_in(TomlTable& table, std::set<std::string>& taken) {
     throw table.error("name", "\"" + name + "\" is used twice", "give each one a name of its own");
   }
   return name;
+}
+
+/// The place of a name among those known, or an error with the nearest; `what`: as in "there is no
+/// scene".
+std::size_t place_of(const std::string& name, const std::vector<std::string>& names,
+                     const TomlTable& table, const std::string& key, const std::string& what,
+                     const std::string& remedy) {
+  const auto at = std::find(names.begin(), names.end(), name);
+  if (at != names.end()) return static_cast<std::size_t>(at - names.begin());
+  const auto nearest = model::nearest_word(name, names);
+  throw table.error(key, "there is no " + what + " \"" + name + "\"",
+                    nearest ? "did you mean \"" + *nearest + "\"?" : remedy);
+}
+
+template <class Named>
+std::vector<std::string> names_of(const std::vector<Named>& all) {
+  std::vector<std::string> names;
+  for (const auto& one : all) names.push_back(one.name);
+  return names;
 }
 
 /// Refuses a parameter name that the scene does not have, at the key that gives it.
@@ -60,24 +73,60 @@ void check_parameter(const model::Scene& scene, const std::string& parameter,
   }
 }
 
-namespace {
+enum class Blanks { refused, allowed };
 
-void read_origins(TomlTable& table, CampaignScene& scene) {
-  std::set<std::string> said;
-  for (const auto kind :
-       {ValueOrigin::Kind::published, ValueOrigin::Kind::inferred, ValueOrigin::Kind::assumed}) {
-    const std::string key = name_of(kind);
-    if (!table.has(key)) continue;
-    TomlTable origins = table.table(key);
-    for (const auto& parameter : origins.keys()) {
-      check_parameter(scene.scene, parameter, origins, parameter);
-      if (!said.insert(parameter).second) {
-        throw origins.error(parameter, "its origin is given twice", "keep one");
-      }
-      scene.origins.push_back({parameter, kind, origins.string(parameter)});
-    }
-    origins.finish();
+/// A column of a table of results, whose numbers are positive.
+std::size_t column_of(TomlTable& table, const ResultTable& results, const std::string& key,
+                      Blanks blanks) {
+  std::size_t column = 0;
+  try {
+    column = results.column(table.string(key));
+  } catch (const model::SceneError& error) {
+    if (error.where().column > 0 || error.where().file != results.file) throw;
+    throw table.error(key, results.file + " " + error.problem(), error.remedy());
   }
+  for (std::size_t row = 0; row < results.rows.size(); ++row) {
+    const double value = results.rows[row][column];
+    if (value > 0 || (blanks == Blanks::allowed && std::isnan(value))) continue;
+    throw table.error(key,
+                      fmt::format("{}, line {}: the value is {}", results.file, results.lines[row],
+                                  std::isnan(value) ? "blank" : "not positive"),
+                      blanks == Blanks::allowed
+                          ? "give frequencies in Hz, and nothing where none was found"
+                          : "give every row a positive number in this column");
+  }
+  return column;
+}
+
+/// The published EI values of a bending test, with their uncertainty where a column has it.
+ident::BendingSource published_values(TomlTable& table, const ResultTable& results) {
+  const std::size_t tension = column_of(table, results, "tension", Blanks::refused);
+  const std::size_t EI = column_of(table, results, "EI", Blanks::refused);
+  const auto beginning = [&](const std::vector<double>& row, const std::string& with) {
+    for (std::size_t i = 0; i < results.columns.size(); ++i) {
+      if (results.columns[i].starts_with(with)) return row[i];
+    }
+    return signal::kNaN;
+  };
+  ident::BendingSource source;
+  source.name = results.file;
+  for (const auto& row : results.rows) {
+    source.values.push_back({row[tension], row[EI], beginning(row, "std"), beginning(row, "low"),
+                             beginning(row, "high")});
+  }
+  return source;
+}
+
+std::optional<model::ModePlane> plane_named(const std::string& word) {
+  if (word == "in") return model::ModePlane::in;
+  if (word == "out") return model::ModePlane::out;
+  return std::nullopt;
+}
+
+template <class Options>
+void take_band(const std::vector<double>& band_hz, Options& options) {
+  if (band_hz.empty()) return;
+  options.band_low_hz = band_hz[0], options.band_high_hz = band_hz[1];
 }
 
 class Reader {
@@ -89,23 +138,22 @@ class Reader {
   }
 
   Campaign read() {
-    campaign_.title = root_.string("title");
-    campaign_.source = root_.string_or("source", "");
-    campaign_.description = root_.string_or("description", "");
+    read_keys(root_, keys_of(campaign_));
     if (root_.has("report")) {
       TomlTable report = root_.table("report");
-      campaign_.report = read_report_details(report, folder_);
-      if (!campaign_.report.logo.empty()) add_input(campaign_.report.logo);
+      read_keys(report, keys_of(campaign_.report));
+      report.finish();
+      if (!campaign_.report.logo.empty()) {
+        campaign_.report.logo = file_of(report, "logo", campaign_.report.logo, "a picture");
+        check_logo(campaign_.report.logo, report);
+        add_input(campaign_.report.logo);
+      }
     }
     if (root_.has("strand")) read_strand();
-    std::set<std::string> scene_names, test_names;
-    for (TomlTable& table : root_.tables_or_empty("scene")) read_campaign_scene(table, scene_names);
-    CampaignTestReader tests(campaign_, folder_);
-    for (TomlTable& table : root_.tables_or_empty("test")) {
-      const std::string name = name_in(table, test_names);
-      campaign_.tests.push_back(tests.read(table, name));
-    }
-    for (TomlTable& table : root_.tables_or_empty("fit")) read_fit(table, test_names);
+    std::set<std::string> scene_names, names;
+    for (TomlTable& table : root_.tables_or_empty("scene")) read_scene_entry(table, scene_names);
+    for (TomlTable& table : root_.tables_or_empty("test")) read_test(table, names);
+    for (TomlTable& table : root_.tables_or_empty("fit")) read_fit(table, names);
     if (campaign_.tests.empty()) {
       throw root_.error("test", "is missing", "a campaign needs at least one [[test]]");
     }
@@ -114,142 +162,444 @@ class Reader {
   }
 
  private:
+  std::string file_of(const TomlTable& table, const std::string& key, const std::string& name,
+                      const std::string& what) const {
+    const fs::path file = folder_ / name;
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) {
+      throw table.error(key, "there is no file " + file.string(),
+                        "name " + what + "; the path starts at the campaign's folder");
+    }
+    return file.string();
+  }
+
+  void add_input(const std::string& file) {
+    auto& inputs = campaign_.inputs;
+    if (std::find(inputs.begin(), inputs.end(), file) == inputs.end()) inputs.push_back(file);
+  }
+
   void read_strand() {
     TomlTable table = root_.table("strand");
-    ident::StrandGeometry strand;
-    strand.youngs_modulus_Pa = table.number("youngs_modulus", Bound::positive, "Pa");
-    if (!table.has("wires")) throw table.error("wires", "is missing", "give their number");
-    strand.elements = table.integer_or("wires", 1, 100000, 1);
-    strand.element_diameter_m = table.number("wire_diameter", Bound::positive, "m");
-    strand.strand_diameter_m = table.number("diameter", Bound::positive, "m");
+    auto& strand = campaign_.strand.emplace();
+    read_keys(table, keys_of(strand));
     if (strand.element_diameter_m > strand.strand_diameter_m) {
       throw table.error("wire_diameter", "is larger than the strand's diameter",
                         "give both in metres");
     }
     table.finish();
-    campaign_.strand = strand;
   }
 
-  void read_campaign_scene(TomlTable& table, std::set<std::string>& taken) {
+  void read_scene_entry(TomlTable& table, std::set<std::string>& taken) {
     CampaignScene scene;
     scene.name = name_in(table, taken);
-    const fs::path file = folder_ / table.string("file");
-    std::error_code error;
-    if (!fs::is_regular_file(file, error)) {
-      throw table.error("file", "there is no file " + file.string(),
-                        "name a scene; the path starts at the campaign's folder");
-    }
-    scene.file = file.string();
-    scene.scene = model::read_scene(file);
+    scene.file = file_of(table, "file", table.string("file"), "a scene");
+    scene.scene = model::read_scene(scene.file);
     add_input(scene.file);
-    read_origins(table, scene);
+    std::set<std::string> said;
+    for (const auto kind :
+         {ValueOrigin::Kind::published, ValueOrigin::Kind::inferred, ValueOrigin::Kind::assumed}) {
+      const std::string key = name_of(kind);
+      if (!table.has(key)) continue;
+      TomlTable origins = table.table(key);
+      for (const auto& parameter : origins.keys()) {
+        check_parameter(scene.scene, parameter, origins, parameter);
+        if (!said.insert(parameter).second) {
+          throw origins.error(parameter, "its origin is given twice", "keep one");
+        }
+        scene.origins.push_back({parameter, kind, origins.string(parameter)});
+      }
+    }
     table.finish();
     campaign_.scenes.push_back(std::move(scene));
   }
 
+  void read_test(TomlTable& table, std::set<std::string>& taken) {
+    CampaignTest test;
+    test.name = name_in(table, taken);
+    test.title = table.string_or("title", test.name);
+    static_cast<void>(table.string("kind"));
+    const std::string kind = table.choice_or("kind", kinds_of_tests(), "");
+    if (kind == "bending") test.kind = BendingTest{};
+    if (kind == "axial") test.kind = AxialTest{};
+    if (kind == "decay") test.kind = DecayTest{};
+    if (kind == "modal") test.kind = ModalTest{};
+    if (kind == "tension") test.kind = TensionTest{};
+    std::visit([&](auto& of_kind) { read_kind(table, test, of_kind); }, test.kind);
+    table.finish();
+    campaign_.tests.push_back(std::move(test));
+  }
+
+  void read_recordings(TomlTable& table, CampaignTest& test) const {
+    test.recordings = read_recording_groups(table, folder_);
+    if (test.recordings.empty()) {
+      throw table.error("recording", "is missing",
+                        "name recordings in a [[test.recording]] with files = [\"...\"]");
+    }
+  }
+
+  static void read_reference(TomlTable& table, CampaignTest& test) {
+    if (!table.has("reference")) return;
+    TomlTable reference = table.table("reference");
+    read_keys(reference, reference_keys_of(test));
+    reference.finish();
+  }
+
+  ResultTable read_results(TomlTable& table) {
+    ResultTable results =
+        read_result_table(file_of(table, "file", table.string("file"), "a CSV table"));
+    add_input(results.file);
+    return results;
+  }
+
+  void read_kind(TomlTable& table, CampaignTest& test, BendingTest& bending) {
+    read_keys(table, keys_of(bending));
+    auto& campaign = bending.campaign;
+    if (bending.beam()) {
+      if (*bending.tension_N > 0) {
+        throw table.error("tension", "is not 0",
+                          "recordings of a cable under tension hold a channel of it; tension = 0 "
+                          "is for a beam without");
+      }
+      read_keys(table, beam_keys_of(bending));
+      auto& section = bending.section;
+      if (!bending.rectangle_m.empty()) {
+        section.rectangle_m = {bending.rectangle_m[0], bending.rectangle_m[1]};
+      }
+      campaign.second_moment_m4 = ident::second_moment(section);
+      campaign.test.ends = bending.ends == "pinned"       ? ident::BeamEnds::pinned
+                           : bending.ends == "cantilever" ? ident::BeamEnds::cantilever
+                                                          : ident::BeamEnds::clamped;
+    } else {
+      refuse_keys(table, beam_keys_of(bending), "belongs to a beam without tension",
+                  "add tension = 0");
+      campaign.strand = campaign_.strand;
+    }
+    if (!table.has("recording") && !bending.beam()) {
+      TomlTable results = table.table("table");
+      campaign.sources.push_back(published_values(results, read_results(results)));
+      results.finish();
+      refuse_keys(table, record_keys_of(bending), "is of recordings", "add [[test.recording]]");
+      return;
+    }
+    if (table.has("table")) {
+      throw table.error("table", "is given beside recordings", "keep one of them");
+    }
+    read_keys(table, record_keys_of(bending));
+    if (bending.beam()) {  // without tension these have no effect
+      auto& options = campaign.test;
+      options.tension_zero_std_N = options.tension_calibration_std = 0;
+      options.clamp_stiffness_Nm_rad = 0;
+    }
+    if (table.has("channels")) {
+      TomlTable channels = table.table("channels");
+      read_keys(channels, channel_keys_of(bending));
+      channels.finish();
+    }
+    read_recordings(table, test);
+  }
+
+  void read_kind(TomlTable& table, CampaignTest& test, AxialTest& axial) {
+    read_keys(table, keys_of(axial));
+    auto& setup = axial.inputs.setup;
+    setup.frame_stated = axial.frame_stiffness_N_m.has_value();
+    if (setup.frame_stated && std::isfinite(*axial.frame_stiffness_N_m)) {
+      setup.frame_stiffness_N_m.value = *axial.frame_stiffness_N_m;
+    }
+    take_band(axial.band_hz, axial.inputs);
+    read_recordings(table, test);
+    for (const auto& group : test.recordings) {
+      if (group.length_m) continue;
+      throw table.error("recording", "a recording of an axial test has no length",
+                        "give every [[test.recording]] the length of cable in m");
+    }
+    read_reference(table, test);
+  }
+
+  void read_kind(TomlTable& table, CampaignTest& test, DecayTest& decay) {
+    auto& inputs = decay.inputs;
+    read_keys(table, keys_of(decay));
+    take_band(decay.band_hz, inputs.options.decay);
+    if (table.has("scene")) {
+      inputs.scene = scene_use(table, test, inputs.sensors);
+      read_keys(table, scene_keys_of(decay));
+      const auto loads = names_of(inputs.scene->scene.loads);
+      if (!inputs.load.empty()) {
+        static_cast<void>(place_of(inputs.load, loads, table, "load", "load of the scene",
+                                   "add it to the scene"));
+      } else if (loads.size() == 1) {
+        inputs.load = loads.front();
+      } else {
+        throw table.error(
+            "load", "is missing although the scene has " + std::to_string(loads.size()) + " loads",
+            "name the load that sets it free, or leave scene out");
+      }
+    }
+    read_recordings(table, test);
+    check_tensions(table, test, inputs.scene, std::nullopt);
+  }
+
+  void read_kind(TomlTable& table, CampaignTest& test, TensionTest& tension) {
+    read_keys(table, keys_of(tension));
+    auto& inputs = tension.inputs;
+    inputs.test.name = test.name;
+    auto& cable = inputs.test.cable;
+    if (tension.mass_of == "installed") cable.mass_reference = ident::MassReference::installed;
+    if (tension.mass_of == "unstretched") cable.mass_reference = ident::MassReference::unstretched;
+    if (tension.EI_Nm2) cable.EI_Nm2 = {*tension.EI_Nm2, tension.EI_std_Nm2};
+    if (tension.EA_N) cable.EA_N = {*tension.EA_N, tension.EA_std_N};
+    inputs.test.options.ends = ident::cable_ends(tension.ends);
+    inputs.plane = plane_named(tension.plane);
+    if (!tension.measured.empty()) {
+      const fs::path file = folder_ / tension.measured;
+      campaign_.inputs.push_back(file.string());
+      for (auto& row : read_measured_modes(file, tension.column, inputs.plane, {})) {
+        inputs.test.modes.push_back(std::move(row.mode));
+      }
+    }
+    const auto& frequencies = tension.frequencies_hz;
+    if (!tension.orders.empty() && tension.orders.size() != frequencies.size()) {
+      throw table.error("orders", fmt::format("has {} values", tension.orders.size()),
+                        "give one for each of frequencies");
+    }
+    for (std::size_t i = 0; i < frequencies.size(); ++i) {
+      ident::MeasuredMode mode;
+      mode.frequency_hz = {frequencies[i],
+                           tension.frequency_std_hz > 0 ? tension.frequency_std_hz : signal::kNaN};
+      if (!tension.orders.empty()) mode.order = static_cast<int>(std::lround(tension.orders[i]));
+      mode.plane = inputs.plane;
+      inputs.test.modes.push_back(std::move(mode));
+    }
+    if (table.has("recording")) {
+      read_keys(table, peak_keys_of(tension));
+      take_band(tension.band_hz, inputs);
+      read_recordings(table, test);
+    } else if (inputs.test.modes.empty()) {
+      throw table.error("frequencies", "is missing, and there is no recording",
+                        "give frequencies = [...], measured = \"table.csv\" or [[test.recording]]");
+    }
+    read_reference(table, test);
+  }
+
+  void read_kind(TomlTable& table, CampaignTest& test, ModalTest& modal) {
+    auto& inputs = modal.inputs;
+    const bool recorded = table.has("recording");
+    if (table.has("scene") || !recorded || table.has("table")) {
+      inputs.scene = scene_use(table, test, inputs.setup.sensors);
+    }
+    read_keys(table, keys_of(modal));
+    // In both planes: any mode may lie in either.
+    const auto& planes = modal.planes;
+    if (std::all_of(planes.begin(), planes.end(), [&](const auto& p) { return p == planes[0]; })) {
+      inputs.setup.plane = plane_named(planes[0]);
+    }
+    if (recorded) read_hammer(table, test, modal);
+    std::optional<bool> by_tension;
+    if (!recorded || table.has("table")) by_tension = read_published(table, recorded, modal);
+    check_tensions(table, test, inputs.scene, by_tension);
+    inputs.name = test.name;
+  }
+
+  void read_hammer(TomlTable& table, CampaignTest& test, ModalTest& modal) const {
+    read_keys(table, hammer_keys_of(modal));
+    auto& options = modal.inputs.options;
+    auto& impact = options.hammer.impact;
+    impact.estimator = modal.estimator == "h2"   ? signal::FrfEstimator::h2
+                       : modal.estimator == "hv" ? signal::FrfEstimator::hv
+                                                 : signal::FrfEstimator::h1;
+    if (modal.force_window_s > 0) impact.force_window_s = modal.force_window_s;
+    if (!modal.band_hz.empty()) impact.hits.band_hz = {modal.band_hz[0], modal.band_hz[1]};
+    if (modal.max_order > 0) options.modal.lscf.max_order = modal.max_order;
+    if (!modal.direction.empty()) {
+      const Eigen::Vector3d direction(modal.direction.data());
+      if (!(direction.norm() > 0)) {
+        throw table.error("direction", "is zero", "give the direction struck and measured along");
+      }
+      modal.inputs.setup.direction = direction.normalized();
+    }
+    std::vector<std::string> impacts;
+    if (modal.inputs.scene) {
+      for (const auto& load : modal.inputs.scene->scene.loads) {
+        if (load.kind == model::Load::Kind::impact) impacts.push_back(load.name);
+      }
+      if (modal.load.empty() && impacts.size() == 1) modal.load = impacts.front();
+    }
+    read_recordings(table, test);
+    for (auto& group : test.recordings) {
+      const bool own = !group.load.empty();
+      if (!own) group.load = modal.load;
+      // Without a scene, places struck have any names.
+      if (group.load.empty() || !modal.inputs.scene) continue;
+      static_cast<void>(place_of(group.load, impacts, table, own ? "recording" : "load",
+                                 "impact of the scene", "add it to the scene"));
+    }
+  }
+
+  /// A table of frequencies; whether it goes by tension.
+  bool read_published(TomlTable& table, bool recorded, ModalTest& modal) {
+    TomlTable results = table.table("table");
+    const ResultTable found = read_results(results);
+    std::optional<std::size_t> tension, measured;
+    if (results.has("tension")) tension = column_of(results, found, "tension", Blanks::refused);
+    if (!recorded || results.has("measured")) {
+      measured = column_of(results, found, "measured", Blanks::allowed);
+    }
+    if (results.has("models")) {
+      TomlTable models = results.table("models");
+      for (const auto& label : models.keys()) {
+        modal.models.emplace_back(label, column_of(models, found, label, Blanks::allowed));
+      }
+    }
+    results.finish();
+    for (const auto& row : found.rows) {
+      ident::PublishedMode mode;
+      if (tension) mode.tension_N = row[*tension];
+      mode.measured_hz = measured ? row[*measured] : signal::kNaN;
+      for (const auto& [label, column] : modal.models) mode.models_hz.push_back(row[column]);
+      modal.inputs.published.push_back(std::move(mode));
+    }
+    return tension.has_value();
+  }
+
+  /// The scene that stands for a test, the parameters that take a state's values, sensors.
+  ident::SceneUse scene_use(TomlTable& table, CampaignTest& test,
+                            std::map<std::string, std::string>& sensors) const {
+    test.scene = place_of(table.string("scene"), names_of(campaign_.scenes), table, "scene",
+                          "scene", "add it under [[scene]] with name and file");
+    ident::SceneUse use{campaign_.scenes[*test.scene].scene, {}, {}, {}, {}};
+    read_keys(table, keys_of(use));
+    for (const auto& [key, names] : {std::pair{"tension_of", &use.tension_of},
+                                     {"EI_of", &use.EI_of},
+                                     {"EA_of", &use.EA_of},
+                                     {"damping_of", &use.damping_of}}) {
+      for (const auto& name : *names) check_parameter(use.scene, name, table, key);
+    }
+    if (table.has("sensors")) {
+      TomlTable channels = table.table("sensors");
+      for (const auto& channel : channels.keys()) {
+        sensors[channel] = channels.string(channel);
+        static_cast<void>(place_of(sensors[channel], names_of(use.scene.sensors), channels, channel,
+                                   "sensor of the scene", "add it to the scene"));
+      }
+    }
+    return use;
+  }
+
+  /// What goes by tension says so in all its places. `by_table`: empty without a table.
+  static void check_tensions(const TomlTable& table, const CampaignTest& test,
+                             const std::optional<ident::SceneUse>& use,
+                             std::optional<bool> by_table) {
+    std::size_t with = 0;
+    for (const auto& group : test.recordings) with += group.tension_N.has_value();
+    if (with > 0 && with < test.recordings.size()) {
+      throw table.error("recording", "some recordings have a tension and some have none",
+                        "give every [[test.recording]] its tension, or none");
+    }
+    if (!use) return;
+    const bool by_tension = by_table.value_or(false) || with > 0;
+    const std::string which =
+        by_table ? "the table has no tension column" : "the recordings have no tension";
+    if (by_tension && use->tension_of.empty()) {
+      throw table.error(
+          "tension_of",
+          fmt::format("is missing although the {}",
+                      with > 0 ? "recordings go by tension" : "table goes by tension"),
+          "name the scene's parameters that take it, such as \"cable.tension\"");
+    }
+    if (!by_tension && !use->tension_of.empty()) {
+      throw table.error("tension_of", "is given although " + which,
+                        by_table ? "add tension = \"...\" to the table, or leave tension_of out"
+                                 : "add tension = ... to every [[test.recording]], or leave "
+                                   "tension_of out");
+    }
+    if (by_table && !test.recordings.empty() && *by_table != (with > 0)) {
+      throw table.error("table", "only one of table and recordings goes by tension",
+                        "give both their tensions, or neither");
+    }
+    if (!use->EI_of.empty() && !by_tension) {
+      throw table.error("EI_of", "is given although " + which,
+                        "EI follows the tension; leave EI_of out");
+    }
+  }
+
+  /// Indices of the tests named, of a kind and with a scene.
+  template <class Kind>
+  std::vector<std::size_t> tests_named(const std::vector<std::string>& names,
+                                       const TomlTable& table, const std::string& key,
+                                       const std::string& kind) const {
+    std::vector<std::string> known;
+    std::vector<std::size_t> places, found;
+    for (std::size_t i = 0; i < campaign_.tests.size(); ++i) {
+      const auto& test = campaign_.tests[i];
+      if (test.is<Kind>() && test.scene) known.push_back(test.name), places.push_back(i);
+    }
+    for (const auto& name : names) {
+      found.push_back(places[place_of(name, known, table, key, kind + " test with a scene",
+                                      "name tests of kind \"" + kind + "\" that have a scene")]);
+    }
+    return found;
+  }
+
+  const model::Scene& scene_of(std::size_t test) const {
+    return campaign_.scenes[*campaign_.tests[test].scene].scene;
+  }
+
   void read_fit(TomlTable& table, std::set<std::string>& taken) {
     CampaignFit fit;
-    fit.name = name_in(table, taken);
-    fit.title = table.string_or("title", fit.name);
-    fit.hold_out = table.boolean_or("hold_out", false);
-    fit.model_std = table.number_or("model_std", Bound::not_negative, "relative", 0);
-    fit.starts = table.integer_or("starts", 1, 1000, fit.starts);
-    fit.reference_name = table.string_or("reference_name", fit.reference_name);
-    std::vector<std::string> known;
-    for (const auto& test : campaign_.tests) {
-      if (test.kind == CampaignTest::Kind::modal && test.scene) known.push_back(test.name);
-    }
-    for (const auto& name : table.string_or_strings("tests")) {
-      const auto at = std::find_if(campaign_.tests.begin(), campaign_.tests.end(),
-                                   [&](const CampaignTest& test) { return test.name == name; });
-      if (at == campaign_.tests.end() || at->kind != CampaignTest::Kind::modal || !at->scene) {
-        const auto nearest = model::nearest_word(name, known);
-        throw table.error("tests", "there is no modal test \"" + name + "\"",
-                          nearest ? "did you mean \"" + *nearest + "\"?"
-                                  : "name tests of kind \"modal\" that have a scene");
-      }
-      fit.tests.push_back(static_cast<std::size_t>(at - campaign_.tests.begin()));
-    }
-    if (fit.tests.empty()) throw table.error("tests", "is empty", "name at least one modal test");
+    fit.title = fit.name = name_in(table, taken);
+    read_keys(table, keys_of(fit));
+    fit.tests = tests_named<ModalTest>(fit.test_names, table, "tests", "modal");
+    fit.predicts = tests_named<DecayTest>(fit.predicted_names, table, "predicts", "decay");
     for (TomlTable& entry : table.tables_or_empty("parameter")) {
       fit.parameters.push_back(read_parameter(entry, fit));
     }
-    if (table.has("predicts")) read_predicted(table, fit);
     if (fit.parameters.empty()) {
       throw table.error("parameter", "is missing", "a fit needs at least one [[fit.parameter]]");
+    }
+    for (const std::size_t test : fit.predicts) {  // their scene has all of the fit's parameters
+      for (const auto& parameter : fit.parameters) {
+        for (const auto& target : parameter.free.targets) {
+          check_parameter(scene_of(test), target, table, "predicts");
+        }
+      }
     }
     table.finish();
     campaign_.fits.push_back(std::move(fit));
   }
 
-  /// Free decays of a scene that has all of the fit's parameters.
-  void read_predicted(TomlTable& table, CampaignFit& fit) const {
-    std::vector<std::string> known;
-    for (const auto& test : campaign_.tests) {
-      if (test.kind == CampaignTest::Kind::decay && test.scene) known.push_back(test.name);
-    }
-    for (const auto& name : table.string_or_strings("predicts")) {
-      const auto at = std::find_if(campaign_.tests.begin(), campaign_.tests.end(),
-                                   [&](const CampaignTest& test) { return test.name == name; });
-      if (std::find(known.begin(), known.end(), name) == known.end()) {
-        const auto nearest = model::nearest_word(name, known);
-        throw table.error("predicts", "there is no decay test \"" + name + "\" with a scene",
-                          nearest ? "did you mean \"" + *nearest + "\"?"
-                                  : "name tests of kind \"decay\" that have a scene");
-      }
-      for (const auto& parameter : fit.parameters) {
-        for (const auto& target : parameter.free.targets) {
-          check_parameter(campaign_.scenes[*at->scene].scene, target, table, "predicts");
-        }
-      }
-      fit.predicts.push_back(static_cast<std::size_t>(at - campaign_.tests.begin()));
-    }
-  }
-
   FitParameter read_parameter(TomlTable& table, const CampaignFit& fit) const {
     FitParameter parameter;
+    read_keys(table, keys_of(parameter));
     ident::FreeParameter& free = parameter.free;
-    free.name = table.string("name");
-    if (table.has("of")) free.targets = table.string_or_strings("of");
     const std::string key = free.targets.empty() ? "name" : "of";
     if (free.targets.empty()) free.targets = {free.name};
-    if (table.has("factors")) {
-      free.factors = table.numbers("factors", free.targets.size(), free.targets.size(), Bound::any,
-                                   "1, one for each parameter");
+    if (!free.factors.empty() && free.factors.size() != free.targets.size()) {
+      throw table.error("factors", fmt::format("has {} values", free.factors.size()),
+                        "give one for each parameter");
     }
-    free.per_state = table.boolean_or("per_state", false);
-    free.start = table.optional_number("start", Bound::any, "the parameter's unit");
-    const auto prior = table.optional_number("prior", Bound::any, "the parameter's unit");
-    const auto prior_std = table.optional_number("prior_std", Bound::positive, "its unit");
-    if (prior.has_value() != prior_std.has_value()) {
-      throw table.error(prior ? "prior" : "prior_std", "stands alone",
+    if (parameter.prior.has_value() != parameter.prior_std.has_value()) {
+      throw table.error(parameter.prior ? "prior" : "prior_std", "stands alone",
                         "give prior and prior_std together");
     }
-    if (prior) free.prior = signal::Estimate{*prior, *prior_std};
-    free.prior_relative_std =
-        table.number_or("prior_std_percent", Bound::not_negative, "%", 0) / 100;
-    if (prior && free.prior_relative_std > 0) {
+    if (parameter.prior) free.prior = signal::Estimate{*parameter.prior, *parameter.prior_std};
+    free.prior_relative_std = parameter.prior_std_percent / 100;
+    if (parameter.prior && free.prior_relative_std > 0) {
       throw table.error("prior_std_percent", "stands beside prior",
                         "give prior and prior_std, or prior_std_percent alone: of each state's own "
                         "value, such as a load cell's reading");
     }
-    free.low = table.number_or("low", Bound::any, "the parameter's unit", free.low);
-    free.high = table.number_or("high", Bound::any, "the parameter's unit", free.high);
     if (!(free.low < free.high)) {
       throw table.error("high", "is not above low", "give a lower and a higher bound");
     }
-    parameter.reference = table.optional_number("reference", Bound::any, "the parameter's unit");
     // Every target is in one of the scenes; one that differs from state to state is in all.
     for (const auto& target : free.targets) {
       std::size_t found = 0;
       for (const std::size_t test : fit.tests) {
-        const auto names =
-            model::parameter_names(campaign_.scenes[*campaign_.tests[test].scene].scene);
+        const auto names = model::parameter_names(scene_of(test));
         found += std::find(names.begin(), names.end(), target) != names.end();
       }
       if (found == 0 || (free.per_state && found < fit.tests.size())) {
         for (const std::size_t test : fit.tests) {
-          check_parameter(campaign_.scenes[*campaign_.tests[test].scene].scene, target, table, key);
+          check_parameter(scene_of(test), target, table, key);
         }
         throw table.error(key, "\"" + target + "\" stands for two values of the scene",
                           "name one of them, such as EI_z or EI_y");
@@ -257,13 +607,6 @@ class Reader {
     }
     table.finish();
     return parameter;
-  }
-
-  void add_input(const std::string& file) {
-    if (std::find(campaign_.inputs.begin(), campaign_.inputs.end(), file) ==
-        campaign_.inputs.end()) {
-      campaign_.inputs.push_back(file);
-    }
   }
 
   TomlTable root_;

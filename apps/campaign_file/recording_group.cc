@@ -5,7 +5,9 @@
 #include <ostream>
 #include <streambuf>
 #include <unordered_set>
+#include <utility>
 
+#include "apps/campaign_file/recording_description.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
@@ -36,12 +38,9 @@ std::vector<RecordingGroup> read_recording_groups(model::TomlTable& test, const 
   std::vector<RecordingGroup> groups;
   for (model::TomlTable& table : test.tables_or_empty("recording")) {
     RecordingGroup group;
+    read_keys(table, keys_of(group));
     std::unordered_set<std::string> taken;
-    const auto names = table.string_or_strings("files");
-    if (names.empty()) {
-      throw table.error("files", "is empty", "name recordings, or a pattern such as \"run_*.csv\"");
-    }
-    for (const auto& name : names) {
+    for (const auto& name : std::exchange(group.files, {})) {
       const auto found = matches(folder / name);
       if (found.empty()) group.missing.push_back((folder / name).string());
       for (const auto& file : found) {
@@ -50,10 +49,6 @@ std::vector<RecordingGroup> read_recording_groups(model::TomlTable& test, const 
         if (taken.insert(file).second) group.files.push_back(file);
       }
     }
-    group.tension_N = table.optional_number("tension", model::Bound::positive, "N");
-    group.length_m = table.optional_number("length", model::Bound::positive, "m");
-    group.load = table.string_or("load", "");
-    group.synthetic = table.boolean_or("synthetic", false);
     group.description = signal::read_description(table);
     table.finish();
     groups.push_back(std::move(group));

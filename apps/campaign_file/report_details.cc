@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstddef>
 #include <fstream>
 #include <iterator>
 #include <system_error>
-
-#include "model/scene/toml_table.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
@@ -48,30 +45,12 @@ std::string base64(const std::string& bytes) {
 
 }  // namespace
 
-ReportDetails read_report_details(model::TomlTable& table, const fs::path& folder) {
-  ReportDetails details;
-  for (const auto& [key, value] :
-       {std::pair{"author", &details.author}, std::pair{"organisation", &details.organisation},
-        std::pair{"client", &details.client}, std::pair{"project", &details.project},
-        std::pair{"revision", &details.revision}, std::pair{"date", &details.date},
-        std::pair{"logo", &details.logo}}) {
-    *value = table.string_or(key, "");
+void check_logo(const std::string& file, const document::TomlTable& table) {
+  std::error_code error;
+  if (fs::file_size(file, error) > kLargestLogo || media_type(bytes_of(file)).empty()) {
+    throw table.error("logo", file + " is no PNG, JPEG or SVG picture of at most 2 MB",
+                      "give a smaller picture or one of these formats");
   }
-  if (!details.logo.empty()) {
-    const fs::path file = folder / details.logo;
-    std::error_code error;
-    if (!fs::is_regular_file(file, error)) {
-      throw table.error("logo", "there is no file " + file.string(),
-                        "name a PNG, JPEG or SVG file; the path starts at the campaign's folder");
-    }
-    if (fs::file_size(file, error) > kLargestLogo || media_type(bytes_of(file)).empty()) {
-      throw table.error("logo", file.string() + " is no PNG, JPEG or SVG picture of at most 2 MB",
-                        "give a smaller picture or one of these formats");
-    }
-    details.logo = file.string();
-  }
-  table.finish();
-  return details;
 }
 
 std::string logo_data_uri(const std::string& file) {

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/campaign/campaign.h"
 #include "apps/cli/assets.h"
 #include "apps/cli/terminal.h"
 
@@ -61,8 +62,14 @@ std::string aligned(const std::vector<Row>& rows) {
 }  // namespace
 
 std::string key_reference(const std::string& document) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSections = {
-      {{"scene", "## Scene\n"}, {"campaign", "## Campaign\n"}, {"sidecar", "## Sidecar\n"}}};
+  if (document == "campaign") {
+    return "Paths are relative to the campaign. `rigfit new` writes one; with --example a "
+           "commented "
+           "one that runs.\n\n" +
+           aligned(campaign_key_rows());
+  }
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kSections = {
+      {{"scene", "## Scene\n"}, {"sidecar", "## Sidecar\n"}}};
   const auto* const section = std::find_if(kSections.begin(), kSections.end(),
                                            [&](const auto& one) { return one.first == document; });
   if (section == kSections.end()) return "";

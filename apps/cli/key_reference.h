@@ -1,5 +1,6 @@
-// Every key of scenes, campaigns and the TOML files beside recordings, for `rigfit help`: the
-// tables of apps/README.md, which a test compares with the keys that the readers know.
+// Every key of scenes, campaigns and the TOML files beside recordings, for `rigfit help`: of
+// campaigns from their description (apps/campaign/campaign.h), else the tables of apps/README.md,
+// which a test compares with the keys that the readers know.
 #pragma once
 
 #include <string>

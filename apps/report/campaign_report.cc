@@ -65,24 +65,16 @@ void take_inputs(const Campaign& campaign, VerbContext& context) {
 
 std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& test,
                                   const VerbContext& context) {
-  switch (test.kind) {
-    case CampaignTest::Kind::bending:
-      return bending_part(campaign, test);
-    case CampaignTest::Kind::axial:
-      return axial_part(test, context.threads);
-    case CampaignTest::Kind::modal:
-      return modal_test_part(campaign, test);
-    case CampaignTest::Kind::tension:
-      return tension_part(test);
-    case CampaignTest::Kind::decay:
-      return decay_part(campaign, test);
-  }
-  throw std::logic_error("a kind of test without a part of the report");
+  if (test.is<BendingTest>()) return bending_part(test);
+  if (test.is<AxialTest>()) return axial_part(test, context.threads);
+  if (test.is<DecayTest>()) return decay_part(campaign, test);
+  if (test.is<TensionTest>()) return tension_part(test);
+  return modal_test_part(campaign, test);
 }
 
 /// Where a part stands on the page: bending and axial tests first, the others as in the campaign.
 bool comes_first(const CampaignTest& test) {
-  return test.kind == CampaignTest::Kind::bending || test.kind == CampaignTest::Kind::axial;
+  return test.is<BendingTest>() || test.is<AxialTest>();
 }
 
 /// Reads the recordings, works out the campaign, shows what came of it: the parts in the order of
@@ -99,7 +91,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
   std::vector<std::size_t> modal_tests;
   for (std::size_t i = 0; i < tests; ++i) {
     shown.push_back(part_of(campaign, campaign.tests[i], context));
-    if (campaign.tests[i].kind == CampaignTest::Kind::modal) modal_tests.push_back(i);
+    if (campaign.tests[i].is<ModalTest>()) modal_tests.push_back(i);
   }
   ident::in_parallel(tests, context.threads, [&](std::size_t i) { shown[i]->read(advance); });
 

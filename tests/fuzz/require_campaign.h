@@ -21,11 +21,24 @@ inline void require_sound(const Campaign& campaign) {
   for (const auto& test : campaign.tests) {
     require(!test.name.empty(), "a test without a name");
     require(!test.scene || *test.scene < campaign.scenes.size(), "a scene that is not there");
-    require(test.kind != CampaignTest::Kind::modal || test.scene, "a modal test without a scene");
-    require(test.results || !test.recordings.empty(), "a test without data");
-    require(std::isfinite(test.span_m) && test.span_m >= 0, "span");
-    if (test.band_hz) require(test.band_hz->first < test.band_hz->second, "band");
-    if (test.direction) require(std::abs(test.direction->norm() - 1) < 1e-9, "direction");
+    bool published = false;
+    if (test.is<BendingTest>()) {
+      const auto& bending = test.as<BendingTest>();
+      const double span = bending.campaign.test.span_m.value;
+      require(std::isfinite(span) && span > 0, "span");
+      published = bending.published();
+    } else if (test.is<ModalTest>()) {
+      const auto& modal = test.as<ModalTest>().inputs;
+      published = !modal.published.empty();
+      require(!published || modal.scene, "published modes without a scene");
+      const auto& band = modal.options.hammer.impact.hits.band_hz;
+      require(!band || band->first < band->second, "band");
+      const auto& direction = modal.setup.direction;
+      require(!direction || std::abs(direction->norm() - 1) < 1e-9, "direction");
+    } else if (test.is<TensionTest>()) {
+      published = !test.as<TensionTest>().inputs.test.modes.empty();
+    }
+    require(published || !test.recordings.empty(), "a test without data");
     for (const auto& group : test.recordings) {
       require(!group.files.empty() || !group.missing.empty(), "a recording that names nothing");
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/campaign_file/campaign.h"
+#include "apps/campaign_file/recording_group.h"
 #include "apps/report/drawing/plot.h"
 #include "apps/report/page/report_part.h"
 #include "ident/campaign/modal/hammer_campaign.h"

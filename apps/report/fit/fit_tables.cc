@@ -354,7 +354,7 @@ void add_shapes(ReportPart& part, const FitOutcome& of) {
     const auto analysis = model::analyse_modes(of.result.scenes[s], options);
     std::vector<const model::NaturalMode*> columns;
     std::vector<std::string> rows, names;
-    const auto plane = of.test_of(s).plane();
+    const auto plane = of.test_of(s).as<ModalTest>().inputs.setup.plane;
     for (const auto& mode : analysis.modes) {
       if (!(mode.frequency_hz > 0) || (plane && mode.plane != *plane)) continue;
       columns.push_back(&mode);

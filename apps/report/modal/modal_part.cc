@@ -175,10 +175,11 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
                           left.empty() ? "nothing left out" : left, state.wall_s,
                           state.segments_error});
   }
-  const std::string planes = test.in_plane && test.out_of_plane
-                                 ? "in and out of the plane of gravity"
-                             : test.in_plane ? "in the plane of gravity"
-                                             : "out of the plane of gravity";
+  const auto& inputs = test.as<ModalTest>().inputs;
+  const auto& plane = inputs.setup.plane;
+  const std::string planes = !plane                           ? "in and out of the plane of gravity"
+                             : *plane == model::ModePlane::in ? "in the plane of gravity"
+                                                              : "out of the plane of gravity";
   part.blocks.push_back(
       Paragraph{fmt::format("Hammer test, {}; scene \"{}\". The values of the model are those "
                             "given for the scene, nothing "
@@ -187,7 +188,7 @@ ReportPart modal_part(const Campaign& campaign, const CampaignTest& test,
   part.blocks.push_back(error_table(test, states));
   if (any) {
     if (states.front().tension_N && states.size() > 1) {
-      auto lines = tension_plot(test, scene_use(campaign, test), known, states);
+      auto lines = tension_plot(test, *inputs.scene, known, states);
       part.blocks.push_back(std::move(lines.plot));
       part.json["crossings"] = std::move(lines.crossings);
     } else {

@@ -13,21 +13,10 @@
 
 namespace rigfit::apps {
 
-// What a modal test of the campaign file is to ident/campaign/modal/modal_model.h.
-
 using ident::Instrumented;
 using ident::MeasuredRow;
 using ident::ModalState;
 using ident::RmsError;
-
-/// How the campaign's test was made.
-[[nodiscard]] ident::TestSetup setup_of(const CampaignTest& test);
-
-/// The scene that stands for a test, which has one.
-[[nodiscard]] ident::SceneUse scene_use(const Campaign& campaign, const CampaignTest& test);
-
-/// The rows of the test's table; empty without.
-[[nodiscard]] std::vector<ident::PublishedMode> published_modes(const CampaignTest& test);
 
 // The tables of a modal test: its equilibria, measured and modelled frequencies beside each other,
 // errors against the test.
@@ -35,8 +24,7 @@ using ident::RmsError;
 [[nodiscard]] std::string label_of(const ModalState& state);
 
 /// Published models of the test's table: label, column; empty without a table.
-[[nodiscard]] const std::vector<std::pair<std::string, std::size_t>>& published_models(
-    const CampaignTest& test);
+[[nodiscard]] const PublishedModels& published_models(const CampaignTest& test);
 
 /// Number of a mode among those of its plane: "in 2".
 [[nodiscard]] std::string mode_name(const model::ModalAnalysis& analysis, std::size_t index);

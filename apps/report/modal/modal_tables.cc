@@ -36,9 +36,8 @@ std::string label_of(const ModalState& state) {
   return state_words(ident::state_label(state.tension_N));
 }
 
-const std::vector<std::pair<std::string, std::size_t>>& published_models(const CampaignTest& test) {
-  static const std::vector<std::pair<std::string, std::size_t>> none;
-  return test.results ? test.results->models : none;
+const PublishedModels& published_models(const CampaignTest& test) {
+  return test.as<ModalTest>().models;
 }
 
 std::string mode_name(const model::ModalAnalysis& analysis, std::size_t index) {

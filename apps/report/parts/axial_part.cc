@@ -17,7 +17,8 @@ namespace {
 
 class AxialPart : public TestPart {
  public:
-  AxialPart(const CampaignTest& test, int threads) : test_(test) {
+  AxialPart(const CampaignTest& test, int threads)
+      : test_(test), inputs_(test.as<AxialTest>().inputs) {
     part_.id = test.name;
     part_.title = test.title;
     part_.json_key = "axial";
@@ -33,13 +34,8 @@ class AxialPart : public TestPart {
     part_.blocks.push_back(Paragraph{fmt::format(
         "A mass of {:g} kg hangs from a length of cable and is struck; the tension swings up and "
         "down. How fast gives the axial stiffness EA, how soon it dies away gives the damping.",
-        test_.axial.mass_kg.value)});
+        inputs_.setup.mass_kg.value)});
     add_recordings(part_, test_, loaded);
-    inputs_.setup = test_.axial;
-    if (!test_.channels.empty()) inputs_.channel = test_.channels.front();
-    if (test_.band_hz) {
-      inputs_.band_low_hz = test_.band_hz->first, inputs_.band_high_hz = test_.band_hz->second;
-    }
     for (auto& entry : loaded) {
       if (!entry.recording) continue;
       const auto& group = test_.recordings[entry.group];
@@ -92,11 +88,10 @@ class AxialPart : public TestPart {
   }
 
   [[nodiscard]] std::optional<ReferenceValue> reference_EA() const {
-    const auto at = test_.reference.find("EA");
-    if (at == test_.reference.end()) return std::nullopt;
+    if (!test_.EA_N) return std::nullopt;
     return ReferenceValue{test_.reference_name,
                           test_.reference_name == "published" ? Origin::published : origin_,
-                          at->second};
+                          *test_.EA_N};
   }
 
   ReportTable length_table(const ident::AxialTestResult& r) const {
@@ -150,10 +145,11 @@ class AxialPart : public TestPart {
     return table;
   }
 
-  void add_answer(const ident::AxialTestResult& r, const char* quantity, const char* unit,
-                  const signal::Estimate& value, signal::Interval interval, const char* reference) {
+  void add_answer(const ident::AxialTestResult& r, const std::string& key, const char* quantity,
+                  const char* unit, const signal::Estimate& value, signal::Interval interval,
+                  const std::optional<double>& reference) {
     Answer answer;
-    answer.key = test_.name + "/" + reference;
+    answer.key = test_.name + "/" + key;
     answer.quantity = quantity;
     answer.how = fmt::format("axial test, {} at {}", counted(r.samples.size(), "record"),
                              counted(r.lengths.size(), "length"));
@@ -168,8 +164,8 @@ class AxialPart : public TestPart {
       if (!std::isfinite(answer.high)) answer.high = answer.std = none;
     }
     answer.percent = answer.unit.empty();
-    if (const auto at = test_.reference.find(reference); at != test_.reference.end()) {
-      answer.reference = at->second;
+    if (reference) {
+      answer.reference = *reference;
       answer.reference_name = test_.reference_name;
     }
     answer.origin = origin_;
@@ -178,22 +174,22 @@ class AxialPart : public TestPart {
   }
 
   void describe(const ident::AxialTestResult& r) {
-    add_answer(r, "Cable axial stiffness EA", "N", r.EA_N, {r.EA_low_N, r.EA_high_N}, "EA");
-    add_answer(r, "Axial damping ratio ζ", "", r.damping_ratio, {r.damping_low, r.damping_high},
-               "damping_ratio");
+    add_answer(r, "EA", "Cable axial stiffness EA", "N", r.EA_N, {r.EA_low_N, r.EA_high_N},
+               test_.EA_N);
+    add_answer(r, "damping_ratio", "Axial damping ratio ζ", "", r.damping_ratio,
+               {r.damping_low, r.damping_high}, test_.damping_ratio);
     part_.brief = {test_.name + "-EA", test_.name + "-lengths"};
     std::string text = describe::interval_text(
         {r.EA_N.value, r.EA_N.std, r.EA_low_N, r.EA_high_N, r.conditional}, "N");
-    const auto& reference = test_.reference;
-    if (const auto at = reference.find("EA"); at != reference.end()) {
-      text += fmt::format("; {} {} ({})", test_.reference_name, shown(at->second, 5),
-                          shown_percent(r.EA_N.value / at->second - 1));
+    if (test_.EA_N) {
+      text += fmt::format("; {} {} ({})", test_.reference_name, shown(*test_.EA_N, 5),
+                          shown_percent(r.EA_N.value / *test_.EA_N - 1));
     }
     part_.summary.push_back(
         {SummaryItem::Kind::result, "EA of the cable", text, origin_, part_.id});
     text = shown_estimate(100 * r.damping_ratio.value, 100 * r.damping_ratio.std) + " %";
-    if (const auto at = reference.find("damping_ratio"); at != reference.end()) {
-      text += fmt::format("; {} {} %", test_.reference_name, shown(100 * at->second, 3));
+    if (test_.damping_ratio) {
+      text += fmt::format("; {} {} %", test_.reference_name, shown(100 * *test_.damping_ratio, 3));
     }
     part_.summary.push_back(
         {SummaryItem::Kind::result, "Axial damping ratio", text, origin_, part_.id});

@@ -14,22 +14,23 @@
 namespace rigfit::apps {
 namespace {
 
-std::string setup_words(const CampaignTest& test) {
-  if (!test.beam) {
+std::string setup_words(const BendingTest& test) {
+  const auto& options = test.campaign.test;
+  if (!test.beam()) {
     return std::string(
                "A length of cable is clamped at both ends, pulled to a tension and pressed "
                "sideways at mid-span. From the slope of deflection over load follows its bending "
                "stiffness EI.") +
-           (test.results ? " Here the EI values themselves are published." : "");
+           (test.published() ? " Here the EI values themselves are published." : "");
   }
   const char* held =
-      test.beam->ends == ident::BeamEnds::cantilever ? "clamped at one end and loaded at the other"
-      : test.beam->ends == ident::BeamEnds::pinned   ? "laid on two supports and loaded between"
-                                                   : "clamped at both ends and loaded between them";
+      options.ends == ident::BeamEnds::cantilever ? "clamped at one end and loaded at the other"
+      : options.ends == ident::BeamEnds::pinned   ? "laid on two supports and loaded between"
+                                                  : "clamped at both ends and loaded between them";
   return fmt::format(
       "A beam is {}, {:g} m, without tension. From the slope of load over deflection in its "
       "elastic part follows EI = slope span³ / {:g}; shear is left out.",
-      held, test.span_m, ident::beam_stiffness_factor(test.beam->ends));
+      held, options.span_m.value, ident::beam_stiffness_factor(options.ends));
 }
 
 ReportTable law_table(const CampaignTest& test, const ident::StiffnessLaws& laws) {
@@ -50,54 +51,23 @@ ReportTable law_table(const CampaignTest& test, const ident::StiffnessLaws& laws
   return table;
 }
 
-ident::BendingSource published(const CampaignTest& test) {
-  const auto& results = *test.results;
-  ident::BendingSource source;
-  source.name = results.table.file;
-  const auto column = [&](const std::string& beginning) -> std::optional<std::size_t> {
-    for (std::size_t i = 0; i < results.table.columns.size(); ++i) {
-      if (results.table.columns[i].starts_with(beginning)) return i;
-    }
-    return std::nullopt;
-  };
-  const auto std = column("std"), low = column("low"), high = column("high");
-  for (const auto& row : results.table.rows) {
-    const auto at = [&](std::optional<std::size_t> i) { return i ? row[*i] : signal::kNaN; };
-    source.values.push_back({row[*results.tension], row[*results.EI], at(std), at(low), at(high)});
-  }
-  return source;
-}
-
 class BendingPart : public TestPart {
  public:
-  BendingPart(const Campaign& campaign, const CampaignTest& test) : test_(test) {
+  explicit BendingPart(const CampaignTest& test)
+      : test_(test), kind_(test.as<BendingTest>()), bending_(kind_.campaign) {
     part_.id = test.name;
     part_.title = test.title;
     part_.json_key = "bending";
     part_.json["test"] = test.name;
-    part_.json["span_m"] = test.span_m;
-    if (!test.beam) bending_.strand = campaign.strand;
+    part_.json["span_m"] = bending_.test.span_m.value;
   }
 
   void read(const FileRead& file_read) override {
-    part_.blocks.push_back(Paragraph{setup_words(test_)});
-    if (test_.results) {
-      bending_.sources.push_back(published(test_));
+    part_.blocks.push_back(Paragraph{setup_words(kind_)});
+    if (kind_.published()) {
       origins_.push_back(Origin::published);
     } else {
       read_recordings(file_read);
-    }
-    auto& options = bending_.test;
-    options.span_m = {test_.span_m, test_.span_std_m};
-    options.load_calibration_std = test_.load_calibration_std;
-    options.deflection_calibration_std = test_.deflection_calibration_std;
-    if (test_.beam) {
-      bending_.second_moment_m4 = ident::second_moment(test_.beam->section);
-      options.ends = test_.beam->ends;
-    } else {
-      options.tension_zero_std_N = test_.tension_zero_std_N;
-      options.clamp_stiffness_Nm_rad = test_.clamp_stiffness_Nm_rad;
-      options.tension_calibration_std = test_.tension_calibration_std;
     }
   }
 
@@ -110,21 +80,21 @@ class BendingPart : public TestPart {
     const auto& result = campaign.bending[index_];
     bending_ = std::move(campaign.inputs.bending[index_]);
     part_.json.update(bending_json(bending_, result));
-    part_.json["laws_decided"] = !test_.beam && result.curve.laws().decided;
+    part_.json["laws_decided"] = !kind_.beam() && result.curve.laws().decided;
     for (std::size_t i = 0; i < result.points.size(); ++i) {
       part_.json["tests"][i]["origin"] = word_of(origins_[result.points[i].source]);
     }
     tell_findings(result);
     if (!result.points.empty()) {
-      if (!test_.results) {
+      if (!kind_.published()) {
         part_.blocks.push_back(
             load_deflection_plot(test_.name + "-load-deflection", bending_, origins_, result));
       }
       part_.blocks.push_back(points_table(result));
     }
-    if (!test_.beam) show_laws(result);
+    if (!kind_.beam()) show_laws(result);
     add_answers(result);
-    part_.brief = {test_.beam ? test_.name + "-load-deflection" : test_.name + "-EI",
+    part_.brief = {kind_.beam() ? test_.name + "-load-deflection" : test_.name + "-EI",
                    test_.name + "-results"};
     return {std::move(part_)};
   }
@@ -138,8 +108,8 @@ class BendingPart : public TestPart {
     }
     add_recordings(part_, test_, loaded);
     const BendingColumns columns{
-        test_.tension_channel, test_.load_channel, test_.deflection_channel,
-        "name it in the campaign, channels = {{ {} = \"...\" }}", test_.beam.has_value()};
+        kind_.tension_channel, kind_.load_channel, kind_.deflection_channel,
+        "name it in the campaign, channels = {{ {} = \"...\" }}", kind_.beam()};
     for (const auto& entry : loaded) {
       if (!entry.recording) continue;
       std::vector<Warning> warnings;
@@ -197,15 +167,15 @@ class BendingPart : public TestPart {
       remarks.doubtful = !said.empty();
       table.rows.push_back(
           {short_name(bending_.sources[one.source].name), Cell(name_of(from), from),
-           test_.beam ? ""
-           : r        ? shown_estimate(r->tension_N.value, r->tension_N.std)
-                      : shown(point.tension_N, 3),
+           kind_.beam() ? ""
+           : r          ? shown_estimate(r->tension_N.value, r->tension_N.std)
+                        : shown(point.tension_N, 3),
            r ? shown_estimate(1e6 * r->compliance_m_N.value, 1e6 * r->compliance_m_N.std) : "",
            Cell(one.usable() ? shown_estimate(point.EI_Nm2, point.std) : "none", from),
            one.usable() && std::isfinite(point.low)
                ? shown_bound(point.low, point.std) + " to " + shown_bound(point.high, point.std)
                : std::string(),
-           r && !test_.beam ? shown(r->hysteresis_N, 2) : "", modulus, std::move(remarks)});
+           r && !kind_.beam() ? shown(r->hysteresis_N, 2) : "", modulus, std::move(remarks)});
     }
     return table;
   }
@@ -239,27 +209,27 @@ class BendingPart : public TestPart {
       const std::string file = short_name(bending_.sources[one.source].name);
       Answer EI;
       EI.key = fmt::format("{}/EI/{}", test_.name, ++found);
-      EI.quantity =
-          test_.beam ? fmt::format("Beam bending stiffness EI ({})", file)
-                     : fmt::format("Cable bending stiffness EI at {} N", shown(point.tension_N, 3));
-      EI.how = test_.results ? "published"
-               : test_.beam  ? "bending test without tension"
-                             : "bending test";
+      EI.quantity = kind_.beam() ? fmt::format("Beam bending stiffness EI ({})", file)
+                                 : fmt::format("Cable bending stiffness EI at {} N",
+                                               shown(point.tension_N, 3));
+      EI.how = kind_.published() ? "published"
+               : kind_.beam()    ? "bending test without tension"
+                                 : "bending test";
       EI.unit = "N m²";
       EI.value = point.EI_Nm2;
       EI.std = point.std;
       EI.low = point.low;
       EI.high = point.high;
-      if (!test_.beam && one.analysis) {  // with what the tests share
+      if (!kind_.beam() && one.analysis) {  // with what the tests share
         EI.std = one.analysis->stiffness.EI_Nm2.std;
         EI.low = one.analysis->stiffness.low;
         EI.high = one.analysis->stiffness.high;
       }
       EI.origin = origins_[one.source];
       EI.anchor = part_.id;
-      EI.rank = test_.beam && found > 1 ? 1 : 0;
+      EI.rank = kind_.beam() && found > 1 ? 1 : 0;
       const auto modulus = ident::bending_modulus(bending_, one);
-      if (test_.beam && std::isfinite(modulus.value)) {
+      if (kind_.beam() && std::isfinite(modulus.value)) {
         Answer E = EI;
         E.key = fmt::format("{}/modulus/{}", test_.name, found);
         E.quantity = fmt::format("Beam bending modulus ({})", file);
@@ -275,14 +245,14 @@ class BendingPart : public TestPart {
       }
       part_.summary.push_back(
           {SummaryItem::Kind::result,
-           test_.beam ? "EI of the beam, " + file
-                      : fmt::format("EI of the cable at {} N", shown(point.tension_N, 3)),
+           kind_.beam() ? "EI of the beam, " + file
+                        : fmt::format("EI of the cable at {} N", shown(point.tension_N, 3)),
            value_words(EI) + " N m²", EI.origin, part_.id});
       part_.answers.push_back(std::move(EI));
     }
     const bool said = std::any_of(result.points.begin(), result.points.end(),
                                   [](const auto& one) { return one.refused(); });
-    if (test_.beam && found == 0 && !said) {
+    if (kind_.beam() && found == 0 && !said) {
       refuse(part_, "no_EI", "no test gives an EI", test_.name);
     }
     if (!result.specimens) return;
@@ -294,6 +264,7 @@ class BendingPart : public TestPart {
   }
 
   const CampaignTest& test_;
+  const BendingTest& kind_;
   ident::BendingCampaign bending_;
   std::vector<Origin> origins_;  ///< origins of the sources
   std::size_t index_ = 0;
@@ -302,8 +273,8 @@ class BendingPart : public TestPart {
 
 }  // namespace
 
-std::unique_ptr<TestPart> bending_part(const Campaign& campaign, const CampaignTest& test) {
-  return std::make_unique<BendingPart>(campaign, test);
+std::unique_ptr<TestPart> bending_part(const CampaignTest& test) {
+  return std::make_unique<BendingPart>(test);
 }
 
 }  // namespace rigfit::apps

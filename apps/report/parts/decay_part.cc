@@ -20,7 +20,8 @@ Json estimate_json(const signal::Estimate& e) {
 
 class DecayPart : public TestPart {
  public:
-  DecayPart(const Campaign& campaign, const CampaignTest& test) : campaign_(campaign), test_(test) {
+  DecayPart(const Campaign& campaign, const CampaignTest& test)
+      : campaign_(campaign), test_(test), inputs_(test.as<DecayTest>().inputs) {
     part_.id = test.name;
     part_.title = test.title;
     part_.json_key = "decays";
@@ -64,14 +65,6 @@ class DecayPart : public TestPart {
 
   void add_to(ident::CampaignInputs& inputs) override {
     index_ = inputs.decays.size();
-    inputs_.options.channels = test_.channels;
-    if (test_.band_hz) {
-      inputs_.options.decay.band_low_hz = test_.band_hz->first;
-      inputs_.options.decay.band_high_hz = test_.band_hz->second;
-    }
-    if (test_.scene) inputs_.scene = scene_use(campaign_, test_);
-    inputs_.sensors = test_.hammer.sensors;
-    inputs_.load = test_.hammer.load;
     for (std::size_t f = 0; f < campaign_.fits.size(); ++f) {
       for (const std::size_t test : campaign_.fits[f].predicts) {
         if (&campaign_.tests[test] == &test_) inputs_.fits.push_back(f);
@@ -178,8 +171,8 @@ class DecayPart : public TestPart {
 
   void overlay(const AnalysedDecay& decay, const std::vector<ReleaseAnswer>& answers,
                const std::string& id, PlotTab& tab, Json& json) {
-    for (auto& plot :
-         release_plots(id, decay, answers, test_.band_hz ? test_.band_hz->second : 0)) {
+    for (auto& plot : release_plots(id, decay, answers,
+                                    test_.as<DecayTest>().inputs.options.decay.band_high_hz)) {
       tab.plots.push_back(std::move(plot));
     }
     Json list = Json::array();

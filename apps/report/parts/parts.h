@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/campaign_file/campaign.h"
+#include "apps/campaign_file/recording_group.h"
 #include "apps/report/page/report_part.h"
 #include "ident/campaign/campaign.h"
 
@@ -33,7 +34,7 @@ using TestPartPtr = std::unique_ptr<TestPart>;
 
 [[nodiscard]] TestPartPtr axial_part(const CampaignTest& test, int threads);
 /// EI of a strand against its tension, or of a beam without tension.
-[[nodiscard]] TestPartPtr bending_part(const Campaign& campaign, const CampaignTest& test);
+[[nodiscard]] TestPartPtr bending_part(const CampaignTest& test);
 /// Free decays; where a scene stands for the test, its answer by the same estimator.
 [[nodiscard]] TestPartPtr decay_part(const Campaign& campaign, const CampaignTest& test);
 /// Recordings of hits, FRFs and modes state by state; then the model's modes against them.

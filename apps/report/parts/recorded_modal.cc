@@ -109,8 +109,9 @@ class HitsShown {
                    std::vector<signal::MeasuredPoint>& inputs) const {
     if (!scene_) return;
     for (auto& response : responses) {
-      const auto other = test_.hammer.sensors.find(response.name);
-      const std::string& name = other == test_.hammer.sensors.end() ? response.name : other->second;
+      const auto& sensors = test_.as<ModalTest>().inputs.setup.sensors;
+      const auto other = sensors.find(response.name);
+      const std::string& name = other == sensors.end() ? response.name : other->second;
       response = uff_point(*scene_, name, response.name);
     }
     for (auto& input : inputs) input = uff_point(*scene_, input.name, input.name);
@@ -278,27 +279,11 @@ class HitsShown {
   int rejected_ = 0, all_hits_ = 0, modes_found_ = 0;
 };
 
-ident::ModalTestOptions hammer_options(const CampaignTest& test) {
-  ident::ModalTestOptions options;
-  const auto& hammer = test.hammer;
-  options.hammer.force = hammer.force;
-  options.hammer.responses = hammer.responses;
-  auto& impact = options.hammer.impact;
-  impact.estimator = hammer.estimator == "h2"   ? signal::FrfEstimator::h2
-                     : hammer.estimator == "hv" ? signal::FrfEstimator::hv
-                                                : signal::FrfEstimator::h1;
-  if (hammer.force_window_s > 0) impact.force_window_s = hammer.force_window_s;
-  impact.exponential_end_level = hammer.exponential_end_level;
-  impact.hits.band_hz = test.band_hz;
-  if (hammer.max_order > 0) options.modal.lscf.max_order = hammer.max_order;
-  return options;
-}
-
 /// Recordings of hits and their modes, then the model's modes against them: a part each.
 class ModalTestPart : public TestPart {
  public:
   ModalTestPart(const Campaign& campaign, const CampaignTest& test)
-      : campaign_(campaign), test_(test) {
+      : campaign_(campaign), test_(test), inputs_(test.as<ModalTest>().inputs) {
     part_.id = test.name + "-recordings";
     part_.title = test.title + ": recordings";
     part_.test = test.name;
@@ -313,14 +298,15 @@ class ModalTestPart : public TestPart {
       part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
     }
     files_ = loaded.size();
+    const double end_level = inputs_.options.hammer.impact.exponential_end_level;
     part_.blocks.push_back(Paragraph{fmt::format(
         "The rig is struck with a hammer that measures its force, and what the sensors answer is "
         "recorded. Each hit is judged; the accepted ones are averaged to frequency response "
         "functions, and from these come natural frequencies, damping and shapes.{}",
-        test_.hammer.exponential_end_level > 0
+        end_level > 0
             ? fmt::format(" An exponential window, down to {:g} % at the end, acts on force and "
                           "responses alike; its damping is taken out of every mode.",
-                          100 * test_.hammer.exponential_end_level)
+                          100 * end_level)
             : "")});
     add_recordings(part_, test_, loaded);
     for (auto& entry : loaded) {
@@ -333,11 +319,6 @@ class ModalTestPart : public TestPart {
 
   void add_to(ident::CampaignInputs& inputs) override {
     index_ = inputs.modal.size();
-    inputs_.name = test_.name;
-    inputs_.options = hammer_options(test_);
-    inputs_.published = published_modes(test_);
-    inputs_.setup = setup_of(test_);
-    if (test_.scene) inputs_.scene = scene_use(campaign_, test_);
     inputs.modal.push_back(std::move(inputs_));
   }
 

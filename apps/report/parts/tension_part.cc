@@ -109,8 +109,8 @@ void answer(ReportPart& part, const CampaignTest& test, const ident::TensionResu
   answer.low = r.low;
   answer.high = r.high;
   answer.determined = r.decided;
-  if (const auto at = test.reference.find("tension"); at != test.reference.end()) {
-    answer.reference = at->second;
+  if (test.tension_N) {
+    answer.reference = *test.tension_N;
     answer.reference_name = test.reference_name;
   }
   answer.origin = test.recordings.empty() ? Origin::measured : test.recordings.front().origin();
@@ -148,7 +148,8 @@ void show_result(ReportPart& part, const CampaignTest& test, const ident::Tensio
 
 class TensionPart : public TestPart {
  public:
-  explicit TensionPart(const CampaignTest& test) : test_(test), inputs_(*test.tension) {
+  explicit TensionPart(const CampaignTest& test)
+      : test_(test), inputs_(test.as<TensionTest>().inputs) {
     part_.id = test.name;
     part_.title = test.title;
     part_.json_key = "tension";

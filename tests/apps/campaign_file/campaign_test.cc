@@ -93,12 +93,11 @@ TEST_F(CampaignFiles, AreReadWhole) {
   EXPECT_EQ(campaign.scenes[0].origins[1].kind, ValueOrigin::Kind::assumed);
   EXPECT_EQ(campaign.scenes[0].origins[1].how, "a guess");
   ASSERT_EQ(campaign.tests.size(), 2u);
-  EXPECT_EQ(campaign.tests[0].span_m, 1.0);
-  const auto& modal = campaign.tests[1];
-  EXPECT_TRUE(modal.in_plane);
-  EXPECT_FALSE(modal.out_of_plane);
-  EXPECT_THAT(modal.EI_of, ElementsAre("cable.EI"));
-  EXPECT_EQ(modal.results->models[0].first, "FE");
+  EXPECT_EQ(campaign.tests[0].as<BendingTest>().campaign.test.span_m.value, 1.0);
+  const auto& modal = campaign.tests[1].as<ModalTest>();
+  EXPECT_EQ(modal.inputs.setup.plane, model::ModePlane::in);
+  EXPECT_THAT(modal.inputs.scene->EI_of, ElementsAre("cable.EI"));
+  EXPECT_EQ(modal.models[0].first, "FE");
   EXPECT_EQ(campaign.inputs.size(), 4u);
 }
 
@@ -139,7 +138,7 @@ const std::vector<Mistake>& mistakes() {
       {"EI = \"EI_Nm2\"", "EI = \"EI_Nm\"", "test[0].table.EI", 25, "did you mean \"EI_Nm2\""},
       {"name = \"modes\"", "name = \"bending\"", "test[1].name", 28, "used twice"},
       {"scene = \"cable\"", "scene = \"cabel\"", "test[1].scene", 31, "did you mean \"cable\""},
-      {"planes = [\"in\"]", "planes = [\"up\"]", "test[1].planes", 32, "name \"in\""},
+      {"planes = [\"in\"]", "planes = [\"up\"]", "test[1].planes", 32, "must be \"in\" or \"out\""},
       {"planes = [\"in\"]", "planes = []", "test[1].planes", 32, "is empty"},
       {"tension_of = [\"cable.tension\"]", "tension_of = [\"cable.tensoin\"]", "test[1].tension_of",
        33, "did you mean \"cable.tension\""},
@@ -199,7 +198,7 @@ TEST_F(CampaignFiles, MistakesInWhatItNamesAreRefusedInTheirFile) {
   EXPECT_THAT(message("modes.csv", "tension_N,test_Hz,fe_Hz\n25,-5.2,5.3\n"),
               HasSubstr("is not positive"));
   EXPECT_THAT(message("modes.csv", "tension_N,test_Hz,fe_Hz\n,5.2,5.3\n"), HasSubstr("line 2"));
-  EXPECT_THAT(message("EI.csv", "tension_N,EI_Nm2\n25,0\n"), HasSubstr("blank, zero or negative"));
+  EXPECT_THAT(message("EI.csv", "tension_N,EI_Nm2\n25,0\n"), HasSubstr("not positive"));
   EXPECT_THAT(message("EI.csv", ""), HasSubstr("no rows"));
   EXPECT_EQ(message("EI.csv", folder_.read("EI.csv")), "accepted");
 }

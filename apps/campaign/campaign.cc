@@ -1,0 +1,441 @@
+#include "apps/campaign/campaign.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+namespace rigfit::apps {
+
+using describe::Option;
+using describe::option;
+using describe::Options;
+using document::Bound;
+using document::TomlTable;
+
+const char* name_of(ValueOrigin::Kind kind) {
+  switch (kind) {
+    case ValueOrigin::Kind::published:
+      return "published";
+    case ValueOrigin::Kind::inferred:
+      return "inferred";
+    case ValueOrigin::Kind::assumed:
+      return "assumed";
+  }
+  return "";
+}
+
+const std::vector<std::string>& kinds_of_tests() {
+  static const std::vector<std::string> kinds{"bending", "axial", "decay", "modal", "tension"};
+  return kinds;
+}
+
+TensionTest::TensionTest() {
+  inputs.test.cable.length_m = inputs.test.cable.mass_per_length = {0, 0};
+}
+
+Options keys_of(Campaign& c) {
+  return {option("title", c.title, "Of the report").required(),
+          option("source", c.source, "Where published values come from"),
+          option("description", c.description, "Below the title")};
+}
+
+Options keys_of(ReportDetails& d) {
+  return {option("author", d.author, "On the first page, as the following"),
+          option("organisation", d.organisation, ""),
+          option("client", d.client, ""),
+          option("project", d.project, ""),
+          option("revision", d.revision, ""),
+          option("date", d.date, "Such as 2026-05-18; default: the day the page is made"),
+          option("logo", d.logo, "PNG, JPEG or SVG, at most 2 MB")};
+}
+
+Options keys_of(ident::StrandGeometry& s) {
+  return {option("youngs_modulus", s.youngs_modulus_Pa, "Of the wires", "Pa").required().positive(),
+          option("wires", s.elements, "Their number").required().within(1, 100000),
+          option("wire_diameter", s.element_diameter_m, "", "m").required().positive(),
+          option("diameter", s.strand_diameter_m, "Of the strand", "m").required().positive()};
+}
+
+Options keys_of(RecordingGroup& g) {
+  return {option("files", g.files, "Files, or patterns with * and ?").required(),
+          option("tension", g.tension_N, "Of the cable while recorded", "N").positive(),
+          option("length", g.length_m, "Of the cable, in axial tests", "m").positive(),
+          option("load", g.load, "The scene's load, where one test strikes several places"),
+          option("synthetic", g.synthetic, "Made by a virtual laboratory")};
+}
+
+Options keys_of(BendingTest& t) {
+  return {option("span", t.campaign.test.span_m.value,
+                 "Clear length between clamps or supports; cantilever: to the load", "m")
+              .required()
+              .positive(),
+          option("tension", t.tension_N,
+                 "0: a beam without tension, by dead weights or a testing machine", "N")
+              .from_zero()};
+}
+
+Options record_keys_of(BendingTest& t) {
+  auto& test = t.campaign.test;
+  return {option("span_std", test.span_m.std, "Standard uncertainty of the span", "m").from_zero(),
+          option("tension_zero_std", test.tension_zero_std_N, "Of the tension cell's zero", "N")
+              .from_zero(),
+          option("clamp_stiffness", test.clamp_stiffness_Nm_rad,
+                 "1 over the standard uncertainty of each clamp's flexibility; default: rigid",
+                 "N m/rad")
+              .from_zero(),
+          option("tension_calibration_std", test.tension_calibration_std, "Relative").from_zero(),
+          option("load_calibration_std", test.load_calibration_std, "Relative").from_zero(),
+          option("deflection_calibration_std", test.deflection_calibration_std, "Relative")
+              .from_zero()};
+}
+
+Options channel_keys_of(BendingTest& t) {
+  return {
+      option("tension", t.tension_channel, "Name of the channel; default: by name and quantity"),
+      option("load", t.load_channel, ""), option("deflection", t.deflection_channel, "")};
+}
+
+Options beam_keys_of(BendingTest& t) {
+  return {
+      option("ends", t.ends, "Loaded at mid-span, or at the end of a cantilever")
+          .one_of({"clamped", "pinned", "cantilever"}),
+      option("rectangle", t.rectangle_m,
+             "Cross-section, width and height (along the load): gives the modulus", "m")
+          .count(2)
+          .positive()
+          .excludes("diameter")
+          .excludes("second_moment"),
+      option("diameter", t.section.diameter_m, "Of a round and solid section", "m")
+          .positive()
+          .excludes("second_moment"),
+      option("second_moment", t.section.second_moment_m4, "Of area, about the axis of bending",
+             "m4")
+          .positive(),
+      option("section_std", t.section.relative_std, "Of the second moment, relative").from_zero()};
+}
+
+Options keys_of(AxialTest& t) {
+  auto& s = t.inputs.setup;
+  return {
+      option("mass", s.mass_kg.value, "Hung mass, adapter and clamp included", "kg")
+          .required()
+          .positive(),
+      option("mass_std", s.mass_kg.std, "Standard uncertainty", "kg").from_zero(),
+      option("mass_per_length", s.mass_per_length_kg_m.value, "Of the cable", "kg/m").from_zero(),
+      option("mass_per_length_std", s.mass_per_length_kg_m.std, "", "kg/m").from_zero(),
+      option("length_std", s.length_std_m, "Of each length; not given: EA has no uncertainty", "m")
+          .from_zero(),
+      option("adapter_stiffness", s.adapter_stiffness_N_m.value,
+             "In series below the cable; default: rigid", "N/m")
+          .from_zero(),
+      option("adapter_stiffness_std", s.adapter_stiffness_N_m.std, "", "N/m").from_zero(),
+      option("frame_stiffness", t.frame_stiffness_N_m,
+             "What gives way above the cable; not given: one length gives EA from below only",
+             "N/m")
+          .positive()
+          .one_of({"rigid"}),
+      option("frame_stiffness_std", s.frame_stiffness_N_m.std, "", "N/m").from_zero(),
+      option("compliance_std", s.series_compliance_std_m_N,
+             "Of what else gives way in series; 0: rigid", "m/N")
+          .from_zero(),
+      option("catalogue_EA", s.catalogue_EA_N, "To compare with", "N").from_zero(),
+      option("channel", t.inputs.channel, "Of the tension (or motion); default: the only one"),
+      option("band", t.band_hz, "Where the axial frequency is", "Hz").count(2).from_zero()};
+}
+
+Options keys_of(DecayTest& t) {
+  return {option("channels", t.inputs.options.channels, "Default: all"),
+          option("band", t.band_hz, "Where decays are looked for", "Hz").count(2).from_zero()};
+}
+
+Options scene_keys_of(DecayTest& t) {
+  return {option("load", t.inputs.load,
+                 "The scene's release or impact, simulated and laid over the records")};
+}
+
+Options keys_of(ident::SceneUse& use) {
+  return {
+      option("tension_of", use.tension_of, "The scene's parameters that take a state's tension"),
+      option("EI_of", use.EI_of, "Those that take EI of the bending test at that tension"),
+      option("EA_of", use.EA_of, "Those that take the axial test's EA"),
+      option("damping_of", use.damping_of, "Those that take its damping ratio")};
+}
+
+Options keys_of(ModalTest& t) {
+  return {option("planes", t.planes, "What the test sees: in and out of the plane of gravity")
+              .one_of({"in", "out"})};
+}
+
+Options hammer_keys_of(ModalTest& t) {
+  auto& hammer = t.inputs.options.hammer;
+  return {option("force", hammer.force, "Channel of the hammer").required(),
+          option("responses", hammer.responses, "Channels; default: every other one"),
+          option("load", t.load, "The place struck: the scene's load; default: its only impact"),
+          option("direction", t.direction, "Struck and measured along it").count(3),
+          option("band", t.band_hz, "Of the modes", "Hz").count(2).from_zero(),
+          option("estimator", t.estimator, "Noise on responses, on the force, on both")
+              .one_of({"h1", "h2", "hv"}),
+          option("force_window", t.force_window_s,
+                 "Force kept from the pulse's start; default: by the noise on the force", "s")
+              .positive(),
+          option("exponential_window", hammer.impact.exponential_end_level,
+                 "Level of the window at the end of the block; its damping is taken off again")
+              .within(1e-12, 0.999),
+          option("max_order", t.max_order, "Of the stabilisation diagram").within(2, 400)};
+}
+
+Options keys_of(TensionTest& t) {
+  auto& cable = t.inputs.test.cable;
+  auto& options = t.inputs.test.options;
+  return {
+      option("length", cable.length_m.value, "Between the ends, along the chord", "m")
+          .required()
+          .positive(),
+      option("length_std", cable.length_m.std, "Standard uncertainty", "m").from_zero(),
+      option("mass_per_length", cable.mass_per_length.value, "", "kg/m").required().positive(),
+      option("mass_per_length_std", cable.mass_per_length.std, "", "kg/m").from_zero(),
+      option("mass_of", t.mass_of, "State of the cable that the mass per length is of")
+          .one_of({"installed", "unstretched"}),
+      option("EI", t.EI_Nm2, "Flexural rigidity; default: fitted", "N m2").positive(),
+      option("EI_std", t.EI_std_Nm2, "", "N m2").from_zero(),
+      option("EA", t.EA_N, "Axial rigidity; default: a strain of 0.001", "N").positive(),
+      option("EA_std", t.EA_std_N, "", "N").from_zero(),
+      option("inclination", cable.inclination_deg, "Of the chord: 0 horizontal, 90 a hanger",
+             "degrees")
+          .within(-90, 90),
+      option("ends", t.ends, "Kinds of ends")
+          .one_of({ident::kCableEndsWords.begin(), ident::kCableEndsWords.end()}),
+      option("plane", t.plane, "The motion that was measured").one_of({"any", "in", "out"}),
+      option("missed", options.missed, "Probability that a mode was not seen").within(0.001, 0.9),
+      option("false", options.false_mode, "Probability that a mode is none of the cable's")
+          .within(0.001, 0.9),
+      option("frequencies", t.frequencies_hz, "Measured otherwise", "Hz").positive(),
+      option("frequency_std", t.frequency_std_hz, "Standard uncertainty", "Hz").positive(),
+      option("orders", t.orders, "Which modes `frequencies` are: 1 is the first of its plane")
+          .positive(),
+      option("measured", t.measured, "Table of frequencies, or modes as UFF 55"),
+      option("column", t.column, "Of the frequencies in that table")};
+}
+
+Options peak_keys_of(TensionTest& t) {
+  return {option("channels", t.inputs.channels, "Default: all"),
+          option("band", t.band_hz, "Where peaks are looked for", "Hz").count(2).from_zero(),
+          option("max_peaks", t.inputs.max_peaks, "A channel").within(1, 200)};
+}
+
+Options reference_keys_of(CampaignTest& t) {
+  return {option("name", t.reference_name, "What they are"),
+          option("EA", t.EA_N, "Of an axial test", "N").positive(),
+          option("damping_ratio", t.damping_ratio, "Of an axial test").positive(),
+          option("tension", t.tension_N, "Of a tension test", "N").positive()};
+}
+
+Options keys_of(CampaignFit& f) {
+  return {
+      option("title", f.title, "Default: its name"),
+      option("tests", f.test_names, "Modal tests that have a scene").required(),
+      option("predicts", f.predicted_names, "Decay tests that it has not seen and is laid over"),
+      option("hold_out", f.hold_out, "Predict each state from the others"),
+      option("model_std", f.model_std, "Of the model, relative in frequency").from_zero(),
+      option("starts", f.starts, "Searches").within(1, 1000),
+      option("reference_name", f.reference_name, "What `reference` is")};
+}
+
+Options keys_of(FitParameter& p) {
+  auto& free = p.free;
+  return {option("name", free.name, "A parameter of the scene, or of people").required(),
+          option("of", free.targets, "The scene's parameters that share the value"),
+          option("factors", free.factors, "From the value to each of them; default: 1"),
+          option("per_state", free.per_state, "A value in every state"),
+          option("start", free.start, "Default: the scene's value"),
+          option("prior", p.prior, "From an earlier test"),
+          option("prior_std", p.prior_std, "Its standard uncertainty").positive(),
+          option("prior_std_percent", p.prior_std_percent,
+                 "Instead: of each state's own value, such as a load cell's reading", "%")
+              .from_zero(),
+          option("low", free.low, "Bound"),
+          option("high", free.high, "Bound"),
+          option("reference", p.reference, "An earlier value, shown beside the one found")};
+}
+
+namespace {
+
+Bound bound_of(const Option& key) {
+  return key.lowest != 0 ? Bound::any : key.above_lowest ? Bound::positive : Bound::not_negative;
+}
+
+void require_range(const TomlTable& table, const Option& key, double value) {
+  if (value >= key.lowest && value <= key.highest) return;
+  throw table.error(
+      key.name, fmt::format("must be {}, got {}", describe::range_text(key), value),
+      "give a number " + describe::range_text(key) + (key.unit.empty() ? "" : " in " + key.unit));
+}
+
+void require_word(const TomlTable& table, const Option& key, const std::string& word) {
+  for (const auto& known : key.words) {
+    if (word == known) return;
+  }
+  const auto nearest = document::nearest_word(word, key.words);
+  throw table.error(key.name, "does not know \"" + word + "\"",
+                    (nearest ? "did you mean \"" + *nearest + "\"? It" : "it") +
+                        fmt::format(" must be \"{}\"", fmt::join(key.words, "\" or \"")));
+}
+
+void read(TomlTable& table, const Option& key, bool& value) {
+  value = table.boolean_or(key.name, value);
+}
+void read(TomlTable& table, const Option& key, int& value) {
+  value = table.integer_or(key.name, static_cast<int>(key.lowest), static_cast<int>(key.highest),
+                           value);
+}
+void read(TomlTable& table, const Option& key, double& value) {
+  value = table.number(key.name, bound_of(key), key.unit);
+  require_range(table, key, value);
+}
+void read(TomlTable& table, const Option& key, std::optional<double>& value) {
+  if (!key.words.empty() && table.is_string(key.name)) {
+    require_word(table, key, table.string(key.name));
+    value = std::numeric_limits<double>::infinity();
+  } else {
+    read(table, key, value.emplace());
+  }
+}
+void read(TomlTable& table, const Option& key, std::string& value) {
+  value = table.string(key.name);
+  if (!key.words.empty()) require_word(table, key, value);
+}
+void read(TomlTable& table, const Option& key, std::vector<double>& value) {
+  constexpr std::size_t kMost = 1000;
+  const auto count = static_cast<std::size_t>(key.numbers);
+  value = table.numbers(key.name, count > 0 ? count : 1, count > 0 ? count : kMost, bound_of(key),
+                        key.unit);
+  if (key.unit == "Hz" && count == 2 && !(value[0] < value[1])) {
+    throw table.error(key.name, "does not rise", "give the lower frequency first, in Hz");
+  }
+}
+void read(TomlTable& table, const Option& key, std::vector<std::string>& value) {
+  value = table.string_or_strings(key.name);
+  if (value.empty()) throw table.error(key.name, "is empty", "name at least one");
+  for (const auto& word : value) {
+    if (!key.words.empty()) require_word(table, key, word);
+  }
+}
+
+}  // namespace
+
+void read_keys(TomlTable& table, const Options& keys) {
+  for (const auto& key : keys) {
+    const bool given = table.has(key.name);
+    if (!given && !key.is_required) continue;
+    for (const auto& other : key.not_with) {
+      if (given && table.has(other)) {
+        throw table.error(key.name, "is given beside " + other, "keep one of them");
+      }
+    }
+    std::visit(
+        [&](auto* target) {
+          if constexpr (requires { read(table, key, *target); }) {
+            // A missing whole number has no error of its own.
+            if (!given && std::is_same_v<decltype(target), int*>) {
+              throw table.error(key.name, "is missing", "give " + key.text());
+            }
+            read(table, key, *target);
+          }
+        },
+        key.target);
+  }
+}
+
+void refuse_keys(const TomlTable& table, const Options& keys, const std::string& problem,
+                 const std::string& remedy) {
+  for (const auto& key : keys) {
+    if (table.has(key.name)) {
+      throw table.error(key.name, problem, remedy + ", or leave " + key.name + " out");
+    }
+  }
+}
+
+namespace {
+
+class KeyRows {
+ public:
+  void add(const std::string& table, const std::string& key, const std::string& meaning) {
+    rows_.push_back({table == last_ ? "" : table, key, meaning});
+    last_ = table;
+  }
+  void add(const std::string& table, const Options& keys, const std::string& before = "") {
+    for (const auto& key : keys) {
+      std::string meaning = key.text();
+      const auto more = [&](const std::string& text) {
+        if (!text.empty()) meaning += (meaning.empty() ? "" : "; ") + text;
+      };
+      if (!key.words.empty()) more(fmt::format("\"{}\"", fmt::join(key.words, "\", \"")));
+      if (std::isfinite(key.highest)) more(describe::range_text(key));
+      if (const auto text = key.default_text(); !text.empty()) more("default: " + text);
+      if (key.is_required) more("required");
+      add(table, before + key.name, meaning);
+    }
+  }
+  std::vector<KeyRow> rows_{{"table", "key", "meaning"}};
+
+ private:
+  std::string last_ = "table";
+};
+
+}  // namespace
+
+std::vector<KeyRow> campaign_key_rows() {
+  Campaign campaign;
+  ident::StrandGeometry strand;
+  RecordingGroup group;
+  BendingTest bending;
+  AxialTest axial;
+  DecayTest decay;
+  ModalTest modal;
+  TensionTest tension;
+  ident::SceneUse use;
+  CampaignTest test;
+  CampaignFit fit;
+  FitParameter parameter;
+  KeyRows rows;
+  rows.add("(top)", keys_of(campaign));
+  rows.add("[report]", keys_of(campaign.report));
+  rows.add("[strand]", keys_of(strand));
+  rows.add("[[scene]]", "name, file", "A scene of the rig; required");
+  rows.add("[scene.published], .inferred, .assumed", "PARAMETER", "How the value is known");
+  rows.add("[[test]]", "name, kind",
+           fmt::format("\"{}\"; required", fmt::join(kinds_of_tests(), "\", \"")));
+  rows.add("[[test]]", "title", "Default: its name");
+  const std::string kBending = "kind bending";
+  rows.add(kBending, keys_of(bending));
+  rows.add(kBending, channel_keys_of(bending), "channels.");
+  rows.add(kBending, record_keys_of(bending));
+  rows.add(kBending + ", beam", beam_keys_of(bending));
+  rows.add("kind axial", keys_of(axial));
+  rows.add("kind decay", keys_of(decay));
+  rows.add("kind decay", scene_keys_of(decay));
+  rows.add("kind modal", keys_of(modal));
+  rows.add("kind modal, recorded", hammer_keys_of(modal));
+  rows.add("kind decay, modal", "scene", "Name of the scene that stands for the rig");
+  rows.add("kind decay, modal", keys_of(use));
+  rows.add("kind decay, modal", "sensors.CHANNEL", "The scene's sensor, where names differ");
+  rows.add("kind tension", keys_of(tension));
+  rows.add("kind tension, recorded", peak_keys_of(tension));
+  rows.add("[test.table]", "file", "Results instead of recordings (bending, modal)");
+  rows.add("[test.table]", "tension, EI, measured", "Names of columns");
+  rows.add("[test.table]", "models.LABEL", "Column of a published model's frequencies");
+  rows.add("[test.reference]", reference_keys_of(test));
+  rows.add("[[test.recording]]", keys_of(group));
+  rows.add("[[test.recording]]",
+           "sample_rate_hz, time_unit, decimal, separator, format, variables, sheet, channel",
+           "As in a sidecar (rigfit help sidecar)");
+  rows.add("[[fit]]", "name", "A fit of scenes to modal tests; required");
+  rows.add("[[fit]]", keys_of(fit));
+  rows.add("[[fit.parameter]]", keys_of(parameter));
+  return rows.rows_;
+}
+
+}  // namespace rigfit::apps

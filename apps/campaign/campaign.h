@@ -1,0 +1,199 @@
+// What a campaign file says, in plain structs, and its keys, described once: the reader
+// (apps/campaign_file/campaign.h), its messages and `rigfit help campaign` are walks over the
+// tables that `keys_of` gives. To add a key: a member of the struct, a line in its table.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "apps/describe/option.h"
+#include "document/toml_table.h"
+#include "ident/campaign/campaign.h"
+#include "ident/campaign/single_tests/beam_section.h"
+#include "ident/stiffness/strand.h"
+#include "model/scene/scene.h"
+#include "signal/readers/recording_description.h"
+
+namespace rigfit::apps {
+
+using ident::Origin;
+
+/// What stands on the first page of a report besides its results.
+struct ReportDetails {
+  std::string author, organisation, client, project, revision;
+  std::string date;  ///< as given; empty: the day the page is made
+  std::string logo;  ///< file; empty: none
+};
+
+/// How a value of a scene is known.
+struct ValueOrigin {
+  enum class Kind { published, inferred, assumed };
+  std::string parameter;  ///< such as "cable.EI"
+  Kind kind = Kind::assumed;
+  std::string how;
+};
+[[nodiscard]] const char* name_of(ValueOrigin::Kind kind);
+
+struct CampaignScene {
+  std::string name;
+  std::string file;
+  model::Scene scene;
+  std::vector<ValueOrigin> origins;
+};
+
+/// Recordings of a test that were taken alike. A file that is missing or cannot be read is no error
+/// of the campaign: the report says so in its place and goes on.
+struct RecordingGroup {
+  std::vector<std::string> files;    ///< as written (patterns); once read: sorted, each once
+  std::vector<std::string> missing;  ///< names and patterns that match no file
+  std::optional<double> tension_N, length_m;
+  std::string load;  ///< name of the scene's load; empty: the test's
+  bool synthetic = false;
+  signal::RecordingDescription description;
+
+  [[nodiscard]] Origin origin() const { return synthetic ? Origin::synthetic : Origin::measured; }
+};
+
+// The kinds of tests: what the analysis takes (ident/campaign) without the recordings, and keys
+// that the analysis has in another form.
+
+/// A published or earlier table of results instead of recordings.
+using PublishedModels = std::vector<std::pair<std::string, std::size_t>>;  ///< label, column
+
+struct BendingTest {
+  ident::BendingCampaign campaign;  ///< its sources: the published EI values, if there are any
+  /// Names of the channels; empty: as `rigfit bending` finds them.
+  std::string tension_channel, load_channel, deflection_channel;
+  std::optional<double> tension_N;  ///< 0: a beam without tension
+  std::string ends = "clamped";     ///< of the beam
+  std::vector<double> rectangle_m;
+  ident::BeamSection section;
+
+  BendingTest() { campaign.test.span_m = {0, 0}; }
+  [[nodiscard]] bool beam() const { return tension_N.has_value(); }
+  [[nodiscard]] bool published() const { return !campaign.sources.empty(); }
+};
+
+struct AxialTest {
+  ident::AxialInputs inputs;
+  std::vector<double> band_hz;
+  std::optional<double> frame_stiffness_N_m;  ///< infinite: rigid
+};
+
+struct DecayTest {
+  ident::DecayInputs inputs;
+  std::vector<double> band_hz;
+};
+
+struct ModalTest {
+  ident::ModalInputs inputs;
+  PublishedModels models;  ///< by column of `inputs.published`
+  std::string estimator = "h1", load;
+  std::vector<std::string> planes{"in"};
+  std::vector<double> band_hz, direction;
+  double force_window_s = 0;  ///< 0: by the noise on the force
+  int max_order = 0;          ///< 0: the method's own
+};
+
+struct TensionTest {
+  ident::TensionInputs inputs;
+  std::string mass_of, ends = "compare", plane = "any";
+  std::optional<double> EI_Nm2, EA_N;
+  double EI_std_Nm2 = 0, EA_std_N = 0;
+  std::vector<double> frequencies_hz, orders, band_hz;
+  double frequency_std_hz = 0;  ///< 0: not known
+  std::string measured, column;
+
+  TensionTest();
+};
+
+struct CampaignTest {
+  std::string name, title;
+  std::variant<BendingTest, AxialTest, DecayTest, ModalTest, TensionTest> kind;
+  std::optional<std::size_t> scene;  ///< modal, decay: index of the scene
+  std::vector<RecordingGroup> recordings;
+  std::optional<double> EA_N, damping_ratio, tension_N;  ///< as known otherwise
+  std::string reference_name = "published";
+
+  template <class Kind>
+  [[nodiscard]] bool is() const {
+    return std::holds_alternative<Kind>(kind);
+  }
+  template <class Kind>
+  [[nodiscard]] const Kind& as() const {
+    return std::get<Kind>(kind);
+  }
+};
+
+/// Words of `kind`, in the order of the variant.
+[[nodiscard]] const std::vector<std::string>& kinds_of_tests();
+
+struct FitParameter {
+  ident::FreeParameter free;
+  std::optional<double> prior, prior_std;
+  double prior_std_percent = 0;
+  std::optional<double> reference;  ///< an earlier value, shown beside the one found
+};
+
+struct CampaignFit {
+  std::string name, title;
+  std::vector<std::size_t> tests;
+  std::vector<FitParameter> parameters;
+  std::vector<std::size_t> predicts;  ///< decay tests shown with what was found
+  std::vector<std::string> test_names, predicted_names;
+  bool hold_out = false;
+  double model_std = 0;  ///< relative, in frequency
+  int starts = 4;
+  std::string reference_name = "earlier value";
+};
+
+struct Campaign {
+  std::string file;
+  std::string title, source, description;
+  ReportDetails report;
+  std::optional<ident::StrandGeometry> strand;
+  std::vector<CampaignScene> scenes;
+  std::vector<CampaignTest> tests;
+  std::vector<CampaignFit> fits;
+  std::vector<std::string> inputs;  ///< every file read
+};
+
+// Keys of each table, into the struct.
+[[nodiscard]] describe::Options keys_of(Campaign& campaign);
+[[nodiscard]] describe::Options keys_of(ReportDetails& details);
+[[nodiscard]] describe::Options keys_of(ident::StrandGeometry& strand);
+[[nodiscard]] describe::Options keys_of(RecordingGroup& group);
+[[nodiscard]] describe::Options keys_of(BendingTest& test);
+[[nodiscard]] describe::Options channel_keys_of(BendingTest& test);  ///< channels = { ... }
+[[nodiscard]] describe::Options beam_keys_of(BendingTest& test);     ///< with tension = 0
+[[nodiscard]] describe::Options record_keys_of(BendingTest& test);   ///< with recordings
+[[nodiscard]] describe::Options keys_of(AxialTest& test);
+[[nodiscard]] describe::Options keys_of(DecayTest& test);
+[[nodiscard]] describe::Options scene_keys_of(DecayTest& test);  ///< with a scene
+[[nodiscard]] describe::Options keys_of(ident::SceneUse& use);
+[[nodiscard]] describe::Options keys_of(ModalTest& test);
+[[nodiscard]] describe::Options hammer_keys_of(ModalTest& test);  ///< with recordings
+[[nodiscard]] describe::Options keys_of(TensionTest& test);
+[[nodiscard]] describe::Options peak_keys_of(TensionTest& test);  ///< with recordings
+[[nodiscard]] describe::Options reference_keys_of(CampaignTest& test);
+[[nodiscard]] describe::Options keys_of(CampaignFit& fit);
+[[nodiscard]] describe::Options keys_of(FitParameter& parameter);
+
+/// Reads keys from a table; those that are absent keep their default. Throws DocumentError with
+/// file, line and key for a value of another type, outside its range or among no words allowed, and
+/// for a missing key that is required.
+void read_keys(document::TomlTable& table, const describe::Options& keys);
+/// Refuses keys that mean nothing here.
+void refuse_keys(const document::TomlTable& table, const describe::Options& keys,
+                 const std::string& problem, const std::string& remedy);
+
+/// A key for `rigfit help campaign`: table (empty: as above), key, meaning.
+using KeyRow = std::vector<std::string>;
+[[nodiscard]] std::vector<KeyRow> campaign_key_rows();
+
+}  // namespace rigfit::apps
