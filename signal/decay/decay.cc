@@ -7,12 +7,11 @@
 #include <limits>
 #include <stdexcept>
 
+#include "signal/decay/decay_background.h"
 #include "signal/decay/decay_clipping.h"
 #include "signal/decay/decay_description.h"
 #include "signal/decay/decay_judgement.h"
-#include "signal/decay/decay_offset.h"
 #include "signal/decay/decay_start.h"
-#include "signal/decay/decay_tones.h"
 #include "signal/decay/narrow_record.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
@@ -38,22 +37,15 @@ DecayBand band_of(const DecayOptions& options, double rate) {
   return {low / rate, (high > 0 ? std::min(high, nyquist) : nyquist) / rate, !banded};
 }
 
-/// How the samples of an estimate stand in the record they were taken from.
-struct Taken {
-  Index first = 0, step = 1;  // samples of the record
-  double shift = 0;           // that frequencies were lowered by, cycles per sample
-};
-
 /// One estimate, step by step.
 class Estimation {
  public:
   Estimation(const Eigen::Ref<const Eigen::VectorXd>& y, double rate, const DecayOptions& options,
-             const DecayBand& band, const Taken& taken = {})
+             const DecayBand& band)
       : y_(y),
         rate_(rate),
         options_(options),
         band_(band),
-        taken_(taken),
         search_{options.max_modes, options.false_alarm} {
     result_.end = y.size();
   }
@@ -61,34 +53,29 @@ class Estimation {
   DecayResult run() {
     if (!usable() || !choose_window() || !take_samples() || !find_modes()) return result_;
     if (!options_.choose_window) warn_of_rails();
-    if (!leave_out_tones() || !leave_out_offset()) return result_;
+    if (!leave_out_background()) return result_;
     leave_out_the_tail();
     trim_start();
     if (moved_start_) {
       note(result_, "start_chosen",
-           fmt::format("the fit starts at sample {}, after the impact or release",
-                       in_record(result_.start)));
+           fmt::format("the fit starts at {:.6g} s, after the impact or release",
+                       time_of(result_.start)));
     }
     stretches_.start = result_.start, stretches_.end = result_.end;
-    if (!tones_.empty()) {
-      fit_->unit_covariance = covariance_beside_tones(*fit_, tones_, stretches_);
-      fit_->degrees -= 3 * static_cast<Index>(tones_.size());
-    }
-    if (offset_) {
-      fit_->unit_covariance = covariance_beside_offset(*fit_, *offset_, samples_.missing);
-      fit_->degrees -= 2;
-    }
+    fit_->unit_covariance = covariance_beside(y_, stretches_, *fit_, background_);
+    fit_->degrees -= background_.parameters();
     if (fit_->unit_covariance.size() == 0 || fit_->degrees < 1) {
       refuse(result_, "not_determined",
              "modes and steady tones cannot be told apart in so short a record");
       return result_;
     }
-    describe_decay(result_, samples_, *fit_, band_, {rate_, taken_.shift}, options_);
-    for (const DecayTone& tone : tones_) {
+    describe_decay(result_, *fit_, band_, rate_, options_);
+    for (const auto& term : background_.terms) {
+      if (!term.tone()) continue;
       DecayMode steady;
       steady.frequency_hz.value = steady.damped_frequency_hz.value =
-          (tone.w / kTwoPi + taken_.shift) * rate_;
-      steady.amplitude = std::abs(tone.amplitude);
+          term.rate.imag() / kTwoPi * rate_;
+      steady.amplitude = std::abs(term.amplitude);
       result_.steady_tones.push_back(steady);
     }
     if (result_.refusal_code.empty()) judge_decay(result_, rate_);
@@ -159,8 +146,8 @@ class Estimation {
     }
     if (chosen.clipped_until > 0) {
       note(result_, "clipped",
-           fmt::format("the signal sits on its rail until sample {}; the fit starts after it",
-                       in_record(chosen.clipped_until)));
+           fmt::format("the signal sits on its rail until {:.6g} s; the fit starts after it",
+                       time_of(chosen.clipped_until - 1)));
     }
     return true;
   }
@@ -194,10 +181,10 @@ class Estimation {
     if (fit_ && options_.choose_window) {
       const Index clip = clipped_by_fit(samples_, *fit_, band_, search_);
       if (clip > 0) {
-        note(result_, "clipped",
-             fmt::format("the signal is cut off at its rail until sample {}; the fit starts after "
-                         "it",
-                         in_record(result_.start + clip)));
+        note(
+            result_, "clipped",
+            fmt::format("the signal is cut off at its rail until {:.6g} s; the fit starts after it",
+                        time_of(result_.start + clip - 1)));
         result_.start += clip;
         samples_ = decay_samples(y_, result_.start, result_.end);
         if (!enough()) return false;
@@ -211,8 +198,9 @@ class Estimation {
     return false;
   }
 
-  // Steady tones, from where they stand alone; the modes are looked for anew without them.
-  bool leave_out_tones() {
+  // Steady tones, from where they stand alone, and an offset that dies away; the modes are looked
+  // for anew without them.
+  bool leave_out_background() {
     if (result_.fitted_decay == 0 && moved_start_) {
       // A cycle and a half before the impact belongs to it.
       const double cycle = kTwoPi / fit_->poles[strongest_mode(*fit_, band_)].imag();
@@ -221,34 +209,29 @@ class Estimation {
           result_.start - static_cast<Index>(std::ceil(0.5 * cycle + 1.5 * std::max(cycle, 8.0))));
     }
     const Eigen::VectorXd with = y_;
+    const auto without = [&](DecayBackground background) {
+      background_ = std::move(background);
+      y_ = with - background_.at_samples(0, with.size());
+      samples_ = decay_samples(y_, result_.start, result_.end);
+      peaks_.clear();
+      return find_modes();
+    };
     // Twice: the first modes may hold one that is spent on a tone.
     for (int turn = 0; turn < 2; ++turn) {
       stretches_.start = result_.start, stretches_.end = result_.end;
-      auto tones = steady_tones(with, stretches_, *fit_, options_.false_alarm);
-      if (tones.empty()) return true;
-      tones_ = std::move(tones);
-      y_ = with;
-      subtract_tones(y_, tones_);
-      samples_ = decay_samples(y_, result_.start, result_.end);
-      peaks_.clear();
-      if (!find_modes()) return false;
+      auto tones = find_tones(with, stretches_, *fit_, options_.false_alarm);
+      if (tones.terms.empty()) break;
+      if (!without(std::move(tones))) return false;
     }
-    return true;
-  }
-
-  // An offset that dies away; the modes are looked for anew without it.
-  bool leave_out_offset() {
-    offset_ = decaying_offset(samples_, *fit_, options_.false_alarm);
-    if (!offset_) return true;
-    const auto count = y_.size() - result_.start;
-    y_.tail(count).array() -= offset_->at_samples(0, count);
-    samples_ = decay_samples(y_, result_.start, result_.end);
+    stretches_.start = result_.start, stretches_.end = result_.end;
+    DecayBackground more = background_;
+    if (!add_offset(with, stretches_, *fit_, options_.false_alarm, more)) return true;
     note(result_, "decaying_offset",
          fmt::format("an offset of {:.4g} that dies away with a time constant of {:.3g} s was "
                      "fitted with the modes (an amplifier's high-pass?)",
-                     offset_->amplitude, 1 / (offset_->rate * rate_)));
-    peaks_.clear();
-    return find_modes();
+                     more.terms.back().amplitude.real(),
+                     -1 / (more.terms.back().rate.real() * rate_)));
+    return without(std::move(more));
   }
 
   // Behind what the slowest mode has left the record only costs time and invites drift.
@@ -282,32 +265,51 @@ class Estimation {
         clipped_until(y_.segment(result_.start, result_.end - result_.start), frequency);
     if (clip == 0) return;
     note(result_, "clipped",
-         fmt::format("the signal sits on its rail until sample {}, within what was fitted: damping "
+         fmt::format("the signal sits on its rail until {:.6g} s, within what was fitted: damping "
                      "and amplitudes are wrong; start the fit after it",
-                     in_record(result_.start + clip)));
+                     time_of(result_.start + clip - 1)));
   }
 
-  [[nodiscard]] Index in_record(Index sample) const { return taken_.first + sample * taken_.step; }
   [[nodiscard]] double time_of(Index sample) const {
-    return options_.start_time_s +
-           static_cast<double>(in_record(sample)) / (rate_ * static_cast<double>(taken_.step));
+    return options_.start_time_s + static_cast<double>(sample) / rate_;
   }
 
-  Eigen::VectorXd y_;  // without the tones, once they are known
+  Eigen::VectorXd y_;  // without the background, once it is known
   double rate_;
   const DecayOptions& options_;
   DecayBand band_;
-  Taken taken_;
   DecayModesOptions search_;
   DecayResult result_;
   DecaySamples samples_;
   std::vector<DecayCandidate> peaks_;  // in the window, where they are known
   std::optional<DampedSinusoidsFit> fit_;
-  std::vector<DecayTone> tones_;
-  std::optional<DecayingOffset> offset_;
-  ToneStretches stretches_;
+  DecayBackground background_;
+  BackgroundStretches stretches_;
   bool moved_start_ = false;
 };
+
+/// From the samples of `narrow` to those of its record.
+void take_back(const NarrowRecord& narrow, DecayResult& result) {
+  const auto step = static_cast<double>(narrow.step);
+  for (auto* modes : {&result.modes, &result.steady_tones}) {
+    for (DecayMode& mode : *modes) mode.energy *= step;
+  }
+  for (DecayWindow& window : result.decays) {
+    window.start = narrow.record_sample(window.start);
+    window.end = narrow.record_end(window.end);
+    if (window.clipped_until > 0) window.clipped_until = narrow.record_end(window.clipped_until);
+  }
+  result.start = narrow.record_sample(result.start);
+  result.end = narrow.record_end(result.end);
+  // Of white noise of the same density at the record's rate.
+  result.noise_std *= std::sqrt(step);
+  result.signal_to_noise_db -= 10 * std::log10(step);
+  result.residual.resize(0);
+  note(result, "fitted_in_band",
+       fmt::format("every {}th sample was fitted, behind a filter: what counts lies far below the "
+                   "sample rate",
+                   narrow.step));
+}
 
 }  // namespace
 
@@ -318,54 +320,17 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   }
   const DecayBand band = band_of(options, sample_rate_hz);
   if (const auto narrow = narrow_record(y, band)) {
-    DecayResult result = estimate_narrow_decay(*narrow, sample_rate_hz, options);
+    const double rate = sample_rate_hz / static_cast<double>(narrow->step);
+    DecayOptions there = options;
+    there.start_time_s += static_cast<double>(narrow->first) / sample_rate_hz;
+    DecayResult result = Estimation(narrow->samples, rate, there, band_of(options, rate)).run();
     // A refusal is for the whole record to give.
-    if (result.refusal_code.empty()) return result;
-  }
-  return Estimation(y, sample_rate_hz, options, band).run();
-}
-
-DecayResult estimate_narrow_decay(const NarrowRecord& record, double sample_rate_hz,
-                                  const DecayOptions& options) {
-  const auto step = static_cast<double>(record.step);
-  const double shift = record.shift(), rate = sample_rate_hz / step;
-  DecayBand band = band_of(options, sample_rate_hz);
-  band.low = std::clamp(band.low * step - shift, 0.0, 0.5);
-  band.high = std::clamp(band.high * step - shift, 0.0, 0.5);
-  DecayResult result =
-      Estimation(record.samples, rate, options, band, {record.first, record.step, shift}).run();
-
-  const auto end_in_record = [&](Index end) { return record.record_sample(end - 1) + 1; };
-  const double phase =
-      kTwoPi *
-      static_cast<double>(record.shift_line * (record.record_sample(result.start) % record.length) %
-                          record.length) /
-      static_cast<double>(record.length);
-  for (auto* modes : {&result.modes, &result.steady_tones}) {
-    for (DecayMode& mode : *modes) {
-      mode.energy *= step;
-      mode.phase_rad = std::remainder(mode.phase_rad + phase, kTwoPi);
+    if (result.refusal_code.empty()) {
+      take_back(*narrow, result);
+      return result;
     }
   }
-  for (DecayWindow& window : result.decays) {
-    window.start = record.record_sample(window.start);
-    window.end = end_in_record(window.end);
-    if (window.clipped_until > 0) window.clipped_until = end_in_record(window.clipped_until);
-  }
-  result.start = record.record_sample(result.start);
-  result.end = end_in_record(result.end);
-  // Beside frequencies that were shifted there is no background.
-  if (shift > 0) result.offset = result.drift_per_s = 0;
-  result.offset += record.offset + record.slope * static_cast<double>(result.start);
-  result.drift_per_s += record.slope * sample_rate_hz;
-  result.noise_std *= std::sqrt(step);
-  result.signal_to_noise_db -= 10 * std::log10(step);
-  result.residual.resize(0);
-  note(result, "fitted_in_band",
-       fmt::format("the record is long: fitted from {:.6g} to {:.6g} Hz, which hold all that "
-                   "stands out of its noise, by one in {} samples behind a filter",
-                   record.low * sample_rate_hz, record.high * sample_rate_hz, record.step));
-  return result;
+  return Estimation(y, sample_rate_hz, options, band).run();
 }
 
 }  // namespace rigfit::signal

@@ -10,10 +10,9 @@
 #include "signal/decay/decay_excitation.h"
 #include "signal/decay/decay_judgement.h"
 #include "signal/decay/decay_warnings.h"
-#include "signal/envelope/log_decrement.h"
+#include "signal/envelope/envelope.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/decay_search.h"
-#include "signal/sinusoids/pole_interval.h"
 #include "signal/sinusoids/residual_noise.h"
 #include "signal/sinusoids/uneven_noise.h"
 
@@ -23,18 +22,12 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-/// A pole of the fit at the frequency it has in the record.
-Complex pole_in_record(Complex pole, const DecaySampling& sampling) {
-  return {pole.real(), pole.imag() + kTwoPi * sampling.shift};
-}
-
 // Frequency and damping of every mode and their joint covariance, from the fit's.
-Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, const DecaySampling& sampling) {
-  const double rate = sampling.rate_hz;
+Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, double rate) {
   const auto modes = static_cast<Index>(fit.poles.size());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 * modes, 4 * modes + 2);
   for (Index m = 0; m < modes; ++m) {
-    const Complex p = pole_in_record(fit.poles[static_cast<std::size_t>(m)], sampling);
+    const Complex p = fit.poles[static_cast<std::size_t>(m)];
     const double s = p.real(), w = p.imag(), r = std::abs(p);
     jacobian(2 * m, 4 * m + 2) = rate / kTwoPi * s / r;
     jacobian(2 * m, 4 * m + 3) = rate / kTwoPi * w / r;
@@ -67,76 +60,20 @@ double local_excess(const LineSpectrum& residual, Complex pole, double variance)
   return ratio * degrees > 1.3 * gsl_cdf_chisq_Qinv(1e-4, degrees) ? ratio : 1;
 }
 
-/// Intervals of the modes `kept`, and standard uncertainties and covariance that go with them.
-void widen_by_likelihood(DecayResult& result, const DecaySamples& samples,
-                         const DampedSinusoidsFit& fit, const ResidualNoise& noise,
-                         const Eigen::MatrixXd& covariance, const std::vector<std::size_t>& kept,
-                         std::vector<DecayMode>& modes) {
-  const double factor = result.coverage_factor_95;
-  Eigen::VectorXd scale = Eigen::VectorXd::Ones(result.covariance.rows());
-  const LineSpectrum spectrum = line_spectrum(fit.residual);
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    DecayMode& mode = modes[kept[i]];
-    const double width = std::max(-fit.poles[kept[i]].real(), 1 / static_cast<double>(fit.samples));
-    const double variance = noise.white_equivalent(fit.poles[kept[i]].imag() / kTwoPi);
-    // More than the residual's colour has it: a mode that changes, a neighbour, a converter's
-    // steps.
-    const double local =
-        std::sqrt(std::max(1.0, local_excess(spectrum, fit.poles[kept[i]], variance)));
-    PoleEvidence evidence;
-    evidence.energy = energy_explained(fit, kept[i]) / std::max(variance, 1e-300);
-    evidence.strength = std::sqrt(std::max(0.0, evidence.energy - 3));
-    Interval* const intervals[] = {&mode.damping_ratio_interval_95, &mode.frequency_interval_95_hz};
-    Estimate* const estimates[] = {&mode.damping_ratio, &mode.frequency_hz};
-    for (Index part = 0; part < 2; ++part) {
-      const auto k = static_cast<Index>(4 * kept[i]) + 2 + part;
-      const double std = std::sqrt(covariance(k, k));
-      PoleInterval around{factor, factor};
-      // Under 2 % of the line's width the curvature of the likelihood is under 2 % too.
-      if (std > 0.02 * width) {
-        evidence.std = std;
-        around = pole_interval(samples.values, samples.missing, fit,
-                               static_cast<Index>(2 * kept[i]) + part, evidence);
-      }
-      mode.bounded = mode.bounded && around.bounded;
-      Estimate& estimate = *estimates[part];
-      // More damping is a smaller real part.
-      const double below = part == 0 ? around.above : around.below;
-      const double above = part == 0 ? around.below : around.above;
-      *intervals[part] = {estimate.value - local * below * estimate.std,
-                          estimate.value + local * above * estimate.std};
-      const double wider = local * 0.5 * (below + above) / factor;
-      estimate.std *= wider;
-      if (part == 1) mode.damped_frequency_hz.std *= wider;
-      scale[static_cast<Index>(2 * i) + 1 - part] = wider;
-    }
-  }
-  result.covariance = scale.asDiagonal() * result.covariance * scale.asDiagonal();
-  if (std::any_of(kept.begin(), kept.end(), [&](std::size_t m) { return !modes[m].bounded; })) {
-    note(result, "not_bounded",
-         "the noise leaves frequency or damping without a bound on one side; the interval ends "
-         "where "
-         "the search for it did, 19 times the standard uncertainty of a clear signal away or where "
-         "nothing would oscillate");
-  }
-}
-
 class Description {
  public:
-  Description(DecayResult& result, const DecaySamples& samples, const DampedSinusoidsFit& fit,
-              const DecayBand& band, const DecaySampling& sampling, const DecayOptions& options)
+  Description(DecayResult& result, const DampedSinusoidsFit& fit, const DecayBand& band,
+              double rate_hz, const DecayOptions& options)
       : result_(result),
-        samples_(samples),
         fit_(fit),
         band_(band),
-        sampling_(sampling),
-        rate_(sampling.rate_hz),
+        rate_(rate_hz),
         options_(options),
         noise_(residual_noise(fit.residual, fit.degrees)),
         uneven_(uneven_noise(fit, noise_)),
         covariance_(uneven_.widened(fit_covariance(fit, noise_))),
-        of_modes_(mode_jacobian(fit, sampling) * covariance_ *
-                  mode_jacobian(fit, sampling).transpose()),
+        of_modes_(mode_jacobian(fit, rate_hz) * covariance_ *
+                  mode_jacobian(fit, rate_hz).transpose()),
         spectrum_(line_spectrum(fit.residual)),
         all_(fit.poles.size()) {}
 
@@ -155,7 +92,7 @@ class Description {
                                   2 * static_cast<Index>(kept_[static_cast<std::size_t>(k)]));
       }
     }
-    widen_by_likelihood(result_, samples_, fit_, noise_, covariance_, kept_, all_);
+    widen_by_what_is_left();
     for (const std::size_t m : kept_) {
       note_uneven_noise(m);
       result_.modes.push_back(finished(all_[m]));
@@ -163,9 +100,6 @@ class Description {
     const std::size_t main = kept_.front();
     result_.signal_to_noise_db =
         10 * std::log10(0.5 * std::norm(fit_.amplitudes[main]) / std::max(noise_.variance, 1e-300));
-    result_.envelope =
-        mode_envelope(fit_, main, rate_, noise_beside(fit_.poles[main].imag()), options_.envelope);
-    if (sampling_.shift > 0) shift_envelope(fit_.poles[main]);
   }
 
  private:
@@ -182,7 +116,7 @@ class Description {
   void describe_mode(std::size_t m) {
     DecayMode& mode = all_[m];
     const auto k = static_cast<Index>(2 * m), w = static_cast<Index>(4 * m + 3);
-    const Complex p = pole_in_record(fit_.poles[m], sampling_);
+    const Complex p = fit_.poles[m];
     mode.frequency_hz = {std::abs(p) * rate_ / kTwoPi, std::sqrt(of_modes_(k, k))};
     mode.damping_ratio = {damping_ratio_of(p), std::sqrt(of_modes_(k + 1, k + 1))};
     mode.correlation = of_modes_(k, k + 1) / std::sqrt(of_modes_(k, k) * of_modes_(k + 1, k + 1));
@@ -345,6 +279,28 @@ class Description {
     return most > 0 ? most : noise_beside(w);
   }
 
+  /// Where the residual holds more at a mode than its colour says (a mode that changes, a
+  /// neighbour, a converter's steps), what is there counts as uncertainty; then the intervals.
+  void widen_by_what_is_left() {
+    Eigen::VectorXd scale(2 * static_cast<Index>(kept_.size()));
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      DecayMode& mode = all_[kept_[i]];
+      const Complex pole = fit_.poles[kept_[i]];
+      const double wider = std::sqrt(std::max(
+          1.0, local_excess(spectrum_, pole, noise_.white_equivalent(pole.imag() / kTwoPi))));
+      scale.segment<2>(2 * static_cast<Index>(i)).setConstant(wider);
+      const auto widen = [&](Estimate& estimate) {
+        estimate.std *= wider;
+        const double half = result_.coverage_factor_95 * estimate.std;
+        return Interval{estimate.value - half, estimate.value + half};
+      };
+      mode.frequency_interval_95_hz = widen(mode.frequency_hz);
+      mode.damping_ratio_interval_95 = widen(mode.damping_ratio);
+      widen(mode.damped_frequency_hz);
+    }
+    result_.covariance = scale.asDiagonal() * result_.covariance * scale.asDiagonal();
+  }
+
   /// What the others leave and this mode explains of it.
   void judge_alone(std::size_t m) {
     DecayMode& mode = all_[m];
@@ -352,24 +308,12 @@ class Description {
     alone += fit_.residual;  // zero where samples are missing
     const double spread = (alone.array() - alone.mean()).square().sum();
     mode.r_squared = spread > 0 ? 1 - fit_.residual_sum_squares / spread : 0;
-    LogDecrementOptions ruler;
-    ruler.noise_std = result_.noise_std;
-    const double lowered = sampling_.shift * rate_;
-    const auto decrement =
-        log_decrement(alone, rate_, mode.damped_frequency_hz.value - lowered, ruler);
+    const auto cycles =
+        cycle_amplitudes(alone, rate_, fit_.poles[m], noise_beside(fit_.poles[m].imag()));
+    const auto decrement = log_decrement(cycles);
     mode.damping_ratio_log_decrement = decrement.damping_ratio;
-    if (lowered > 0) {
-      // The same decay over more cycles.
-      const double ratio =
-          std::abs(fit_.poles[m]) / std::abs(pole_in_record(fit_.poles[m], sampling_));
-      mode.damping_ratio_log_decrement.value *= ratio;
-      mode.damping_ratio_log_decrement.std *= ratio;
-    }
     mode.log_decrement_refusal = decrement.refusal;
-    if (decrement.refusal.empty() && !(decrement.damping_ratio.value >= 0)) {
-      mode.damping_ratio_log_decrement = {};
-      mode.log_decrement_refusal = "the swings do not fall";
-    }
+    if (m == kept_.front()) result_.envelope = envelope_of(cycles);
     doubt_of(mode, alone, fit_.residual, result_.residual_order, options_.false_alarm);
     mode.company = leaves_company(spectrum_, fit_.poles[m], options_.false_alarm);
   }
@@ -386,17 +330,6 @@ class Description {
                      "converter steps: uncertainties allow for it, {:.2g} times as wide in "
                      "frequency, {:.2g} times in damping",
                      all_[m].damped_frequency_hz.value, frequency, decay_rate));
-  }
-
-  /// From the frequencies of the samples to those of the record.
-  void shift_envelope(Complex pole) {
-    const double ratio = std::abs(pole) / std::abs(pole_in_record(pole, sampling_));
-    const auto smaller = [&](Estimate& damping) { damping.value *= ratio, damping.std *= ratio; };
-    for (EnvelopePoint& point : result_.envelope.points) {
-      point.frequency_hz.value += sampling_.shift * rate_;
-      smaller(point.damping_ratio);
-    }
-    smaller(result_.envelope.damping_per_log_amplitude);
   }
 
   static DecayMode finished(DecayMode mode) {
@@ -438,10 +371,8 @@ class Description {
   static constexpr double kMostExcited = 0.1;
 
   DecayResult& result_;
-  const DecaySamples& samples_;
   const DampedSinusoidsFit& fit_;
   const DecayBand& band_;
-  DecaySampling sampling_;
   double rate_;
   const DecayOptions& options_;
   ResidualNoise noise_;
@@ -454,10 +385,9 @@ class Description {
 
 }  // namespace
 
-void describe_decay(DecayResult& result, const DecaySamples& samples, const DampedSinusoidsFit& fit,
-                    const DecayBand& band, const DecaySampling& sampling,
-                    const DecayOptions& options) {
-  Description(result, samples, fit, band, sampling, options).run();
+void describe_decay(DecayResult& result, const DampedSinusoidsFit& fit, const DecayBand& band,
+                    double rate_hz, const DecayOptions& options) {
+  Description(result, fit, band, rate_hz, options).run();
 }
 
 }  // namespace rigfit::signal

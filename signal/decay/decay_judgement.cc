@@ -16,8 +16,6 @@ namespace {
 // refused for their noise first: to refuse by an estimate's own uncertainty, which grows with the
 // damping found, would leave those whose damping came out too small.
 constexpr double kWidestFrequency = 0.25;
-// The same where an interval had to be cut: coloured noise looks so.
-constexpr double kWidestUnbounded = 0.05;
 // Energy over the largest that noise shows with probability `false_alarm`: at 2.5 times the
 // detection itself shifts the root of the energy by under 1 % of its standard uncertainty.
 constexpr double kLeastDetection = 2.5;
@@ -37,13 +35,12 @@ void judge_decay(DecayResult& result, double sample_rate_hz) {
   const DecayMode& mode = result.modes.front();
   const double f = mode.frequency_hz.value, zeta = mode.damping_ratio.value;
   const double seconds = static_cast<double>(result.end - result.start) / sample_rate_hz;
-  const double widest = mode.bounded ? kWidestFrequency : kWidestUnbounded;
-  if (!(mode.frequency_hz.std < widest * f) || !std::isfinite(mode.damping_ratio.std)) {
+  if (!(mode.frequency_hz.std < kWidestFrequency * f) || !std::isfinite(mode.damping_ratio.std)) {
     refuse(result, "not_determined",
            fmt::format(
                "frequency ({:.4g} Hz) is uncertain by more than {:.0f} %: the record holds {:.2g} "
                "cycles at {:.3g} dB; more cycles or less noise are needed",
-               f, 100 * widest, mode.cycles, result.signal_to_noise_db));
+               f, 100 * kWidestFrequency, mode.cycles, result.signal_to_noise_db));
     return;
   }
   if (mode.detection < kLeastDetection) {

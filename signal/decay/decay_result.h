@@ -23,17 +23,13 @@ struct DecayOptions {
   int max_modes = 6;          ///< in the band; as many outside it are fitted as well
   double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
   double start_time_s = 0;    ///< time of the first sample, for messages
-  EnvelopeOptions envelope;
 };
 
 struct DecayMode {
   Estimate frequency_hz;  ///< undamped natural frequency
   Estimate damped_frequency_hz;
   Estimate damping_ratio;
-  /// From the likelihood (pole_interval.h): lopsided where noise makes the fit non-linear. The
-  /// standard uncertainties above are half their lengths over `coverage_factor_95`.
   Interval frequency_interval_95_hz, damping_ratio_interval_95;
-  bool bounded = true;     ///< false: an interval is open on one side and was cut off there
   double correlation = 0;  ///< between frequency_hz and damping_ratio
   double amplitude = 0;    ///< at the start of the window, the signal's unit
   double phase_rad = 0;    ///< phase of the cosine at the start of the window
@@ -44,7 +40,7 @@ struct DecayMode {
   /// Share of the signal left by other modes and background that this mode explains.
   double r_squared = 0;
   Estimate log_decrement;                ///< 2 pi zeta / sqrt(1 - zeta^2), per cycle, from the fit
-  Estimate damping_ratio_log_decrement;  ///< from the swings (log_decrement.h); NaN when refused
+  Estimate damping_ratio_log_decrement;  ///< cycle by cycle (envelope.h); NaN when refused
   std::string log_decrement_refusal;     ///< why; empty when there is one
   /// The residual has a line beside the mode's that noise does not explain: a second mode that
   /// beats too slowly for the record, or a mode that changes as it decays.

@@ -1,12 +1,13 @@
 #include "signal/envelope/envelope.h"
 
+#include <gsl/gsl_fit.h>
+#include <gsl/gsl_statistics_double.h>
+
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <complex>
-#include <numbers>
 
 #include "signal/numerics/numbers.h"
-#include "signal/spectra/fft.h"
 
 namespace rigfit::signal {
 namespace {
@@ -14,104 +15,47 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-// Above this length the band's signal is evaluated only as often as the band needs it.
-constexpr Index kEverySampleTo = 1 << 16;
+// Fewer samples than this leave too little beside three coefficients.
+constexpr double kFewestSamples = 8;
+// The decay ends where a cycle's amplitude is below so many standard deviations of its noise: the
+// bias of ln|C|, half the relative variance, is then 3 %.
+constexpr double kLeastAmplitude = 4;
+constexpr std::size_t kPoints = 8, kLeastCycles = 3;
+// Drop in chi-squared that a law of one coefficient more must bring: five standard uncertainties.
+constexpr double kLawGain = 25;
 
-struct BandSignal {
-  Eigen::VectorXcd values;  // at 0, step, 2 step ... samples
-  double step = 1;
+struct Line {
+  double level = 0, slope = 0, slope_variance = 0, chi2 = 0;
+  [[nodiscard]] double at(double x) const { return level + slope * x; }
 };
 
-// Analytic signal of `residual` in the band (cycles per sample), raised-cosine edges.
-BandSignal band_analytic(const Eigen::VectorXd& residual, double centre, double half_width) {
-  const Index n = residual.size();
-  const Complex minus_i(0, -1);
-  const Index length = good_fft_length(n + n / 4 + 16);
-  const auto per_cycle = static_cast<double>(length);
-  const auto first =
-      std::max<Index>(0, static_cast<Index>(std::ceil((centre - half_width) * per_cycle)));
-  Eigen::VectorXcd band;  // lines from `first` on
-  const auto take = [&](RealFft& fft) {
-    fft.time().head(n) = residual;
-    fft.time().tail(length - n).setZero();
-    fft.forward();
-    const auto last = std::min(fft.lines() - 1,
-                               static_cast<Index>(std::floor((centre + half_width) * per_cycle)));
-    band = fft.spectrum().segment(first, std::max<Index>(0, last - first + 1));
-    for (Index k = 0; k < band.size(); ++k) {
-      const double x = std::abs(static_cast<double>(first + k) / per_cycle - centre) / half_width;
-      band(k) *= x < 0.75 ? 1
-                 : x < 1  ? 0.5 * (1 + std::cos(std::numbers::pi * (x - 0.75) / 0.25))
-                          : 0;
-    }
-  };
-  // Line first + k of the long transform is line at + k of the one that goes back: the same one, or
-  // a short one about frequency zero, turned up again afterwards.
-  const auto back = [&](RealFft& fft, Index at) {
-    Eigen::VectorXcd values(std::min(
-        fft.length(),
-        static_cast<Index>(
-            std::ceil(static_cast<double>(n) * static_cast<double>(fft.length()) / per_cycle))));
-    const auto part = [&](Complex factor) {
-      fft.spectrum().setZero();
-      fft.spectrum().segment(at, band.size()) = factor * band;
-      fft.inverse();
-      return fft.time().head(values.size()) * (static_cast<double>(fft.length()) / per_cycle);
-    };
-    values.real() = part(1);
-    values.imag() = part(minus_i);  // the Hilbert transform of the band
-    return values;
-  };
-  BandSignal out;
-  if (n <= kEverySampleTo) {
-    RealFft fft(length);
-    take(fft);
-    out.values = back(fft, first);
-    return out;
-  }
-  {
-    RealFft fft(length);
-    take(fft);
-  }
-  // Twice the samples that a complex signal of that bandwidth needs; line 0 has no partner.
-  const Index fewer = good_fft_length(4 * (band.size() + 1));
-  RealFft fft(std::min(fewer, length));
-  const Index at = fewer < length ? 1 : first;
-  out.values = back(fft, at);
-  out.step = per_cycle / static_cast<double>(fft.length());
-  const double turn = kTwoPi * static_cast<double>(first - at) / static_cast<double>(fft.length());
-  for (Index j = 0; j < out.values.size(); ++j) {
-    out.values(j) *= std::polar(1.0, turn * static_cast<double>(j));
-  }
-  return out;
+Line weighted_line(const double* x, const double* weight, const double* y, std::size_t n) {
+  Line line;
+  double level_variance = 0, covariance = 0;
+  gsl_fit_wlinear(x, 1, weight, 1, y, 1, n, &line.level, &line.slope, &level_variance, &covariance,
+                  &line.slope_variance, &line.chi2);
+  return line;
 }
 
-struct WeightedLine {
-  double level = 0, slope = 0, slope_variance = 0, chi2 = 0;
-};
+/// Variance of the slope where the line's misfit beyond the noise counts as uncertainty.
+double widened_variance(const Line& line, std::size_t n) {
+  return line.slope_variance * (n > 2 ? std::max(1.0, line.chi2 / static_cast<double>(n - 2)) : 1);
+}
 
-WeightedLine weighted_line(const std::vector<double>& x, const std::vector<double>& y,
-                           const std::vector<double>& std) {
-  double s = 0, sx = 0, sy = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double w = 1 / (std[i] * std[i]);
-    s += w, sx += w * x[i], sy += w * y[i];
-  }
-  double sxx = 0, sxy = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double w = 1 / (std[i] * std[i]);
-    sxx += w * (x[i] - sx / s) * (x[i] - sx / s), sxy += w * (x[i] - sx / s) * (y[i] - sy / s);
-  }
-  WeightedLine line;
-  if (!(sxx > 0)) return line;
-  line.slope = sxy / sxx;
-  line.level = sy / s - line.slope * sx / s;
-  line.slope_variance = 1 / sxx;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double r = (y[i] - line.level - line.slope * x[i]) / std[i];
-    line.chi2 += r * r;
-  }
-  return line;
+DecayLaw law_of(const std::vector<double>& amplitude, const std::vector<double>& rate,
+                const std::vector<double>& weight) {
+  const std::size_t n = rate.size();
+  std::vector<double> inverse;
+  for (const double a : amplitude) inverse.push_back(1 / a);
+  const double mean = gsl_stats_wmean(weight.data(), 1, rate.data(), 1, n);
+  const double constant = gsl_stats_wtss_m(weight.data(), 1, rate.data(), 1, n, mean);
+  const auto gain = [&](const std::vector<double>& x) {
+    const Line line = weighted_line(x.data(), weight.data(), rate.data(), n);
+    return line.slope > 0 ? constant - line.chi2 : 0;
+  };
+  const double friction = gain(inverse), drag = gain(amplitude);
+  if (!(std::max(friction, drag) > kLawGain)) return DecayLaw::exponential;
+  return friction >= drag ? DecayLaw::friction : DecayLaw::drag;
 }
 
 }  // namespace
@@ -128,134 +72,101 @@ const char* name_of(DecayLaw law) {
   return "exponential";
 }
 
-EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m, double sample_rate_hz,
-                             double noise_variance, const EnvelopeOptions& options) {
-  EnvelopeResult result;
-  const Index n = fit.samples;
-  const Complex pole = fit.poles[m];
-  const double frequency = pole.imag() / kTwoPi;
-  double half_width = std::min(0.4 * frequency, 0.5 - frequency);
-  for (std::size_t k = 0; k < fit.poles.size(); ++k) {
-    if (k != m) {
-      half_width = std::min(half_width, 0.5 * std::abs(fit.poles[k].imag() - pole.imag()) / kTwoPi);
+CycleAmplitudes cycle_amplitudes(const Eigen::Ref<const Eigen::VectorXd>& alone,
+                                 double sample_rate_hz, Complex pole, double noise_variance) {
+  CycleAmplitudes cycles;
+  cycles.pole = pole, cycles.sample_rate_hz = sample_rate_hz;
+  // A cycle; near half the sample rate, where the conjugate pole comes close, a cycle of the beat.
+  const double f = pole.imag() / kTwoPi;
+  const double length = std::max({kFewestSamples, 1 / f, 1 / std::max(1 - 2 * f, 1e-6)});
+  // An amplitude over L samples of noise s^2: E|dC|^2 = 4 s^2 / L.
+  const double noise = 4 * std::max(noise_variance, 1e-300) / length;
+  const auto count = static_cast<Index>(static_cast<double>(alone.size()) / length);
+  for (Index k = 0; k < count; ++k) {
+    const auto from = static_cast<Index>(std::lround(static_cast<double>(k) * length));
+    const auto to = std::min<Index>(
+        alone.size(), static_cast<Index>(std::lround(static_cast<double>(k + 1) * length)));
+    const double middle = 0.5 * static_cast<double>(from + to - 1);
+    Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    const Complex turn = std::exp(pole);
+    Complex z = std::exp(pole * (static_cast<double>(from) - middle));
+    for (Index j = from; j < to; ++j, z *= turn) {
+      const Eigen::Vector3d row(z.real(), -z.imag(), 1);
+      gram += row * row.transpose(), right += alone(j) * row;
     }
+    const Eigen::Vector3d fitted = gram.ldlt().solve(right);
+    const Complex c(fitted(0), fitted(1));
+    if (!(std::norm(c) > kLeastAmplitude * kLeastAmplitude * noise)) break;
+    const double angle = std::arg(c * std::polar(1.0, -pole.imag() * middle));
+    const double before = cycles.turn.empty() ? angle : cycles.turn.back();
+    cycles.time_s.push_back(middle / sample_rate_hz);
+    cycles.log_size.push_back(0.5 * std::log(std::norm(c)));
+    cycles.turn.push_back(before + std::remainder(angle - before, kTwoPi));
+    cycles.weight.push_back(2 * std::norm(c) / noise);
   }
-  half_width = std::max(half_width, 2.0 / static_cast<double>(n));
-  const BandSignal band = band_analytic(fit.residual, frequency, half_width);
-  const Eigen::VectorXcd& extra = band.values;
-  const Index points = extra.size();
-  // E|analytic noise|^2 in a band of width W cycles per sample is 4 s^2 W.
-  const double width = 2 * half_width * 0.875;
-  const double noise_power = std::max(4 * noise_variance * width, 1e-300);
+  return cycles;
+}
 
-  // Rotated back by the fitted pole's frequency: slow amplitude and phase.
-  Eigen::VectorXd log_amplitude(points), phase(points);
-  double previous = 0, turns = 0;
-  Index clear = points;
-  const double least = options.least_amplitude * options.least_amplitude * noise_power;
-  // Loss of signal is judged over a cycle, so that one noisy sample does not end the decay.
-  const auto cycle = static_cast<Index>(std::max(1.0, std::ceil(1 / (frequency * band.step))));
-  Index below = 0;
-  for (Index j = 0; j < points; ++j) {
-    const double t = static_cast<double>(j) * band.step;
-    const Complex u = fit.amplitudes[m] * std::exp(pole.real() * t) +
-                      extra(j) * std::polar(1.0, -pole.imag() * t);
-    const double power = std::norm(u);
-    below = power < least ? below + 1 : 0;
-    if (below >= cycle) {
-      clear = j + 1 - below;
-      break;
-    }
-    log_amplitude(j) = 0.5 * std::log(std::max(power, 1e-300));
-    double angle = std::arg(u);
-    if (j > 0) {
-      const double jump = angle + turns - previous;
-      turns -= kTwoPi * std::round(jump / kTwoPi);
-      angle += turns;
-    }
-    previous = phase(j) = angle;
+LogDecrement log_decrement(const CycleAmplitudes& cycles) {
+  LogDecrement result;
+  const std::size_t n = cycles.time_s.size();
+  if (n < 3) {
+    result.refusal = "fewer than three cycles above the noise";
+    return result;
   }
-  result.clear_until_s = static_cast<double>(clear) * band.step / sample_rate_hz;
-  const double cycles = static_cast<double>(clear) * band.step * frequency;
-  const int spans = std::min(options.points, static_cast<int>(cycles / options.least_cycles));
-  std::vector<double> times, rates, rate_stds, logs, inverse, amplitudes, frequencies,
-      frequency_stds;
-  for (int s = 0; s < spans; ++s) {
-    const Index from = clear * s / spans, length = clear * (s + 1) / spans - from;
-    if (length < 8) break;
-    double st = 0, sa = 0, sp = 0;
-    for (Index j = from; j < from + length; ++j) {
-      st += static_cast<double>(j) * band.step, sa += log_amplitude(j), sp += phase(j);
-    }
-    const double count = static_cast<double>(length);
-    const double mt = st / count, ma = sa / count, mp = sp / count;
-    double stt = 0, sta = 0, stp = 0;
-    for (Index j = from; j < from + length; ++j) {
-      const double dt = static_cast<double>(j) * band.step - mt;
-      stt += dt * dt, sta += dt * (log_amplitude(j) - ma), stp += dt * (phase(j) - mp);
-    }
-    const double rate = -sta / stt * sample_rate_hz;
-    const double f = (pole.imag() + stp / stt) / kTwoPi * sample_rate_hz;
-    // ln|u| and arg u each carry half the band's noise power over |u|^2; a band of width W gives W
-    // independent values a sample.
-    const double amplitude = std::exp(ma);
-    const double slope_std = std::sqrt(0.5 * noise_power / (amplitude * amplitude) /
-                                       (std::min(1.0, width * band.step) * stt)) *
-                             sample_rate_hz;
-    const double w = kTwoPi * f;
-    const double modulus = std::sqrt(rate * rate + w * w);
+  const Line line =
+      weighted_line(cycles.time_s.data(), cycles.weight.data(), cycles.log_size.data(), n);
+  const double period = kTwoPi / (cycles.pole.imag() * cycles.sample_rate_hz);
+  const double delta = -line.slope * period;
+  if (!(delta >= 0)) {
+    result.refusal = "the amplitude does not fall";
+    return result;
+  }
+  const double delta_std =
+      period * std::sqrt(line.slope_variance * line.chi2 / static_cast<double>(n - 2));
+  const double root = std::hypot(kTwoPi, delta);
+  result.damping_ratio = {delta / root, delta_std * kTwoPi * kTwoPi / (root * root * root)};
+  return result;
+}
+
+EnvelopeResult envelope_of(const CycleAmplitudes& cycles) {
+  EnvelopeResult result;
+  const std::size_t count = cycles.time_s.size(), spans = std::min(kPoints, count / kLeastCycles);
+  const double omega = cycles.pole.imag() * cycles.sample_rate_hz;
+  std::vector<double> times, logs, amplitudes, rates, rate_weights, frequencies, frequency_weights,
+      zetas, zeta_weights;
+  for (std::size_t s = 0; s < spans; ++s) {
+    const std::size_t from = count * s / spans, n = count * (s + 1) / spans - from;
+    const double* time = cycles.time_s.data() + from;
+    const double* weight = cycles.weight.data() + from;
+    const Line size = weighted_line(time, weight, cycles.log_size.data() + from, n);
+    const Line turn = weighted_line(time, weight, cycles.turn.data() + from, n);
+    const double middle = 0.5 * (time[0] + time[n - 1]), std = std::sqrt(size.slope_variance);
+    const double rate = -size.slope, w = omega + turn.slope, modulus = std::hypot(rate, w);
     EnvelopePoint point;
-    point.time_s = mt / sample_rate_hz;
-    point.amplitude = amplitude;
-    point.frequency_hz = {f, slope_std / kTwoPi};
-    point.damping_ratio = {rate / modulus, slope_std / modulus};
+    point.time_s = middle;
+    point.amplitude = std::exp(size.at(middle));
+    point.frequency_hz = {w / kTwoPi, std / kTwoPi};
+    point.damping_ratio = {rate / modulus, std / modulus};
     result.points.push_back(point);
-    times.push_back(point.time_s);
-    rates.push_back(rate);
-    rate_stds.push_back(slope_std);
-    logs.push_back(ma);
-    amplitudes.push_back(amplitude);
-    inverse.push_back(1 / amplitude);
-    frequencies.push_back(f);
-    frequency_stds.push_back(slope_std / kTwoPi);
+    times.push_back(middle), logs.push_back(size.at(middle)), amplitudes.push_back(point.amplitude);
+    rates.push_back(rate), rate_weights.push_back(1 / (std * std));
+    frequencies.push_back(w / kTwoPi), frequency_weights.push_back(kTwoPi * kTwoPi / (std * std));
+    zetas.push_back(rate / modulus), zeta_weights.push_back(modulus * modulus / (std * std));
   }
-  const std::size_t k = result.points.size();
-  if (k < 2) return result;
-  const WeightedLine drift = weighted_line(times, frequencies, frequency_stds);
-  const double span = times.back() - times.front();
-  // Misfit of the line beyond the noise counts as uncertainty.
-  const double excess = k > 2 ? std::max(1.0, drift.chi2 / static_cast<double>(k - 2)) : 1.0;
-  result.frequency_drift_hz = {drift.slope * span, std::sqrt(drift.slope_variance * excess) * span};
-  if (k < 3) return result;
-  std::vector<double> zetas, zeta_stds;
-  for (const auto& p : result.points) {
-    zetas.push_back(p.damping_ratio.value), zeta_stds.push_back(p.damping_ratio.std);
-  }
-  const WeightedLine trend = weighted_line(logs, zetas, zeta_stds);
-  const double trend_excess = std::max(1.0, trend.chi2 / static_cast<double>(k - 2));
-  result.damping_per_log_amplitude = {trend.slope, std::sqrt(trend.slope_variance * trend_excess)};
+  if (spans < 2) return result;
+  const Line drift =
+      weighted_line(times.data(), frequency_weights.data(), frequencies.data(), spans);
+  const double lasted = times.back() - times.front();
+  result.frequency_drift_hz = {drift.slope * lasted,
+                               std::sqrt(widened_variance(drift, spans)) * lasted};
+  if (spans < 3) return result;
+  const Line trend = weighted_line(logs.data(), zeta_weights.data(), zetas.data(), spans);
+  result.damping_per_log_amplitude = {trend.slope, std::sqrt(widened_variance(trend, spans))};
+  result.law = law_of(amplitudes, rates, rate_weights);
   // As in the modes: no free oscillation takes energy in.
   for (auto& p : result.points) p.damping_ratio.value = std::max(0.0, p.damping_ratio.value);
-  // Exponential: one constant. Friction and drag: one coefficient more, which must not be negative.
-  double weight = 0, mean = 0, constant_chi2 = 0;
-  for (std::size_t i = 0; i < k; ++i) {
-    const double w = 1 / (rate_stds[i] * rate_stds[i]);
-    weight += w, mean += w * rates[i];
-  }
-  mean /= weight;
-  for (std::size_t i = 0; i < k; ++i) {
-    constant_chi2 += (rates[i] - mean) * (rates[i] - mean) / (rate_stds[i] * rate_stds[i]);
-  }
-  const WeightedLine friction = weighted_line(inverse, rates, rate_stds);
-  const WeightedLine drag = weighted_line(amplitudes, rates, rate_stds);
-  const double friction_gain = friction.slope > 0 ? constant_chi2 - friction.chi2 : 0;
-  const double drag_gain = drag.slope > 0 ? constant_chi2 - drag.chi2 : 0;
-  // A coefficient must pay five standard uncertainties to be believed.
-  const double gain = std::max(friction_gain, drag_gain);
-  if (gain > 25) {
-    result.law = friction_gain >= drag_gain ? DecayLaw::friction : DecayLaw::drag;
-    result.law_evidence = gain;
-  }
   return result;
 }
 

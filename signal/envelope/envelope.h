@@ -1,57 +1,69 @@
-// Amplitude, frequency and damping along a decay.
+// Amplitude, frequency and damping along a decay, and the log decrement that a person would read.
 //
-// The analytic signal of one mode is the exact one of its fitted damped sinusoid plus that of the
-// residual, taken by FFT in a band around the mode: the transform sees only what is small and has
-// no step at the ends, so its edge effects are of second order. Over spans of several cycles
-// straight lines through log amplitude and phase give damping and frequency at that amplitude:
-//   decay rate r = -d ln A / dt,   zeta = r / sqrt(r^2 + (2 pi f_d)^2).
+// A mode's complex amplitude C_k is fitted to each cycle by least squares, beside an offset,
+//   y_j = Re(C_k exp(p (j - m_k))) + c_k,   m_k the cycle's middle, p the pole of the whole decay,
+// so that C_k = A exp(p m_k) for a decay that is exponential. Straight lines through ln|C_k| and
+// arg C_k, weighted with |C_k|^2 (their noise goes as 1 / |C_k|), give over all cycles the log
+// decrement, delta = -T d ln|C| / dt = 2 pi zeta / sqrt(1 - zeta^2), and over spans of several
+// cycles damping and frequency at that amplitude,
+//   decay rate r = -d ln|C| / dt,   zeta = r / sqrt(r^2 + (2 pi f_d)^2).
 // The law of the decay is chosen among
 //   exponential r = alpha,   friction r = alpha + beta / A,   drag r = alpha + gamma A
 // (viscous; plus Coulomb: linear envelope; plus quadratic).
-// Source: Feldman, Mech. Syst. Signal Process. 25 (2011) 735 (Hilbert transform in vibration);
-// Inman, Engineering Vibration, section 1.10 (friction and drag).
+// Source: Inman, Engineering Vibration, sections 1.6 (decrement) and 1.10 (friction and drag).
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
+#include <string>
 #include <vector>
 
 #include "signal/numerics/estimate.h"
-#include "signal/sinusoids/damped_sinusoids.h"
 
 namespace rigfit::signal {
 
 enum class DecayLaw { exponential, friction, drag };
 [[nodiscard]] const char* name_of(DecayLaw law);
 
+/// Amplitudes of a mode, cycle by cycle, for as long as they stand out of the noise.
+struct CycleAmplitudes {
+  std::complex<double> pole;     ///< p, per sample
+  double sample_rate_hz = 0;     ///< of the samples they were fitted to
+  std::vector<double> time_s;    ///< m_k, from the first sample
+  std::vector<double> log_size;  ///< ln|C_k|
+  std::vector<double> turn;      ///< arg C_k - Im p m_k, unwrapped
+  std::vector<double> weight;    ///< inverse variance of `log_size` and of `turn`
+};
+
+/// `alone`: samples of one mode and what no mode explains. `noise_variance`: white-equivalent
+/// variance of a sample near the mode.
+[[nodiscard]] CycleAmplitudes cycle_amplitudes(const Eigen::Ref<const Eigen::VectorXd>& alone,
+                                               double sample_rate_hz, std::complex<double> pole,
+                                               double noise_variance);
+
+struct LogDecrement {
+  Estimate damping_ratio;  ///< NaN when refused
+  std::string refusal;     ///< why there is no result; empty when there is one
+};
+/// Its uncertainty is that of the misfit of a straight line.
+[[nodiscard]] LogDecrement log_decrement(const CycleAmplitudes& cycles);
+
 struct EnvelopePoint {
   double time_s = 0;      ///< middle of the span, from the fit's first sample
-  double amplitude = 0;   ///< geometric mean over the span, the signal's unit
+  double amplitude = 0;   ///< at that time, the signal's unit
   Estimate frequency_hz;  ///< damped frequency
   Estimate damping_ratio;
 };
 
-struct EnvelopeOptions {
-  int points = 8;              ///< spans of equal duration; fewer if cycles or signal are too few
-  double least_cycles = 3;     ///< per span
-  double least_amplitude = 4;  ///< least usable envelope, in standard deviations of its own noise
-};
-
 struct EnvelopeResult {
-  std::vector<EnvelopePoint> points;
+  std::vector<EnvelopePoint> points;  ///< eight spans of equal duration, fewer in few cycles
   DecayLaw law = DecayLaw::exponential;
-  /// Drop in chi-squared of `law` against exponential; 0 for exponential.
-  double law_evidence = 0;
   /// d zeta / d ln A over the points, weighted line; NaN with fewer than three points.
   Estimate damping_per_log_amplitude;
   /// Change of the damped frequency from the first point to the last, weighted line in time.
   Estimate frequency_drift_hz;
-  double clear_until_s = 0;  ///< the envelope is above the noise until then
 };
 
-/// Envelope of mode `m` of a fit. `noise_variance`: white-equivalent variance of a sample near the
-/// mode.
-[[nodiscard]] EnvelopeResult mode_envelope(const DampedSinusoidsFit& fit, std::size_t m,
-                                           double sample_rate_hz, double noise_variance,
-                                           const EnvelopeOptions& options = {});
+[[nodiscard]] EnvelopeResult envelope_of(const CycleAmplitudes& cycles);
 
 }  // namespace rigfit::signal

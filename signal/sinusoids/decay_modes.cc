@@ -36,8 +36,7 @@ class DecayModeSearch {
     if (peaks.empty()) peaks = decay_peaks(x);
     DecaySearchOptions search;
     search.candidates = 3;
-    // Half of what noise may show: Fisher's test of the fit decides, so that what is detected hangs
-    // on the energy explained alone, as the intervals have it (detected_strength.h).
+    // Half of what noise may show: Fisher's test of the fit decides.
     search.energy_over_noise = 0.5 * threshold();
     const auto found = distinct_decays(peaks, n_, search);
     std::vector<DecayCandidate> starts;

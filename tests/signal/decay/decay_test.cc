@@ -243,7 +243,7 @@ TEST(Decay, ColouredNoiseAloneIsNoMode) {
 }
 
 TEST(Decay, InNoiseTheIntervalsStillHoldAndNearItsLimitItRefuses) {
-  // 5 dB: one linear standard uncertainty covers 92 %, the likelihood's interval 94 to 95 %.
+  // 5 dB: one linear standard uncertainty covers 92 %.
   int in_f = 0, in_z = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
     Records records(seed + 50);

@@ -1,4 +1,4 @@
-#include "signal/decay/decay_tones.h"
+#include "signal/decay/decay_background.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "signal/decay/decay.h"
 
-namespace rigfit::signal::decay_tones_test {
+namespace rigfit::signal::decay_background_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -20,7 +20,7 @@ using Eigen::Index;
 // errors over standard uncertainties to 4 sqrt(2 / 200) = 0.4; where the tone is fitted beside a
 // mode that was spent on it, or until it only creeps, that of the frequency is 1.6. The line's side
 // lobes are no tones.
-TEST(DecayTones, HumBesideAModeAsLongAsItStandsAloneBefore) {
+TEST(DecayBackground, HumBesideAModeAsLongAsItStandsAloneBefore) {
   double frequency = 0, damping = 0;
   int others = 0;
   for (unsigned seed = 1; seed <= 200; ++seed) {
@@ -51,4 +51,4 @@ TEST(DecayTones, HumBesideAModeAsLongAsItStandsAloneBefore) {
 }
 
 }  // namespace
-}  // namespace rigfit::signal::decay_tones_test
+}  // namespace rigfit::signal::decay_background_test
