@@ -202,7 +202,6 @@ UpdateProblem UpdateProblem::with_frf_differences() const {
 UpdateProblem UpdateProblem::with_places_of_hits(const Eigen::VectorXd& q) const {
   constexpr double kQuantile = 0.05;
   UpdateProblem other = *this;
-  other.stated_inputs_ = static_cast<Eigen::Index>(options_.inputs.size());
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     const auto& state = states_[static_cast<std::size_t>(s)];
     if (!takes_part(s)) continue;

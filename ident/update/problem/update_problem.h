@@ -94,31 +94,13 @@ class UpdateProblem {
   struct Sources {
     Eigen::MatrixXd U;
     Eigen::ArrayXd less;
-    Eigen::VectorXd off;    ///< C times the estimates of the sources that are in the residuals
-    Eigen::VectorXd scale;  ///< scales the rows first: D^(-1/2)
-    Eigen::Array3d shares = {0, 0, 1};  ///< shares that force and place take, least own part: D
-    std::shared_ptr<const Sources> widest = nullptr;  ///< with all of the error bars in D and in C
+    Eigen::VectorXd off;  ///< C times the estimates of the sources that are in the residuals
   };
   /// The same with `off` subtracted from its residuals, then multiplied by L; null: as they are.
   [[nodiscard]] UpdateProblem with_sources(std::shared_ptr<const Sources> sources) const;
-  /// The same with its sources as large as the error bars allow, by which a model is judged.
-  [[nodiscard]] UpdateProblem with_widest_sources() const {
-    return sources_ && sources_->widest ? with_sources(sources_->widest) : *this;
-  }
-  [[nodiscard]] Eigen::Array3d shares() const {
-    return sources_ ? sources_->shares : Eigen::Array3d(0, 0, 1);
-  }
-  /// Covariance of plain residuals, D + C C', times `columns`.
-  [[nodiscard]] Eigen::MatrixXd covariance_times(Eigen::MatrixXd columns) const;
   /// Changes of plain residuals, as those of this problem change.
   [[nodiscard]] Eigen::VectorXd with_sources_of(Eigen::VectorXd change) const;
   [[nodiscard]] bool has_sources() const { return sources_ != nullptr; }
-  /// Standard deviation of a residual's own part, over that of the whole; 1 without sources.
-  [[nodiscard]] double own_part(Eigen::Index row) const {
-    return sources_ && row < sources_->scale.size() ? 1 / sources_->scale[row] : 1;
-  }
-  /// Whether an input is the place of hits, which their error bars hold as well.
-  [[nodiscard]] bool in_error_bars(Eigen::Index input) const { return input >= stated_inputs_; }
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
   /// Whether a scene parameter is fitted or moved by an input in that state.
   [[nodiscard]] bool is_stated(int state, const std::string& target) const;
@@ -276,7 +258,6 @@ class UpdateProblem {
   void take_errors_off(int state, std::vector<UpdateModelMode>& modes) const;
   std::shared_ptr<const ModeErrors> mode_errors_;  // null: nothing is taken off
   Eigen::VectorXd inputs_off_;                     // empty: none
-  Eigen::Index stated_inputs_ = 0;                 // those after them are places of hits
   std::shared_ptr<const Sources> sources_;         // null: residuals are independent
   struct Shared {                                  // by copies of a problem too
     std::atomic<int> evaluations{0};

@@ -115,19 +115,8 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
 }
 
 void UpdateProblem::whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const {
-  residuals = sources_->scale.asDiagonal() * residuals;
   const Eigen::MatrixXd along = sources_->U.transpose() * residuals;
   residuals -= sources_->U * (sources_->less.matrix().asDiagonal() * along);
-}
-
-Eigen::MatrixXd UpdateProblem::covariance_times(Eigen::MatrixXd columns) const {
-  if (!sources_ || sources_->U.rows() != columns.rows()) return columns;
-  const Eigen::VectorXd std = sources_->scale.cwiseInverse();
-  columns = std.asDiagonal() * columns;
-  const Eigen::MatrixXd along = sources_->U.transpose() * columns;
-  const Eigen::VectorXd more = ((1 - sources_->less).square().inverse() - 1).matrix();
-  columns += sources_->U * (more.asDiagonal() * along);
-  return std.asDiagonal() * columns;
 }
 
 Eigen::VectorXd UpdateProblem::with_sources_of(Eigen::VectorXd change) const {

@@ -146,17 +146,12 @@ class EndChanges {
     }
     return change;
   }
-  // Takes over what is larger.
-  static void enlarge(Eigen::VectorXd& most, const Eigen::VectorXd& other) {
-    for (Eigen::Index j = 0; j < most.size(); ++j) {
-      if (std::abs(other[j]) > std::abs(most[j])) most[j] = other[j];
-    }
-  }
   // Largest change of each parameter within the fixity's interval, to first order.
   [[nodiscard]] Eigen::VectorXd largest(const NearPoint& point) const {
     Eigen::VectorXd most = at(point.with(point.best));
     for (const double side : {-1.0, 1.0}) {
-      enlarge(most, at(point.with(point.best + side * point.half)));
+      const Eigen::VectorXd end = at(point.with(point.best + side * point.half));
+      most = (end.array().abs() > most.array().abs()).select(end, most);
     }
     return most;
   }
@@ -181,69 +176,28 @@ double chi2_at(const UpdateProblem& problem, const std::vector<UpdateMatch>& mat
              : signal::kNaN;
 }
 
-// Fits with springs: the best, and those at the ends of the fixity's interval.
-class SpringFits {
- public:
-  SpringFits(const UpdateProblem& wide, const UpdateOptions& options,
-             const std::vector<UpdateMatch>& matches, const UpdateResult& result)
-      : wide_(wide), options_(options), matches_(matches), result_(result) {
-    options_.function_tolerance = std::max(options.function_tolerance, 1e-5);
-  }
-
-  // From a fifth of the way inside; `point` is the assumed end, and stays it where no fit is
-  // better. False without a model.
-  bool find_best(const UpdateProblem& problem, NearPoint& point) {
-    if (!cost_of(point.q, least_)) return false;
-    constexpr double kInside = 0.2;
-    const Eigen::Index n = problem.size();
-    const double start = point.q[n];
-    Eigen::VectorXd q(n + 1);
-    q[n] = std::clamp(start, kInside, 1 - kInside);
-    q.head(n) = point.with(q[n]);
-    double cost = 0;
-    (void)minimise(wide_, matches_, UpdateStage::full, options_, q, cost);
-    point.best = start;
-    if (!cost_of(q, cost) || !(cost < least_)) return true;
-    const auto fitted = near(wide_, problem, options_, matches_, result_, q);
-    if (!fitted) return true;
-    least_ = cost;
-    point = *fitted;
-    point.best = q[n];
-    return true;
-  }
-
-  // Where the root of the deviance reaches the interval's; empty: nowhere.
-  [[nodiscard]] std::optional<Eigen::VectorXd> end(const NearPoint& point, double side) const {
-    constexpr int kRounds = 6;
-    constexpr double kWithin = 1.05;
-    const Eigen::Index n = point.slope.size();
-    const double goal = result_.coverage_factor;
-    double fixity = point.limited(point.best + side * point.half);
-    for (int round = 0; round < kRounds && std::abs(fixity - point.best) > kLeast; ++round) {
-      Eigen::VectorXd q(n + 1);
-      q << point.with(fixity), fixity;
-      double cost = 0;
-      (void)minimise(wide_, matches_, UpdateStage::full, options_, q, cost, static_cast<int>(n));
-      double root = 10 * goal;
-      if (cost_of(q, cost)) {
-        root = std::sqrt(std::max(0.0, 2 * (cost - least_) / result_.variance_factor));
-      }
-      if (root <= kWithin * goal) return q;
-      fixity = point.best + (fixity - point.best) * std::clamp(goal / root, 0.1, 0.9);
-    }
+// The fit with springs, from a fifth of the way inside; empty: it is no better than the answer.
+std::optional<NearPoint> fitted_springs(const UpdateProblem& wide, const UpdateProblem& problem,
+                                        const UpdateOptions& given,
+                                        const std::vector<UpdateMatch>& matches,
+                                        const UpdateResult& result, const NearPoint& from) {
+  constexpr double kInside = 0.2;
+  const Eigen::Index n = problem.size();
+  UpdateOptions options = given;
+  options.function_tolerance = std::max(given.function_tolerance, 1e-5);
+  Eigen::VectorXd q(n + 1);
+  q[n] = std::clamp(from.q[n], kInside, 1 - kInside);
+  q.head(n) = from.with(q[n]);
+  double cost = 0, least = 0;
+  (void)minimise(wide, matches, UpdateStage::full, options, q, cost);
+  if (!robust_cost(wide, matches, UpdateStage::full, options, from.q, least) ||
+      !robust_cost(wide, matches, UpdateStage::full, options, q, cost) || !(cost < least)) {
     return std::nullopt;
   }
-
- private:
-  bool cost_of(const Eigen::VectorXd& q, double& cost) const {
-    return robust_cost(wide_, matches_, UpdateStage::full, options_, q, cost);
-  }
-  const UpdateProblem& wide_;
-  UpdateOptions options_;
-  const std::vector<UpdateMatch>& matches_;
-  const UpdateResult& result_;
-  double least_ = 0;
-};
+  auto fitted = near(wide, problem, options, matches, result, q);
+  if (fitted) fitted->best = q[n];
+  return fitted;
+}
 
 }  // namespace
 
@@ -268,14 +222,14 @@ void state_exact_ends(const UpdateProblem& problem, const UpdateOptions& options
     if (!point) continue;
     ExactEnds ends = std::move(springs->ends);
     ends.largest_shift = changes.largest(*point);
-    SpringFits fits(wide, options, matches, result);
-    if (changes.matter(ends.largest_shift) && fits.find_best(problem, *point)) {
-      ends.largest_shift = changes.at(point->q);
-      for (const double side : {-1.0, 1.0}) {
-        if (const auto end = fits.end(*point, side)) {
-          EndChanges::enlarge(ends.largest_shift, changes.at(*end));
-        }
+    if (changes.matter(ends.largest_shift)) {
+      auto fitted = fitted_springs(wide, problem, options, matches, result, *point);
+      if (fitted) {
+        point = std::move(fitted);
+      } else {
+        point->best = springs->start;
       }
+      ends.largest_shift = changes.largest(*point);
     }
     ends.shift = changes.at(point->with(point->best));
     ends.stiffness = springs->parameter.factor(0) * fixity.value(point->best);

@@ -6,10 +6,10 @@
 // condition is half way for a beam and for a string alike; given springs get rho / (1 - rho) of
 // themselves. One rho serves all nodes of a kind, beside the fitted parameters:
 //   rho' = rho - J_p' r / |J_p|^2,   J_p = J_rho - J (J'J)^-1 J' J_rho,   std(rho) = 1 / |J_p|,
-// first to first order from the answer; where rho within its 95 % interval moves a parameter by a
-// standard uncertainty or more, by fits. What is stated is the change by the rho that explains the
-// data best (none, where no fit is better than the answer) and the largest one by a rho in its 95 %
-// interval, by its profile. Data that tell the ends apart leave no such change. Source of rho:
+// to first order from the answer; where rho within its 95 % interval moves a parameter by a
+// standard uncertainty or more, from a fit with rho free. What is stated is the change by the rho
+// that explains the data best (none, where no fit is better than the answer) and the largest one by
+// a rho in its 95 % interval. Data that tell the ends apart leave no such change. Source of rho:
 // Monforton and Wu, J. Struct. Div. ASCE 89 ST6 (1963) 13. For the update, not for users.
 #pragma once
 

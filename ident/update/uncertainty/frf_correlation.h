@@ -9,12 +9,11 @@
 // the first R_l / R_0 below 2 / sqrt(lines) (Bartlett's effective number of samples). A parameter
 // feels the correlation only as far as its derivatives reach, which is the width of a resonance:
 // its variance is that of the sandwich
-//   B M B,  B = (J' J)^-1,  M = sum_(k, l) J_k' R_l J_(k+l),
-// with the same R_l, or with M the sum of s_g s_g', s_g = J' r of blocks of 2 t lines of all
-// responses of a load, where that is larger: what is left over is no stationary noise where a small
-// signal of another direction stands beside an antiresonance. Sources: Bartlett, J. R. Stat. Soc.
-// 98 (1935) 536; White, Econometrica 48 (1980) 817; Liang and Zeger, Biometrika 73 (1986) 13. For
-// the update and its checks, not for users.
+//   B M B,  B = (J' J)^-1,  M = sum of s_g s_g', s_g = J' r of a block of 2 t lines of all
+//   responses of a load (other data: their part of J' J),
+// and at least R_0 t B. Sources: Bartlett, J. R. Stat. Soc. 98 (1935) 536; White, Econometrica 48
+// (1980) 817; Liang and Zeger, Biometrika 73 (1986) 13. For the update and its checks, not for
+// users.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,14 +28,10 @@ namespace rigfit::ident {
                                          const std::vector<UpdateMatch>& matches,
                                          const Eigen::VectorXd& r);
 
-/// The largest ratio of a coordinate's variance to that in B, at q with its residuals and
-/// derivatives: of B M B, of R_0 t B, and of the squared step to the estimate that takes no shared
-/// source out of its residuals, where that is larger than its variance, that of the less exact
-/// estimate less that of this one, explains (5 %): then something else is shared than the sources
-/// (Hausman, Econometrica 46 (1978) 1251). 0 without FRFs.
+/// The largest ratio of a coordinate's variance, of B M B and of R_0 t B, to that in B, for the
+/// problem's residuals r and derivatives J. 0 without FRFs.
 [[nodiscard]] double correlated_variance_factor(const UpdateProblem& problem,
                                                 const std::vector<UpdateMatch>& matches,
-                                                const Eigen::VectorXd& q, const Eigen::VectorXd& r,
-                                                const Eigen::MatrixXd& J);
+                                                const Eigen::VectorXd& r, const Eigen::MatrixXd& J);
 
 }  // namespace rigfit::ident

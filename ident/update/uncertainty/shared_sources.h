@@ -16,14 +16,8 @@
 // scatter) is taken where nothing else is said of the place. A mean that was aimed beside is not in
 // the hits' scatter and must be stated.
 //
-// What the hits scatter by is in the error bars of the lines and, as a bound, in C. The covariance
-// is D + C C', D_i = 1 - a sum_k F_ik^2 - b sum_k P_ik^2, at least w, with F the columns of the
-// force as the bars bound them, P those of the place; in C the force is sqrt(a) F, the place P as
-// it is (one draw says little of its variance). a, b of 0, 1/4 ... 1 and w of 1/4 ... 1/256 are
-// those of the largest restricted likelihood of D + C C' given the derivatives J (Patterson and
-// Thompson, Biometrika 58 (1971) 545): a = b = 0 where lines err by themselves, 1 where place and
-// force are all that the bars hold. A model is judged with D = 1, a = 1. Where chi-square is then
-// above its degrees of freedom by 3 of its standard deviations, the fit goes on with these.
+// What the hits scatter by is in the error bars of the lines and, as a bound, in C: intervals are
+// too wide by that at most, never too narrow.
 //
 // The force of the hits: noise n(t) on the hammer's signal moves H by the factor 1 - N / F, alike
 // in all responses, and where a window keeps only the pulse, alike in neighbouring lines:
@@ -46,7 +40,6 @@ namespace rigfit::ident {
 struct SharedChanges {
   std::vector<std::string> names;    ///< "segments", "force of ...", the inputs; one a column
   std::vector<Eigen::Index> inputs;  ///< which input each column is; -1: none
-  std::vector<bool> in_error_bars;   ///< hits scatter by it: the lines' error bars hold it as well
   Eigen::MatrixXd changes;           ///< residuals' changes by one standard uncertainty
   std::string message;               ///< sources that could not be evaluated, "; " after each
 };

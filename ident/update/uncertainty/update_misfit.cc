@@ -71,7 +71,7 @@ UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
                     const Eigen::VectorXd& q) {
   UpdateFit fit;
   fit.stated = problem.uncertainties_known();
-  const UpdateProblem plain = problem.with_model_std(0).with_widest_sources();
+  const UpdateProblem plain = problem.with_model_std(0);
   Eigen::VectorXd r;
   if (!plain.residuals(q, matches, UpdateStage::full, r, nullptr)) return fit;
   fit.chi2 = r.squaredNorm();
@@ -130,9 +130,8 @@ double frf_model_std_of(const UpdateProblem& problem, const std::vector<UpdateMa
   for (const auto& rows : problem.frf_rows(matches)) {
     for (std::size_t i = 0; i < rows.relative_std.size(); ++i) {
       for (int part = 0; part < 2; ++part) {
-        const auto row = rows.first + 2 * static_cast<Eigen::Index>(i) + part;
-        const double z = r[row];
-        const double s2 = std::pow(rows.relative_std[i] * problem.own_part(row), 2);
+        const double z = r[rows.first + 2 * static_cast<Eigen::Index>(i) + part];
+        const double s2 = std::pow(rows.relative_std[i], 2);
         errors.emplace_back(z * z * s2, s2);
         rest -= z * z;
       }
