@@ -36,6 +36,29 @@ TensionTest::TensionTest() {
   inputs.test.cable.length_m = inputs.test.cable.mass_per_length = {0, 0};
 }
 
+std::optional<model::ModePlane> plane_named(const std::string& word) {
+  if (word == "in") return model::ModePlane::in;
+  if (word == "out") return model::ModePlane::out;
+  return std::nullopt;
+}
+
+void TensionTest::complete() {
+  auto& cable = inputs.test.cable;
+  if (mass_of == "installed") cable.mass_reference = ident::MassReference::installed;
+  if (mass_of == "unstretched") cable.mass_reference = ident::MassReference::unstretched;
+  if (EI_Nm2) cable.EI_Nm2 = {*EI_Nm2, EI_std_Nm2};
+  if (EA_N) cable.EA_N = {*EA_N, EA_std_N};
+  inputs.test.options.ends = ident::cable_ends(ends);
+  inputs.plane = plane_named(plane);
+  for (std::size_t i = 0; i < frequencies_hz.size(); ++i) {
+    ident::MeasuredMode mode;
+    mode.frequency_hz = {frequencies_hz[i], frequency_std_hz > 0 ? frequency_std_hz : std::nan("")};
+    if (i < orders.size()) mode.order = static_cast<int>(std::lround(orders[i]));
+    mode.plane = inputs.plane;
+    inputs.test.modes.push_back(std::move(mode));
+  }
+}
+
 Options keys_of(Campaign& c) {
   return {option("title", c.title, "Of the report").required(),
           option("source", c.source, "Where published values come from"),
@@ -261,6 +284,14 @@ Options keys_of(FitParameter& p) {
           option("reference", p.reference, "An earlier value, shown beside the one found")};
 }
 
+std::string range_problem(const Option& key, double value) {
+  const bool low_enough = value <= key.highest;
+  const bool high_enough = key.above_lowest ? value > key.lowest : value >= key.lowest;
+  return low_enough && high_enough
+             ? ""
+             : fmt::format("must be {}, got {}", describe::range_text(key), value);
+}
+
 namespace {
 
 Bound bound_of(const Option& key) {
@@ -268,9 +299,10 @@ Bound bound_of(const Option& key) {
 }
 
 void require_range(const TomlTable& table, const Option& key, double value) {
-  if (value >= key.lowest && value <= key.highest) return;
+  const std::string problem = range_problem(key, value);
+  if (problem.empty()) return;
   throw table.error(
-      key.name, fmt::format("must be {}, got {}", describe::range_text(key), value),
+      key.name, problem,
       "give a number " + describe::range_text(key) + (key.unit.empty() ? "" : " in " + key.unit));
 }
 
@@ -360,34 +392,21 @@ void refuse_keys(const TomlTable& table, const Options& keys, const std::string&
 
 namespace {
 
-class KeyRows {
- public:
-  void add(const std::string& table, const std::string& key, const std::string& meaning) {
-    rows_.push_back({table == last_ ? "" : table, key, meaning});
-    last_ = table;
-  }
-  void add(const std::string& table, const Options& keys, const std::string& before = "") {
-    for (const auto& key : keys) {
-      std::string meaning = key.text();
-      const auto more = [&](const std::string& text) {
-        if (!text.empty()) meaning += (meaning.empty() ? "" : "; ") + text;
-      };
-      if (!key.words.empty()) more(fmt::format("\"{}\"", fmt::join(key.words, "\", \"")));
-      if (std::isfinite(key.highest)) more(describe::range_text(key));
-      if (const auto text = key.default_text(); !text.empty()) more("default: " + text);
-      if (key.is_required) more("required");
-      add(table, before + key.name, meaning);
-    }
-  }
-  std::vector<KeyRow> rows_{{"table", "key", "meaning"}};
-
- private:
-  std::string last_ = "table";
-};
+std::vector<std::string> row_of(const Option& key, const std::string& before) {
+  std::string meaning = key.text();
+  const auto add = [&](const std::string& text) {
+    if (!text.empty()) meaning += (meaning.empty() ? "" : "; ") + text;
+  };
+  if (!key.words.empty()) add(fmt::format("\"{}\"", fmt::join(key.words, "\", \"")));
+  if (std::isfinite(key.highest)) add(describe::range_text(key));
+  if (const auto text = key.default_text(); !text.empty()) add("default: " + text);
+  if (key.is_required) add("required");
+  return {"  " + before + key.name, meaning};
+}
 
 }  // namespace
 
-std::vector<KeyRow> campaign_key_rows() {
+std::vector<KeySection> campaign_keys() {
   Campaign campaign;
   ident::StrandGeometry strand;
   RecordingGroup group;
@@ -400,42 +419,51 @@ std::vector<KeyRow> campaign_key_rows() {
   CampaignTest test;
   CampaignFit fit;
   FitParameter parameter;
-  KeyRows rows;
-  rows.add("(top)", keys_of(campaign));
-  rows.add("[report]", keys_of(campaign.report));
-  rows.add("[strand]", keys_of(strand));
-  rows.add("[[scene]]", "name, file", "A scene of the rig; required");
-  rows.add("[scene.published], .inferred, .assumed", "PARAMETER", "How the value is known");
-  rows.add("[[test]]", "name, kind",
-           fmt::format("\"{}\"; required", fmt::join(kinds_of_tests(), "\", \"")));
-  rows.add("[[test]]", "title", "Default: its name");
-  const std::string kBending = "kind bending";
-  rows.add(kBending, keys_of(bending));
-  rows.add(kBending, channel_keys_of(bending), "channels.");
-  rows.add(kBending, record_keys_of(bending));
-  rows.add(kBending + ", beam", beam_keys_of(bending));
-  rows.add("kind axial", keys_of(axial));
-  rows.add("kind decay", keys_of(decay));
-  rows.add("kind decay", scene_keys_of(decay));
-  rows.add("kind modal", keys_of(modal));
-  rows.add("kind modal, recorded", hammer_keys_of(modal));
-  rows.add("kind decay, modal", "scene", "Name of the scene that stands for the rig");
-  rows.add("kind decay, modal", keys_of(use));
-  rows.add("kind decay, modal", "sensors.CHANNEL", "The scene's sensor, where names differ");
-  rows.add("kind tension", keys_of(tension));
-  rows.add("kind tension, recorded", peak_keys_of(tension));
-  rows.add("[test.table]", "file", "Results instead of recordings (bending, modal)");
-  rows.add("[test.table]", "tension, EI, measured", "Names of columns");
-  rows.add("[test.table]", "models.LABEL", "Column of a published model's frequencies");
-  rows.add("[test.reference]", reference_keys_of(test));
-  rows.add("[[test.recording]]", keys_of(group));
-  rows.add("[[test.recording]]",
-           "sample_rate_hz, time_unit, decimal, separator, format, variables, sheet, channel",
-           "As in a sidecar (rigfit help sidecar)");
-  rows.add("[[fit]]", "name", "A fit of scenes to modal tests; required");
-  rows.add("[[fit]]", keys_of(fit));
-  rows.add("[[fit.parameter]]", keys_of(parameter));
-  return rows.rows_;
+  std::vector<KeySection> all;
+  const auto add = [&](const std::string& title, const Options& keys,
+                       const std::string& before = "") {
+    if (all.empty() || all.back().title != title) all.push_back({title, {}});
+    for (const auto& key : keys) all.back().rows.push_back(row_of(key, before));
+  };
+  const auto also = [&](const std::string& key, const std::string& meaning) {
+    all.back().rows.push_back({"  " + key, meaning});
+  };
+  add("top level", keys_of(campaign));
+  add("[report]", keys_of(campaign.report));
+  add("[strand]: bounds on EI", keys_of(strand));
+  add("[[scene]]: a model of the rig", {});
+  also("name, file", "Required");
+  also("published.PARAMETER", "How the value is known; or inferred.PARAMETER, assumed.PARAMETER");
+  add("[[test]]", {});
+  also("name, kind", fmt::format("\"{}\"; required", fmt::join(kinds_of_tests(), "\", \"")));
+  also("title", "Default: its name");
+  add("[[test]] kind = \"bending\"", keys_of(bending));
+  add(all.back().title, channel_keys_of(bending), "channels.");
+  add(all.back().title, record_keys_of(bending));
+  add(all.back().title + ", tension = 0", beam_keys_of(bending));
+  add("[[test]] kind = \"axial\"", keys_of(axial));
+  add("[[test]] kind = \"decay\"", keys_of(decay));
+  add(all.back().title, scene_keys_of(decay));
+  add("[[test]] kind = \"modal\"", keys_of(modal));
+  add(all.back().title, hammer_keys_of(modal));
+  add("[[test]] kind = \"decay\", \"modal\"", {});
+  also("scene", "Name of the scene that stands for the rig");
+  also("sensors.CHANNEL", "The scene's sensor, where names differ");
+  add(all.back().title, keys_of(use));
+  add("[[test]] kind = \"tension\"", keys_of(tension));
+  add(all.back().title, peak_keys_of(tension));
+  add("[test.table]: results instead of recordings (bending, modal)", {});
+  also("file", "Required");
+  also("tension, EI, measured", "Names of columns");
+  also("models.LABEL", "Column of a published model's frequencies");
+  add("[test.reference]: values as known otherwise", reference_keys_of(test));
+  add("[[test.recording]]", keys_of(group));
+  also("sample_rate_hz, time_unit, decimal, separator, format, variables, sheet, channel",
+       "As in a sidecar (rigfit help sidecar)");
+  add("[[fit]]: of scenes to modal tests", keys_of(fit));
+  also("name", "Required");
+  add("[[fit.parameter]]", keys_of(parameter));
+  return all;
 }
 
 }  // namespace rigfit::apps

@@ -16,6 +16,7 @@
 #include "ident/campaign/campaign.h"
 #include "ident/campaign/single_tests/beam_section.h"
 #include "ident/stiffness/strand.h"
+#include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 #include "signal/readers/recording_description.h"
 
@@ -58,6 +59,9 @@ struct RecordingGroup {
 
   [[nodiscard]] Origin origin() const { return synthetic ? Origin::synthetic : Origin::measured; }
 };
+
+/// "in" or "out"; others: none.
+[[nodiscard]] std::optional<model::ModePlane> plane_named(const std::string& word);
 
 // The kinds of tests: what the analysis takes (ident/campaign) without the recordings, and keys
 // that the analysis has in another form.
@@ -110,6 +114,8 @@ struct TensionTest {
   std::string measured, column;
 
   TensionTest();
+  /// Takes what was read over into `inputs`: cable, ends, plane; adds the frequencies to its modes.
+  void complete();
 };
 
 struct CampaignTest {
@@ -188,12 +194,17 @@ struct Campaign {
 /// file, line and key for a value of another type, outside its range or among no words allowed, and
 /// for a missing key that is required.
 void read_keys(document::TomlTable& table, const describe::Options& keys);
+/// What is wrong with a number that a key does not allow; empty: nothing.
+[[nodiscard]] std::string range_problem(const describe::Option& key, double value);
 /// Refuses keys that mean nothing here.
 void refuse_keys(const document::TomlTable& table, const describe::Options& keys,
                  const std::string& problem, const std::string& remedy);
 
-/// A key for `rigfit help campaign`: table (empty: as above), key, meaning.
-using KeyRow = std::vector<std::string>;
-[[nodiscard]] std::vector<KeyRow> campaign_key_rows();
+/// Keys of a table for `rigfit help campaign`: name, meaning with unit, range and default.
+struct KeySection {
+  std::string title;
+  std::vector<std::vector<std::string>> rows;
+};
+[[nodiscard]] std::vector<KeySection> campaign_keys();
 
 }  // namespace rigfit::apps

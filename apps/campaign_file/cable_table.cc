@@ -1,35 +1,34 @@
 #include "apps/campaign_file/cable_table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "apps/campaign/campaign.h"
 #include "apps/results/text_table.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 class CableRows {
  public:
   explicit CableRows(const std::filesystem::path& path)
       : table_(read_text_table(path, ShortRows::filled)) {
     for (const auto& column : table_.columns) names_.push_back(column.name);
+    const auto fail = [&](const std::string& problem, const char* remedy) {
+      throw model::SceneError({table_.file, table_.header_line, 0, ""}, problem, remedy);
+    };
     for (const char* needed : {"length", "mass_per_length"}) {
-      if (find_column(names_, needed) < 0) {
-        throw model::SceneError(
-            {table_.file, table_.header_line, 0, ""}, fmt::format("no column \"{}\"", needed),
-            "a table of cables has name, length, mass_per_length and f1, f2 ...");
-      }
+      if (find_column(names_, needed) >= 0) continue;
+      fail(fmt::format("no column \"{}\"", needed),
+           "a table of cables has name, length, mass_per_length and f1, f2 ...");
     }
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const auto& name = names_[i];
@@ -39,12 +38,11 @@ class CableRows {
       }
     }
     if (frequencies_.empty() && find_column(names_, "frequencies") < 0) {
-      throw model::SceneError({table_.file, table_.header_line, 0, ""}, "no column of frequencies",
-                              "name them f1, f2 ..., or put them into one column \"frequencies\"");
+      fail("no column of frequencies",
+           "name them f1, f2 ..., or put them into one column \"frequencies\"");
     }
-    if (table_.rows.empty()) {
+    if (table_.rows.empty())
       throw model::SceneError({table_.file, 0, 0, ""}, "no cable", "write one a row");
-    }
   }
 
   [[nodiscard]] std::vector<CableTableRow> read() const {
@@ -53,14 +51,15 @@ class CableRows {
     for (const auto& row : table_.rows) {
       CableTableRow one;
       one.line = row.line;
-      one.test.name = name_of_row(row);
-      if (one.test.name.empty()) one.test.name = fmt::format("line {}", row.line);
+      std::string name = name_of_row(row);
+      if (name.empty()) name = fmt::format("line {}", row.line);
       try {
-        if (!taken.insert(one.test.name).second) throw std::invalid_argument("the name is taken");
-        fill(row, one.test);
+        if (!taken.insert(name).second) throw std::invalid_argument("the name is taken");
+        one.test = test_of(row);
       } catch (const std::exception& error) {
         one.error = error.what();
       }
+      one.test.name = std::move(name);
       rows.push_back(std::move(one));
     }
     return rows;
@@ -84,82 +83,63 @@ class CableRows {
     return begin == std::string::npos ? std::string() : cell.substr(begin, end - begin + 1);
   }
 
-  [[nodiscard]] double number(const TextTable::Row& row, const std::string& name) const {
-    const auto column = find_column(names_, name);
-    return column < 0 ? kNaN : table_.number(row, static_cast<std::size_t>(column));
+  static void require(const describe::Option& key, double value) {
+    if (const auto problem = range_problem(key, value); !problem.empty()) {
+      throw std::invalid_argument(key.name + " " + problem);
+    }
   }
 
-  /// A value with its `_std`, 0 where there is none; nothing where blank.
-  [[nodiscard]] std::optional<signal::Estimate> estimate(const TextTable::Row& row,
-                                                         const std::string& name) const {
-    const double value = number(row, name), std = number(row, name + "_std");
-    if (!std::isfinite(value)) return std::nullopt;
-    if (std < 0) throw std::invalid_argument(name + "_std is negative");
-    return signal::Estimate{value, std::isfinite(std) ? std : 0};
-  }
-
-  [[nodiscard]] static std::size_t choice(const std::string& name, const std::string& value,
-                                          const std::vector<std::string>& known) {
-    const auto found = std::find(known.begin(), known.end(), value);
-    if (found == known.end()) {
-      throw std::invalid_argument(
-          fmt::format("{} \"{}\" is none of {}", name, value, fmt::join(known, ", ")));
-    }
-    return static_cast<std::size_t>(found - known.begin());
-  }
-
-  void fill(const TextTable::Row& row, ident::CableTest& test) const {
-    const auto length = estimate(row, "length"), mass = estimate(row, "mass_per_length");
-    if (!length || !mass) throw std::invalid_argument("length or mass_per_length is blank");
-    auto& cable = test.cable;
-    cable.length_m = *length;
-    cable.mass_per_length = *mass;
-    cable.EI_Nm2 = estimate(row, "EI");
-    cable.EA_N = estimate(row, "EA");
-    const double inclination = number(row, "inclination");
-    if (std::isfinite(inclination)) cable.inclination_deg = inclination;
-    if (const auto of = text(row, "mass_of"); !of.empty()) {
-      cable.mass_reference = choice("mass_of", of, {"installed", "unstretched"}) == 0
-                                 ? ident::MassReference::installed
-                                 : ident::MassReference::unstretched;
-    }
-    if (const auto ends = text(row, "ends"); !ends.empty()) {
-      (void)choice("ends", ends, {ident::kCableEndsWords.begin(), ident::kCableEndsWords.end()});
-      test.options.ends = ident::cable_ends(ends);
-    }
-    std::optional<model::ModePlane> plane;
-    if (const auto name = text(row, "plane"); !name.empty()) {
-      const auto kind = choice("plane", name, {"in", "out", "any"});
-      if (kind < 2) plane = kind == 0 ? model::ModePlane::in : model::ModePlane::out;
-    }
-    const double std = number(row, "frequency_std");
-    if (std < 0) throw std::invalid_argument("frequency_std is negative");
-    const auto add = [&](double hz) {
-      if (!std::isfinite(hz)) return;
-      ident::MeasuredMode mode;
-      mode.frequency_hz = {hz, std > 0 ? std : kNaN};
-      mode.damping_ratio = {kNaN, kNaN};
-      mode.plane = plane;
-      test.modes.push_back(std::move(mode));
-    };
-    for (const std::size_t column : frequencies_) add(table_.number(row, column));
-    std::istringstream words(text(row, "frequencies"));
-    for (std::string word; words >> word;) {
-      std::size_t used = 0;
-      const double value = std::stod(word, &used);
-      if (used != word.size()) throw std::invalid_argument("\"" + word + "\" is no frequency");
-      add(value);
-    }
-    if (test.modes.empty()) throw std::invalid_argument("no frequency");
-    std::istringstream orders(text(row, "order"));
-    for (std::size_t i = 0; orders >> std::ws && !orders.eof(); ++i) {
-      int order = 0;
-      if (!(orders >> order) || order < 1 || i >= test.modes.size()) {
-        throw std::invalid_argument("order \"" + text(row, "order") +
-                                    "\" is no list of one whole number a frequency");
+  /// A cell into the key of the same name in a campaign; a blank one leaves its default.
+  void read(const TextTable::Row& row, const describe::Option& key) const {
+    const std::string cell = text(row, key.name == "orders" ? "order" : key.name);
+    if (cell.empty()) return;
+    if (auto* const* word = std::get_if<std::string*>(&key.target)) {
+      if (!key.words.empty() &&
+          std::find(key.words.begin(), key.words.end(), cell) == key.words.end()) {
+        throw std::invalid_argument(
+            fmt::format("{} \"{}\" is none of {}", key.name, cell, fmt::join(key.words, ", ")));
       }
-      test.modes[i].order = order;
+      **word = cell;
+    } else if (auto* const* list = std::get_if<std::vector<double>*>(&key.target)) {
+      std::istringstream words(cell);
+      for (std::string number; words >> number;) {
+        std::size_t used = 0;
+        (*list)->push_back(std::stod(number, &used));
+        if (used != number.size()) {
+          throw std::invalid_argument(key.name + ": \"" + number + "\" is no number");
+        }
+        require(key, (*list)->back());
+      }
+    } else {
+      const double value =
+          table_.number(row, static_cast<std::size_t>(find_column(names_, key.name)));
+      if (!std::isfinite(value)) return;
+      require(key, value);
+      if (auto* const* number = std::get_if<double*>(&key.target)) **number = value;
+      if (auto* const* number = std::get_if<std::optional<double>*>(&key.target)) **number = value;
     }
+  }
+
+  [[nodiscard]] ident::CableTest test_of(const TextTable::Row& row) const {
+    TensionTest test;
+    for (const std::size_t column : frequencies_) {
+      const double hz = table_.number(row, column);
+      if (std::isfinite(hz)) test.frequencies_hz.push_back(hz);
+    }
+    for (const auto& key : keys_of(test)) read(row, key);
+    const auto& cable = test.inputs.test.cable;
+    if (!(cable.length_m.value > 0 && cable.mass_per_length.value > 0)) {
+      throw std::invalid_argument("length or mass_per_length is blank");
+    }
+    if (test.frequencies_hz.empty()) throw std::invalid_argument("no frequency");
+    const auto whole = [](double order) { return order == std::round(order); };
+    if (test.orders.size() > test.frequencies_hz.size() ||
+        !std::all_of(test.orders.begin(), test.orders.end(), whole)) {
+      throw std::invalid_argument("order \"" + text(row, "order") +
+                                  "\" is no list of one whole number a frequency");
+    }
+    test.complete();
+    return std::move(test.inputs.test);
   }
 
   TextTable table_;

@@ -117,12 +117,6 @@ ident::BendingSource published_values(TomlTable& table, const ResultTable& resul
   return source;
 }
 
-std::optional<model::ModePlane> plane_named(const std::string& word) {
-  if (word == "in") return model::ModePlane::in;
-  if (word == "out") return model::ModePlane::out;
-  return std::nullopt;
-}
-
 template <class Options>
 void take_band(const std::vector<double>& band_hz, Options& options) {
   if (band_hz.empty()) return;
@@ -342,17 +336,10 @@ class Reader {
     read_keys(table, keys_of(tension));
     auto& inputs = tension.inputs;
     inputs.test.name = test.name;
-    auto& cable = inputs.test.cable;
-    if (tension.mass_of == "installed") cable.mass_reference = ident::MassReference::installed;
-    if (tension.mass_of == "unstretched") cable.mass_reference = ident::MassReference::unstretched;
-    if (tension.EI_Nm2) cable.EI_Nm2 = {*tension.EI_Nm2, tension.EI_std_Nm2};
-    if (tension.EA_N) cable.EA_N = {*tension.EA_N, tension.EA_std_N};
-    inputs.test.options.ends = ident::cable_ends(tension.ends);
-    inputs.plane = plane_named(tension.plane);
     if (!tension.measured.empty()) {
       const fs::path file = folder_ / tension.measured;
       campaign_.inputs.push_back(file.string());
-      for (auto& row : read_measured_modes(file, tension.column, inputs.plane, {})) {
+      for (auto& row : read_measured_modes(file, tension.column, plane_named(tension.plane), {})) {
         inputs.test.modes.push_back(std::move(row.mode));
       }
     }
@@ -361,14 +348,7 @@ class Reader {
       throw table.error("orders", fmt::format("has {} values", tension.orders.size()),
                         "give one for each of frequencies");
     }
-    for (std::size_t i = 0; i < frequencies.size(); ++i) {
-      ident::MeasuredMode mode;
-      mode.frequency_hz = {frequencies[i],
-                           tension.frequency_std_hz > 0 ? tension.frequency_std_hz : signal::kNaN};
-      if (!tension.orders.empty()) mode.order = static_cast<int>(std::lround(tension.orders[i]));
-      mode.plane = inputs.plane;
-      inputs.test.modes.push_back(std::move(mode));
-    }
+    tension.complete();
     if (table.has("recording")) {
       read_keys(table, peak_keys_of(tension));
       take_band(tension.band_hz, inputs);

@@ -63,10 +63,11 @@ std::string aligned(const std::vector<Row>& rows) {
 
 std::string key_reference(const std::string& document) {
   if (document == "campaign") {
-    return "Paths are relative to the campaign. `rigfit new` writes one; with --example a "
-           "commented "
-           "one that runs.\n\n" +
-           aligned(campaign_key_rows());
+    std::string text = "Paths are relative to the campaign; `rigfit new` writes one.\n";
+    for (const auto& section : campaign_keys()) {
+      text += '\n' + section.title + '\n' + aligned(section.rows);
+    }
+    return text;
   }
   constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kSections = {
       {{"scene", "## Scene\n"}, {"sidecar", "## Sidecar\n"}}};
