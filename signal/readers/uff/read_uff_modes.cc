@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
 #include <set>
@@ -97,11 +99,16 @@ class UffModesReader {
   void skip_binary() {
     const UffLine head = text_.head();
     if (head.text.size() < 43 || (head.text[6] != 'b' && head.text[6] != 'B')) return;
-    const int text_lines = text_.integer(head, 19, 12), bytes = text_.integer(head, 31, 12);
-    for (int k = 0; k < std::min(text_lines, 1000); ++k) {
+    const auto field = [&](std::size_t from) {
+      std::int64_t value = 0;
+      const auto word = UffText::columns(head.text, from, 12);
+      std::from_chars(word.data(), word.data() + word.size(), value);
+      return static_cast<std::size_t>(std::max<std::int64_t>(value, 0));
+    };
+    for (std::size_t k = std::min<std::size_t>(field(19), 1000); k > 0; --k) {
       if (!text_.line()) return;
     }
-    const std::size_t behind = text_.next() + static_cast<std::size_t>(std::max(bytes, 0));
+    const std::size_t behind = text_.next() + field(31);
     if (behind <= bytes_.size()) text_.go_to(behind);
   }
 
