@@ -240,9 +240,8 @@ class UffModesReader {
         append_numbers(*line, at_node);
         if (at_node.size() > had && at_node.size() <= each) continue;
         throw error(*line,
-                    fmt::format("node {} has {} values in these lines, not {} as the dataset "
-                                "states",
-                                node.node, at_node.size(), each),
+                    fmt::format("node {} has {} values, not {} as the dataset states", node.node,
+                                at_node.size(), each),
                     "export the file again");
       }
       if (mode == nullptr) continue;

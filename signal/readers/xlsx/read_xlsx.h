@@ -1,5 +1,5 @@
 // Reads a sheet of an Excel workbook (.xlsx, ECMA-376) as a table: by the rules of tables of text
-// (csv/read_csv.h), on its numbers as they are saved.
+// (csv/csv_table.h), on its numbers as they are saved.
 //
 // Refused besides cells without a sound value: numbers stored as text in the table, and merged
 // cells in it or among its titles (a heading alone in its rows above them may be merged).
