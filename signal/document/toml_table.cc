@@ -5,6 +5,7 @@
 #include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -82,6 +83,9 @@ struct TomlTable::Node {
     if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);
     return table->get(key);
   }
+  std::shared_ptr<Node> child(const toml::table& of) const {
+    return std::make_shared<Node>(Node{root, &of, file, {}});
+  }
 };
 
 TomlTable::TomlTable(std::shared_ptr<Node> node, std::string path)
@@ -158,6 +162,27 @@ std::string broken(double value, Bound bound, bool infinite_allowed) {
 
 }  // namespace
 
+template <typename Kind>
+const auto* TomlTable::typed(const std::string& key, const char* kind,
+                             const std::string& remedy) const {
+  const toml::node* node = node_->find(key);
+  const auto* value = node ? node->as<Kind>() : nullptr;
+  if (!node || value) return value;
+  throw error(key, fmt::format("must be {}, got {}", kind, described(*node)), remedy);
+}
+
+template <typename Item>
+void TomlTable::each(const std::string& key, const char* kind, const char* item_kind,
+                     const std::string& remedy, Item&& take) const {
+  const auto* list = typed<toml::array>(key, kind, remedy);
+  for (std::size_t k = 0; list && k < list->size(); ++k) {
+    if (take((*list)[k])) continue;
+    throw error(key,
+                fmt::format("value {} must be {}, got {}", k + 1, item_kind, described((*list)[k])),
+                remedy);
+  }
+}
+
 double TomlTable::number(const std::string& key, Bound bound, const std::string& unit) {
   if (auto value = optional_number(key, bound, unit)) return *value;
   throw error(key, "is missing", "add `" + key + " = ...`, a number" + in_unit(unit));
@@ -184,35 +209,21 @@ std::optional<double> TomlTable::optional_number(const std::string& key, Bound b
 }
 
 int TomlTable::integer_or(const std::string& key, int low, int high, int fallback) {
-  const toml::node* node = node_->find(key);
-  if (!node) return fallback;
   const std::string remedy = fmt::format("give a whole number from {} to {}", low, high);
-  const auto* value = node->as_integer();
-  if (!value) throw error(key, "must be a whole number, got " + described(*node), remedy);
-  if (value->get() < low || value->get() > high) {
-    throw error(key, fmt::format("must be from {} to {}, got {}", low, high, value->get()), remedy);
-  }
-  return static_cast<int>(value->get());
+  const auto* value = typed<std::int64_t>(key, "a whole number", remedy);
+  if (!value) return fallback;
+  if (value->get() >= low && value->get() <= high) return static_cast<int>(value->get());
+  throw error(key, fmt::format("must be from {} to {}, got {}", low, high, value->get()), remedy);
 }
 
 bool TomlTable::boolean_or(const std::string& key, bool fallback) {
-  const toml::node* node = node_->find(key);
-  if (!node) return fallback;
-  const auto* value = node->as_boolean();
-  if (!value) {
-    throw error(key, "must be true or false, got " + described(*node),
-                "write true or false, without quotes");
-  }
-  return value->get();
+  const auto* value = typed<bool>(key, "true or false", "write true or false, without quotes");
+  return value ? value->get() : fallback;
 }
 
 std::string TomlTable::string(const std::string& key) {
-  const toml::node* node = node_->find(key);
-  if (!node) throw error(key, "is missing", "add `" + key + " = \"...\"`");
-  const auto* value = node->as_string();
-  if (!value) {
-    throw error(key, "must be a string, got " + described(*node), "put it in double quotes");
-  }
+  const auto* value = typed<std::string>(key, "a string", "put it in double quotes");
+  if (!value) throw error(key, "is missing", "add `" + key + " = \"...\"`");
   return value->get();
 }
 
@@ -224,64 +235,47 @@ std::string TomlTable::choice_or(const std::string& key, const std::vector<std::
                                  const std::string& fallback) {
   if (!has(key)) return fallback;
   const std::string value = string(key);
-  if (std::find(words.begin(), words.end(), value) == words.end()) {
-    const auto nearest = nearest_word(value, words);
-    throw error(key, "does not know \"" + value + "\"",
-                (nearest ? "did you mean \"" + *nearest + "\"? It" : "it") + " must be " +
-                    listed(words, true));
-  }
-  return value;
+  if (std::find(words.begin(), words.end(), value) != words.end()) return value;
+  const auto nearest = nearest_word(value, words);
+  throw error(key, "does not know \"" + value + "\"",
+              (nearest ? "did you mean \"" + *nearest + "\"? It" : "it") + " must be " +
+                  listed(words, true));
 }
 
 std::vector<double> TomlTable::numbers(const std::string& key, std::size_t min_size,
                                        std::size_t max_size, Bound bound, const std::string& unit,
                                        bool infinite_allowed) {
-  const toml::node* node = node_->find(key);
-  const std::string size =
-      max_size == std::numeric_limits<std::size_t>::max()
-          ? fmt::format("{} or more numbers", min_size)
-          : (min_size == max_size ? fmt::format("{} numbers", min_size)
-                                  : fmt::format("{} to {} numbers", min_size, max_size));
-  const std::string remedy = "give a list of " + size + in_unit(unit);
-  if (!node) throw error(key, "is missing", remedy);
-  const auto* list = node->as_array();
-  if (!list) throw error(key, "must be a list of numbers, got " + described(*node), remedy);
+  const bool open = max_size == std::numeric_limits<std::size_t>::max();
+  const std::string remedy = fmt::format("give a list of {}{} numbers{}", min_size,
+                                         open                   ? " or more"
+                                         : min_size == max_size ? std::string()
+                                                                : fmt::format(" to {}", max_size),
+                                         in_unit(unit));
+  const auto* list = typed<toml::array>(key, "a list of numbers", remedy);
+  if (!list) throw error(key, "is missing", remedy);
   if (list->size() < min_size || list->size() > max_size) {
     throw error(key, fmt::format("has {} values", list->size()), remedy);
   }
   std::vector<double> values;
-  values.reserve(list->size());
-  for (const toml::node& item : *list) {
-    if (!item.is_number()) {
-      throw error(
-          key, fmt::format("value {} must be a number, got {}", values.size() + 1, described(item)),
-          remedy);
+  each(key, "a list of numbers", "a number", remedy, [&](const toml::node& item) {
+    if (!item.is_number()) return false;
+    values.push_back(*item.value<double>());
+    if (const auto problem = broken(values.back(), bound, infinite_allowed); !problem.empty()) {
+      throw error(key, fmt::format("value {} {}", values.size(), problem), remedy);
     }
-    const double value = *item.value<double>();
-    if (const auto problem = broken(value, bound, infinite_allowed); !problem.empty()) {
-      throw error(key, fmt::format("value {} {}", values.size() + 1, problem), remedy);
-    }
-    values.push_back(value);
-  }
+    return true;
+  });
   return values;
 }
 
 std::vector<std::string> TomlTable::strings(const std::string& key) {
-  const toml::node* node = node_->find(key);
   const std::string remedy = "write " + key + " = [\"...\", \"...\"]";
-  if (!node) throw error(key, "is missing", remedy);
-  const auto* list = node->as_array();
-  if (!list) throw error(key, "must be a list of strings, got " + described(*node), remedy);
+  if (!has(key)) throw error(key, "is missing", remedy);
   std::vector<std::string> values;
-  for (const toml::node& item : *list) {
-    const auto* value = item.as_string();
-    if (!value) {
-      throw error(
-          key, fmt::format("value {} must be a string, got {}", values.size() + 1, described(item)),
-          remedy);
-    }
-    values.push_back(value->get());
-  }
+  each(key, "a list of strings", "a string", remedy, [&](const toml::node& item) {
+    if (const auto* value = item.as_string()) values.push_back(value->get());
+    return item.is_string();
+  });
   return values;
 }
 
@@ -291,40 +285,21 @@ std::vector<std::string> TomlTable::string_or_strings(const std::string& key) {
 }
 
 TomlTable TomlTable::table(const std::string& key) {
-  const toml::node* node = node_->find(key);
-  if (!node) throw error(key, "is missing", "add a table `" + key + " = { ... }`");
-  const auto* table = node->as_table();
-  if (!table) {
-    throw error(key, "must be a table, got " + described(*node), "write " + key + " = { ... }");
-  }
-  auto child = std::make_shared<Node>();
-  child->root = node_->root;
-  child->table = table;
-  child->file = node_->file;
-  return {std::move(child), path_.empty() ? key : path_ + "." + key};
+  const auto* table = typed<toml::table>(key, "a table", "write " + key + " = { ... }");
+  if (!table) throw error(key, "is missing", "add a table `" + key + " = { ... }`");
+  return {node_->child(*table), path_.empty() ? key : path_ + "." + key};
 }
 
 std::vector<TomlTable> TomlTable::tables_or_empty(const std::string& key) {
-  const toml::node* node = node_->find(key);
   std::vector<TomlTable> tables;
-  if (!node) return tables;
   const std::string path = path_.empty() ? key : path_ + "." + key;
-  const std::string remedy = "write each one under a line [[" + path + "]]";
-  const auto* list = node->as_array();
-  if (!list) throw error(key, "must be a list of tables, got " + described(*node), remedy);
-  for (const toml::node& item : *list) {
-    const auto* table = item.as_table();
-    if (!table) {
-      throw error(
-          key, fmt::format("value {} must be a table, got {}", tables.size() + 1, described(item)),
-          remedy);
-    }
-    auto child = std::make_shared<Node>();
-    child->root = node_->root;
-    child->table = table;
-    child->file = node_->file;
-    tables.push_back({std::move(child), fmt::format("{}[{}]", path, tables.size())});
-  }
+  each(key, "a list of tables", "a table", "write each one under a line [[" + path + "]]",
+       [&](const toml::node& item) {
+         if (const auto* table = item.as_table()) {
+           tables.push_back({node_->child(*table), fmt::format("{}[{}]", path, tables.size())});
+         }
+         return item.is_table();
+       });
   return tables;
 }
 

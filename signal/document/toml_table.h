@@ -70,6 +70,13 @@ class TomlTable {
  private:
   struct Node;
   TomlTable(std::shared_ptr<Node> node, std::string path);
+  /// The key's value of this kind ("a table", for messages); null where the key is absent.
+  template <typename Kind>
+  const auto* typed(const std::string& key, const char* kind, const std::string& remedy) const;
+  /// Calls `take` with every item of a list; false from it is an item of a wrong kind.
+  template <typename Item>
+  void each(const std::string& key, const char* kind, const char* item_kind,
+            const std::string& remedy, Item&& take) const;
   std::shared_ptr<Node> node_;
   std::string path_;
 };

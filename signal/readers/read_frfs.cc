@@ -1,15 +1,14 @@
 #include "signal/readers/read_frfs.h"
 
-#include <optional>
 #include <utility>
 
-#include "signal/readers/arrays/read_mat.h"
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
-#include "signal/readers/read_over_frequency.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
+#include "signal/readers/xlsx/read_xlsx.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {
@@ -36,6 +35,19 @@ FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOpti
     tables.push_back(std::move(*table));
   }
   return frfs_of(tables);
+}
+
+std::optional<FrequencyTable> frequency_table_in(std::string_view bytes,
+                                                 const std::filesystem::path& path,
+                                                 const ReadOptions& options) {
+  switch (format_of(bytes)) {
+    case RecordingFormat::csv:
+      return read_frequency_table(bytes, path, options);
+    case RecordingFormat::xlsx:
+      return frequency_table_of(read_xlsx_columns(path, options), path);
+    default:
+      return std::nullopt;
+  }
 }
 
 }  // namespace rigfit::signal

@@ -2,15 +2,11 @@
 
 #include <algorithm>
 
-#include "signal/readers/arrays/read_mat.h"
-#include "signal/readers/arrays/read_npy.h"
-#include "signal/readers/arrays/read_wav.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
-#include "signal/readers/csv/read_csv.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
-#include "signal/readers/read_lvm.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/readers/recording_description.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/readers/xlsx/read_xlsx.h"

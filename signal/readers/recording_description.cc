@@ -1,13 +1,17 @@
 #include "signal/readers/recording_description.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "document/toml_table.h"
-#include "signal/readers/plausibility.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
@@ -16,14 +20,18 @@ namespace rigfit::signal {
 namespace fs = std::filesystem;
 namespace {
 
-/// "mV/N" -> {"mV", "N"}: the slash that parts two units, the first one from the left that does.
-bool split_quotient(const std::string& text, std::string& over, std::string& under) {
+struct Quotient {
+  std::string over_text;
+  Unit over, under;
+};
+
+/// "mV/N" as mV and N: the slash that parts two units, the first one from the left that does.
+std::optional<Quotient> parse_quotient(const std::string& text) {
   for (std::size_t at = text.find('/'); at != std::string::npos; at = text.find('/', at + 1)) {
-    over = text.substr(0, at);
-    under = text.substr(at + 1);
-    if (parse_unit(over) && parse_unit(under)) return true;
+    const auto over = parse_unit(text.substr(0, at)), under = parse_unit(text.substr(at + 1));
+    if (over && under) return Quotient{text.substr(0, at), *over, *under};
   }
-  return false;
+  return std::nullopt;
 }
 
 ChannelDescription read_channel(document::TomlTable& table) {
@@ -55,9 +63,9 @@ ChannelDescription read_channel(document::TomlTable& table) {
   if (channel.sensitivity && channel.scale) {
     throw table.error("scale", "stands beside a sensitivity", "give one of the two");
   }
-  std::string over, under;
+  const auto quotient = parse_quotient(channel.sensitivity_unit);
   if (channel.sensitivity.has_value() != !channel.sensitivity_unit.empty() ||
-      (channel.sensitivity && !split_quotient(channel.sensitivity_unit, over, under))) {
+      (channel.sensitivity && !quotient)) {
     throw table.error("sensitivity_unit", "is not a quotient of two units",
                       "write the sensitivity with its unit, such as 2.27 and \"mV/N\"");
   }
@@ -67,7 +75,7 @@ ChannelDescription read_channel(document::TomlTable& table) {
     throw table.error("unit", "\"" + channel.unit + "\" is no unit we know",
                       "write it like \"N\", \"m/s^2\", \"g\", \"mm\"");
   }
-  if (channel.sensitivity && unit->si != parse_unit(over)->si) {
+  if (channel.sensitivity && unit->si != quotient->over.si) {
     throw table.error("unit", "does not fit a sensitivity in " + channel.sensitivity_unit,
                       "beside a sensitivity it is the unit of the file's numbers, such as \"V\"");
   }
@@ -80,30 +88,29 @@ void apply_channel(const ChannelDescription& given, Recording& recording) {
   // Back to the file's numbers: x = a * file + b is replaced as a whole.
   double a = channel.si_per_source, b = channel.si_offset;
   if (given.sensitivity) {
-    std::string over, under;
-    split_quotient(given.sensitivity_unit, over, under);
-    const auto from = parse_unit(over);
-    const auto to = parse_unit(under);
+    const Quotient by = *parse_quotient(given.sensitivity_unit);
     const auto file_unit = parse_unit(given.unit.empty() ? channel.source_unit : given.unit);
+    const auto refuse = [&](std::string problem, std::string remedy) {
+      throw RecordingError({recording.path.string(), 0, 0, channel.name, channel.source_unit},
+                           std::move(problem), std::move(remedy));
+    };
     if (!file_unit) {
-      throw RecordingError(
-          {recording.path.string(), 0, 0, channel.name, channel.source_unit},
-          "the file gives no unit for it: its numbers may be in " + from->si + " or in " +
-              (over == from->si ? "m" + over : over) + ", which makes a factor of a thousand",
-          "say unit = \"" + from->si + "\" (or \"" + (over == from->si ? "m" + over : over) +
-              "\") beside sensitivity = ... " + given.sensitivity_unit + "; rigfit new: --unit \"" +
-              given.source + "=" + from->si + "\"");
+      const std::string milli = by.over_text == by.over.si ? "m" + by.over_text : by.over_text;
+      refuse(fmt::format("the file gives no unit for it: its numbers may be in {} or in {}, which "
+                         "makes a factor of a thousand",
+                         by.over.si, milli),
+             fmt::format("say unit = \"{}\" (or \"{}\") beside sensitivity = ... {}; rigfit new: "
+                         "--unit \"{}={}\"",
+                         by.over.si, milli, given.sensitivity_unit, given.source, by.over.si));
     }
-    if (file_unit->si != from->si) {
-      throw RecordingError(
-          {recording.path.string(), 0, 0, channel.name, channel.source_unit},
-          "the file's unit does not fit a sensitivity in " + given.sensitivity_unit,
-          "give the sensitivity in that unit per unit of what is measured");
+    if (file_unit->si != by.over.si) {
+      refuse("the file's unit does not fit a sensitivity in " + given.sensitivity_unit,
+             "give the sensitivity in that unit per unit of what is measured");
     }
-    a = file_unit->factor / (*given.sensitivity * from->factor) * to->factor;
+    a = file_unit->factor / (*given.sensitivity * by.over.factor) * by.under.factor;
     b = 0;
-    channel.unit = to->si;
-    channel.quantity = to->quantity;
+    channel.unit = by.under.si;
+    channel.quantity = by.under.quantity;
   } else if (!given.unit.empty() || given.scale || given.offset != 0) {
     const auto unit = parse_unit(given.unit.empty() ? channel.source_unit : given.unit);
     const double factor = unit ? unit->factor : 1;
@@ -125,6 +132,47 @@ void apply_channel(const ChannelDescription& given, Recording& recording) {
   }
   if (given.direction) channel.direction = *given.direction;
   if (!given.name.empty()) channel.name = given.name;
+}
+
+/// The likely mistake behind values that hardly any laboratory measures, most often a sensitivity
+/// or unit off by a thousand; empty: nothing to say. `by_voltage`: the channel is scaled by a
+/// sensitivity from volts. Zeros and channels without a number are not judged.
+std::optional<std::string> implausible_values(const Channel& channel, bool by_voltage) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  double least = 0, most = kAny;  // of the largest magnitude
+  if (channel.quantity == Quantity::acceleration) {
+    // A tenth of a millionth of g is below every sensor's noise, 10000 g is a shock, beyond what
+    // vibration is measured with.
+    least = 1e-6, most = 1e5;
+  } else if (channel.quantity == Quantity::force) {
+    // Hammers and dynamic load cells end before.
+    least = by_voltage ? 1e-3 : 0, most = by_voltage ? 1e5 : 1e8;
+  } else if (channel.quantity == Quantity::displacement) {
+    most = 1000;
+  } else if (channel.quantity == Quantity::velocity) {
+    most = 1e4;
+  }
+  double largest = 0;
+  for (const double x : channel.samples) {
+    if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
+  }
+  const bool high = largest > most;
+  if (!(largest > 0) || (!high && largest >= least)) return std::nullopt;
+  std::string text = by_voltage ? "Check the sensitivity"
+                                : fmt::format("Check its unit (\"{}\" in the file) and scale",
+                                              channel.source_unit);
+  text += fmt::format(": it reaches {:.3g} {}, {} than such a channel measures", largest,
+                      channel.unit, high ? "more" : "less");
+  if (channel.quantity == Quantity::acceleration) {
+    text += high ? fmt::format(" ({:.0f} g)", largest / 9.80665)
+                 : fmt::format(" ({:.2g} g)", largest / 9.80665);
+  }
+  if (by_voltage) {
+    text += high ? "; is the sensitivity in V and not in mV, or are the file's numbers mV and not "
+                   "V? Each makes a factor of a thousand"
+                 : "; is the sensitivity in mV and not in V? That makes a factor of a thousand";
+  }
+  return text;
 }
 
 /// `described`: with a sensitivity, by which it was scaled just now; null: as it was.
@@ -207,26 +255,25 @@ std::vector<std::string> format_names() {
 
 char sign_named(const std::string& text) {
   if (text.size() == 1 && std::string(",;.\t ").find(text[0]) != std::string::npos) return text[0];
-  for (const auto& [name, sign] : {std::pair<const char*, char>{"comma", ','},
-                                   {"semicolon", ';'},
-                                   {"tab", '\t'},
-                                   {"\\t", '\t'},
-                                   {"blank", ' '},
-                                   {"space", ' '},
-                                   {"point", '.'}}) {
-    if (text == name) return sign;
-  }
-  return 0;
+  static const std::map<std::string, char> kNames = {
+      {"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"\\t", '\t'},
+      {"blank", ' '}, {"space", ' '},     {"point", '.'}};
+  const auto found = kNames.find(text);
+  return found == kNames.end() ? char{0} : found->second;
 }
 
 ReadOptions merged(ReadOptions first, const ReadOptions& second) {
-  if (first.sample_rate_hz == 0) first.sample_rate_hz = second.sample_rate_hz;
-  if (first.time_unit_s == 0) first.time_unit_s = second.time_unit_s;
-  if (first.decimal == 0) first.decimal = second.decimal;
-  if (first.separator == 0) first.separator = second.separator;
-  if (first.format.empty()) first.format = second.format;
-  if (first.variables.empty()) first.variables = second.variables;
-  if (first.sheet.empty()) first.sheet = second.sheet;
+  const ReadOptions none;
+  const auto merge = [&](auto member) {
+    if (first.*member == none.*member) first.*member = second.*member;
+  };
+  merge(&ReadOptions::sample_rate_hz);
+  merge(&ReadOptions::time_unit_s);
+  merge(&ReadOptions::decimal);
+  merge(&ReadOptions::separator);
+  merge(&ReadOptions::format);
+  merge(&ReadOptions::variables);
+  merge(&ReadOptions::sheet);
   return first;
 }
 
@@ -266,15 +313,14 @@ std::optional<fs::path> description_beside(const fs::path& recording) {
   fs::path beside = recording;
   beside.replace_extension(".toml");
   std::error_code ignored;
-  if (beside == recording || !fs::is_regular_file(beside, ignored)) return std::nullopt;
-  return beside;
+  return beside != recording && fs::is_regular_file(beside, ignored) ? std::optional(beside)
+                                                                     : std::nullopt;
 }
 
 std::optional<fs::path> description_of_folder(const fs::path& recording) {
   const fs::path common = recording.parent_path() / "channels.toml";
   std::error_code ignored;
-  if (!fs::is_regular_file(common, ignored)) return std::nullopt;
-  return common;
+  return fs::is_regular_file(common, ignored) ? std::optional(common) : std::nullopt;
 }
 
 RecordingDescription read_description(const fs::path& file) {

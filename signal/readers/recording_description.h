@@ -81,8 +81,8 @@ struct RecordingDescription {
 [[nodiscard]] RecordingDescription read_description(document::TomlTable& table);
 
 /// Renames, rescales and orients the recording's channels as described; its notes of missing units
-/// follow. Values that hardly any laboratory measures are noted (plausibility.h,
-/// "unit_suspected"). Throws RecordingError for a channel that is not there (unless the description
+/// follow. Values that hardly any laboratory measures are noted
+/// ("unit_suspected"). Throws RecordingError for a channel that is not there (unless the description
 /// is of the folder) or a unit that does not fit.
 void apply_description(const RecordingDescription& description, Recording& recording);
 

@@ -33,95 +33,89 @@ constexpr Dimension kNone{0, 0, 0, 0, 0, 0}, kMetre{1, 0, 0, 0, 0, 0}, kMass{0, 
     kJoule{2, 1, -2, 0, 0, 0}, kTurning{0, 0, -1, 0, 0, 1};
 
 // Symbols are matched as written first; when that gives nothing, ignoring case.
-constexpr Symbol kSymbols[] = {
-    {"m", 1, kMetre, true},
-    {"g", kGravity, kAcceleration, false},
-    {"mg", 1e-3 * kGravity, kAcceleration, false},
-    {"ug", 1e-6 * kGravity, kAcceleration, false},
-    {"gn", kGravity, kAcceleration, true},
-    {"gs", kGravity, kAcceleration, false},
-    {"g's", kGravity, kAcceleration, false},
-    {"g0", kGravity, kAcceleration, false},
-    {"grav", kGravity, kAcceleration, false},
-    {"kg", 1, kMass, false},
-    {"gram", 1e-3, kMass, true},
-    {"s", 1, kSecond, true},
-    {"sec", 1, kSecond, true},
-    {"min", 60, kSecond, false},
-    {"h", 3600, kSecond, false},
-    {"hr", 3600, kSecond, false},
-    {"N", 1, kNewton, true},
-    {"V", 1, kVolt, true},
-    {"K", 1, kKelvin, false},
-    {"degC", 1, kKelvin, false, 273.15},
-    {"C", 1, kKelvin, false, 273.15},
-    {"degF", 5.0 / 9.0, kKelvin, false, 273.15 - 32 * 5.0 / 9.0},
-    {"rad", 1, kRadian, true},
-    {"deg", kDegree, kRadian, true},
-    {"rev", 2 * std::numbers::pi, kRadian, false},
-    {"rpm", 2 * std::numbers::pi / 60, kTurning, false},
-    {"dps", kDegree, kTurning, true},
-    {"Hz", 1, kHertz, true},
-    {"Pa", 1, kPascal, true},
-    {"bar", 1e5, kPascal, true},
-    {"atm", 101325, kPascal, false},
-    {"psi", kPoundForce / (kInch * kInch), kPascal, false},
-    {"ksi", 1e3 * kPoundForce / (kInch * kInch), kPascal, false},
-    {"J", 1, kJoule, true},
-    {"kgf", kGravity, kNewton, false},
-    {"kp", kGravity, kNewton, false},
-    {"gf", 1e-3 * kGravity, kNewton, false},
-    {"tf", 1e3 * kGravity, kNewton, false},
-    {"dyn", 1e-5, kNewton, false},
-    {"lbf", kPoundForce, kNewton, false},
-    {"lb", kPoundForce, kNewton, false},
-    {"lbs", kPoundForce, kNewton, false},
-    {"klbf", 1e3 * kPoundForce, kNewton, false},
-    {"kip", 1e3 * kPoundForce, kNewton, false},
-    {"kips", 1e3 * kPoundForce, kNewton, false},
-    {"lbm", 0.45359237, kMass, false},
-    {"slug", 14.593902937206, kMass, false},
-    {"in", kInch, kMetre, false},
-    {"mil", 1e-3 * kInch, kMetre, false},
-    {"ft", 12 * kInch, kMetre, false},
-    {"ips", kInch, kVelocity, false},
-    {"gal", 1e-2, kAcceleration, false},
-    {"mps", 1, kVelocity, false},
-    {"mps2", 1, kAcceleration, false},
-    {"strain", 1, kNone, true},
-    {"eps", 1, kNone, true},
-    {"%", 1e-2, kNone, false},
-    {"1", 1, kNone, false},
-};
+constexpr Symbol kSymbols[] = {{"m", 1, kMetre, true},
+                               {"g", kGravity, kAcceleration, false},
+                               {"mg", 1e-3 * kGravity, kAcceleration, false},
+                               {"ug", 1e-6 * kGravity, kAcceleration, false},
+                               {"gn", kGravity, kAcceleration, true},
+                               {"gs", kGravity, kAcceleration, false},
+                               {"g's", kGravity, kAcceleration, false},
+                               {"g0", kGravity, kAcceleration, false},
+                               {"grav", kGravity, kAcceleration, false},
+                               {"kg", 1, kMass, false},
+                               {"gram", 1e-3, kMass, true},
+                               {"s", 1, kSecond, true},
+                               {"sec", 1, kSecond, true},
+                               {"min", 60, kSecond, false},
+                               {"h", 3600, kSecond, false},
+                               {"hr", 3600, kSecond, false},
+                               {"N", 1, kNewton, true},
+                               {"V", 1, kVolt, true},
+                               {"K", 1, kKelvin, false},
+                               {"degC", 1, kKelvin, false, 273.15},
+                               {"C", 1, kKelvin, false, 273.15},
+                               {"degF", 5.0 / 9.0, kKelvin, false, 273.15 - 32 * 5.0 / 9.0},
+                               {"rad", 1, kRadian, true},
+                               {"deg", kDegree, kRadian, true},
+                               {"rev", 2 * std::numbers::pi, kRadian, false},
+                               {"rpm", 2 * std::numbers::pi / 60, kTurning, false},
+                               {"dps", kDegree, kTurning, true},
+                               {"Hz", 1, kHertz, true},
+                               {"Pa", 1, kPascal, true},
+                               {"bar", 1e5, kPascal, true},
+                               {"atm", 101325, kPascal, false},
+                               {"psi", kPoundForce / (kInch * kInch), kPascal, false},
+                               {"ksi", 1e3 * kPoundForce / (kInch * kInch), kPascal, false},
+                               {"J", 1, kJoule, true},
+                               {"kgf", kGravity, kNewton, false},
+                               {"kp", kGravity, kNewton, false},
+                               {"gf", 1e-3 * kGravity, kNewton, false},
+                               {"tf", 1e3 * kGravity, kNewton, false},
+                               {"dyn", 1e-5, kNewton, false},
+                               {"lbf", kPoundForce, kNewton, false},
+                               {"lb", kPoundForce, kNewton, false},
+                               {"lbs", kPoundForce, kNewton, false},
+                               {"klbf", 1e3 * kPoundForce, kNewton, false},
+                               {"kip", 1e3 * kPoundForce, kNewton, false},
+                               {"kips", 1e3 * kPoundForce, kNewton, false},
+                               {"lbm", 0.45359237, kMass, false},
+                               {"slug", 14.593902937206, kMass, false},
+                               {"in", kInch, kMetre, false},
+                               {"mil", 1e-3 * kInch, kMetre, false},
+                               {"ft", 12 * kInch, kMetre, false},
+                               {"ips", kInch, kVelocity, false},
+                               {"gal", 1e-2, kAcceleration, false},
+                               {"mps", 1, kVelocity, false},
+                               {"mps2", 1, kAcceleration, false},
+                               {"strain", 1, kNone, true},
+                               {"eps", 1, kNone, true},
+                               {"%", 1e-2, kNone, false},
+                               {"1", 1, kNone, false}};
 
-struct Word {
-  const char* word;
-  const char* symbol;
-};
-constexpr Word kWords[] = {
-    {"metre", "m"},         {"meter", "m"},
-    {"millimetre", "mm"},   {"millimeter", "mm"},
-    {"centimetre", "cm"},   {"centimeter", "cm"},
-    {"gram", "gram"},       {"micron", "um"},
-    {"micrometer", "um"},   {"inch", "in"},
-    {"inches", "in"},       {"inche", "in"},
-    {"foot", "ft"},         {"feet", "ft"},
-    {"newton", "N"},        {"kilonewton", "kN"},
-    {"newtonmeter", "Nm"},  {"volt", "V"},
-    {"millivolt", "mV"},    {"microvolt", "uV"},
-    {"second", "s"},        {"msec", "ms"},
-    {"millisecond", "ms"},  {"usec", "us"},
-    {"microsecond", "us"},  {"minute", "min"},
-    {"hour", "h"},          {"hertz", "Hz"},
-    {"pascal", "Pa"},       {"kilopascal", "kPa"},
-    {"megapascal", "MPa"},  {"radian", "rad"},
-    {"degree", "deg"},      {"celsius", "degC"},
-    {"centigrade", "degC"}, {"fahrenheit", "degF"},
-    {"kelvin", "K"},        {"pound", "lbf"},
-    {"poundforce", "lbf"},  {"microstrain", "ustrain"},
-    {"ue", "ustrain"},      {"kilogram", "kg"},
-    {"joule", "J"},         {"kgforce", "kgf"},
-};
+/// Names of units and the symbols they stand for; a plural's s is taken off.
+using Word = std::pair<const char*, const char*>;
+constexpr Word kWords[] = {{"metre", "m"},         {"meter", "m"},
+                           {"millimetre", "mm"},   {"millimeter", "mm"},
+                           {"centimetre", "cm"},   {"centimeter", "cm"},
+                           {"gram", "gram"},       {"micron", "um"},
+                           {"micrometer", "um"},   {"inch", "in"},
+                           {"inches", "in"},       {"inche", "in"},
+                           {"foot", "ft"},         {"feet", "ft"},
+                           {"newton", "N"},        {"kilonewton", "kN"},
+                           {"newtonmeter", "Nm"},  {"volt", "V"},
+                           {"millivolt", "mV"},    {"microvolt", "uV"},
+                           {"second", "s"},        {"msec", "ms"},
+                           {"millisecond", "ms"},  {"usec", "us"},
+                           {"microsecond", "us"},  {"minute", "min"},
+                           {"hour", "h"},          {"hertz", "Hz"},
+                           {"pascal", "Pa"},       {"kilopascal", "kPa"},
+                           {"megapascal", "MPa"},  {"radian", "rad"},
+                           {"degree", "deg"},      {"celsius", "degC"},
+                           {"centigrade", "degC"}, {"fahrenheit", "degF"},
+                           {"kelvin", "K"},        {"pound", "lbf"},
+                           {"poundforce", "lbf"},  {"microstrain", "ustrain"},
+                           {"ue", "ustrain"},      {"kilogram", "kg"},
+                           {"joule", "J"},         {"kgforce", "kgf"}};
 
 struct Kind {
   Quantity quantity;
@@ -169,25 +163,24 @@ std::string lower(std::string s) {
 /// brackets gone.
 std::string plain(std::string_view text) {
   std::string s = trimmed(to_utf8(text));
-  // UTF-8 read as Latin-1 and written again.
-  replace_all(s, "\u00C2", "");
-  replace_all(s, "\u00E2\u0081\u00BB", "-");
-  replace_all(s, "\u00CE\u00BC", "u");
-  replace_all(s, "\u00CE\u00B5", "strain");
-  for (const char* dot : {"\u00B7", "\u22C5", "\u2219", "\u2022", "\u00D7"})
-    replace_all(s, dot, ".");
-  for (const char* micro : {"\u00B5", "\u03BC"}) replace_all(s, micro, "u");
-  replace_all(s, "\u03B5", "strain");
-  for (const char* degree : {"\u00B0", "\u00BA"}) replace_all(s, degree, "deg");
-  replace_all(s, "\u2103", "degC");
-  replace_all(s, "\u2109", "degF");
-  for (const char* minus : {"\u207B", "\u2212", "\u2013"}) replace_all(s, minus, "-");
-  replace_all(s, "\u00B9", "1");
-  replace_all(s, "\u00B2", "2");
-  replace_all(s, "\u00B3", "3");
-  replace_all(s, "\u2044", "/");
-  // A superscript lost to a wrong encoding: after a second in a quotient only the two is usual.
-  for (const char* lost : {"/s\uFFFD", "/s?"}) replace_all(s, lost, "/s2");
+  using Spelling = std::pair<const char*, const char*>;
+  // The first four: UTF-8 read as Latin-1 and written again. The last two: a superscript lost to a
+  // wrong encoding; after a second in a quotient only the two is usual.
+  for (const auto& [written, meant] : {Spelling{"\u00C2", ""}, {"\u00E2\u0081\u00BB", "-"},
+                                       {"\u00CE\u00BC", "u"},  {"\u00CE\u00B5", "strain"},
+                                       {"\u00B7", "."},        {"\u22C5", "."},
+                                       {"\u2219", "."},        {"\u2022", "."},
+                                       {"\u00D7", "."},        {"\u00B5", "u"},
+                                       {"\u03BC", "u"},        {"\u03B5", "strain"},
+                                       {"\u00B0", "deg"},      {"\u00BA", "deg"},
+                                       {"\u2103", "degC"},     {"\u2109", "degF"},
+                                       {"\u207B", "-"},        {"\u2212", "-"},
+                                       {"\u2013", "-"},        {"\u00B9", "1"},
+                                       {"\u00B2", "2"},        {"\u00B3", "3"},
+                                       {"\u2044", "/"},        {"/s\uFFFD", "/s2"},
+                                       {"/s?", "/s2"}}) {
+    replace_all(s, written, meant);
+  }
   if (s.size() >= 2 &&
       ((s.front() == '[' && s.back() == ']') || (s.front() == '{' && s.back() == '}') ||
        (s.front() == '(' && s.find(')') == s.size() - 1))) {
@@ -213,27 +206,11 @@ const Symbol* find_symbol(std::string_view text, bool ignore_case) {
   return nullptr;
 }
 
+/// Of an SI prefix; 0: none.
 double prefix_factor(char c) {
-  switch (c) {
-    case 'n':
-      return 1e-9;
-    case 'u':
-      return 1e-6;
-    case 'm':
-      return 1e-3;
-    case 'c':
-      return 1e-2;
-    case 'd':
-      return 1e-1;
-    case 'k':
-      return 1e3;
-    case 'M':
-      return 1e6;
-    case 'G':
-      return 1e9;
-    default:
-      return 0;
-  }
+  constexpr std::string_view kLetters = "numcdkMG";
+  constexpr std::array<double, 9> kFactors = {1e-9, 1e-6, 1e-3, 1e-2, 1e-1, 1e3, 1e6, 1e9, 0};
+  return kFactors[std::min(kLetters.find(c), kLetters.size())];
 }
 
 bool symbol_factor(std::string_view text, Symbol& out) {
@@ -262,7 +239,7 @@ bool symbol_factor(std::string_view text, Symbol& out) {
   std::string word = lower(std::string(text));
   for (int attempt = 0; attempt < 2; ++attempt) {
     for (const auto& entry : kWords) {
-      if (word == entry.word) return symbol_factor(entry.symbol, out);
+      if (word == entry.first) return symbol_factor(entry.second, out);
     }
     if (word.size() < 2 || word.back() != 's') break;
     word.pop_back();
@@ -312,15 +289,12 @@ bool multiply(std::string_view term, int sign, Product& product) {
   return true;
 }
 
-/// `ms-2` and `ms^-2`: metre per second squared, though "ms" alone is a millisecond.
-bool is_ms_minus_two(const std::string& s) { return s == "ms-2" || s == "ms^-2" || s == "ms^(-2)"; }
-bool is_ms_minus_one(const std::string& s) { return s == "ms-1" || s == "ms^-1" || s == "ms^(-1)"; }
-
 bool parse_product(std::string s, Product& product) {
-  if (is_ms_minus_two(s)) s = "m/s2";
-  if (is_ms_minus_one(s)) s = "m/s";
   replace_all(s, "^(-1)", "^-1");
   replace_all(s, "^(-2)", "^-2");
+  // Metre per second squared, though "ms" alone is a millisecond.
+  if (s == "ms-2" || s == "ms^-2") s = "m/s2";
+  if (s == "ms-1" || s == "ms^-1") s = "m/s";
   int sign = 1, terms = 0;
   bool pending_slash = false;
   std::string term;

@@ -6,8 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <cstdint>
-#include <cstring>
 #include <map>
 
 #include "signal/readers/uff/uff58.h"
@@ -63,19 +61,11 @@ std::string e13(double value) {
   return text.size() > 13 ? fmt::format("{:13.5e}", value) : text;
 }
 
-void append_double(std::string& out, double value) {
-  auto bits = std::bit_cast<std::uint64_t>(value);
-  if constexpr (std::endian::native == std::endian::big) bits = __builtin_bswap64(bits);
-  std::array<char, 8> bytes{};
-  std::memcpy(bytes.data(), &bits, 8);
-  out.append(bytes.data(), bytes.size());
-}
-
-void append_float(std::string& out, double value) {
-  auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-  if constexpr (std::endian::native == std::endian::big) bits = __builtin_bswap32(bits);
-  std::array<char, 4> bytes{};
-  std::memcpy(bytes.data(), &bits, 4);
+/// Little-endian bytes of the value as a Number.
+template <typename Number>
+void append_binary(std::string& out, double value) {
+  auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(static_cast<Number>(value));
+  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
   out.append(bytes.data(), bytes.size());
 }
 
@@ -113,7 +103,7 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
   for (const auto& axis : {f.abscissa, f.ordinate, f.denominator, f.z}) out += axis_line(axis);
   if (binary) {
     out.reserve(out.size() + static_cast<std::size_t>(bytes * values * n) + 8);
-    const auto append = single ? append_float : append_double;
+    const auto append = single ? append_binary<float> : append_binary<double>;
     for (Eigen::Index k = 0; k < n; ++k) {
       if (!f.even) append(out, f.x[k]);
       append(out, f.real[k]);
@@ -142,22 +132,34 @@ int direction_code(const std::array<double, 3>& direction) {
   return code;
 }
 
-Uff58Axis time_axis_record() { return {17, {0, 0, 0}, "Time", "s"}; }
-Uff58Axis frequency_axis_record() { return {18, {0, 0, 0}, "Frequency", "Hz"}; }
-
 /// The numerator of the FRF's unit and its specific data type.
 Uff58Axis ordinate_of(const FrfSet& frfs) {
-  switch (frfs.form) {
-    case FrfForm::receptance:
-      return {8, {0, 0, 0}, "Receptance", "m"};
-    case FrfForm::mobility:
-      return {11, {0, 0, 0}, "Mobility", "m/s"};
-    case FrfForm::accelerance:
-      return {12, {0, 0, 0}, "Accelerance", "m/s^2"};
-    case FrfForm::unknown:
-      break;
-  }
+  if (frfs.form == FrfForm::receptance) return {8, {0, 0, 0}, "Receptance", "m"};
+  if (frfs.form == FrfForm::mobility) return {11, {0, 0, 0}, "Mobility", "m/s"};
+  if (frfs.form == FrfForm::accelerance) return {12, {0, 0, 0}, "Accelerance", "m/s^2"};
   return {0, {0, 0, 0}, "FRF", frfs.unit};
+}
+
+/// "Modal A": psi / L at the first response that is also an input; 0: none is.
+std::complex<double> modal_a_of(const ModalModel& modes, const IdentifiedMode& mode) {
+  const auto rows = std::min(modes.responses.size(), static_cast<std::size_t>(mode.shape.size()));
+  const auto columns =
+      std::min(modes.inputs.size(), static_cast<std::size_t>(mode.participation.size()));
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t i = 0; i < columns; ++i) {
+      const MeasuredPoint &response = modes.responses[r], &input = modes.inputs[i];
+      const auto participation = mode.participation[static_cast<Eigen::Index>(i)];
+      if (response.node == 0 || response.node != input.node || participation == 0.0 ||
+          std::abs(response.direction) != std::abs(input.direction)) {
+        continue;
+      }
+      const double sign = response.direction == input.direction ? 1 : -1;
+      const auto a = sign * mode.shape[static_cast<Eigen::Index>(r)] / participation;
+      if (a != 0.0) return a;
+      break;
+    }
+  }
+  return 0;
 }
 
 }  // namespace
@@ -178,7 +180,7 @@ std::string uff_text(const Recording& recording, UffEncoding encoding, const std
                                               : std::string());
     f.response.entity = channel.name;
     f.response.direction = direction_code(channel.direction);
-    f.abscissa = time_axis_record();
+    f.abscissa = {17, {0, 0, 0}, "Time", "s"};
     f.ordinate = {
         uff58_data_type(channel.quantity), {0, 0, 0}, name_of(channel.quantity), channel.unit};
     f.real = channel.samples;
@@ -213,54 +215,51 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
   }
   for (std::size_t r = 0; r < frfs.responses.size(); ++r) {
     for (std::size_t i = 0; i < frfs.inputs.size(); ++i) {
+      const MeasuredPoint &response = frfs.responses[r], &input = frfs.inputs[i];
       const Eigen::Index column =
           frfs.column(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i));
-      Uff58 f;
-      f.even = even;
-      f.abscissa_start = start;
-      f.abscissa_step = step;
-      if (!even) f.x = frfs.frequency_hz;
-      f.response = {frfs.responses[r].name, frfs.responses[r].node, frfs.responses[r].direction};
-      f.reference = {frfs.inputs[i].name, frfs.inputs[i].node, frfs.inputs[i].direction};
-      f.id[0] = frfs.responses[r].name;
-      f.id[1] = frfs.inputs[i].name;
-      const std::string about =
-          fmt::format("averages={} rate={} decay={} pre={:.6g}", frfs.averages, frfs.sample_rate_hz,
-                      frfs.exponential_decay_rate_1_s, frfs.pre_trigger_s);
+      Uff58 common;
+      common.even = even;
+      common.abscissa_start = start;
+      common.abscissa_step = step;
+      if (!even) common.x = frfs.frequency_hz;
+      common.response = {response.name, response.node, response.direction};
+      common.reference = {input.name, input.node, input.direction};
+      common.id[0] = response.name;
+      common.id[1] = input.name;
       // A line holds 80 characters.
-      f.id[4] = fmt::format("rigfit x0={} dx={} span={:.4g}", start, step, frfs.force_noise_span_s);
+      common.id[4] =
+          fmt::format("rigfit x0={} dx={} span={:.4g}", start, step, frfs.force_noise_span_s);
       if (frfs.sample_rate_relative_std > 0) {
-        f.id[4] += fmt::format(" rate_u={:.2g}", frfs.sample_rate_relative_std);
+        common.id[4] += fmt::format(" rate_u={:.2g}", frfs.sample_rate_relative_std);
       }
-      f.abscissa = frequency_axis_record();
-
-      f.function_type = uff58_function::kFrf;
-      f.complex = true;
-      f.id[3] = "rigfit what=frf " + about;
-      f.ordinate = ordinate_of(frfs);
-      f.denominator =
-          frfs.form == FrfForm::unknown ? Uff58Axis{} : Uff58Axis{13, {0, 0, 0}, "Force", "N"};
-      f.real = frfs.H.col(column).real();
-      f.imag = frfs.H.col(column).imag();
-      append_function(out, f, encoding);
-
-      f.complex = false;
-      f.imag.resize(0);
+      common.abscissa = {18, {0, 0, 0}, "Frequency", "Hz"};
+      const auto append = [&](int type, const char* what, const Uff58Axis& ordinate, bool per_force,
+                              const Eigen::Ref<const Eigen::VectorXd>& real,
+                              const Eigen::VectorXd& imag = {}) {
+        Uff58 f = common;
+        f.function_type = type;
+        f.complex = imag.size() > 0;
+        f.id[3] = fmt::format("rigfit what={} averages={} rate={} decay={} pre={:.6g}", what,
+                              frfs.averages, frfs.sample_rate_hz, frfs.exponential_decay_rate_1_s,
+                              frfs.pre_trigger_s);
+        f.ordinate = ordinate;
+        if (per_force) f.denominator = {13, {0, 0, 0}, "Force", "N"};
+        f.real = real;
+        f.imag = imag;
+        append_function(out, f, encoding);
+      };
+      const bool has_form = frfs.form != FrfForm::unknown;
+      Uff58Axis ordinate = ordinate_of(frfs);
+      append(uff58_function::kFrf, "frf", ordinate, has_form, frfs.H.col(column).real(),
+             frfs.H.col(column).imag());
       if (frfs.coherence.size() > 0) {
-        f.function_type = uff58_function::kCoherence;
-        f.id[3] = "rigfit what=coherence " + about;
-        f.real = frfs.coherence.col(column);
-        Uff58 c = f;
-        c.ordinate = {0, {0, 0, 0}, "Coherence", ""};
-        c.denominator = {};
-        append_function(out, c, encoding);
+        append(uff58_function::kCoherence, "coherence", {0, {0, 0, 0}, "Coherence", ""}, false,
+               frfs.coherence.col(column));
       }
       if (frfs.H_std.size() > 0) {
-        f.function_type = uff58_function::kGeneral;
-        f.id[3] = "rigfit what=std " + about;
-        f.ordinate.label = "Std of re and of im";
-        f.real = frfs.H_std.col(column);
-        append_function(out, f, encoding);
+        ordinate.label = "Std of re and of im";
+        append(uff58_function::kGeneral, "std", ordinate, has_form, frfs.H_std.col(column));
       }
     }
   }
@@ -285,21 +284,7 @@ std::string uff_text(const ModalModel& modes, const std::vector<NodePosition>& p
   }
   for (std::size_t m = 0; m < modes.modes.size(); ++m) {
     const IdentifiedMode& mode = modes.modes[m];
-    std::complex<double> modal_a = 0;
-    for (std::size_t r = 0; r < modes.responses.size() && modal_a == 0.0; ++r) {
-      for (std::size_t i = 0; i < modes.inputs.size(); ++i) {
-        const auto& response = modes.responses[r];
-        const auto& input = modes.inputs[i];
-        const bool driving = response.node != 0 && response.node == input.node &&
-                             std::abs(response.direction) == std::abs(input.direction);
-        const auto row = static_cast<Eigen::Index>(r), col = static_cast<Eigen::Index>(i);
-        if (!driving || row >= mode.shape.size() || col >= mode.participation.size()) continue;
-        if (mode.participation[col] == 0.0) continue;
-        const double sign = response.direction == input.direction ? 1 : -1;
-        modal_a = sign * mode.shape[row] / mode.participation[col];
-        break;
-      }
-    }
+    const std::complex<double> modal_a = modal_a_of(modes, mode);
     out += kMark;
     out += fmt::format("    55{:74s}\n", "");
     out += id_line(fmt::format("mode {}", m + 1));

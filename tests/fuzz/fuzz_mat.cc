@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "signal/readers/arrays/read_mat.h"
+#include "signal/readers/files/read_formats.h"
 #include "tests/fuzz/require_sound.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "signal/readers/arrays/read_wav.h"
+#include "signal/readers/files/read_formats.h"
 #include "tests/fuzz/require_sound.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

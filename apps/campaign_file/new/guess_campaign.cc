@@ -16,9 +16,10 @@
 #include "document/document_error.h"
 #include "document/toml_table.h"
 #include "signal/impact/pulse_shape.h"
+#include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
-#include "signal/readers/read_over_frequency.h"
+#include "signal/readers/read_frfs.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {

@@ -18,7 +18,7 @@
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
-#include "signal/readers/read_over_frequency.h"
+#include "signal/readers/read_frfs.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/spectra/line_peaks.h"

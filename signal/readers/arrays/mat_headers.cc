@@ -1,17 +1,16 @@
 #include "signal/readers/arrays/mat_headers.h"
 
+#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
 #include <cstdint>
-#include <fstream>
+#include <cstring>
 #include <limits>
+#include <string>
 #include <string_view>
-#include <system_error>
-#include <vector>
 
+#include "signal/readers/files/mapped_file.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {
@@ -21,215 +20,177 @@ using namespace std::string_view_literals;
 // Types of elements and classes of arrays (MAT-File Format, The MathWorks, version 5).
 constexpr std::uint32_t kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;
 constexpr std::uint32_t kCell = 1, kStruct = 2, kObject = 3, kFunction = 16, kOpaque = 17;
-constexpr std::uint64_t kTagBytes = 8;
-constexpr std::uint64_t kMostDimensions = 32;
+constexpr std::size_t kTagBytes = 8, kMostDimensions = 32;
 constexpr int kDeepestHeader = 64;
-// Deflate packs at most 1032 to one (zlib's manual).
-constexpr std::uint64_t kMostUnpacked = 1032;
+constexpr std::size_t kMostUnpacked = 1032;  // deflate packs at most so many to one (zlib's manual)
+constexpr std::size_t kHead = 1 << 16;       // bytes of a packed variable that hold a header
 
-/// Bytes of a file, or of a packed variable in it.
-class MatBytes {
- public:
-  explicit MatBytes(std::ifstream& file) : file_(file) {}
-  MatBytes(std::ifstream& file, std::uint64_t packed) : file_(file), packed_left_(packed) {
-    is_open_ = inflateInit(&stream_) == Z_OK;
-    is_packed_ = true;
-  }
-  MatBytes(const MatBytes&) = delete;
-  MatBytes& operator=(const MatBytes&) = delete;
-  ~MatBytes() {
-    if (is_open_) inflateEnd(&stream_);
-  }
-
-  [[nodiscard]] bool read(void* to, std::size_t bytes) {
-    if (!is_packed_)
-      return static_cast<bool>(
-          file_.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes)));
-    stream_.next_out = static_cast<Bytef*>(to);
-    stream_.avail_out = static_cast<uInt>(bytes);
-    while (is_open_ && stream_.avail_out > 0) {
-      if (stream_.avail_in == 0) {
-        const auto piece =
-            static_cast<std::streamsize>(std::min<std::uint64_t>(packed_left_, input_.size()));
-        if (piece == 0 || !file_.read(input_.data(), piece)) return false;
-        packed_left_ -= static_cast<std::uint64_t>(piece);
-        stream_.next_in = reinterpret_cast<Bytef*>(input_.data());
-        stream_.avail_in = static_cast<uInt>(piece);
-      }
-      const int state = inflate(&stream_, Z_NO_FLUSH);
-      if (state != Z_OK && !(state == Z_STREAM_END && stream_.avail_out == 0)) return false;
-    }
-    return is_open_;
-  }
-
-  [[nodiscard]] bool skip(std::uint64_t bytes) {
-    if (!is_packed_) {
-      file_.seekg(static_cast<std::streamoff>(bytes), std::ios::cur);
-      return static_cast<bool>(file_);
-    }
-    std::array<char, 4096> unread{};
-    for (; bytes > 0; bytes -= std::min<std::uint64_t>(bytes, unread.size())) {
-      if (!read(unread.data(), std::min<std::uint64_t>(bytes, unread.size()))) return false;
-    }
-    return true;
-  }
-
- private:
-  std::ifstream& file_;
-  bool is_packed_ = false, is_open_ = false;
-  std::uint64_t packed_left_ = 0;
-  std::vector<char> input_ = std::vector<char>(1 << 14);
-  z_stream stream_{};
-};
-
-struct Tag {
-  std::uint32_t type = 0;
-  std::uint64_t bytes = 0;     ///< bytes of data
-  std::uint64_t behind = 0;    ///< bytes of data and padding behind the tag
-  std::uint32_t in_place = 0;  ///< up to four bytes of data that stand in the tag itself
-};
-
-std::uint64_t product(std::uint64_t a, std::uint64_t b) {
-  constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+std::size_t product(std::size_t a, std::size_t b) {
+  constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
   return b != 0 && a > kMost / b ? kMost : a * b;
 }
 
-/// Walks the elements of a file or of a packed variable.
+/// The first `most` bytes of what `packed` unpacks to; `whole`: all that it holds.
+std::string unpacked(std::string_view packed, std::size_t most, bool& whole) {
+  std::string out;
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) return out;
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+  stream.avail_in = static_cast<uInt>(packed.size());
+  int state = Z_OK;
+  while (state == Z_OK && out.size() < most) {
+    const std::size_t had = out.size(), piece = std::min(most - had, std::max(had, kHead));
+    out.resize(had + piece);
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + had);
+    stream.avail_out = static_cast<uInt>(piece);
+    state = inflate(&stream, Z_NO_FLUSH);
+    out.resize(had + piece - stream.avail_out);
+  }
+  whole = state == Z_STREAM_END;
+  inflateEnd(&stream);
+  return out;
+}
+
+/// Walks the elements of a file or of a variable. A variable's own bytes may lack its end where
+/// only its header is asked for.
 class MatWalk {
  public:
-  MatWalk(MatBytes& bytes, bool swapped) : bytes_(bytes), swapped_(swapped) {}
+  MatWalk(std::string_view bytes, bool swapped) : rest_(bytes), swapped_(swapped) {}
 
-  /// The next tag; false: there is none.
-  [[nodiscard]] bool tag(Tag& tag) {
-    std::array<std::uint32_t, 2> words{};
-    if (!bytes_.read(words.data(), kTagBytes)) return false;
-    const std::uint32_t first = word(words[0]);
-    if (first >> 16 != 0) {
-      tag = {first & 0xffffU, first >> 16, 0, word(words[1])};
-      return tag.bytes <= 4;
+  struct Element {
+    std::uint32_t type = 0;
+    std::size_t stated = 0;  ///< bytes behind the tag, padding included
+    bool is_whole = false;   ///< they are all there
+    std::string_view data;   ///< without padding
+  };
+
+  [[nodiscard]] std::string_view rest() const { return rest_; }
+
+  /// The next element; false: there is none, or its tag is damaged.
+  [[nodiscard]] bool next(Element& element) {
+    if (rest_.size() < kTagBytes) return false;
+    const std::uint32_t first = word(rest_, 0);
+    std::size_t bytes = word(rest_, 1);
+    if (first >> 16 != 0) {  // up to four bytes of data in the tag itself
+      bytes = first >> 16;
+      element = {first & 0xffffU, 0, true, rest_.substr(4, bytes)};
+      rest_.remove_prefix(kTagBytes);
+      return bytes <= 4;
     }
-    const std::uint64_t bytes = word(words[1]);
+    rest_.remove_prefix(kTagBytes);
     const bool is_padded = first != kMatrix && first != kCompressed;
-    tag = {first, bytes, is_padded ? (bytes + 7) / 8 * 8 : bytes, 0};
+    element.type = first;
+    element.stated = is_padded ? (bytes + 7) / 8 * 8 : bytes;
+    element.is_whole = element.stated <= rest_.size();
+    element.data = rest_.substr(0, bytes);
+    rest_.remove_prefix(std::min(element.stated, rest_.size()));
     return true;
   }
 
-  /// A variable of `left` bytes behind its tag.
-  [[nodiscard]] bool variable(std::uint64_t left, int depth) {
-    if (left == 0) return depth > 0;  // an empty element
+  /// Whether a variable can hold what its header states. `stated`: its bytes; `whole`: they are all
+  /// here. `has_elements`: it is made of variables, which are looked at where it is whole.
+  [[nodiscard]] bool variable(std::size_t stated, bool whole, int depth, bool& has_elements) {
+    if (stated == 0) return depth > 0;  // an empty element
     if (depth > kDeepestHeader) return false;
-    Words words{};
-    std::uint64_t bytes = 0;
-    if (!read_part(kUint32, left, words, bytes) || bytes != 8) return false;  // flags
-    const std::uint32_t array_class = word(words[0]) & 0xffU;
-    if (array_class == kOpaque) return depth == 0 || bytes_.skip(left);  // without dimensions
-    if (!read_part(kInt32, left, words, bytes)) return false;            // dimensions
-    std::uint64_t count = 1;
-    for (std::uint64_t d = 0; d < bytes / 4; ++d) count = product(count, word(words[d]));
-    if (!skip_part(kInt8, left, bytes)) return false;  // name
-    const bool has_fields = array_class == kStruct || array_class == kObject;
-    if (array_class == kFunction && product(count, kTagBytes) > left) return false;
-    // Behind a variable of the file nothing more is asked for.
-    if (!has_fields && array_class != kCell) return depth == 0 || bytes_.skip(left);
-    if (array_class == kObject && !skip_part(kInt8, left, bytes))
-      return false;  // name of its class
-    if (has_fields) {
-      if (!read_part(kInt32, left, words, bytes) || bytes != 4 || words[0] == 0) return false;
-      const std::uint64_t length = word(words[0]);  // length of a field's name
-      if (!skip_part(kInt8, left, bytes)) return false;
-      count = product(count, bytes / length);
+    Element flags, part;
+    if (!next_of(kUint32, flags) || flags.data.size() != 8) return false;
+    const std::uint32_t array_class = word(flags.data, 0) & 0xffU;
+    if (array_class == kOpaque) return true;  // without dimensions
+    if (!next_of(kInt32, part) || part.data.size() > 4 * kMostDimensions) return false;
+    std::size_t count = 1;
+    for (std::size_t d = 0; d < part.data.size() / 4; ++d) {
+      count = product(count, word(part.data, d));
     }
-    if (product(count, kTagBytes) > left) return false;
-    while (left >= kTagBytes) {
-      Tag element;
-      if (!next(left, element)) return false;
-      if (element.type == kMatrix ? !variable(element.bytes, depth + 1)
-                                  : !bytes_.skip(element.behind)) {
+    if (!next_of(kInt8, part)) return false;  // name
+    const bool has_fields = array_class == kStruct || array_class == kObject;
+    has_elements = has_fields || array_class == kCell;
+    const std::size_t held = stated - std::min(stated, flags.stated + part.stated + 3 * kTagBytes);
+    if (array_class == kFunction) return product(count, kTagBytes) <= held;
+    if (!has_elements || !whole) return true;
+    if (array_class == kObject && !next_of(kInt8, part)) return false;  // name of its class
+    if (has_fields) {
+      if (!next_of(kInt32, part) || part.data.size() != 4) return false;
+      const std::size_t length = word(part.data, 0);  // of a field's name
+      if (length == 0 || !next_of(kInt8, part)) return false;
+      count = product(count, part.data.size() / length);
+    }
+    if (product(count, kTagBytes) > rest_.size()) return false;
+    while (rest_.size() >= kTagBytes) {
+      if (!next(part) || !part.is_whole) return false;
+      bool ignored = false;
+      if (part.type == kMatrix &&
+          !MatWalk(part.data, swapped_).variable(part.stated, true, depth + 1, ignored)) {
         return false;
       }
     }
-    return bytes_.skip(left);
-  }
-
- private:
-  using Words = std::array<std::uint32_t, kMostDimensions>;
-
-  [[nodiscard]] std::uint32_t word(std::uint32_t value) const {
-    return swapped_ ? __builtin_bswap32(value) : value;
-  }
-
-  /// The tag of the next part of a variable; `left` goes down by all of the part.
-  [[nodiscard]] bool next(std::uint64_t& left, Tag& part) {
-    if (left < kTagBytes || !tag(part) || part.behind > left - kTagBytes) return false;
-    left -= kTagBytes + part.behind;
     return true;
   }
 
-  [[nodiscard]] bool skip_part(std::uint32_t type, std::uint64_t& left, std::uint64_t& bytes) {
-    Tag part;
-    if (!next(left, part) || part.type != type) return false;
-    bytes = part.bytes;
-    return bytes_.skip(part.behind);
+ private:
+  [[nodiscard]] std::uint32_t word(std::string_view data, std::size_t k) const {
+    std::uint32_t value = 0;
+    std::memcpy(&value, data.data() + 4 * k, 4);
+    return swapped_ ? __builtin_bswap32(value) : value;
+  }
+  /// The next element, which is of this type and whole.
+  [[nodiscard]] bool next_of(std::uint32_t type, Element& element) {
+    return next(element) && element.type == type && element.is_whole;
   }
 
-  /// The words of a short part, in the order of bytes of the file.
-  [[nodiscard]] bool read_part(std::uint32_t type, std::uint64_t& left, Words& words,
-                               std::uint64_t& bytes) {
-    Tag part;
-    if (!next(left, part) || part.type != type || part.behind > sizeof(words)) return false;
-    bytes = part.bytes;
-    words[0] = word(part.in_place);  // back to the file's order
-    return part.behind == 0 || bytes_.read(words.data(), part.behind);
-  }
-
-  MatBytes& bytes_;
+  std::string_view rest_;
   bool swapped_;
 };
+
+bool can_be_held(const MatWalk::Element& element, bool swapped) {
+  bool has_elements = false;
+  if (element.type == kMatrix) {
+    return MatWalk(element.data, swapped).variable(element.stated, true, 0, has_elements);
+  }
+  if (element.type != kCompressed) return true;
+  for (const std::size_t most : {kHead, std::numeric_limits<std::size_t>::max()}) {
+    bool whole = false;
+    const std::string text = unpacked(element.data, most, whole);
+    MatWalk walk(text, swapped);
+    MatWalk::Element variable;
+    if (!walk.next(variable) || variable.type != kMatrix ||
+        variable.stated > product(element.data.size(), kMostUnpacked) ||
+        (whole && !variable.is_whole) ||
+        !MatWalk(variable.data, swapped).variable(variable.stated, whole, 0, has_elements)) {
+      return false;
+    }
+    if (whole || !has_elements) return true;
+    if (text.size() < most) return false;  // breaks off
+  }
+  return true;
+}
 
 }  // namespace
 
 void check_mat_headers(const std::filesystem::path& path) {
-  const auto refuse = [&](const char* problem, const char* remedy) {
-    throw RecordingError({path.string(), 0, 0, "", ""}, problem, remedy);
+  const auto refusal = [&](const std::string& problem, const char* remedy) {
+    return RecordingError({path.string(), 0, 0, "", ""}, problem, remedy);
   };
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 128> header{};
-  const bool is_whole = static_cast<bool>(file.read(header.data(), header.size()));
-  const std::string_view version(header.data() + 124, 4);
+  const MappedFile file(path);
+  const std::string_view header = file.bytes().substr(0, 128);
+  const auto version = header.size() == 128 ? header.substr(124) : ""sv;
+  if (version == "\0\2IM"sv || version == "\2\0MI"sv) return;  // HDF5: version 7.3
   const bool swapped = version == "\1\0MI"sv;
-  if (is_whole && (version == "\0\2IM"sv || version == "\2\0MI"sv)) return;  // HDF5: version 7.3
-  if (!is_whole || (!swapped && version != "\0\1IM"sv)) {
-    refuse("is no MATLAB file of version 5 to 7.3", "save it again, by save(F, '-v7')");
+  if (!swapped && version != "\0\1IM"sv) {
+    throw refusal("is no MATLAB file of version 5 to 7.3", "save it again, by save(F, '-v7')");
   }
-  MatBytes bytes(file);
-  MatWalk walk(bytes, swapped);
-  Tag element;
-  std::error_code none;
-  const auto size = static_cast<std::uint64_t>(std::filesystem::file_size(path, none));
-  while (walk.tag(element)) {
-    const std::streamoff start = file.tellg();
-    if (const std::uint64_t held = size - static_cast<std::uint64_t>(start);
-        !none && element.behind > held) {
-      throw RecordingError({path.string(), 0, 0, "", ""},
-                           "breaks off: its last variable states " +
-                               std::to_string(element.behind) + " bytes, of which " +
-                               std::to_string(element.behind - held) + " are missing",
-                           "copy the file again");
+  MatWalk walk(file.bytes().substr(128), swapped);
+  MatWalk::Element element;
+  for (std::size_t held = walk.rest().size(); walk.next(element); held = walk.rest().size()) {
+    held -= kTagBytes;
+    if (!element.is_whole) {
+      throw refusal(fmt::format("breaks off: its last variable states {} bytes, of which {} are "
+                                "missing",
+                                element.stated, element.stated - held),
+                    "copy the file again");
     }
-    bool holds = element.type != kMatrix || walk.variable(element.bytes, 0);
-    if (element.type == kCompressed) {
-      MatBytes unpacked(file, element.bytes);
-      MatWalk inside(unpacked, swapped);
-      Tag variable;
-      holds = inside.tag(variable) && variable.type == kMatrix &&
-              variable.bytes <= product(element.bytes, kMostUnpacked) &&
-              inside.variable(variable.bytes, 0);
+    if (!can_be_held(element, swapped)) {
+      throw refusal("breaks off, or states more elements than it can hold", "copy the file again");
     }
-    if (!holds) {
-      refuse("breaks off, or states more elements than it can hold", "copy the file again");
-    }
-    file.clear();
-    file.seekg(start + static_cast<std::streamoff>(element.behind));
   }
 }
 

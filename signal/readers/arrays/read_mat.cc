@@ -1,4 +1,4 @@
-#include "signal/readers/arrays/read_mat.h"
+#include "signal/readers/files/read_formats.h"
 
 #include <fmt/format.h>
 #include <matio.h>

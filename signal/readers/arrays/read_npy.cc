@@ -1,4 +1,4 @@
-#include "signal/readers/arrays/read_npy.h"
+#include "signal/readers/files/read_formats.h"
 
 #include <fmt/format.h>
 
@@ -34,6 +34,8 @@ struct Header {
   std::vector<std::size_t> shape;
 };
 
+/// The dictionary of Python that numpy.save writes: {'descr': '<f8', 'fortran_order': False,
+/// 'shape': (3, 2), }; a structured array has a list of (name, type) as descr.
 class HeaderParser {
  public:
   HeaderParser(std::string_view text, const std::string& file) : text_(text), file_(file) {}
@@ -45,16 +47,13 @@ class HeaderParser {
       const std::string key = string();
       take(':');
       if (key == "descr") {
-        if (next_is('[')) {
-          header.record = true;
-          records(header.fields);
-        } else {
-          header.fields.push_back(field("", string()));
-        }
+        header.record = next_is('[');
+        if (!header.record) header.fields.push_back(field("", string()));
+        if (header.record) list('[', ']', [&] { header.fields.push_back(record()); });
       } else if (key == "fortran_order") {
         header.fortran = word() == "True";
       } else if (key == "shape") {
-        shape(header.shape);
+        list('(', ')', [&] { header.shape.push_back(size()); });
       } else {
         throw refusal(key, "an entry of the header that is not known");
       }
@@ -71,62 +70,60 @@ class HeaderParser {
   }
 
  private:
-  void skip() {
-    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
-  }
   bool next_is(char c) {
-    skip();
-    if (at_ >= text_.size()) throw refusal("", "the header breaks off");
-    return text_[at_] == c;
+    text_.remove_prefix(std::min(text_.find_first_not_of(" \t\r\n"), text_.size()));
+    if (text_.empty()) throw refusal("", "the header breaks off");
+    return text_.front() == c;
   }
   void take(char c) {
-    if (!next_is(c)) throw refusal(std::string(text_.substr(at_, 20)), "the header is damaged");
-    ++at_;
+    if (!next_is(c)) throw refusal(std::string(text_.substr(0, 20)), "the header is damaged");
+    text_.remove_prefix(1);
   }
-  std::string string() {
-    skip();
-    const char quote = next_is('"') ? '"' : '\'';
-    take(quote);
-    const std::size_t end = text_.find(quote, at_);
-    if (end == std::string_view::npos) throw refusal("", "the header breaks off");
-    std::string out(text_.substr(at_, end - at_));
-    at_ = end + 1;
+  std::string taken(std::size_t count) {
+    std::string out(text_.substr(0, count));
+    text_.remove_prefix(out.size());
     return out;
   }
+  std::string string() {
+    const char quote = next_is('"') ? '"' : '\'';
+    take(quote);
+    const std::size_t end = text_.find(quote);
+    if (end == std::string_view::npos) throw refusal("", "the header breaks off");
+    std::string out = taken(end);
+    take(quote);
+    return out;
+  }
+  /// Letters and digits.
   std::string word() {
-    skip();
-    const std::size_t first = at_;
-    while (at_ < text_.size() && std::isalpha(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
-    return std::string(text_.substr(first, at_ - first));
+    next_is(' ');
+    std::size_t end = 0;
+    while (end < text_.size() && std::isalnum(static_cast<unsigned char>(text_[end])) != 0) ++end;
+    return taken(end);
   }
-  void shape(std::vector<std::size_t>& sizes) {
+  std::size_t size() {
+    std::size_t value = 0;
+    const std::string digits = word();
+    const auto error = std::from_chars(digits.data(), digits.data() + digits.size(), value).ec;
+    if (error != std::errc()) throw refusal("shape", "the header is damaged");
+    return value;
+  }
+  template <typename Item>
+  void list(char open, char close, Item&& item) {
+    take(open);
+    while (!next_is(close)) {
+      item();
+      if (next_is(',')) take(',');
+    }
+    take(close);
+  }
+  Field record() {
     take('(');
-    while (!next_is(')')) {
-      std::size_t value = 0;
-      const auto [end, error] =
-          std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
-      if (error != std::errc()) throw refusal("shape", "the header is damaged");
-      at_ = static_cast<std::size_t>(end - text_.data());
-      sizes.push_back(value);
-      if (next_is('L')) take('L');
-      if (next_is(',')) take(',');
-    }
+    const std::string name = string();
+    take(',');
+    Field result = field(name, string());
+    if (next_is(',')) throw refusal(name, "a field that is an array itself, which is not read");
     take(')');
-  }
-  void records(std::vector<Field>& fields) {
-    take('[');
-    while (!next_is(']')) {
-      take('(');
-      const std::string name = string();
-      take(',');
-      fields.push_back(field(name, string()));
-      if (next_is(',')) {
-        throw refusal(name, "a field that is an array itself, which is not read");
-      }
-      take(')');
-      if (next_is(',')) take(',');
-    }
-    take(']');
+    return result;
   }
   [[nodiscard]] Field field(const std::string& name, const std::string& text) const {
     Field result;
@@ -155,7 +152,6 @@ class HeaderParser {
 
   std::string_view text_;
   const std::string& file_;
-  std::size_t at_ = 0;
 };
 
 template <typename Number>

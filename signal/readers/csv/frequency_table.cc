@@ -47,7 +47,7 @@ using Words = std::initializer_list<std::string_view>;
 
 // Of titles of channels over time, too: coherence and the like are none.
 const Words kNoTime = {"fft", "spectrum",  "spektrum",     "psd",
-                           "asd", "autopower", "autospectrum", "periodogram"};
+                       "asd", "autopower", "autospectrum", "periodogram"};
 const Words kSpectrumOnly = {
     "spectra",     "frf",       "cpsd",       "coherence", "crosspower",       "octave",
     "accelerance", "inertance", "receptance", "mobility",  "transfer function"};

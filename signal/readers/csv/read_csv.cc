@@ -1,4 +1,4 @@
-#include "signal/readers/csv/read_csv.h"
+#include "signal/readers/files/read_formats.h"
 
 #include <fmt/format.h>
 

@@ -1,15 +1,18 @@
 #include "signal/readers/uff/read_uff.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <set>
-#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "signal/readers/files/frf_unit.h"
 #include "signal/readers/files/mapped_file.h"
@@ -23,6 +26,8 @@ namespace rigfit::signal {
 namespace {
 
 constexpr int kTimeAxis = 17;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using Functions = std::vector<const Uff58*>;
 
 bool is_time_history(const Uff58& f) {
   return !f.complex &&
@@ -34,67 +39,42 @@ std::string point_text(const Uff58Point& point) {
   return std::to_string(point.node) + uff58_direction(point.direction);
 }
 
-std::array<double, 3> direction_vector(int direction) {
-  std::array<double, 3> out{0, 0, 0};
-  const int axis = std::abs(direction);
-  if (axis >= 1 && axis <= 3) out[static_cast<std::size_t>(axis - 1)] = direction > 0 ? 1 : -1;
-  return out;
+std::string name_of_response(const Uff58& f) {
+  if (!f.remark.empty() && !f.id[0].empty()) return f.id[0];
+  for (const std::string& name : {f.response.entity, f.id[0], f.ordinate.label}) {
+    if (!name.empty()) return name;
+  }
+  return f.response.node != 0 ? point_text(f.response) : "channel";
 }
 
-std::string name_of_response(const Uff58& f) {
-  if (!parse_uff58_remark(f.id[3]).empty() && !f.id[0].empty()) return f.id[0];
-  if (!f.response.entity.empty()) return f.response.entity;
-  if (!f.id[0].empty()) return f.id[0];
-  if (!f.ordinate.label.empty()) return f.ordinate.label;
-  return f.response.node != 0 ? point_text(f.response) : "channel";
+/// `exact`, which our own remark gives, where the printed number is it: 1e-5, since six digits of a
+/// field are printed.
+double exact_or(double printed, double exact, double tolerance = 1e-5) {
+  return std::abs(exact - printed) <= tolerance * std::abs(printed) ? exact : printed;
 }
 
 /// One over the step, taken for a whole number of hertz where the printed digits allow it.
 double rate_of(const Uff58& f) {
-  const auto remark = parse_uff58_remark(f.id[3]);
   if (!(f.abscissa_step > 0)) return 0;
   const double rate = 1 / f.abscissa_step;
-  const double tolerance = f.abscissa_step_half_digit / f.abscissa_step;
-  const double exact = remark_number(remark, "rate", 0);
-  // 1e-5: our own step field is printed with six digits.
-  if (exact > 0 && std::abs(exact / rate - 1) < std::max(1e-5, 2 * tolerance)) return exact;
+  const double exact = f.noted("rate");
+  const double tolerance = std::max(1e-5, 2 * f.abscissa_step_half_digit / f.abscissa_step);
+  if (exact > 0 && std::abs(exact / rate - 1) < tolerance) return exact;
   const double whole = std::round(rate);
-  if (whole > 0 && std::abs(1 / whole - f.abscissa_step) <= f.abscissa_step_half_digit) {
-    return whole;
-  }
-  return rate;
-}
-
-double start_of(const Uff58& f) {
-  const double exact = remark_number(parse_uff58_remark(f.id[3]), "start", f.abscissa_start);
-  return std::abs(exact - f.abscissa_start) <= 1e-5 * std::abs(f.abscissa_start) ? exact
-                                                                                 : f.abscissa_start;
-}
-
-void unique_names(Recording& recording, const std::vector<const Uff58*>& functions) {
-  // Several channels of one name are told apart by their node and direction, where these differ.
-  std::map<std::string, int> times;
-  for (const auto& channel : recording.channels) ++times[channel.name];
-  for (std::size_t k = 0; k < recording.channels.size(); ++k) {
-    auto& name = recording.channels[k].name;
-    if (times[name] > 1 && functions[k]->response.node != 0) {
-      name += " " + point_text(functions[k]->response);
-    }
-  }
-  std::set<std::string> used;
-  for (auto& channel : recording.channels) {
-    channel.name = unused_name(channel.name, used);
-  }
+  return whole > 0 && std::abs(1 / whole - f.abscissa_step) <= f.abscissa_step_half_digit ? whole
+                                                                                          : rate;
 }
 
 Channel channel_of(const Uff58& f, std::vector<Note>& notes) {
   Channel channel;
   channel.name = name_of_response(f);
-  channel.direction = direction_vector(f.response.direction);
+  const int axis = std::abs(f.response.direction);
+  if (axis >= 1 && axis <= 3) {
+    channel.direction[static_cast<std::size_t>(axis - 1)] = f.response.direction > 0 ? 1 : -1;
+  }
   channel.quantity = uff58_quantity(f.ordinate.data_type);
   take_unit(f.ordinate.unit, channel, notes);
-  const double range = remark_number(parse_uff58_remark(f.id[3]), "range", 0);
-  channel.nominal_range = range > 0 ? range : 0;
+  channel.nominal_range = std::max(0.0, f.noted("range"));
   take_samples(f.complex
                    ? Eigen::VectorXd((f.real.array().square() + f.imag.array().square()).sqrt())
                    : f.real,
@@ -102,113 +82,342 @@ Channel channel_of(const Uff58& f, std::vector<Note>& notes) {
   return channel;
 }
 
-void copy_remarks(const Uff58File& file, Recording& recording) {
-  for (const auto& remark : file.remarks) recording.notes.push_back({"uff_remark", remark, ""});
-  if (file.other_datasets.empty()) return;
-  std::set<int> numbers(file.other_datasets.begin(), file.other_datasets.end());
-  std::string text;
-  for (const int number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
-  recording.notes.push_back({"left_out", "datasets other than 58 are not read: " + text, ""});
-}
-
-void pad(Recording& recording, std::size_t file_size) {
-  Eigen::Index longest = 0;
-  for (const auto& channel : recording.channels) {
-    longest = std::max(longest, channel.samples.size());
-  }
-  if (static_cast<double>(longest) * static_cast<double>(recording.channels.size()) >
-      4.0 * static_cast<double>(file_size) + 4096) {
-    throw RecordingError({recording.path.string(), 0, 0, "", ""},
-                         "its channels differ too much in length (the longest has " +
-                             std::to_string(longest) + " samples) to be one recording",
-                         "split the file");
-  }
-  for (auto& channel : recording.channels) {
-    const Eigen::Index had = channel.samples.size();
-    if (had == longest) continue;
-    channel.samples.conservativeResize(longest);
-    channel.samples.tail(longest - had).setConstant(std::numeric_limits<double>::quiet_NaN());
-    channel.missing_samples += longest - had;
-    recording.notes.push_back({"incomplete",
-                               "has " + std::to_string(had) + " samples of " +
-                                   std::to_string(longest) + "; the rest counts as missing",
-                               channel.name});
-  }
-}
-
 std::string kinds_in(const Uff58File& file) {
   std::set<std::string> kinds;
   for (const auto& f : file.functions) kinds.insert(uff58_function_name(f.function_type));
-  std::string text;
-  for (const auto& kind : kinds) text += (text.empty() ? "" : ", ") + kind;
-  return text;
+  return fmt::format("{}", fmt::join(kinds, ", "));
+}
+
+/// Functions as channels with names of their own and of one length.
+void take_channels(const Uff58File& file, const Functions& functions, std::size_t file_size,
+                   Recording& recording) {
+  recording.format = functions.front()->binary ? "uff58-binary" : "uff58-ascii";
+  std::map<std::string, int> times;
+  Eigen::Index longest = 0;
+  for (const auto* f : functions) {
+    recording.channels.push_back(channel_of(*f, recording.notes));
+    ++times[recording.channels.back().name];
+    longest = std::max(longest, f->real.size());
+  }
+  if (static_cast<double>(longest) * static_cast<double>(functions.size()) >
+      4.0 * static_cast<double>(file_size) + 4096) {
+    throw RecordingError({recording.path.string(), 0, 0, "", ""},
+                         fmt::format("its channels differ too much in length (the longest has {} "
+                                     "samples) to be one recording",
+                                     longest),
+                         "split the file");
+  }
+  std::set<std::string> used;
+  for (std::size_t k = 0; k < functions.size(); ++k) {
+    Channel& channel = recording.channels[k];
+    // Several channels of one name are told apart by their node and direction, where these differ.
+    const Uff58Point& point = functions[k]->response;
+    if (times[channel.name] > 1 && point.node != 0) channel.name += " " + point_text(point);
+    channel.name = unused_name(channel.name, used);
+    const Eigen::Index had = channel.samples.size();
+    if (had == longest) continue;
+    channel.samples.conservativeResize(longest);
+    channel.samples.tail(longest - had).setConstant(kNaN);
+    channel.missing_samples += longest - had;
+    recording.notes.push_back(
+        {"incomplete",
+         fmt::format("has {} samples of {}; the rest counts as missing", had, longest),
+         channel.name});
+  }
+  for (const auto& remark : file.remarks) recording.notes.push_back({"uff_remark", remark, ""});
+  if (file.other_datasets.empty()) return;
+  const std::set<int> others(file.other_datasets.begin(), file.other_datasets.end());
+  recording.notes.push_back(
+      {"left_out", fmt::format("datasets other than 58 are not read: {}", fmt::join(others, ", ")),
+       ""});
+}
+
+bool same_times(const Uff58& a, const Uff58& b) {
+  if (a.even != b.even) return false;
+  if (a.even) return a.abscissa_start == b.abscissa_start && a.abscissa_step == b.abscissa_step;
+  return a.x.size() == b.x.size() && (a.x.array() == b.x.array()).all();
+}
+
+/// All channels share their times: the largest group of the same form. The others are noted.
+Functions of_one_form(const Functions& all, std::vector<Note>& notes) {
+  constexpr std::size_t kMostForms = 64;  // more forms than that: the largest among the first
+  std::size_t best = 0;
+  std::ptrdiff_t most = 0;
+  const auto like = [&](std::size_t k) {
+    return [first = all[k]](const Uff58* f) { return same_times(*first, *f); };
+  };
+  for (std::size_t k = 0; k < std::min(all.size(), kMostForms); ++k) {
+    if (k > 0 && same_times(*all[k], *all[k - 1])) continue;
+    const auto count = std::count_if(all.begin(), all.end(), like(k));
+    if (count > most) best = k, most = count;
+  }
+  Functions taken;
+  std::string left;
+  for (const auto* f : all) {
+    if (same_times(*all[best], *f)) {
+      taken.push_back(f);
+    } else if (left.size() < 200) {
+      left += fmt::format("{}\"{}\" (line {})", left.empty() ? "" : ", ", name_of_response(*f),
+                          f->line);
+    }
+  }
+  if (!left.empty()) {
+    notes.push_back({"left_out", "other start, rate or times than the rest: left out", left});
+  }
+  return taken;
+}
+
+void take_times(const Uff58& first, Recording& recording) {
+  const auto unit = parse_unit(first.abscissa.unit);
+  const bool known = unit && unit->quantity == Quantity::time;
+  const double to_seconds = known ? unit->factor : 1;
+  if (!first.abscissa.unit.empty() && !known) {
+    recording.notes.push_back(
+        {"time_unit",
+         "the abscissa's unit \"" + first.abscissa.unit + "\" is no unit of time: taken as seconds",
+         ""});
+  }
+  if (first.even) {
+    recording.sample_rate_hz = rate_of(first) / to_seconds;
+    recording.start_time_s =
+        exact_or(first.abscissa_start, first.noted("start", first.abscissa_start)) * to_seconds;
+    return;
+  }
+  const Eigen::VectorXd time = first.x * to_seconds;
+  TimeAxisOptions options;
+  // Single-precision times carry seven digits of the latest one.
+  const double latest = time.cwiseAbs().maxCoeff();
+  options.printed_resolution_s =
+      std::isfinite(latest) ? latest * (first.binary && !first.single_precision ? 1e-15 : 1e-5) : 0;
+  const TimeAxis axis = time_axis(time, options);
+  recording.sample_rate_hz = first.noted("rate", axis.rate_hz);
+  recording.start_time_s = axis.start_s;
+  recording.time_jitter_s = axis.jitter_s;
+  if (axis.missing > 0) {
+    throw RecordingError({recording.path.string(), first.line, 0, "", ""}, "some times are missing",
+                         "export the recording again");
+  }
+  if (!axis.uniform) {
+    recording.time_s = time;
+    recording.notes.push_back(not_uniform_note(axis));
+  }
 }
 
 FrfUnit scale_of(const Uff58& f) {
   FrfUnit scale;
-  const std::string& text = f.ordinate.unit;
-  // "(m/s^2)/N" fits the label of 20 characters; brackets around the whole do not matter.
-  const auto numerator = parse_unit(text);
+  const auto numerator = parse_unit(f.ordinate.unit);
   const auto denominator = parse_unit(f.denominator.unit);
-  if (const auto whole = parse_frf_unit(text)) {
+  // "(m/s^2)/N" fits the label of 20 characters; brackets around the whole do not matter.
+  if (const auto whole = parse_frf_unit(f.ordinate.unit)) {
     scale = *whole;
   } else if (numerator) {
-    const double by = denominator ? denominator->factor : 1;
-    scale.factor = numerator->factor / by;
+    scale.factor = numerator->factor / (denominator ? denominator->factor : 1);
     scale.form = frf_form_of(numerator->quantity);
-    const bool force = (denominator && denominator->quantity == Quantity::force) ||
-                       (!denominator && f.denominator.data_type == 13);
-    scale.unit = denominator ? "(" + numerator->si + ")/" + denominator->si
-                             : (force ? "(" + numerator->si + ")/N" : numerator->si);
+    scale.unit = denominator                     ? "(" + numerator->si + ")/" + denominator->si
+                 : f.denominator.data_type == 13 ? "(" + numerator->si + ")/N"
+                                                 : numerator->si;
   }
   if (scale.form == FrfForm::unknown) {
-    if (f.ordinate.data_type == 8) scale.form = FrfForm::receptance;
-    if (f.ordinate.data_type == 11) scale.form = FrfForm::mobility;
-    if (f.ordinate.data_type == 12) scale.form = FrfForm::accelerance;
+    scale.form = frf_form_of(uff58_quantity(f.ordinate.data_type));
   }
   return scale;
 }
 
-std::string name_of_point(const Uff58Point& point, const std::string& full_name) {
-  if (!full_name.empty()) return full_name;
-  std::string name = point.entity;
-  if (point.node != 0 || name.empty()) {
-    name += (name.empty() ? "" : " ") + point_text(point);
-  }
-  return name;
-}
-
-/// Place of the point in the list, added when it is new.
-std::size_t place(std::vector<MeasuredPoint>& points, const MeasuredPoint& point) {
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (points[k].name == point.name && points[k].node == point.node &&
-        points[k].direction == point.direction) {
-      return k;
-    }
-  }
-  points.push_back(point);
-  return points.size() - 1;
-}
-
-struct Placed {
-  const Uff58* function = nullptr;
-  std::size_t response = 0, input = 0;
-};
-
 Eigen::VectorXd frequencies_of(const Uff58& f) {
   if (!f.even) return f.x;
-  const auto remark = parse_uff58_remark(f.id[4]);
   double start = f.abscissa_start, step = f.abscissa_step;
-  const double exact_start = remark_number(remark, "x0", start);
-  const double exact_step = remark_number(remark, "dx", step);
-  if (std::abs(exact_step - step) <= 1e-5 * std::abs(step) &&
-      std::abs(exact_start - start) <= 1e-5 * std::abs(start)) {
+  const double exact_start = f.noted("x0", start), exact_step = f.noted("dx", step);
+  if (exact_or(step, exact_step) == exact_step && exact_or(start, exact_start) == exact_start) {
     start = exact_start, step = exact_step;
   }
-  Eigen::VectorXd x(f.real.size());
-  for (Eigen::Index k = 0; k < x.size(); ++k) x[k] = start + static_cast<double>(k) * step;
-  return x;
+  const Eigen::Index n = f.real.size();
+  return start + step * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
 }
+
+/// FRFs of a universal file, and the functions beside them.
+class FrfCollector {
+ public:
+  FrfCollector(const Uff58File& file, std::string name) : file_(file), name_(std::move(name)) {}
+
+  FrfSet collect() {
+    for (const auto& f : file_.functions) sort_in(f);
+    if (frfs_.empty()) {
+      throw refusal(file_.functions.empty() ? nullptr : &file_.functions.front(),
+                    "holds no frequency response function (dataset 58, function type 4, complex)",
+                    "estimate them with `frf`, or give the recordings themselves");
+    }
+    first_ = frfs_.front().function;
+    take_frequencies();
+    take_frfs();
+    drop_zero_line();
+    fill(coherences_, set_.coherence, false, "coherence");
+    fill(deviations_, set_.H_std, true, "standard deviation");
+    if (set_.unit.empty()) {
+      note("no_unit", "the FRFs have no unit: the numbers are kept as they are");
+    }
+    const auto positive = [&](const char* key) { return std::max(0.0, first_->noted(key)); };
+    set_.averages = static_cast<int>(std::min(positive("averages"), 1e9));
+    set_.sample_rate_hz = positive("rate");
+    set_.exponential_decay_rate_1_s = positive("decay");
+    set_.pre_trigger_s = positive("pre");
+    set_.force_noise_span_s = positive("span");
+    set_.sample_rate_relative_std = positive("rate_u");
+    for (const auto& text : file_.remarks) note("uff_remark", text);
+    return std::move(set_);
+  }
+
+ private:
+  struct Placed {
+    const Uff58* function = nullptr;
+    std::size_t response = 0, input = 0;
+  };
+
+  RecordingError refusal(const Uff58* f, std::string problem, std::string remedy) const {
+    return {{name_, f == nullptr ? 1 : f->line, 0, "", ""}, std::move(problem), std::move(remedy)};
+  }
+  void note(const char* code, const std::string& message) {
+    set_.notes.push_back({code, message, ""});
+  }
+  [[nodiscard]] Eigen::Index column_of(const Placed& placed) const {
+    return set_.column(static_cast<Eigen::Index>(placed.response),
+                       static_cast<Eigen::Index>(placed.input));
+  }
+
+  /// Place of the point in the list, added when it is new. `full_name`: of our own files.
+  static std::size_t place(std::vector<MeasuredPoint>& points, const Uff58Point& point,
+                           const std::string& full_name) {
+    std::string name = full_name.empty() ? point.entity : full_name;
+    if (full_name.empty() && (point.node != 0 || name.empty())) {
+      name += (name.empty() ? "" : " ") + point_text(point);
+    }
+    const auto same = std::find_if(points.begin(), points.end(), [&](const MeasuredPoint& p) {
+      return p.name == name && p.node == point.node && p.direction == point.direction;
+    });
+    const auto at = static_cast<std::size_t>(same - points.begin());
+    if (same == points.end()) points.push_back({name, point.node, point.direction});
+    return at;
+  }
+
+  void sort_in(const Uff58& f) {
+    const auto what = f.remark.find("what");
+    std::vector<Placed>* list = nullptr;
+    if (f.function_type == uff58_function::kFrf && f.complex) list = &frfs_;
+    if (f.function_type == uff58_function::kCoherence && !f.complex) list = &coherences_;
+    if (f.function_type == uff58_function::kGeneral && what != f.remark.end() &&
+        what->second == "std") {
+      list = &deviations_;
+    }
+    if (list == nullptr) return;
+    const bool ours = !f.remark.empty();
+    list->push_back({&f, place(set_.responses, f.response, ours ? f.id[0] : ""),
+                     place(set_.inputs, f.reference, ours ? f.id[1] : "")});
+  }
+
+  void take_frequencies() {
+    set_.frequency_hz = frequencies_of(*first_);
+    const auto unit = parse_unit(first_->abscissa.unit);
+    if (unit && unit->si == "rad/s") set_.frequency_hz /= 2 * std::numbers::pi;
+    if (unit && unit->si == "Hz") set_.frequency_hz *= unit->factor;
+    const Eigen::Index n = set_.frequency_hz.size();
+    if (!set_.frequency_hz.allFinite() ||
+        !(set_.frequency_hz.tail(n - 1).array() > set_.frequency_hz.head(n - 1).array()).all()) {
+      throw refusal(first_, "the frequencies do not rise", "export the FRFs again");
+    }
+  }
+
+  void check_lines(const Uff58& f) const {
+    const Eigen::VectorXd x = frequencies_of(f), of_first = frequencies_of(*first_);
+    if (x.size() == of_first.size() && x.allFinite() &&
+        (x - of_first).cwiseAbs().maxCoeff() <=
+            1e-6 * std::max(1e-300, of_first.cwiseAbs().maxCoeff())) {
+      return;
+    }
+    throw refusal(&f,
+                  fmt::format("has other frequencies than the first FRF (line {})", first_->line),
+                  "give functions over the same lines");
+  }
+
+  void take_frfs() {
+    const auto columns = static_cast<Eigen::Index>(set_.responses.size() * set_.inputs.size());
+    if (columns > static_cast<Eigen::Index>(4 * frfs_.size())) {
+      throw refusal(first_, "most of the FRFs between the points named are absent",
+                    "give FRFs of all responses to all inputs");
+    }
+    const FrfUnit unit = scale_of(*first_);
+    set_.form = unit.form;
+    set_.unit = unit.unit;
+    set_.H.resize(set_.frequency_hz.size(), columns);
+    factors_.assign(static_cast<std::size_t>(columns), kNaN);
+    for (const auto& placed : frfs_) {
+      const Uff58& f = *placed.function;
+      check_lines(f);
+      const FrfUnit own = scale_of(f);
+      if (unit.form != own.form) {
+        throw refusal(&f, "is of another form (receptance, mobility, accelerance) than the first",
+                      "convert all FRFs to one form first");
+      }
+      const Eigen::Index column = column_of(placed);
+      double& factor = factors_[static_cast<std::size_t>(column)];
+      if (!std::isnan(factor)) {
+        throw refusal(
+            &f,
+            fmt::format("is a second FRF from \"{}\" to \"{}\"", set_.inputs[placed.input].name,
+                        set_.responses[placed.response].name),
+            "keep one of the two");
+      }
+      factor = own.factor;
+      set_.H.col(column).real() = factor * f.real;
+      set_.H.col(column).imag() = factor * f.imag;
+    }
+    for (std::size_t r = 0; r < set_.responses.size(); ++r) {
+      for (std::size_t i = 0; i < set_.inputs.size(); ++i) {
+        if (!std::isnan(factors_[static_cast<std::size_t>(column_of({nullptr, r, i}))])) continue;
+        throw refusal(first_,
+                      fmt::format("no FRF from \"{}\" to \"{}\"", set_.inputs[i].name,
+                                  set_.responses[r].name),
+                      "give FRFs of all responses to all inputs");
+      }
+    }
+  }
+
+  /// A line of zero frequency is often not a number in mobility; elsewhere it is a fault.
+  void drop_zero_line() {
+    if (set_.H.allFinite()) return;
+    const Eigen::Index lines = set_.H.rows();
+    if (set_.frequency_hz[0] != 0 || lines < 2 || !set_.H.bottomRows(lines - 1).allFinite()) {
+      throw refusal(first_, "an FRF holds values that are no numbers", "export the FRFs again");
+    }
+    set_.H = Eigen::MatrixXcd(set_.H.bottomRows(lines - 1));
+    set_.frequency_hz = Eigen::VectorXd(set_.frequency_hz.tail(lines - 1));
+    note("data_left_out", "the line at 0 Hz is no number and is left out");
+  }
+
+  void fill(const std::vector<Placed>& from, Eigen::MatrixXd& into, bool scaled,
+            const std::string& what) {
+    if (from.empty()) return;
+    if (static_cast<Eigen::Index>(from.size()) != set_.H.cols()) {
+      note("incomplete", what + " of some FRFs only: left out");
+      return;
+    }
+    into = Eigen::MatrixXd::Zero(set_.H.rows(), set_.H.cols());
+    for (const auto& placed : from) {
+      check_lines(*placed.function);
+      const Eigen::Index column = column_of(placed);
+      into.col(column) = placed.function->real.tail(set_.H.rows()) *
+                         (scaled ? factors_[static_cast<std::size_t>(column)] : 1.0);
+    }
+    if (into.allFinite()) return;
+    note("not_a_number", what + " holds values that are no numbers: left out");
+    into.resize(0, 0);
+  }
+
+  const Uff58File& file_;
+  const std::string name_;
+  const Uff58* first_ = nullptr;
+  std::vector<Placed> frfs_, coherences_, deviations_;
+  std::vector<double> factors_;  ///< to SI, by column; NaN: no FRF
+  FrfSet set_;
+};
 
 }  // namespace
 
@@ -218,104 +427,34 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
   const Uff58File file = read_uff58(bytes, name, done_with);
   Recording recording;
   recording.path = path;
-  std::vector<const Uff58*> chosen;
+  Functions histories;
   for (const auto& f : file.functions) {
-    if (is_time_history(f)) chosen.push_back(&f);
+    if (is_time_history(f)) histories.push_back(&f);
   }
-  if (chosen.empty()) {
+  if (histories.empty()) {
     const bool any = !file.functions.empty();
     throw RecordingError(
         {name, any ? file.functions.front().line : 1, 0, "", ""},
         any ? "holds no time history, but: " + kinds_in(file) : "holds no dataset 58",
         "give a recording over time (FRFs are taken by `modal`)");
   }
-  const double written = remark_number(parse_uff58_remark(chosen.front()->id[3]), "channels", 0);
-  if (written > static_cast<double>(chosen.size())) {
-    throw RecordingError({name, chosen.back()->line, 0, "", ""},
+  const double written = histories.front()->noted("channels");
+  if (written > static_cast<double>(histories.size())) {
+    throw RecordingError({name, histories.back()->line, 0, "", ""},
                          fmt::format("breaks off: it was written with {} channels and holds {}",
-                                     written, chosen.size()),
+                                     written, histories.size()),
                          "copy the file again");
   }
-  if (chosen.size() < file.functions.size()) {
-    recording.notes.push_back({"left_out",
-                               std::to_string(file.functions.size() - chosen.size()) +
-                                   " functions that are no time histories are left out (the file "
-                                   "holds: " +
-                                   kinds_in(file) + ")",
-                               ""});
-  }
-  // All channels share their times: the largest group of the same form is taken.
-  using Form = std::tuple<bool, double, double>;
-  const auto form = [](const Uff58& f) {
-    return f.even ? Form{true, f.abscissa_start, f.abscissa_step} : Form{false, 0, 0};
-  };
-  const auto same_times = [&](const Uff58& a, const Uff58& b) {
-    if (form(a) != form(b)) return false;
-    if (a.even) return true;
-    return a.x.size() == b.x.size() && (a.x.array() == b.x.array()).all();
-  };
-  std::size_t best = 0, best_count = 0;
-  for (std::size_t k = 0; k < chosen.size() && best_count < chosen.size(); ++k) {
-    if (k > 0 && same_times(*chosen[k], *chosen[k - 1])) continue;
-    std::size_t count = 0;
-    for (const auto* f : chosen) count += same_times(*chosen[k], *f) ? 1 : 0;
-    if (count > best_count) best = k, best_count = count;
-    if (k > 64) break;  // as many forms as that: the largest among the first
-  }
-  const Uff58& first = *chosen[best];
-  std::vector<const Uff58*> taken;
-  std::string left;
-  for (const auto* f : chosen) {
-    if (same_times(first, *f)) {
-      taken.push_back(f);
-    } else if (left.size() < 200) {
-      left += (left.empty() ? "\"" : ", \"") + name_of_response(*f) + "\" (line " +
-              std::to_string(f->line) + ")";
-    }
-  }
-  if (!left.empty()) {
+  if (const std::size_t others = file.functions.size() - histories.size(); others > 0) {
     recording.notes.push_back(
-        {"left_out", "other start, rate or times than the rest: left out", left});
-  }
-  recording.format = first.binary ? "uff58-binary" : "uff58-ascii";
-  for (const auto* f : taken) recording.channels.push_back(channel_of(*f, recording.notes));
-  unique_names(recording, taken);
-  pad(recording, bytes.size());
-  copy_remarks(file, recording);
-
-  const auto time_unit = parse_unit(first.abscissa.unit);
-  const double to_seconds =
-      time_unit && time_unit->quantity == Quantity::time ? time_unit->factor : 1;
-  if (!first.abscissa.unit.empty() && !(time_unit && time_unit->quantity == Quantity::time)) {
-    recording.notes.push_back(
-        {"time_unit",
-         "the abscissa's unit \"" + first.abscissa.unit + "\" is no unit of time: taken as seconds",
+        {"left_out",
+         fmt::format("{} functions that are no time histories are left out (the file holds: {})",
+                     others, kinds_in(file)),
          ""});
   }
-  if (first.even) {
-    recording.sample_rate_hz = rate_of(first) / to_seconds;
-    recording.start_time_s = start_of(first) * to_seconds;
-  } else {
-    const Eigen::VectorXd time = first.x * to_seconds;
-    TimeAxisOptions axis_options;
-    // Single-precision times carry seven digits of the latest one.
-    const double latest = time.cwiseAbs().maxCoeff();
-    axis_options.printed_resolution_s =
-        std::isfinite(latest) ? latest * (first.binary && !first.single_precision ? 1e-15 : 1e-5)
-                              : 0;
-    const TimeAxis axis = time_axis(time, axis_options);
-    recording.sample_rate_hz = remark_number(parse_uff58_remark(first.id[3]), "rate", axis.rate_hz);
-    recording.start_time_s = axis.start_s;
-    recording.time_jitter_s = axis.jitter_s;
-    if (axis.missing > 0) {
-      throw RecordingError({name, first.line, 0, "", ""}, "some times are missing",
-                           "export the recording again");
-    }
-    if (!axis.uniform) {
-      recording.time_s = time;
-      recording.notes.push_back(not_uniform_note(axis));
-    }
-  }
+  const Functions taken = of_one_form(histories, recording.notes);
+  take_channels(file, taken, bytes.size(), recording);
+  take_times(*taken.front(), recording);
   take_stated_rate(options.sample_rate_hz, recording);
   if (!(recording.sample_rate_hz > 0) || !std::isfinite(recording.sample_rate_hz)) {
     recording.sample_rate_hz = 0;
@@ -332,22 +471,18 @@ Recording read_uff_functions(std::string_view bytes, const std::filesystem::path
     throw RecordingError({path.string(), 1, 0, "", ""}, "holds no dataset 58",
                          "give measured functions");
   }
-  if (std::any_of(file.functions.begin(), file.functions.end(), is_time_history)) {
-    return read_uff(bytes, path);
+  Functions all;
+  bool is_complex = false;
+  for (const auto& f : file.functions) {
+    if (is_time_history(f)) return read_uff(bytes, path);
+    all.push_back(&f);
+    is_complex |= f.complex;
   }
   Recording recording;
   recording.path = path;
-  recording.format = file.functions.front().binary ? "uff58-binary" : "uff58-ascii";
-  std::vector<const Uff58*> all;
-  for (const auto& f : file.functions) {
-    all.push_back(&f);
-    recording.channels.push_back(channel_of(f, recording.notes));
-  }
-  unique_names(recording, all);
-  pad(recording, bytes.size());
-  copy_remarks(file, recording);
+  take_channels(file, all, bytes.size(), recording);
   recording.notes.push_back({"not_a_time_history", "holds: " + kinds_in(file), ""});
-  if (std::any_of(all.begin(), all.end(), [](const Uff58* f) { return f->complex; })) {
+  if (is_complex) {
     recording.notes.push_back({"magnitudes", "complex functions are given by magnitude", ""});
   }
   note_unitless(recording);
@@ -355,158 +490,8 @@ Recording read_uff_functions(std::string_view bytes, const std::filesystem::path
 }
 
 FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) {
-  const std::string file_name = path.string();
-  const Uff58File file = read_uff58(bytes, file_name);
-  const auto refuse = [&](const Uff58* f, std::string problem, std::string remedy) {
-    return RecordingError({file_name, f == nullptr ? 1 : f->line, 0, "", ""}, std::move(problem),
-                          std::move(remedy));
-  };
-  FrfSet set;
-  std::vector<Placed> frfs, coherences, deviations;
-  for (const auto& f : file.functions) {
-    const auto remark = parse_uff58_remark(f.id[3]);
-    const auto what = remark.find("what");
-    const bool deviation = f.function_type == uff58_function::kGeneral && what != remark.end() &&
-                           what->second == "std";
-    const bool frf = f.function_type == uff58_function::kFrf && f.complex;
-    const bool coherence = f.function_type == uff58_function::kCoherence && !f.complex;
-    if (!frf && !coherence && !deviation) continue;
-    const bool ours = !remark.empty();
-    Placed placed;
-    placed.function = &f;
-    const MeasuredPoint response{name_of_point(f.response, ours ? f.id[0] : ""), f.response.node,
-                                 f.response.direction};
-    const MeasuredPoint input{name_of_point(f.reference, ours ? f.id[1] : ""), f.reference.node,
-                              f.reference.direction};
-    placed.response = place(set.responses, response);
-    placed.input = place(set.inputs, input);
-    (frf ? frfs : coherence ? coherences : deviations).push_back(placed);
-  }
-  if (frfs.empty()) {
-    throw refuse(file.functions.empty() ? nullptr : &file.functions.front(),
-                 "holds no frequency response function (dataset 58, function type 4, complex)",
-                 "estimate them with `frf`, or give the recordings themselves");
-  }
-  const Uff58& first = *frfs.front().function;
-  set.frequency_hz = frequencies_of(first);
-  const auto frequency_unit = parse_unit(first.abscissa.unit);
-  if (frequency_unit && frequency_unit->si == "rad/s") {
-    set.frequency_hz /= 6.283185307179586;
-  } else if (frequency_unit && frequency_unit->si == "Hz") {
-    set.frequency_hz *= frequency_unit->factor;
-  }
-  const Eigen::Index lines = set.frequency_hz.size();
-  if (!set.frequency_hz.allFinite() ||
-      (lines > 1 &&
-       (set.frequency_hz.tail(lines - 1) - set.frequency_hz.head(lines - 1)).minCoeff() <= 0)) {
-    throw refuse(&first, "the frequencies do not rise", "export the FRFs again");
-  }
-  const auto columns = static_cast<Eigen::Index>(set.responses.size() * set.inputs.size());
-  if (columns > static_cast<Eigen::Index>(4 * frfs.size())) {
-    throw refuse(&first, "most of the FRFs between the points named are absent",
-                 "give FRFs of all responses to all inputs");
-  }
-  const auto complex_nan = std::complex<double>(std::numeric_limits<double>::quiet_NaN(), 0);
-  set.H = Eigen::MatrixXcd::Constant(lines, columns, complex_nan);
-  std::vector<bool> have(static_cast<std::size_t>(columns), false);
-  std::optional<FrfUnit> scale;
-  std::vector<double> factors(static_cast<std::size_t>(columns), 1);
-  const auto check_lines = [&](const Uff58& f) {
-    const Eigen::VectorXd x = frequencies_of(f);
-    if (x.size() != lines || !x.allFinite() ||
-        (x - frequencies_of(first)).cwiseAbs().maxCoeff() >
-            1e-6 * std::max(1e-300, frequencies_of(first).cwiseAbs().maxCoeff())) {
-      throw refuse(
-          &f, "has other frequencies than the first FRF (line " + std::to_string(first.line) + ")",
-          "give functions over the same lines");
-    }
-  };
-  for (const auto& placed : frfs) {
-    const Uff58& f = *placed.function;
-    check_lines(f);
-    const FrfUnit own = scale_of(f);
-    if (scale && scale->form != own.form) {
-      throw refuse(
-          &f, std::string("is of another form (receptance, mobility, accelerance) than the first"),
-          "convert all FRFs to one form first");
-    }
-    if (!scale) scale = own;
-    const Eigen::Index column = set.column(static_cast<Eigen::Index>(placed.response),
-                                           static_cast<Eigen::Index>(placed.input));
-    if (have[static_cast<std::size_t>(column)]) {
-      throw refuse(&f,
-                   "is a second FRF from \"" + set.inputs[placed.input].name + "\" to \"" +
-                       set.responses[placed.response].name + "\"",
-                   "keep one of the two");
-    }
-    have[static_cast<std::size_t>(column)] = true;
-    factors[static_cast<std::size_t>(column)] = own.factor;
-    for (Eigen::Index k = 0; k < lines; ++k) {
-      set.H(k, column) = own.factor * std::complex<double>(f.real[k], f.imag[k]);
-    }
-  }
-  for (std::size_t r = 0; r < set.responses.size(); ++r) {
-    for (std::size_t i = 0; i < set.inputs.size(); ++i) {
-      const auto column = set.column(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i));
-      if (!have[static_cast<std::size_t>(column)]) {
-        throw refuse(
-            &first,
-            "no FRF from \"" + set.inputs[i].name + "\" to \"" + set.responses[r].name + "\"",
-            "give FRFs of all responses to all inputs");
-      }
-    }
-  }
-  if (!set.H.allFinite()) {
-    // A line of zero frequency is often not a number in mobility; elsewhere it is a fault.
-    Eigen::Index keep = 0;
-    if (set.frequency_hz[0] == 0 && lines > 1 && set.H.bottomRows(lines - 1).allFinite()) keep = 1;
-    if (keep == 0) {
-      throw refuse(&first, "an FRF holds values that are no numbers", "export the FRFs again");
-    }
-    set.H = Eigen::MatrixXcd(set.H.bottomRows(lines - 1));
-    set.frequency_hz = Eigen::VectorXd(set.frequency_hz.tail(lines - 1));
-    set.notes.push_back({"data_left_out", "the line at 0 Hz is no number and is left out", ""});
-  }
-  const auto fill = [&](const std::vector<Placed>& from, Eigen::MatrixXd& into, bool scaled,
-                        const char* what) {
-    if (from.empty()) return;
-    if (from.size() != static_cast<std::size_t>(columns)) {
-      set.notes.push_back({"incomplete", std::string(what) + " of some FRFs only: left out", ""});
-      return;
-    }
-    into = Eigen::MatrixXd::Zero(set.H.rows(), columns);
-    for (const auto& placed : from) {
-      check_lines(*placed.function);
-      const Eigen::Index column = set.column(static_cast<Eigen::Index>(placed.response),
-                                             static_cast<Eigen::Index>(placed.input));
-      into.col(column) = placed.function->real.tail(set.H.rows()) *
-                         (scaled ? factors[static_cast<std::size_t>(column)] : 1.0);
-    }
-    if (!into.allFinite()) {
-      set.notes.push_back({"not_a_number",
-                           std::string(what) + " holds values that are no numbers: "
-                                               "left out",
-                           ""});
-      into.resize(0, 0);
-    }
-  };
-  fill(coherences, set.coherence, false, "coherence");
-  fill(deviations, set.H_std, true, "standard deviation");
-  set.form = scale->form;
-  set.unit = scale->unit;
-  if (set.unit.empty()) {
-    set.notes.push_back({"no_unit", "the FRFs have no unit: the numbers are kept as they are", ""});
-  }
-  const auto remark = parse_uff58_remark(first.id[3]);
-  set.averages = static_cast<int>(std::clamp(remark_number(remark, "averages", 0), 0.0, 1e9));
-  set.sample_rate_hz = std::max(0.0, remark_number(remark, "rate", 0));
-  set.exponential_decay_rate_1_s = std::max(0.0, remark_number(remark, "decay", 0));
-  set.pre_trigger_s = std::max(0.0, remark_number(remark, "pre", 0));
-  const auto more = parse_uff58_remark(first.id[4]);
-  set.force_noise_span_s = std::max(0.0, remark_number(more, "span", 0));
-  set.sample_rate_relative_std = std::max(0.0, remark_number(more, "rate_u", 0));
-  for (const auto& text : file.remarks) set.notes.push_back({"uff_remark", text, ""});
-  return set;
+  const Uff58File file = read_uff58(bytes, path.string());
+  return FrfCollector(file, path.string()).collect();
 }
 
 FrfSet read_uff_frfs(const std::filesystem::path& path) {

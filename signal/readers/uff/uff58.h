@@ -59,6 +59,13 @@ struct Uff58 {
   Eigen::VectorXd x;     ///< when uneven
   Eigen::VectorXd real;  ///< values, or their real parts
   Eigen::VectorXd imag;  ///< when complex
+  /// What dataset 58 has no exact place for is kept in identification lines 4 and 5 as "rigfit
+  /// key=value ...", so that our own files come back as they were. Other programs see a line of
+  /// text. Empty: the file is not ours.
+  std::map<std::string, std::string> remark;
+
+  /// The number of that key; `fallback` when there is none or it is not a finite number.
+  [[nodiscard]] double noted(const std::string& key, double fallback = 0) const;
 };
 
 struct Uff58File {
@@ -78,15 +85,5 @@ struct Uff58File {
 /// Specific data types of axes and the quantities they are.
 [[nodiscard]] Quantity uff58_quantity(int data_type);
 [[nodiscard]] int uff58_data_type(Quantity quantity);
-
-// What dataset 58 has no exact place for is kept in identification lines 4 and 5 as "rigfit
-// key=value ...", so that our own files come back as they were. Other programs see a line of text.
-
-/// {"rate", "51200"} ...; empty when the line is not ours.
-[[nodiscard]] std::map<std::string, std::string> parse_uff58_remark(std::string_view line);
-
-/// The number of that key; `fallback` when there is none or it is not a finite number.
-[[nodiscard]] double remark_number(const std::map<std::string, std::string>& remark,
-                                   const std::string& key, double fallback);
 
 }  // namespace rigfit::signal

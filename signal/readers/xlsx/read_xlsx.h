@@ -1,8 +1,8 @@
 // Reads a sheet of an Excel workbook (.xlsx, ECMA-376) as a table: by the rules of tables of text
-// (csv/read_csv.h), on its numbers as they are saved.
+// (csv/csv_table.h), on its numbers as they are saved.
 //
-// Beyond sheet_text.h refused: numbers stored as text in the table, and merged cells in it or among
-// its titles (a heading alone in its rows above them may be merged).
+// Refused besides cells without a sound value: numbers stored as text in the table, and merged
+// cells in it or among its titles (a heading alone in its rows above them may be merged).
 #pragma once
 
 #include <filesystem>

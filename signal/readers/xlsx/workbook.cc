@@ -1,13 +1,52 @@
 #include "signal/readers/xlsx/workbook.h"
 
-#include <cctype>
-#include <map>
-#include <pugixml.hpp>
+#include <fmt/format.h>
+#include <minizip/unzip.h>
 
-#include "signal/readers/xlsx/xml_elements.h"
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <map>
 
 namespace rigfit::signal {
 namespace {
+
+// A full sheet of 2^20 rows and 20 columns takes 50 bytes of XML a cell: 1 GiB.
+constexpr std::size_t kMostOfArchive = std::size_t{1} << 30;
+// What is parsed at once: a row of all 2^14 columns takes 1 MiB without texts. As a tree in memory
+// it is up to 16 times as large.
+constexpr std::size_t kLargestPiece = std::size_t{1} << 24;
+constexpr std::size_t kUnpackedBlock = std::size_t{1} << 18;
+
+/// The namespace of the document's first element with its colon; "?" where the text ends before.
+std::string namespace_prefix(std::string_view xml) {
+  for (std::size_t at = xml.find('<'); at + 1 < xml.size(); at = xml.find('<', at + 1)) {
+    if (xml[at + 1] == '?' || xml[at + 1] == '!') continue;
+    const std::size_t end = xml.find_first_of(" \t\r\n/>:", at + 1);
+    if (end == std::string_view::npos) break;
+    return xml[end] == ':' ? std::string(xml.substr(at + 1, end - at)) : "";
+  }
+  return "?";
+}
+
+/// Where the first element of this tag ("<row") begins.
+std::size_t first_element(std::string_view xml, const std::string& tag) {
+  std::size_t at = xml.find(tag);
+  while (at != std::string_view::npos && at + tag.size() < xml.size() &&
+         std::string_view(" \t\r\n/>").find(xml[at + tag.size()]) == std::string_view::npos) {
+    at = xml.find(tag, at + 1);
+  }
+  return at;
+}
+
+constexpr double kSecondsOfDay = 86400;
+constexpr int kLongestHours = 1000;   // the reader of times takes three digits of hours
+constexpr long k1900To1970 = 25569;   // days from 1899-12-30 to 1970-01-01
+constexpr long k1904To1970 = 24107;   // days from 1904-01-01
+constexpr long kFirstCommonDay = 61;  // 1900-03-01
+constexpr double kDayAfter9999 = 2958466;
 
 constexpr unsigned kFragment = pugi::parse_default | pugi::parse_fragment;
 
@@ -20,13 +59,20 @@ pugi::xml_document document_of(ZipParts& parts, const std::string& part) {
 
 /// Formats that have a number and no code (ECMA-376, 18.8.30; from 27 on those of East Asia).
 CellFormat built_in_format(unsigned id) {
-  if (id == 9 || id == 10) return CellFormat::percent;
-  if ((id >= 14 && id <= 17) || (id >= 27 && id <= 31) || id == 36 || (id >= 50 && id <= 58)) {
-    return CellFormat::date;
-  }
-  if (id == 22) return CellFormat::date_time;
-  if ((id >= 18 && id <= 21) || (id >= 32 && id <= 35) || (id >= 45 && id <= 47)) {
-    return CellFormat::time;
+  struct Range {
+    unsigned first, last;
+    CellFormat format;
+  };
+  for (const auto& [first, last, format] : {Range{9, 10, CellFormat::percent},
+                                            {14, 17, CellFormat::date},
+                                            {18, 21, CellFormat::time},
+                                            {22, 22, CellFormat::date_time},
+                                            {27, 31, CellFormat::date},
+                                            {32, 35, CellFormat::time},
+                                            {36, 36, CellFormat::date},
+                                            {45, 47, CellFormat::time},
+                                            {50, 58, CellFormat::date}}) {
+    if (first <= id && id <= last) return format;
   }
   return CellFormat::number;
 }
@@ -87,6 +133,108 @@ std::string sheet_names(const Workbook& workbook, const WorkbookSheet* besides) 
 }
 
 }  // namespace
+
+ZipParts::ZipParts(const std::filesystem::path& path)
+    : file_(path.string()), zip_(::unzOpen64(path.c_str()), ::unzClose) {
+  if (zip_ == nullptr) {
+    throw RecordingError({file_, 0, 0, "", ""},
+                         "is a workbook (.xlsx) that was cut off: its list of parts is missing",
+                         "copy the file again, or open it in a spreadsheet program and save it");
+  }
+}
+
+RecordingError ZipParts::damaged(const std::string& part) const {
+  return {{file_, 0, 0, "", part},
+          "is a workbook (.xlsx) with a damaged or missing part",
+          "copy the file again, or open it in a spreadsheet program and save it as .xlsx"};
+}
+
+RecordingError ZipParts::too_large(const std::string& part) const {
+  return {{file_, 0, 0, "", part},
+          "is a workbook (.xlsx) that unpacks to more than is read (1 GiB, 16 MiB a row)",
+          "save the sheet as CSV, or split it"};
+}
+
+bool ZipParts::holds(const std::string& part) const {
+  return ::unzLocateFile(zip_.get(), part.c_str(), 1) == UNZ_OK;
+}
+
+void ZipParts::unpack(const std::string& part, const std::function<void(std::string_view)>& take) {
+  unz_file_info64 info{};
+  if (!holds(part) ||
+      ::unzGetCurrentFileInfo64(zip_.get(), &info, nullptr, 0, nullptr, 0, nullptr, 0) != UNZ_OK) {
+    throw damaged(part);
+  }
+  if ((info.flag & 1U) != 0) {
+    throw RecordingError({file_, 0, 0, "", part}, "is a workbook in an encrypted zip archive",
+                         "take the password off and save it as .xlsx");
+  }
+  if (::unzOpenCurrentFile(zip_.get()) != UNZ_OK) throw damaged(part);
+  std::vector<char> block(kUnpackedBlock);
+  std::size_t size = 0;
+  for (;;) {
+    const int read =
+        ::unzReadCurrentFile(zip_.get(), block.data(), static_cast<unsigned>(block.size()));
+    if (read < 0) throw damaged(part);
+    if (read == 0) break;
+    size += static_cast<std::size_t>(read);
+    unpacked_ += static_cast<std::size_t>(read);
+    if (unpacked_ > kMostOfArchive) throw too_large(part);
+    take({block.data(), static_cast<std::size_t>(read)});
+  }
+  // The check sum is looked at here, but only of a part that was read to its stated end.
+  if (::unzCloseCurrentFile(zip_.get()) != UNZ_OK || size != info.uncompressed_size) {
+    throw damaged(part);
+  }
+}
+
+std::string ZipParts::whole(const std::string& part) {
+  std::string text;
+  unpack(part, [&](std::string_view block) {
+    text += block;
+    if (text.size() > kLargestPiece) throw too_large(part);
+  });
+  return text;
+}
+
+std::string ZipParts::in_pieces(const std::string& part, const std::string& element,
+                                const std::function<void(std::string_view)>& take) {
+  std::string text, prefix = "?";
+  bool begun = false;
+  unpack(part, [&](std::string_view block) {
+    text += block;
+    if (prefix == "?") prefix = namespace_prefix(text);
+    const std::string close = "</" + prefix + element + ">";
+    if (const std::size_t last = text.rfind(close); last != std::string::npos) {
+      const std::size_t end = last + close.size();
+      const std::size_t begin = begun ? 0 : first_element(text, "<" + prefix + element);
+      if (begin > last) throw damaged(part);
+      take(std::string_view(text).substr(begin, end - begin));
+      text.erase(0, end);
+      begun = true;
+    }
+    if (text.size() > kLargestPiece) throw too_large(part);
+  });
+  return text;
+}
+
+bool has_local_name(std::string_view name, std::string_view local) {
+  return name == local || (name.ends_with(local) && name[name.size() - local.size() - 1] == ':');
+}
+
+pugi::xml_node local_child(const pugi::xml_node& node, std::string_view name) {
+  return node.find_child([&](const auto& one) { return has_local_name(one.name(), name); });
+}
+
+/// A string with its runs of fonts put together; readings above characters (rPh) are left out.
+std::string string_of(const pugi::xml_node& item) {
+  std::string text;
+  for (const auto& one : item.children()) {
+    if (has_local_name(one.name(), "t")) text += one.text().get();
+    if (has_local_name(one.name(), "r")) text += local_child(one, "t").text().get();
+  }
+  return text;
+}
 
 CellFormat cell_format(std::string_view code) {
   bool day = false, time = false, month = false, percent = false;
@@ -179,6 +327,33 @@ const WorkbookSheet& chosen_sheet(const Workbook& workbook, const std::string& w
                        wanted.empty() ? "the workbook has no visible sheet of cells"
                                       : "the workbook has no sheet of that name",
                        "give --sheet NAME (key sheet): it has " + sheet_names(workbook, nullptr));
+}
+
+std::optional<std::string> clock_text(double days, CellFormat format, bool from_1904) {
+  if (!(days >= 0) || days >= kDayAfter9999) return std::nullopt;
+  // A quarter of the last digit's step is the number's own rounding.
+  const double step =
+      kSecondsOfDay * (std::nextafter(days, std::numeric_limits<double>::infinity()) - days);
+  const int digits = std::clamp(static_cast<int>(std::floor(-std::log10(4 * step))), 0, 9);
+  const double scale = std::pow(10.0, digits);
+  const auto ticks = std::llround(days * kSecondsOfDay * scale);
+  const auto per_second = static_cast<long long>(scale);
+  const long long seconds = ticks / per_second;
+  const auto clock = [&](long long hours) {
+    const std::string text =
+        fmt::format("{:02}:{:02}:{:02}", hours, seconds / 60 % 60, seconds % 60);
+    return digits == 0 ? text : fmt::format("{}.{:0{}}", text, ticks % per_second, digits);
+  };
+  if (format == CellFormat::time && seconds / 3600 < kLongestHours) return clock(seconds / 3600);
+  const auto day = static_cast<long>(seconds / 86400);
+  if (!from_1904 && day < kFirstCommonDay) return std::nullopt;
+  const std::chrono::year_month_day date{
+      std::chrono::sys_days{std::chrono::days{day - (from_1904 ? k1904To1970 : k1900To1970)}}};
+  const std::string text =
+      fmt::format("{:04}-{:02}-{:02}", static_cast<int>(date.year()),
+                  static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()));
+  if (format == CellFormat::date && ticks % (86400 * per_second) == 0) return text;
+  return text + " " + clock(seconds / 3600 % 24);
 }
 
 }  // namespace rigfit::signal

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/readers/csv/read_csv.h"
-#include "signal/readers/read_lvm.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/readers/uff/read_uff_modes.h"
 #include "tests/fuzz/mutations.h"

@@ -1,6 +1,4 @@
 // Sensitivities and units off by a thousand are said, ordinary measurements are not.
-#include "signal/readers/plausibility.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -72,19 +70,18 @@ TEST(Plausibility, SensitivitiesAThousandTimesOff) {
 }
 
 TEST(Plausibility, ValuesAsTheFileGivesThem) {
-  Channel channel;
-  channel.quantity = Quantity::acceleration;
-  channel.unit = "m/s^2";
-  channel.source_unit = "g";
-  channel.samples = Eigen::VectorXd::Constant(5, 1e5 * 9.80665);
-  EXPECT_THAT(implausible_values(channel, false).value_or(""), HasSubstr("100000 g"));
-  channel.samples.setConstant(20);
-  EXPECT_FALSE(implausible_values(channel, false));
-  channel.samples.setZero();
-  EXPECT_FALSE(implausible_values(channel, false));
-  channel.quantity = Quantity::force;  // force in a stay cable
-  channel.samples.setConstant(5e6);
-  EXPECT_FALSE(implausible_values(channel, false));
+  const auto said = [](Quantity quantity, double value) {
+    Recording recording = in_volts(0);
+    recording.channels[0].quantity = quantity;
+    recording.channels[0].unit = quantity == Quantity::force ? "N" : "m/s^2";
+    recording.channels[0].samples.setConstant(value);
+    apply_description({}, recording);
+    return suspected(recording);
+  };
+  EXPECT_THAT(said(Quantity::acceleration, 1e5 * 9.80665), HasSubstr("100000 g"));
+  EXPECT_EQ(said(Quantity::acceleration, 20), "");
+  EXPECT_EQ(said(Quantity::acceleration, 0), "");
+  EXPECT_EQ(said(Quantity::force, 5e6), "");  // in a stay cable
 }
 
 }  // namespace

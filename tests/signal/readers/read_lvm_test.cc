@@ -1,4 +1,4 @@
-#include "signal/readers/read_lvm.h"
+#include "signal/readers/files/read_formats.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/readers/csv/read_csv.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 
 namespace rigfit::signal {

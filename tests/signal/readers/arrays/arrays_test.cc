@@ -14,9 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/readers/arrays/read_mat.h"
-#include "signal/readers/arrays/read_npy.h"
-#include "signal/readers/arrays/read_wav.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_error.h"

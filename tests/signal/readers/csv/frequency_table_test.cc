@@ -10,7 +10,7 @@
 #include <string>
 
 #include "signal/readers/csv/frequency_table.h"
-#include "signal/readers/csv/read_csv.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/recording/recording_error.h"
 #include "signal/spectra/line_peaks.h"
 

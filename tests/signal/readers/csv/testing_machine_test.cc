@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "signal/readers/csv/read_csv.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::signal::testing_machine_test {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "signal/readers/csv/read_csv.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/time_axis.h"
 

@@ -1,5 +1,5 @@
 // What a spreadsheet's dates and formats mean, and which archives are workbooks.
-#include "signal/readers/xlsx/clock_text.h"
+#include "signal/readers/xlsx/workbook.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,6 @@
 #include <string>
 
 #include "signal/readers/files/foreign_formats.h"
-#include "signal/readers/xlsx/workbook.h"
 
 namespace rigfit::signal::cell_formats_test {
 namespace {

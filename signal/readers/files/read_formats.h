@@ -1,0 +1,64 @@
+// The readers of single formats; signal/readers/read_recording.h tells formats apart.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string_view>
+
+#include "signal/readers/files/read_options.h"
+#include "signal/recording/recording.h"
+#include "signal/spectra/frf_set.h"
+
+// `bytes` is the whole file, `path` is used in messages; `done_with`, if given, is called now and
+// then with the bytes read so far. All throw RecordingError.
+namespace rigfit::signal {
+
+/// Text tables as loggers write them. Separator (comma, semicolon, tab, blanks), decimal sign,
+/// byte-order mark, quotes, line ends and the extent of the header are found from the text. Names
+/// and units stand in the header in any of the usual ways ("Time (s),Force [N]", a row of units,
+/// rows with labels in front, "rate_gyro_V"). Everything left out is noted.
+[[nodiscard]] Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
+                                 const ReadOptions& options = {},
+                                 const std::function<void(std::size_t)>& done_with = {});
+
+/// LabVIEW measurement files (.lvm, text). Source: National Instruments, "Specification for the
+/// LabVIEW Measurement File (.lvm)". One file header is followed by segments, each with its own
+/// header (channels, units, X0, Delta_X) and table, which has no X values, one column of them, or
+/// one per channel. Segments of the same channels are joined; where gaps lie between them the times
+/// are kept.
+[[nodiscard]] Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
+                                 const ReadOptions& options = {},
+                                 const std::function<void(std::size_t)>& done_with = {});
+
+/// Sound files (.wav, also RF64 and big-endian RIFX) by libsndfile: 8 to 32 bit integers, 32 and 64
+/// bit floating point, any number of channels, called "channel 1" and so on. Samples are fractions
+/// of full scale (-1 to 1); what that means the file does not say: a description beside it gives
+/// `scale` and `unit` (recording_description.h). The range is full scale where the file holds whole
+/// numbers. A truncated file is read as far as it goes, with a note.
+[[nodiscard]] Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
+                                 const ReadOptions& options = {},
+                                 const std::function<void(std::size_t)>& done_with = {});
+
+/// NumPy arrays (.npy, versions 1 to 3): numeric arrays of one or two dimensions, or records with
+/// named fields, which become channels' names. The longer dimension is time. Refused are complex
+/// numbers, Python objects, more than two dimensions and a file shorter than its header says.
+/// Source: numpy.lib.format, "A simple format for saving numpy arrays".
+[[nodiscard]] Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
+                                 const ReadOptions& options = {},
+                                 const std::function<void(std::size_t)>& done_with = {});
+
+/// MATLAB files (.mat), versions 5 to 7 and 7.3, by libmatio: numeric arrays, also inside structs
+/// and cells. Arrays whose longer side has the same length are the channels of the recording; a
+/// variable with a name for time ("t", "time") holds the times, and a scalar named like a rate or
+/// step ("fs", "dt") gives the rate. Where arrays of several lengths could be meant the file is
+/// refused, with their names. `options.variables` names the arrays to take ("data", "run.acc").
+[[nodiscard]] Recording read_mat(const std::filesystem::path& path,
+                                 const ReadOptions& options = {});
+
+/// FRFs of a MATLAB file: complex arrays (lines x points) beside a frequency vector of as many
+/// lines ("freq", "f").
+[[nodiscard]] FrfSet read_mat_frfs(const std::filesystem::path& path,
+                                   const ReadOptions& options = {});
+
+}  // namespace rigfit::signal
