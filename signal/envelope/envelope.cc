@@ -16,7 +16,7 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 
 // Fewer samples than this leave too little beside three coefficients.
-constexpr double kFewestSamples = 8;
+constexpr double kFewestForEnvelope = 8;
 // The decay ends where a cycle's amplitude is below so many standard deviations of its noise: the
 // bias of ln|C|, half the relative variance, is then 3 %.
 constexpr double kLeastAmplitude = 4;
@@ -78,7 +78,7 @@ CycleAmplitudes cycle_amplitudes(const Eigen::Ref<const Eigen::VectorXd>& alone,
   cycles.pole = pole, cycles.sample_rate_hz = sample_rate_hz;
   // A cycle; near half the sample rate, where the conjugate pole comes close, a cycle of the beat.
   const double f = pole.imag() / kTwoPi;
-  const double length = std::max({kFewestSamples, 1 / f, 1 / std::max(1 - 2 * f, 1e-6)});
+  const double length = std::max({kFewestForEnvelope, 1 / f, 1 / std::max(1 - 2 * f, 1e-6)});
   // An amplitude over L samples of noise s^2: E|dC|^2 = 4 s^2 / L.
   const double noise = 4 * std::max(noise_variance, 1e-300) / length;
   const auto count = static_cast<Index>(static_cast<double>(alone.size()) / length);
