@@ -98,6 +98,8 @@ class UpdateProblem {
   };
   /// The same with `off` subtracted from its residuals, then multiplied by L; null: as they are.
   [[nodiscard]] UpdateProblem with_sources(std::shared_ptr<const Sources> sources) const;
+  /// Variances of gain * r of plain residuals r, whose covariance is I + C C'.
+  [[nodiscard]] Eigen::VectorXd plain_variances(const Eigen::MatrixXd& gain) const;
   /// Changes of plain residuals, as those of this problem change.
   [[nodiscard]] Eigen::VectorXd with_sources_of(Eigen::VectorXd change) const;
   [[nodiscard]] bool has_sources() const { return sources_ != nullptr; }

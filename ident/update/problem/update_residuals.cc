@@ -119,6 +119,13 @@ void UpdateProblem::whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const {
   residuals -= sources_->U * (sources_->less.matrix().asDiagonal() * along);
 }
 
+Eigen::VectorXd UpdateProblem::plain_variances(const Eigen::MatrixXd& gain) const {
+  Eigen::VectorXd variances = gain.rowwise().squaredNorm();
+  if (!sources_ || sources_->U.rows() != gain.cols()) return variances;
+  const Eigen::VectorXd more = ((1 - sources_->less).square().inverse() - 1).matrix();
+  return variances + (gain * sources_->U).cwiseAbs2() * more;
+}
+
 Eigen::VectorXd UpdateProblem::with_sources_of(Eigen::VectorXd change) const {
   if (sources_ && sources_->U.rows() == change.size()) whiten(change);
   return change;

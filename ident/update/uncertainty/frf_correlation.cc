@@ -77,28 +77,42 @@ double correlated_lines_of(const UpdateProblem& problem, const std::vector<Updat
 }
 
 double correlated_variance_factor(const UpdateProblem& problem,
-                                  const std::vector<UpdateMatch>& matches, const Eigen::VectorXd& r,
-                                  const Eigen::MatrixXd& J) {
+                                  const std::vector<UpdateMatch>& matches, const Eigen::VectorXd& q,
+                                  const Eigen::VectorXd& r, const Eigen::MatrixXd& J) {
   if (!problem.has_frfs()) return 0;
   const auto all = problem.frf_rows(matches);
   const auto R = autocorrelation(all, r);
   if (R.empty()) return 0;
   const double time = integrated_time(R);
   double factor = R[0] * time;  // the least: as if every derivative reached as far as the errors
-  const Blocks blocks = blocks_of(all, static_cast<Eigen::Index>(std::ceil(2 * time)), r, J);
-  if (blocks.count <= 2 * J.cols()) return factor;
-  Eigen::MatrixXd meat = J.transpose() * J;  // all other data count unchanged
-  for (const auto& rows : all) {
-    const auto own = J.middleRows(rows.first, 2 * lines_of(rows));
-    meat -= own.transpose() * own;
-  }
-  const double few = static_cast<double>(blocks.count) / static_cast<double>(blocks.count - 1);
-  meat += few * blocks.meat;
   const Eigen::MatrixXd bread =
       (J.transpose() * J).completeOrthogonalDecomposition().pseudoInverse();
-  const Eigen::VectorXd sandwich = (bread * meat * bread).diagonal();
+  Eigen::VectorXd variance = Eigen::VectorXd::Zero(J.cols());
+  const Blocks blocks = blocks_of(all, static_cast<Eigen::Index>(std::ceil(2 * time)), r, J);
+  if (blocks.count > 2 * J.cols()) {
+    Eigen::MatrixXd meat = J.transpose() * J;  // all other data count unchanged
+    for (const auto& rows : all) {
+      const auto own = J.middleRows(rows.first, 2 * lines_of(rows));
+      meat -= own.transpose() * own;
+    }
+    const double few = static_cast<double>(blocks.count) / static_cast<double>(blocks.count - 1);
+    variance = (bread * (meat + few * blocks.meat) * bread).diagonal();
+  }
+  Eigen::VectorXd plain_r;
+  Eigen::MatrixXd plain_J;
+  if (problem.has_sources() &&
+      problem.with_sources(nullptr).residuals(q, matches, UpdateStage::full, plain_r, &plain_J)) {
+    constexpr double kFarApart = 3.84;  // chi-square of one, 5 %
+    const auto solve = plain_J.completeOrthogonalDecomposition();
+    const Eigen::VectorXd apart = solve.solve(plain_r).cwiseAbs2();
+    const Eigen::VectorXd spread = problem.plain_variances(solve.pseudoInverse());
+    for (Eigen::Index j = 0; j < J.cols(); ++j) {
+      const double expected = std::max(0.0, spread[j] - bread(j, j)) * std::max(1.0, R[0]);
+      if (apart[j] > kFarApart * expected) variance[j] = std::max(variance[j], apart[j]);
+    }
+  }
   for (Eigen::Index j = 0; j < J.cols(); ++j) {
-    if (bread(j, j) > 0) factor = std::max(factor, sandwich[j] / bread(j, j));
+    if (bread(j, j) > 0) factor = std::max(factor, variance[j] / bread(j, j));
   }
   return factor;
 }

@@ -139,8 +139,8 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   if (result.fit.by_inputs > 0) {
     chi2 = std::min(chi2, chi2_with_inputs(problem, matches, q).value_or(chi2));
   }
-  state_variance_factor(problem, options, correlated_variance_factor(problem, matches, r, J), chi2,
-                        result);
+  state_variance_factor(problem, options, correlated_variance_factor(problem, matches, q, r, J),
+                        chi2, result);
 
   Eigen::VectorXd scales = Eigen::VectorXd::Ones(n);
   for (Eigen::Index j = 0; j < n; ++j) {

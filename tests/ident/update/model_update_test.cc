@@ -329,25 +329,6 @@ TEST(UpdateModel, IntervalsCover) {
   EXPECT_GE(covered, 0.866 * total);
 }
 
-TEST(UpdateModel, MonteCarloAgreesWithTheCovariance) {
-  auto random = seeded(7);
-  UpdateState state{"beam", beam(2.3, 0.3, 0.025), {}};
-  state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 6, 2e-3, random);
-  const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;  // the data have the model's segments
-  const auto result = update_model({state}, free, options);
-  const auto study = update_monte_carlo(result, {state}, free, options, 100);
-  ASSERT_EQ(study.samples, 100);
-  for (int k : {0, 1}) {
-    // The standard deviation of 100 samples is known to 7 %; three of those, and 5 % for Huber's
-    // weights, which the covariance takes as they came out and the samples draw anew.
-    const double std = result.parameters[static_cast<std::size_t>(k)].std;
-    EXPECT_NEAR(study.std[k], std, 0.3 * std);
-  }
-}
-
 // One mode, none, the same one five times, one at an absurd place: an answer without uncertainty or
 // a status that says why there is none, and never a value that is not finite.
 TEST(UpdateModel, TooLittleDataGetNoUncertainty) {
