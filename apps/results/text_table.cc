@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "model/scene/scene_error.h"
-#include "signal/readers/csv/csv_table.h"
-#include "signal/readers/csv/csv_layout.h"
-#include "signal/readers/files/mapped_file.h"
 #include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/csv/csv_layout.h"
+#include "signal/readers/csv/csv_table.h"
+#include "signal/readers/files/mapped_file.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 

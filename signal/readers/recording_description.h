@@ -82,8 +82,8 @@ struct RecordingDescription {
 
 /// Renames, rescales and orients the recording's channels as described; its notes of missing units
 /// follow. Values that hardly any laboratory measures are noted
-/// ("unit_suspected"). Throws RecordingError for a channel that is not there (unless the description
-/// is of the folder) or a unit that does not fit.
+/// ("unit_suspected"). Throws RecordingError for a channel that is not there (unless the
+/// description is of the folder) or a unit that does not fit.
 void apply_description(const RecordingDescription& description, Recording& recording);
 
 }  // namespace rigfit::signal

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "signal/readers/files/read_formats.h"
 #include "signal/readers/files/foreign_formats.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_error.h"
 #include "tests/fuzz/mutations.h"
