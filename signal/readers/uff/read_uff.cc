@@ -133,6 +133,7 @@ void take_channels(const Uff58File& file, const Functions& functions, std::size_
 }
 
 bool same_times(const Uff58& a, const Uff58& b) {
+  if (&a == &b) return true;  // also where times are missing, which equal nothing
   if (a.even != b.even) return false;
   if (a.even) return a.abscissa_start == b.abscissa_start && a.abscissa_step == b.abscissa_step;
   return a.x.size() == b.x.size() && (a.x.array() == b.x.array()).all();
