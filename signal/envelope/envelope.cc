@@ -46,6 +46,7 @@ DecayLaw law_of(const std::vector<double>& amplitude, const std::vector<double>&
                 const std::vector<double>& weight) {
   const std::size_t n = rate.size();
   std::vector<double> inverse;
+  inverse.reserve(amplitude.size());
   for (const double a : amplitude) inverse.push_back(1 / a);
   const double mean = gsl_stats_wmean(weight.data(), 1, rate.data(), 1, n);
   const double constant = gsl_stats_wtss_m(weight.data(), 1, rate.data(), 1, n, mean);
