@@ -19,7 +19,6 @@ constexpr std::array<std::string_view, 3> kTakenAsSaid = {"taken_as_exact", "exa
                                                           "exact_ends"};
 // What was done, in normal operation: reading, choosing, leaving out with a reason.
 constexpr auto kNotes = std::to_array<std::string_view>({
-    "coloured_residual",
     "decay_cut_off",
     "decaying_offset",
     "double_hit_hidden",
@@ -39,7 +38,6 @@ constexpr auto kNotes = std::to_array<std::string_view>({
     "thermal_expansion",
     "toe",
     "uff_remark",
-    "uneven_noise",
     "universal_file",
     "window_damping",
 });

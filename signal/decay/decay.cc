@@ -11,7 +11,6 @@
 #include "signal/decay/decay_clipping.h"
 #include "signal/decay/decay_description.h"
 #include "signal/decay/decay_judgement.h"
-#include "signal/decay/decay_start.h"
 #include "signal/decay/narrow_record.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
@@ -57,19 +56,18 @@ class Estimation {
     leave_out_the_tail();
     trim_start();
     if (moved_start_) {
-      note(result_, "start_chosen",
-           fmt::format("the fit starts at {:.6g} s, after the impact or release",
-                       time_of(result_.start)));
+      result_.note("start_chosen",
+                   fmt::format("the fit starts at {:.6g} s, after the impact or release",
+                               time_of(result_.start)));
     }
     stretches_.start = result_.start, stretches_.end = result_.end;
     fit_->unit_covariance = covariance_beside(y_, stretches_, *fit_, background_);
     fit_->degrees -= background_.parameters();
     if (fit_->unit_covariance.size() == 0 || fit_->degrees < 1) {
-      refuse(result_, "not_determined",
-             "modes and steady tones cannot be told apart in so short a record");
+      result_.refuse("too_noisy",
+                     "modes and steady tones cannot be told apart in so short a record");
       return result_;
     }
-    describe_decay(result_, *fit_, band_, rate_, options_);
     for (const auto& term : background_.terms) {
       if (!term.tone()) continue;
       DecayMode steady;
@@ -78,17 +76,18 @@ class Estimation {
       steady.amplitude = std::abs(term.amplitude);
       result_.steady_tones.push_back(steady);
     }
-    if (result_.refusal_code.empty()) judge_decay(result_, rate_);
+    judge_decay(describe_fit(*fit_, rate_, options_.false_alarm), band_, rate_, result_);
     return result_;
   }
 
  private:
   bool usable() {
     if (!(band_.low < band_.high)) {
-      refuse(result_, "band_not_sampled",
-             fmt::format("the band begins at {:.6g} Hz, above half the sample rate, {:.6g} Hz: "
-                         "give a lower one or sample faster",
-                         options_.band_low_hz, 0.5 * rate_));
+      result_.refuse(
+          "band_not_sampled",
+          fmt::format("the band begins at {:.6g} Hz, above half the sample rate, {:.6g} Hz: "
+                      "give a lower one or sample faster",
+                      options_.band_low_hz, 0.5 * rate_));
       return false;
     }
     Index finite = 0;
@@ -97,21 +96,23 @@ class Estimation {
       if (std::isfinite(v)) ++finite, low = std::min(low, v), high = std::max(high, v);
     }
     if (finite < kFewestSamples) {
-      refuse(result_, "too_few_samples",
-             fmt::format("{} samples: one damped sinusoid with offset and drift has 6 unknowns",
-                         finite));
+      result_.refuse(
+          "too_few_samples",
+          fmt::format("{} samples: one damped sinusoid with offset and drift has 6 unknowns",
+                      finite));
       return false;
     }
     if (!(high - low > 1e-14 * std::max(std::abs(high), std::abs(low)))) {
-      refuse(result_, "constant", "the signal does not change: nothing vibrates in this channel");
+      result_.refuse("constant", "the signal does not change: nothing vibrates in this channel");
       return false;
     }
     const Index recorded = recorded_until(y_);
     if (recorded < y_.size()) {
-      note(result_, "recording_stops",
-           fmt::format("the last {} samples are all {:.6g}: the logger had stopped; they are left "
-                       "out",
-                       y_.size() - recorded, y_(y_.size() - 1)));
+      result_.note(
+          "recording_stops",
+          fmt::format("the last {} samples are all {:.6g}: the logger had stopped; they are left "
+                      "out",
+                      y_.size() - recorded, y_(y_.size() - 1)));
       result_.end = recorded;
     }
     return true;
@@ -140,14 +141,15 @@ class Estimation {
         where += fmt::format("{}{:.4g} to {:.4g} s", where.empty() ? "" : ", ", time_of(w.start),
                              time_of(w.end - 1));
       }
-      note(result_, "several_decays",
-           fmt::format("{} decays in the record: {}; the strongest is fitted",
-                       result_.decays.size(), where));
+      result_.note("several_decays",
+                   fmt::format("{} decays in the record: {}; the strongest is fitted",
+                               result_.decays.size(), where));
     }
     if (chosen.clipped_until > 0) {
-      note(result_, "clipped",
-           fmt::format("the signal sits on its rail until {:.6g} s; the fit starts after it",
-                       time_of(chosen.clipped_until - 1)));
+      result_.note(
+          "clipped",
+          fmt::format("the signal sits on its rail until {:.6g} s; the fit starts after it",
+                      time_of(chosen.clipped_until - 1)));
     }
     return true;
   }
@@ -155,7 +157,7 @@ class Estimation {
   bool enough() {
     const auto lost = static_cast<Index>(samples_.missing.size());
     if (samples_.values.size() - lost >= kFewestSamples) return true;
-    refuse(result_, "too_few_samples", "fewer than 7 samples are left after clipping and gaps");
+    result_.refuse("too_few_samples", "fewer than 7 samples are left after clipping and gaps");
     return false;
   }
 
@@ -164,14 +166,15 @@ class Estimation {
     if (!enough()) return false;
     const auto lost = static_cast<Index>(samples_.missing.size());
     if (5 * lost > samples_.values.size()) {
-      refuse(result_, "missing_samples",
-             fmt::format("{} of {} samples are missing: name a stretch without gaps by start and "
-                         "end",
-                         lost, samples_.values.size()));
+      result_.refuse(
+          "missing_samples",
+          fmt::format("{} of {} samples are missing: name a stretch without gaps by start and "
+                      "end",
+                      lost, samples_.values.size()));
       return false;
     }
     if (lost > 0) {
-      note(result_, "missing_samples", fmt::format("{} missing samples were left out", lost));
+      result_.note("missing_samples", fmt::format("{} missing samples were left out", lost));
     }
     return true;
   }
@@ -181,8 +184,8 @@ class Estimation {
     if (fit_ && options_.choose_window) {
       const Index clip = clipped_by_fit(samples_, *fit_, band_, search_);
       if (clip > 0) {
-        note(
-            result_, "clipped",
+        result_.note(
+            "clipped",
             fmt::format("the signal is cut off at its rail until {:.6g} s; the fit starts after it",
                         time_of(result_.start + clip - 1)));
         result_.start += clip;
@@ -192,9 +195,10 @@ class Estimation {
       }
     }
     if (fit_) return true;
-    refuse(result_, "too_noisy",
-           "no oscillation stands out of the noise (or less than half a cycle is recorded): a "
-           "longer record, a harder impulse or a band around the mode would help");
+    result_.refuse(
+        "too_noisy",
+        "no oscillation stands out of the noise (or less than half a cycle is recorded): a "
+        "longer record, a harder impulse or a band around the mode would help");
     return false;
   }
 
@@ -226,11 +230,12 @@ class Estimation {
     stretches_.start = result_.start, stretches_.end = result_.end;
     DecayBackground more = background_;
     if (!add_offset(with, stretches_, *fit_, options_.false_alarm, more)) return true;
-    note(result_, "decaying_offset",
-         fmt::format("an offset of {:.4g} that dies away with a time constant of {:.3g} s was "
-                     "fitted with the modes (an amplifier's high-pass?)",
-                     more.terms.back().amplitude.real(),
-                     -1 / (more.terms.back().rate.real() * rate_)));
+    result_.note(
+        "decaying_offset",
+        fmt::format("an offset of {:.4g} that dies away with a time constant of {:.3g} s was "
+                    "fitted with the modes (an amplifier's high-pass?)",
+                    more.terms.back().amplitude.real(),
+                    -1 / (more.terms.back().rate.real() * rate_)));
     return without(std::move(more));
   }
 
@@ -249,14 +254,33 @@ class Estimation {
     if (again.unit_covariance.size() > 0) fit_ = std::move(again);
   }
 
+  // Moves the start on by half a cycle of the strongest mode at a time, while the first half cycle
+  // leaves three times the rms of what comes later, by three cycles or 0.35 time constants at most.
   void trim_start() {
     if (!options_.trim_start) return;
-    auto later = later_start(y_, result_.start, result_.end, *fit_, band_, search_);
-    if (!later) return;
-    result_.start = later->start;
-    samples_ = std::move(later->samples);
-    fit_ = std::move(later->fit);
-    moved_start_ = true;
+    const Complex pole = fit_->poles[strongest_mode(*fit_, band_)];
+    const double most = std::min(3 * kTwoPi / pole.imag(), 0.35 / std::max(-pole.real(), 1e-300));
+    const Index first = result_.start;
+    while (const Index shift = start_shift()) {
+      const Index next = result_.start + shift;
+      if (static_cast<double>(next - first) > most) return;
+      DecaySamples samples = decay_samples(y_, next, result_.end);
+      auto fit = find_decay_modes(samples, band_, search_);
+      if (!fit) return;
+      result_.start = next, samples_ = std::move(samples), fit_ = std::move(fit);
+      moved_start_ = true;
+    }
+  }
+
+  [[nodiscard]] Index start_shift() const {
+    const double cycle = kTwoPi / fit_->poles[strongest_mode(*fit_, band_)].imag();
+    const auto half = std::max<Index>(3, static_cast<Index>(std::lround(0.5 * cycle)));
+    const auto rest_from = static_cast<Index>(std::ceil(2 * cycle));
+    if (fit_->samples < rest_from + std::max<Index>(8, static_cast<Index>(3 * cycle))) return 0;
+    const auto rest = fit_->residual.tail(fit_->samples - rest_from);
+    const double level = rest.squaredNorm() / static_cast<double>(rest.size());
+    const double first = fit_->residual.head(half).squaredNorm();
+    return first > 9 * level * static_cast<double>(half) ? half : 0;
   }
 
   void warn_of_rails() {
@@ -264,10 +288,11 @@ class Estimation {
     const Index clip =
         clipped_until(y_.segment(result_.start, result_.end - result_.start), frequency);
     if (clip == 0) return;
-    note(result_, "clipped",
-         fmt::format("the signal sits on its rail until {:.6g} s, within what was fitted: damping "
-                     "and amplitudes are wrong; start the fit after it",
-                     time_of(result_.start + clip - 1)));
+    result_.note(
+        "clipped",
+        fmt::format("the signal sits on its rail until {:.6g} s, within what was fitted: damping "
+                    "and amplitudes are wrong; start the fit after it",
+                    time_of(result_.start + clip - 1)));
   }
 
   [[nodiscard]] double time_of(Index sample) const {
@@ -305,10 +330,11 @@ void take_back(const NarrowRecord& narrow, DecayResult& result) {
   result.noise_std *= std::sqrt(step);
   result.signal_to_noise_db -= 10 * std::log10(step);
   result.residual.resize(0);
-  note(result, "fitted_in_band",
-       fmt::format("every {}th sample was fitted, behind a filter: what counts lies far below the "
-                   "sample rate",
-                   narrow.step));
+  result.note(
+      "fitted_in_band",
+      fmt::format("every {}th sample was fitted, behind a filter: what counts lies far below the "
+                  "sample rate",
+                  narrow.step));
 }
 
 }  // namespace

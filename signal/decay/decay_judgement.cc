@@ -1,134 +1,314 @@
 #include "signal/decay/decay_judgement.h"
 
 #include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <numbers>
+#include <numeric>
 
+#include "signal/decay/decay_hits.h"
+#include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 namespace {
 
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+// Mains frequency and machines keep their amplitude to a few per cent; a decay that falls by less
+// has no damping to tell, unless a few cycles give a frequency that is worth having by itself.
+constexpr double kSteady = 0.02, kFewCycles = 10;
+// What goes on beside a decay may be as large as this share of it.
+constexpr double kMostExcited = 0.1;
 // Relative standard uncertainty of a frequency that says nothing any more. So wide that records are
 // refused for their noise first: to refuse by an estimate's own uncertainty, which grows with the
 // damping found, would leave those whose damping came out too small.
 constexpr double kWidestFrequency = 0.25;
-// Energy over the largest that noise shows with probability `false_alarm`: at 2.5 times the
-// detection itself shifts the root of the energy by under 1 % of its standard uncertainty.
-constexpr double kLeastDetection = 2.5;
+// Energy over the largest that noise shows with probability `false_alarm`. Estimates that are
+// answered only where noise made them larger are biased: at 4 times, 4.5 dB in 50 cycles, by a
+// tenth of a standard uncertainty.
+constexpr double kLeastDetection = 4;
+// An amplitude that falls by less is known from its start alone.
+constexpr double kShortFall = 0.7, kShortCycles = 3;
 
-}  // namespace
+class Judgement {
+ public:
+  Judgement(const DescribedFit& described, const DecayBand& band, DecayResult& result)
+      : d_(described), band_(band), result_(result) {}
 
-void refuse(DecayResult& result, std::string code, std::string message) {
-  result.refusal_code = std::move(code);
-  result.refusal = std::move(message);
-}
+  void run() {
+    choose();
+    if (refused()) return;
+    for (const std::size_t m : kept_) result_.modes.push_back(d_.modes[m]);
+    std::vector<Index> rows;
+    for (const std::size_t m : kept_) {
+      rows.push_back(static_cast<Index>(2 * m)), rows.push_back(static_cast<Index>(2 * m) + 1);
+    }
+    result_.covariance = d_.covariance(rows, rows);
+    result_.envelope = d_.envelopes[kept_.front()];
+    say();
+  }
 
-void note(DecayResult& result, std::string code, std::string message) {
-  result.notes.push_back({std::move(code), std::move(message), ""});
-}
+ private:
+  [[nodiscard]] double hz(std::size_t m) const { return d_.modes[m].damped_frequency_hz.value; }
 
-void judge_decay(DecayResult& result, double sample_rate_hz) {
-  const DecayMode& mode = result.modes.front();
-  const double f = mode.frequency_hz.value, zeta = mode.damping_ratio.value;
-  const double seconds = static_cast<double>(result.end - result.start) / sample_rate_hz;
-  if (!(mode.frequency_hz.std < kWidestFrequency * f) || !std::isfinite(mode.damping_ratio.std)) {
-    refuse(result, "not_determined",
-           fmt::format(
-               "frequency ({:.4g} Hz) is uncertain by more than {:.0f} %: the record holds {:.2g} "
-               "cycles at {:.3g} dB; more cycles or less noise are needed",
-               f, 100 * kWidestFrequency, mode.cycles, result.signal_to_noise_db));
-    return;
+  /// Steady tones apart, modes outside of the band and those that grow left out.
+  void choose() {
+    std::vector<std::size_t> order(d_.modes.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t l, std::size_t r) {
+      return d_.modes[l].energy > d_.modes[r].energy;
+    });
+    const bool decays =
+        std::any_of(d_.fall.begin(), d_.fall.end(), [](double f) { return f > 0.5; });
+    for (const std::size_t m : order) {
+      // Known to change by less than a tenth over the record while others decay: hum.
+      if (decays && std::abs(d_.fall[m]) + 2 * d_.fall_std[m] < 0.1) {
+        result_.steady_tones.push_back(d_.modes[m]);
+      } else if (band_.contains(d_.fit.poles[m])) {
+        const bool grows = d_.fall[m] < -0.05 && d_.fall[m] + 3 * d_.fall_std[m] < 0;
+        if (grows && kept_.empty()) growing_first_ = true;
+        (grows ? growing_ : kept_).push_back(m);
+      }
+    }
   }
-  if (mode.detection < kLeastDetection) {
-    refuse(result, "too_noisy",
-           fmt::format("repeat the test with a harder blow or a longer record, or give a band "
-                       "around the mode: the oscillation at {:.4g} Hz has {:.2g} times the energy "
-                       "that noise alone may show, and below {:.2g} times the values that are seen "
-                       "are those which noise made larger",
-                       f, mode.detection, kLeastDetection));
-    return;
+
+  bool refused() {
+    const auto refuse = [&](const char* code, std::string message) {
+      result_.refuse(code, std::move(message));
+      return true;
+    };
+    if (growing_first_) {
+      const std::size_t m = growing_.front();
+      return refuse(
+          "no_decay",
+          fmt::format("name a start and end that hold a decay, or a whole beat: the oscillation at "
+                      "{:.6g} Hz grows by a factor of {:.3g} over the window",
+                      hz(m), std::exp(-d_.fall[m])));
+    }
+    if (kept_.empty()) {
+      return refuse("no_decay", result_.steady_tones.empty()
+                                    ? "no oscillation in the band"
+                                    : "only steady tones in the band, nothing that decays");
+    }
+    const std::size_t main = kept_.front();
+    const DecayMode& mode = d_.modes[main];
+    if (std::abs(d_.fall[main]) + 2 * d_.fall_std[main] < kSteady && mode.cycles > kFewCycles) {
+      return refuse(
+          "no_decay",
+          fmt::format("record a free decay (a tap, a release): the oscillation at {:.6g} "
+                      "Hz keeps its amplitude within {:.0f} % over the window: a machine, "
+                      "a shaker or hum drives it, or the window is too short to show the "
+                      "decay",
+                      hz(main), 100 * kSteady));
+    }
+    if (std::all_of(kept_.begin(), kept_.end(), [&](auto m) { return d_.modes[m].doubtful; })) {
+      if (!mode.company || mode.r_squared < 0.3) {
+        return refuse("too_noisy", "no oscillation stands out of the noise: " + mode.doubt);
+      }
+      return refuse("not_separable",
+                    fmt::format("record for longer, or with less noise: what one decay leaves near "
+                                "{:.4g} Hz is no noise: two modes that beat too slowly for this "
+                                "record, or one that changes",
+                                hz(main)));
+    }
+    if (const std::string why = driven(); !why.empty()) {
+      return refuse("no_decay",
+                    fmt::format("record a free decay (a tap, a release, a machine that is switched "
+                                "off) or name one by start and end: the oscillation at {:.4g} Hz "
+                                "does not die away by itself: {}",
+                                hz(main), why));
+    }
+    if (!(mode.frequency_hz.std < kWidestFrequency * mode.frequency_hz.value) ||
+        !std::isfinite(mode.damping_ratio.std) || mode.cycles < 1) {
+      return refuse(
+          "too_noisy",
+          fmt::format("record more cycles or less noise: the record holds {:.2g} cycles at "
+                      "{:.3g} dB, which leave the frequency, {:.4g} Hz, uncertain by more "
+                      "than {:.0f} % or the damping undetermined beside offset and drift",
+                      mode.cycles, result_.signal_to_noise_db, mode.frequency_hz.value,
+                      100 * kWidestFrequency));
+    }
+    if (mode.detection < kLeastDetection) {
+      return refuse(
+          "too_noisy",
+          fmt::format("repeat the test with a harder blow or a longer record, or give a band "
+                      "around the mode: the oscillation at {:.4g} Hz has {:.2g} times the energy "
+                      "that noise alone may show, and below {:.2g} times the values that are seen "
+                      "are those which noise made larger",
+                      mode.frequency_hz.value, mode.detection, kLeastDetection));
+    }
+    return false;
   }
-  if (mode.cycles < 1) {
-    refuse(result, "under_one_cycle",
-           fmt::format(
-               "the window holds {:.2g} cycles: offset, drift and damping cannot be told apart "
-               "below one",
-               mode.cycles));
-    return;
+
+  /// Why the strongest mode is no free decay; empty when it is one.
+  std::string driven() {
+    const std::size_t main = kept_.front();
+    const auto& poles = d_.fit.poles;
+    const double amplitude = d_.modes[main].amplitude;
+    // What a random amplitude looks like to a fit: several modes within a few lines or widths.
+    const auto beside = [&](std::size_t m) {
+      const double width = std::max(-poles[main].real(), std::abs(poles[m].real()));
+      const double lines = 4 * kTwoPi / static_cast<double>(d_.fit.samples);
+      return m != main &&
+             std::abs(poles[m].imag() - poles[main].imag()) < std::max(lines, 3 * width);
+    };
+    if (std::any_of(growing_.begin(), growing_.end(), [&](std::size_t m) {
+          return beside(m) && d_.modes[m].amplitude * std::exp(-d_.fall[m]) > 0.2 * amplitude;
+        })) {
+      return "its amplitude grows again";
+    }
+    if (std::count_if(kept_.begin(), kept_.end(), beside) >= 2) {
+      return "its amplitude rises and falls at random";
+    }
+    excitation_ = excitation(main) / amplitude;
+    if (!(excitation_ > kMostExcited)) return {};
+    return fmt::format(
+        "what one decay leaves at its frequency goes on through the record, {:.0f} % of the "
+        "amplitude at the start",
+        100 * excitation_);
   }
-  const double fall = zeta * kTwoPi * f * seconds;
-  if (fall < 0.7) {
-    note(result, "record_shorter_than_decay",
-         fmt::format(
-             "the amplitude falls by {:.2g} % only within the {:.4g} s of the window: a longer "
-             "record would determine the damping better",
-             100 * (1 - std::exp(-std::max(fall, 0.0))), seconds));
+
+  /// Amplitude of what goes on at mode m through the record; 0: none that noise would not show.
+  [[nodiscard]] double excitation(std::size_t m) const {
+    constexpr Index kMostBlocks = 40;
+    const double w = d_.fit.poles[m].imag();
+    const Index n = d_.fit.samples;
+    const Index block = std::max(averaging_cycle(w), (n + kMostBlocks - 1) / kMostBlocks);
+    const Index count = n / block, terms = std::min<Index>(7, count / 4);
+    if (terms < 1) return 0;
+    const RunningAmplitude running(d_.fit.residual, w);
+    Eigen::VectorXcd z(count);
+    Eigen::MatrixXd powers(count, terms);  // Chebyshev's polynomials
+    for (Index k = 0; k < count; ++k) {
+      z(k) = running.over(k * block, (k + 1) * block);
+      const double t = 2 * (static_cast<double>(k) + 0.5) / static_cast<double>(count) - 1;
+      for (Index p = 0; p < terms; ++p)
+        powers(k, p) = std::cos(static_cast<double>(p) * std::acos(t));
+    }
+    const Eigen::MatrixXd basis = thin_qr(powers).Q;
+    const Eigen::VectorXcd left = z - basis * (basis.transpose() * z);
+    const double sum = left.squaredNorm(), degrees = static_cast<double>(2 * (count - terms));
+    const double expected =
+        std::max(4 * noise_around(w, block) / static_cast<double>(block), 1e-300);
+    // Sum of |z|^2 over half its mean is chi-squared. The density beside the mode is itself known
+    // to some ten per cent only.
+    const bool goes_on = 2 * sum / (1.3 * expected) > gsl_cdf_chisq_Qinv(1e-6, degrees) &&
+                         sum > 4 * 0.5 * degrees * expected &&
+                         left.tail(count / 2).squaredNorm() > 0.15 * sum;
+    return goes_on ? std::sqrt(std::max(0.0, sum / (0.5 * degrees) - expected)) : 0;
   }
-  if (!(zeta > 2 * mode.damping_ratio.std)) {
-    note(result, "damping_not_resolved",
-         fmt::format(
-             "damping ratio {:.3g} is not distinguishable from zero (standard uncertainty {:.2g})",
-             zeta, mode.damping_ratio.std));
-  } else if (mode.damping_ratio.std > 0.1 * zeta) {
-    note(result, "damping_uncertain",
-         fmt::format("damping ratio is known to {:.0f} % only: too noisy or too short",
-                     100 * mode.damping_ratio.std / zeta));
+
+  /// Median density off the mode, where blocks of that length see no more of it.
+  [[nodiscard]] double noise_around(double w, Index block) const {
+    // Noise may slope: the side with more of it counts.
+    std::vector<double> sides[2];
+    for (Index k = 1; k < d_.residual.power.size(); ++k) {
+      const double apart = (static_cast<double>(k) / d_.residual.lines_per_cycle - w / kTwoPi) *
+                           static_cast<double>(block);
+      if (std::abs(apart) > 1 && std::abs(apart) < 4) {
+        sides[apart > 0].push_back(d_.residual.power(k));
+      }
+    }
+    double most = 0;
+    for (auto& powers : sides) {
+      if (powers.size() < 8) continue;
+      const auto middle = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
+      std::nth_element(powers.begin(), middle, powers.end());
+      // Median of an exponential distribution of mean 2 s^2 is 2 s^2 ln 2.
+      most = std::max(most, *middle / (2 * std::numbers::ln2));
+    }
+    return most > 0 ? most : d_.noise_beside(w);
   }
-  for (const DecayMode& each : result.modes) {
-    if (each.doubtful) note(result, "doubtful_mode", each.doubt);
+
+  void say() {
+    const DecayMode& mode = result_.modes.front();
+    const double fall = std::max(0.0, d_.fall[kept_.front()]);
+    if (fall < kShortFall || mode.cycles < kShortCycles) {
+      result_.note("record_short",
+                   fmt::format("Record for longer: the amplitude falls by {:.2g} % only within the "
+                               "{:.2g} cycles of the window, and the answer leans on offset and "
+                               "drift",
+                               100 * (1 - std::exp(-fall)), mode.cycles));
+    }
+    if (!(mode.damping_ratio.value > 2 * mode.damping_ratio.std)) {
+      result_.note("damping_not_resolved",
+                   fmt::format("damping ratio {:.3g} is not distinguishable from zero (standard "
+                               "uncertainty {:.2g})",
+                               mode.damping_ratio.value, mode.damping_ratio.std));
+    }
+    for (const DecayMode& each : result_.modes) {
+      if (each.doubtful) result_.note("doubtful_mode", each.doubt);
+    }
+    for (const DecayMode& each : result_.modes) {
+      const bool excited = &each == &mode && excitation_ > 0.01;
+      if (!each.company && !excited) continue;
+      result_.note(
+          "not_one_decay",
+          fmt::format("Record for longer, or look for a change during the decay: the "
+                      "residual near {:.4g} Hz is not noise but a mode close by that beats "
+                      "too slowly for this record, one that changes as it decays, or "
+                      "excitation that goes on",
+                      each.damped_frequency_hz.value));
+    }
+    say_whether_exponential(mode);
+    for (const auto& tone : result_.steady_tones) {
+      result_.note("steady_tone",
+                   fmt::format("a steady tone at {:.6g} Hz (mains hum?) was fitted and kept out of "
+                               "the modes",
+                               tone.damped_frequency_hz.value));
+    }
   }
-  for (const DecayMode& each : result.modes) {
-    if (!each.company) continue;
-    note(result, "not_one_decay",
-         fmt::format(
-             "Record for longer, or look for a change during the decay: the residual near {:.4g} "
-             "Hz is not noise but a mode close by that beats too slowly for this record, or one "
-             "that changes as it decays",
-             each.damped_frequency_hz.value));
-  }
-  if (mode.cycles < 3) {
-    note(result, "few_cycles",
-         fmt::format("{:.2g} cycles only: the answer leans on the model of offset "
-                     "and drift",
-                     mode.cycles));
-  }
-  const auto& envelope = result.envelope;
-  if (envelope.law != DecayLaw::exponential) {
+
+  void say_whether_exponential(const DecayMode& mode) {
+    const auto& envelope = result_.envelope;
+    const auto& drift = envelope.frequency_drift_hz;
+    const bool drifts = std::isfinite(drift.std) && std::abs(drift.value) > 5 * drift.std &&
+                        std::abs(drift.value) > 2 * mode.frequency_hz.std;
+    if (envelope.law == DecayLaw::exponential && !drifts) return;
     double least = std::numeric_limits<double>::infinity(), most = -least;
     for (const auto& p : envelope.points) {
       least = std::min(least, p.damping_ratio.value), most = std::max(most, p.damping_ratio.value);
     }
-    note(result, "not_exponential",
-         fmt::format(
-             "damping depends on amplitude ({}): damping ratio {:.3g} to {:.3g} along the decay; "
-             "one number holds for one amplitude only",
-             envelope.law == DecayLaw::friction ? "rises as the motion dies, as under dry friction"
-                                                : "falls as the motion dies, as under drag",
-             least, most));
+    result_.note(
+        "not_exponential",
+        fmt::format("The numbers hold for one amplitude only: damping {} as the motion dies, "
+                    "damping ratio {:.3g} to {:.3g} along the decay, and the frequency changes by "
+                    "{:+.2g} Hz from its first part to its last",
+                    envelope.law == DecayLaw::friction ? "rises (as under dry friction)"
+                    : envelope.law == DecayLaw::drag   ? "falls (as under drag)"
+                                                       : "stays",
+                    least, most, drift.value));
   }
-  const auto& drift = envelope.frequency_drift_hz;
-  if (std::isfinite(drift.std) && std::abs(drift.value) > 5 * drift.std &&
-      std::abs(drift.value) > 2 * mode.frequency_hz.std) {
-    note(result, "frequency_drifts",
-         fmt::format("frequency changes by {:+.4g} Hz from the first to the last part of the decay",
-                     drift.value));
-  }
-  if (result.residual_order > 0) {
-    note(result, "coloured_residual",
-         fmt::format(
-             "the residual is not white (autoregression of order {}): uncertainties allow for it",
-             result.residual_order));
-  }
-  for (const auto& tone : result.steady_tones) {
-    note(result, "steady_tone",
-         fmt::format("a steady tone at {:.6g} Hz (mains hum?) was fitted and kept "
-                     "out of the modes",
-                     tone.damped_frequency_hz.value));
-  }
+
+  const DescribedFit& d_;
+  const DecayBand& band_;
+  DecayResult& result_;
+  std::vector<std::size_t> kept_, growing_;
+  bool growing_first_ = false;
+  double excitation_ = 0;  // over the amplitude at the start
+};
+
+}  // namespace
+
+void judge_decay(const DescribedFit& described, const DecayBand& band, double sample_rate_hz,
+                 DecayResult& result) {
+  const DampedSinusoidsFit& fit = described.fit;
+  result.offset = fit.offset;
+  result.drift_per_s = fit.drift / static_cast<double>(fit.samples) * sample_rate_hz;
+  result.noise_std = std::sqrt(described.noise.variance);
+  result.residual_order = described.noise.coefficients.size();
+  result.degrees_of_freedom = fit.degrees;
+  result.coverage_factor_95 = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit.degrees));
+  result.residual = fit.residual;
+  const double amplitude = described.modes[strongest_mode(fit, band)].amplitude;
+  result.signal_to_noise_db =
+      10 * std::log10(0.5 * amplitude * amplitude / std::max(described.noise.variance, 1e-300));
+  Judgement(described, band, result).run();
 }
 
 }  // namespace rigfit::signal

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "signal/decay/decay_window.h"
@@ -72,6 +73,14 @@ struct DecayResult {
   EnvelopeResult envelope;   ///< for the strongest mode
   Eigen::VectorXd residual;  ///< in the window; 0 where samples are missing
   std::vector<Note> notes;
+
+  /// Ends the result without an answer.
+  void refuse(std::string code, std::string message) {
+    refusal_code = std::move(code), refusal = std::move(message);
+  }
+  void note(std::string code, std::string message) {
+    notes.push_back({std::move(code), std::move(message), ""});
+  }
 };
 
 }  // namespace rigfit::signal

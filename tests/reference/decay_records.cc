@@ -298,8 +298,8 @@ Tally study(const Kind& kind, int records) {
     bool warned = false;
     for (const auto& note : result.notes) {
       // What says that the numbers are not those of one decay; the others are ordinary.
-      for (const char* code : {"not_one_decay", "not_exponential", "excited",
-                               "damping_not_resolved", "clipped", "undecided"}) {
+      for (const char* code :
+           {"not_one_decay", "not_exponential", "damping_not_resolved", "clipped"}) {
         if (note.code == code) ++tally.warned[code], warned = warned || note.code != "clipped";
       }
     }

@@ -87,20 +87,18 @@ TEST(UnevenNoise, UncertaintiesUnderJitterAreAsStated) {
   const double w = 2 * kPi * 50 / 1000;
   const Complex pole(-0.01 * w, w * std::sqrt(1 - 1e-4));
   double frequency = 0, damping = 0;
-  int more = 0, said = 0;
+  int more = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
     const auto result = estimate_decay(decay(pole, 1000, 0.02, 0, 0.001, seed + 1), 1000);
     ASSERT_FALSE(result.modes.empty());
     const DecayMode& mode = result.modes.front();
     more += result.modes.size() > 1;
-    for (const auto& n : result.notes) said += n.code == "uneven_noise";
     frequency += std::pow((mode.frequency_hz.value - 50) / mode.frequency_hz.std, 2);
     damping += std::pow((mode.damping_ratio.value - 0.01) / mode.damping_ratio.std, 2);
   }
   EXPECT_NEAR(frequency / 300, 1, 0.33);
   EXPECT_LT(damping / 300, 1.33);
   EXPECT_LE(more, 6);
-  EXPECT_GE(said, 290);
 }
 
 }  // namespace
