@@ -5,9 +5,9 @@
 // by least squares (damped_sinusoids.h). f = w / 2 pi is the undamped natural frequency, as for
 // modes from FRFs; the damped one is given beside it. Starts come from a matched-filter bank; modes
 // are added strongest first as long as the residual holds a peak that noise of its own colour
-// would not show. Uncertainties follow from the residual, its colour (residual_noise.h) and where
-// in the record it is large (uneven_noise.h). Records of more than 4e6 samples are fitted in the
-// band of their modes where nothing else stands out of the noise (narrow_record.h).
+// would not show. Uncertainties follow from the residual, its colour and where in the record it is
+// large (residual_noise.h). Where the band asked for, or all that stands out of the noise of more
+// than 4e6 samples, lies far below the sample rate, the fit is made there (narrow_record.h).
 #pragma once
 
 #include <Eigen/Core>

@@ -8,7 +8,6 @@
 
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/decay_search.h"
-#include "signal/sinusoids/uneven_noise.h"
 
 namespace rigfit::signal {
 namespace {
@@ -100,8 +99,7 @@ DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double fal
   DescribedFit out{fit, false_alarm, {}, {}, {}, {}, {}, {}, {}};
   out.noise = residual_noise(fit.residual, fit.degrees);
   out.residual = line_spectrum(fit.residual);
-  const Eigen::MatrixXd covariance =
-      uneven_noise(fit, out.noise).widened(fit_covariance(fit, out.noise));
+  const Eigen::MatrixXd covariance = fit_uncertainty(fit, out.noise).widened();
   const Eigen::MatrixXd jacobian = mode_jacobian(fit, rate);
   out.covariance = jacobian * covariance * jacobian.transpose();
   const double factor = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit.degrees));

@@ -1,6 +1,6 @@
-// The numbers of a fit of damped sinusoids: its modes with uncertainties, in coloured noise
-// (residual_noise.h) and noise that is larger while the mode moves (uneven_noise.h), the log
-// decrement and the envelope of each. decay_judgement.h decides which of them are given.
+// The numbers of a fit of damped sinusoids: its modes with uncertainties, in coloured noise and
+// noise that is larger while the mode moves (residual_noise.h), the log decrement and the envelope
+// of each. decay_judgement.h decides which of them are given.
 #pragma once
 
 #include <vector>

@@ -50,9 +50,7 @@ struct DampedSinusoidsFit {
 
   /// Mode m alone at every sample.
   [[nodiscard]] Eigen::VectorXd mode_signal(std::size_t m) const;
-  /// The column of J for parameter k (order as in `jacobian_gram`), N long.
-  [[nodiscard]] Eigen::VectorXd jacobian_column(Eigen::Index k) const;
-  /// `count` rows of J from `first` on.
+  /// `count` rows of J from `first` on; columns in the order of `jacobian_gram`.
   [[nodiscard]] Eigen::MatrixXd jacobian_rows(Eigen::Index first, Eigen::Index count) const;
 };
 

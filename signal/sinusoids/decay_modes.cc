@@ -15,7 +15,6 @@
 #include "signal/sinusoids/power_sums.h"
 #include "signal/sinusoids/residual_noise.h"
 #include "signal/sinusoids/subspace_poles.h"
-#include "signal/sinusoids/uneven_noise.h"
 
 namespace rigfit::signal {
 namespace {
@@ -210,12 +209,35 @@ class DecayModeSearch {
   Index n_;
 };
 
+/// Increase of the sum of squares when mode `m` is left out and all other poles stay.
+double energy_explained(const DampedSinusoidsFit& fit, std::size_t m) {
+  const auto modes = static_cast<Index>(fit.poles.size());
+  const Index background = fit.jacobian_gram.rows() - 4 * modes;
+  std::vector<Index> linear;
+  for (Index k = 0; k < modes; ++k) linear.push_back(4 * k), linear.push_back(4 * k + 1);
+  for (Index b = 0; b < background; ++b) linear.push_back(4 * modes + b);
+  const ScaledGram gram(fit.jacobian_gram(linear, linear));
+  if (!gram.usable()) return 0;
+  const Eigen::MatrixXd inverse = gram.inverse();
+  const Eigen::Vector2d amplitude(fit.amplitudes[m].real(), fit.amplitudes[m].imag());
+  const auto at = static_cast<Index>(2 * m);
+  // amplitude' (its block of the inverse)^-1 amplitude, by Cramer's rule.
+  const Eigen::Matrix2d of = inverse.block<2, 2>(at, at);
+  const double determinant = of(0, 0) * of(1, 1) - of(0, 1) * of(1, 0);
+  const double scaled = of(1, 1) * amplitude[0] * amplitude[0] -
+                        (of(0, 1) + of(1, 0)) * amplitude[0] * amplitude[1] +
+                        of(0, 0) * amplitude[1] * amplitude[1];
+  return determinant > 0 ? std::max(0.0, scaled / determinant) : 0;
+}
+
 /// The mode that noise passes for most readily where the noise is larger while the mode lasts than
 /// over the record; nothing when all stand out.
 std::optional<std::size_t> passing_for_noise(const DampedSinusoidsFit& fit, double false_alarm) {
   const ResidualNoise noise = residual_noise(fit.residual, fit.degrees);
-  const UnevenNoise uneven = uneven_noise(fit, noise);
-  const double needed = energy_needed(fit, false_alarm);
+  const FitUncertainty uneven = fit_uncertainty(fit, noise);
+  // Four unknowns, over all cells of the search.
+  const double needed =
+      gsl_cdf_chisq_Qinv(std::exp(-0.5 * detection_threshold(fit.samples, false_alarm)), 4);
   std::optional<std::size_t> weakest;
   double least = 1;
   for (std::size_t m = 0; m < fit.poles.size(); ++m) {
@@ -296,39 +318,6 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
     fit = std::move(fewer);
   }
   return fit;
-}
-
-double energy_needed(const DampedSinusoidsFit& fit, double false_alarm) {
-  const double cell = std::exp(-0.5 * detection_threshold(fit.samples, false_alarm));
-  const auto degrees = static_cast<double>(std::max<Index>(1, fit.degrees));
-  // From the limit of many degrees upward; GSL's own inverse does not always converge.
-  double low = gsl_cdf_chisq_Qinv(cell, 4) / 4, high = low;
-  while (gsl_cdf_fdist_Q(high, 4, degrees) > cell && high < 1e100) low = high, high *= 2;
-  while (high - low > 1e-6 * high) {
-    const double middle = 0.5 * (low + high);
-    (gsl_cdf_fdist_Q(middle, 4, degrees) > cell ? low : high) = middle;
-  }
-  return 4 * high;
-}
-
-double energy_explained(const DampedSinusoidsFit& fit, std::size_t m) {
-  const auto modes = static_cast<Index>(fit.poles.size());
-  const Index background = fit.jacobian_gram.rows() - 4 * modes;
-  std::vector<Index> linear;
-  for (Index k = 0; k < modes; ++k) linear.push_back(4 * k), linear.push_back(4 * k + 1);
-  for (Index b = 0; b < background; ++b) linear.push_back(4 * modes + b);
-  const ScaledGram gram(fit.jacobian_gram(linear, linear));
-  if (!gram.usable()) return 0;
-  const Eigen::MatrixXd inverse = gram.inverse();
-  const Eigen::Vector2d amplitude(fit.amplitudes[m].real(), fit.amplitudes[m].imag());
-  const auto at = static_cast<Index>(2 * m);
-  // amplitude' (its block of the inverse)^-1 amplitude, by Cramer's rule.
-  const Eigen::Matrix2d of = inverse.block<2, 2>(at, at);
-  const double determinant = of(0, 0) * of(1, 1) - of(0, 1) * of(1, 0);
-  const double scaled = of(1, 1) * amplitude[0] * amplitude[0] -
-                        (of(0, 1) + of(1, 0)) * amplitude[0] * amplitude[1] +
-                        of(0, 0) * amplitude[1] * amplitude[1];
-  return determinant > 0 ? std::max(0.0, scaled / determinant) : 0;
 }
 
 double departing_residual(const DampedSinusoidsFit& fit, std::span<const Index> missing,

@@ -5,7 +5,7 @@
 // (decay_search.h) takes out of noise with the chance `false_alarm`, when its pole is determined by
 // the samples, and when it does not merely correct another mode that departs from an exponential.
 // A mode that noise could imitate, because the noise is larger while the mode lasts
-// (uneven_noise.h), is removed at the end.
+// (residual_noise.h), is removed at the end.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,12 +44,6 @@ struct DecayModesOptions {
 [[nodiscard]] std::optional<DampedSinusoidsFit> find_decay_modes(
     const DecaySamples& samples, const DecayBand& band, const DecayModesOptions& options,
     const std::vector<DecayCandidate>& peaks = {});
-
-/// Energy, in variances of the noise, that a mode must explain to be accepted: Fisher's test with
-/// four degrees at `false_alarm` over all cells of the search.
-[[nodiscard]] double energy_needed(const DampedSinusoidsFit& fit, double false_alarm);
-/// Increase of the sum of squares when mode `m` is left out and all other poles stay.
-[[nodiscard]] double energy_explained(const DampedSinusoidsFit& fit, std::size_t m);
 
 /// Energy of mode `m` over the samples, sum of squares.
 [[nodiscard]] double mode_energy(const DampedSinusoidsFit& fit, std::size_t m);

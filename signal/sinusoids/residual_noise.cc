@@ -6,8 +6,6 @@
 #include <numbers>
 #include <vector>
 
-#include "signal/spectra/fft.h"
-
 namespace rigfit::signal {
 
 using Eigen::Index;
@@ -89,29 +87,83 @@ ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, 
   return noise;
 }
 
-Eigen::MatrixXd fit_covariance(const DampedSinusoidsFit& fit, const ResidualNoise& noise) {
-  if (fit.unit_covariance.size() == 0) return {};
-  if (noise.coefficients.size() == 0) return noise.variance * fit.unit_covariance;
-  const Index parameters = fit.unit_covariance.rows(), n = fit.samples;
-  RealFft fft(good_fft_length(2 * n));
-  const Index lines = fft.lines();
-  Eigen::VectorXd weight(lines);  // density per line, both halves of the spectrum
-  for (Index k = 0; k < lines; ++k) {
-    const bool single = k == 0 || 2 * k == fft.length();
-    weight(k) = std::sqrt(
-        (single ? 1.0 : 2.0) / static_cast<double>(fft.length()) *
-        noise.white_equivalent(static_cast<double>(k) / static_cast<double>(fft.length())));
+namespace {
+
+// Samples that are gone through at a time.
+constexpr Index kBlock = 256;
+// The normal distribution exceeds it once in a thousand times.
+constexpr double kUneven = 3.09;
+
+struct Innovations {
+  Eigen::VectorXd values;
+  std::vector<bool> known;  ///< false where one of the samples that it is made of is missing
+};
+
+Innovations innovations(const Eigen::VectorXd& residual, const Eigen::VectorXd& coefficients) {
+  Innovations e{residual, std::vector<bool>(static_cast<std::size_t>(residual.size()))};
+  const Index order = coefficients.size();
+  Index present = 0;  // samples up to j without a gap
+  for (Index j = 0; j < residual.size(); ++j) {
+    present = residual(j) != 0 ? present + 1 : 0;
+    e.known[static_cast<std::size_t>(j)] = present > order;
+    for (Index k = 1; k <= std::min(order, j); ++k) {
+      e.values(j) -= coefficients(k - 1) * residual(j - k);
+    }
   }
-  Eigen::MatrixXcd columns(lines, parameters);
-  for (Index k = 0; k < parameters; ++k) {
-    auto time = fft.time();
-    time.head(n) = fit.jacobian_column(k);
-    time.tail(time.size() - n).setZero();
-    fft.forward();
-    columns.col(k) = fft.spectrum().cwiseProduct(weight.cast<std::complex<double>>());
+  return e;
+}
+
+}  // namespace
+
+double FitUncertainty::widening(Index k) const {
+  return deviation(k) > kUneven ? std::max(1.0, variance_ratio(k)) : 1;
+}
+
+Eigen::MatrixXd FitUncertainty::widened() const {
+  Eigen::VectorXd factor(covariance.rows());
+  for (Index k = 0; k < factor.size(); ++k) factor(k) = std::sqrt(widening(k));
+  return factor.asDiagonal() * covariance * factor.asDiagonal();
+}
+
+FitUncertainty fit_uncertainty(const DampedSinusoidsFit& fit, const ResidualNoise& noise) {
+  const Index order = noise.coefficients.size(), parameters = fit.unit_covariance.rows();
+  const double variance = noise.innovation_variance;
+  const Innovations e = innovations(fit.residual, noise.coefficients);
+  Eigen::ArrayXd w = Eigen::ArrayXd::Zero(parameters), weights = w, squared_weights = w, with_e = w;
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(parameters, parameters);
+  double count = 0, squares = 0, fourth_powers = 0;
+  // Filtered from the end on: behind the rows of a block stand those of the next that it needs. A
+  // block before the record has what earlier noise adds to its first samples.
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kBlock + order, parameters);
+  for (Index start = (fit.samples - 1) / kBlock * kBlock; start >= -kBlock; start -= kBlock) {
+    const Index length = std::min(kBlock, fit.samples - start);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(length, parameters);
+    if (start >= 0) jacobian = fit.jacobian_rows(start, length);
+    const Eigen::MatrixXd influence = jacobian * fit.unit_covariance;
+    const Eigen::MatrixXd behind = rows.topRows(order);
+    rows.topRows(length) = influence;
+    rows.middleRows(length, order) = behind;
+    for (Index l = length - 1; l >= 0; --l) {
+      for (Index k = 1; k <= order; ++k) rows.row(l) += noise.coefficients(k - 1) * rows.row(l + k);
+      const Index j = start + l;
+      if (j < 0 || !e.known[static_cast<std::size_t>(j)]) continue;
+      const double leverage = std::min(jacobian.row(l).dot(influence.row(l)), 0.99);
+      const double square = e.values(j) * e.values(j) / (1 - leverage);
+      w = rows.row(l).transpose().array().square();
+      weights += w, squared_weights += w.square(), with_e += square * w;
+      ++count, squares += square, fourth_powers += square * square;
+    }
+    if (order > 0) products += rows.topRows(length).transpose() * rows.topRows(length);
   }
-  const Eigen::MatrixXd middle = (columns.adjoint() * columns).real();
-  return fit.unit_covariance * middle * fit.unit_covariance;
+  FitUncertainty out;
+  out.covariance =
+      order > 0 ? (variance * products).eval() : (noise.variance * fit.unit_covariance).eval();
+  const double scatter = fourth_powers - squares * squares / std::max(count, 1.0);
+  out.variance_ratio = with_e / (variance * weights).max(1e-300);
+  out.deviation =
+      (with_e - variance * weights) /
+      ((squared_weights - weights.square() / count) * scatter / count).max(1e-300).sqrt();
+  return out;
 }
 
 }  // namespace rigfit::signal

@@ -1,11 +1,20 @@
-// The colour of what a fit leaves, and what it means for the fit's uncertainties.
+// What a fit leaves, and what it means for the fit's uncertainties: noise that is coloured, and
+// noise whose variance changes along the record.
 //
 // The residual is modelled as an autoregression r_j = sum_k a_k r_{j-k} + e_j, order by Schwarz's
-// criterion (order 0: white). The covariance of a least-squares fit under such noise is the
-// sandwich  (J'J)^-1 (J' S J) (J'J)^-1,  S the Toeplitz covariance of the noise, evaluated in the
-// frequency domain. For white noise it is s^2 (J'J)^-1, the Cramer-Rao bound.
-// Sources: Kay, Modern Spectral Estimation (1988), ch. 6 (Levinson-Durbin); Priestley, Spectral
-// Analysis and Time Series (1981), section 5.4.
+// criterion (order 0: white). A parameter's error is sum_j w_j r_j, w a column of J (J'J)^-1, that
+// is sum_j v_j e_j with v_j = w_j + sum_k a_k v_{j+k}, so that the covariance of the fit is
+//   s^2 sum_j v_j v_j',   s^2 the variance of e:
+// for white noise s^2 (J'J)^-1, the Cramer-Rao bound. Where the variance of e changes it is White's
+// sandwich, with e_j^2 / (1 - h_j) for s^2, h_j the sample's leverage (HC2: unbiased where the
+// variance is constant). That a parameter's variance is more so is White's test in Koenker's form,
+// which does not take the noise for Gaussian:
+//   z = sum_j v_j^2 (e_j^2 - s^2) / sqrt(sum_j (v_j^2 - mean v^2)^2 var(e^2)).
+// Jitter of the sampling clock, noise in proportion to the signal and converter steps are such
+// noise.
+// Sources: Kay, Modern Spectral Estimation (1988), ch. 6 (Levinson-Durbin); White, Econometrica 48
+// (1980) 817; MacKinnon and White, J. Econometrics 29 (1985) 305; Koenker, J. Econometrics 17
+// (1981) 107; Andrews and Monahan, Econometrica 60 (1992) 953 (prewhitening).
 #pragma once
 
 #include <Eigen/Core>
@@ -31,9 +40,21 @@ struct ResidualNoise {
 [[nodiscard]] double prediction_error(const Eigen::Ref<const Eigen::VectorXd>& x,
                                       Eigen::Index order);
 
-/// Covariance of the fit's parameters (order of `jacobian_gram`) under that noise; empty when the
-/// fit is rank-deficient.
-[[nodiscard]] Eigen::MatrixXd fit_covariance(const DampedSinusoidsFit& fit,
+/// An element a parameter, order of `DampedSinusoidsFit::jacobian_gram`.
+struct FitUncertainty {
+  Eigen::MatrixXd covariance;      ///< under noise of constant variance
+  Eigen::VectorXd variance_ratio;  ///< the sandwich's variance over that
+  Eigen::VectorXd deviation;       ///< z
+
+  /// Factor on the variance of parameter k: 1 where z is below 3.09, which even noise exceeds once
+  /// in a thousand times.
+  [[nodiscard]] double widening(Eigen::Index k) const;
+  /// The covariance where the variance changes.
+  [[nodiscard]] Eigen::MatrixXd widened() const;
+};
+
+/// `fit` must not be rank-deficient.
+[[nodiscard]] FitUncertainty fit_uncertainty(const DampedSinusoidsFit& fit,
                                              const ResidualNoise& noise);
 
 }  // namespace rigfit::signal

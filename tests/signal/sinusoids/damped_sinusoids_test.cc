@@ -99,7 +99,7 @@ TEST(DampedSinusoids, GramMatrixIsThatOfTheDifferencedModel) {
       return decay(p, a, n, offset, drift);
     };
     J.col(k) = (at(h) - at(-h)) / (2 * h);
-    EXPECT_TRUE(testing::MatricesNear(J.col(k), fit.jacobian_column(k), 1e-6));
+    EXPECT_TRUE(testing::MatricesNear(J.col(k), fit.jacobian_rows(0, fit.samples).col(k), 1e-6));
   }
   for (Index j : missing) J.row(j).setZero();
   const Eigen::MatrixXd gram = J.transpose() * J;
@@ -118,7 +118,7 @@ TEST(DampedSinusoids, ArrivesSoonWhereTheResidualIsNoNoise) {
   // A minimum: the residual is normal to every column. A step of 1e-3 standard uncertainties is
   // left at most, which is 1e-3 / sqrt(degrees) of a column's share of the residual.
   for (Index k = 0; k < fit.jacobian_gram.rows(); ++k) {
-    const Eigen::VectorXd column = fit.jacobian_column(k);
+    const Eigen::VectorXd column = fit.jacobian_rows(0, fit.samples).col(k);
     EXPECT_LT(
         std::abs(column.dot(fit.residual)),
         1e-3 / std::sqrt(static_cast<double>(fit.degrees)) * column.norm() * fit.residual.norm())

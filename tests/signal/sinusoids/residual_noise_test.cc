@@ -43,7 +43,8 @@ TEST(ResidualNoise, CovarianceOfACrowdOfFitsUnderColouredNoiseIsAsStated) {
     Eigen::VectorXd y = 0.05 * coloured(400, 0.9, seed + 10);
     for (Index j = 0; j < y.size(); ++j) y(j) += std::exp(pole * static_cast<double>(j)).real();
     const auto fit = fit_damped_sinusoids(y, std::span(&pole, 1));
-    const auto covariance = fit_covariance(fit, residual_noise(fit.residual, fit.degrees));
+    const auto covariance =
+        fit_uncertainty(fit, residual_noise(fit.residual, fit.degrees)).covariance;
     squared += std::norm(fit.poles[0] - pole);
     stated += covariance(2, 2) + covariance(3, 3);
   }
@@ -57,9 +58,9 @@ TEST(ResidualNoise, FilteredCovarianceOfWhiteNoiseIsThePlainOne) {
   const auto fit = fit_damped_sinusoids(y, std::span(&pole, 1));
   ResidualNoise flat;
   flat.variance = flat.innovation_variance = 2;
-  const auto plain = fit_covariance(fit, flat);
+  const auto plain = fit_uncertainty(fit, flat).covariance;
   flat.coefficients = Eigen::VectorXd::Zero(1);  // order one, but white: the long way round
-  const auto filtered = fit_covariance(fit, flat);
+  const auto filtered = fit_uncertainty(fit, flat).covariance;
   // Columns scaled to unit covariance: rounding times conditioning.
   for (Index i = 0; i < plain.rows(); ++i) {
     for (Index k = 0; k < plain.rows(); ++k) {

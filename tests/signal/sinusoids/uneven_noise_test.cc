@@ -1,4 +1,4 @@
-#include "signal/sinusoids/uneven_noise.h"
+#include "signal/sinusoids/residual_noise.h"
 
 #include <gtest/gtest.h>
 
@@ -31,11 +31,11 @@ Eigen::VectorXd decay(Complex pole, Index n, double jitter, double multiplied, d
   return y;
 }
 
-UnevenNoise of(const Eigen::VectorXd& y, Complex pole, Index order = 0) {
+FitUncertainty of(const Eigen::VectorXd& y, Complex pole, Index order = 0) {
   const auto fit = fit_damped_sinusoids(y, std::span(&pole, 1));
   auto noise = residual_noise(fit.residual, fit.degrees);
   noise.coefficients = Eigen::VectorXd::Zero(order);
-  return uneven_noise(fit, noise);
+  return fit_uncertainty(fit, noise);
 }
 
 // With x = 2 a t, 12 of it in the record, a decay is read with weights (x - 1)^2 exp(-x), frequency
