@@ -29,9 +29,9 @@ constexpr double kMostExcited = 0.1;
 // damping found, would leave those whose damping came out too small.
 constexpr double kWidestFrequency = 0.25;
 // Energy over the largest that noise shows with probability `false_alarm`. Estimates that are
-// answered only where noise made them larger are biased: at 3.5 times, 4 dB in 50 cycles, by a
+// answered only where noise made them larger are biased: at 4 times, 4.5 dB in 50 cycles, by a
 // tenth of a standard uncertainty.
-constexpr double kLeastDetection = 3.5;
+constexpr double kLeastDetection = 4;
 // An amplitude that falls by less is known from its start alone.
 constexpr double kShortFall = 0.7, kShortCycles = 3;
 
@@ -133,7 +133,8 @@ class Judgement {
                       mode.cycles, result_.signal_to_noise_db, mode.frequency_hz.value,
                       100 * kWidestFrequency));
     }
-    if (mode.detection < kLeastDetection) {
+    // A mode that explains most of what is there is no noise: what it leaves has its own colour.
+    if (mode.detection < kLeastDetection && mode.r_squared < 0.8) {
       return refuse(
           "too_noisy",
           fmt::format("repeat the test with a harder blow or a longer record, or give a band "

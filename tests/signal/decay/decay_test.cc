@@ -257,7 +257,7 @@ TEST(Decay, InNoiseTheIntervalsStillHoldAndNearItsLimitItRefuses) {
   // 95 % of 200 less three standard deviations (3.1 each).
   EXPECT_GE(in_f, 181);
   EXPECT_GE(in_z, 181);
-  // 0 dB: 1.4 times what noise may show, with a standard deviation of 0.4; an answer needs 3.5.
+  // 0 dB: 1.4 times what noise may show, with a standard deviation of 0.4; an answer needs 4.
   int refused = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     Records records(seed + 70);
