@@ -17,7 +17,7 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-constexpr std::size_t kMostTones = 3;
+constexpr std::size_t kMostSteadyTones = 3;
 // The slowest mode has fallen by e^-7, to a thousandth.
 constexpr double kDeadTimeConstants = 7;
 // Slower than this over the window, an offset is a drift, which the fit has.
@@ -150,7 +150,7 @@ std::vector<DecayBackground::Term> steady_lines(const Eigen::Ref<const Eigen::Ve
   search.energy_over_noise = detection_threshold(to - from, false_alarm);
   std::vector<DecayBackground::Term> found;
   // One at a time: beside a strong one stand the side lobes of its line.
-  for (std::size_t k = 0; k < kMostTones; ++k) {
+  for (std::size_t k = 0; k < kMostSteadyTones; ++k) {
     const DecaySamples samples = decay_samples(left, 0, to - from);
     if (5 * static_cast<Index>(samples.missing.size()) > to - from) break;
     const auto lines = search_lines(line_spectrum(without_trend(left)), search);

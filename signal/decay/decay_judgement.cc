@@ -21,7 +21,7 @@ using Eigen::Index;
 
 // Mains frequency and machines keep their amplitude to a few per cent; a decay that falls by less
 // has no damping to tell, unless a few cycles give a frequency that is worth having by itself.
-constexpr double kSteady = 0.02, kFewCycles = 10;
+constexpr double kLeastChange = 0.02, kFewCycles = 10;
 // What goes on beside a decay may be as large as this share of it.
 constexpr double kMostExcited = 0.1;
 // Relative standard uncertainty of a frequency that says nothing any more. So wide that records are
@@ -97,14 +97,15 @@ class Judgement {
     }
     const std::size_t main = kept_.front();
     const DecayMode& mode = d_.modes[main];
-    if (std::abs(d_.fall[main]) + 2 * d_.fall_std[main] < kSteady && mode.cycles > kFewCycles) {
+    if (std::abs(d_.fall[main]) + 2 * d_.fall_std[main] < kLeastChange &&
+        mode.cycles > kFewCycles) {
       return refuse(
           "no_decay",
           fmt::format("record a free decay (a tap, a release): the oscillation at {:.6g} "
                       "Hz keeps its amplitude within {:.0f} % over the window: a machine, "
                       "a shaker or hum drives it, or the window is too short to show the "
                       "decay",
-                      hz(main), 100 * kSteady));
+                      hz(main), 100 * kLeastChange));
     }
     if (std::all_of(kept_.begin(), kept_.end(), [&](auto m) { return d_.modes[m].doubtful; })) {
       if (!mode.company || mode.r_squared < 0.3) {

@@ -23,15 +23,15 @@ constexpr Index kReach = 16;
 constexpr double kUnchanged = 0.4;
 // A blow is spread over the filter's reach, which is half a cycle at the end of the band then.
 constexpr double kSamplesPerCycle = 32;
-constexpr Index kLeastStep = 4, kFewestSamples = 8 * kReach;
+constexpr Index kLeastStep = 4, kFewestNarrow = 8 * kReach;
 // Blocks of the spectra, samples; lines on either side that the noise is read from, of the offset
 // and its drift, and that Hann's window spreads a tone over.
-constexpr Index kBlock = Index{1} << 15, kAround = 64, kOffsetLines = 4, kSpread = 4;
+constexpr Index kSpectrumBlock = Index{1} << 15, kAround = 64, kOffsetLines = 4, kSpread = 4;
 
 /// Highest frequency below `high` at which something stands out of the noise around it, cycles per
 /// sample; 0: nothing does.
 double highest_line(const Eigen::Ref<const Eigen::VectorXd>& y, double high) {
-  const Index size = std::min(kBlock, good_fft_length_below(y.size() / 16));
+  const Index size = std::min(kSpectrumBlock, good_fft_length_below(y.size() / 16));
   RealFft fft(size);
   const Eigen::ArrayXd window =
       0.5 - 0.5 * (Eigen::ArrayXd::LinSpaced(size, 0, static_cast<double>(size - 1)) *
@@ -88,7 +88,7 @@ std::optional<NarrowRecord> narrow_record(const Eigen::Ref<const Eigen::VectorXd
   NarrowRecord out;
   out.step = step, out.first = kReach * step;
   const Index count = (y.size() - 1 - 2 * out.first) / step + 1;
-  if (step < kLeastStep || y.size() <= 2 * out.first || count < kFewestSamples) return {};
+  if (step < kLeastStep || y.size() <= 2 * out.first || count < kFewestNarrow) return {};
   if (!y.allFinite() || recorded_until(y) < y.size() || clipped_until(y, high) > 0) return {};
   const Eigen::VectorXd h = low_pass(step);
   out.samples.resize(count);

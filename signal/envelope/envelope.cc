@@ -24,13 +24,13 @@ constexpr std::size_t kPoints = 8, kLeastCycles = 3;
 // Drop in chi-squared that a law of one coefficient more must bring: five standard uncertainties.
 constexpr double kLawGain = 25;
 
-struct Line {
+struct FittedLine {
   double level = 0, slope = 0, slope_variance = 0, chi2 = 0;
   [[nodiscard]] double at(double x) const { return level + slope * x; }
 };
 
-Line weighted_line(const double* x, const double* weight, const double* y, std::size_t n) {
-  Line line;
+FittedLine weighted_line(const double* x, const double* weight, const double* y, std::size_t n) {
+  FittedLine line;
   double level_variance = 0, covariance = 0;
   gsl_fit_wlinear(x, 1, weight, 1, y, 1, n, &line.level, &line.slope, &level_variance, &covariance,
                   &line.slope_variance, &line.chi2);
@@ -38,7 +38,7 @@ Line weighted_line(const double* x, const double* weight, const double* y, std::
 }
 
 /// Variance of the slope where the line's misfit beyond the noise counts as uncertainty.
-double widened_variance(const Line& line, std::size_t n) {
+double widened_variance(const FittedLine& line, std::size_t n) {
   return line.slope_variance * (n > 2 ? std::max(1.0, line.chi2 / static_cast<double>(n - 2)) : 1);
 }
 
@@ -51,7 +51,7 @@ DecayLaw law_of(const std::vector<double>& amplitude, const std::vector<double>&
   const double mean = gsl_stats_wmean(weight.data(), 1, rate.data(), 1, n);
   const double constant = gsl_stats_wtss_m(weight.data(), 1, rate.data(), 1, n, mean);
   const auto gain = [&](const std::vector<double>& x) {
-    const Line line = weighted_line(x.data(), weight.data(), rate.data(), n);
+    const FittedLine line = weighted_line(x.data(), weight.data(), rate.data(), n);
     return line.slope > 0 ? constant - line.chi2 : 0;
   };
   const double friction = gain(inverse), drag = gain(amplitude);
@@ -116,7 +116,7 @@ LogDecrement log_decrement(const CycleAmplitudes& cycles) {
     result.refusal = "fewer than three cycles above the noise";
     return result;
   }
-  const Line line =
+  const FittedLine line =
       weighted_line(cycles.time_s.data(), cycles.weight.data(), cycles.log_size.data(), n);
   const double period = kTwoPi / (cycles.pole.imag() * cycles.sample_rate_hz);
   const double delta = -line.slope * period;
@@ -141,8 +141,8 @@ EnvelopeResult envelope_of(const CycleAmplitudes& cycles) {
     const std::size_t from = count * s / spans, n = count * (s + 1) / spans - from;
     const double* time = cycles.time_s.data() + from;
     const double* weight = cycles.weight.data() + from;
-    const Line size = weighted_line(time, weight, cycles.log_size.data() + from, n);
-    const Line turn = weighted_line(time, weight, cycles.turn.data() + from, n);
+    const FittedLine size = weighted_line(time, weight, cycles.log_size.data() + from, n);
+    const FittedLine turn = weighted_line(time, weight, cycles.turn.data() + from, n);
     const double middle = 0.5 * (time[0] + time[n - 1]), std = std::sqrt(size.slope_variance);
     const double rate = -size.slope, w = omega + turn.slope, modulus = std::hypot(rate, w);
     EnvelopePoint point;
@@ -157,13 +157,13 @@ EnvelopeResult envelope_of(const CycleAmplitudes& cycles) {
     zetas.push_back(rate / modulus), zeta_weights.push_back(modulus * modulus / (std * std));
   }
   if (spans < 2) return result;
-  const Line drift =
+  const FittedLine drift =
       weighted_line(times.data(), frequency_weights.data(), frequencies.data(), spans);
   const double lasted = times.back() - times.front();
   result.frequency_drift_hz = {drift.slope * lasted,
                                std::sqrt(widened_variance(drift, spans)) * lasted};
   if (spans < 3) return result;
-  const Line trend = weighted_line(logs.data(), zeta_weights.data(), zetas.data(), spans);
+  const FittedLine trend = weighted_line(logs.data(), zeta_weights.data(), zetas.data(), spans);
   result.damping_per_log_amplitude = {trend.slope, std::sqrt(widened_variance(trend, spans))};
   result.law = law_of(amplitudes, rates, rate_weights);
   // As in the modes: no free oscillation takes energy in.

@@ -90,7 +90,7 @@ ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, 
 namespace {
 
 // Samples that are gone through at a time.
-constexpr Index kBlock = 256;
+constexpr Index kNoiseBlock = 256;
 // The normal distribution exceeds it once in a thousand times.
 constexpr double kUneven = 3.09;
 
@@ -134,9 +134,10 @@ FitUncertainty fit_uncertainty(const DampedSinusoidsFit& fit, const ResidualNois
   double count = 0, squares = 0, fourth_powers = 0;
   // Filtered from the end on: behind the rows of a block stand those of the next that it needs. A
   // block before the record has what earlier noise adds to its first samples.
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kBlock + order, parameters);
-  for (Index start = (fit.samples - 1) / kBlock * kBlock; start >= -kBlock; start -= kBlock) {
-    const Index length = std::min(kBlock, fit.samples - start);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kNoiseBlock + order, parameters);
+  for (Index start = (fit.samples - 1) / kNoiseBlock * kNoiseBlock; start >= -kNoiseBlock;
+       start -= kNoiseBlock) {
+    const Index length = std::min(kNoiseBlock, fit.samples - start);
     Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(length, parameters);
     if (start >= 0) jacobian = fit.jacobian_rows(start, length);
     const Eigen::MatrixXd influence = jacobian * fit.unit_covariance;
