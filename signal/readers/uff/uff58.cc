@@ -92,9 +92,7 @@ class Uff58Reader {
   }
 
   Uff58Axis axis(const UffLine& line) const {
-    return {text_.integer(line, 0, 10),
-            {text_.integer(line, 10, 5), text_.integer(line, 15, 5), text_.integer(line, 20, 5)},
-            text_field(line.text, 25, 21),
+    return {text_.integer(line, 0, 10), text_field(line.text, 25, 21),
             text_field(line.text, 46, 21)};
   }
 
@@ -123,7 +121,8 @@ class Uff58Reader {
     add_remark(f.id[4], f.remark);
     const UffLine dof = header_line();
     const UffLine form = header_line();
-    const std::array<UffLine, 4> axes{header_line(), header_line(), header_line(), header_line()};
+    const std::array<UffLine, 3> axes{header_line(), header_line(), header_line()};
+    header_line();  // the z axis
     for (int k = kHeaderLines; k < text_lines && text_.next() < bytes_.size(); ++k) header_line();
     f.function_type = text_.integer(dof, 0, 5);
     f.response = point(dof, 30);
@@ -146,7 +145,6 @@ class Uff58Reader {
     f.abscissa = axis(axes[0]);
     f.ordinate = axis(axes[1]);
     f.denominator = axis(axes[2]);
-    f.z = axis(axes[3]);
 
     // Before any memory is taken: could the file hold that many numbers at all?
     const std::size_t left = bytes_.size() - std::min(text_.next(), bytes_.size());

@@ -9,9 +9,9 @@
 
 #include "signal/readers/uff/read_uff.h"
 #include "signal/readers/uff/uff58.h"
-#include "signal/recording/recording_error.h"
 #include "signal/writers/write_uff.h"
 #include "tests/expect_matrix.h"
+#include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::uff_test {
 namespace {
@@ -214,12 +214,7 @@ TEST(Uff, BothByteOrdersReadAlike) {
 
 TEST(Uff, TruncatedAndWrongFilesSayWhere) {
   const auto message = [](const std::string& text) {
-    try {
-      (void)read_uff(text, "x.uff");
-    } catch (const RecordingError& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
+    return refusal_of([&] { return read_uff(text, "x.uff"); });
   };
   std::string text = foreign_binary(false, 40, "");
   text.resize(text.size() - 9);
