@@ -92,6 +92,8 @@ class Uff58Reader {
   }
 
   Uff58Axis axis(const UffLine& line) const {
+    // The exponents of units are not needed, but are whole numbers unless columns have slipped.
+    for (const std::size_t from : {10U, 15U, 20U}) static_cast<void>(text_.integer(line, from, 5));
     return {text_.integer(line, 0, 10), text_field(line.text, 25, 21),
             text_field(line.text, 46, 21)};
   }
@@ -121,8 +123,7 @@ class Uff58Reader {
     add_remark(f.id[4], f.remark);
     const UffLine dof = header_line();
     const UffLine form = header_line();
-    const std::array<UffLine, 3> axes{header_line(), header_line(), header_line()};
-    header_line();  // the z axis
+    const std::array<UffLine, 4> axes{header_line(), header_line(), header_line(), header_line()};
     for (int k = kHeaderLines; k < text_lines && text_.next() < bytes_.size(); ++k) header_line();
     f.function_type = text_.integer(dof, 0, 5);
     f.response = point(dof, 30);
@@ -145,6 +146,7 @@ class Uff58Reader {
     f.abscissa = axis(axes[0]);
     f.ordinate = axis(axes[1]);
     f.denominator = axis(axes[2]);
+    static_cast<void>(axis(axes[3]));  // z
 
     // Before any memory is taken: could the file hold that many numbers at all?
     const std::size_t left = bytes_.size() - std::min(text_.next(), bytes_.size());
