@@ -195,21 +195,6 @@ TEST(UffForeign, FormsAndUnitsOfFrfs) {
   }
 }
 
-TEST(UffForeign, OwnFrfsOfEveryFormComeBack) {
-  for (const auto form : {FrfForm::receptance, FrfForm::mobility, FrfForm::unknown}) {
-    FrfSet out;
-    out.responses = {{"a", 1, 2}};
-    out.inputs = {{"h", 5, 2}};
-    out.form = form;
-    out.unit = unit_of(form);
-    out.frequency_hz = Eigen::Vector3d(1, 2, 3);
-    out.H = Eigen::Vector3cd(std::complex<double>(1, 2), 3, 4);
-    const FrfSet in = read_uff_frfs(uff_text(out, UffEncoding::binary), "x.uff");
-    EXPECT_EQ(in.form, form);
-    EXPECT_EQ(in.H(0, 0), out.H(0, 0));
-  }
-}
-
 TEST(UffForeign, FrequenciesAreTakenInTheirUnit) {
   Dataset d;
   d.abscissa = {18, "omega", "rad/s"};
