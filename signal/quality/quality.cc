@@ -169,21 +169,15 @@ double line_rms(const Eigen::Ref<const Eigen::VectorXd>& samples, double frequen
   return std::numbers::sqrt2 * std::abs(sum) / weight;
 }
 
-struct SpectralLine {
-  bool found = false;
-  double rms = 0;
-};
-
-/// A narrow, steady line near `frequency`.
-SpectralLine find_line(const Eigen::Ref<const Eigen::VectorXd>& samples,
-                       const Eigen::VectorXd& density, double frequency, double rate) {
-  SpectralLine line;
+/// Rms of a narrow, steady line near `frequency`; 0: there is none.
+double line_near(const Eigen::Ref<const Eigen::VectorXd>& samples, const Eigen::VectorXd& density,
+                 double frequency, double rate) {
   const double spacing = rate / static_cast<double>(samples.size());
   // European and American grids keep within 0.2 Hz.
   const double search = 0.004 * frequency + spacing;
   const auto low = static_cast<Eigen::Index>(std::floor((frequency - search) / spacing));
   const auto high = static_cast<Eigen::Index>(std::ceil((frequency + search) / spacing));
-  if (low < 8 || high + 8 >= density.size()) return line;
+  if (low < 8 || high + 8 >= density.size()) return 0;
   Eigen::Index peak = 0;
   density.segment(low, high - low + 1).maxCoeff(&peak);
   peak += low;
@@ -195,10 +189,10 @@ SpectralLine find_line(const Eigen::Ref<const Eigen::VectorXd>& samples,
   }
   const double floor = median(around);
   const double ratio = kHumRatio * kHumRatio;
-  if (!(density[peak] > ratio * floor)) return line;
+  if (!(density[peak] > ratio * floor)) return 0;
   // As narrow as the window: from the fourth line on a steady sinusoid has below 1e-3 of its power.
   for (const Eigen::Index offset : {-6, -5, -4, 4, 5, 6}) {
-    if (density[peak + offset] > 0.02 * density[peak]) return line;
+    if (density[peak + offset] > 0.02 * density[peak]) return 0;
   }
   const double at = static_cast<double>(peak) * spacing;
   double least = 0, most = 0;
@@ -208,42 +202,33 @@ SpectralLine find_line(const Eigen::Ref<const Eigen::VectorXd>& samples,
     least = q == 0 ? rms : std::min(least, rms);
     most = std::max(most, rms);
   }
-  if (most > kHumSteadiness * least) return line;
+  if (most > kHumSteadiness * least) return 0;
   // The lobe's power is that of the line.
-  line.rms = std::sqrt(density.segment(peak - 3, 7).sum() * spacing);
-  line.found = true;
-  return line;
+  return std::sqrt(density.segment(peak - 3, 7).sum() * spacing);
 }
 
-struct SpectralQuality {
-  double noise_floor = 0;  ///< rms of white noise with the spectrum's median density
-  double mains_hz = 0;     ///< 0: none found
-  double mains_rms = 0;
-  int harmonics = 0;  ///< lines found, the fundamental included
-};
-
-/// `samples` without NaN. Hann windows; the median density of averaged periodograms, corrected for
-/// the bias of a median (Wilson and Hilferty); hum from one long transform.
-SpectralQuality spectral_quality(const Eigen::Ref<const Eigen::VectorXd>& samples,
-                                 double sample_rate_hz) {
-  SpectralQuality result;
+/// Noise floor and hum of `samples` without NaN; returns the number of hum's lines, the fundamental
+/// included. Hann windows; the median density of averaged periodograms, corrected for the bias of a
+/// median (Wilson and Hilferty); hum from one long transform.
+int measure_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double sample_rate_hz,
+                     ChannelQuality& q) {
   const Eigen::Index n = samples.size();
-  if (n < 64 || !(sample_rate_hz > 0)) return result;
+  int lines = 0, averages = 1;
+  if (n < 64 || !(sample_rate_hz > 0)) return lines;
   constexpr Eigen::Index kPiece = 8192;
-  int averages = 1;
   const Eigen::VectorXd density = power_density(samples, good_fft_length_below(std::min(n, kPiece)),
                                                 sample_rate_hz, 64, averages);
-  std::vector<double> lines(density.data() + 1, density.data() + density.size());
   // Pieces overlap by half: with a Hann window about 0.95 of them count as independent.
   const double independent = 1 + 0.95 * (averages - 1);
   const double bias = std::pow(1 - 1 / (9 * independent), 3);
-  result.noise_floor = std::sqrt(median(std::move(lines)) / bias * sample_rate_hz / 2);
+  q.noise_floor =
+      std::sqrt(median_of(density.tail(density.size() - 1)) / bias * sample_rate_hz / 2);
 
   // Hum: one transform of up to a million samples from the middle; two seconds separate 50 from 51
   // Hz.
   constexpr Eigen::Index kLong = Eigen::Index{1} << 20;
   const Eigen::Index length = good_fft_length_below(std::min(n, kLong));
-  if (static_cast<double>(length) < 2 * sample_rate_hz) return result;
+  if (static_cast<double>(length) < 2 * sample_rate_hz) return lines;
   const auto middle = samples.segment((n - length) / 2, length);
   const Eigen::VectorXd fine = power_density(middle, length, sample_rate_hz, 1, averages);
   for (const double mains : {50.0, 60.0}) {
@@ -251,35 +236,28 @@ SpectralQuality spectral_quality(const Eigen::Ref<const Eigen::VectorXd>& sample
     int found = 0;
     bool fundamental = false;
     for (int harmonic = 1; harmonic <= 6; ++harmonic) {
-      const SpectralLine line = find_line(middle, fine, mains * harmonic, sample_rate_hz);
-      if (!line.found) continue;
-      ++found;
-      fundamental = fundamental || harmonic == 1;
-      power += line.rms * line.rms;
+      const double rms = line_near(middle, fine, mains * harmonic, sample_rate_hz);
+      found += rms > 0 ? 1 : 0;
+      fundamental |= harmonic == 1 && rms > 0;
+      power += rms * rms;
     }
     // Rectified hum may lack its fundamental, but then has several multiples; one or two alone are
     // as likely a machine or a shaker.
-    if ((fundamental || found >= 3) && power > result.mains_rms * result.mains_rms) {
-      result.mains_hz = mains;
-      result.mains_rms = std::sqrt(power);
-      result.harmonics = found;
+    if ((fundamental || found >= 3) && power > q.mains_rms * q.mains_rms) {
+      q.mains_hz = mains;
+      q.mains_rms = std::sqrt(power);
+      lines = found;
     }
   }
-  return result;
+  return lines;
 }
 
 bool rests_at_zero(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::acceleration:
-    case Quantity::velocity:
-    case Quantity::angular_velocity:
-    case Quantity::angular_acceleration:
-    case Quantity::voltage:
-    case Quantity::unknown:
-      return true;
-    default:
-      return false;  // loads, positions and temperatures have a mean of their own
-  }
+  // Loads, positions and temperatures have a mean of their own.
+  const auto one_of = {Quantity::acceleration,     Quantity::velocity,
+                       Quantity::angular_velocity, Quantity::angular_acceleration,
+                       Quantity::voltage,          Quantity::unknown};
+  return std::find(one_of.begin(), one_of.end(), quantity) != one_of.end();
 }
 
 ChannelQuality check_channel(const Recording& recording, const Channel& channel) {
@@ -287,21 +265,19 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
   q.channel = channel.name;
   const Eigen::VectorXd& x = channel.samples;
   const Eigen::Index n = x.size();
-  double sum = 0, squares = 0, low = 0, high = 0;
-  Eigen::Index count = 0, first_missing = -1;
+  std::vector<double> there;
+  Eigen::Index first_missing = -1;
   for (Eigen::Index k = 0; k < n; ++k) {
-    if (!std::isfinite(x[k])) {
-      if (first_missing < 0) first_missing = k;
-      continue;
+    if (std::isfinite(x[k])) {
+      there.push_back(x[k]);
+    } else if (first_missing < 0) {
+      first_missing = k;
     }
-    low = count == 0 ? x[k] : std::min(low, x[k]);
-    high = count == 0 ? x[k] : std::max(high, x[k]);
-    sum += x[k];
-    squares += x[k] * x[k];
-    ++count;
   }
+  const auto count = static_cast<Eigen::Index>(there.size());
   q.missing_samples = n - count;
-  const auto add = [&](const char* code, std::string message, long samples, Eigen::Index first) {
+  const auto add = [&](const char* code, std::string message, long samples = 0,
+                       Eigen::Index first = -1) {
     q.findings.push_back({code, std::move(message), samples, first});
   };
   if (q.missing_samples > 0) {
@@ -314,14 +290,12 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
     q.min = q.max = q.mean = q.rms = kNaN;
     return q;
   }
+  const Eigen::Map<const Eigen::ArrayXd> finite(there.data(), count);
+  const double low = finite.minCoeff(), high = finite.maxCoeff();
   q.min = low, q.max = high;
-  q.mean = sum / static_cast<double>(count);
-  q.rms = std::sqrt(squares / static_cast<double>(count));
-  double spread = 0;
-  for (const double v : x) {
-    if (std::isfinite(v)) spread += (v - q.mean) * (v - q.mean);
-  }
-  const double std = std::sqrt(spread / static_cast<double>(count));
+  q.mean = finite.mean();
+  q.rms = std::sqrt(finite.square().mean());
+  const double std = std::sqrt((finite - q.mean).square().mean());
   const double range = high - low;
   if (!(range > 0)) {
     if (count > 1) {
@@ -335,12 +309,10 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
   q.quantum = quantum_of(x, range, distinct);
   const Eigen::VectorXd filled = without_gaps(x);
   if (count >= 16 && distinct <= 2) {
-    add("one_bit", fmt::format("only {} different values", distinct), 0, -1);
+    add("one_bit", fmt::format("only {} different values", distinct));
   } else if (count >= 16 && q.quantum > 0 && std < kStepsPerRms * q.quantum) {
-    add("coarse_quantisation",
-        fmt::format("steps of {} are coarse for a standard deviation of {}",
-                    with_unit(q.quantum, channel), with_unit(std, channel)),
-        0, -1);
+    add("coarse_quantisation", fmt::format("steps of {} are coarse for a standard deviation of {}",
+                                           with_unit(q.quantum, channel), with_unit(std, channel)));
   }
 
   if (distinct > 2) {
@@ -397,50 +369,35 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
   if (tenth >= 4) {
     const double begin = median_of(filled.head(tenth)), end = median_of(filled.tail(tenth));
     q.drift = end - begin;
-    double left = 0, middle = 0;
-    const auto detrended = [&](Eigen::Index k) {
-      return filled[k] - q.drift * static_cast<double>(k) / (0.9 * static_cast<double>(n));
-    };
-    for (Eigen::Index k = 0; k < n; ++k) middle += detrended(k);
-    middle /= static_cast<double>(n);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double d = detrended(k) - middle;
-      left += d * d;
-    }
-    left = std::sqrt(left / static_cast<double>(n));
+    const Eigen::ArrayXd rest =
+        filled.array() - q.drift / (0.9 * static_cast<double>(n)) *
+                             Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
+    const double left = std::sqrt((rest - rest.mean()).square().mean());
     if (std::abs(q.drift) > left && std::abs(q.drift) > 2 * q.quantum) {
       add("drift",
           fmt::format("drifts by {} over the record, {}", with_unit(q.drift, channel),
                       std::abs(q.drift) < 1000 * left
                           ? fmt::format("{:.2g} times what is left of its standard deviation",
                                         std::abs(q.drift) / left)
-                          : std::string("and does hardly anything else: a ramp")),
-          0, -1);
+                          : std::string("and does hardly anything else: a ramp")));
     }
   }
   if (count >= 16 && rests_at_zero(channel.quantity) && std > 0 && std::abs(q.mean) > std) {
-    add("offset",
-        fmt::format("mean {} is {:.2g} times the standard deviation", with_unit(q.mean, channel),
-                    std::abs(q.mean) / std),
-        0, -1);
+    add("offset", fmt::format("mean {} is {:.2g} times the standard deviation",
+                              with_unit(q.mean, channel), std::abs(q.mean) / std));
   }
 
   if (recording.sample_rate_hz > 0 && recording.time_s.size() == 0) {
-    const SpectralQuality spectrum = spectral_quality(filled, recording.sample_rate_hz);
-    q.noise_floor = spectrum.noise_floor;
-    q.mains_hz = spectrum.mains_hz;
-    q.mains_rms = spectrum.mains_rms;
+    const int lines = measure_spectrum(filled, recording.sample_rate_hz, q);
     if (q.mains_hz > 0) {
       add("mains_hum",
           fmt::format("may be mains hum: steady lines at {:.0f} Hz and {} harmonics, {} rms",
-                      q.mains_hz, spectrum.harmonics - 1, with_unit(q.mains_rms, channel)),
-          0, -1);
+                      q.mains_hz, lines - 1, with_unit(q.mains_rms, channel)));
     }
     if (std > 0 && q.noise_floor > 0.5 * std && count >= 256) {
       add("noise_floor",
           fmt::format("the broadband floor ({} rms) is {:.0f} % of the signal",
-                      with_unit(q.noise_floor, channel), 100 * std::min(1.0, q.noise_floor / std)),
-          0, -1);
+                      with_unit(q.noise_floor, channel), 100 * std::min(1.0, q.noise_floor / std)));
     }
   }
   return q;

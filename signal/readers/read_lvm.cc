@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "signal/numerics/numbers.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/csv/csv_table.h"
@@ -23,7 +23,6 @@ namespace rigfit::signal {
 namespace {
 
 constexpr std::string_view kEndOfHeader = "***End_of_Header***";
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 struct Header {
   std::map<std::string, std::vector<std::string>> rows;  ///< by key; field k at [k - 1]
@@ -40,14 +39,14 @@ struct Header {
     double value = 0;
     const std::string text = at(key, column);
     return parse_whole_number(text, '.', value) || parse_whole_number(text, ',', value) ? value
-                                                                                        : kNone;
+                                                                                        : kNaN;
   }
   /// Seconds of a segment's Date and Time; NaN when it has none.
   [[nodiscard]] double clock(std::size_t column) const {
     double seconds = 0;
     int decimals = 0;
     return parse_clock(at("Date", column) + " " + at("Time", column), seconds, decimals) ? seconds
-                                                                                         : kNone;
+                                                                                         : kNaN;
   }
 };
 

@@ -197,10 +197,7 @@ RateOfStep rate_of_step(double step_s, double half_digit) {
     if (std::abs(1 / rate - step_s) > half_digit * (1 + 1e-9)) continue;
     if (std::find(usual.begin(), usual.end(), rate) == usual.end()) usual.push_back(rate);
   }
-  if (usual.size() == 1) {
-    result.chosen = std::abs(usual.front() / result.rate_hz - 1) > 1e-9;
-    result.rate_hz = usual.front();
-  }
+  if (usual.size() == 1) result.rate_hz = usual.front();
   return result;
 }
 

@@ -41,7 +41,6 @@ struct TimeAxis {
 struct RateOfStep {
   double rate_hz = 0;
   double relative_std = 0;  ///< rounding, uniform; 0: the step is a rate's own decimal fraction
-  bool chosen = false;      ///< a usual rate that prints as this step, not one over it
 };
 
 /// `half_digit`: half a unit of the step's last printed digit. A step that is the exact decimal of

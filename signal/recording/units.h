@@ -40,5 +40,7 @@ struct TitledUnit {
 /// Valid UTF-8 of text in UTF-8 or, where it is not that, in Windows-1252. Control characters
 /// become blanks.
 [[nodiscard]] std::string to_utf8(std::string_view bytes);
+/// UTF-16 as UTF-8; characters beyond the basic plane become '?'.
+[[nodiscard]] std::string utf16_to_utf8(std::string_view bytes, bool little);
 
 }  // namespace rigfit::signal

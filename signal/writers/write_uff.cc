@@ -50,9 +50,8 @@ std::string id_line(std::string_view text) {
 }
 
 std::string axis_line(const Uff58Axis& axis) {
-  return fmt::format("{:10d}{:5d}{:5d}{:5d} {:<20s} {:<20s}\n", axis.data_type, axis.exponents[0],
-                     axis.exponents[1], axis.exponents[2], fixed(axis.label, 20),
-                     fixed(axis.unit, 20));
+  return fmt::format("{:10d}    0    0    0 {:<20s} {:<20s}\n", axis.data_type,
+                     fixed(axis.label, 20), fixed(axis.unit, 20));
 }
 
 /// 13 columns: six digits, or five behind a minus sign, where the seventh has no room.
@@ -100,7 +99,8 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
   out += fmt::format("{:10d}{:10d}{:10d}{}{}{}\n",
                      (f.complex ? 6 : 4) - (single ? (f.complex ? 1 : 2) : 0), n, f.even ? 1 : 0,
                      e13(f.even ? f.abscissa_start : 0), e13(f.even ? f.abscissa_step : 0), e13(0));
-  for (const auto& axis : {f.abscissa, f.ordinate, f.denominator, f.z}) out += axis_line(axis);
+  for (const auto& axis : {f.abscissa, f.ordinate, f.denominator, Uff58Axis{}})
+    out += axis_line(axis);
   if (binary) {
     out.reserve(out.size() + static_cast<std::size_t>(bytes * values * n) + 8);
     const auto append = single ? append_binary<float> : append_binary<double>;
@@ -134,10 +134,10 @@ int direction_code(const std::array<double, 3>& direction) {
 
 /// The numerator of the FRF's unit and its specific data type.
 Uff58Axis ordinate_of(const FrfSet& frfs) {
-  if (frfs.form == FrfForm::receptance) return {8, {0, 0, 0}, "Receptance", "m"};
-  if (frfs.form == FrfForm::mobility) return {11, {0, 0, 0}, "Mobility", "m/s"};
-  if (frfs.form == FrfForm::accelerance) return {12, {0, 0, 0}, "Accelerance", "m/s^2"};
-  return {0, {0, 0, 0}, "FRF", frfs.unit};
+  if (frfs.form == FrfForm::receptance) return {8, "Receptance", "m"};
+  if (frfs.form == FrfForm::mobility) return {11, "Mobility", "m/s"};
+  if (frfs.form == FrfForm::accelerance) return {12, "Accelerance", "m/s^2"};
+  return {0, "FRF", frfs.unit};
 }
 
 /// "Modal A": psi / L at the first response that is also an input; 0: none is.
@@ -180,9 +180,8 @@ std::string uff_text(const Recording& recording, UffEncoding encoding, const std
                                               : std::string());
     f.response.entity = channel.name;
     f.response.direction = direction_code(channel.direction);
-    f.abscissa = {17, {0, 0, 0}, "Time", "s"};
-    f.ordinate = {
-        uff58_data_type(channel.quantity), {0, 0, 0}, name_of(channel.quantity), channel.unit};
+    f.abscissa = {17, "Time", "s"};
+    f.ordinate = {uff58_data_type(channel.quantity), name_of(channel.quantity), channel.unit};
     f.real = channel.samples;
     if (f.even) {
       f.abscissa_start = recording.start_time_s;
@@ -192,7 +191,7 @@ std::string uff_text(const Recording& recording, UffEncoding encoding, const std
     } else {
       // No rate is known: the samples are numbered, a step of zero would be none.
       f.x = Eigen::VectorXd::LinSpaced(f.real.size(), 0, static_cast<double>(f.real.size() - 1));
-      f.abscissa = {0, {0, 0, 0}, "Sample", ""};
+      f.abscissa = {0, "Sample", ""};
     }
     append_function(out, f, encoding);
   }
@@ -233,7 +232,7 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
       if (frfs.sample_rate_relative_std > 0) {
         common.id[4] += fmt::format(" rate_u={:.2g}", frfs.sample_rate_relative_std);
       }
-      common.abscissa = {18, {0, 0, 0}, "Frequency", "Hz"};
+      common.abscissa = {18, "Frequency", "Hz"};
       const auto append = [&](int type, const char* what, const Uff58Axis& ordinate, bool per_force,
                               const Eigen::Ref<const Eigen::VectorXd>& real,
                               const Eigen::VectorXd& imag = {}) {
@@ -244,7 +243,7 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
                               frfs.averages, frfs.sample_rate_hz, frfs.exponential_decay_rate_1_s,
                               frfs.pre_trigger_s);
         f.ordinate = ordinate;
-        if (per_force) f.denominator = {13, {0, 0, 0}, "Force", "N"};
+        if (per_force) f.denominator = {13, "Force", "N"};
         f.real = real;
         f.imag = imag;
         append_function(out, f, encoding);
@@ -254,7 +253,7 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
       append(uff58_function::kFrf, "frf", ordinate, has_form, frfs.H.col(column).real(),
              frfs.H.col(column).imag());
       if (frfs.coherence.size() > 0) {
-        append(uff58_function::kCoherence, "coherence", {0, {0, 0, 0}, "Coherence", ""}, false,
+        append(uff58_function::kCoherence, "coherence", {0, "Coherence", ""}, false,
                frfs.coherence.col(column));
       }
       if (frfs.H_std.size() > 0) {

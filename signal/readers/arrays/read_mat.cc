@@ -70,30 +70,21 @@ Eigen::MatrixXd matrix_of(const void* data, Eigen::Index rows, Eigen::Index cols
 
 std::optional<Eigen::MatrixXd> numbers_of(matio_classes type, const void* data, Eigen::Index rows,
                                           Eigen::Index cols) {
-  switch (type) {
-    case MAT_C_DOUBLE:
-      return matrix_of<double>(data, rows, cols);
-    case MAT_C_SINGLE:
-      return matrix_of<float>(data, rows, cols);
-    case MAT_C_INT8:
-      return matrix_of<mat_int8_t>(data, rows, cols);
-    case MAT_C_UINT8:
-      return matrix_of<mat_uint8_t>(data, rows, cols);
-    case MAT_C_INT16:
-      return matrix_of<mat_int16_t>(data, rows, cols);
-    case MAT_C_UINT16:
-      return matrix_of<mat_uint16_t>(data, rows, cols);
-    case MAT_C_INT32:
-      return matrix_of<mat_int32_t>(data, rows, cols);
-    case MAT_C_UINT32:
-      return matrix_of<mat_uint32_t>(data, rows, cols);
-    case MAT_C_INT64:
-      return matrix_of<mat_int64_t>(data, rows, cols);
-    case MAT_C_UINT64:
-      return matrix_of<mat_uint64_t>(data, rows, cols);
-    default:
-      return std::nullopt;
-  }
+  std::optional<Eigen::MatrixXd> numbers;
+  const auto take = [&](matio_classes kind, auto number) {
+    if (type == kind) numbers = matrix_of<decltype(number)>(data, rows, cols);
+  };
+  take(MAT_C_DOUBLE, double{});
+  take(MAT_C_SINGLE, float{});
+  take(MAT_C_INT8, mat_int8_t{});
+  take(MAT_C_UINT8, mat_uint8_t{});
+  take(MAT_C_INT16, mat_int16_t{});
+  take(MAT_C_UINT16, mat_uint16_t{});
+  take(MAT_C_INT32, mat_int32_t{});
+  take(MAT_C_UINT32, mat_uint32_t{});
+  take(MAT_C_INT64, mat_int64_t{});
+  take(MAT_C_UINT64, mat_uint64_t{});
+  return numbers;
 }
 
 /// Elements of an array by its dimensions; more than `most`: most + 1.
@@ -107,6 +98,26 @@ std::size_t elements_of(const matvar_t& variable, std::size_t most) {
     count *= n;
   }
   return count;
+}
+
+/// Calls `take` with each of the `count` elements of a struct or cell and what its name has behind
+/// that of the whole; does nothing for other arrays.
+template <typename Take>
+void each_element(matvar_t& variable, std::size_t count, Take&& take) {
+  if (variable.data == nullptr) return;
+  const bool is_struct = variable.class_type == MAT_C_STRUCT;
+  char* const* const names = is_struct ? Mat_VarGetStructFieldnames(&variable) : nullptr;
+  const unsigned fields = names == nullptr ? 0 : Mat_VarGetNumberOfFields(&variable);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::string at = count > 1 ? fmt::format("({})", k + 1) : "";
+    for (unsigned f = 0; f < fields; ++f) {
+      matvar_t* const field = Mat_VarGetStructFieldByIndex(&variable, f, k);
+      if (field != nullptr && names[f] != nullptr) take(*field, at + "." + to_utf8(names[f]));
+    }
+    if (variable.class_type != MAT_C_CELL) continue;
+    matvar_t* const cell = Mat_VarGetCell(&variable, static_cast<int>(k));
+    if (cell != nullptr) take(*cell, fmt::format("{{{}}}", k + 1));
+  }
 }
 
 /// Reads the numeric arrays of a file. What is too large for the file is refused before it is read.
@@ -153,71 +164,38 @@ class MatReader {
     const std::size_t count = elements_of(variable, most_);
     if (count > (packed ? most_ : held_)) return false;
     if (depth >= kDeepest) return true;
-    if (variable.class_type == MAT_C_STRUCT && variable.data != nullptr) {
-      // Their elements are variables of their own, of some bytes each.
-      const unsigned fields = Mat_VarGetNumberOfFields(&variable);
-      for (std::size_t k = 0; k < count; ++k) {
-        for (unsigned f = 0; f < fields; ++f) {
-          matvar_t* const field = Mat_VarGetStructFieldByIndex(&variable, f, k);
-          if (field != nullptr && !is_held(*field, packed, depth + 1)) return false;
-        }
-      }
-    }
-    if (variable.class_type == MAT_C_CELL && variable.data != nullptr) {
-      for (std::size_t k = 0; k < count; ++k) {
-        matvar_t* const cell = Mat_VarGetCell(&variable, static_cast<int>(k));
-        if (cell != nullptr && !is_held(*cell, packed, depth + 1)) return false;
-      }
-    }
-    return true;
+    // Elements of structs and cells are variables of their own, of some bytes each.
+    bool held = true;
+    each_element(variable, count, [&](matvar_t& element, const std::string&) {
+      held = held && is_held(element, packed, depth + 1);
+    });
+    return held;
   }
 
   void collect(matvar_t& variable, const std::string& name, int depth) {
     if (depth > kDeepest) return;
     const std::size_t count = elements_of(variable, most_);
     if (count == 0 || variable.data == nullptr) return;
-    if (variable.class_type == MAT_C_STRUCT) {
-      const unsigned fields = Mat_VarGetNumberOfFields(&variable);
-      char* const* const names = Mat_VarGetStructFieldnames(&variable);
-      for (std::size_t k = 0; k < count && names != nullptr; ++k) {
-        for (unsigned f = 0; f < fields; ++f) {
-          matvar_t* const field = Mat_VarGetStructFieldByIndex(&variable, f, k);
-          if (field == nullptr || names[f] == nullptr) continue;
-          const std::string at = count > 1 ? fmt::format("({})", k + 1) : "";
-          collect(*field, name + at + "." + to_utf8(names[f]), depth + 1);
-        }
-      }
-      return;
-    }
-    if (variable.class_type == MAT_C_CELL) {
-      for (std::size_t k = 0; k < count; ++k) {
-        matvar_t* const cell = Mat_VarGetCell(&variable, static_cast<int>(k));
-        if (cell != nullptr) collect(*cell, fmt::format("{}{{{}}}", name, k + 1), depth + 1);
-      }
-      return;
-    }
+    each_element(variable, count, [&](matvar_t& element, const std::string& own) {
+      collect(element, name + own, depth + 1);
+    });
+    if (variable.class_type == MAT_C_STRUCT || variable.class_type == MAT_C_CELL) return;
     if (variable.isLogical != 0 || variable.rank != 2) return;
     const auto rows = static_cast<Eigen::Index>(variable.dims[0]);
     const auto cols = static_cast<Eigen::Index>(variable.dims[1]);
     // The data must be as many numbers of the class's own size.
     const std::size_t bytes = count * Mat_SizeOfClass(variable.class_type);
     if (bytes == 0 || variable.nbytes < bytes) return;
-    MatArray array;
-    array.name = name;
-    array.single = variable.class_type == MAT_C_SINGLE;
+    const void *re = variable.data, *im = nullptr;
     if (variable.isComplex != 0) {
       const auto* const split = static_cast<const mat_complex_split_t*>(variable.data);
-      if (split->Re == nullptr || split->Im == nullptr) return;
-      auto real = numbers_of(variable.class_type, split->Re, rows, cols);
-      auto imaginary = numbers_of(variable.class_type, split->Im, rows, cols);
-      if (!real || !imaginary) return;
-      array.real = std::move(*real);
-      array.imaginary = std::move(*imaginary);
-    } else {
-      auto real = numbers_of(variable.class_type, variable.data, rows, cols);
-      if (!real) return;
-      array.real = std::move(*real);
+      re = split->Re, im = split->Im;
+      if (re == nullptr || im == nullptr) return;
     }
+    auto real = numbers_of(variable.class_type, re, rows, cols);
+    if (!real) return;
+    MatArray array{name, std::move(*real), {}, variable.class_type == MAT_C_SINGLE};
+    if (im != nullptr) array.imaginary = *numbers_of(variable.class_type, im, rows, cols);
     arrays_.push_back(std::move(array));
   }
 

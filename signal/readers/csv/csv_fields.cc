@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "signal/recording/recording_error.h"
+#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 namespace {
@@ -52,30 +53,6 @@ int digits_at(std::string_view s, std::size_t& at, std::size_t most) {
     value = std::max(value, 0) * 10 + (s[at] - '0');
   }
   return value;
-}
-
-/// UTF-16 as UTF-8; characters beyond the basic plane become '?'.
-std::string from_utf16(std::string_view bytes, bool little) {
-  std::string out;
-  out.reserve(bytes.size() / 2);
-  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
-    const auto low = static_cast<unsigned char>(bytes[little ? i : i + 1]);
-    const auto high = static_cast<unsigned char>(bytes[little ? i + 1 : i]);
-    const unsigned code = static_cast<unsigned>(high) << 8 | low;
-    if (code < 0x80) {
-      out += static_cast<char>(code);
-    } else if (code < 0x800) {
-      out += static_cast<char>(0xC0 | code >> 6);
-      out += static_cast<char>(0x80 | (code & 0x3F));
-    } else if (code >= 0xD800 && code < 0xE000) {
-      out += '?';
-    } else {
-      out += static_cast<char>(0xE0 | code >> 12);
-      out += static_cast<char>(0x80 | (code >> 6 & 0x3F));
-      out += static_cast<char>(0x80 | (code & 0x3F));
-    }
-  }
-  return out;
 }
 
 }  // namespace
@@ -272,7 +249,7 @@ std::string_view take_line(std::string_view& rest) {
 std::string_view text_without_mark(std::string_view bytes, std::string& converted,
                                    const std::string& file) {
   if (bytes.size() >= 2 && (bytes.substr(0, 2) == "\xFF\xFE" || bytes.substr(0, 2) == "\xFE\xFF")) {
-    converted = from_utf16(bytes.substr(2), bytes[0] == '\xFF');
+    converted = utf16_to_utf8(bytes.substr(2), bytes[0] == '\xFF');
     return converted;
   }
   if (bytes.substr(0, 3) == "\xEF\xBB\xBF") bytes.remove_prefix(3);
@@ -283,7 +260,7 @@ std::string_view text_without_mark(std::string_view bytes, std::string& converte
   const auto half = static_cast<long>(head.size() / 2);
   if (half > 0 && std::min(zeros[0], zeros[1]) == 0 &&
       std::max(zeros[0], zeros[1]) > half - half / 8) {
-    converted = from_utf16(bytes, zeros[1] > 0);
+    converted = utf16_to_utf8(bytes, zeros[1] > 0);
     return converted;
   }
   if (const auto nul = head.find('\0'); nul != std::string_view::npos) {

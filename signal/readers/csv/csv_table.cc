@@ -13,10 +13,10 @@
 namespace rigfit::signal {
 namespace {
 
-using Columns = std::vector<std::size_t>;
+using Places = std::vector<std::size_t>;
 
 /// "3", "3 to 5", "3 and 5".
-std::string columns_text(const Columns& columns) {
+std::string columns_text(const Places& columns) {
   std::string out;
   for (std::size_t i = 0; i < columns.size();) {
     std::size_t j = i;
@@ -30,7 +30,7 @@ std::string columns_text(const Columns& columns) {
 }
 
 /// The first few things that the left-out columns hold, for the note.
-std::string what_is_in(std::string_view body, const CsvDialect& dialect, const Columns& columns) {
+std::string what_is_in(std::string_view body, const CsvDialect& dialect, const Places& columns) {
   std::string found;
   int words = 0;
   std::vector<CsvField> fields;
@@ -110,7 +110,7 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
   const CsvLayout& layout = table.layout;
   const std::size_t n = layout.columns.size();
   std::vector<bool> wanted(n, false);
-  Columns unnamed, words;
+  Places unnamed, words;
   for (std::size_t c = 0; c < n; ++c) {
     const CsvColumn& column = layout.columns[c];
     const bool named = !column.name.empty();
@@ -125,7 +125,7 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
                          "check the recording");
   }
 
-  const auto holds = [&](const Columns& columns) {
+  const auto holds = [&](const Places& columns) {
     return what_is_in(bytes.substr(layout.body), layout.dialect, columns);
   };
   if (!layout.unmatched_titles.empty()) {

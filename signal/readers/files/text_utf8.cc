@@ -71,4 +71,16 @@ std::string to_utf8(std::string_view bytes) {
   return out;
 }
 
+std::string utf16_to_utf8(std::string_view bytes, bool little) {
+  std::string out;
+  out.reserve(bytes.size() / 2);
+  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
+    const auto low = static_cast<unsigned char>(bytes[little ? i : i + 1]);
+    const auto high = static_cast<unsigned char>(bytes[little ? i + 1 : i]);
+    const unsigned code = static_cast<unsigned>(high) << 8 | low;
+    append(out, code >= 0xD800 && code < 0xE000 ? '?' : code);
+  }
+  return out;
+}
+
 }  // namespace rigfit::signal

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "signal/numerics/numbers.h"
 #include "signal/readers/files/frf_unit.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/uff/uff58.h"
@@ -26,7 +26,6 @@ namespace rigfit::signal {
 namespace {
 
 constexpr int kTimeAxis = 17;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 using Functions = std::vector<const Uff58*>;
 
 bool is_time_history(const Uff58& f) {

@@ -92,9 +92,9 @@ class Uff58Reader {
   }
 
   Uff58Axis axis(const UffLine& line) const {
-    return {text_.integer(line, 0, 10),
-            {text_.integer(line, 10, 5), text_.integer(line, 15, 5), text_.integer(line, 20, 5)},
-            text_field(line.text, 25, 21),
+    // The exponents of units are not needed, but are whole numbers unless columns have slipped.
+    for (const std::size_t from : {10U, 15U, 20U}) static_cast<void>(text_.integer(line, from, 5));
+    return {text_.integer(line, 0, 10), text_field(line.text, 25, 21),
             text_field(line.text, 46, 21)};
   }
 
@@ -146,7 +146,7 @@ class Uff58Reader {
     f.abscissa = axis(axes[0]);
     f.ordinate = axis(axes[1]);
     f.denominator = axis(axes[2]);
-    f.z = axis(axes[3]);
+    static_cast<void>(axis(axes[3]));  // z
 
     // Before any memory is taken: could the file hold that many numbers at all?
     const std::size_t left = bytes_.size() - std::min(text_.next(), bytes_.size());

@@ -22,9 +22,7 @@ namespace rigfit::signal {
 
 /// Function types (record 6, field 1) that we name.
 namespace uff58_function {
-inline constexpr int kGeneral = 0, kTimeResponse = 1, kAutoSpectrum = 2, kCrossSpectrum = 3,
-                     kFrf = 4, kTransmissibility = 5, kCoherence = 6, kPowerSpectralDensity = 9,
-                     kSpectrum = 12;
+inline constexpr int kGeneral = 0, kTimeResponse = 1, kFrf = 4, kCoherence = 6;
 }
 
 /// Words for a function type, such as "power spectral density".
@@ -33,8 +31,7 @@ inline constexpr int kGeneral = 0, kTimeResponse = 1, kAutoSpectrum = 2, kCrossS
 struct Uff58Axis {
   int data_type =
       0;  ///< specific data type: 8 displacement, 12 acceleration, 13 force, 17 time ...
-  std::array<int, 3> exponents{0, 0, 0};  ///< exponents of length, force, temperature
-  std::string label, unit;                ///< as written, UTF-8; empty: NONE
+  std::string label, unit;  ///< as written, UTF-8; empty: NONE
 };
 
 struct Uff58Point {
@@ -55,7 +52,7 @@ struct Uff58 {
   double abscissa_start = 0, abscissa_step = 0;  ///< when even
   /// Half a unit of the last digit that the step is printed with.
   double abscissa_step_half_digit = 0;
-  Uff58Axis abscissa, ordinate, denominator, z;
+  Uff58Axis abscissa, ordinate, denominator;
   Eigen::VectorXd x;     ///< when uneven
   Eigen::VectorXd real;  ///< values, or their real parts
   Eigen::VectorXd imag;  ///< when complex

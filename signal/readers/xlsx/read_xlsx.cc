@@ -51,9 +51,10 @@ struct SheetText {
   std::string text;
   long first_column = 1;  ///< of the sheet: the first field of each line
   std::vector<CellRange> merged;
-  std::vector<CellPlace> number_texts;  ///< cells of text that read as numbers, row by row
-  CellPlace percent;                    ///< the first number shown in percent
-  long hidden_rows = 0;                 ///< with values, which are read all the same
+  /// Cells of text that read as numbers, row by row, with their text.
+  std::vector<std::pair<CellPlace, std::string>> number_texts;
+  CellPlace percent;     ///< the first number shown in percent
+  long hidden_rows = 0;  ///< with values, which are read all the same
 
   /// Of a cell, or of a row where the column is 0.
   [[nodiscard]] RecordingError refusal(const CellPlace& place, std::string value,
@@ -98,9 +99,21 @@ CellPlace place_named(std::string_view name) {
 class SheetParser {
  public:
   SheetParser(ZipParts& parts, const Workbook& workbook, const WorkbookSheet& sheet,
-              SheetText& result)
-      : parts_(parts), workbook_(workbook), sheet_(sheet), result_(result) {}
+              const std::string& file)
+      : parts_(parts), workbook_(workbook), sheet_(sheet) {
+    result_.file = file;
+    result_.sheet = sheet.name;
+  }
 
+  /// Throws RecordingError, also for a sheet without numbers.
+  SheetText parse() {
+    parse_tail(
+        parts_.in_pieces(sheet_.part, "row", [&](std::string_view xml) { parse_rows(xml); }));
+    put_together();
+    return std::move(result_);
+  }
+
+ private:
   void parse_rows(std::string_view xml) {
     if (!document_.load_buffer(xml.data(), xml.size(), pugi::parse_default | pugi::parse_fragment,
                                pugi::encoding_utf8)) {
@@ -123,7 +136,7 @@ class SheetParser {
   }
 
   /// Puts the rows together, each with as many fields as the widest row of numbers has.
-  void finish() {
+  void put_together() {
     long first_row = 0, width = 0;
     for (const auto& row : rows_) {
       if (!row.numbers) continue;
@@ -162,7 +175,6 @@ class SheetParser {
     result_.text = std::move(text);
   }
 
- private:
   /// A row with at least one value; its fields, from column A on, are in `cells_`.
   struct Row {
     std::size_t begin = 0;
@@ -255,7 +267,7 @@ class SheetParser {
     text = std::string(trim_blanks(text));
     double number = 0;
     if (parse_whole_number(text, '.', number) || parse_whole_number(text, ',', number)) {
-      result_.number_texts.push_back(place);
+      result_.number_texts.emplace_back(place, text);
     }
     if (text.find_first_of(";\"") == std::string::npos && !text.starts_with('#') &&
         !text.starts_with('%')) {
@@ -270,27 +282,13 @@ class SheetParser {
   ZipParts& parts_;
   const Workbook& workbook_;
   const WorkbookSheet& sheet_;
-  SheetText& result_;
+  SheetText result_;
   pugi::xml_document document_;
   std::string cells_;
   std::vector<Row> rows_;
   long row_ = 0;
   long first_column_ = kSheetColumns;
 };
-
-/// Throws RecordingError, also for a sheet without numbers.
-SheetText sheet_text(ZipParts& parts, const Workbook& workbook, const WorkbookSheet& sheet,
-                     const std::string& file) {
-  SheetText result;
-  result.file = file;
-  result.sheet = sheet.name;
-  SheetParser parser(parts, workbook, sheet, result);
-  const std::string tail =
-      parts.in_pieces(sheet.part, "row", [&](std::string_view xml) { parser.parse_rows(xml); });
-  parser.parse_tail(tail);
-  parser.finish();
-  return result;
-}
 
 // ---- The sheet as a table by the rules of tables of text
 
@@ -318,9 +316,10 @@ RecordingError by_cell(const RecordingError& error, const SheetText& sheet) {
                  before);
     place.column = sheet.first_column + static_cast<long>(before.size()) - 1;
   }
-  const bool is_text = std::any_of(
-      sheet.number_texts.begin(), sheet.number_texts.end(),
-      [&](const auto& one) { return one.row == place.row && one.column == place.column; });
+  const bool is_text =
+      std::any_of(sheet.number_texts.begin(), sheet.number_texts.end(), [&](const auto& one) {
+        return one.first.row == place.row && one.first.column == place.column;
+      });
   if (is_text) return stored_as_text(sheet, place, error.where().value);
   auto where = sheet.refusal(place, error.where().value, "", "").where();
   where.channel = error.where().channel;
@@ -367,12 +366,8 @@ CsvTable table_of(const SheetText& sheet, ReadOptions options, std::vector<Note>
   const long rows = table.channels.empty() ? 0 : table.channels.front().samples.size();
   const long last_row = first_row + rows - 1;
   refuse_merged(sheet, first_row, last_row);
-  for (const auto& place : sheet.number_texts) {
-    if (place.row < first_row || place.row > last_row) continue;
-    std::vector<CsvField> fields;
-    split_fields(row_text(sheet.text, place.row), kSheetDialect, fields);
-    const auto at = static_cast<std::size_t>(place.column - sheet.first_column);
-    throw stored_as_text(sheet, place, std::string(fields[at].text));
+  for (const auto& [place, text] : sheet.number_texts) {
+    if (place.row >= first_row && place.row <= last_row) throw stored_as_text(sheet, place, text);
   }
   if (sheet.percent.row >= first_row && sheet.percent.row <= last_row) {
     notes.push_back({"assumed",
@@ -399,7 +394,7 @@ auto with_table(const std::filesystem::path& path, const ReadOptions& options, U
   const Workbook workbook = read_workbook(parts, file);
   std::vector<Note> notes;
   const WorkbookSheet& chosen = chosen_sheet(workbook, options.sheet, file, notes);
-  const SheetText sheet = sheet_text(parts, workbook, chosen, file);
+  const SheetText sheet = SheetParser(parts, workbook, chosen, file).parse();
   try {
     return use(table_of(sheet, options, std::move(notes)));
   } catch (const RecordingError& error) {

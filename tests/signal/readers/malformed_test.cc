@@ -27,18 +27,15 @@ void read_with_all(const std::string& bytes) {
   read_or_refuse([&] { require_sound(read_uff_modes(bytes, "x")); });
 }
 
-const std::vector<std::string>& words() {
-  static const std::vector<std::string> list = {"-1\n",       "    -1\n",
-                                                "nan",        "1e999",
-                                                "-1e-999",    "\"",
-                                                "\r",         "\n",
-                                                ",",          ";",
-                                                "\t",         "58b",
-                                                "9999999999", "***End_of_Header***",
-                                                "\xFF",       "0",
-                                                "-",          std::string(1, '\0')};
-  return list;
-}
+const std::vector<std::string> kWords = {"-1\n",       "    -1\n",
+                                         "nan",        "1e999",
+                                         "-1e-999",    "\"",
+                                         "\r",         "\n",
+                                         ",",          ";",
+                                         "\t",         "58b",
+                                         "9999999999", "***End_of_Header***",
+                                         "\xFF",       "0",
+                                         "-",          std::string(1, '\0')};
 
 class Malformed : public ::testing::TestWithParam<const char*> {};
 
@@ -49,7 +46,7 @@ TEST_P(Malformed, SeedsAndMutationsGiveARecordingOrAReason) {
   for (const auto& seed : seeds) {
     EXPECT_NO_THROW(read_with_all(seed.bytes)) << seed.name;
     for (int k = 0; k < 300; ++k) {
-      const std::string bytes = mutated(seed.bytes, words(), random);
+      const std::string bytes = mutated(seed.bytes, kWords, random);
       EXPECT_NO_THROW(read_with_all(bytes)) << seed.name << ", mutation " << k << ":\n" << bytes;
     }
   }
@@ -71,26 +68,17 @@ TEST(FuzzSeeds, LongFilesOfOddLineEndsAreReadInLinearTime) {
 }
 
 TEST(FuzzSeeds, AreReadable) {
-  for (const auto& seed : seeds_of("csv")) {
-    if (fs::exists(fs::path(RIGFIT_FUZZ) / "seeds" / "csv" / seed.name)) {
-      EXPECT_NO_THROW(require_sound(read_csv(seed.bytes, seed.name))) << seed.name;
+  const auto read_all = [](const std::string& reader, auto&& read) {
+    for (const auto& seed : seeds_of(reader)) {
+      if (!fs::exists(fs::path(RIGFIT_FUZZ) / "seeds" / reader / seed.name)) continue;
+      EXPECT_NO_THROW(require_sound(read(seed.bytes, seed.name))) << seed.name;
     }
-  }
-  for (const auto& seed : seeds_of("lvm")) {
-    if (fs::exists(fs::path(RIGFIT_FUZZ) / "seeds" / "lvm" / seed.name)) {
-      EXPECT_NO_THROW(require_sound(read_lvm(seed.bytes, seed.name))) << seed.name;
-    }
-  }
-  for (const auto& seed : seeds_of("uff_modes")) {
-    if (fs::exists(fs::path(RIGFIT_FUZZ) / "seeds" / "uff_modes" / seed.name)) {
-      EXPECT_NO_THROW(require_sound(read_uff_modes(seed.bytes, seed.name))) << seed.name;
-    }
-  }
-  for (const auto& seed : seeds_of("uff")) {
-    if (fs::exists(fs::path(RIGFIT_FUZZ) / "seeds" / "uff" / seed.name)) {
-      EXPECT_NO_THROW(require_sound(read_uff_functions(seed.bytes, seed.name))) << seed.name;
-    }
-  }
+  };
+  using Text = const std::string&;
+  read_all("csv", [](Text bytes, Text name) { return read_csv(bytes, name); });
+  read_all("lvm", [](Text bytes, Text name) { return read_lvm(bytes, name); });
+  read_all("uff_modes", [](Text bytes, Text name) { return read_uff_modes(bytes, name); });
+  read_all("uff", [](Text bytes, Text name) { return read_uff_functions(bytes, name); });
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "signal/recording/recording_error.h"
+#include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::read_lvm_test {
 namespace {
@@ -21,32 +21,8 @@ std::string lvm(const std::string& header, const std::string& table) {
 const char* const kTwo =
     "Channels\t2\nY_Unit_Label\tN\tg\nX_Dimension\tTime\tTime\nX0\t0\t0\nDelta_X\t0.001\t0.001\n";
 
-std::vector<std::string> codes(const Recording& r) {
-  std::vector<std::string> out;
-  for (const auto& note : r.notes) out.push_back(note.code);
-  return out;
-}
-
 RecordingError error_of(const std::string& text) {
-  try {
-    (void)read_lvm(text, "x.lvm");
-  } catch (const RecordingError& error) {
-    return error;
-  }
-  ADD_FAILURE() << "no error for:\n" << text;
-  return {{}, "", ""};
-}
-
-TEST(ReadLvm, ARateGivenByHandOverridesTheFilesAndSaysSo) {
-  const std::string text = lvm(kTwo, "X_Value\tF\ta\n\t1\t2\n\t3\t4\n\t5\t6\n");
-  ReadOptions options;
-  options.sample_rate_hz = 250;
-  const Recording r = read_lvm(text, "x.lvm", options);
-  EXPECT_EQ(r.sample_rate_hz, 250);
-  EXPECT_THAT(codes(r), ::testing::ElementsAre("read_as"));
-  EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("gives 1000 Hz"));
-  options.sample_rate_hz = 1000;
-  EXPECT_THAT(codes(read_lvm(text, "x.lvm", options)), ::testing::IsEmpty());
+  return signal::error_of([&] { return read_lvm(text, "x.lvm"); });
 }
 
 TEST(ReadLvm, ChannelsOfOneNameAreToldApartAndThoseOfAnotherRateLeftOut) {
@@ -58,7 +34,7 @@ TEST(ReadLvm, ChannelsOfOneNameAreToldApartAndThoseOfAnotherRateLeftOut) {
   EXPECT_EQ(r.channels[0].name, "F");
   EXPECT_EQ(r.channels[1].name, "F_2");
   EXPECT_EQ(r.channels[1].samples[2], 8);
-  ASSERT_THAT(codes(r), ::testing::ElementsAre("data_left_out"));
+  ASSERT_THAT(codes(r.notes), ::testing::ElementsAre("data_left_out"));
   EXPECT_EQ(r.notes[0].where, "slow");
   EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("Delta_X 0.002 s"));
 }
@@ -66,7 +42,7 @@ TEST(ReadLvm, ChannelsOfOneNameAreToldApartAndThoseOfAnotherRateLeftOut) {
 TEST(ReadLvm, XThatIsUnevenIsKeptAndXThatIsMissingThereRefused) {
   const std::string table = "X_Value\tF\ta\n0.000\t1\t2\n0.001\t3\t4\n0.002\t5\t6\n0.008\t7\t8\n";
   const Recording r = read_lvm(lvm(kTwo, table), "x.lvm");
-  EXPECT_THAT(codes(r), ::testing::Contains("time_axis"));
+  EXPECT_THAT(codes(r.notes), ::testing::Contains("time_axis"));
   ASSERT_EQ(r.time_s.size(), 4);
   EXPECT_EQ(r.time_s[3], 0.008);
   std::string lacking = table;
@@ -81,7 +57,7 @@ TEST(ReadLvm, XValuesWinOverAStepThatDisagrees) {
   const Recording r = read_lvm(
       lvm(kTwo, "X_Value\tF\ta\n0.000\t1\t2\n0.004\t3\t4\n0.008\t5\t6\n0.012\t7\t8\n"), "x.lvm");
   EXPECT_EQ(r.sample_rate_hz, 250);
-  EXPECT_THAT(codes(r), ::testing::Contains("rates_disagree"));
+  EXPECT_THAT(codes(r.notes), ::testing::Contains("rates_disagree"));
 }
 
 TEST(ReadLvm, TablesOfNothingSayWhere) {

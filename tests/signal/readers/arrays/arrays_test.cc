@@ -17,32 +17,13 @@
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
-#include "signal/recording/recording_error.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"
+#include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::arrays_test {
 namespace {
 namespace fs = std::filesystem;
-
-bool noted(const Recording& recording, const std::string& code) {
-  for (const auto& note : recording.notes) {
-    if (note.code == code) return true;
-  }
-  return false;
-}
-
-template <typename Read>
-std::string refusal_of(Read&& read) {
-  try {
-    (void)read();
-  } catch (const RecordingError& error) {
-    EXPECT_FALSE(error.remedy().empty());
-    return error.what();
-  }
-  ADD_FAILURE() << "read without a word";
-  return "";
-}
 
 std::string little(std::uint64_t value, int bytes) {
   std::string out;

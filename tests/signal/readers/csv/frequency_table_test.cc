@@ -11,8 +11,8 @@
 
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/read_formats.h"
-#include "signal/recording/recording_error.h"
 #include "signal/spectra/line_peaks.h"
+#include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::frequency_table_test {
 namespace {
@@ -84,12 +84,9 @@ TEST(Spectra, AreNoRecordings) {
                              "FFT (RMS)\nX,Y\n", "Hz,dB\n", "Spectrum of channel 1\n"}) {
     const std::string text =
         table(titles, [](double f) { return fmt::format(",{}", std::abs(accelerance(f))); });
-    try {
-      (void)read_csv(text, "fft.csv");
-      ADD_FAILURE() << titles << " taken as a recording";
-    } catch (const RecordingError& error) {
-      EXPECT_THAT(error.what(), ::testing::HasSubstr("spectrum")) << titles;
-    }
+    EXPECT_THAT(refusal_of([&] { return read_csv(text, "fft.csv"); }),
+                ::testing::HasSubstr("spectrum"))
+        << titles;
     const auto found = read_frequency_table(text, "fft.csv");
     ASSERT_TRUE(found) << titles;
     EXPECT_FALSE(holds_frfs(*found));
@@ -112,13 +109,9 @@ TEST(Spectra, WithoutFrequenciesAreNoRecordings) {
   for (const char* header : {"FFT magnitude\n", "Amplitude (dB)\n", "RMS\n", "Magnitude\n",
                              "Spectrum of channel 1\nvalue\n", "PSD (g^2/Hz)\n",
                              "Sample rate: 1000 Hz\nFFT magnitude\n"}) {
-    try {
-      (void)read_csv(column_of(header), "fft.csv");
-      ADD_FAILURE() << header << " taken as a recording";
-    } catch (const RecordingError& error) {
-      EXPECT_THAT(error.what(), ::testing::HasSubstr("without a column of frequencies")) << header;
-      EXPECT_THAT(error.remedy(), ::testing::HasSubstr("--format csv")) << header;
-    }
+    const auto error = error_of([&] { return read_csv(column_of(header), "fft.csv"); });
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("without a column of frequencies")) << header;
+    EXPECT_THAT(error.remedy(), ::testing::HasSubstr("--format csv")) << header;
     ReadOptions forced;
     forced.format = "csv";
     EXPECT_EQ(read_csv(column_of(header), "fft.csv", forced).samples(), 200) << header;

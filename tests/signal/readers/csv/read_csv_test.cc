@@ -5,29 +5,17 @@
 
 #include <string>
 
-#include "signal/recording/recording_error.h"
+#include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::read_csv_test {
 namespace {
-
-std::vector<std::string> codes(const std::vector<Note>& notes) {
-  std::vector<std::string> out;
-  for (const auto& note : notes) out.push_back(note.code);
-  return out;
-}
 
 Recording read(const std::string& text, const ReadOptions& options = {}) {
   return read_csv(text, "test.csv", options);
 }
 
 RecordingError error_of(const std::string& text) {
-  try {
-    (void)read(text);
-  } catch (const RecordingError& error) {
-    return error;
-  }
-  ADD_FAILURE() << "no error for:\n" << text;
-  return {{}, "", ""};
+  return signal::error_of([&] { return read(text); });
 }
 
 /// Rows "0.000<s>1<s>..." of `n` samples at 1 ms: channel c at sample k is k + c / 4, a number that
@@ -231,14 +219,10 @@ TEST(ReadCsv, UnknownChannelsAreAnsweredByThoseThereAre) {
     r.channels.back().name = "b" + std::to_string(k);
   }
   EXPECT_EQ(r.channel_index("#2"), 1);
-  try {
-    (void)r.channel_index("force");
-    FAIL();
-  } catch (const RecordingError& error) {
-    EXPECT_EQ(error.where().channel, "force");
-    EXPECT_THAT(error.remedy(), ::testing::HasSubstr("\"a\", \"b0\""));
-    EXPECT_THAT(error.remedy(), ::testing::HasSubstr("\"b18\", ... (30 in all)"));
-  }
+  const RecordingError error = signal::error_of([&] { return r.channel_index("force"); });
+  EXPECT_EQ(error.where().channel, "force");
+  EXPECT_THAT(error.remedy(), ::testing::HasSubstr("\"a\", \"b0\""));
+  EXPECT_THAT(error.remedy(), ::testing::HasSubstr("\"b18\", ... (30 in all)"));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "signal/readers/files/read_formats.h"
-#include "signal/recording/recording_error.h"
+#include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::testing_machine_test {
 namespace {
@@ -71,14 +71,11 @@ TEST(TestingMachine, TitlesThatDoNotPartKeepTheUnits) {
 TEST(TestingMachine, ATableACycleIsRefusedWithTheWayOut) {
   const std::string titles = "Running Time\tAxial Displacement\tAxial Force\nSec\tmm\tN\n";
   const std::string table = titles + rows("{:.5f}\t{:.5f}\t{:.5f}\n");
-  try {
-    static_cast<void>(
-        read_csv(kRemarks + table + "\nData Header:\t\tTime:\t22.5\n" + table, "a.dat"));
-    FAIL();
-  } catch (const RecordingError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("a second table begins here"));
-    EXPECT_THAT(error.what(), HasSubstr("split the file"));
-  }
+  EXPECT_THAT(
+      refusal_of([&] {
+        return read_csv(kRemarks + table + "\nData Header:\t\tTime:\t22.5\n" + table, "a.dat");
+      }),
+      ::testing::AllOf(HasSubstr("a second table begins here"), HasSubstr("split the file")));
 }
 
 }  // namespace

@@ -8,21 +8,14 @@
 #include <string>
 
 #include "signal/readers/files/read_formats.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/time_axis.h"
+#include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::wrong_readings_test {
 namespace {
 
 Recording read(const std::string& text, const ReadOptions& options = {}) {
   return read_csv(text, "test.csv", options);
-}
-
-bool noted(const Recording& recording, const std::string& code) {
-  for (const auto& note : recording.notes) {
-    if (note.code == code) return true;
-  }
-  return false;
 }
 
 TEST(DecimalCommas, AColumnWithoutATitleIsOneColumn) {
@@ -47,14 +40,10 @@ TEST(DecimalCommas, OneTitleMeansOneColumnAndTwoTitlesTwo) {
 
 TEST(DecimalCommas, WhatCanBeReadInTwoWaysIsAskedAbout) {
   const std::string text = "1,5\n4,7\n3,2\n9,9\n";
-  try {
-    (void)read(text);
-    FAIL() << "no question";
-  } catch (const RecordingError& error) {
-    EXPECT_THAT(error.what(),
-                ::testing::HasSubstr("one column with decimal commas or two columns"));
-    EXPECT_THAT(error.remedy(), ::testing::HasSubstr("--decimal comma"));
-  }
+  const RecordingError question = error_of([&] { return read(text); });
+  EXPECT_THAT(question.what(),
+              ::testing::HasSubstr("one column with decimal commas or two columns"));
+  EXPECT_THAT(question.remedy(), ::testing::HasSubstr("--decimal comma"));
   ReadOptions decimal;
   decimal.decimal = ',';
   ASSERT_EQ(read(text, decimal).channels.size(), 1u);
@@ -166,12 +155,7 @@ TEST(RateOfStep, OfFewDigitsIsTheUsualRateWithItsUncertainty) {
 }
 
 std::string refusal_of(const std::string& text) {
-  try {
-    (void)read(text);
-  } catch (const RecordingError& error) {
-    return error.what();
-  }
-  return "";
+  return signal::refusal_of([&] { return read(text); });
 }
 
 /// `count` lines of `k / 100` seconds and a swing, behind `before` each.

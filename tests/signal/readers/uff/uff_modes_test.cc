@@ -10,8 +10,8 @@
 #include <random>
 
 #include "signal/readers/uff/read_uff_modes.h"
-#include "signal/recording/recording_error.h"
 #include "signal/writers/write_uff.h"
+#include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::uff_modes_test {
 namespace {
@@ -33,13 +33,7 @@ std::string normal_mode(const std::string& values) {
 }
 
 std::string message(const std::string& text) {
-  try {
-    (void)read_uff_modes(text, "x.uff");
-  } catch (const RecordingError& error) {
-    EXPECT_FALSE(error.remedy().empty());
-    return error.what();
-  }
-  return "";
+  return refusal_of([&] { return read_uff_modes(text, "x.uff"); });
 }
 
 // Printed with six digits: 0.5e-5 of a mantissa of at least 1.

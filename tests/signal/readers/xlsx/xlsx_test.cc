@@ -19,9 +19,9 @@
 #include "signal/readers/read_frfs.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/recording_description.h"
-#include "signal/recording/recording_error.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"
+#include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::xlsx_test {
 namespace {
@@ -110,6 +110,7 @@ class Workbooks : public ::testing::Test {
   }
 
   void write_one(const std::string& rows, const std::string& tail = "") {
+    listed_.clear(), relations_.clear(), sheets_ = 0;
     add_sheet("Run 1", rows, tail);
     write();
   }
@@ -121,14 +122,7 @@ class Workbooks : public ::testing::Test {
   }
 
   std::string refusal(const std::string& sheet = "") {
-    try {
-      static_cast<void>(read(sheet));
-    } catch (const RecordingError& error) {
-      EXPECT_FALSE(error.remedy().empty());
-      return error.what();
-    }
-    ADD_FAILURE() << "read without a word";
-    return "";
+    return refusal_of([&] { return read(sheet); });
   }
 
   std::string bytes() const {
@@ -260,7 +254,6 @@ TEST_F(Workbooks, DatesAreATimeAxisInBothSystems) {
       rows += row(2 + k, number("A" + at, day + (34200 + k * 0.01) / 86400, kDateTime) +
                              number("B" + at, force(k)));
     }
-    parts_.clear(), listed_.clear(), relations_.clear(), sheets_ = 0;
     write_one(rows);
     const Recording recording = read();
     ASSERT_EQ(recording.samples(), 60);
@@ -311,7 +304,6 @@ TEST_F(Workbooks, ASidecarNamesTheSheet) {
 TEST_F(Workbooks, RefusalsNameTheCell) {
   const std::string good = titles() + samples(2, 30);
   const auto refused = [&](const std::string& cells) {
-    parts_.clear(), listed_.clear(), relations_.clear(), sheets_ = 0;
     write_one(good + row(32, number("A32", 0.3) + cells) + samples(33, 10), "");
     return refusal();
   };
@@ -349,7 +341,6 @@ TEST_F(Workbooks, MergedCellsAreRefusedButForAHeading) {
   const std::string rows =
       heading + row(3, words("A3", "Time (s)") + words("B3", "Force [N]")) + samples(4);
   const auto with = [&](const std::string& range) {
-    parts_.clear(), listed_.clear(), relations_.clear(), sheets_ = 0;
     write_one(rows, fmt::format(R"(<mergeCells><mergeCell ref="{}"/></mergeCells>)", range));
   };
   with("A1:B2");

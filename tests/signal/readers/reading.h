@@ -1,0 +1,44 @@
+// What tests of readers ask of notes and refusals.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "signal/recording/recording.h"
+#include "signal/recording/recording_error.h"
+
+namespace rigfit::signal {
+
+inline std::vector<std::string> codes(const std::vector<Note>& notes) {
+  std::vector<std::string> out;
+  for (const auto& note : notes) out.push_back(note.code);
+  return out;
+}
+
+inline bool noted(const Recording& recording, const std::string& code) {
+  const auto all = codes(recording.notes);
+  return std::find(all.begin(), all.end(), code) != all.end();
+}
+
+/// What `read` throws, which must say what to do; a failure when it throws nothing.
+template <typename Read>
+RecordingError error_of(Read&& read) {
+  try {
+    (void)read();
+  } catch (const RecordingError& error) {
+    EXPECT_FALSE(error.remedy().empty());
+    return error;
+  }
+  ADD_FAILURE() << "read without a word";
+  return {{}, "", ""};
+}
+
+template <typename Read>
+std::string refusal_of(Read&& read) {
+  return error_of(read).what();
+}
+
+}  // namespace rigfit::signal
