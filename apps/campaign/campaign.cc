@@ -192,13 +192,23 @@ Options keys_of(ModalTest& t) {
               .one_of({"in", "out"})};
 }
 
+Options recorded_keys_of(ModalTest& t) {
+  auto& options = t.inputs.options;
+  return {option("ambient", options.ambient, "Motion under unknown forces: no hammer"),
+          option("responses", options.hammer.responses, "Channels; default: every other one"),
+          option("band", t.band_hz, "Of the modes", "Hz").count(2).from_zero()};
+}
+
+Options ambient_keys_of(ModalTest& t) {
+  return {option("reference", t.inputs.options.references,
+                 "Channels that stay in place in all set-ups; default: what they share")};
+}
+
 Options hammer_keys_of(ModalTest& t) {
   auto& hammer = t.inputs.options.hammer;
   return {option("force", hammer.force, "Channel of the hammer").required(),
-          option("responses", hammer.responses, "Channels; default: every other one"),
           option("load", t.load, "The place struck: the scene's load; default: its only impact"),
           option("direction", t.direction, "Struck and measured along it").count(3),
-          option("band", t.band_hz, "Of the modes", "Hz").count(2).from_zero(),
           option("estimator", t.estimator, "Noise on responses, on the force, on both")
               .one_of({"h1", "h2", "hv"}),
           option("force_window", t.force_window_s,
@@ -445,7 +455,9 @@ std::vector<KeySection> campaign_keys() {
   add("[[test]] kind = \"decay\"", keys_of(decay));
   add(all.back().title, scene_keys_of(decay));
   add("[[test]] kind = \"modal\"", keys_of(modal));
-  add(all.back().title, hammer_keys_of(modal));
+  add(all.back().title, recorded_keys_of(modal));
+  add(all.back().title + ", ambient = true", ambient_keys_of(modal));
+  add(all.back().title.substr(0, all.back().title.find(',')) + ", hits", hammer_keys_of(modal));
   add("[[test]] kind = \"decay\", \"modal\"", {});
   also("scene", "Name of the scene that stands for the rig");
   also("sensors.CHANNEL", "The scene's sensor, where names differ");

@@ -183,7 +183,9 @@ struct Campaign {
 [[nodiscard]] describe::Options scene_keys_of(DecayTest& test);  ///< with a scene
 [[nodiscard]] describe::Options keys_of(ident::SceneUse& use);
 [[nodiscard]] describe::Options keys_of(ModalTest& test);
-[[nodiscard]] describe::Options hammer_keys_of(ModalTest& test);  ///< with recordings
+[[nodiscard]] describe::Options recorded_keys_of(ModalTest& test);  ///< with recordings
+[[nodiscard]] describe::Options ambient_keys_of(ModalTest& test);   ///< with ambient = true
+[[nodiscard]] describe::Options hammer_keys_of(ModalTest& test);    ///< without
 [[nodiscard]] describe::Options keys_of(TensionTest& test);
 [[nodiscard]] describe::Options peak_keys_of(TensionTest& test);  ///< with recordings
 [[nodiscard]] describe::Options reference_keys_of(CampaignTest& test);

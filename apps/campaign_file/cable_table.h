@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/single_tests/cable_campaign.h"
+#include "ident/campaign/single_tests/tension_campaign.h"
 
 namespace rigfit::apps {
 

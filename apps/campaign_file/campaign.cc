@@ -372,7 +372,21 @@ class Reader {
     if (std::all_of(planes.begin(), planes.end(), [&](const auto& p) { return p == planes[0]; })) {
       inputs.setup.plane = plane_named(planes[0]);
     }
-    if (recorded) read_hammer(table, test, modal);
+    if (recorded) {
+      read_keys(table, recorded_keys_of(modal));
+      auto& options = inputs.options;
+      if (!modal.band_hz.empty()) {
+        options.hammer.impact.hits.band_hz = {modal.band_hz[0], modal.band_hz[1]};
+      }
+      if (options.ambient) {
+        refuse_keys(table, hammer_keys_of(modal), "is of hits", "take ambient = true out");
+        read_keys(table, ambient_keys_of(modal));
+        read_recordings(table, test);
+      } else {
+        refuse_keys(table, ambient_keys_of(modal), "is of ambient motion", "add ambient = true");
+        read_hammer(table, test, modal);
+      }
+    }
     std::optional<bool> by_tension;
     if (!recorded || table.has("table")) by_tension = read_published(table, recorded, modal);
     check_tensions(table, test, inputs.scene, by_tension);
@@ -387,7 +401,6 @@ class Reader {
                        : modal.estimator == "hv" ? signal::FrfEstimator::hv
                                                  : signal::FrfEstimator::h1;
     if (modal.force_window_s > 0) impact.force_window_s = modal.force_window_s;
-    if (!modal.band_hz.empty()) impact.hits.band_hz = {modal.band_hz[0], modal.band_hz[1]};
     if (modal.max_order > 0) options.modal.lscf.max_order = modal.max_order;
     if (!modal.direction.empty()) {
       const Eigen::Vector3d direction(modal.direction.data());

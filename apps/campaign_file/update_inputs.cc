@@ -10,7 +10,7 @@
 
 #include "apps/cli/exit_code.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
-#include "ident/campaign/single_tests/stiffness_inputs.h"
+#include "ident/campaign/single_tests/scene_use.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {

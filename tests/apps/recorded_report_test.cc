@@ -164,18 +164,6 @@ TEST_F(LaboratoryReport, RejectsTheDoubleHits) {
   }
 }
 
-TEST_F(LaboratoryReport, FittingHelpsAndHoldsOutWhatItDidNotSee) {
-  const auto& beam = entry(*document_, "fits", "fit", "fit-beam");
-  EXPECT_LT(beam["rms_relative_error"].get<double>(),
-            0.1 * beam["rms_relative_error_before"].get<double>());
-  // Held out, a state's own tension is not fitted: it is predicted about as well as before, and
-  // what the others share does not spoil it.
-  const auto& cable = entry(*document_, "fits", "fit", "fit-cable");
-  EXPECT_LT(cable["rms_relative_error"], cable["rms_relative_error_before"]);
-  EXPECT_LT(cable["rms_relative_error_held_out"].get<double>(),
-            1.2 * cable["rms_relative_error_before"].get<double>());
-}
-
 TEST_F(LaboratoryReport, FilesForOtherProgramsReadBack) {
   int frfs = 0, modes = 0;
   for (const auto& test : (*document_)["recorded_modal"]) {
@@ -240,13 +228,6 @@ TEST_F(LaboratoryReport, ModesAreThoseOfTheVerb) {
   const auto& beam = entry(*document_, "recorded_modal", "test", "beam");
   expect_same(beam["states"][0], modal_verb(files, {"--response", "beam 0.65 m", "--band", "1",
                                                     "160", "--force-window", "0.012"}));
-}
-
-// The same inputs give the same document, byte by byte.
-TEST_F(LaboratoryReport, RunAgainSaysTheSame) {
-  const std::string before = folder_->read("report.json");
-  EXPECT_EQ(report().exit_code, run_->exit_code);
-  EXPECT_EQ(folder_->read("report.json"), before);
 }
 
 // ----------------------------------------------------------------------------------------------

@@ -18,6 +18,10 @@ namespace {
 
 using Eigen::Index;
 
+const std::string kAmbient =
+    "The rig moves under forces that nobody measures. Resonances of the correlations between the "
+    "sensors give natural frequencies, damping and unscaled shapes.";
+
 class HitsShown {
  public:
   HitsShown(const Campaign& campaign, const CampaignTest& test, ReportPart& part)
@@ -189,7 +193,8 @@ class HitsShown {
     state["struck"] = json_hits_[label];
     state["modes"] = std::move(list);
     state["rejected_columns"] = std::move(rejected);
-    state["uff"] = {uff_path("frf", label), uff_path("modes", label)};
+    state["uff"] = {uff_path("modes", label)};
+    if (frfs.averages > 0) state["uff"].insert(state["uff"].begin(), uff_path("frf", label));
     part_.json["states"].push_back(std::move(state));
   }
 
@@ -200,7 +205,8 @@ class HitsShown {
       Answer answer;
       answer.key = fmt::format("{}/{}/frequency", test_.name, label);
       answer.quantity = fmt::format("{}, {}: natural frequency {}", test_.title, label, ++number);
-      answer.how = counted(static_cast<std::size_t>(found.hammer.frfs.averages), "hit");
+      const auto hits = static_cast<std::size_t>(found.hammer.frfs.averages);
+      answer.how = hits > 0 ? counted(hits, "hit") : "ambient motion";
       answer.unit = "Hz";
       answer.value = mode.frequency_hz.value;
       answer.std = mode.frequency_hz.std;
@@ -228,7 +234,9 @@ class HitsShown {
 
   void add_files(const ident::ModalTestState& found) {
     const std::string label = ident::state_label(found.tension_N);
-    part_.files.push_back({uff_path("frf", label), frf_file(found.hammer.frfs)});
+    if (found.hammer.accepted_hits() > 0) {
+      part_.files.push_back({uff_path("frf", label), frf_file(found.hammer.frfs)});
+    }
     part_.files.push_back({uff_path("modes", label), mode_file(scene_, found.modal->model)});
   }
 
@@ -261,9 +269,9 @@ class HitsShown {
     part_.json["hits_rejected"] = rejected_;
     part_.summary.push_back(
         {SummaryItem::Kind::recorded, test_.title,
-         fmt::format("{} in {} from {}; {} of {} hits rejected",
-                     counted(static_cast<std::size_t>(modes_found_), "mode"),
-                     counted(states_, "state"), counted(files, "recording"), rejected_, all_hits_),
+         fmt::format("{} in {} from {}", counted(static_cast<std::size_t>(modes_found_), "mode"),
+                     counted(states_, "state"), counted(files, "recording")) +
+             (all_hits_ > 0 ? fmt::format("; {} of {} hits rejected", rejected_, all_hits_) : ""),
          origin_, part_.id});
   }
 
@@ -299,15 +307,22 @@ class ModalTestPart : public TestPart {
     }
     files_ = loaded.size();
     const double end_level = inputs_.options.hammer.impact.exponential_end_level;
-    part_.blocks.push_back(Paragraph{fmt::format(
-        "The rig is struck with a hammer that measures its force, and what the sensors answer is "
-        "recorded. Each hit is judged; the accepted ones are averaged to frequency response "
-        "functions, and from these come natural frequencies, damping and shapes.{}",
-        end_level > 0
-            ? fmt::format(" An exponential window, down to {:g} % at the end, acts on force and "
-                          "responses alike; its damping is taken out of every mode.",
-                          100 * end_level)
-            : "")});
+    const bool ambient = inputs_.options.ambient;
+    part_.blocks.push_back(Paragraph{
+        ambient
+            ? kAmbient
+            : fmt::format(
+                  "The rig is struck with a hammer that measures its force, and what the sensors "
+                  "answer is "
+                  "recorded. Each hit is judged; the accepted ones are averaged to frequency "
+                  "response "
+                  "functions, and from these come natural frequencies, damping and shapes.{}",
+                  end_level > 0
+                      ? fmt::format(
+                            " An exponential window, down to {:g} % at the end, acts on force and "
+                            "responses alike; its damping is taken out of every mode.",
+                            100 * end_level)
+                      : "")});
     add_recordings(part_, test_, loaded);
     for (auto& entry : loaded) {
       if (!entry.recording) continue;

@@ -7,6 +7,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "signal/ambient/ambient_modes.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::ident {
@@ -19,17 +20,20 @@ const char* kRenameRemedy =
     "; name and scale its channels in a TOML file beside it or in the campaign";
 
 /// Why a recording cannot take part; empty: it can.
-std::string unusable(const Recording& recording, const HammerTestOptions& hammer,
+std::string unusable(const Recording& recording, const ModalTestOptions& options,
                      double usual_rate_hz) {
+  const auto& hammer = options.hammer;
   if (recording.time_s.size() > 0) return "its samples are not evenly spaced in time";
   if (!(recording.sample_rate_hz > 0)) {
     return "gives no sample rate; add sample_rate_hz to its [[test.recording]]";
   }
-  if (usual_rate_hz > 0 && std::abs(recording.sample_rate_hz / usual_rate_hz - 1) > 1e-6) {
+  if (!options.ambient && usual_rate_hz > 0 &&
+      std::abs(recording.sample_rate_hz / usual_rate_hz - 1) > 1e-6) {
     return fmt::format(
         "is sampled at {:g} Hz, the others at {:g} Hz; analyse it as a test of its own",
         recording.sample_rate_hz, usual_rate_hz);
   }
+  if (options.ambient) return "";  // its set-ups may have other channels
   std::vector<std::string> needed = hammer.responses;
   needed.push_back(hammer.force);
   for (const auto& name : needed) {
@@ -67,12 +71,12 @@ double usual_rate(const std::vector<ModalRecording>& recordings) {
 
 /// Usable recordings by state, tensions rising, and place struck.
 std::vector<ModalTestState> sorted(std::vector<ModalRecording>& recordings,
-                                   const HammerTestOptions& hammer,
+                                   const ModalTestOptions& options,
                                    std::vector<Finding>& findings) {
   std::vector<ModalTestState> states;
   const double rate = usual_rate(recordings);
   for (auto& one : recordings) {
-    if (const auto why = unusable(one.recording, hammer, rate); !why.empty()) {
+    if (const auto why = unusable(one.recording, options, rate); !why.empty()) {
       findings.push_back({"recording", why, one.recording.path.string(), true});
       continue;
     }
@@ -95,32 +99,6 @@ std::vector<ModalTestState> sorted(std::vector<ModalRecording>& recordings,
       states.begin(), states.end(),
       [](const ModalTestState& a, const ModalTestState& b) { return a.tension_N < b.tension_N; });
   return states;
-}
-
-/// The first accepted hit of a place, for laying the model's answer over it.
-RecordedHit first_hit(const StruckPlace& place, const signal::ImpactTest& test,
-                      const std::string& force) {
-  RecordedHit kept;
-  kept.place = place.name;
-  const auto& search = test.search;
-  kept.rate_hz = search.sample_rate_hz;
-  const auto hit = std::find_if(search.hits.begin(), search.hits.end(),
-                                [](const signal::Hit& one) { return one.accepted; });
-  const Recording& recording = place.recordings[hit->recording];
-  const Index n = std::min(search.block_samples, hit->available);
-  kept.force = recording.channel(force).samples.segment(hit->block_first, n).array() - hit->offset;
-  kept.pulse_first = std::max<Index>(0, hit->pulse_first - hit->block_first - 2);
-  kept.pulse_last = std::min(
-      n - 1, hit->pulse_last - hit->block_first + 3 * (hit->pulse_last - hit->pulse_first + 1));
-  kept.responses.resize(n, static_cast<Index>(test.responses.size()));
-  for (std::size_t r = 0; r < test.responses.size(); ++r) {
-    kept.responses.col(static_cast<Index>(r)) =
-        recording.channels[static_cast<std::size_t>(test.responses[r])]
-            .samples.segment(hit->block_first, n)
-            .array() -
-        search.response_rest[hit->recording][r];
-  }
-  return kept;
 }
 
 Eigen::Vector3d direction_of(const signal::Channel& channel) {
@@ -154,7 +132,6 @@ void analyse(ModalTestState& state, const ModalTestOptions& options) {
     if (state.hammer.tests[p].frfs.averages == 0) continue;
     state.force_directions.push_back(
         direction_of(place.recordings.front().channel(options.hammer.force)));
-    state.hits.push_back(first_hit(place, state.hammer.tests[p], options.hammer.force));
   }
   auto modes = identify(state.hammer.frfs, options.hammer.impact.hits.band_hz,
                         state.hammer.usable_hz, options.modal);
@@ -162,12 +139,53 @@ void analyse(ModalTestState& state, const ModalTestOptions& options) {
   state.findings.insert(state.findings.end(), modes.findings.begin(), modes.findings.end());
 }
 
+/// Modes without a force: of each recording, joined by the references.
+void analyse_ambient(ModalTestState& state, const ModalTestOptions& options) {
+  signal::AmbientOptions ambient;
+  ambient.channels = options.hammer.responses;
+  if (const auto& band = options.hammer.impact.hits.band_hz) {
+    ambient.low_hz = band->first, ambient.high_hz = band->second;
+  }
+  std::map<std::string, Eigen::Vector3d> directions;
+  signal::AmbientResult found;
+  try {
+    std::vector<signal::AmbientResult> setups;
+    for (const auto& place : state.places) {
+      for (const auto& recording : place.recordings) {
+        ambient.references = options.references;
+        setups.push_back(signal::ambient_modes(recording, ambient));
+        for (auto& note : setups.back().notes) note.where = recording.path.string();
+        for (const auto& channel : recording.channels) {
+          directions.emplace(channel.name, direction_of(channel));
+        }
+      }
+    }
+    found = signal::merge_setups(setups, options.references);
+  } catch (const std::exception& error) {  // RecordingError, std::invalid_argument
+    state.findings.push_back({"recording", error.what(), "", true});
+    return;
+  }
+  for (const auto& note : found.notes) {
+    state.findings.push_back({note.code, note.message, note.where, note.code == "no_modes"});
+  }
+  state.channels = found.channels;
+  auto& modal = state.modal.emplace();
+  modal.low_hz = found.low_hz, modal.high_hz = found.high_hz;
+  for (const auto& name : found.channels) {
+    state.directions.push_back(directions[name]);
+    modal.model.responses.push_back({name, 0, 0});
+  }
+  for (auto& one : found.modes) modal.model.modes.push_back(std::move(one.mode));
+}
+
 }  // namespace
 
 ModalTest run_modal_test(std::vector<ModalRecording> recordings, const ModalTestOptions& options) {
   ModalTest test;
-  test.states = sorted(recordings, options.hammer, test.findings);
-  for (auto& state : test.states) analyse(state, options);
+  test.states = sorted(recordings, options, test.findings);
+  for (auto& state : test.states) {
+    options.ambient ? analyse_ambient(state, options) : analyse(state, options);
+  }
   return test;
 }
 

@@ -1,6 +1,7 @@
-// A modal test of a campaign: hits recorded at several states of a rig (one per tension). Each
-// state is a hammer test (hammer_campaign.h); unusable recordings are refused and the rest is
-// evaluated.
+// A modal test of a campaign: hits recorded at several states of a rig (one per tension), each of
+// which is a hammer test (hammer_campaign.h), or its motion under unknown forces
+// (signal/ambient/ambient_modes.h), each recording a set-up of sensors. Unusable recordings are
+// refused and the rest is evaluated.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,27 +25,19 @@ struct ModalRecording {
 struct ModalTestOptions {
   HammerTestOptions hammer;  ///< its band of hits is also the band of the modes
   signal::ModalOptions modal;
-};
-
-/// One accepted hit as it was recorded, from a little before it.
-struct RecordedHit {
-  std::string place;
-  double rate_hz = 0;
-  Eigen::VectorXd force;                          ///< N, offset removed
-  Eigen::Index pulse_first = 0, pulse_last = -1;  ///< the pulse and its ringing; the rest is noise
-  Eigen::MatrixXd responses;                      ///< samples x responses, values at rest removed
+  bool ambient = false;  ///< no force; of the options of hits, responses and band count
+  std::vector<std::string> references;  ///< ambient: channels that stay in all set-ups
 };
 
 struct ModalTestState {
   std::optional<double> tension_N;
   Origin origin = Origin::measured;
   std::vector<StruckPlace> places;
-  HammerTest hammer;                         ///< inputs named by the places; "hammer" without
+  HammerTest hammer;  ///< empty for ambient motion; inputs named by the places; "hammer" without
   std::optional<signal::ModalResult> modal;  ///< empty: no FRFs, or too few lines
   std::vector<std::string> channels;         ///< responses, in the order of the FRFs
   /// Axes of positive values from the recordings, by response and by input; zero if not stated.
   std::vector<Eigen::Vector3d> directions, force_directions;
-  std::vector<RecordedHit> hits;  ///< one per place with an accepted hit
   std::vector<Finding> findings;  ///< findings on hits, FRFs and modes
 
   [[nodiscard]] bool has_modes() const { return modal && !modal->model.modes.empty(); }

@@ -68,28 +68,6 @@ FrfComparison compare_frfs(const ModalTestState& recorded,
   return result;
 }
 
-std::vector<model::ResponseResult> answers_to_hit(const RecordedHit& hit,
-                                                  const std::vector<ModelVersion>& versions) {
-  model::ForceHistory force;
-  for (Index i = hit.pulse_first; i <= hit.pulse_last; ++i) {
-    force.time_s.push_back(static_cast<double>(i) / hit.rate_hz);
-    force.force_N.push_back(hit.force[i]);
-  }
-  std::vector<model::ResponseResult> answers;
-  for (const auto& version : versions) {
-    model::Scene scene = version.scene;
-    model::ResponseOptions options;
-    scene.loads.resize(1);
-    scene.loads.front().kind = model::Load::Kind::record;
-    options.records = {force};
-    options.sampling.duration_s = static_cast<double>(hit.force.size()) / hit.rate_hz;
-    options.sampling.rate_hz = hit.rate_hz;
-    options.sampling.energy_samples = 0;  // not needed, and as long to compute as the rest
-    answers.push_back(model::simulate_response(scene, options));
-  }
-  return answers;
-}
-
 Eigen::VectorXd filled(const Eigen::VectorXd& samples) {
   double sum = 0, count = 0;
   for (const double v : samples) {

@@ -1,5 +1,5 @@
-// Responses of versions of a model to the excitation of the rig: FRFs, the response to a recorded
-// hit, and the response to a release or tap overlaid on a recorded decay.
+// Responses of versions of a model to the excitation of the rig: FRFs, and the response to a
+// release or tap overlaid on a recorded decay.
 #pragma once
 
 #include <string>
@@ -31,11 +31,6 @@ struct FrfComparison {
 [[nodiscard]] FrfComparison compare_frfs(const ModalTestState& recorded,
                                          const std::vector<ModelVersion>& versions,
                                          Eigen::Index most_lines = 1500);
-
-/// Response of each version to the recorded force of a hit on its first load; not completed where
-/// there is none. Only the force within the pulse is used, as the rest is noise.
-[[nodiscard]] std::vector<model::ResponseResult> answers_to_hit(
-    const RecordedHit& hit, const std::vector<ModelVersion>& versions);
 
 /// Response of one version to a release or tap.
 struct ReleaseAnswer {

@@ -1,6 +1,5 @@
 #include "ident/campaign/single_tests/scene_use.h"
 
-#include "ident/campaign/single_tests/stiffness_inputs.h"
 #include "model/scene/parameters.h"
 
 namespace rigfit::ident {
@@ -15,6 +14,23 @@ SceneOfState scene_at(const SceneUse& use, const KnownValues& known,
   state.EI_Nm2 = known.EI.at(*tension_N).EI_Nm2;
   for (const auto& name : use.EI_of) model::set_parameter(state.scene, name, *state.EI_Nm2);
   return state;
+}
+
+std::vector<UncertainInput> stiffness_inputs(const StiffnessCurve& curve,
+                                             const std::vector<StiffnessUse>& uses) {
+  std::vector<double> tensions;
+  tensions.reserve(uses.size());
+  for (const auto& use : uses) tensions.push_back(use.tension_N);
+  std::vector<UncertainInput> inputs;
+  for (const auto& term : curve.uncertainty(tensions)) {
+    UncertainInput input{term.name, {}};
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+      const double change = term.change_Nm2[static_cast<Eigen::Index>(i)];
+      if (change != 0) input.effects.push_back({uses[i].state, uses[i].parameter, change});
+    }
+    inputs.push_back(std::move(input));
+  }
+  return inputs;
 }
 
 std::vector<UncertainInput> known_inputs(const KnownValues& known,

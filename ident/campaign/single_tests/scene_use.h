@@ -33,6 +33,18 @@ struct SceneOfState {
 [[nodiscard]] SceneOfState scene_at(const SceneUse& use, const KnownValues& known,
                                     std::optional<double> tension_N);
 
+/// EI of one state of a fit that was taken from the curve.
+struct StiffnessUse {
+  int state = 0;
+  std::string parameter;  ///< parameter of the state's scene, such as "cable.EI"
+  double tension_N = 0;
+};
+
+/// One input a term of the curve's uncertainty that moves any of them, so that their covariance is
+/// kept; empty where none is known.
+[[nodiscard]] std::vector<UncertainInput> stiffness_inputs(const StiffnessCurve& curve,
+                                                           const std::vector<StiffnessUse>& uses);
+
 /// State `state` of a fit, at that tension.
 struct StateUse {
   int state = 0;

@@ -1,6 +1,8 @@
 // Identifies the tension of a cable from recordings of its motion, from given frequencies, or from
 // both: peaks of the recordings' spectra are merged where they agree, and the tension is fitted to
-// them. The verb `tension` and the report call this, so that their numbers are the same.
+// them. The verb `tension` and the report call this, so that their numbers are the same. Several
+// cables, as in a bridge survey, are analysed one by one: one that cannot be solved does not affect
+// the others.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +10,36 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/single_tests/cable_campaign.h"
+#include "document/describe.h"
+#include "ident/campaign/single_tests/finding.h"
+#include "ident/tension/cable_tension.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/spectral_peaks.h"
 
 namespace rigfit::ident {
+
+struct CableTest {
+  std::string name;
+  CableDescription cable;
+  std::vector<MeasuredMode> modes;
+  TensionOptions options = {};
+};
+
+struct CableTestResult {
+  std::string name;
+  TensionResult tension;          ///< `solved` false: see its message
+  std::vector<Finding> findings;  ///< refusals and warnings, for a person
+};
+
+/// Analyses one cable. Invalid numbers lead to a refusal, not to an exception.
+[[nodiscard]] CableTestResult analyse_cable_test(const CableTest& test);
+/// Analyses several cables on `threads` threads; the numbers do not depend on their count.
+[[nodiscard]] std::vector<CableTestResult> analyse_cable_tests(const std::vector<CableTest>& tests,
+                                                               int threads = 1);
+
+/// Warnings and refusals of a result, in words.
+[[nodiscard]] std::vector<Finding> tension_findings(const TensionResult& result,
+                                                    const CableDescription& cable);
 
 struct TensionRecording {
   std::string name;  ///< for messages

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "signal/readers/read_recording.h"
+#include "tests/reference/ambient_motion.h"
 
 namespace rigfit::ident {
 namespace {
@@ -46,7 +47,6 @@ TEST(ModalTest, StatesByTensionAndTheSameNumbersWhateverTheyAreBeside) {
   ASSERT_TRUE(state.has_modes());
   EXPECT_EQ(state.hammer.frfs.inputs[0].name, "hammer");
   EXPECT_EQ(state.channels.size(), state.directions.size());
-  EXPECT_EQ(state.hits.size(), 1u);
   // The hammer test by itself, and its modes: nothing is added on the way.
   const auto alone = run_modal_test(hits("", {}), options());
   const auto& modes = alone.states.at(0).modal->model.modes;
@@ -118,6 +118,40 @@ TEST(ModalTest, APlaceWithoutAUsableHitIsLeftOutAndDoesNotShortenTheOthers) {
     said = said || (finding.code == "point_left_out" && finding.where == "foot");
   }
   EXPECT_TRUE(said);
+}
+
+// Two set-ups of sensors that share two: frequencies of five storeys within three standard
+// uncertainties, shapes at all sensors.
+TEST(ModalTest, AmbientMotionIsJoinedOverItsSetUps) {
+  const auto structure = reference::five_storeys();
+  ModalTestOptions options;
+  options.ambient = true;
+  options.references = {"c1", "c5"};
+  std::vector<ModalRecording> recordings;
+  for (const int without : {1, 2}) {
+    ModalRecording one;
+    one.recording = reference::recorded(
+        structure, {.seed = static_cast<std::uint64_t>(without), .amplitude = {}});
+    one.recording.channels.erase(one.recording.channels.begin() + without);
+    one.recording.path = "set-up " + std::to_string(without);
+    recordings.push_back(std::move(one));
+  }
+  const auto test = run_modal_test(recordings, options);
+  ASSERT_EQ(test.states.size(), 1u);
+  const auto& state = test.states[0];
+  ASSERT_TRUE(state.has_modes());
+  EXPECT_EQ(state.channels.size(), 5u);
+  const auto& modes = state.modal->model.modes;
+  for (const double truth : structure.frequency_hz) {
+    EXPECT_TRUE(std::any_of(modes.begin(), modes.end(), [&](const auto& mode) {
+      const auto& f = mode.frequency_hz;
+      return !mode.doubtful && std::abs(f.value - truth) < 3 * f.std && mode.shape.size() == 5;
+    })) << truth;
+  }
+  options.references = {"nowhere"};
+  const auto refused = run_modal_test(recordings, options);
+  EXPECT_FALSE(refused.states[0].has_modes());
+  EXPECT_TRUE(refused.states[0].findings.at(0).refused);
 }
 
 TEST(HammerTest, ContradictingOptionsAreRefused) {
