@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "document/describe.h"
+
 namespace rigfit::apps {
 
 struct BenchRow {
@@ -61,3 +63,33 @@ void mark_front(BenchStudy& study);
 [[nodiscard]] std::string time_words(double seconds);
 
 }  // namespace rigfit::apps
+
+namespace rigfit::describe {
+
+template <>
+struct Described<apps::BenchRow> {
+  using T = apps::BenchRow;
+  static constexpr std::string_view title = "";
+  static constexpr auto in_space = [](const T& r) { return r.segments > 0; };
+  static constexpr auto fields = std::tuple{
+      field(
+          "",
+          [](const T& r) {
+            return std::string(r.is_default && r.on_front ? "front, default"
+                               : r.is_default             ? "default"
+                               : r.on_front               ? "front"
+                                                          : "");
+          },
+          "", "place", ""),
+      field("method", &T::method, "", "method", "with its setting"),
+      field("segments", where(in_space, &T::segments), "", "segments", "of a member, on average"),
+      field("step_s", &T::step_s, "s", "step", "the largest", 3),
+      field("tolerance", &T::tolerance, "", "tolerance", "asked of the method", 2),
+      field("wall_s", &T::wall_s, "s", "time", "median, one thread", 3),
+      field("relative_error", &T::relative_error, "", "error", "1 where the method failed", 2),
+      field("default", &T::is_default, "", "", "what the program does when nothing is said"),
+      field("on_front", &T::on_front, "", "", "no other row is as fast and as accurate"),
+      field("note", &T::note, "", "", "why it failed, or why a default is not on the front")};
+};
+
+}  // namespace rigfit::describe

@@ -11,6 +11,7 @@
 #include <streambuf>
 
 #include "apps/campaign_file/load_deflection.h"
+#include "apps/cli/at_hand.h"
 #include "apps/cli/exit_code.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
@@ -246,18 +247,22 @@ signal::Recording load_bending_file(const std::filesystem::path& path, VerbConte
   own.quiet = context.quiet || context.silent;  // no progress
   own.silent = true;                            // no notes: they are told below
   own.hashes_inputs = false;
-  // The inputs are named before they are read.
-  context.input(path.string());
   own.reading = context.reading;
-  for (const auto& file : {signal::description_of_folder(path), signal::description_beside(path)}) {
-    if (file) context.input(file->string());
+  own.at_hand = context.at_hand;
+  if (!recording_at_hand(path.string(), context)) {
+    // The inputs are named before they are read.
+    context.input(path.string());
+    for (const auto& file :
+         {signal::description_of_folder(path), signal::description_beside(path)}) {
+      if (file) context.input(file->string());
+    }
   }
   signal::Recording recording = load_recording(path, own, {}, given);
   drop_time_notes(recording);
+  const std::string file = recording.path.string();
   for (const auto& note : recording.notes) {
     if (note.code == "no_unit") continue;  // said of the columns that are used
-    context.warn(note.code, note.message,
-                 note.where.empty() ? path.string() : path.string() + ": " + note.where);
+    context.warn(note.code, note.message, note.where.empty() ? file : file + ": " + note.where);
   }
   return recording;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/campaign_file/recording_description.h"
+#include "apps/cli/at_hand.h"
 
 namespace rigfit::apps {
 namespace {
@@ -99,18 +100,13 @@ signal::Recording load_untold(const std::filesystem::path& path, VerbContext& co
   own.silent = true;
   own.hashes_inputs = false;
   own.reading = context.reading;
+  own.at_hand = context.at_hand;
+  if (recording_at_hand(path.string(), context)) return load_recording(path, own, options);
   context.input(path.string());
   for (const auto& file : {signal::description_of_folder(path), signal::description_beside(path)}) {
     if (file && *file != path) context.input(file->string());
   }
   return load_recording(path, own, options);
-}
-
-void tell_notes(const signal::Recording& recording, VerbContext& context) {
-  const std::string file = recording.path.string();
-  for (const auto& note : recording.notes) {
-    context.warn(note.code, note.message, note.where.empty() ? file : file + ": " + note.where);
-  }
 }
 
 }  // namespace rigfit::apps

@@ -24,7 +24,5 @@ struct LoadDeflection {
 /// A recording with the descriptions beside it, whose notes are not told yet.
 [[nodiscard]] signal::Recording load_untold(const std::filesystem::path& path, VerbContext& context,
                                             const signal::ReadOptions& options = {});
-/// The recording's notes as warnings.
-void tell_notes(const signal::Recording& recording, VerbContext& context);
 
 }  // namespace rigfit::apps

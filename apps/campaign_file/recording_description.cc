@@ -3,6 +3,7 @@
 #include <system_error>
 #include <vector>
 
+#include "apps/cli/at_hand.h"
 #include "apps/cli/progress.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_time.h"
@@ -13,6 +14,12 @@ namespace fs = std::filesystem;
 signal::Recording load_recording(const fs::path& path, VerbContext& context,
                                  const signal::ReadOptions& options,
                                  const RecordingDescription& given) {
+  if (const auto known = recording_at_hand(path.string(), context)) {
+    signal::Recording copy = *known;
+    if (!(copy.sample_rate_hz > 0)) copy.sample_rate_hz = options.sample_rate_hz;
+    tell_notes(copy, context);
+    return copy;
+  }
   std::vector<RecordingDescription> descriptions;  // what wins stands last
   context.input(path.string());
   for (const auto& file : {signal::description_of_folder(path), signal::description_beside(path)}) {
@@ -37,12 +44,15 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
     });
   }
   for (const auto& description : descriptions) signal::apply_description(description, recording);
-  for (const auto& note : recording.notes) {
-    const std::string where =
-        note.where.empty() ? path.string() : path.string() + ": " + note.where;
-    context.warn(note.code, note.message, where);
-  }
+  tell_notes(recording, context);
   return recording;
+}
+
+signal::Recording load_recording(const fs::path& path, VerbContext& context,
+                                 double sample_rate_hz) {
+  signal::ReadOptions options;
+  options.sample_rate_hz = sample_rate_hz;
+  return load_recording(path, context, options);
 }
 
 const signal::Channel& chosen_channel(const signal::Recording& recording, const std::string& name) {

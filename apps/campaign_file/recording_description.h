@@ -22,6 +22,10 @@ using signal::RecordingDescription;
                                                const signal::ReadOptions& options = {},
                                                const RecordingDescription& given = {});
 
+/// The same, at `sample_rate_hz` where the file gives none.
+[[nodiscard]] signal::Recording load_recording(const std::filesystem::path& path,
+                                               VerbContext& context, double sample_rate_hz);
+
 /// The channel `name`; without a name that of a recording with one channel only. Throws UsageError
 /// when the choice is open.
 [[nodiscard]] const signal::Channel& chosen_channel(const signal::Recording& recording,

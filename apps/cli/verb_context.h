@@ -19,6 +19,7 @@
 namespace rigfit::apps {
 
 struct PlotSheet;  // apps/cli/plots/plot_option.h
+struct AtHand;     // apps/cli/at_hand.h
 
 /// A file read by a run, as it was when the run met it.
 struct Input {
@@ -48,6 +49,7 @@ class VerbContext {
   std::vector<std::string> command;  ///< as typed, for provenance
 
   ExitCode exit_code = ExitCode::done;
+  AtHand* at_hand = nullptr;  ///< objects in place of files, of callers that have them; else null
   std::shared_ptr<PlotSheet> plots;  ///< figures of the run, where --plot asks for them; else null
 
   /// A finding of the document, a warning or a note by its code (warning_lines.h). Warnings are

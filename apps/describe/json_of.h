@@ -42,7 +42,9 @@ template <class M>
 [[nodiscard]] Json json_of(const M& x) {
   if constexpr (described<M>) {
     Json all = Json::object();
-    each_field<M>([&](const auto& f) { all[std::string(f.key)] = json_of(std::invoke(f.get, x)); });
+    each_field<M>([&](const auto& f) {
+      if (!f.key.empty()) all[std::string(f.key)] = json_of(std::invoke(f.get, x));
+    });
     return all;
   } else if constexpr (requires { x.has_value(); }) {
     return x ? json_of(*x) : Json(nullptr);
@@ -55,6 +57,8 @@ template <class M>
       if (x.one_sided) one["bound"] = "lower";
     }
     return one;
+  } else if constexpr (std::is_base_of_v<Ends, M>) {
+    return {number_json(x.low), number_json(x.high)};
   } else if constexpr (std::is_floating_point_v<M>) {
     return number_json(x);
   } else if constexpr (std::is_same_v<M, std::complex<double>>) {
@@ -78,6 +82,7 @@ template <class M>
     each_field<M>([&](const auto& f) {
       using Value = std::remove_cvref_t<decltype(std::invoke(f.get, std::declval<const M&>()))>;
       Json one = schema_of<Value>();
+      if (f.key.empty()) return;
       all["required"].push_back(f.key);
       const std::string_view unit = f.unit == "%" ? "1" : f.unit;
       one["description"] =
@@ -96,6 +101,8 @@ template <class M>
       one["properties"]["low"] = number, one["properties"]["high"] = number;
     }
     return one;
+  } else if constexpr (std::is_base_of_v<Ends, M>) {
+    return {{"type", "array"}, {"items", Json{{"type", {"number", "null"}}}}};
   } else if constexpr (std::is_same_v<M, bool>) {
     return {{"type", "boolean"}};
   } else if constexpr (std::is_integral_v<M>) {

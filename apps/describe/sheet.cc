@@ -28,6 +28,7 @@ std::string padded(const std::string& text, std::size_t width, bool right) {
 ShownUnit shown_unit(std::string_view unit) {
   if (unit == "%") return {"%", 100};
   if (unit == "m/N") return {"µm/N", 1e6};
+  if (unit == "Pa") return {"GPa", 1e-9};
   return {unit, 1};
 }
 
@@ -63,6 +64,13 @@ std::string interval_text(const Bounded& x, std::string_view unit) {
   if (!std::isfinite(x.low) || !std::isfinite(x.high)) return text;
   return fmt::format("{} (95 %: {} to {})", text, value_digits(scale * x.low, scale * x.std),
                      value_digits(scale * x.high, scale * x.std));
+}
+
+std::string ends_text(const Ends& x, std::string_view unit) {
+  if (!std::isfinite(x.low) || !std::isfinite(x.high)) return "-";
+  const double scale = shown_unit(unit).per_si;
+  return value_digits(scale * x.low, scale * x.std) + " to " +
+         value_digits(scale * x.high, scale * x.std);
 }
 
 std::string flag_text(bool flag) { return flag ? "yes" : "no"; }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/describe/digits.h"
 #include "apps/describe/json_of.h"
 
 namespace rigfit::describe {
@@ -39,6 +40,8 @@ struct ShownUnit {
 [[nodiscard]] std::string estimate_text(double value, double std, std::string_view unit);
 /// With the interval: "205190 +- 340 N (95 %: 204330 to 206040)".
 [[nodiscard]] std::string interval_text(const Bounded& x, std::string_view unit);
+/// "204330 to 206040".
+[[nodiscard]] std::string ends_text(const Ends& x, std::string_view unit);
 [[nodiscard]] std::string flag_text(bool flag);
 /// "EA, N".
 [[nodiscard]] std::string head_text(std::string_view label, std::string_view unit);
@@ -70,6 +73,13 @@ template <class M>
   };
   if constexpr (std::is_same_v<M, Bounded>) {
     return in_table ? estimate_text(x.value, x.std, unit) : interval_text(x, unit);
+  } else if constexpr (std::is_same_v<M, OpenEnds>) {
+    const auto end = [&](double x_end) {
+      return std::isfinite(x_end) ? apps::value_digits(x_end, x.std) : std::string("open");
+    };
+    return end(x.low) + " .. " + end(x.high);
+  } else if constexpr (std::is_same_v<M, Ends>) {
+    return with_unit(ends_text(x, unit));
   } else if constexpr (estimate<M>) {
     return with_unit(estimate_text(x.value, x.std, unit));
   } else if constexpr (std::is_same_v<M, bool>) {
@@ -126,7 +136,8 @@ template <described T>
         sheet.lines.push_back({std::string(f.label), text_of(value, f.unit, f.digits, false)});
       } else if constexpr (list<Value>) {
         if constexpr (described<typename Value::value_type>) {
-          if (!value.empty()) sheet.tables.push_back(table_of(value));
+          Table table = table_of(value);
+          if (!table.rows.empty()) sheet.tables.push_back(std::move(table));
         }
       } else {
         const Sheet inner = sheet_of(value);

@@ -6,11 +6,6 @@
 
 namespace rigfit::apps {
 
-/// One point: `file, tension_N, EI_Nm2 {value, std, low, high}, refused`, and what its analysis
-/// says.
-[[nodiscard]] Json bending_point_json(const ident::BendingCampaign& campaign,
-                                      const ident::BendingPoint& point);
-
 /// `tests[], laws[], law_choice, curve, bounds`.
 [[nodiscard]] Json bending_json(const ident::BendingCampaign& campaign,
                                 const ident::BendingCampaignResult& result);

@@ -17,12 +17,8 @@ using States = std::vector<ident::UpdateState>;
 /// Parameters (name, start, value, std, low, high, budget ...), fit, alternatives, pairs, errors,
 /// identifiability: all that a fit found.
 [[nodiscard]] Json update_json(const ident::UpdateResult& result, const States& states);
-/// `parameters[]` of a fit.
-[[nodiscard]] Json parameters_json(const std::vector<ident::UpdatedParameter>& parameters);
 /// States held out: errors before, of those fitted, and as predicted.
 [[nodiscard]] Json held_out_json(const std::vector<ident::HeldOut>& held, const States& states);
-/// A measured mode and the model's it was paired with; frequencies in Hz, errors relative.
-[[nodiscard]] Json pair_json(const ident::UpdatedPair& pair, const States& states);
 /// Mean, std and 95 % bounds of every parameter and predicted frequency.
 [[nodiscard]] Json monte_carlo_json(const ident::UpdateResult& result, const States& states,
                                     const ident::UpdateMonteCarlo& study);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "document/describe.h"
 #include "ident/stiffness/strand.h"
 
 namespace rigfit::ident {
@@ -87,3 +88,35 @@ struct StiffnessLaws {
 };
 
 }  // namespace rigfit::ident
+
+namespace rigfit::describe {
+
+template <>
+struct Described<ident::LawParameter> {
+  using T = ident::LawParameter;
+  static constexpr auto fields = std::tuple{
+      field("name", &T::name, "", "parameter", "of the formula"),
+      field("value", &T::value, "", "value", ""),
+      field("std", &T::std, "", "std", "null where the points do not determine it"),
+      field("unit", &T::unit, "", "unit", "of the value"),
+      field("fixed", &T::fixed, "", "fixed", "by the strand's geometry")};
+};
+
+template <>
+struct Described<ident::FittedLaw> {
+  using T = ident::FittedLaw;
+  static constexpr std::string_view title = "laws, best first";
+  static constexpr auto fields = std::tuple{
+      field("law", &T::kind, "", "law", "linear, square root, power or saturating"),
+      field("rms_relative_error", &T::rms_relative_error, "%", "rms", "of the points", 3),
+      field("aicc", &T::aicc, "", "AICc", "null where there are too few points", 4),
+      field("akaike_weight", &T::akaike_weight, "", "", "among the laws ranked"),
+      field("formula", &T::formula, "", "formula", "with numbers"),
+      field("parameters", &T::parameters, "", "", "of the formula"),
+      field("chi_squared", &T::chi_squared, "", "", "misfit"),
+      field("degrees_of_freedom", &T::degrees_of_freedom, "", "", "of the misfit"),
+      field("converged", &T::converged, "", "", "false: see message"),
+      field("message", &T::message, "", "remark", "why it did not converge")};
+};
+
+}  // namespace rigfit::describe

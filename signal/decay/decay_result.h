@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/decay/decay_window.h"
 #include "signal/envelope/envelope.h"
 #include "signal/numerics/estimate.h"
@@ -84,3 +85,39 @@ struct DecayResult {
 };
 
 }  // namespace rigfit::signal
+
+namespace rigfit::describe {
+
+template <>
+struct Described<signal::DecayMode> {
+  using T = signal::DecayMode;
+  static constexpr auto counted = [](const T& m) { return m.log_decrement_refusal.empty(); };
+  static constexpr std::string_view title = "modes, strongest first";
+  static constexpr auto fields = std::tuple{
+      field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "undamped natural frequency"),
+      field("damping_ratio", &T::damping_ratio, "%", "damping", "ratio to critical damping"),
+      field("frequency_interval_95_hz", ends_of(&T::frequency_interval_95_hz), "Hz", "", "95 %"),
+      field("damping_ratio_interval_95", ends_of(&T::damping_ratio_interval_95), "", "", "95 %"),
+      field("damped_frequency_hz", &T::damped_frequency_hz, "Hz", "", "f sqrt(1 - zeta^2)"),
+      field("log_decrement", &T::log_decrement, "", "", "per cycle, from the fit"),
+      field(
+          "damping_ratio_log_decrement",
+          [](const T& m) { return m.damping_ratio_log_decrement.value; }, "%", "by log decrement",
+          "from the swings, as a check", 4),
+      field("damping_ratio_log_decrement_std",
+            where(counted, [](const T& m) { return m.damping_ratio_log_decrement.std; }), "", "",
+            "standard uncertainty"),
+      field("log_decrement_refusal",
+            where([](const T& m) { return !m.log_decrement_refusal.empty(); },
+                  &T::log_decrement_refusal),
+            "", "", "why there is no log decrement"),
+      field("cycles", &T::cycles, "", "cycles", "in the window", 4),
+      field("r_squared", &T::r_squared, "", "R2", "share of the signal that the mode explains", 4),
+      field("detection", &T::detection, "", "", "energy over the most that noise reaches"),
+      field("doubtful", &T::doubtful, "", "", "noise could look like this mode"),
+      field("doubt", where(&T::doubtful, &T::doubt), "", "remark", "why"),
+      field("amplitude", &T::amplitude, "", "amplitude", "at the window's start, channel's unit", 4),
+      field("phase_rad", &T::phase_rad, "rad", "", "of the cosine at the window's start")};
+};
+
+}  // namespace rigfit::describe

@@ -11,13 +11,14 @@
 // JSON, its schema, tables of text and CSV, the report's tables and Python's repr are walks over
 // `fields` (apps/describe); a new field is written in the struct and here. A field is a data member
 // or any function of the struct: a nested struct that is described, a list, an estimate (value,
-// std), an optional one. An empty label: for programs only. The unit "%" is
-// that of a ratio which people read in per cent;
-// `digits` are those of a number that has no std of its own. A list leaves out rows for which a
-// function `shown` of the description is false.
+// std), an optional one. An empty label: for programs only; an empty key: for people only. The
+// unit "%" is that of a ratio which people read in per cent; `digits` are those of a number that
+// has no std of its own. A list leaves out rows for which a function `shown` of the description is
+// false.
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <tuple>
@@ -66,6 +67,20 @@ constexpr auto bounded(E estimate, L low, H high) {
   return [=](const auto& x) {
     const auto& e = std::invoke(estimate, x);
     return Bounded{e.value, e.std, std::invoke(low, x), std::invoke(high, x)};
+  };
+}
+
+/// The ends of an interval, [low, high]; `std` says to how many digits they are known.
+struct Ends {
+  double low, high, std = std::numeric_limits<double>::quiet_NaN();
+};
+/// The same, where an end may be open (not finite).
+struct OpenEnds : Ends {};
+template <class I>
+constexpr auto ends_of(I interval) {
+  return [=](const auto& x) {
+    const auto& i = std::invoke(interval, x);
+    return Ends{i.low, i.high};
   };
 }
 

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/numerics/estimate.h"
 
 namespace rigfit::signal {
@@ -67,3 +68,30 @@ struct EnvelopeResult {
 [[nodiscard]] EnvelopeResult envelope_of(const CycleAmplitudes& cycles);
 
 }  // namespace rigfit::signal
+
+namespace rigfit::describe {
+
+template <>
+struct Described<signal::EnvelopePoint> {
+  using T = signal::EnvelopePoint;
+  static constexpr std::string_view title = "along the decay of the strongest";
+  static constexpr auto fields = std::tuple{
+      field("time_s", &T::time_s, "s", "time", "middle of the span", 4),
+      field("amplitude", &T::amplitude, "", "amplitude", "in the channel's unit", 4),
+      field("frequency_hz", &T::frequency_hz, "Hz", "damped frequency", "over the span"),
+      field("damping_ratio", &T::damping_ratio, "%", "damping", "over the span")};
+};
+
+template <>
+struct Described<signal::EnvelopeResult> {
+  using T = signal::EnvelopeResult;
+  static constexpr auto followed = [](const T& e) { return e.points.size() > 1; };
+  static constexpr auto fields = std::tuple{
+      field("law", where(followed, &T::law), "", "law of the decay",
+            "exponential, friction or drag"),
+      field("damping_per_log_amplitude", &T::damping_per_log_amplitude, "", "",
+            "change of the damping ratio over that of ln(amplitude)"),
+      field("points", where(followed, &T::points), "", "points", "amplitude, frequency, damping")};
+};
+
+}  // namespace rigfit::describe

@@ -13,6 +13,7 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/load_deflection.h"
 #include "apps/campaign_file/recording_description.h"
+#include "apps/cli/at_hand.h"
 #include "document/document_error.h"
 #include "document/toml_table.h"
 #include "signal/impact/pulse_shape.h"

@@ -7,7 +7,7 @@
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/plots/verb_figures.h"
-#include "apps/cli/verbs/calls.h"
+#include "apps/cli/verbs/impact_command.h"
 #include "apps/describe/digits.h"
 #include "apps/results/modal_json.h"
 #include "signal/ambient/ambient_modes.h"
@@ -38,13 +38,12 @@ signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context
   // The usual order of FRFs is not that of half spectra.
   if (command.order != ModalCommand().order) options.max_order = command.order;
   options.threads = context.threads;
-  signal::ReadOptions read;
-  read.sample_rate_hz = command.impact.sample_rate_hz;
   std::vector<signal::AmbientResult> setups;
   for (const auto& file : command.files) {
     // One recording is held at a time: a day of many channels fills the memory. A reference that
     // it lacks is refused below, with the channels that would serve.
-    const signal::Recording recording = load_recording(file, context, read);
+    const signal::Recording recording =
+        load_recording(file, context, command.impact.sample_rate_hz);
     options.references.clear();
     for (const auto& name : command.references) {
       const bool there = std::any_of(recording.channels.begin(), recording.channels.end(),

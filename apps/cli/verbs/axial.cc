@@ -10,12 +10,24 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "apps/results/axial_result.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 
 namespace rigfit::apps {
 namespace {
+
+struct AxialCommand {
+  std::vector<std::string> files;
+  std::vector<double> lengths, band;  ///< m: one, one a file, or one a group of files; Hz
+  std::string channel;
+  double mass = 0, mass_std = 0, mass_per_length = 0, mass_per_length_std = 0;
+  double length_std = -1;  ///< negative: not given
+  double adapter = 0, adapter_std = 0, catalogue = 0, sample_rate_hz = 0;
+  double compliance_std = -1;  ///< negative: not given
+  std::string frame;           ///< stiffness, N/m, or "rigid"; empty: not given
+  double frame_std = 0;
+  std::vector<double> adapter_bar;  ///< E Pa, A m2, l m
+};
 
 constexpr const char* kAxialExample = R"(Example:
   rigfit axial a.csv b.csv c.csv --channel tension --mass 2.2 --mass-std 0.001 \
@@ -61,20 +73,6 @@ std::vector<double> length_of_each_file(const AxialCommand& c) {
 }
 
 Json run(const AxialCommand& command, VerbContext& context) {
-  (void)length_of_each_file(command);
-  signal::ReadOptions reading;
-  reading.sample_rate_hz = command.sample_rate_hz;
-  std::vector<signal::Recording> recordings;
-  for (const auto& file : command.files) {
-    recordings.push_back(load_recording(file, context, reading));
-  }
-  return axial_result(command, std::move(recordings), context);
-}
-
-}  // namespace
-
-Json axial_result(const AxialCommand& command, std::vector<signal::Recording> recordings,
-                  VerbContext& context) {
   const auto lengths = length_of_each_file(command);
   ident::AxialInputs inputs;
   auto& setup = inputs.setup;
@@ -98,14 +96,15 @@ Json axial_result(const AxialCommand& command, std::vector<signal::Recording> re
   inputs.threads = context.threads;
   double slowest = 0;
   for (std::size_t i = 0; i < command.files.size(); ++i) {
-    auto& recording = recordings[i];
+    signal::Recording recording = load_recording(command.files[i], context, command.sample_rate_hz);
     (void)chosen_channel(recording, command.channel);
+    const std::string name = recording.path.string();
     const double rate = recording.sample_rate_hz;
     if (!(rate > 0)) {
-      throw UsageError(command.files[i] + " gives no sample rate: say it with --sample-rate");
+      throw UsageError(name + " gives no sample rate: say it with --sample-rate");
     }
     slowest = i == 0 ? rate : std::min(slowest, rate);
-    inputs.recordings.push_back({command.files[i], std::move(recording), lengths[i]});
+    inputs.recordings.push_back({name, std::move(recording), lengths[i]});
   }
   if (!command.band.empty()) {
     if (!(command.band[0] >= 0 && command.band[0] < command.band[1] &&
@@ -115,10 +114,7 @@ Json axial_result(const AxialCommand& command, std::vector<signal::Recording> re
     inputs.band_low_hz = command.band[0], inputs.band_high_hz = command.band[1];
   }
   const auto result = ident::axial_campaign(inputs);
-  for (const auto& f : result.findings) {
-    f.refused ? context.refuse(f.code, f.message, f.where)
-              : context.warn(f.code, f.message, f.where);
-  }
+  context.tell(result.findings);
   if (context.plots) draw_axial(*context.plots, inputs, result);
   if (result.test) print_axial(context.out, *result.test);
   return axial_json(inputs, result);
@@ -167,6 +163,8 @@ describe::Options options_of(AxialCommand& c) {
       option("--band", c.band, "Where the axial frequency is", "Hz").count(2).type("HZ"),
       option("--sample-rate", c.sample_rate_hz, "Where a file gives none", "Hz").positive()};
 }
+
+}  // namespace
 
 Verb axial_verb() {
   Verb verb = verb_of<AxialCommand>(

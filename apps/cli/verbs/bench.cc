@@ -8,16 +8,16 @@
 #include "apps/bench/bench_plot.h"
 #include "apps/bench/bench_study.h"
 #include "apps/bench/response_studies.h"
-#include "apps/cli/output_file.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/sheet.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
 
 struct BenchCommand {
-  std::string scene, out;
+  std::string scene;
   std::vector<std::string> tasks;
   double duration_s = 2;
   bool quick = false;
@@ -37,36 +37,7 @@ void print(std::ostream& out, const BenchStudy& study) {
   out << (study.reference_error > 0
               ? fmt::format(", itself good to {:.1e}\n", study.reference_error)
               : std::string("\n"));
-  bool steps = false, tolerances = false, segments = false;
-  std::size_t width = 6;
-  for (const BenchRow& row : study.rows) {
-    steps = steps || row.step_s;
-    tolerances = tolerances || row.tolerance;
-    segments = segments || row.segments > 0;
-    width = std::max(width, row.method.size());
-  }
-  const auto cell = [&](bool shown, const std::string& text) {
-    if (shown) out << fmt::format(" {:>9}", text);
-  };
-  out << fmt::format("  {:<5} {:<{}}", "", "method", width);
-  cell(segments, "segments");
-  cell(steps, "step, ms");
-  cell(tolerances, "tolerance");
-  out << fmt::format(" {:>9} {:>9}", "time", "error");
-  out << '\n';
-  for (const BenchRow& row : study.rows) {
-    out << fmt::format("  {:<5} {:<{}}", std::string(row.on_front ? "front" : ""), row.method,
-                       width);
-    cell(segments, row.segments > 0 ? std::to_string(row.segments) : "");
-    cell(steps, row.step_s ? fmt::format("{:.3g}", 1e3 * *row.step_s) : "");
-    cell(tolerances, row.tolerance ? fmt::format("{:.0e}", *row.tolerance) : "");
-    // µ is two bytes of one column.
-    const std::string time = time_words(row.wall_s);
-    out << fmt::format(" {:>{}}", time, time.find("µ") == std::string::npos ? 9 : 10);
-    out << fmt::format(" {:>8.1e}{}", row.relative_error,
-                       row.relative_error < study.reference_error ? '~' : ' ');
-    out << (row.is_default ? "  default\n" : "\n");
-  }
+  describe::print(out, describe::table_of(study.rows));
   for (const BenchRow& row : study.rows) {
     if (!row.note.empty()) {
       out << fmt::format("  {}{}: {}\n", row.is_default ? "default not on the front: " : "",
@@ -77,43 +48,10 @@ void print(std::ostream& out, const BenchStudy& study) {
 }
 
 Json row_json(const BenchStudy& study, const BenchRow& row) {
-  Json out{{"task", study.task}};
-  if (!study.study.empty()) out["study"] = study.study;
-  out["scene"] = study.scene;
-  out["method"] = row.method;
-  out["segments"] = row.segments;
-  if (row.step_s) out["step_s"] = *row.step_s;
-  if (row.tolerance) out["tolerance"] = *row.tolerance;
-  out["wall_s"] = row.wall_s;
-  out["relative_error"] = row.relative_error;
+  Json out{{"task", study.task}, {"study", study.study}, {"scene", study.scene}};
+  out.update(describe::json_of(row));
   out["reference_error"] = study.reference_error;
-  out["default"] = row.is_default;
-  out["on_front"] = row.on_front;
-  if (!row.note.empty()) out["note"] = row.note;
   return out;
-}
-
-std::string rows_csv(const std::vector<BenchStudy>& studies) {
-  const auto quoted = [](const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return out + "\"";
-  };
-  const auto maybe = [](const auto& value) {
-    return value ? fmt::format("{:.6g}", double(*value)) : std::string();
-  };
-  std::string text =
-      "task,study,scene,method,segments,step_s,tolerance,wall_s,relative_error,"
-      "reference_error,default,on_front\n";
-  for (const auto& study : studies) {
-    for (const auto& row : study.rows) {
-      text += fmt::format("{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:d},{:d}\n", study.task,
-                          study.study, quoted(study.scene), quoted(row.method), row.segments,
-                          maybe(row.step_s), maybe(row.tolerance), row.wall_s, row.relative_error,
-                          study.reference_error, row.is_default, row.on_front);
-    }
-  }
-  return text;
 }
 
 Json run_bench(VerbContext& context, const BenchCommand& options) {
@@ -157,10 +95,6 @@ Json run_bench(VerbContext& context, const BenchCommand& options) {
       if (!plot.series.empty()) context.plots->add(Block(std::move(plot)));
     }
   }
-  if (!options.out.empty()) {
-    write_whole_file(options.out, rows_csv(studies));
-    result["out"] = options.out;
-  }
   if (!any) context.refuse("nothing_done", "no study can be done", options.scene);
   return result;
 }
@@ -171,8 +105,7 @@ describe::Options options_of(BenchCommand& c) {
           option("--task", c.tasks, "Only these").type("TASK").one_of({"nonlinear-response"}),
           option("--duration", c.duration_s, "Seconds of motion").type("S").within(0.01, 1000.0),
           option("--quick", c.quick,
-                 "Few repeats, coarser references, short motions: seconds instead of a minute"),
-          option("--out", c.out, "The rows as CSV").type("F.csv")};
+                 "Few repeats, coarser references, short motions: seconds instead of a minute")};
 }
 }  // namespace
 
@@ -181,8 +114,7 @@ Verb bench_verb() {
       "bench",
       "Run time against error of the solvers of a motion, against a reference whose own error is "
       "shown; one thread",
-      "\"front\": no other row is as fast and as accurate; \"~\": below the reference's own "
-      "error.\n"
+      "\"front\": no other row is as fast and as accurate.\n"
       "Examples:\n"
       "  rigfit bench --quick\n"
       "  rigfit bench testdata/scenes/cable-release.toml --plot time-error.svg",

@@ -9,8 +9,7 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
-#include "apps/describe/digits.h"
+#include "apps/describe/sheet.h"
 #include "apps/results/bending_json.h"
 #include "ident/campaign/single_tests/beam_section.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
@@ -18,67 +17,20 @@
 namespace rigfit::apps {
 namespace {
 
-void read_sources(BendingCommand& command, VerbContext& context) {
-  for (const auto& file : command.files) {
-    add_bending_source(load_bending_file(file, context), command, context);
-  }
-}
-
-void print_points(std::ostream& out, const BendingCommand& command,
-                  const ident::BendingCampaignResult& result) {
-  out << fmt::format("{:>10} {:>10} {:>10}  {:<22}  {}\n", "tension, N", "EI, N m2", "std",
-                     "95 % interval", "from");
-  for (const auto& one : result.points) {
-    const auto& p = one.point;
-    const auto& file = command.campaign.sources[one.source].name;
-    if (one.refused()) {
-      out << fmt::format("{:>10.5g} {:>10} {:>10}  {:<22}  {}\n", p.tension_N, "refused", "", "",
-                         file);
-      continue;
-    }
-    const bool interval = std::isfinite(p.low) && std::isfinite(p.high);
-    out << fmt::format(
-        "{:>10.5g} {:>10} {:>10}  {:<22}  {}\n", p.tension_N, value_digits(p.EI_Nm2, p.std),
-        std_digits(p.std),
-        interval ? value_digits(p.low, p.std) + " .. " + value_digits(p.high, p.std) : "-", file);
-  }
-}
-
-std::string value_and_std(double value, double std) {
-  return value_digits(value, std) + " +- " + std_digits(std);
-}
-
-// Beams without tension.
-void print_beams(std::ostream& out, const ident::BendingCampaign& campaign,
-                 const ident::BendingCampaignResult& result) {
-  const bool section = campaign.second_moment_m4.value > 0;
-  out << fmt::format("{:>20} {:>20}  {:<22} {}{}\n", "slope, N/m", "EI, N m2", "95 % interval",
-                     section ? "       modulus, GPa  " : "", "from");
-  for (const auto& one : result.points) {
-    const auto& file = campaign.sources[one.source].name;
-    if (!one.analysis || one.refused()) {
-      out << fmt::format("{:>20} {:>20}  {:<22} {}{}\n", "refused", "", "",
-                         section ? std::string(21, ' ') : "", file);
-      continue;
-    }
-    const auto& s = one.analysis->compliance_m_N;
-    const auto modulus = ident::bending_modulus(campaign, one);
-    const auto& p = one.point;
-    out << fmt::format(
-        "{:>20} {:>20}  {:<22} {}{}\n", value_and_std(1 / s.value, s.std / s.value / s.value),
-        value_and_std(p.EI_Nm2, p.std),
-        std::isfinite(p.low) ? value_digits(p.low, p.std) + " .. " + value_digits(p.high, p.std)
-                             : "-",
-        section ? fmt::format("{:>19}  ", value_and_std(1e-9 * modulus.value, 1e-9 * modulus.std))
-                : "",
-        file);
-  }
-  if (!result.specimens) return;
-  const auto& all = *result.specimens;
-  out << fmt::format("{} specimens: EI {:.3g} N m2 on average", all.count, all.EI_Nm2);
-  if (section) out << fmt::format(", modulus {:.3g} GPa", 1e-9 * all.modulus_Pa);
-  out << fmt::format("; standard deviation between them {:.2g} %\n", 100 * all.relative_scatter);
-}
+struct BendingCommand {
+  std::vector<std::string> files;
+  BendingColumns columns;
+  ident::BendingCampaign campaign;  ///< its sources, read
+  double span = 0, span_std = 0;
+  std::vector<double> strand;  ///< E, elements, element diameter, strand diameter
+  std::optional<double> EA, mass_per_length;
+  /// "clamped", "pinned", "cantilever" without tension (columns.tension "0"); empty: clamped.
+  std::string ends;
+  // Cross-section of a beam without tension: one of them, or none; m, m4.
+  std::vector<double> rectangle;  ///< width, height
+  double diameter = 0, second_moment = 0;
+  double section_std = 0;  ///< relative standard uncertainty of the second moment
+};
 
 // What the records cannot show of themselves: said where the intervals leave it out.
 void print_tension_cell(std::ostream& out, const ident::BendingTestOptions& options,
@@ -121,19 +73,9 @@ void take_beam(BendingCommand& command) {
   campaign.second_moment_m4 = ident::second_moment(shape);
 }
 
-Json run_bending(VerbContext& context, BendingCommand command) {
-  take_beam(command);  // before files are read
-  read_sources(command, context);
-  return bending_result(std::move(command), context);
-}
-
-}  // namespace
-
-void add_bending_source(const signal::Recording& recording, BendingCommand& command,
-                        VerbContext& context) {
-  command.columns.without_tension = command.columns.tension == "0";
+void read_source(const std::string& file, BendingCommand& command, VerbContext& context) {
   std::vector<Warning> warnings;
-  auto source = bending_source(recording, command.columns, warnings);
+  auto source = bending_source(load_bending_file(file, context), command.columns, warnings);
   if (source.values.empty() && !(command.span > 0)) {
     throw UsageError(
         "--span is needed for load-deflection records: the clear length between the clamps in "
@@ -145,10 +87,11 @@ void add_bending_source(const signal::Recording& recording, BendingCommand& comm
   command.campaign.sources.push_back(std::move(source));
 }
 
-Json bending_result(BendingCommand command, VerbContext& context) {
+Json run(BendingCommand command, VerbContext& context) {
   auto& campaign = command.campaign;
   campaign.test.span_m = {command.span, command.span_std};
-  take_beam(command);
+  take_beam(command);  // before files are read
+  for (const auto& file : command.files) read_source(file, command, context);
   if (!command.strand.empty()) {
     campaign.strand = {command.strand[0], static_cast<int>(command.strand[1]), command.strand[2],
                        command.strand[3]};
@@ -171,25 +114,14 @@ Json bending_result(BendingCommand command, VerbContext& context) {
   for (const auto& finding : found.findings) context.warn(finding.code, finding.message);
   if (context.plots) draw_bending(*context.plots, campaign, found);
   const bool beams = campaign.test.ends != ident::BeamEnds::tensioned;
-  if (beams) {
-    print_beams(context.out, campaign, found);
-  } else {
-    print_points(context.out, command, found);
-    print_tension_cell(context.out, campaign.test, found);
-  }
-  if (found.bounds) {
-    context.out << fmt::format("strand: EI between {:.4g} (free slip) and {:.4g} N m2 (no slip)\n",
-                               found.bounds->EI_min_Nm2, found.bounds->EI_max_Nm2);
-  }
-  const auto& laws = found.curve.laws().laws;
-  if (!laws.empty()) {
-    context.out << fmt::format("{:<12} {:>9} {:>8}  {}\n", "law", "rms", "AICc", "formula");
-    for (const auto& law : laws) {
-      context.out << fmt::format(
-          "{:<12} {:>7.2f} % {:>8}  {}\n", ident::name_of(law.kind), 100 * law.rms_relative_error,
-          std::isfinite(law.aicc) ? fmt::format("{:.2f}", law.aicc) : "-", law.formula);
-    }
-    context.out << "For a model: " << found.curve.sentence() << '\n';
+  auto& out = context.out;
+  describe::print(out, describe::table_of(bending_rows(campaign, found)));
+  if (found.specimens) describe::print(out, describe::sheet_of(*found.specimens));
+  if (!beams) print_tension_cell(out, campaign.test, found);
+  if (found.bounds) describe::print(out, describe::sheet_of(*found.bounds));
+  if (const auto& laws = found.curve.laws().laws; !laws.empty()) {
+    describe::print(out, describe::table_of(laws));
+    out << "For a model: " << found.curve.sentence() << '\n';
   }
   Json result = bending_json(campaign, found);
   if (command.EA && command.mass_per_length) {
@@ -278,13 +210,15 @@ describe::Options options_of(BendingCommand& c) {
           option("--mass-per-length", c.mass_per_length, "Of the cable", "kg/m").positive()};
 }
 
+}  // namespace
+
 Verb bending_verb() {
   Verb verb = verb_of<BendingCommand>(
       "bending", "EI at each tension from load-deflection records or tables; laws for EI(tension)",
       "Example:\n  printf 'tension_N,EI_Nm2\\n25,0.2549\\n100,0.4948\\n200,0.5972\\n300,0.8283\\n' "
       "> "
       "ei.csv\n  rigfit bending ei.csv --strand 195e9 133 0.397e-3 6.35e-3 --json ei.json",
-      [](const BendingCommand& c, VerbContext& context) { return run_bending(context, c); });
+      [](const BendingCommand& c, VerbContext& context) { return run(c, context); });
   verb.draws = true;
   verb.reads = true;
   return verb;

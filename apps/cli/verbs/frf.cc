@@ -8,7 +8,6 @@
 
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "apps/cli/verbs/impact_command.h"
 #include "apps/describe/digits.h"
 #include "apps/results/modal_json.h"
@@ -18,6 +17,12 @@
 namespace rigfit::apps {
 namespace {
 using Eigen::Index;
+
+struct FrfCommand {
+  ImpactCommand impact;
+  std::string out, csv;
+  std::string encoding = "binary";
+};
 
 /// Median over the lines of the usable band of |H_std / H| of one response.
 double relative_error(const signal::FrfSet& frfs, Index column, double low, double high) {
@@ -141,9 +146,12 @@ Json driving_json(const signal::DrivingPointCheck& check) {
           {"missing_antiresonances", check.missing_antiresonances}};
 }
 
-}  // namespace
-
-Json frf_result(const ImpactRun& run, const FrfCommand& options, VerbContext& context) {
+Json run_frf(const FrfCommand& options, VerbContext& context) {
+  const auto tested = run_impact_test(context, options.impact);
+  const ImpactRun& run = *tested;
+  if (context.at_hand) {
+    context.at_hand->frfs = std::make_shared<signal::FrfSet>(run.test.frfs);
+  }
   const ident::HammerTest& hammer = run.test;
   const signal::FrfSet& frfs = hammer.frfs;
   const bool roving = !options.impact.struck.empty();
@@ -245,15 +253,15 @@ describe::Options options_of(FrfCommand& c) {
   return options;
 }
 
+}  // namespace
+
 Verb frf_verb() {
   Verb verb = verb_of<FrfCommand>(
       "frf", "Hammer hits found and judged, averaged FRFs with coherence and error bars",
       "Example:\n  rigfit frf hits.csv --force hammer --response a1 a2 --out frf.uff --json -\n"
       "  rigfit frf p1.csv p2.csv --struck a1 a2 --force hammer --response a1 a2 --out frf.uff\n"
       "Exit code 4: no hit can be used; the hits and their reasons are given all the same.",
-      [](const FrfCommand& c, VerbContext& context) {
-        return frf_result(run_impact_test(context, c.impact), c, context);
-      });
+      [](const FrfCommand& c, VerbContext& context) { return run_frf(c, context); });
   verb.draws = true;
   verb.reads = true;
   return verb;

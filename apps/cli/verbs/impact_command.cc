@@ -61,21 +61,41 @@ signal::ImpactTestOptions options_of(const ImpactCommand& command) {
 }
 
 /// The recordings by the place struck, in the order of the files.
-std::vector<ident::StruckPlace> places_of(VerbContext& context, const ImpactCommand& command) {
-  std::vector<ident::StruckPlace> places;
-  signal::ReadOptions read;
-  read.sample_rate_hz = command.sample_rate_hz;
+void read_places(VerbContext& context, const ImpactCommand& command, ImpactRun& run) {
+  auto& places = run.places;
+  const bool lend = context.at_hand && context.at_hand->lent;
+  if (lend) run.give_back = context.at_hand->give_back;
   for (std::size_t f = 0; f < command.files.size(); ++f) {
     const std::string name = command.struck.empty() ? "" : command.struck[f];
     auto place = std::find_if(places.begin(), places.end(),
                               [&](const auto& known) { return known.name == name; });
     if (place == places.end()) place = places.insert(places.end(), {name, {}});
-    place->recordings.push_back(load_recording(command.files[f], context, read));
+    place->recordings.emplace_back();  // grown before anything is lent
+    auto& recording = place->recordings.back();
+    if (!lend) {
+      recording = load_recording(command.files[f], context, command.sample_rate_hz);
+      continue;
+    }
+    auto owner = recording_at_hand(command.files[f], context);
+    if (owner) {
+      tell_notes(*owner, context);
+    } else {
+      owner = std::make_shared<const signal::Recording>(
+          load_recording(command.files[f], context, command.sample_rate_hz));
+    }
+    run.lenders.push_back(owner);
+    recording = context.at_hand->lent(*owner);
   }
-  return places;
 }
 
 }  // namespace
+
+ImpactRun::~ImpactRun() {
+  if (give_back == nullptr) return;
+  for (auto& place : places) {
+    for (auto& recording : place.recordings) give_back(recording);
+  }
+}
 
 ImpactCommand::ImpactCommand() {
   const signal::HitOptions hits;
@@ -149,7 +169,8 @@ describe::Options options_of(ImpactCommand& c) {
           .within(0L, 1000000L)};
 }
 
-ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
+std::shared_ptr<const ImpactRun> run_impact_test(VerbContext& context,
+                                                 const ImpactCommand& command) {
   if (!command.struck.empty() && command.struck.size() != command.files.size()) {
     throw UsageError(fmt::format("--struck names {} points for {} files: one a file",
                                  command.struck.size(), command.files.size()));
@@ -157,13 +178,9 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
   if (!command.struck.empty() && !command.driving_point.empty()) {
     throw UsageError("--driving-point is for one point; --struck names every file's point");
   }
-  ImpactRun run;
-  run.places = places_of(context, command);
-  run_impact_test(context, command, run);
-  return run;
-}
-
-void run_impact_test(VerbContext& context, const ImpactCommand& command, ImpactRun& run) {
+  const auto made = std::make_shared<ImpactRun>();
+  ImpactRun& run = *made;
+  read_places(context, command, run);
   ident::HammerTestOptions options;
   options.force = command.force;
   options.responses = command.responses;
@@ -191,6 +208,7 @@ void run_impact_test(VerbContext& context, const ImpactCommand& command, ImpactR
     context.warn("hits_rejected",
                  fmt::format("{} of {} hits rejected; see hits[].reason", hits - accepted, hits));
   }
+  return made;
 }
 
 Json hits_json(const ImpactRun& run) {

@@ -11,9 +11,9 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/load_deflection.h"
 #include "apps/campaign_file/recording_description.h"
+#include "apps/cli/at_hand.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "signal/quality/quality.h"
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
@@ -25,6 +25,11 @@
 
 namespace rigfit::apps {
 namespace {
+
+struct InspectCommand {
+  std::vector<std::string> files;
+  double sample_rate_hz = 0;
+};
 
 constexpr std::size_t kMostDrawn = 20;  // recordings, so that a page opens at once
 
@@ -89,7 +94,7 @@ std::vector<Json> peaks_of(const signal::FrequencyTable& table, std::ostream& ou
 
 /// What the file holds: a recording, or functions that are not over time.
 signal::Recording load(const std::string& path, VerbContext& context, double rate) {
-  {
+  if (!recording_at_hand(path, context)) {
     const signal::MappedFile file(path);
     if (context.reading.format.empty() &&
         signal::format_of(file.bytes()) == signal::RecordingFormat::uff) {
@@ -199,37 +204,7 @@ void print(std::ostream& out, const signal::Recording& recording,
   }
 }
 
-Json inspect(const InspectCommand& options, VerbContext& context) {
-  Json result;
-  result["recordings"] = Json::array();
-  for (const auto& path : options.files) {
-    result["recordings"].push_back(inspect_file(path, options.sample_rate_hz, context));
-  }
-  if (context.plots && options.files.size() > kMostDrawn) {
-    context.warn("left_out", fmt::format("the first {} of {} recordings are drawn", kMostDrawn,
-                                         options.files.size()));
-  }
-  return result;
-}
-
-}  // namespace
-
-Json inspect_file(const std::string& path, double sample_rate_hz, VerbContext& context) {
-  context.input(path);
-  std::optional<signal::FrequencyTable> spectrum;
-  {
-    const signal::MappedFile file(path);
-    spectrum = frequency_table(path, file.bytes(), context);
-  }
-  if (!spectrum) return inspect_result(load(path, context, sample_rate_hz), context);
-  Json entry = inspect_result(functions_of(*spectrum, context), context);
-  const auto& f = spectrum->frequency_hz;
-  entry["frequency_hz"] = {{"first", f[0]}, {"last", f[f.size() - 1]}, {"lines", f.size()}};
-  const std::vector<Json> peaks = peaks_of(*spectrum, context.out);
-  for (std::size_t k = 0; k < peaks.size(); ++k) entry["channels"][k]["peaks"] = peaks[k];
-  return entry;
-}
-
+/// One entry of `recordings[]`.
 Json inspect_result(const signal::Recording& recording, VerbContext& context) {
   const signal::QualityResult quality = signal::check_quality(recording);
   const bool over_time =
@@ -249,6 +224,36 @@ Json inspect_result(const signal::Recording& recording, VerbContext& context) {
   return json_of(recording, quality);
 }
 
+/// The same of a file, which may hold functions that are not over time.
+Json inspect_file(const std::string& path, double sample_rate_hz, VerbContext& context) {
+  std::optional<signal::FrequencyTable> spectrum;
+  if (!recording_at_hand(path, context)) {
+    context.input(path);
+    const signal::MappedFile file(path);
+    spectrum = frequency_table(path, file.bytes(), context);
+  }
+  if (!spectrum) return inspect_result(load(path, context, sample_rate_hz), context);
+  Json entry = inspect_result(functions_of(*spectrum, context), context);
+  const auto& f = spectrum->frequency_hz;
+  entry["frequency_hz"] = {{"first", f[0]}, {"last", f[f.size() - 1]}, {"lines", f.size()}};
+  const std::vector<Json> peaks = peaks_of(*spectrum, context.out);
+  for (std::size_t k = 0; k < peaks.size(); ++k) entry["channels"][k]["peaks"] = peaks[k];
+  return entry;
+}
+
+Json inspect(const InspectCommand& options, VerbContext& context) {
+  Json result;
+  result["recordings"] = Json::array();
+  for (const auto& path : options.files) {
+    result["recordings"].push_back(inspect_file(path, options.sample_rate_hz, context));
+  }
+  if (context.plots && options.files.size() > kMostDrawn) {
+    context.warn("left_out", fmt::format("the first {} of {} recordings are drawn", kMostDrawn,
+                                         options.files.size()));
+  }
+  return result;
+}
+
 describe::Options options_of(InspectCommand& c) {
   using describe::option;
   return {option("FILE", c.files,
@@ -259,6 +264,8 @@ describe::Options options_of(InspectCommand& c) {
               .positive()
               .type("HZ")};
 }
+
+}  // namespace
 
 Verb inspect_verb() {
   Verb verb = verb_of<InspectCommand>(

@@ -10,7 +10,6 @@
 
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "apps/cli/verbs/impact_command.h"
 #include "apps/describe/digits.h"
 #include "apps/results/modal_json.h"
@@ -25,6 +24,14 @@
 namespace rigfit::apps {
 namespace {
 using Eigen::Index;
+
+/// FRFs to identify, and where they are from.
+struct MeasuredFrfs {
+  signal::FrfSet frfs;
+  double usable_hz = 0;                  ///< 0: to the last line
+  bool amplitudes = true;                ///< false: only frequencies and damping mean something
+  std::shared_ptr<const ImpactRun> run;  ///< null: FRFs from a file
+};
 
 void refuse_options_of_hits(const ModalCommand& options) {
   std::string given;
@@ -52,19 +59,6 @@ void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
         frfs.exponential_decay_rate_1_s));
   }
   frfs.exponential_decay_rate_1_s = rate;
-}
-
-MeasuredFrfs frfs_of(VerbContext& context, ModalCommand& options) {
-  if (!options.impact.force.empty()) {
-    if (options.averages > 0) throw UsageError("--averages is for FRFs from a file");
-    options.impact.files = options.files;
-    ImpactRun run = run_impact_test(context, options.impact);
-    MeasuredFrfs measured = measured_frfs(run);
-    if (context.plots) measured.run = std::make_shared<const ImpactRun>(std::move(run));
-    return measured;
-  }
-  refuse_options_of_hits(options);
-  return measured_frfs(options, context);
 }
 
 Json number_json(double value) { return value; }
@@ -166,47 +160,9 @@ ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand
   return found;
 }
 
-void check_band(const ModalCommand& options) {
-  const auto& band = options.impact.band;
-  if (!band.empty() && !(band[0] >= 0 && band[1] > band[0])) {
-    throw UsageError("--band needs two frequencies, the lower one first");
-  }
-}
-
-Json run_modal(VerbContext& context, ModalCommand options) {
-  check_band(options);
-  if (options.ambient) return ambient_result(options, context);
-  return modal_result(frfs_of(context, options), options, context);
-}
-
-}  // namespace
-
-MeasuredFrfs measured_frfs(const ImpactRun& run) {
-  MeasuredFrfs measured;
-  measured.hits = hits_json(run);
-  measured.force_window = force_window_json(run.test);
-  measured.usable_hz = run.test.usable_hz;
-  measured.amplitudes = run.test.amplitudes;
-  measured.frfs = run.test.frfs;
-  return measured;
-}
-
-MeasuredFrfs measured_frfs(const ModalCommand& command, VerbContext& context) {
-  for (const auto& file : command.files) {
-    context.input(file);
-    if (command.files.size() == 1) break;
-    const signal::MappedFile mapped(file);
-    if (signal::format_of(mapped.bytes()) == signal::RecordingFormat::uff) {
-      throw UsageError(
-          "FRFs come from one UFF file, or from text tables; recordings of hits need --force C");
-    }
-  }
-  return measured_frfs(
-      signal::read_frfs({command.files.begin(), command.files.end()}, context.reading), command,
-      context);
-}
-
-MeasuredFrfs measured_frfs(signal::FrfSet frfs, const ModalCommand& options, VerbContext& context) {
+/// FRFs of another analyser: takes off its window, and makes error bars from the coherence where
+/// the file has none.
+MeasuredFrfs completed(signal::FrfSet frfs, const ModalCommand& options, VerbContext& context) {
   MeasuredFrfs measured;
   measured.frfs = std::move(frfs);
   take_off_window(options, measured.frfs);
@@ -219,12 +175,43 @@ MeasuredFrfs measured_frfs(signal::FrfSet frfs, const ModalCommand& options, Ver
   return measured;
 }
 
-Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, VerbContext& context) {
-  check_band(options);
+/// FRFs at hand, of one UFF file or of text tables; or those of hits.
+MeasuredFrfs frfs_of(ModalCommand& options, VerbContext& context) {
+  if (!options.impact.force.empty()) {
+    if (options.averages > 0) throw UsageError("--averages is for FRFs from a file");
+    options.impact.files = options.files;
+    const auto run = run_impact_test(context, options.impact);
+    return {run->test.frfs, run->test.usable_hz, run->test.amplitudes, run};
+  }
+  refuse_options_of_hits(options);
+  if (context.at_hand && context.at_hand->frfs) {
+    return completed(*context.at_hand->frfs, options, context);
+  }
+  for (const auto& file : options.files) {
+    context.input(file);
+    if (options.files.size() == 1) break;
+    const signal::MappedFile mapped(file);
+    if (signal::format_of(mapped.bytes()) == signal::RecordingFormat::uff) {
+      throw UsageError(
+          "FRFs come from one UFF file, or from text tables; recordings of hits need --force C");
+    }
+  }
+  return completed(signal::read_frfs({options.files.begin(), options.files.end()}, context.reading),
+                   options, context);
+}
+
+Json run(ModalCommand options, VerbContext& context) {
+  const auto& band = options.impact.band;
+  if (!band.empty() && !(band[0] >= 0 && band[1] > band[0])) {
+    throw UsageError("--band needs two frequencies, the lower one first");
+  }
+  if (options.ambient) return ambient_result(options, context);
+  const MeasuredFrfs measured = frfs_of(options, context);
+  if (context.at_hand) context.at_hand->frfs = std::make_shared<signal::FrfSet>(measured.frfs);
   Json result{{"modes", Json::array()}};
-  if (!measured.hits.is_null()) {
-    result["hits"] = measured.hits;
-    result["force_window"] = measured.force_window;
+  if (measured.run) {
+    result["hits"] = hits_json(*measured.run);
+    result["force_window"] = force_window_json(measured.run->test);
   }
   if (measured.frfs.frequency_hz.size() == 0) return result;  // refused, and said why
 
@@ -272,6 +259,8 @@ Json modal_result(const MeasuredFrfs& measured, const ModalCommand& options, Ver
   }
   return result;
 }
+
+}  // namespace
 
 describe::Options options_of(ModalCommand& c) {
   using describe::option;
@@ -327,7 +316,7 @@ Verb modal_verb() {
       "  rigfit modal setup1.csv setup2.csv --ambient --reference top --band 0.3 8\n"
       "Exit code 4: no mode stands out, or a window's damping dominates that of a mode (the\n"
       "frequency is given all the same).",
-      [](const ModalCommand& c, VerbContext& context) { return run_modal(context, c); });
+      [](const ModalCommand& c, VerbContext& context) { return run(c, context); });
   verb.draws = true;
   verb.reads = true;
   return verb;

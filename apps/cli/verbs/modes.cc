@@ -3,15 +3,24 @@
 
 #include <memory>
 
+#include "apps/cli/at_hand.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/actual_state.h"
-#include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
+
+struct ModesCommand {
+  std::string scene;
+  int count = 6;
+  std::vector<double> band;
+  int segments = 0;
+  std::string rotary_inertia = "accurate";
+  std::string torsion = "auto";
+  bool shapes = false;
+};
 
 Json vectors(const Eigen::Matrix3Xd& columns) {
   Json list = Json::array();
@@ -96,9 +105,8 @@ void print(std::ostream& out, const model::ModalAnalysis& analysis, const model:
                                        : "not proved that none was missed");
 }
 
-}  // namespace
-
-Json modes_result(const model::Scene& scene, const ModesCommand& options, VerbContext& context) {
+Json run(const ModesCommand& options, VerbContext& context) {
+  const model::Scene scene = scene_of(options.scene, context);
   if (!options.band.empty() && !(options.band[0] >= 0 && options.band[1] > options.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz, such as --band 0 50");
   }
@@ -190,14 +198,13 @@ describe::Options options_of(ModesCommand& c) {
           option("--shapes", c.shapes, "Mode shapes at every node in the JSON result")};
 }
 
+}  // namespace
+
 Verb modes_verb() {
   Verb verb = verb_of<ModesCommand>(
       "modes", "Static equilibrium of a scene, then its natural modes",
       "Example:\n  rigfit modes testdata/jalali2021/scenes/cable.toml --count 6 --json modes.json",
-      [](const ModesCommand& c, VerbContext& context) {
-        context.input(c.scene);
-        return modes_result(model::read_scene(c.scene), c, context);
-      });
+      [](const ModesCommand& c, VerbContext& context) { return run(c, context); });
   verb.draws = true;
   return verb;
 }

@@ -8,20 +8,30 @@
 #include <ostream>
 
 #include "apps/campaign_file/measured_modes.h"
+#include "apps/cli/at_hand.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "apps/cli/verbs/fit_file.h"
 #include "apps/describe/digits.h"
 #include "ident/predict/damage_estimate.h"
 #include "ident/predict/response_prediction.h"
 #include "ident/predict/scene_inputs.h"
 #include "ident/predict/scene_prediction.h"
-#include "model/scene/read_scene.h"
 #include "model/scene/sensor_quantity.h"
+#include "signal/writers/write_csv.h"
 
 namespace rigfit::apps {
 namespace {
+
+struct PredictCommand {
+  std::string scene;
+  std::string from, measured, column, plane = "any", frf, response;
+  double duration_s = 2, rate_hz = 500;  ///< predicted response
+  std::vector<std::string> maps, damage, inputs;
+  std::vector<double> band;
+  int count = 6, segments = 0, lines = 400;
+  bool sample = false, accept_fit = false;
+};
 
 constexpr const char* kPredictExample =
     "Example: the beam of a rig, fitted with its cables on, by itself\n"
@@ -233,21 +243,22 @@ Json write_response(const PredictCommand& command, const model::Scene& scene,
   if (prediction.low.size() == 0) {
     throw Refused("--response: too few draws of the parameters have a response", "no_response");
   }
-  std::string text = "time (s)";
-  for (const auto& sensor : scene.sensors) {
-    const auto name = fmt::format("{} ({})", sensor.name, model::described(sensor.quantity).unit);
-    text += fmt::format(",{0},low {0},high {0}", name);
-  }
-  text += '\n';
-  for (Eigen::Index row = 0; row < response.samples.rows(); ++row) {
-    text += fmt::format("{:.10g}", static_cast<double>(row) / response.rate_hz);
-    for (Eigen::Index s = 0; s < response.samples.cols(); ++s) {
-      text += fmt::format(",{:.8g},{:.8g},{:.8g}", response.samples(row, s), prediction.low(row, s),
-                          prediction.high(row, s));
+  signal::Recording table;
+  table.sample_rate_hz = response.rate_hz;
+  for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
+    const auto& sensor = scene.sensors[s];
+    const auto column = static_cast<Eigen::Index>(s);
+    for (const auto& [what, of] : {std::pair{"", &response.samples},
+                                   {"low ", &prediction.low},
+                                   {"high ", &prediction.high}}) {
+      signal::Channel channel;
+      channel.name = what + sensor.name;
+      channel.unit = channel.source_unit = model::described(sensor.quantity).unit;
+      channel.samples = of->col(column);
+      table.channels.push_back(std::move(channel));
     }
-    text += '\n';
   }
-  context.write(command.response, text);
+  context.write(command.response, signal::csv_text(table, {}, 8));
   context.out << fmt::format("\nresponse: {} samples at {:g} Hz by {}, interval from {} draws\n",
                              response.samples.rows(), response.rate_hz,
                              model::name_of(response.solver), prediction.samples);
@@ -291,10 +302,8 @@ Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
   }
 }
 
-}  // namespace
-
-Json predict_result(const model::Scene& scene, const PredictCommand& command,
-                    VerbContext& context) {
+Json run(const PredictCommand& command, VerbContext& context) {
+  const model::Scene scene = scene_of(command.scene, context);
   if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz");
   }
@@ -388,14 +397,14 @@ describe::Options options_of(PredictCommand& c) {
       option("--sample", c.sample, "Intervals from samples, also where the model is linear")};
 }
 
+}  // namespace
+
 Verb predict_verb() {
   return verb_of<PredictCommand>(
       "predict",
       "Modes, FRFs and responses of another scene with the parameters of a fit, with intervals",
-      kPredictExample, [](const PredictCommand& c, VerbContext& context) {
-        context.input(c.scene);
-        return predict_result(model::read_scene(c.scene), c, context);
-      });
+      kPredictExample,
+      [](const PredictCommand& c, VerbContext& context) { return run(c, context); });
 }
 
 }  // namespace rigfit::apps

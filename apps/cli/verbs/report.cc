@@ -4,10 +4,20 @@
 #include <memory>
 
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "apps/report/campaign_report.h"
 
 namespace rigfit::apps {
+
+namespace {
+
+struct ReportCommand {
+  std::vector<std::string> campaigns;  ///< one, or two to be compared
+  std::string out, style = "lab";
+  bool pdf = false, force = false;
+  std::vector<double> figure_size;  ///< mm
+  std::string figure_font = "sans-serif";
+  double figure_font_size = 8;  ///< pt
+};
 
 describe::Options options_of(ReportCommand& c) {
   using describe::option;
@@ -34,15 +44,7 @@ describe::Options options_of(ReportCommand& c) {
               .type("PT")};
 }
 
-Verb report_verb() {
-  return verb_of<ReportCommand>(
-      "report", "Everything a campaign names, from recordings to model against test",
-      "Example:\n  rigfit report testdata/jalali2021/campaign.toml --out report\n"
-      "  rigfit report spring.toml autumn.toml --out change --pdf",
-      [](const ReportCommand& c, VerbContext& context) { return report_result(c, context); });
-}
-
-Json report_result(const ReportCommand& c, VerbContext& context) {
+Json run(const ReportCommand& c, VerbContext& context) {
   if (c.campaigns.size() > 2) throw UsageError("campaign: one, or two to be compared");
   ReportOptions report;
   if (c.style == "client") report.style = ReportStyle::client;
@@ -67,6 +69,16 @@ Json report_result(const ReportCommand& c, VerbContext& context) {
   return campaigns.size() == 1
              ? campaign_report(campaigns[0], out, report, context)
              : compared_campaigns(campaigns[0], campaigns[1], out, report, context);
+}
+
+}  // namespace
+
+Verb report_verb() {
+  return verb_of<ReportCommand>(
+      "report", "Everything a campaign names, from recordings to model against test",
+      "Example:\n  rigfit report testdata/jalali2021/campaign.toml --out report\n"
+      "  rigfit report spring.toml autumn.toml --out change --pdf",
+      [](const ReportCommand& c, VerbContext& context) { return run(c, context); });
 }
 
 }  // namespace rigfit::apps

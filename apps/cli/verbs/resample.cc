@@ -4,16 +4,24 @@
 #include <memory>
 
 #include "apps/campaign_file/recording_description.h"
+#include "apps/cli/at_hand.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
+#include "signal/recording/resample.h"
 #include "signal/writers/write_csv.h"
 
 namespace rigfit::apps {
+namespace {
 
-Json resample_result(const signal::Recording& recording, const ResampleCommand& command,
-                     VerbContext& context, signal::ResampleResult& result) {
+struct ResampleCommand {
+  std::string file, out;
+  double rate_hz = 0;  ///< 0: of uneven times that of their usual step
+  double sample_rate_hz = 0;
+};
+
+Json run(const ResampleCommand& command, VerbContext& context) {
+  const signal::Recording recording = load_recording(command.file, context, command.sample_rate_hz);
   const std::size_t known = recording.notes.size();
-  result = signal::resampled(recording, command.rate_hz);
+  signal::ResampleResult result = signal::resampled(recording, command.rate_hz);
   for (std::size_t k = known; k < result.recording.notes.size(); ++k) {
     context.out << result.recording.notes[k].message << '\n';
   }
@@ -29,6 +37,9 @@ Json resample_result(const signal::Recording& recording, const ResampleCommand& 
             {"sample_rate_hz", result.recording.sample_rate_hz},
             {"samples", result.recording.samples()},
             {"channels", std::move(channels)}};
+  if (context.at_hand) {
+    context.at_hand->resampled = std::make_shared<const signal::Recording>(result.recording);
+  }
   if (command.out.empty()) return json;
   // Nine digits: rounding stays below the filter's error.
   context.write(command.out, signal::csv_text(result.recording, {}, 9));
@@ -50,17 +61,14 @@ describe::Options options_of(ResampleCommand& c) {
           option("--out", c.out, "Recording to write").writes().required().type("F.csv")};
 }
 
+}  // namespace
+
 Verb resample_verb() {
   Verb verb = verb_of<ResampleCommand>(
       "resample", "A recording at another rate (with a filter), or uneven times made even",
       "Example:\n  rigfit resample uneven.csv --out even.csv\n"
       "  rigfit resample fast.wav --rate 4000 --out slow.csv",
-      [](const ResampleCommand& c, VerbContext& context) {
-        signal::ReadOptions reading;
-        reading.sample_rate_hz = c.sample_rate_hz;
-        signal::ResampleResult result;
-        return resample_result(load_recording(c.file, context, reading), c, context, result);
-      });
+      [](const ResampleCommand& c, VerbContext& context) { return run(c, context); });
   verb.reads = true;
   return verb;
 }

@@ -2,24 +2,33 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <iterator>
 #include <memory>
 
+#include "apps/cli/at_hand.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "apps/describe/digits.h"
 #include "model/response/response.h"
 #include "model/scene/actual_state.h"
-#include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"
 #include "signal/readers/read_recording.h"
+#include "signal/writers/write_csv.h"
 
 namespace rigfit::apps {
 namespace {
 
 using model::ResponseSolver;
+
+struct RespondCommand {
+  std::string scene, out;
+  double duration_s = 0, rate_hz = 0;
+  std::string solver = "auto";
+  std::string plane = "auto", axial = "auto";
+  int segments = 0;
+  double step_s = 0;
+  double tolerance = 0;
+};
 
 const std::vector<std::pair<std::string, ResponseSolver>> kSolvers{
     {"auto", ResponseSolver::automatic},
@@ -66,37 +75,22 @@ model::ForceHistory read_force(const model::Scene& scene, std::size_t index) {
   return history;
 }
 
-std::string csv_cell(const std::string& name) {
-  if (name.find_first_of(",\"\n") == std::string::npos) return name;
-  std::string text = "\"";
-  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text + "\"";
-}
-
-std::string samples_csv(const model::Scene& scene, const model::ResponseResult& response) {
-  fmt::memory_buffer text;
-  auto out = std::back_inserter(text);
-  fmt::format_to(out, "time_s");
+/// The sensors' channels over time.
+signal::Recording recording_of(const model::Scene& scene, const model::ResponseResult& response) {
+  signal::Recording recording;
+  recording.sample_rate_hz = response.rate_hz;
   for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
-    fmt::format_to(out, ",{}",
-                   csv_cell(response.sensors[s] + " (" +
-                            model::described(scene.sensors[s].quantity).unit + ")"));
+    signal::Channel channel;
+    channel.name = response.sensors[s];
+    channel.unit = channel.source_unit = model::described(scene.sensors[s].quantity).unit;
+    channel.samples = response.samples.col(static_cast<Eigen::Index>(s));
+    recording.channels.push_back(std::move(channel));
   }
-  fmt::format_to(out, "\n");
-  for (Eigen::Index row = 0; row < response.samples.rows(); ++row) {
-    fmt::format_to(out, "{:.10g}", static_cast<double>(row) / response.rate_hz);
-    for (Eigen::Index s = 0; s < response.samples.cols(); ++s) {
-      fmt::format_to(out, ",{:.9g}", response.samples(row, s));
-    }
-    fmt::format_to(out, "\n");
-  }
-  return fmt::to_string(text);
+  return recording;
 }
 
-}  // namespace
-
-Json respond_result(const model::Scene& scene, const RespondCommand& options, VerbContext& context,
-                    model::ResponseResult& response) {
+Json run(const RespondCommand& options, VerbContext& context) {
+  const model::Scene scene = scene_of(options.scene, context);
   const double rows = options.duration_s * options.rate_hz;
   if (!(rows >= 1)) throw UsageError("--duration times --rate must give at least one sample");
   if (rows > 5e7) throw UsageError("more than 50 million samples: lower --rate or --duration");
@@ -130,7 +124,7 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
     context.warn("no-load", "the scene has no load: it stays at rest", options.scene);
   }
 
-  response = model::simulate_response(scene, wanted);
+  const model::ResponseResult response = model::simulate_response(scene, wanted);
   if (response.equilibrium.status != model::EquilibriumStatus::converged) {
     throw NotConverged(fmt::format("{}: no static equilibrium ({}): {}", options.scene,
                                    name_of(response.equilibrium.status), response.reason));
@@ -222,8 +216,9 @@ Json respond_result(const model::Scene& scene, const RespondCommand& options, Ve
                                what.of);
   }
   if (context.plots) draw_response(*context.plots, scene, response);
+  if (context.at_hand) context.at_hand->samples = response.samples;
   if (!options.out.empty()) {
-    context.write(options.out, samples_csv(scene, response));
+    context.write(options.out, signal::csv_text(recording_of(scene, response), {}, 9));
     result["out"] = options.out;
     context.out << "response: " << options.out << '\n';
   }
@@ -238,7 +233,7 @@ describe::Options options_of(RespondCommand& c) {
       option("scene", c.scene, "Scene file (TOML)").required().type("SCENE"),
       option("--duration", c.duration_s, "Seconds to simulate").required().positive().type("S"),
       option("--rate", c.rate_hz, "Samples a second").required().positive().type("HZ"),
-      option("--out", c.out, "CSV: time_s, then one column a sensor")
+      option("--out", c.out, "CSV: time, then one column a sensor")
           .writes()
           .required()
           .type("F.csv"),
@@ -259,17 +254,15 @@ describe::Options options_of(RespondCommand& c) {
           .within(1e-13, 1e-1)};
 }
 
+}  // namespace
+
 Verb respond_verb() {
   Verb verb = verb_of<RespondCommand>(
       "respond", "Time response of a scene at its sensors: linear or geometrically exact by need",
       "Example:\n"
       "  rigfit respond testdata/scenes/cable-release.toml --duration 10 --rate 2000 "
       "--out response.csv",
-      [](const RespondCommand& c, VerbContext& context) {
-        context.input(c.scene);
-        model::ResponseResult response;
-        return respond_result(model::read_scene(c.scene), c, context, response);
-      });
+      [](const RespondCommand& c, VerbContext& context) { return run(c, context); });
   verb.draws = true;
   return verb;
 }

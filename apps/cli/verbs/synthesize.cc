@@ -8,11 +8,11 @@
 #include <random>
 
 #include "apps/campaign_file/bending_files.h"
+#include "apps/cli/at_hand.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "ident/virtual_rig/virtual_axial.h"
 #include "ident/virtual_rig/virtual_bending.h"
 #include "ident/virtual_rig/virtual_rig.h"
@@ -25,6 +25,23 @@
 
 namespace rigfit::apps {
 namespace {
+
+struct SynthesizeOptions {
+  std::string scene;
+  std::string out;
+  std::vector<double> tensions;
+  double tension_std = 0;
+  std::string stiffness;
+  std::string format = "csv";
+  ident::VirtualRigOptions rig;
+  double bending_span = 0;
+  double bending_peak_load = 10;
+  std::vector<double> axial_lengths;
+  double axial_length_std = 0;
+  double axial_mass = 2.2;
+  double axial_damping_ratio = 0.017;
+  int taps = 5;
+};
 
 constexpr double kMostSamples = 5e6;  // per record: some minutes of simulation
 namespace fs = std::filesystem;
@@ -233,10 +250,8 @@ std::vector<State> states_of(const SynthesizeOptions& options, const model::Scen
   return states;
 }
 
-}  // namespace
-
-Json synthesize_result(const model::Scene& scene, const SynthesizeOptions& options,
-                       VerbContext& context) {
+Json run(const SynthesizeOptions& options, VerbContext& context) {
+  const model::Scene scene = scene_of(options.scene, context);
   const bool rig = !scene.loads.empty() && !scene.sensors.empty();
   if (!rig && options.bending_span <= 0 && options.axial_lengths.empty()) {
     throw UsageError(options.scene +
@@ -338,15 +353,14 @@ describe::Options options_of(SynthesizeOptions& c) {
       option("--taps", c.taps, "Taps at every length").within(1, 1000)};
 }
 
+}  // namespace
+
 Verb synthesize_verb() {
   return verb_of<SynthesizeOptions>(
       "synthesize", "Virtual laboratory: recordings a rig like this would give, with their truth",
       "Example:\n  rigfit synthesize testdata/jalali2021/scenes/cable.toml --out build/virtual "
       "--seed 7\n      --bending-span 1 --axial-length 0.7 1.0 1.3",
-      [](const SynthesizeOptions& c, VerbContext& context) {
-        context.input(c.scene);
-        return synthesize_result(model::read_scene(c.scene), c, context);
-      });
+      [](const SynthesizeOptions& c, VerbContext& context) { return run(c, context); });
 }
 
 }  // namespace rigfit::apps

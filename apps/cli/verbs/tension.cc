@@ -12,13 +12,23 @@
 #include "apps/cli/json_document.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "apps/describe/digits.h"
 #include "apps/results/tension_result.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
 
 namespace rigfit::apps {
 namespace {
+
+struct TensionCommand {
+  std::vector<std::string> files, channels;
+  std::vector<double> frequencies, band;
+  std::string measured, column, plane = "any", length, mass, EI, EA, mass_of, ends = "compare";
+  double frequency_std = 0, inclination = 0, sample_rate_hz = 0, missed = 0.1, false_mode = 0.05;
+  int max_peaks = 12;
+  std::vector<double> orders;       ///< whole numbers, one for each of `frequencies`
+  std::vector<std::string> masses;  ///< "PLACE=KG[,STD]"
+  std::string table, out;           ///< many cables, a row each (campaign_file/cable_table.h)
+};
 
 constexpr const char* kExample =
     "Examples:\n"
@@ -104,29 +114,9 @@ ident::CableDescription description_of(const TensionCommand& command) {
   return cable;
 }
 
-Json run(const TensionCommand& command, VerbContext& context) {
-  if (!command.table.empty()) {
-    if (!command.files.empty() || !command.measured.empty() || !command.frequencies.empty() ||
-        !command.length.empty() || !command.mass.empty()) {
-      throw UsageError("--table brings lengths, masses and frequencies of its own");
-    }
-    return tension_table_result(command, context);
-  }
-  if (command.length.empty() || command.mass.empty()) {
-    throw UsageError("give --length and --mass-per-length, or --table");
-  }
-  signal::ReadOptions read;
-  read.sample_rate_hz = command.sample_rate_hz;
-  std::vector<signal::Recording> recordings;
-  for (const auto& file : command.files) recordings.push_back(load_recording(file, context, read));
-  return tension_result(command, recordings, context);
-}
-
-}  // namespace
-
 /// One row a cable: its result, or why there is none; a refused or unreadable row ends the run with
 /// exit code 4, after all others.
-Json tension_table_result(const TensionCommand& command, VerbContext& context) {
+Json table_of_cables(const TensionCommand& command, VerbContext& context) {
   context.input(command.table);
   const auto rows = read_cable_table(command.table);
   std::vector<ident::CableTest> tests;
@@ -177,8 +167,10 @@ Json tension_table_result(const TensionCommand& command, VerbContext& context) {
   return Json{{"cables", std::move(cables)}};
 }
 
-Json tension_result(const TensionCommand& command, const std::vector<signal::Recording>& recordings,
-                    VerbContext& context) {
+Json one_cable(const TensionCommand& command, VerbContext& context) {
+  if (command.length.empty() || command.mass.empty()) {
+    throw UsageError("give --length and --mass-per-length, or --table");
+  }
   if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
     throw UsageError("--band needs two rising frequencies in Hz");
   }
@@ -187,8 +179,10 @@ Json tension_result(const TensionCommand& command, const std::vector<signal::Rec
   if (inputs.test.modes.empty() && command.files.empty()) {
     throw UsageError("give recordings, --measured or --frequencies");
   }
-  for (std::size_t i = 0; i < recordings.size(); ++i) {
-    inputs.recordings.push_back({command.files[i], recordings[i]});
+  for (const auto& file : command.files) {
+    auto recording = load_recording(file, context, command.sample_rate_hz);
+    const std::string name = recording.path.string();
+    inputs.recordings.push_back({name, std::move(recording)});
   }
   inputs.channels = command.channels;
   if (!command.band.empty()) {
@@ -219,6 +213,15 @@ Json tension_result(const TensionCommand& command, const std::vector<signal::Rec
   print_tension(context.out, result);
   if (context.plots) draw_tension(*context.plots, result);
   return tension_json(campaign);
+}
+
+Json run(const TensionCommand& command, VerbContext& context) {
+  if (command.table.empty()) return one_cable(command, context);
+  if (!command.files.empty() || !command.measured.empty() || !command.frequencies.empty() ||
+      !command.length.empty() || !command.mass.empty()) {
+    throw UsageError("--table brings lengths, masses and frequencies of its own");
+  }
+  return table_of_cables(command, context);
 }
 
 describe::Options options_of(TensionCommand& c) {
@@ -262,6 +265,8 @@ describe::Options options_of(TensionCommand& c) {
       option("--false", c.false_mode, "Probability that a measured mode is none of the cable's")
           .within(0.001, 0.9)};
 }
+
+}  // namespace
 
 Verb tension_verb() {
   Verb verb = verb_of<TensionCommand>(

@@ -10,11 +10,11 @@
 
 #include "apps/campaign_file/update_data.h"
 #include "apps/campaign_file/update_inputs.h"
+#include "apps/cli/at_hand.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/calls.h"
 #include "apps/cli/verbs/update_candidates.h"
 #include "apps/results/update_parameters.h"
 #include "apps/results/update_result.h"
@@ -105,6 +105,18 @@ void print_held_out(const UpdateStates& states, const std::vector<ident::HeldOut
     context.out << fmt::format("{:<24} {:>10} {:>12} {:>12}\n", name, percent(one.rms_before),
                                percent(one.rms_fitted), percent(one.rms_predicted));
   }
+}
+
+/// The fitted scene of each state, with the segments that its file asks for.
+std::vector<model::Scene> updated_scenes(const UpdateStates& states,
+                                         const ident::UpdateResult& result) {
+  std::vector<model::Scene> scenes = result.scenes;
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
+    for (std::size_t m = 0; m < scenes[s].members.size(); ++m) {
+      scenes[s].members[m].segments = states.segments[s][m];
+    }
+  }
+  return scenes;
 }
 
 Json write_scenes(const UpdateCommand& options, const UpdateStates& states,
@@ -215,36 +227,8 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
   return json;
 }
 
-Json run_update(VerbContext& context, UpdateCommand options) {
-  if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty()) {
-    throw UsageError("nothing to fit to: give --measured, --frf or --decay");
-  }
-  if (!options.band.empty()) {
-    if (!(options.band[0] < options.band[1])) throw UsageError("--band must rise");
-    options.data.band_hz = {options.band[0], options.band[1]};
-  }
-  UpdateStates states = read_update_states(options.data, context);
-  ident::UpdateResult result;
-  Json json = update_result(states, options, context, result);
-  json["scenes"] = write_scenes(options, states, result, context);
-  return json;
-}
-
-}  // namespace
-
-std::vector<model::Scene> updated_scenes(const UpdateStates& states,
-                                         const ident::UpdateResult& result) {
-  std::vector<model::Scene> scenes = result.scenes;
-  for (std::size_t s = 0; s < scenes.size(); ++s) {
-    for (std::size_t m = 0; m < scenes[s].members.size(); ++m) {
-      scenes[s].members[m].segments = states.segments[s][m];
-    }
-  }
-  return scenes;
-}
-
-Json update_result(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
-                   ident::UpdateResult& result) {
+Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
+                 ident::UpdateResult& result) {
   if (!options.candidates.empty() || !options.ends.empty()) {
     return compare_models(states, options, context, result);
   }
@@ -291,6 +275,28 @@ Json update_result(UpdateStates& states, const UpdateCommand& options, VerbConte
   }
   return json;
 }
+
+Json run_update(VerbContext& context, UpdateCommand options) {
+  if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty()) {
+    throw UsageError("nothing to fit to: give --measured, --frf or --decay");
+  }
+  if (!options.band.empty()) {
+    if (!(options.band[0] < options.band[1])) throw UsageError("--band must rise");
+    options.data.band_hz = {options.band[0], options.band[1]};
+  }
+  UpdateStates states = read_update_states(options.data, context);
+  ident::UpdateResult result;
+  Json json = fitted_json(states, options, context, result);
+  if (context.at_hand) {
+    context.at_hand->covariance = result.covariance;
+    context.at_hand->fitted_scenes = updated_scenes(states, result);
+  } else {
+    json["scenes"] = write_scenes(options, states, result, context);
+  }
+  return json;
+}
+
+}  // namespace
 
 describe::Options options_of(UpdateCommand& c) {
   using describe::option;

@@ -10,10 +10,12 @@
 #include <set>
 #include <utility>
 
-#include "apps/describe/digits.h"
+#include "apps/cli/json_document.h"
+#include "apps/describe/sheet.h"
 #include "apps/results/update_result.h"
 #include "document/toml_table.h"
 #include "ident/campaign/fit_campaign.h"
+#include "ident/update/update_rows.h"
 #include "model/scene/parameters.h"
 
 namespace rigfit::apps {
@@ -174,46 +176,39 @@ std::vector<NamedModel> candidate_models(const UpdateCommand& command, const Upd
 }
 
 Json candidates_json(const ident::CandidateComparison& comparison, VerbContext& context) {
-  const auto end = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:.5g}", value) : std::string("open");
-  };
   Json list = Json::array();
   auto& out = context.out;
   out << fmt::format("\n{:<24} {:>8} {:>12}  {}\n", "candidate", "weight", "ln evidence", "fit");
   for (const auto& one : comparison.candidates) {
     const bool fitted = one.result.status != ident::UpdateStatus::no_model;
+    const auto& fit = one.result.fit;
     Json entry{{"name", one.name},
                {"weight", one.weight},
                {"log_evidence", json_number(fitted ? one.result.log_evidence : std::nan(""))},
                {"status", ident::name_of(one.result.status)},
-               {"message", one.result.message}};
-    const auto& fit = one.result.fit;
-    entry["chi2"] = fitted ? Json(fit.chi2) : Json(nullptr);
-    entry["degrees_of_freedom"] = fitted ? Json(fit.degrees_of_freedom) : Json(nullptr);
-    entry["p_value"] = json_number(fit.p_value);
-    entry["parameters"] =
-        parameters_json(fitted ? one.result.parameters : std::vector<ident::UpdatedParameter>{});
-    list.push_back(std::move(entry));
+               {"message", one.result.message},
+               {"chi2", fitted ? Json(fit.chi2) : Json(nullptr)},
+               {"degrees_of_freedom", fitted ? Json(fit.degrees_of_freedom) : Json(nullptr)},
+               {"p_value", json_number(fit.p_value)},
+               {"parameters", Json::array()}};
     out << fmt::format("{:<24} {:>8.3f} {:>12}  {}\n", one.name, one.weight,
                        fitted ? fmt::format("{:.2f}", one.result.log_evidence) : "-",
                        fitted ? ident::fit_text(fit) : one.result.message);
-    if (!fitted) continue;
-    for (const auto& p : one.result.parameters) {
-      out << fmt::format("  {:<32} {:>12} {:>10}   {} .. {}\n", p.name,
-                         value_digits(p.value, p.identifiable ? p.std : 0),
-                         p.identifiable ? std_digits(p.std) : "not known", end(p.low), end(p.high));
+    if (fitted) {
+      entry["parameters"] = describe::json_of(one.result.parameters);
+      describe::print(out, describe::table_of(one.result.parameters));
     }
+    list.push_back(std::move(entry));
   }
   Json averaged = Json::array();
-  if (!comparison.averaged.empty()) out << "averaged over the candidates by their weights:\n";
   for (const auto& p : comparison.averaged) {
-    averaged.push_back({{"name", p.name},
-                        {"value", json_number(p.value)},
-                        {"std", json_number(p.std)},
-                        {"low", json_number(p.low)},
-                        {"high", json_number(p.high)}});
-    out << fmt::format("  {:<32} {:>12} {:>10}   {} .. {}\n", p.name, value_digits(p.value, p.std),
-                       std_digits(p.std), end(p.low), end(p.high));
+    Json row{{"name", p.name}};
+    row.update(describe::json_of(describe::Bounded{p.value, p.std, p.low, p.high}));
+    averaged.push_back(std::move(row));
+  }
+  if (!averaged.empty()) {
+    out << "averaged over the candidates by their weights:\n";
+    describe::print(out, describe::table_of(comparison.averaged));
   }
   const auto& best = comparison.candidates[static_cast<std::size_t>(comparison.heaviest)];
   if (best.weight < 0.9) {

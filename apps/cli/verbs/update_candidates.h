@@ -21,10 +21,26 @@
 #include <vector>
 
 #include "apps/campaign_file/update_data.h"
-#include "apps/cli/verbs/calls.h"
+#include "apps/cli/verb.h"
 #include "ident/update/model_candidates.h"
 
 namespace rigfit::apps {
+
+struct UpdateCommand {
+  UpdateData data;
+  std::vector<double> band;
+  std::vector<std::string> free, priors, inputs, aims;
+  std::string candidates;         ///< file; empty: none
+  std::vector<std::string> ends;  ///< "pinned", "clamped", "springs", "own springs": the same
+  std::string out, axial;
+  bool axial_damping = false;
+  bool hold_out = false, profile = false;
+  int monte_carlo = 0, starts = 4;
+  double start_spread = 3, assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
+  double stiffness_common_std = 0;
+};
+
+[[nodiscard]] describe::Options options_of(UpdateCommand& command);
 
 /// A candidate with what is fitted in it: names as for --free and --prior.
 struct NamedModel {

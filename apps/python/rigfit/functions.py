@@ -19,11 +19,16 @@ from .results import (AxialResult, BendingResult, DecayResult, FrfResult, Inspec
 from .tables import write_cables, write_modes
 
 
+def _run(name, options, inputs=None):
+    """Document, exit code, text, and what else the result has. ``inputs``: what stands first in the call."""
+    return call(_core.run, name, options, inputs)
+
+
 def _one(argument, given):
     found = sources(argument, given)
     if len(found) != 1:
         checks.fail(argument, f"must be one recording, not {len(found)}")
-    return found
+    return found[0]
 
 
 def _with_folder(function):
@@ -78,20 +83,20 @@ def read(file, sample_rate=None, *, format=None, decimal=None, separator=None, t
 @verb("inspect", InspectResult)
 def inspect(recordings, options):
     """What recordings hold and whether they are fit for use."""
-    return call(_core.inspect, sources("recordings", recordings), options)
+    return _run("inspect", options, sources("recordings", recordings))
 
 
 @verb("resample", ResampleResult)
 def resample(recording, rate=None, *, out=None, options):
     """A recording at another rate (with a filter), or uneven times made even."""
-    *answer, even = call(_core.resample, _one("recording", recording), options)
-    return *answer, {"recording": Recording._of(even)}
+    *answer, more = _run("resample", options, _one("recording", recording))
+    return *answer, {"recording": Recording._of(more["recording"])}
 
 
 @verb("decay", DecayResult)
 def decay(recording, channel=None, *, options):
     """Frequency and damping of a free decay."""
-    return call(_core.decay, _one("recording", recording), options)
+    return _run("decay", options, _one("recording", recording))
 
 
 def _check_struck(options, given):
@@ -104,8 +109,7 @@ def frf(recordings, force, response=None, *, options):
     """Hammer hits found and judged, averaged FRFs with coherence and error bars. Channels of Recording objects are not copied."""
     given = sources("recordings", recordings)
     _check_struck(options, given)
-    *answer, frfs = call(_core.frf, given, options)
-    return *answer, {"frfs": frfs}
+    return _run("frf", options, given)
 
 
 @verb("modal", ModalResult)
@@ -122,8 +126,7 @@ def modal(frfs, *, options):
         checks.fail("force", "is needed for recordings of hits")
     if given:
         _check_struck(options, given)
-    *answer, used = call(_core.modal, at_hand, given, options)
-    return *answer, {"frfs": used}
+    return _run("modal", options, given if at_hand is None else at_hand)
 
 
 _UNITS = {"tension": "N", "tension_N": "N", "load": "N", "load_N": "N", "deflection": "m", "deflection_m": "m",
@@ -143,7 +146,7 @@ def bending(recordings, options):
         tension = options["tension"]
         zero = isinstance(tension, (int, np.integer)) and not isinstance(tension, bool) and tension == 0
         options["tension"] = "0" if zero else checks.text("tension", tension)
-    return call(_core.bending, sources("recordings", recordings), options)
+    return _run("bending", options, sources("recordings", recordings))
 
 
 @verb("axial", AxialResult)
@@ -153,7 +156,7 @@ def axial(recordings, options):
     if len(given) % len(options["length"]):
         checks.fail("length", f"has {len(options['length'])} values for {len(given)} recordings: give one, one for each, or one "
                               "for each group of equal size")
-    return call(_core.axial, given, options)
+    return _run("axial", options, given)
 
 
 _MODES = "_Path | ModalResult | ArrayLike | Sequence[Any]"
@@ -176,7 +179,7 @@ def tension(recordings=None, options=None, folder=None):
     given = [] if recordings is None else sources("recordings", recordings)
     if not given and not {"frequencies", "measured"} & set(options):
         checks.fail("frequencies", "give recordings, frequencies or measured")
-    return call(_core.tension, given, options)
+    return _run("tension", options, given)
 
 
 @verb("tension", TensionTableResult, raw={"table": "_Path | Sequence[Mapping[str, Any]] | Any"},
@@ -188,7 +191,7 @@ def tension_table(table, options, folder=None):
     frequency_std (Hz); and f1, f2 ... or frequencies (a list), Hz."""
     table = options["table"]
     options["table"] = checks.path("table", table) if is_path(table) else write_cables("table", table, folder)
-    return call(_core.tension_table, options)
+    return _run("tension", options)
 
 
 @verb("modes", ModesResult)
@@ -196,13 +199,14 @@ def modes(scene, options):
     """Static equilibrium of a scene, then its natural modes."""
     if {"count", "band"} <= set(options):
         checks.fail("count", "cannot be given with band")
-    return call(_core.modes, scene_or_path(scene), options)
+    return _run("modes", options, scene_or_path(scene))
 
 
 @verb("respond", RespondResult)
 def respond(scene, *, duration, rate, out=None, options):
     """Time response of a scene at its sensors: linear or geometrically exact by need."""
-    *answer, samples = call(_core.respond, scene_or_path(scene), options)
+    *answer, more = _run("respond", options, scene_or_path(scene))
+    samples = more["samples"]
     samples.setflags(write=False)
     return *answer, {"response": samples, "time_s": np.arange(len(samples)) / options["rate"]}
 
@@ -255,17 +259,18 @@ def update(scene, options, folder=None):
     if "candidates" in options:
         options["candidates"] = checks.document("candidates", options["candidates"])
     several = scene if isinstance(scene, (list, tuple)) and scene else [scene]
-    options["SCENE"] = [_scene_file(one, i, folder) for i, one in enumerate(several)]
+    scenes = [_scene_file(one, i, folder) for i, one in enumerate(several)]
     if "measured" in options:
         options["measured"] = _files("measured", options["measured"], lambda name, one: write_modes(name, one, folder))
     for name in {"frf", "decay", "response"} & set(options):
         options[name] = _files(name, options[name])
     _write_result("stiffness", options, BendingResult, folder)
     _write_result("axial", options, AxialResult, folder)
-    *answer, covariance, scenes = call(_core.update, options)
+    *answer, more = _run("update", options, scenes)
+    covariance = more["covariance"]
     covariance.setflags(write=False)
     known = covariance.size and np.isfinite(covariance).all()
-    return *answer, {"covariance": covariance if known else None, "fitted_scenes": [Scene._of(one) for one in scenes]}
+    return *answer, {"covariance": covariance if known else None, "fitted_scenes": [Scene._of(one) for one in more["scenes"]]}
 
 
 @verb("predict", PredictResult, raw={"fit": "UpdateResult | _Path", "map": "Mapping[str, str]", "measured": _MODES})
@@ -284,7 +289,7 @@ def predict(scene, fit, options=None, folder=None):
     _write_result("fit", options, UpdateResult, folder)
     options["from"] = options.pop("fit")
     _measured(options, folder)
-    return call(_core.predict, scene_or_path(scene), options)
+    return _run("predict", options, scene_or_path(scene))
 
 
 @verb("synthesize", SynthesizeResult, raw={"out": "_Path"})
@@ -292,14 +297,14 @@ def synthesize(scene, out, *, options):
     """A virtual laboratory: recordings that a rig like this would give; its ``truth.json`` says what is true."""
     options["out"] = checks.path("out", options["out"])
     options["command_line"] = ["rigfit", "synthesize", "(from Python)"]
-    return call(_core.synthesize, scene_or_path(scene), options)
+    return _run("synthesize", options, scene_or_path(scene))
 
 
 @verb("report", ReportResult, raw={"out": "_Path"})
 def report(campaign, out, *, options):
     """Everything a campaign names, from recordings to model against test; two campaigns are compared value by value."""
-    options["campaign"] = checks.paths("campaign", campaign)
+    campaigns = checks.paths("campaign", campaign)
     options["out"] = checks.path("out", options["out"])
-    if len(options["campaign"]) > 2:
-        checks.fail("campaign", f"must be one or two, before and after, not {len(options['campaign'])}")
-    return call(_core.report, options)
+    if len(campaigns) > 2:
+        checks.fail("campaign", f"must be one or two, before and after, not {len(campaigns)}")
+    return _run("report", options, campaigns)

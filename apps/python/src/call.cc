@@ -111,10 +111,15 @@ py::object to_python(const Json& value) {
   }
 }
 
+std::string key_of(const describe::Option& option) {
+  std::string key = option.name.starts_with("--") ? option.name.substr(2) : option.name;
+  std::replace(key.begin(), key.end(), '-', '_');
+  return key;
+}
+
 void take(const describe::Options& options, const py::dict& given) {
   for (const auto& option : options) {
-    std::string key = option.name.starts_with("--") ? option.name.substr(2) : option.name;
-    std::replace(key.begin(), key.end(), '-', '_');
+    const std::string key = key_of(option);
     if (!given.contains(key.c_str())) continue;
     const py::object value = given[key.c_str()];
     std::visit(
@@ -195,7 +200,7 @@ void run_unlocked(std::function<void()> work) {
   }
 }
 
-py::tuple run_verb(const char* name, const py::dict& given,
+py::tuple run_work(const char* name, const py::dict& given,
                    std::function<Json(apps::VerbContext&)> work) {
   struct State {
     explicit State(const py::dict& from) : context(from) {}

@@ -24,17 +24,6 @@ using apps::Json;
 
 [[nodiscard]] py::object to_python(const Json& value);
 
-/// What the Python layer has checked, by names of options with _ for -, into a verb's options.
-void take(const describe::Options& options, const py::dict& given);
-
-/// The options of a verb, filled.
-template <typename Command>
-[[nodiscard]] Command command_of(const py::dict& given) {
-  Command command;
-  take(options_of(command), given);
-  return command;
-}
-
 /// What a call works in: a verb's context that is silent.
 class CallContext {
  public:
@@ -51,13 +40,22 @@ class CallContext {
 /// owns all that it uses; what it owns of Python is released with the lock held.
 void run_unlocked(std::function<void()> work);
 
-/// The verb's document {rigfit, command, inputs, warnings, ...}, its exit code, and what the
-/// program prints. `work` is run unlocked.
-[[nodiscard]] py::tuple run_verb(const char* name, const py::dict& given,
+/// A document {rigfit, command, inputs, warnings, ...} of that name with what `work` gives, the
+/// exit code, and what is printed.
+[[nodiscard]] py::tuple run_work(const char* name, const py::dict& given,
                                  std::function<Json(apps::VerbContext&)> work);
 
 /// What the Python layer makes arguments, checks and docstrings of: each option of a verb.
 [[nodiscard]] py::list described_options(const std::string& verb);
+
+/// "mass_per_length" of "--mass-per-length".
+[[nodiscard]] std::string key_of(const describe::Option& option);
+
+/// Values by such names into these options.
+void take(const describe::Options& options, const py::dict& given);
+
+void bind_frfs(py::module_& module);    ///< FrfSet, made of arrays or read
+void bind_scenes(py::module_& module);  ///< Scene, frf_of
 
 /// Calls that were interrupted and still work.
 [[nodiscard]] int abandoned_calls();

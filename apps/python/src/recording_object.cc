@@ -9,7 +9,6 @@
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/common_options.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/verbs/calls.h"
 #include "apps/python/src/borrowed_samples.h"
 #include "apps/python/src/call.h"
 #include "signal/recording/units.h"
@@ -124,8 +123,12 @@ py::tuple read(const std::string& path, const py::dict& options) {
     Shared object = std::make_shared<RecordingObject>();
   };
   auto state = std::make_shared<State>(options);
-  signal::ReadOptions reading = apps::read_options(command_of<apps::ReadingOptions>(options));
-  reading.sample_rate_hz = command_of<apps::InspectCommand>(options).sample_rate_hz;
+  apps::ReadingOptions given;
+  take(options_of(given), options);
+  signal::ReadOptions reading = apps::read_options(given);
+  if (options.contains("sample_rate")) {
+    reading.sample_rate_hz = options["sample_rate"].cast<double>();
+  }
   run_unlocked([state, path, reading] {
     state->object->recording = apps::load_recording(path, state->context.verb(), reading);
   });
@@ -154,38 +157,6 @@ void RecordingObject::set_samples(std::size_t channel, const py::array_t<double>
     samples = Eigen::Map<const Eigen::VectorXd>(array.data(), array.size());
     owners_[channel] = py::object();
   }
-}
-
-std::string Source::name() const {
-  return recording ? recording->recording.path.string() : path.string();
-}
-
-void warn_of_notes(const signal::Recording& recording, apps::VerbContext& context) {
-  for (const signal::Note& note : recording.notes) {
-    const std::string file = recording.path.string();
-    context.warn(note.code, note.message, note.where.empty() ? file : file + ": " + note.where);
-  }
-}
-
-signal::Recording Source::load(apps::VerbContext& context,
-                               const signal::ReadOptions& options) const {
-  if (!recording) return apps::load_recording(path, context, options);
-  signal::Recording copy = recording->recording;
-  warn_of_notes(copy, context);
-  if (!(copy.sample_rate_hz > 0)) copy.sample_rate_hz = options.sample_rate_hz;
-  return copy;
-}
-
-std::vector<Source> sources_of(const py::list& given) {
-  std::vector<Source> sources;
-  for (const py::handle one : given) {
-    if (py::isinstance<py::str>(one)) {
-      sources.push_back({one.cast<std::string>(), nullptr});
-    } else {
-      sources.push_back({{}, one.cast<Shared>()});
-    }
-  }
-  return sources;
 }
 
 void bind_recordings(py::module_& module) {

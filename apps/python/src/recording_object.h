@@ -36,23 +36,6 @@ class RecordingObject {
   std::vector<py::object> owners_;
 };
 
-/// A file to be read in the call, or a recording at hand.
-struct Source {
-  std::filesystem::path path;
-  std::shared_ptr<const RecordingObject> recording;
-
-  [[nodiscard]] std::string name() const;
-  /// The file read as an input of the run, or a copy of the recording; the recording's notes become
-  /// warnings.
-  [[nodiscard]] signal::Recording load(apps::VerbContext& context,
-                                       const signal::ReadOptions& options = {}) const;
-};
-/// Sources from the str and Recording objects that the Python layer passes.
-[[nodiscard]] std::vector<Source> sources_of(const py::list& given);
-
-/// Every note of a recording at hand as a warning, as when its file is read.
-void warn_of_notes(const signal::Recording& recording, apps::VerbContext& context);
-
 void bind_recordings(py::module_& module);
 
 }  // namespace rigfit::python

@@ -6,17 +6,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "apps/describe/json_of.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
 #include "apps/report/modal/modal_part.h"
 
 namespace rigfit::apps {
 namespace {
-
-Json estimate_json(const signal::Estimate& e) {
-  return {{"value", std::isfinite(e.value) ? Json(e.value) : Json(nullptr)},
-          {"std", std::isfinite(e.std) ? Json(e.std) : Json(nullptr)}};
-}
 
 class DecayPart : public TestPart {
  public:
@@ -136,37 +132,15 @@ class DecayPart : public TestPart {
               {"channel", decay.channel},
               {"origin", word_of(decay.origin)},
               {"tension_N", group.tension_N ? Json(*group.tension_N) : Json(nullptr)},
-              {"modes", modes_json(decay.result)},
-              {"decays", decays_json(outcome.found)},
+              {"modes", describe::json_of(decay.result.modes)},
+              {"decays", describe::json_of(outcome.found.decays)},
               {"law", name_of(decay.result.envelope.law)},
-              {"frequency_drift_hz", estimate_json(decay.result.envelope.frequency_drift_hz)}};
+              {"frequency_drift_hz", describe::json_of(decay.result.envelope.frequency_drift_hz)}};
     list_modes(decay, group);
     add_answers(decay, group);
     if (outcome.modelled) overlay(decay, outcome.answers, id, tab, json);
     list.push_back(std::move(json));
     decays_.push_back(std::move(decay));
-  }
-
-  static Json decays_json(const ident::ChannelDecays& found) {
-    Json decays = Json::array();
-    for (const auto& decay : found.decays) {
-      decays.push_back(
-          {{"start_s", decay.start_s}, {"end_s", decay.end_s}, {"fitted", decay.fitted}});
-    }
-    return decays;
-  }
-
-  static Json modes_json(const signal::DecayResult& result) {
-    Json modes = Json::array();
-    for (const auto& mode : result.modes) {
-      modes.push_back({{"frequency_hz", estimate_json(mode.frequency_hz)},
-                       {"damping_ratio", estimate_json(mode.damping_ratio)},
-                       {"log_decrement", estimate_json(mode.log_decrement)},
-                       {"amplitude", mode.amplitude},
-                       {"cycles", mode.cycles},
-                       {"r_squared", mode.r_squared}});
-    }
-    return modes;
   }
 
   void overlay(const AnalysedDecay& decay, const std::vector<ReleaseAnswer>& answers,
@@ -189,7 +163,7 @@ class DecayPart : public TestPart {
                       {"solver", name_of(answer.response.solver)},
                       {"nonlinear", answer.response.nonlinear},
                       {"frequency_shift", answer.response.frequency_shift},
-                      {"modes", modes_json(answer.found)}});
+                      {"modes", describe::json_of(answer.found.modes)}});
     }
     json["models"] = std::move(list);
   }

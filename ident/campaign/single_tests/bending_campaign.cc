@@ -234,4 +234,39 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
   return result;
 }
 
+std::vector<BendingRow> bending_rows(const BendingCampaign& campaign,
+                                     const BendingCampaignResult& result) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<BendingRow> rows;
+  for (const auto& one : result.points) {
+    const auto& point = one.point;
+    BendingRow row;
+    row.file = campaign.sources[one.source].name;
+    if (one.row > 0) row.row = one.row;
+    row.refused = one.refused();
+    row.tension_N = point.tension_N;
+    row.EI_Nm2 = row.refused ? describe::Bounded{kNone, kNone, kNone, kNone}
+                             : describe::Bounded{point.EI_Nm2, point.std, point.low, point.high};
+    row.stiffness_N_m = row.modulus_Pa = {kNone, kNone};
+    row.shared_relative_std = point.shared_relative_std;
+    row.tension_spread_N = point.tension_std_N;
+    if (one.analysis) {
+      const auto& analysis = *one.analysis;
+      row.hysteresis_N = analysis.hysteresis_N;
+      row.friction_load_N = analysis.friction_load_N;
+      row.friction_travel_m = analysis.friction_travel_m;
+      if (analysis.ends != BeamEnds::tensioned) {
+        row.ends = name_of(analysis.ends);
+        const auto& slope = analysis.compliance_m_N;
+        if (!row.refused) {
+          row.stiffness_N_m = {1 / slope.value, slope.std / slope.value / slope.value};
+        }
+        row.modulus_Pa = bending_modulus(campaign, one);
+      }
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 }  // namespace rigfit::ident

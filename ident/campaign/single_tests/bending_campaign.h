@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "document/describe.h"
 #include "ident/bending/bending_analysis.h"
 #include "ident/stiffness/stiffness_curve.h"
 #include "ident/stiffness/strand.h"
@@ -77,9 +78,73 @@ inline constexpr Eigen::Index kLongestBendingTable = 400;
 [[nodiscard]] signal::Estimate bending_modulus(const BendingCampaign& campaign,
                                                const BendingPoint& point);
 
+/// A point as it is printed and written.
+struct BendingRow {
+  std::string file, ends;  ///< ends: empty of a test under tension
+  std::optional<std::size_t> row;
+  bool refused = false;
+  double tension_N = 0;
+  describe::Bounded EI_Nm2{};                 ///< NaN where refused
+  signal::Estimate stiffness_N_m, modulus_Pa;  ///< without tension; NaN: not known
+  double shared_relative_std = 0, tension_spread_N = 0;
+  double hysteresis_N = 0, friction_load_N = 0, friction_travel_m = 0;  ///< of a record
+};
+[[nodiscard]] std::vector<BendingRow> bending_rows(const BendingCampaign& campaign,
+                                                   const BendingCampaignResult& result);
+
 /// Uncertainty of a test's EI that it shares with others of the same span and instruments, relative
 /// to EI: root of the sum of squares.
 [[nodiscard]] double shared_relative_std(const BendingTestResult& test,
                                          const BendingTestOptions& options);
 
 }  // namespace rigfit::ident
+
+namespace rigfit::describe {
+
+template <>
+struct Described<ident::BendingRow> {
+  using T = ident::BendingRow;
+  static constexpr std::string_view title = "";
+  static constexpr auto fields = std::tuple{
+      field("tension_N", where([](const T& r) { return r.ends.empty(); }, &T::tension_N), "N",
+            "tension", "mean over the samples used", 5),
+      field("stiffness_N_m", &T::stiffness_N_m, "N/m", "slope", "load over deflection"),
+      field("EI_Nm2", &T::EI_Nm2, "N m2", "EI", "flexural rigidity"),
+      field(
+          "", [](const T& r) { return Ends{r.EI_Nm2.low, r.EI_Nm2.high, r.EI_Nm2.std}; }, "",
+          "95 % interval", ""),
+      field("modulus_Pa", &T::modulus_Pa, "Pa", "modulus", "EI over the second moment"),
+      field("refused", &T::refused, "", "", "see the warnings"),
+      field(
+          "", [](const T& r) { return std::string(r.refused ? "refused" : ""); }, "", "remark", ""),
+      field("ends", &T::ends, "", "", "clamped, pinned or cantilever, without tension"),
+      field("row", &T::row, "", "", "of a table of EI, from 1"),
+      field("shared_relative_std", &T::shared_relative_std, "", "", "common to all tests"),
+      field("tension_spread_N", &T::tension_spread_N, "N", "", "std of the tension within a test"),
+      field("hysteresis_N", &T::hysteresis_N, "N", "", "half between loading and unloading"),
+      field("friction_load_N", &T::friction_load_N, "N", "", "of the wires, after a turn"),
+      field("friction_travel_m", &T::friction_travel_m, "m", "", "over which it reverses"),
+      field("file", &T::file, "", "from", "")};
+};
+
+template <>
+struct Described<ident::StiffnessBounds> {
+  using T = ident::StiffnessBounds;
+  static constexpr auto fields = std::tuple{
+      field("EI_min_Nm2", &T::EI_min_Nm2, "N m2", "strand, EI at least", "wires slip freely", 4),
+      field("EI_max_Nm2", &T::EI_max_Nm2, "N m2", "strand, EI at most", "wires do not slip", 4)};
+};
+
+template <>
+struct Described<ident::BeamSpecimens> {
+  using T = ident::BeamSpecimens;
+  static constexpr auto fields = std::tuple{
+      field("count", &T::count, "", "specimens", "that gave an EI"),
+      field("EI_Nm2", &T::EI_Nm2, "N m2", "mean EI", "plain mean", 3),
+      field("modulus_Pa", where([](const T& s) { return s.modulus_Pa > 0; }, &T::modulus_Pa), "Pa",
+            "mean modulus", "plain mean", 3),
+      field("relative_scatter", &T::relative_scatter, "%", "scatter between them",
+            "standard deviation", 2)};
+};
+
+}  // namespace rigfit::describe

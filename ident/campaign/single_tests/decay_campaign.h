@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "document/describe.h"
 #include "ident/campaign/single_tests/finding.h"
 #include "signal/decay/decay.h"
 #include "signal/recording/recording.h"
@@ -71,3 +72,112 @@ struct DecayTest {
                                        const DecayTestOptions& options);
 
 }  // namespace rigfit::ident
+
+namespace rigfit::describe {
+
+template <>
+struct Described<ident::FoundDecay> {
+  using T = ident::FoundDecay;
+  static constexpr auto strongest = [](const T& d) {
+    const bool any = d.result && !d.result->modes.empty();
+    return any ? std::optional(d.result->modes.front()) : std::nullopt;
+  };
+  static bool shown(const T& d) { return d.result.has_value(); }
+  static constexpr std::string_view title = "decays of the record";
+  static constexpr auto fields = std::tuple{
+      field("start_s", &T::start_s, "s", "start", "of the window"),
+      field("end_s", &T::end_s, "s", "end", "of the window"),
+      field("fitted", &T::fitted, "", "fitted", "a fit was made"),
+      field(
+          "frequency_hz",
+          [](const T& d) {
+            const auto mode = strongest(d);
+            return mode ? std::optional(mode->frequency_hz) : std::nullopt;
+          },
+          "Hz", "frequency", "of the strongest mode"),
+      field(
+          "damping_ratio",
+          [](const T& d) {
+            const auto mode = strongest(d);
+            return mode ? std::optional(mode->damping_ratio) : std::nullopt;
+          },
+          "%", "damping", "of the strongest mode"),
+      field(
+          "modes",
+          [](const T& d) { return d.result ? d.result->modes : std::vector<signal::DecayMode>{}; },
+          "", "", "of each decay, where each was fitted"),
+      field(
+          "refusal", [](const T& d) { return d.result ? d.result->refusal : std::string(); }, "",
+          "remark", "why it has no modes")};
+};
+
+template <>
+struct Described<ident::PooledMode> {
+  using T = ident::PooledMode;
+  static constexpr std::string_view title = "pooled over the decays";
+  static constexpr auto fields = std::tuple{
+      field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "mean over the decays"),
+      field("frequency_scatter_hz", &T::frequency_scatter_hz, "Hz", "scatter", "between decays", 2),
+      field("damping_ratio", &T::damping_ratio, "%", "damping", "mean over the decays"),
+      field("damping_ratio_scatter", &T::damping_ratio_scatter, "%", "scatter", "between decays",
+            2),
+      field("frequency_interval_95_hz", ends_of(&T::frequency_interval_95_hz), "Hz", "", "95 %"),
+      field("damping_ratio_interval_95", ends_of(&T::damping_ratio_interval_95), "", "", "95 %"),
+      field("decays", &T::decays, "", "decays", "that show the mode")};
+};
+
+template <>
+struct Described<ident::ChannelDecays> {
+  using T = ident::ChannelDecays;
+  static constexpr auto solved = [](const T& c) { return c.strongest.refusal_code.empty(); };
+  static constexpr auto fields = std::tuple{
+      field("channel", &T::channel, "", "", "name"),
+      field("unit", &T::unit, "", "", "of the channel"),
+      field("sample_rate_hz", &T::sample_rate_hz, "Hz", "", "of the recording"),
+      field(
+          "modes", [](const T& c) { return c.strongest.modes; }, "", "modes",
+          "of the strongest decay, strongest first"),
+      field("start_s", &T::start_s, "s", "", "of the window fitted"),
+      field("end_s", &T::end_s, "s", "", "of the window fitted"),
+      field(
+          "samples", [](const T& c) { return c.strongest.end - c.strongest.start; }, "", "",
+          "of the window fitted"),
+      field("decays", &T::decays, "", "decays", "of the record, in time"),
+      field("pooled", &T::pooled, "", "pooled", "modes over the decays, where each was fitted"),
+      field("frequency_drift_hz",
+            where(solved, [](const T& c) { return c.strongest.envelope.frequency_drift_hz.value; }),
+            "Hz", "", "of the strongest, from the first span to the last"),
+      field("frequency_drift_std_hz",
+            where(solved, [](const T& c) { return c.strongest.envelope.frequency_drift_hz.std; }),
+            "Hz", "", "standard uncertainty"),
+      field(
+          "amplitude_dependence",
+          [](const T& c) {
+            auto envelope = c.strongest.envelope;
+            for (auto& point : envelope.points) point.time_s += c.start_s;
+            return envelope;
+          },
+          "", "along the decay", "of the strongest"),
+      field(
+          "steady_tones",
+          [](const T& c) {
+            std::vector<double> tones;
+            for (const auto& one : c.strongest.steady_tones) {
+              tones.push_back(one.damped_frequency_hz.value);
+            }
+            return tones;
+          },
+          "Hz", "", "hum that does not decay"),
+      field("noise_std", where(solved, [](const T& c) { return c.strongest.noise_std; }), "",
+            "noise", "rms, channel's unit", 3),
+      field("signal_to_noise_db",
+            where(solved, [](const T& c) { return c.strongest.signal_to_noise_db; }), "dB",
+            "signal to noise", "of the strongest mode at the start", 3),
+      field("residual_order", where(solved, [](const T& c) { return c.strongest.residual_order; }),
+            "", "", "of the noise's autoregression"),
+      field("degrees_of_freedom",
+            where(solved, [](const T& c) { return c.strongest.degrees_of_freedom; }), "", "",
+            "of the fit")};
+};
+
+}  // namespace rigfit::describe

@@ -103,11 +103,5 @@ TEST(BendingVerb, BadInputsEndWithTheirExitCode) {
   EXPECT_NE(refused.err.find("row 1"), std::string::npos) << refused.err;
 }
 
-TEST(BendingVerb, HelpHasAnExample) {
-  const auto run = run_program({"bending", "--help"});
-  EXPECT_EQ(run.exit_code, 0);
-  EXPECT_NE(run.out.find("rigfit bending ei.csv"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace rigfit::apps::bending_verb_test

@@ -125,11 +125,5 @@ files = ["taps.csv"]
   EXPECT_TRUE(each["decays"][0]["fitted"].get<bool>() && each["decays"][1]["fitted"].get<bool>());
 }
 
-TEST(DecayVerb, HelpShowsAnExample) {
-  const auto run = run_program({"decay", "--help"});
-  EXPECT_EQ(run.exit_code, 0);
-  EXPECT_THAT(run.out, HasSubstr("rigfit decay tap.csv --channel"));
-}
-
 }  // namespace
 }  // namespace rigfit::apps::decay_test

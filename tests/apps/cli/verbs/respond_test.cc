@@ -48,7 +48,7 @@ TEST(Respond, ReleaseIsNonlinearAndItsEnergyBalanceCloses) {
 
   std::string header;
   const auto samples = columns(folder.read("y.csv"), &header);
-  EXPECT_EQ(header, "time_s,mid (m/s^2)");
+  EXPECT_EQ(header, "Time (s),mid (m/s^2)");
   ASSERT_EQ(samples.size(), 2u);
   ASSERT_EQ(samples[0].size(), 1001u);
   EXPECT_NEAR(samples[0][1000], 0.5, 1e-12);
@@ -221,7 +221,7 @@ duration = 0.02
     ASSERT_EQ(run.exit_code, 0) << run.err;
     std::string header;
     const auto found = columns(folder.read("y.csv"), &header);
-    EXPECT_EQ(header, "time_s,displacement (m),velocity (m/s),acceleration (m/s^2),force (N)");
+    EXPECT_EQ(header, "Time (s),displacement (m),velocity (m/s),acceleration (m/s^2),force (N)");
     ASSERT_EQ(found.size(), 5u);
     ASSERT_EQ(found[0].size(), 101u);
     if (first.empty()) first = found;

@@ -1,5 +1,4 @@
-// Python's Scene and what is done with it: modes, FRFs, responses, fits, predictions, virtual
-// laboratories; and reports.
+// Scenes as Python holds them, and their FRFs.
 #include <pybind11/complex.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -11,9 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/cli/verbs/calls.h"
+#include "apps/cli/exit_code.h"
 #include "apps/python/src/call.h"
-#include "apps/python/src/module.h"
 #include "model/frfs/frf_synthesis.h"
 #include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
@@ -77,15 +75,6 @@ py::list names_of(const Items& items) {
   return names;
 }
 
-py::tuple modes(const py::object& given, const py::dict& options) {
-  const SceneSource source(given);
-  auto command = command_of<apps::ModesCommand>(options);
-  command.scene = source.path;
-  return run_verb("modes", options, [source, command](apps::VerbContext& context) {
-    return apps::modes_result(source.load(context), command, context);
-  });
-}
-
 /// H: lines x sensors x loads.
 py::tuple frf_of(const py::object& given, const py::array_t<double, py::array::c_style>& lines,
                  const py::dict& options) {
@@ -103,7 +92,7 @@ py::tuple frf_of(const py::object& given, const py::array_t<double, py::array::c
   if (options.contains("exponential_window")) {
     state->decay_rate_1_s = options["exponential_window"].cast<double>();
   }
-  const py::tuple answer = run_verb("frf_of", options, [source, state](apps::VerbContext& context) {
+  const py::tuple answer = run_work("frf_of", options, [source, state](apps::VerbContext& context) {
     state->scene = source.load(context);
     state->frfs = model::synthesize_frfs(state->scene, state->frequency_hz, state->modes,
                                          state->decay_rate_1_s);
@@ -132,77 +121,9 @@ py::tuple frf_of(const py::object& given, const py::array_t<double, py::array::c
   return py::make_tuple(answer[0], answer[1], answer[2], H);
 }
 
-py::tuple respond(const py::object& given, const py::dict& options) {
-  const SceneSource source(given);
-  auto command = command_of<apps::RespondCommand>(options);
-  command.scene = source.path;
-  auto response = std::make_shared<model::ResponseResult>();
-  const py::tuple answer =
-      run_verb("respond", options, [source, command, response](apps::VerbContext& context) {
-        return apps::respond_result(source.load(context), command, context, *response);
-      });
-  const auto owner = py::capsule(new std::shared_ptr<model::ResponseResult>(response), [](void* p) {
-    delete static_cast<std::shared_ptr<model::ResponseResult>*>(p);
-  });
-  const Eigen::MatrixXd& samples = response->samples;
-  constexpr py::ssize_t kSize = sizeof(double);
-  const py::array_t<double> view({samples.rows(), samples.cols()}, {kSize, kSize * samples.rows()},
-                                 samples.data(), owner);
-  return py::make_tuple(answer[0], answer[1], answer[2], view);
-}
-
-/// document, exit code, covariance of the parameters, scenes
-py::tuple update(const py::dict& options) {
-  auto result = std::make_shared<ident::UpdateResult>();
-  auto scenes = std::make_shared<std::vector<model::Scene>>();
-  auto command = command_of<apps::UpdateCommand>(options);
-  if (command.band.size() == 2) command.data.band_hz = {command.band[0], command.band[1]};
-  const py::tuple answer =
-      run_verb("update", options, [command, result, scenes](apps::VerbContext& context) {
-        apps::UpdateStates states = apps::read_update_states(command.data, context);
-        Json json = apps::update_result(states, command, context, *result);
-        *scenes = apps::updated_scenes(states, *result);
-        return json;
-      });
-  py::list list;
-  for (auto& scene : *scenes) list.append(std::make_shared<model::Scene>(std::move(scene)));
-  const Eigen::MatrixXd& covariance = result->covariance;
-  py::array_t<double> matrix({covariance.rows(), covariance.cols()});
-  auto values = matrix.mutable_unchecked<2>();
-  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
-    for (Eigen::Index j = 0; j < covariance.cols(); ++j) values(i, j) = covariance(i, j);
-  }
-  return py::make_tuple(answer[0], answer[1], answer[2], matrix, list);
-}
-
-py::tuple predict(const py::object& given, const py::dict& options) {
-  const SceneSource source(given);
-  auto command = command_of<apps::PredictCommand>(options);
-  command.scene = source.path;
-  return run_verb("predict", options, [source, command](apps::VerbContext& context) {
-    return apps::predict_result(source.load(context), command, context);
-  });
-}
-
-py::tuple synthesize(const py::object& given, const py::dict& options) {
-  const SceneSource source(given);
-  auto command = command_of<apps::SynthesizeOptions>(options);
-  command.scene = source.path;
-  return run_verb("synthesize", options, [source, command](apps::VerbContext& context) {
-    return apps::synthesize_result(source.load(context), command, context);
-  });
-}
-
-py::tuple report(const py::dict& options) {
-  return run_verb("report", options,
-                  [command = command_of<apps::ReportCommand>(options)](apps::VerbContext& context) {
-                    return apps::report_result(command, context);
-                  });
-}
-
 }  // namespace
 
-void bind_model(py::module_& module) {
+void bind_scenes(py::module_& module) {
   py::class_<model::Scene, SharedScene>(module, "Scene")
       .def_readonly("title", &model::Scene::title)
       .def_readonly("file", &model::Scene::file)
@@ -216,13 +137,7 @@ void bind_model(py::module_& module) {
       .def("sensors", [](const model::Scene& scene) { return names_of(scene.sensors); });
   module.def("parse_scene", &parse_scene);
   module.def("read_scene", &read_scene);
-  module.def("modes", &modes);
   module.def("frf_of", &frf_of);
-  module.def("respond", &respond);
-  module.def("update", &update);
-  module.def("predict", &predict);
-  module.def("synthesize", &synthesize);
-  module.def("report", &report);
 }
 
 }  // namespace rigfit::python

@@ -1,0 +1,188 @@
+// Parameters, misfit and pairs of an update as they are printed and written: described.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "document/describe.h"
+#include "ident/update/problem/update_data.h"
+#include "ident/update/problem/update_result.h"
+
+namespace rigfit::ident {
+
+/// A measured mode with its partner in the model, or one of either that has none.
+struct PairRow {
+  std::string state;
+  std::optional<UpdatedPair> pair;
+  double measured_std_hz = std::numeric_limits<double>::quiet_NaN();
+  UpdatedUnpaired alone;  ///< without a pair
+};
+
+[[nodiscard]] inline std::vector<PairRow> pair_rows(const std::vector<UpdatedPair>& pairs,
+                                                    const std::vector<UpdatedUnpaired>& unpaired,
+                                                    const std::vector<UpdateState>& states) {
+  std::vector<PairRow> rows;
+  for (const auto& pair : pairs) {
+    const auto& state = states[static_cast<std::size_t>(pair.state)];
+    const auto measured = static_cast<std::size_t>(pair.measured);
+    PairRow row;
+    row.state = state.name;
+    row.pair = pair;
+    if (measured < state.measured.size()) {
+      row.measured_std_hz = state.measured[measured].frequency_hz.std;
+    }
+    rows.push_back(std::move(row));
+  }
+  for (const auto& alone : unpaired) {
+    PairRow row;
+    row.state = states[static_cast<std::size_t>(alone.state)].name;
+    row.alone = alone;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace rigfit::ident
+
+namespace rigfit::describe {
+
+template <>
+struct Described<ident::UpdateBudgetTerm> {
+  using T = ident::UpdateBudgetTerm;
+  static constexpr auto fields = std::tuple{
+      field("source", &T::source, "", "source", "data, model, a prior, segments or an input"),
+      field("std", &T::std, "", "contribution", "the squares add up", 2),
+      field("change", &T::change, "", "", "of the value, by one standard uncertainty of an input")};
+};
+
+template <>
+struct Described<ident::UpdatedParameter> {
+  using T = ident::UpdatedParameter;
+  static constexpr std::string_view title = "";
+  static constexpr auto fields = std::tuple{
+      field("name", &T::name, "", "parameter", "of the scene"),
+      field("start", &T::start, "", "start", "as the scene says", 5),
+      field(
+          "",
+          [](const T& p) {
+            return signal::Estimate{p.value, p.identifiable ? p.std : 0};
+          },
+          "", "value", ""),
+      field("value", &T::value, "", "", "fitted"),
+      field("std", &T::std, "", "", "null where it is not identifiable"),
+      field("low", &T::low, "", "", "95 %; null: open"),
+      field("high", &T::high, "", "", "95 %; null: open"),
+      field(
+          "",
+          [](const T& p) {
+            return OpenEnds{p.low, p.high, p.identifiable ? p.std : 0};
+          },
+          "", "95 % interval", ""),
+      field(
+          "interval", [](const T& p) { return p.interval_by_profile ? "profile" : "linear"; }, "",
+          "", "how the ends were found"),
+      field(
+          "",
+          [](const T& p) {
+            return std::string(!p.identifiable         ? "not known"
+                               : p.interval_by_profile ? "profile"
+                                                       : "");
+          },
+          "", "remark", ""),
+      field("identifiable", &T::identifiable, "", "", "the data and priors determine it"),
+      field("std_from_data", &T::std_from_data, "", "", "without priors"),
+      field("at_bound", &T::at_bound, "", "", "of its range"),
+      field("segment_shift", &T::segment_shift, "", "", "error left by the number of segments"),
+      field("segments_taken_off", &T::segments_taken_off, "", "", "correction for segments"),
+      field("budget", &T::budget, "", "", "where the uncertainty comes from")};
+};
+
+template <>
+struct Described<ident::UpdateFit> {
+  using T = ident::UpdateFit;
+  static constexpr auto fields = std::tuple{
+      field("chi2", &T::chi2, "", "chi-square", "misfit"),
+      field("degrees_of_freedom", &T::degrees_of_freedom, "", "degrees of freedom", ""),
+      field("p_value", &T::p_value, "", "probability", "of such a misfit"),
+      field("chi2_by_inputs", &T::by_inputs, "", "", "decrease by the inputs' uncertainty"),
+      field(
+          "uncertainties", [](const T& f) { return f.stated ? "stated" : "assumed"; }, "", "",
+          "stated or assumed"),
+      field("model_std", &T::model_std, "", "", "random error of the model, relative in frequency"),
+      field("frf_model_std", &T::frf_model_std, "", "", "the same of FRFs"),
+      field("correlated_lines", &T::correlated_lines, "", "",
+            "neighbouring lines that err together")};
+};
+
+/// A member of the pair; nothing without one.
+template <class Get>
+constexpr auto of_pair(Get get) {
+  return where([](const ident::PairRow& r) { return r.pair.has_value(); },
+               [=](const ident::PairRow& r) {
+                 return std::invoke(get, r.pair ? *r.pair : ident::UpdatedPair{});
+               });
+}
+
+template <>
+struct Described<ident::PairRow> {
+  using T = ident::PairRow;
+  static constexpr std::string_view title = "";
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double measured(const T& r) {
+    return r.pair ? r.pair->measured_hz : r.alone.measured ? r.alone.frequency_hz : kNone;
+  }
+  static constexpr double modelled(const T& r) {
+    return r.pair ? r.pair->model_hz : r.alone.measured ? kNone : r.alone.frequency_hz;
+  }
+  static constexpr auto fields = std::tuple{
+      field("state", &T::state, "", "state", "of the rig"),
+      field("measured_hz", &measured, "", "", "null: no partner"),
+      field("model_hz", &modelled, "", "", "null: no partner"),
+      field(
+          "",
+          [](const T& r) {
+            return signal::Estimate{measured(r), r.measured_std_hz};
+          },
+          "Hz", "measured", ""),
+      field(
+          "",
+          [](const T& r) {
+            return signal::Estimate{modelled(r), r.pair ? r.pair->model_std_hz : kNone};
+          },
+          "Hz", "model", ""),
+      field("relative_error", of_pair(&ident::UpdatedPair::relative_error), "", "",
+            "model over measured, less 1"),
+      field(
+          "",
+          [](const T& r) {
+            if (!r.pair) return signal::Estimate{kNone, kNone};
+            const auto known = [](double std) { return std::isfinite(std) ? std : 0; };
+            return signal::Estimate{
+                r.pair->relative_error,
+                std::hypot(known(r.measured_std_hz), known(r.pair->model_std_hz)) /
+                    r.pair->measured_hz};
+          },
+          "%", "error", ""),
+      field("plane", of_pair(&ident::UpdatedPair::plane), "", "plane", "in, out ..."),
+      field("order", of_pair([](const ident::UpdatedPair& p) { return p.order + 1; }), "", "order",
+            "among the modes of its plane"),
+      field("mac", of_pair(&ident::UpdatedPair::mac), "", "", "of the shapes"),
+      field("measured_damping_ratio", of_pair(&ident::UpdatedPair::measured_damping), "", "", ""),
+      field("model_damping_ratio", of_pair(&ident::UpdatedPair::model_damping), "", "", ""),
+      field("model_std_hz", of_pair(&ident::UpdatedPair::model_std_hz), "Hz", "", ""),
+      field(
+          "leakage", [](const T& r) { return r.pair && r.pair->cross_plane; }, "", "",
+          "not fitted"),
+      field(
+          "reason",
+          [](const T& r) {
+            return !r.pair               ? r.alone.reason
+                   : r.pair->cross_plane ? std::string("leakage, not fitted")
+                                         : std::string();
+          },
+          "", "remark", "why it has no partner")};
+};
+
+}  // namespace rigfit::describe
