@@ -85,10 +85,11 @@ std::optional<NarrowRecord> narrow_record(const Eigen::Ref<const Eigen::VectorXd
     if (!(high > 0)) return {};
     step = std::min(static_cast<Index>(kUnchanged / high), 4 * y.size() / long_from);
   }
+  if (step < kLeastStep || y.size() <= 2 * kReach * step) return {};
   NarrowRecord out;
   out.step = step, out.first = kReach * step;
   const Index count = (y.size() - 1 - 2 * out.first) / step + 1;
-  if (step < kLeastStep || y.size() <= 2 * out.first || count < kFewestNarrow) return {};
+  if (count < kFewestNarrow) return {};
   if (!y.allFinite() || recorded_until(y) < y.size() || clipped_until(y, high) > 0) return {};
   const Eigen::VectorXd h = low_pass(step);
   out.samples.resize(count);

@@ -349,7 +349,7 @@ class Problem {
         std::size_t b = q->mode < 0 ? m_ : static_cast<std::size_t>(q->mode);
         if (a < b) std::swap(a, b), std::swap(p, q);
         const auto& s = sums_[a * count + b];
-        const auto power = static_cast<std::size_t>(p->power + q->power);
+        const auto power = static_cast<std::size_t>(p->power) + static_cast<std::size_t>(q->power);
         const double value =
             0.5 * (re_product(p->factor * q->factor, s.plain[power]) +
                    re_product(p->factor * std::conj(q->factor), s.conjugate[power]));
