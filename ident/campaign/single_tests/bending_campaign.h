@@ -84,7 +84,7 @@ struct BendingRow {
   std::optional<std::size_t> row;
   bool refused = false;
   double tension_N = 0;
-  describe::Bounded EI_Nm2{};                 ///< NaN where refused
+  describe::Bounded EI_Nm2{};                  ///< NaN where refused
   signal::Estimate stiffness_N_m, modulus_Pa;  ///< without tension; NaN: not known
   double shared_relative_std = 0, tension_spread_N = 0;
   double hysteresis_N = 0, friction_load_N = 0, friction_travel_m = 0;  ///< of a record
@@ -106,13 +106,17 @@ struct Described<ident::BendingRow> {
   using T = ident::BendingRow;
   static constexpr std::string_view title = "";
   static constexpr auto fields = std::tuple{
-      field("tension_N", where([](const T& r) { return r.ends.empty(); }, &T::tension_N), "N",
-            "tension", "mean over the samples used", 5),
+      field("tension_N", &T::tension_N, "N", "", "mean over the samples used; 0 without tension"),
+      field("", where([](const T& r) { return r.ends.empty(); }, &T::tension_N), "N", "tension", "",
+            5),
       field("stiffness_N_m", &T::stiffness_N_m, "N/m", "slope", "load over deflection"),
       field("EI_Nm2", &T::EI_Nm2, "N m2", "EI", "flexural rigidity"),
       field(
-          "", [](const T& r) { return Ends{r.EI_Nm2.low, r.EI_Nm2.high, r.EI_Nm2.std}; }, "",
-          "95 % interval", ""),
+          "",
+          [](const T& r) {
+            return Ends{r.EI_Nm2.low, r.EI_Nm2.high, r.EI_Nm2.std};
+          },
+          "", "95 % interval", ""),
       field("modulus_Pa", &T::modulus_Pa, "Pa", "modulus", "EI over the second moment"),
       field("refused", &T::refused, "", "", "see the warnings"),
       field(
