@@ -116,7 +116,8 @@ struct Described<signal::DecayMode> {
       field("detection", &T::detection, "", "", "energy over the most that noise reaches"),
       field("doubtful", &T::doubtful, "", "", "noise could look like this mode"),
       field("doubt", where(&T::doubtful, &T::doubt), "", "remark", "why"),
-      field("amplitude", &T::amplitude, "", "amplitude", "at the window's start, channel's unit", 4),
+      field("amplitude", &T::amplitude, "", "amplitude", "at the window's start, channel's unit",
+            4),
       field("phase_rad", &T::phase_rad, "rad", "", "of the cosine at the window's start")};
 };
 

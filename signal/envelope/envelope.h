@@ -75,11 +75,11 @@ template <>
 struct Described<signal::EnvelopePoint> {
   using T = signal::EnvelopePoint;
   static constexpr std::string_view title = "along the decay of the strongest";
-  static constexpr auto fields = std::tuple{
-      field("time_s", &T::time_s, "s", "time", "middle of the span", 4),
-      field("amplitude", &T::amplitude, "", "amplitude", "in the channel's unit", 4),
-      field("frequency_hz", &T::frequency_hz, "Hz", "damped frequency", "over the span"),
-      field("damping_ratio", &T::damping_ratio, "%", "damping", "over the span")};
+  static constexpr auto fields =
+      std::tuple{field("time_s", &T::time_s, "s", "time", "middle of the span", 4),
+                 field("amplitude", &T::amplitude, "", "amplitude", "in the channel's unit", 4),
+                 field("frequency_hz", &T::frequency_hz, "Hz", "damped frequency", "over the span"),
+                 field("damping_ratio", &T::damping_ratio, "%", "damping", "over the span")};
 };
 
 template <>
