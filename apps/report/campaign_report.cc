@@ -2,16 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <functional>
 #include <memory>
-#include <stdexcept>
 
 #include "apps/cli/json_document.h"
 #include "apps/cli/output_file.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/report/compare_reports.h"
-#include "apps/report/fit/fit_part.h"
-#include "apps/report/page/findings.h"
 #include "apps/report/parts/parts.h"
 #include "ident/campaign/campaign.h"
 #include "ident/statistics/in_parallel.h"
@@ -20,30 +19,39 @@ namespace rigfit::apps {
 namespace fs = std::filesystem;
 namespace {
 
-std::string repeat_command(const VerbContext& context) {
-  std::string text;
-  for (std::size_t i = 0; i < context.command.size(); ++i) {
-    std::string word = i == 0 ? "rigfit" : context.command[i];
-    if (word.find_first_of(" \t'\"$&;()<>|*?[]\\") != std::string::npos) {
-      std::string quoted = "'";
-      for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-      word = quoted + "'";
+/// The lines of the summary: for the document, and on the terminal.
+Json summary_json(const std::vector<ReportPart>& parts, VerbContext& context) {
+  static constexpr std::array<const char*, 3> kKinds{"result", "error", "recorded"};
+  Json summary = Json::array();
+  for (const auto& part : parts) {
+    for (const auto& item : part.summary) {
+      summary.push_back({{"kind", kKinds[static_cast<std::size_t>(item.kind)]},
+                         {"label", item.label},
+                         {"text", item.text},
+                         {"origin", item.origin ? Json(word_of(*item.origin)) : Json(nullptr)}});
+      context.out << fmt::format("{}: {}\n", item.label, item.text);
     }
-    text += (i > 0 ? " " : "") + word;
   }
-  return text;
+  return summary;
 }
 
-const char* word_of_kind(SummaryItem::Kind kind) {
-  switch (kind) {
-    case SummaryItem::Kind::result:
-      return "result";
-    case SummaryItem::Kind::error:
-      return "error";
-    case SummaryItem::Kind::recorded:
-      return "recorded";
-  }
-  return "";
+void begin_folder(const fs::path& folder, const std::string& title, const ReportOptions& options) {
+  if (!options.force) require_own_report(folder, title);
+  make_output_folder(folder);
+  for (const char* place : {"", "data", "figures", "uff"}) sweep_parts(folder / place);
+}
+
+/// Adds what every document has and writes all files. `parts`: the overview first.
+void finish(const fs::path& folder, PageFrame frame, const std::vector<ReportPart>& parts,
+            const ReportOptions& options, Json& result, VerbContext& context) {
+  frame.repeat = repeat_command(context);
+  for (const auto& input : context.inputs()) frame.inputs.emplace_back(input.path, input.sha256);
+  result["figures"] = figure_list(parts);
+  context.check_inputs();
+  write_report_files(
+      folder, frame, parts, options,
+      [&] { return json_document(context, "report", result).dump(2) + "\n"; }, context);
+  context.out << fmt::format("report: {}\n", (folder / "report.html").string());
 }
 
 /// Names and hashes all that a campaign reads, before it is read.
@@ -69,7 +77,7 @@ std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& 
   if (test.is<AxialTest>()) return axial_part(test, context.threads);
   if (test.is<DecayTest>()) return decay_part(campaign, test);
   if (test.is<TensionTest>()) return tension_part(test);
-  return modal_test_part(campaign, test);
+  return modal_part(campaign, test);
 }
 
 /// Where a part stands on the page: bending and axial tests first, the others as in the campaign.
@@ -111,7 +119,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
       of_tests[i] = shown[i]->show(result);
     } else {
       const std::size_t f = i - tests;
-      of_fits[f] = fit_part(campaign, campaign.fits[f], modal_tests, result.fits[f]);
+      of_fits[f] = fit_part(campaign, campaign.fits[f], result.fits[f]);
     }
     advance();
   });
@@ -124,9 +132,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
     }
   }
   for (auto& part : of_fits) parts.push_back(std::move(part));
-  auto costs = cost_part(parts);
   parts.push_back(scenes_part(campaign));
-  parts.push_back(std::move(costs));
   return parts;
 }
 
@@ -134,10 +140,8 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
 
 Json campaign_report(const Campaign& campaign, const fs::path& folder, const ReportOptions& options,
                      VerbContext& context, std::vector<Answer>* given) {
-  if (!options.force) require_own_report(folder, campaign.title);
+  begin_folder(folder, campaign.title, options);
   take_inputs(campaign, context);
-  make_output_folder(folder);
-  for (const char* place : {"", "data", "figures", "uff"}) sweep_parts(folder / place);
   std::vector<ReportPart> parts = campaign_parts(campaign, context);
   std::vector<Answer*> found;
   for (auto& part : parts) {
@@ -145,35 +149,10 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
   }
   recommend(found);
   parts.insert(parts.begin(), overview_part(campaign, parts));
-
-  PageFrame frame;
-  frame.title = campaign.title;
-  frame.source = campaign.source;
-  frame.description = campaign.description;
-  frame.details = campaign.report;
-  frame.style = options.style;
-  frame.version = RIGFIT_VERSION;
-  frame.repeat = repeat_command(context);
   for (const auto& part : parts) {
     for (const auto& input : part.inputs) {
       std::error_code error;
       if (fs::is_regular_file(input, error)) context.input(input);
-    }
-  }
-  for (const auto& input : context.inputs()) {
-    frame.inputs.emplace_back(input.path, input.sha256);
-  }
-  Json result;
-  result["title"] = campaign.title;
-  result["source"] = campaign.source;
-  result["seed"] = context.seed;
-  Json summary = Json::array();
-  for (const auto& part : parts) {
-    for (const auto& item : part.summary) {
-      summary.push_back({{"kind", word_of_kind(item.kind)},
-                         {"label", item.label},
-                         {"text", item.text},
-                         {"origin", item.origin ? Json(word_of(*item.origin)) : Json(nullptr)}});
     }
   }
   for (const auto& one : findings_of(parts)) {
@@ -183,11 +162,12 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
       context.warn(one.code, one.message, one.where);
     }
   }
-  result["summary"] = std::move(summary);
-  Json answers = Json::array();
-  for (const auto& answer : all_answers(parts)) answers.push_back(answer_json(answer));
-  if (given) *given = all_answers(parts);
-  result["answers"] = std::move(answers);
+  Json result{{"title", campaign.title}, {"source", campaign.source}, {"seed", context.seed}};
+  result["summary"] = summary_json(parts, context);
+  result["answers"] = Json::array();
+  const auto answers = all_answers(parts);
+  for (const auto& answer : answers) result["answers"].push_back(answer_json(answer));
+  if (given) *given = answers;
   for (const auto& part : parts) {
     if (part.json_key.empty()) continue;
     if (part.json.is_array()) {
@@ -196,19 +176,9 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
       result[part.json_key].push_back(part.json);
     }
   }
-  result["figures"] = figure_list(parts);
-
-  context.check_inputs();
-  write_report_files(
-      folder, frame, parts, options,
-      [&] { return json_document(context, "report", result).dump(2) + "\n"; }, context);
-
-  for (const auto& part : parts) {
-    for (const auto& item : part.summary) {
-      context.out << fmt::format("{}: {}\n", item.label, item.text);
-    }
-  }
-  context.out << fmt::format("report: {}\n", (folder / "report.html").string());
+  PageFrame frame{campaign.title, campaign.source, campaign.description, campaign.report,
+                  options.style};
+  finish(folder, std::move(frame), parts, options, result, context);
   return result;
 }
 
@@ -216,9 +186,7 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
                         const ReportOptions& options, VerbContext& context) {
   const std::string title = after.title == before.title ? before.title + ": before and after"
                                                         : before.title + " against " + after.title;
-  if (!options.force) require_own_report(folder, title);
-  make_output_folder(folder);
-  for (const char* place : {"", "data", "figures"}) sweep_parts(folder / place);
+  begin_folder(folder, title, options);
   const auto compared = [](const Campaign& one) {
     return ComparedReport{one.title,
                           fs::path(one.file).filename().string(),
@@ -231,41 +199,18 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
   static_cast<void>(campaign_report(after, folder / "after", options, context, &second.answers));
   std::vector<ReportPart> parts{{}, compare_reports(first, second)};
   parts.front().id = "overview";
-
-  PageFrame frame;
-  frame.title = title;
-  frame.description = fmt::format("Before: {} ({}). After: {} ({}).", before.title, before.file,
-                                  after.title, after.file);
-  frame.details = after.report;
-  frame.version = RIGFIT_VERSION;
-  frame.repeat = repeat_command(context);
-  for (const auto& input : context.inputs()) {
-    frame.inputs.emplace_back(input.path, input.sha256);
-  }
+  PageFrame frame{title, "",
+                  fmt::format("Before: {} ({}). After: {} ({}).", before.title, before.file,
+                              after.title, after.file),
+                  after.report};
   frame.links = {{"before/report.html", "Before: " + before.title},
                  {"after/report.html", "After: " + after.title}};
-  Json result;
-  result["title"] = frame.title;
-  result["source"] = after.source;
-  result["seed"] = context.seed;
-  result["summary"] = Json::array();
-  for (const auto& item : parts.back().summary) {
-    result["summary"].push_back({{"kind", word_of_kind(item.kind)},
-                                 {"label", item.label},
-                                 {"text", item.text},
-                                 {"origin", nullptr}});
-    context.out << fmt::format("{}: {}\n", item.label, item.text);
-  }
-  result["scenes"] = Json::array();
+  Json result{{"title", title}, {"source", after.source}, {"seed", context.seed}};
+  result["summary"] = summary_json(parts, context);
   result["comparison"] = parts.back().json;
-  result["figures"] = figure_list(parts);
-  context.check_inputs();
   ReportOptions one_page = options;
   one_page.style = ReportStyle::lab;
-  write_report_files(
-      folder, frame, parts, one_page,
-      [&] { return json_document(context, "report", result).dump(2) + "\n"; }, context);
-  context.out << fmt::format("comparison: {}\n", (folder / "report.html").string());
+  finish(folder, std::move(frame), parts, one_page, result, context);
   return result;
 }
 

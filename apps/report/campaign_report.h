@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "apps/campaign_file/campaign.h"
+#include "apps/campaign/campaign.h"
 #include "apps/cli/verb.h"
 #include "apps/report/report_files.h"
 

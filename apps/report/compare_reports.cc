@@ -137,30 +137,29 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
   part.id = "comparison";
   part.title = "Before and after";
   part.json_key = "comparison";
-  ReportTable table;
-  table.id = "comparison-values";
-  table.caption = fmt::format(
-      "Before: {}. After: {}. Changed: the difference is three of its standard uncertainties or "
-      "more; perhaps changed: between 1.96 and three, as one value in twenty is by chance.",
-      before.title, after.title);
   const auto head = [](const char* side, const ComparedReport& report) {
     std::string text = std::string(side) + ": " + report.file;
     if (!report.date.empty()) text += ", " + report.date;
     if (!report.revision.empty()) text += ", revision " + report.revision;
-    return Column{std::move(text), {}, true};
+    return Column{std::move(text)};
   };
-  table.columns = {{"quantity", {}, false}, {"unit", {}, false},  head("before", before),
-                   head("after", after),    {"change", {}, true}, {"relative", {}, true},
-                   {"verdict", {}, false}};
-  Plot plot;
-  plot.id = "comparison-changes";
-  plot.title = "Changes with their 95 % intervals";
-  plot.caption = "Relative change of every value, in the order of the table.";
-  plot.x_label = "row of the table";
-  plot.y_label = "change, %";
-  PlotSeries series;
-  series.name = "after over before";
-  series.style = PlotSeries::Style::points;
+  ReportTable table{
+      "comparison-values",
+      fmt::format("Before: {}. After: {}. Changed: the difference is three of its standard "
+                  "uncertainties or more; perhaps changed: between 1.96 and three, as one value in "
+                  "twenty is by chance.",
+                  before.title, after.title),
+      {{"quantity", {}, false},
+       {"unit", {}, false},
+       head("before", before),
+       head("after", after),
+       {"change"},
+       {"relative"},
+       {"verdict", {}, false}}};
+  Plot plot{"comparison-changes", "Changes with their 95 % intervals",
+            "Relative change of every value, in the order of the table.", "row of the table",
+            "change, %"};
+  PlotSeries series{"after over before", Origin::modelled, 0, PlotSeries::Style::points};
   Json list = Json::array();
   std::size_t changed = 0, compared = 0;
   for (const auto& pair : pairs_of(before.answers, after.answers)) {
@@ -190,10 +189,8 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
     part.answers.push_back(answer_of(pair, change));
     if (!std::isfinite(change.relative) || !(change.std > 0)) continue;
     const double half = 196 * change.std / std::abs(pair.before->value);
-    series.x.push_back(static_cast<double>(table.rows.size()));
-    series.y.push_back(100 * change.relative);
-    series.low.push_back(100 * change.relative - half);
-    series.high.push_back(100 * change.relative + half);
+    const double y = 100 * change.relative;
+    series.add(static_cast<double>(table.rows.size()), y, y - half, y + half);
   }
   part.summary.push_back({SummaryItem::Kind::result,
                           "Changed",
@@ -201,10 +198,8 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
                           {},
                           part.id});
   part.brief = {table.id, plot.id};
-  if (!series.x.empty()) {
-    plot.series.push_back(std::move(series));
-    part.blocks.push_back(std::move(plot));
-  }
+  plot.add(std::move(series));
+  if (!plot.series.empty()) part.blocks.push_back(std::move(plot));
   part.blocks.push_back(std::move(table));
   part.json = std::move(list);
   return part;

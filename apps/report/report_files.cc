@@ -8,7 +8,7 @@
 #include "apps/cli/output_file.h"
 #include "apps/cli/plots/browser.h"
 #include "apps/report/page/block_html.h"
-#include "apps/report/page/page_limits.h"
+#include "apps/report/page/tables.h"
 #include "ident/statistics/in_parallel.h"
 
 namespace rigfit::apps {
@@ -22,11 +22,15 @@ void put(const fs::path& path, const std::string& content) {
   write_whole_file(path, content);
 }
 
+/// Calls `use` with every Plot and every Picture that has data.
 template <class Use>
-void each_plot(std::span<const ReportPart> parts, Use use) {
+void each_figure(std::span<const ReportPart> parts, Use use) {
   for (const auto& part : parts) {
     for (const auto& block : part.blocks) {
       if (const auto* plot = std::get_if<Plot>(&block)) use(*plot);
+      if (const auto* picture = std::get_if<Picture>(&block)) {
+        if (!picture->csv.empty()) use(*picture);
+      }
       if (const auto* group = std::get_if<PlotGroup>(&block)) {
         for (const auto& tab : group->tabs) {
           for (const auto& one : tab.plots) use(one);
@@ -36,18 +40,13 @@ void each_plot(std::span<const ReportPart> parts, Use use) {
   }
 }
 
-template <class Use>
-void each_picture(std::span<const ReportPart> parts, Use use) {
-  for (const auto& part : parts) {
-    for (const auto& block : part.blocks) {
-      if (const auto* picture = std::get_if<Picture>(&block)) use(*picture);
-    }
-  }
-}
+std::string csv_of(const Plot& plot) { return plot_csv(plot); }
+std::string csv_of(const Picture& picture) { return picture.csv; }
+std::string svg_of(const Plot& plot, const SvgOptions& options) { return svg_plot(plot, options); }
+std::string svg_of(const Picture& picture, const SvgOptions&) { return picture.svg; }
 
 /// Every figure on a page of its own, of the figures' size.
-std::string figures_page(std::span<const ReportPart> parts, SvgOptions options) {
-  options.standalone = false;
+std::string figures_page(std::span<const ReportPart> parts, const SvgOptions& options) {
   const std::string width = fmt::format("{:.2f}mm", options.width * 25.4 / 96),
                     height = fmt::format("{:.2f}mm", options.height * 25.4 / 96);
   std::string html = fmt::format(
@@ -56,8 +55,8 @@ std::string figures_page(std::span<const ReportPart> parts, SvgOptions options) 
       "height: {1}; overflow: hidden; break-after: page; }} div:last-child {{ break-after: auto; "
       "}} svg {{ display: block; }}</style>{2}</head><body>\n",
       width, height, BlockHtml::styles());
-  each_plot(parts,
-            [&](const Plot& plot) { html += "<div>" + svg_plot(plot, options) + "</div>\n"; });
+  each_figure(parts,
+              [&](const auto& figure) { html += "<div>" + svg_of(figure, options) + "</div>\n"; });
   return html + "</body></html>\n";
 }
 
@@ -116,18 +115,11 @@ void require_own_report(const fs::path& folder, const std::string& title) {
 
 Json figure_list(std::span<const ReportPart> parts) {
   Json figures = Json::array();
-  each_plot(parts, [&](const Plot& plot) {
-    figures.push_back({{"id", plot.id},
-                       {"title", plot.title},
-                       {"data", "data/" + plot.id + ".csv"},
-                       {"figure", "figures/" + plot.id + ".svg"}});
-  });
-  each_picture(parts, [&](const Picture& picture) {
-    if (picture.csv.empty()) return;
-    figures.push_back({{"id", picture.id},
-                       {"title", picture.title},
-                       {"data", "data/" + picture.id + ".csv"},
-                       {"figure", "figures/" + picture.id + ".svg"}});
+  each_figure(parts, [&](const auto& figure) {
+    figures.push_back({{"id", figure.id},
+                       {"title", figure.title},
+                       {"data", "data/" + figure.id + ".csv"},
+                       {"figure", "figures/" + figure.id + ".svg"}});
   });
   return figures;
 }
@@ -153,16 +145,10 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
     tasks.emplace_back([&] { appendix = appendix_page(frame, rest); });
   }
   const SvgOptions figures = options.figures.value_or(SvgOptions{});
-  each_plot(parts, [&](const Plot& plot) {
-    tasks.emplace_back([&folder, &plot, &figures] {
-      put(folder / "data" / (plot.id + ".csv"), plot_csv(plot));
-      put(folder / "figures" / (plot.id + ".svg"), svg_plot(plot, figures));
-    });
-  });
-  each_picture(parts, [&](const Picture& picture) {
-    tasks.emplace_back([&folder, &picture] {
-      if (!picture.csv.empty()) put(folder / "data" / (picture.id + ".csv"), picture.csv);
-      put(folder / "figures" / (picture.id + ".svg"), standalone_svg(picture.svg));
+  each_figure(parts, [&](const auto& figure) {
+    tasks.emplace_back([&folder, &figure, &figures] {
+      put(folder / "data" / (figure.id + ".csv"), csv_of(figure));
+      put(folder / "figures" / (figure.id + ".svg"), standalone_svg(svg_of(figure, figures)));
     });
   });
   for (const auto& part : parts) {
@@ -170,8 +156,6 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
       make_output_folder((folder / file.path).parent_path());
       tasks.emplace_back([&folder, &file] { put(folder / file.path, file.content); });
     }
-  }
-  for (const auto& part : parts) {
     for (const auto& block : part.blocks) {
       const auto* table = std::get_if<ReportTable>(&block);
       if (!table || table->rows.size() <= kMostRows) continue;

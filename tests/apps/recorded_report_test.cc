@@ -221,13 +221,6 @@ TEST_F(LaboratoryReport, ModesAreThoseOfTheVerb) {
   expect_same(entry(cable, "states", "tension_N", 100.0),
               modal_verb(files, {"--response", "accelerometer", "--band", "2", "50",
                                  "--force-window", "0.008"}));
-  files.clear();
-  for (int hit = 1; hit <= 5; ++hit) {
-    files.push_back("beam/rig/hammer-hit" + std::to_string(hit) + ".uff");
-  }
-  const auto& beam = entry(*document_, "recorded_modal", "test", "beam");
-  expect_same(beam["states"][0], modal_verb(files, {"--response", "beam 0.65 m", "--band", "1",
-                                                    "160", "--force-window", "0.012"}));
 }
 
 // ----------------------------------------------------------------------------------------------

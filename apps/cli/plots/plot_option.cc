@@ -26,12 +26,6 @@ std::string kind_of(const std::string& file) {
   return kind;
 }
 
-std::string repeat_command(const VerbContext& context) {
-  std::string text = "rigfit";
-  for (std::size_t i = 1; i < context.command.size(); ++i) text += " " + context.command[i];
-  return text;
-}
-
 std::string content_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -76,6 +70,20 @@ void set_id(Block& block, std::set<std::string>& known) {
 }
 
 }  // namespace
+
+std::string repeat_command(const VerbContext& context) {
+  std::string text = "rigfit";
+  for (std::size_t i = 1; i < context.command.size(); ++i) {
+    std::string word = context.command[i];
+    if (word.find_first_of(" \t'\"$&;()<>|*?[]\\") != std::string::npos) {
+      std::string quoted = "'";
+      for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+      word = quoted + "'";
+    }
+    text += " " + word;
+  }
+  return text;
+}
 
 void PlotSheet::add(Block block) {
   set_id(block, ids_);

@@ -34,6 +34,9 @@ struct PlotSheet {
 
 [[nodiscard]] describe::Options options_of(PlotCommand& command);
 
+/// The command line as one types it in a shell.
+[[nodiscard]] std::string repeat_command(const VerbContext& context);
+
 /// Before the run: throws UsageError when the file cannot be written or its kind cannot be made
 /// here; sets `context.plots` when figures are asked for.
 void prepare_plots(VerbContext& context, const PlotCommand& command);

@@ -1,11 +1,11 @@
 // What verbs draw with --plot: the report's figures of one kind of test, gathered.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/cli/plots/plot_option.h"
+#include "apps/report/figures/figures.h"
 #include "ident/campaign/modal/hammer_campaign.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
@@ -23,14 +23,7 @@ namespace rigfit::apps {
 void draw_recording(PlotSheet& sheet, const signal::Recording& recording,
                     const signal::QualityResult& quality);
 
-/// Hits (none: FRFs from a file), FRFs between two frequencies and, where there are any, modes.
-struct HammerFigures {
-  const std::vector<ident::StruckPlace>* places = nullptr;  ///< null: FRFs from a file
-  const ident::HammerTest* test = nullptr;                  ///< null: FRFs from a file
-  const signal::FrfSet& frfs;
-  double low_hz = 0, high_hz = 0;  ///< 0: to the last line
-  const signal::ModalResult* modal = nullptr;
-};
+/// Hits, FRFs and, where there are any, modes.
 void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures);
 
 /// Singular values of the spectral matrix with the modes, stabilisation diagram.

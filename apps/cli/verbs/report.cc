@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/campaign_file/campaign.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/report/campaign_report.h"
 

@@ -56,48 +56,22 @@ std::vector<std::string> broken_into_lines(const std::string& text, double font_
   return lines;
 }
 
+void LabelPlaces::add_line(const Vector2d& from, const Vector2d& to) {
+  // As a chain of boxes of 3 px, which a label of some 10 px cannot slip through.
+  const int pieces = std::max(1, static_cast<int>((to - from).norm() / 3));
+  for (int k = 0; k < pieces; ++k) {
+    const Vector2d step = (to - from) / pieces;
+    lines_.push_back(box_around(from + k * step, from + (k + 1) * step, 0.5));
+  }
+}
+
 bool LabelPlaces::covers_mark(const PaperBox& box) const {
   return std::any_of(marks_.begin(), marks_.end(),
                      [&](const PaperBox& mark) { return overlap(mark, box); });
 }
 
-bool LabelPlaces::on_line(const PaperBox& box) const {
-  return std::any_of(lines_.begin(), lines_.end(), [&](const Line& line) {
-    // The part of the line within the box's four half planes (Liang and Barsky, 1984).
-    const Vector2d along = line.to - line.from;
-    double enters = 0, leaves = 1;
-    for (const auto& [slope, room] : {std::pair{-along[0], line.from[0] - box.left},
-                                      std::pair{along[0], box.right - line.from[0]},
-                                      std::pair{-along[1], line.from[1] - box.top},
-                                      std::pair{along[1], box.bottom - line.from[1]}}) {
-      if (slope < 0) {
-        enters = std::max(enters, room / slope);
-      } else if (slope > 0) {
-        leaves = std::min(leaves, room / slope);
-      } else if (room < 0) {
-        return false;
-      }
-    }
-    return enters < leaves;
-  });
-}
-
-bool LabelPlaces::parted(const Vector2d& mark, const Vector2d& centre) const {
-  constexpr double kOfMark = 7;  // px: a mark may stand on a line
-  const double distance = (centre - mark).norm();
-  if (distance <= kOfMark) return false;
-  const Vector2d from = mark + kOfMark / distance * (centre - mark);
-  const auto side = [](const Vector2d& a, const Vector2d& b, const Vector2d& point) {
-    return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0]);
-  };
-  return std::any_of(lines_.begin(), lines_.end(), [&](const Line& line) {
-    return side(line.from, line.to, from) * side(line.from, line.to, centre) < 0 &&
-           side(from, centre, line.from) * side(from, centre, line.to) < 0;
-  });
-}
-
-std::optional<PaperBox> LabelPlaces::place(const Vector2d& size, std::span<const Vector2d> centres,
-                                           const std::optional<Vector2d>& mark) {
+std::optional<PaperBox> LabelPlaces::place(const Vector2d& size,
+                                           std::span<const Vector2d> centres) {
   for (const bool anywhere : {false, true}) {
     for (const auto& centre : centres) {
       const PaperBox box = box_around(centre - 0.5 * size, centre + 0.5 * size, 0);
@@ -105,7 +79,10 @@ std::optional<PaperBox> LabelPlaces::place(const Vector2d& size, std::span<const
           box.bottom > paper_.bottom || covers_mark(box)) {
         continue;
       }
-      if (!anywhere && (on_line(box) || (mark && parted(*mark, centre)))) continue;
+      if (!anywhere && std::any_of(lines_.begin(), lines_.end(),
+                                   [&](const PaperBox& line) { return overlap(line, box); })) {
+        continue;
+      }
       marks_.push_back(box);
       return box;
     }
@@ -122,25 +99,6 @@ std::vector<Vector2d> centres_around(const Vector2d& point, const Vector2d& size
       const Vector2d side(std::abs(out[0]) < 0.1 ? 0 : std::copysign(1, out[0]),
                           std::abs(out[1]) < 0.1 ? 0 : std::copysign(1, out[1]));
       centres.emplace_back(point + distance * out + 0.5 * side.cwiseProduct(size));
-    }
-  }
-  return centres;
-}
-
-std::vector<Vector2d> centres_beside(const Vector2d& from, const Vector2d& to,
-                                     const Vector2d& size) {
-  const Vector2d along = to - from;
-  const double length = along.norm();
-  if (!(length > 0)) return centres_around(from, size);
-  Vector2d out = Vector2d(-along[1], along[0]) / length;
-  if (out[1] < -0.1 || (std::abs(out[1]) <= 0.1 && out[0] < 0)) out = -out;  // below, right first
-  const double half = 0.5 * (std::abs(out[0]) * size[0] + std::abs(out[1]) * size[1]);
-  std::vector<Vector2d> centres;
-  for (const double distance : {8.0, 20.0, 34.0, 50.0}) {
-    for (const double place : {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9}) {
-      for (const double side : {1.0, -1.0}) {
-        centres.emplace_back(from + place * along + side * (distance + half) * out);
-      }
     }
   }
   return centres;

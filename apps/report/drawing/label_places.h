@@ -34,36 +34,20 @@ class LabelPlaces {
 
   /// Nothing is written over a mark; over a line only where no other place is free.
   void add_mark(const PaperBox& box) { marks_.push_back(box); }
-  void add_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-    lines_.push_back({from, to});
-  }
+  void add_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   [[nodiscard]] bool covers_mark(const PaperBox& box) const;
 
-  /// Takes the first free one of the centres, in pixels; none where all are taken. With a `mark`,
-  /// first those that no line parts from it.
-  [[nodiscard]] std::optional<PaperBox> place(
-      const Eigen::Vector2d& size, std::span<const Eigen::Vector2d> centres,
-      const std::optional<Eigen::Vector2d>& mark = std::nullopt);
+  /// Takes the first free one of the centres, in pixels; none where all are taken.
+  [[nodiscard]] std::optional<PaperBox> place(const Eigen::Vector2d& size,
+                                              std::span<const Eigen::Vector2d> centres);
 
  private:
-  struct Line {
-    Eigen::Vector2d from, to;
-  };
-  [[nodiscard]] bool on_line(const PaperBox& box) const;
-  [[nodiscard]] bool parted(const Eigen::Vector2d& mark, const Eigen::Vector2d& centre) const;
-
   PaperBox paper_;
-  std::vector<PaperBox> marks_;
-  std::vector<Line> lines_;
+  std::vector<PaperBox> marks_, lines_;
 };
 
 /// Centres of a label around a point, nearest first, above and to the right first.
 [[nodiscard]] std::vector<Eigen::Vector2d> centres_around(const Eigen::Vector2d& point,
-                                                          const Eigen::Vector2d& size);
-
-/// Centres of a label beside a line, nearest first, at its middle first.
-[[nodiscard]] std::vector<Eigen::Vector2d> centres_beside(const Eigen::Vector2d& from,
-                                                          const Eigen::Vector2d& to,
                                                           const Eigen::Vector2d& size);
 
 }  // namespace rigfit::apps

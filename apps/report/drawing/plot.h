@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ident/campaign/single_tests/origin.h"
@@ -17,15 +18,21 @@ using ident::Origin;
 
 struct PlotSeries {
   enum class Style { line, dashed, points, line_and_points };
-  std::string name;
+  std::string name = {};
   Origin origin = Origin::modelled;
-  Style style = Style::line;
-  std::vector<double> x, y;       ///< NaN in y: a gap
-  std::vector<double> low, high;  ///< interval of y (bars at points, a band at lines); empty: none
   /// Number among the figure's series (sensors, states, files): its colour.
   int variant = 0;
+  Style style = Style::line;
   /// A group of series switched together in the legend; empty: its own name.
-  std::string group;
+  std::string group = {};
+  std::vector<double> x = {}, y = {};       ///< NaN in y: a gap
+  std::vector<double> low = {}, high = {};  ///< interval of y (bars at points, a band at lines)
+
+  void add(double at, double value) { x.push_back(at), y.push_back(value); }
+  void add(double at, double value, double from, double to) {
+    add(at, value);
+    low.push_back(from), high.push_back(to);
+  }
 };
 
 /// How a series is drawn, in the figure and in its legend: colour by its number (`variant`), marker
@@ -49,17 +56,20 @@ struct PlotMark {
 };
 
 struct Plot {
-  std::string id;  ///< file name and anchor
-  std::string title;
-  std::string caption;  ///< what there is to see, for a technician
-  std::string x_label, y_label;
+  std::string id = {};  ///< file name and anchor
+  std::string title = {};
+  std::string caption = {};  ///< what there is to see, for a technician
+  std::string x_label = {}, y_label = {};
   bool log_x = false, log_y = false;
-  std::vector<PlotSeries> series;
-  std::vector<PlotMark> marks;
+  std::vector<PlotSeries> series = {};
+  std::vector<PlotMark> marks = {};
   /// Plots with the same word here share the abscissa: the page zooms and reads them together.
-  std::string link;
-  bool angle = false;      ///< ordinate in degrees: ticks at parts of a turn
-  bool same_axes = false;  ///< both axes have one range: points on the diagonal are equal
+  std::string link = {};
+  bool angle = false;  ///< ordinate in degrees: ticks at parts of a turn
+
+  void add(PlotSeries one) {
+    if (!one.x.empty()) series.push_back(std::move(one));
+  }
 };
 
 /// Columns series, x, y (and low, high), one line a point; numbers that read back exactly.

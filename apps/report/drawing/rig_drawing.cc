@@ -88,8 +88,6 @@ class Drawing {
   }
 
  private:
-  [[nodiscard]] Vector2d flat(const Vector3d& point) const { return {point[across_], point[1]}; }
-
   /// Seen along z, or along x where the rig reaches further across.
   void fit() {
     Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -111,14 +109,7 @@ class Drawing {
   }
 
   [[nodiscard]] Vector2d at(const Vector3d& point) const {
-    const Vector2d p = flat(point);
-    return {origin_[0] + scale_ * p[0], origin_[1] - scale_ * p[1]};
-  }
-
-  [[nodiscard]] Vector3d point(const std::string& name) const { return node_in(scene_, name); }
-
-  [[nodiscard]] Vector3d position(const model::Place& place) const {
-    return position_in(scene_, place);
+    return {origin_[0] + scale_ * point[across_], origin_[1] - scale_ * point[1]};
   }
 
   /// Unit vector on paper from a node into the rig: away from its support.
@@ -128,7 +119,7 @@ class Drawing {
       for (int end = 0; end < 2; ++end) {
         if (member.nodes[static_cast<std::size_t>(end)] != one.name) continue;
         const Vector2d along =
-            at(point(member.nodes[static_cast<std::size_t>(1 - end)])) - at(one.position);
+            at(node_in(scene_, member.nodes[static_cast<std::size_t>(1 - end)])) - at(one.position);
         if (along.norm() > 0) sum += along.normalized();
       }
     }
@@ -200,7 +191,7 @@ class Drawing {
   }
 
   void draw(const model::Member& member) {
-    const Vector3d from = point(member.nodes[0]), to = point(member.nodes[1]);
+    const Vector3d from = node_in(scene_, member.nodes[0]), to = node_in(scene_, member.nodes[1]);
     const Vector2d a = at(from), b = at(to);
     const bool beam = member.kind == model::Member::Kind::beam;
     line(a, b, beam ? 5 : 2, beam ? " stroke-linecap=\"round\"" : "");
@@ -212,11 +203,15 @@ class Drawing {
   }
 
   void name(const model::Member& member) {
-    const Vector3d from = point(member.nodes[0]), to = point(member.nodes[1]);
+    const Vector3d from = node_in(scene_, member.nodes[0]), to = node_in(scene_, member.nodes[1]);
     const std::string words = fmt::format("{}, {} m", member.name, shown((to - from).norm(), 3));
     const Vector2d size(text_width(words, kFont), kLine);
-    if (const auto box = places_.place(size, centres_beside(at(from), at(to), size))) {
-      fill(*box, words, "t");
+    for (const double place : {0.5, 0.4, 0.6, 0.25, 0.75, 0.1, 0.9}) {
+      const Vector2d beside = at(from + place * (to - from));
+      if (const auto box = places_.place(size, centres_around(beside, size))) {
+        fill(*box, words, "t");
+        return;
+      }
     }
   }
 
@@ -234,7 +229,7 @@ class Drawing {
       const double half = 0.5 * label.ahead.cwiseAbs().dot(size);
       centres.insert(centres.begin(), label.mark + (7 + half) * label.ahead);
     }
-    if (const auto box = places_.place(size, centres, label.mark)) {
+    if (const auto box = places_.place(size, centres)) {
       fill(*box, label.words, label.css.c_str());
     }
   }
@@ -298,7 +293,7 @@ class Drawing {
   }
 
   void draw(const model::Load& load, int number) {
-    const Vector2d p = at(position(load.place));
+    const Vector2d p = at(position_in(scene_, load.place));
     const std::string label = fmt::format("H{}", number);
     if (load.kind == model::Load::Kind::release) {
       const Vector2d foot = p + Vector2d(0, 30);
@@ -323,7 +318,8 @@ class Drawing {
   }
 
   void draw(const model::Sensor& sensor, int number) {
-    const Vector2d p = at(position(sensor.place)), direction = on_paper(sensor.direction);
+    const Vector2d p = at(position_in(scene_, sensor.place)),
+                   direction = on_paper(sensor.direction);
     svg_ += fmt::format(
         "<rect class=\"rig-sensor\" fill=\"#0072b2\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"10\" "
         "height=\"10\"/>\n",

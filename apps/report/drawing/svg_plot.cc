@@ -264,10 +264,6 @@ class SvgFigure {
       : plot_(plot), options_(options), em_(options.font_size / 12) {
     x_ = axis_of(plot, true);
     y_ = axis_of(plot, false);
-    if (plot.same_axes) {
-      x_.low = y_.low = std::min(x_.low, y_.low);
-      x_.high = y_.high = std::max(x_.high, y_.high);
-    }
     lay_out();
   }
 
@@ -321,11 +317,6 @@ class SvgFigure {
     x_.to = options_.width - right;
     y_.from = options_.height - bottom;
     y_.to = top;
-    if (plot_.same_axes) {  // as high as wide
-      const double side = std::min(x_.to - x_.from, y_.from - y_.to);
-      x_.to = x_.from + side;
-      y_.to = y_.from - side;
-    }
     x_.ticks = axis_ticks(x_.low, x_.high, ticks_along(options_.width, 86), x_.logarithmic);
     const auto whole = [](double value) { return value == std::round(value); };
     if (std::all_of(plot_.series.begin(), plot_.series.end(), [&](const PlotSeries& one) {
@@ -342,7 +333,6 @@ class SvgFigure {
 
   void open() {
     const auto& o = options_;
-    if (o.standalone) svg_ += "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
     const std::string size = o.in_mm
                                  ? fmt::format("width=\"{:g}mm\" height=\"{:g}mm\"",
                                                o.width / kPxPerMm, o.height / kPxPerMm)
@@ -354,7 +344,6 @@ class SvgFigure {
         o.width, o.height, size, x_.low, x_.high, x_.logarithmic, y_.low, y_.high, y_.logarithmic,
         escaped(plot_.link), escaped(o.font), o.font_size, escaped(plot_.title),
         escaped(plot_.caption));
-    if (o.standalone) svg_ += "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
   }
 
   void text(double x, double y, const char* anchor, const std::string& words,
@@ -429,10 +418,10 @@ class SvgFigure {
       if (at - half < last) continue;  // no room beside the one before
       last = at + half + 4 * em_;
       labels += fmt::format(
-          "<text class=\"t at\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" fill=\"#222\" "
-          "font-size=\"{:g}\">{}</text>\n",
+          "<text class=\"t at\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" "
+          "fill=\"#222\">{}</text>\n",
           std::clamp(at, x_.from + half, std::max(x_.from + half, x_.to - half)), y_.to - 6 * em_,
-          0.9 * options_.font_size, escaped(mark.label));
+          escaped(mark.label));
     }
     labels_ = std::move(labels);
   }

@@ -12,7 +12,6 @@ namespace rigfit::apps {
 
 struct SvgOptions {
   double width = 760, height = 440;  ///< px, 96 an inch
-  bool standalone = true;            ///< with XML header and white paper
   std::string font = "sans-serif";   ///< CSS font-family
   double font_size = 12;             ///< px; markers, strokes and margins grow with it
   bool in_mm = false;                ///< the size is written in mm, for print
@@ -24,7 +23,7 @@ struct SvgOptions {
 
 [[nodiscard]] std::string svg_plot(const Plot& plot, const SvgOptions& options = {});
 
-/// A figure of a sheet: an svg element of its own (SvgOptions::standalone false), px.
+/// A figure of a sheet: an svg element of its own, px.
 struct SvgPanel {
   std::string title, svg;
   double width = 760, height = 440;
@@ -33,8 +32,7 @@ struct SvgPanel {
 [[nodiscard]] std::string svg_sheet(const std::string& title, const std::vector<SvgPanel>& panels,
                                     double& width, double& height);
 
-/// An svg element drawn for a page (SvgOptions::standalone false, a Picture) as a file of its own:
-/// XML header and white paper.
+/// An svg element (of svg_plot, a Picture) as a file of its own: XML header and white paper.
 [[nodiscard]] std::string standalone_svg(const std::string& svg);
 
 /// Round numbers that cover [low, high], about `count` of them; powers of ten (and 2, 5 between

@@ -1,4 +1,5 @@
-// Recordings, tests, fits and models as figures: for the report and for --plot of every verb.
+// Recordings, tests, fits and models as figures: for the report and for --plot of every verb. What
+// is drawn in both is one function here.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/campaign_file/campaign.h"
-#include "apps/campaign_file/recording_group.h"
 #include "apps/report/drawing/plot.h"
 #include "apps/report/page/report_part.h"
 #include "ident/campaign/modal/hammer_campaign.h"
@@ -30,36 +29,19 @@
 
 namespace rigfit::apps {
 
-// The recordings of a test as a reader sees them: what each holds, what is wrong with it, and those
-// that could not be used in their place.
-
-/// Adds the table of recordings, their notes as warnings, unusable ones as refusals, and the JSON
-/// list `recordings` to the part.
-void add_recordings(ReportPart& part, const CampaignTest& test,
-                    const std::vector<LoadedRecording>& loaded);
-
-/// Puts a refusal on the part: warning, summary line, paragraph in its place.
-void refuse(ReportPart& part, const std::string& code, const std::string& message,
-            const std::string& where);
-
 /// Name of a file without its folders.
 [[nodiscard]] std::string short_name(const std::string& file);
-
-// A recording as figures: every channel over time, with what its quality check found.
+/// "m/s^2" as people write it.
+[[nodiscard]] std::string unit_words(const std::string& unit);
 
 /// The channels of a recording over time, linked. Clipped samples are points, other findings marks
 /// where they begin and words in the caption. Long channels keep the extremes of short stretches.
 /// Empty for what is not over time.
 [[nodiscard]] std::vector<Plot> recording_plots(const std::string& id,
                                                 const signal::Recording& recording,
-                                                const signal::QualityResult& quality,
-                                                Origin origin);
+                                                const signal::QualityResult& quality);
 
-/// Samples over time with at most about `most` points: the extremes of equal stretches, in order.
-void add_samples(PlotSeries& series, const Eigen::Ref<const Eigen::VectorXd>& samples,
-                 double start_s, double rate_hz, std::size_t most = 6000);
-
-// A free decay as figures: the record with its fit and what is left, damping against amplitude.
+// Free decays
 
 /// A decay of a record, as it was analysed.
 struct AnalysedDecay {
@@ -78,32 +60,13 @@ struct AnalysedDecay {
 /// series when no decay has two points.
 [[nodiscard]] Plot damping_plot(const std::string& id, const std::vector<AnalysedDecay>& decays);
 
-/// "m/s^2" as people write it.
-[[nodiscard]] std::string unit_words(const std::string& unit);
-
-// The model laid over a free decay: its answer to the same release or tap in time, the spectra of
-// both, and what the same estimator finds in both.
-
-using ident::ReleaseAnswer;
-
-/// Record and answers over the first half second, and their spectra up to `high_hz` (0: all).
+/// The model's response to the same release or tap: record and responses over the first half
+/// second, and their spectra up to `high_hz` (0: all). Empty where nothing could be computed.
 [[nodiscard]] std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& decay,
-                                              const std::vector<ReleaseAnswer>& answers,
+                                              const std::vector<ident::ReleaseAnswer>& answers,
                                               double high_hz);
 
-/// Amplitudes over frequency up to `high_hz` (0: all) under a Hann window, added to `series`.
-[[nodiscard]] PlotSeries amplitude_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples,
-                                            double rate_hz, double high_hz, PlotSeries series);
-
-// Every hit of a hammer test as its force pulse, the rejected ones broken.
-
-/// `places` and `test` belong together and hold their recordings. Force over the time from the
-/// begin of each pulse, offset removed and the pulse upwards; all rejected hits and the first
-/// accepted ones, `most` in all. No series without hits.
-[[nodiscard]] Plot hits_plot(const std::string& id, const std::vector<ident::StruckPlace>& places,
-                             const ident::HammerTest& test, Origin origin, std::size_t most = 24);
-
-// FRFs as figures: magnitude with its error band, phase, coherence, stabilisation diagram.
+// Hammer tests
 
 /// Lines of a set from low_hz to high_hz.
 struct LineRange {
@@ -111,38 +74,33 @@ struct LineRange {
 };
 [[nodiscard]] LineRange lines_between(const signal::FrfSet& frfs, double low_hz, double high_hz);
 
-/// Magnitude of every FRF with its 95 % band; `rebuilt` (may be null): from the identified modes,
-/// at the lines of the range.
-[[nodiscard]] Plot magnitude_plot(const std::string& id, const signal::FrfSet& frfs,
-                                  const LineRange& range, Origin origin,
-                                  const signal::FrfSet* rebuilt);
 /// Unwrapped along the lines whose phase is known to about 20 degrees; the others are gaps.
 [[nodiscard]] Plot phase_plot(const std::string& id, const signal::FrfSet& frfs,
                               const LineRange& range, Origin origin);
-[[nodiscard]] Plot coherence_plot(const std::string& id, const signal::FrfSet& frfs,
-                                  const LineRange& range, Origin origin);
 [[nodiscard]] Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found,
                                       Origin origin);
 
-/// The figures of a set together: magnitude, phase and coherence (where there is one) over one
-/// abscissa, with the identified modes marked, and the stabilisation diagram. `modal` and `rebuilt`
-/// may be null. Ids are `id` with "-frf", "-phase", "-coherence", "-stabilisation" in between.
-struct FrfFigures {
-  std::string test, state;  ///< parts of the ids: "cable-frf-200N"
+struct HammerFigures {
+  const std::vector<ident::StruckPlace>* places = nullptr;  ///< null: FRFs from a file
+  const ident::HammerTest* test = nullptr;                  ///< null: FRFs from a file
+  const signal::FrfSet& frfs;
+  double low_hz = 0, high_hz = 0;              ///< 0: to the last line
+  const signal::ModalResult* modal = nullptr;  ///< null: no modes
+  std::string name = "test", state = {};       ///< parts of the ids: "cable-frf-200N"
   Origin origin = Origin::measured;
 };
-[[nodiscard]] std::vector<Plot> frf_figures(const FrfFigures& of, const signal::FrfSet& frfs,
-                                            const LineRange& range,
-                                            const signal::ModalResult* modal,
-                                            const signal::FrfSet* rebuilt);
+/// Hits; magnitude with the modes' own curve, phase and coherence (where there is one) over one
+/// abscissa, with the identified modes marked; stabilisation diagram. Ids are `name` and `state`
+/// with "-hits", "-frf", "-phase", "-coherence", "-stabilisation" in between.
+[[nodiscard]] std::vector<Plot> hammer_plots(const HammerFigures& of);
 
-/// "mid-span", or "mid-span / hammer" where several places were struck.
-[[nodiscard]] std::string frf_name(const signal::FrfSet& frfs, Eigen::Index response,
-                                   Eigen::Index input);
-/// "|H|, (m/s²)/N"
-[[nodiscard]] std::string magnitude_label(const std::string& unit);
+/// Magnitudes of the test with their band, and of every version; empty series when nothing could be
+/// computed.
+[[nodiscard]] Plot frf_overlay_plot(const std::string& id, const ident::ModalTestState& recorded,
+                                    const ident::Instrumented& rig,
+                                    const std::vector<ident::ModelVersion>& versions);
 
-// An axial test as figures: EA by length, the decays, where the uncertainty of EA comes from.
+// Axial tests
 
 /// A value to compare with.
 struct ReferenceValue {
@@ -163,47 +121,32 @@ struct ReferenceValue {
                                                     const ident::AxialCampaignResult& result,
                                                     const std::vector<Origin>& origins);
 
-// A bending test as figures: load over deflection, EI over tension with the laws that compete.
+// Bending tests; `origins` by source
 
-/// The records of every point that was analysed; `origins` by source.
+/// The records of every point that was analysed.
 [[nodiscard]] Plot load_deflection_plot(const std::string& id,
                                         const ident::BendingCampaign& campaign,
                                         const std::vector<Origin>& origins,
                                         const ident::BendingCampaignResult& result);
 
-/// EI of the usable points with 95 % intervals, a series for each origin.
-[[nodiscard]] std::vector<PlotSeries> stiffness_series(const ident::BendingCampaignResult& result,
-                                                       const std::vector<Origin>& origins);
-
-/// Laws that converged (the closest full, with its 95 % band), bounds and points.
-[[nodiscard]] Plot stiffness_plot(const std::string& id, const std::vector<PlotSeries>& points,
+/// EI of the usable points with 95 % intervals, laws that converged (the closest with its 95 %
+/// band), bounds.
+[[nodiscard]] Plot stiffness_plot(const std::string& id, const std::vector<Origin>& origins,
                                   const ident::BendingCampaignResult& result);
 
-// A tension from frequencies as figures.
+/// A tension: measured and modelled frequencies over mode number, a series a kind of ends; their
+/// errors; budget.
+[[nodiscard]] std::vector<Block> tension_blocks(const std::string& id,
+                                                const ident::TensionResult& result);
 
-/// Measured and modelled frequencies over mode number, a series a candidate; the errors of the
-/// candidates; the tension of each candidate with its 95 % interval beside that of all and the
-/// formulas.
-[[nodiscard]] std::vector<Plot> tension_plots(const std::string& id,
-                                              const ident::TensionResult& result);
+/// A fit: how far the model lies above the test, per cent over frequency, with the test's 95 %
+/// bars; shares of variance of the identifiable parameters. `held_out` may be empty.
+[[nodiscard]] std::vector<Block> fit_blocks(const std::string& id,
+                                            const std::vector<ident::UpdateState>& states,
+                                            const ident::UpdateResult& result,
+                                            const std::vector<ident::HeldOut>& held_out);
 
-// A fit of a model to measured modes as figures: model against test, errors mode by mode, where
-// each parameter's uncertainty comes from.
-
-/// What a fit was made of and gave.
-struct FitFigures {
-  const std::vector<ident::UpdateState>& states;
-  const ident::UpdateResult& result;
-  const std::vector<ident::HeldOut>& held;  ///< empty: nothing was held out
-};
-
-/// How far the model lies above the test, per cent over frequency, with the test's 95 % bars.
-[[nodiscard]] Plot error_by_mode_plot(const std::string& id, const FitFigures& fit);
-/// Shares of variance of the identifiable parameters; none when there is no budget.
-[[nodiscard]] std::optional<ReportTable> budget_table(const std::string& id,
-                                                      const ident::UpdateResult& result);
-
-// A segment model as figures: mode shapes about the equilibrium, frequencies, time responses.
+// Models
 
 /// A measured mode to lay over a modelled one.
 struct MeasuredShape {
@@ -224,9 +167,9 @@ struct MeasuredShape {
                                                    const std::vector<MeasuredShape>& measured = {},
                                                    std::size_t most = 16);
 
-/// Natural frequencies over mode number, a series a plane.
-[[nodiscard]] Plot mode_frequencies_plot(const std::string& id,
-                                         const model::ModalAnalysis& analysis);
+/// Shapes, and natural frequencies over mode number, a series a plane.
+[[nodiscard]] std::vector<Block> modes_blocks(const std::string& id, const model::Scene& scene,
+                                              const model::ModalAnalysis& analysis);
 
 /// Every sensor over time, linked, and the amplitude spectra of all of one unit together.
 [[nodiscard]] std::vector<Plot> response_plots(const std::string& id, const model::Scene& scene,

@@ -10,6 +10,7 @@
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
 #include "apps/report/drawing/svg_plot.h"
+#include "apps/report/page/tables.h"
 
 namespace rigfit::apps {
 namespace {
@@ -32,6 +33,17 @@ std::string BlockHtml::links_to(const std::string& id) const {
       " <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a>, <a "
       "href=\"data/{0}.csv\">CSV</a></span>",
       escaped(id));
+}
+
+std::string BlockHtml::head(const std::string& title, const std::string& more) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\" class=\"no-script\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"color-scheme\" content=\"light dark\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
+      "'unsafe-inline'; style-src 'unsafe-inline'; img-src data:\">\n"
+      "<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n{}{}</head>\n",
+      escaped(title), styles(), more);
 }
 
 std::string BlockHtml::styles() {
@@ -63,10 +75,6 @@ void BlockHtml::add(const ReportTable& table) {
   if (!table.fold.empty()) {
     html_ += fmt::format("<details class=\"fold\"><summary>{}</summary>\n", escaped(table.fold));
   }
-  html_ +=
-      fmt::format("<div class=\"table\"><table id=\"{}\"{}><caption>{} {}</caption>\n<thead><tr>",
-                  escaped(table.id), table.rows.size() <= 12 ? " class=\"short\"" : "",
-                  number("Table", ++tables_), escaped(table.caption));
   // A column with nothing in it says nothing: remarks where there are none.
   std::vector<bool> shown_column(table.columns.size(), table.rows.empty());
   for (const auto& row : table.rows) {
@@ -74,6 +82,12 @@ void BlockHtml::add(const ReportTable& table) {
       if (!row[i].text.empty()) shown_column[i] = true;
     }
   }
+  constexpr std::ptrdiff_t kNarrow = 4;  // columns; a table of these stands beside a figure
+  const auto columns = std::count(shown_column.begin(), shown_column.end(), true);
+  html_ += fmt::format(
+      "<div class=\"table\"><table id=\"{}\" class=\"{}{}\"><caption>{} {}</caption>\n<thead><tr>",
+      escaped(table.id), table.rows.size() <= 12 ? "short" : "",
+      columns <= kNarrow ? " narrow" : "", number("Table", ++tables_), escaped(table.caption));
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
     if (!shown_column[i]) continue;
     const auto& column = table.columns[i];
@@ -92,7 +106,9 @@ void BlockHtml::add(const ReportTable& table) {
       if (i < shown_column.size() && !shown_column[i]) continue;
       std::string css;
       if (i < table.columns.size() && table.columns[i].numeric) css += "n";
-      if (row[i].origin) css += fmt::format(" o-{}", word_of(*row[i].origin));
+      const auto origin =
+          row[i].origin || i >= table.columns.size() ? row[i].origin : table.columns[i].origin;
+      if (origin) css += fmt::format(" o-{}", word_of(*origin));
       if (row[i].doubtful) css += " doubt";
       if (row[i].shade) css += " shade";
       html_ += fmt::format(
@@ -151,7 +167,6 @@ void BlockHtml::add(const PlotGroup& group) {
 
 void BlockHtml::add(const Plot& plot) {
   SvgOptions options;
-  options.standalone = false;
   options.width = kPageWidth;
   options.height = kPageHeight;
   html_ += fmt::format(

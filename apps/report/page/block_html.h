@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "apps/report/page/page_limits.h"
 #include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
@@ -28,6 +27,8 @@ class BlockHtml {
   /// What was added since the last call.
   [[nodiscard]] std::string taken();
 
+  /// Begin of a page that loads nothing, to the end of its head. `more`: elements of the head.
+  [[nodiscard]] static std::string head(const std::string& title, const std::string& more = {});
   /// Style sheets of a page with blocks: a style element for its head.
   [[nodiscard]] static std::string styles();
   /// The script that zooms figures and switches tabs: for the end of its body.

@@ -13,7 +13,6 @@ namespace {
 
 SvgPanel panel_of(const Plot& plot, const std::string& state) {
   SvgOptions options;
-  options.standalone = false;
   return {state.empty() ? plot.title : state + ": " + plot.title, svg_plot(plot, options),
           options.width, options.height};
 }
@@ -24,16 +23,8 @@ std::string figures_page(const std::string& title, const std::string& repeat,
                          const std::vector<Block>& blocks) {
   BlockHtml html(false);
   for (const auto& block : blocks) html.add(block);
-  std::string page =
-      "<!DOCTYPE html>\n<html lang=\"en\" class=\"no-script\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
-      "'unsafe-inline'; style-src 'unsafe-inline'; img-src data:\">\n"
-      "<link rel=\"icon\" href=\"data:,\">\n";
-  page +=
-      fmt::format("<title>{}</title>\n{}</head>\n<body class=\"figures\">\n<main>\n<h1>{}</h1>\n",
-                  escaped(title), BlockHtml::styles(), escaped(title));
+  std::string page = BlockHtml::head(title);
+  page += fmt::format("<body class=\"figures\">\n<main>\n<h1>{}</h1>\n", escaped(title));
   page += html.taken();
   page += fmt::format(
       "</main>\n<footer><p>To repeat: <code>{}</code></p><p>This page needs no "

@@ -1,15 +1,16 @@
 #include "apps/report/page/report_page.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <ctime>
 #include <set>
 
 #include "apps/cli/assets.h"
+#include "apps/cli/warning_lines.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/page/block_html.h"
-#include "apps/report/page/first_page.h"
 #include "apps/report/page/parameter_words.h"
 
 namespace rigfit::apps {
@@ -51,11 +52,8 @@ std::vector<Section> sections_of(std::span<const ReportPart> parts) {
 std::string id_of(const Block& block) {
   return std::visit(
       [](const auto& one) -> std::string {
-        if constexpr (requires { one.id; }) {
-          return one.id;
-        } else {
-          return {};
-        }
+        if constexpr (requires { one.id; }) return one.id;
+        return {};
       },
       block);
 }
@@ -65,6 +63,103 @@ double pages_of(const Block& block) {
     return kRowPages * static_cast<double>(table->rows.size() + 4);
   }
   return kFigurePages;
+}
+
+int rank_of(const ReportFinding& one) {
+  return one.refused ? -1 : static_cast<int>(level_of(one.code));
+}
+
+/// Without the folders of a file.
+std::string place_of(const std::string& where) {
+  const auto slash = where.rfind('/', where.find(": "));
+  return slash == std::string::npos ? where : where.substr(slash + 1);
+}
+
+std::string findings_html(std::span<const ReportFinding> findings) {
+  std::string html;
+  for (const auto& one : findings) {
+    html += fmt::format("<li><a href=\"#{}\">{}</a>{}: {}{}</li>\n", escaped(one.anchor),
+                        escaped(one.title), one.refused ? ", refused" : "", escaped(one.message),
+                        one.count > 1 || one.refused ? escaped(" (" + one.where + ")") : "");
+  }
+  return html;
+}
+
+constexpr std::size_t kMostAnswers = 14, kMostWarnings = 5;
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  return fmt::format("{:%Y-%m-%d}", parts);
+}
+
+void heading(std::string& html, const PageFrame& frame) {
+  const auto& details = frame.details;
+  html += "<header>\n";
+  if (const std::string logo = logo_data_uri(details.logo); !logo.empty()) {
+    html += fmt::format("<img class=\"logo\" src=\"{}\" alt=\"{}\">\n", logo,
+                        escaped(details.organisation.empty() ? "Logo" : details.organisation));
+  }
+  html += fmt::format("<h1>{}</h1>\n<dl class=\"details\">", escaped(frame.title));
+  for (const auto& [name, value] :
+       {std::pair{"Client", details.client}, std::pair{"Project", details.project},
+        std::pair{"Author", details.author}, std::pair{"Organisation", details.organisation},
+        std::pair{"Date", details.date.empty() ? today() : details.date},
+        std::pair{"Revision", details.revision}}) {
+    if (value.empty()) continue;
+    html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escaped(value));
+  }
+  html += "</dl>\n";
+  if (!frame.description.empty()) html += fmt::format("<p>{}</p>\n", escaped(frame.description));
+  if (!frame.source.empty()) {
+    html += fmt::format("<p class=\"source\">Source: {}</p>\n", escaped(frame.source));
+  }
+  html += "</header>\n";
+}
+
+void answers_table(std::string& html, std::span<const ReportPart> parts) {
+  std::vector<const Answer*> list;
+  std::size_t all = 0;
+  for (int rank = 0; rank < 2; ++rank) {
+    std::vector<const Answer*> of_rank;
+    for (const auto& part : parts) {
+      for (const auto& answer : part.answers) {
+        all += rank == 0;
+        if (answer.rank == rank && answer.recommended) of_rank.push_back(&answer);
+      }
+    }
+    if (rank > 0 && list.size() + of_rank.size() > kMostAnswers) continue;
+    list.insert(list.end(), of_rank.begin(), of_rank.end());
+  }
+  list.resize(std::min(list.size(), kMostAnswers));
+  if (list.empty()) {
+    html += "<p class=\"warning\">These recordings gave no answer: the warnings say why.</p>\n";
+    return;
+  }
+  html +=
+      "<div class=\"table\"><table class=\"answers short\" id=\"answers\"><caption>Results, ± "
+      "standard uncertainty; verdicts are about 95 % intervals.</caption>\n<thead><tr><th "
+      "scope=\"col\">quantity</th><th scope=\"col\" class=\"n\">value</th><th "
+      "scope=\"col\">unit</th><th scope=\"col\">how known</th><th scope=\"col\">verdict</th></tr>"
+      "</thead>\n<tbody>\n";
+  for (const auto* answer : list) {
+    html += fmt::format(
+        "<tr><th scope=\"row\"><a href=\"#{}\">{}</a></th><td class=\"n\">{}</td><td "
+        "class=\"u\">{}</td>"
+        "<td class=\"o-{}\">{}{}</td><td{}>{}</td></tr>\n",
+        escaped(answer->anchor), escaped(quantity_words(*answer)), escaped(value_words(*answer)),
+        escaped(shown_unit(*answer)), word_of(answer->origin), escaped(answer->how),
+        answer->origin == Origin::synthetic ? " (synthetic)" : "",
+        doubtful(*answer) ? " class=\"doubt\"" : "", escaped(verdict_words(*answer)));
+  }
+  html += "</tbody></table></div>\n";
+  if (all > list.size()) {
+    html += fmt::format(
+        "<p class=\"small\">{} of {} values; all, with their intervals, are in <a "
+        "href=\"data/results.csv\">data/results.csv</a>.</p>\n",
+        list.size(), all);
+  }
 }
 
 class PageWriter {
@@ -78,7 +173,8 @@ class PageWriter {
     const bool all = frame_.style == ReportStyle::lab;
     head(frame_.title);
     navigation(true, all);
-    html_ += "<main>\n" + first_page(frame_, overview, parts_, findings_, blocks_);
+    html_ += "<main>\n";
+    first_page(overview);
     html_ += "<div class=\"contents\"><h2>Contents</h2>\n" + contents(true, all) + "</div>\n";
     for (const auto& section : sections_) short_section(section);
     more_warnings();
@@ -111,6 +207,37 @@ class PageWriter {
         html_.insert(at + 6, "appendix.html");
       }
     }
+  }
+
+  /// One page on paper.
+  void first_page(const ReportPart& overview) {
+    html_ += "<section class=\"first-page\" aria-labelledby=\"summary\">\n";
+    heading(html_, frame_);
+    html_ += "<h2 id=\"summary\" class=\"hidden\">Summary</h2>\n<div class=\"overview\">\n";
+    blocks_.heading(3);
+    for (const auto& block : overview.blocks) blocks_.add(block);
+    html_ += blocks_.taken() + "</div>\n<h3 id=\"results\">Results</h3>\n";
+    answers_table(html_, parts_);
+    html_ += "<h3 id=\"warnings\">Warnings</h3>\n";
+    const std::size_t count = count_warnings();
+    html_ += warnings_html(count, kMostWarnings);
+    if (count > kMostWarnings) {
+      html_ += fmt::format("<p class=\"small\"><a href=\"#more-warnings\">{} more</a></p>\n",
+                           count - kMostWarnings);
+    }
+    html_ += "</section>\n";
+  }
+
+  /// The first `most` of the warnings as a list.
+  [[nodiscard]] std::string warnings_html(std::size_t count, std::size_t most) const {
+    if (count == 0) return "<p>No warning that would change these results.</p>\n";
+    return "<ul class=\"lines distrust\">\n" +
+           findings_html(std::span(findings_).first(std::min(count, most))) + "</ul>\n";
+  }
+
+  [[nodiscard]] std::size_t count_warnings() const {
+    return static_cast<std::size_t>(std::count_if(findings_.begin(), findings_.end(),
+                                                  [](const auto& one) { return !one.note; }));
   }
 
   /// What the short report has room for: its own ids of figures and tables.
@@ -172,18 +299,9 @@ class PageWriter {
   }
 
   void head(const std::string& title) {
-    html_ =
-        "<!DOCTYPE html>\n<html lang=\"en\" class=\"no-script\">\n<head>\n<meta "
-        "charset=\"utf-8\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-        "<meta name=\"color-scheme\" content=\"light dark\">\n"
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
-        "'unsafe-inline'; style-src 'unsafe-inline'; img-src data:\">\n"
-        "<link rel=\"icon\" href=\"data:,\">\n";
-    html_ += fmt::format("<title>{}</title>\n", escaped(title));
-    html_ += BlockHtml::styles();
-    html_ += fmt::format("<style>{}</style>\n", assets::page_css) + footer_style();
-    html_ += "</head>\n<body>\n<a class=\"skip\" href=\"#main\">To the content</a>\n";
+    html_ = BlockHtml::head(title,
+                            fmt::format("<style>{}</style>\n", assets::page_css) + footer_style());
+    html_ += "<body>\n<a class=\"skip\" href=\"#main\">To the content</a>\n";
   }
 
   /// The lists of a contents: the report's sections, the appendix' sections.
@@ -227,21 +345,6 @@ class PageWriter {
         escaped(frame_.title), contents(report, appendix));
   }
 
-  /// One figure in the short report with no figure and no narrow table at its side.
-  [[nodiscard]] bool lone_figure(const Section& section) const {
-    constexpr std::size_t kNarrow = 4;  // columns, as in page.css
-    std::size_t figures = 0, narrow = 0;
-    for (const auto* part : section.parts) {
-      for (const auto& block : part->blocks) {
-        if (!is_short(block)) continue;
-        const auto* table = std::get_if<ReportTable>(&block);
-        figures += table == nullptr ? 1 : 0;
-        narrow += table != nullptr && table->columns.size() <= kNarrow ? 1 : 0;
-      }
-    }
-    return figures == 1 && narrow == 0;
-  }
-
   /// What was found, with the figure and the table that say most.
   void short_section(const Section& section) {
     if (!has_short(section)) return;
@@ -266,7 +369,7 @@ class PageWriter {
       }
     }
     if (!items.empty()) html_ += "<ul class=\"lines\">\n" + items + "</ul>\n";
-    html_ += lone_figure(section) ? "<div class=\"pair lone\">\n" : "<div class=\"pair\">\n";
+    html_ += "<div class=\"pair\">\n";
     blocks_.heading(3);
     for (const auto* part : section.parts) {
       for (const auto& block : part->blocks) {
@@ -284,16 +387,12 @@ class PageWriter {
 
   /// All of them; notes folded.
   void more_warnings() {
-    const auto note = std::find_if(findings_.begin(), findings_.end(),
-                                   [](const ReportFinding& one) { return one.note; });
-    const auto warnings = static_cast<std::size_t>(note - findings_.begin());
+    const std::size_t warnings = count_warnings();
     const std::span<const ReportFinding> all(findings_);
     html_ +=
         "<section class=\"brief\" aria-labelledby=\"more-warnings\"><h2 "
-        "id=\"more-warnings\">Warnings</h2>\n";
-    html_ += warnings == 0 ? "<p>No warning that would change these results.</p>\n"
-                           : "<ul class=\"lines distrust\">\n" +
-                                 findings_html(all.first(warnings)) + "</ul>\n";
+        "id=\"more-warnings\">Warnings</h2>\n" +
+        warnings_html(warnings, warnings);
     if (warnings < all.size()) {
       html_ += fmt::format(
           "<details class=\"fold\"><summary>{}: normal operation, or allowed for in the values"
@@ -355,7 +454,7 @@ class PageWriter {
 
   void provenance() {
     html_ += "<section aria-labelledby=\"provenance\"><h2 id=\"provenance\">Provenance</h2>\n";
-    html_ += fmt::format("<p>rigfit {}. To repeat: <code>{}</code></p>\n", escaped(frame_.version),
+    html_ += fmt::format("<p>rigfit {}. To repeat: <code>{}</code></p>\n", escaped(RIGFIT_VERSION),
                          escaped(frame_.repeat));
     constexpr std::size_t kMost = 400;
     html_ += fmt::format(
@@ -378,7 +477,7 @@ class PageWriter {
   std::string finished() {
     html_ += fmt::format(
         "</main>\n<footer><p>Made by rigfit {}. This page needs no network.</p></footer>\n",
-        escaped(frame_.version));
+        escaped(RIGFIT_VERSION));
     html_ += BlockHtml::script();
     html_ += fmt::format("<script>{}</script>\n</body>\n</html>\n", assets::page_js);
     return std::move(html_);
@@ -394,6 +493,32 @@ class PageWriter {
 };
 
 }  // namespace
+
+std::vector<ReportFinding> findings_of(std::span<const ReportPart> parts) {
+  constexpr std::size_t kMostPlaces = 4;
+  std::vector<ReportFinding> list;
+  for (const auto& part : parts) {
+    for (const auto& warning : part.warnings) {
+      const auto same = std::find_if(list.begin(), list.end(), [&](const ReportFinding& one) {
+        return !one.refused && !warning.refused && one.code == warning.code;
+      });
+      if (same == list.end()) {
+        list.push_back({warning.code, with_parameter_words(warning.message),
+                        place_of(warning.where), part.title, part.id, 1, warning.refused,
+                        !warning.refused && is_note(warning.code)});
+      } else if (++same->count <= kMostPlaces) {
+        same->where += "; " + place_of(warning.where);
+      }
+    }
+  }
+  for (auto& one : list) {
+    if (one.count > kMostPlaces) one.where += fmt::format(" and {} more", one.count - kMostPlaces);
+  }
+  std::stable_sort(list.begin(), list.end(), [](const ReportFinding& a, const ReportFinding& b) {
+    return rank_of(a) < rank_of(b);
+  });
+  return list;
+}
 
 std::string report_page(const PageFrame& frame, const ReportPart& overview,
                         std::span<const ReportPart> parts) {

@@ -1,23 +1,53 @@
-// A report as one HTML page.
+// A report as one HTML page that needs nothing else: style, scripts, data and pictures are in it.
+//
+// First page (who made it and for whom, what was tested, the answers with verdicts, model against
+// test, the most serious warnings), short report by test, appendix with everything else. On paper
+// the first two take eight pages at most.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "apps/report/page/page_frame.h"
+#include "apps/campaign_file/report_details.h"
 #include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 
-// A report as one HTML page that needs nothing else: style, scripts, data and pictures are in it.
-//
-// First page (what was tested, the answers, model against test, the most serious warnings), short
-// report by test, appendix with everything else. On paper the first two take eight pages at most.
+/// Whom the report is for: a client gets the short report and the appendix as a page of its own,
+/// a laboratory one page of both.
+enum class ReportStyle { lab, client };
 
-/// report.html. `overview` (parts/overview_part.h) stands on the first page.
+/// What frames the parts of a report.
+struct PageFrame {
+  std::string title, source, description;
+  ReportDetails details = {};
+  ReportStyle style = ReportStyle::lab;
+  std::string repeat = {};  ///< command line that makes the report again
+  std::vector<std::pair<std::string, std::string>> inputs = {};  ///< path, SHA-256
+  std::vector<std::pair<std::string, std::string>> links = {};   ///< other pages: file, title
+};
+
+/// report.html. `overview` (parts/overview_part.cc) stands on the first page.
 [[nodiscard]] std::string report_page(const PageFrame& frame, const ReportPart& overview,
                                       std::span<const ReportPart> parts);
 /// appendix.html of a client's report.
 [[nodiscard]] std::string appendix_page(const PageFrame& frame, std::span<const ReportPart> parts);
+
+/// What the parts found, as it is told: each kind (code) once with all its places, what can change
+/// an answer first. A warning asks for something or casts doubt on an answer; a note is normal
+/// operation, or allowed for in the values.
+struct ReportFinding {
+  std::string code, message;  ///< code and message of the first of its kind
+  std::string where;          ///< places, the first ones by name
+  std::string title, anchor;  ///< title and anchor of the part that says more
+  std::size_t count = 1;      ///< number of findings of its kind
+  bool refused = false, note = false;
+};
+
+/// Refusals stand each by itself.
+[[nodiscard]] std::vector<ReportFinding> findings_of(std::span<const ReportPart> parts);
 
 }  // namespace rigfit::apps

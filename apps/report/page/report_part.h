@@ -29,7 +29,7 @@ struct Cell {
       : text(std::move(cell_text)), origin(cell_origin) {}
 
   std::string text;
-  std::optional<Origin> origin;  ///< colours the cell
+  std::optional<Origin> origin;  ///< colours the cell; none: as its column
   bool doubtful = false;
   std::optional<double> shade;  ///< 0..1: how dark the cell stands out (a matrix)
 };
@@ -41,10 +41,10 @@ struct Column {
 };
 
 struct ReportTable {
-  std::string id, caption;
-  std::vector<Column> columns;
-  std::vector<std::vector<Cell>> rows;
-  std::string fold;  ///< words on the fold that a long table stands behind; empty: open
+  std::string id = {}, caption = {};
+  std::vector<Column> columns = {};
+  std::vector<std::vector<Cell>> rows = {};
+  std::string fold = {};  ///< words on the fold that a long table stands behind; empty: open
 };
 
 /// Figures of one kind for several states: one state is looked at at a time.
@@ -67,13 +67,9 @@ struct Picture {
 
 using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, Picture>;
 
-/// A line of the summary.
+/// A line of the summary: a value found, model against test, what was recorded.
 struct SummaryItem {
-  enum class Kind {
-    result,
-    error,
-    recorded
-  };  ///< a value found; model against test; what was recorded
+  enum class Kind { result, error, recorded };
   Kind kind = Kind::result;
   std::string label, text;
   std::optional<Origin> origin = std::nullopt;
@@ -89,15 +85,6 @@ struct PartWarning {
 /// A file of the report for other programs; `path` is relative to the report's folder.
 struct OutputFile {
   std::string path, content;
-};
-
-/// What one computation of the model took and how far off it says it is.
-struct ModelCost {
-  std::string what;     ///< "cable-in-plane, 200 N: modes"
-  std::string method;   ///< "60 segments, banded eigenvalues"
-  std::string choices;  ///< what was kept and left out, and what that costs
-  double wall_s = 0;
-  double relative_error = 0;  ///< estimated; NaN: not known
 };
 
 /// A measured mode and the frequency that a model has for it.
@@ -116,7 +103,6 @@ struct ReportPart {
   std::vector<SummaryItem> summary;
   std::vector<PartWarning> warnings;
   std::vector<OutputFile> files;
-  std::vector<ModelCost> costs;
   std::vector<ModeOfModel> modes;
   std::vector<std::string> inputs;  ///< files read for it besides the campaign's own
   Json json = Json::object();       ///< merged into the document under the part's key

@@ -8,67 +8,17 @@
 #include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
 #include "apps/results/bending_json.h"
-#include "signal/numerics/numbers.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
 namespace {
 
-std::string setup_words(const BendingTest& test) {
-  const auto& options = test.campaign.test;
-  if (!test.beam()) {
-    return std::string(
-               "A length of cable is clamped at both ends, pulled to a tension and pressed "
-               "sideways at mid-span. From the slope of deflection over load follows its bending "
-               "stiffness EI.") +
-           (test.published() ? " Here the EI values themselves are published." : "");
-  }
-  const char* held =
-      options.ends == ident::BeamEnds::cantilever ? "clamped at one end and loaded at the other"
-      : options.ends == ident::BeamEnds::pinned   ? "laid on two supports and loaded between"
-                                                  : "clamped at both ends and loaded between them";
-  return fmt::format(
-      "A beam is {}, {:g} m, without tension. From the slope of load over deflection in its "
-      "elastic part follows EI = slope span³ / {:g}; shear is left out.",
-      held, options.span_m.value, ident::beam_stiffness_factor(options.ends));
-}
-
-ReportTable law_table(const CampaignTest& test, const ident::StiffnessLaws& laws) {
-  ReportTable table{test.name + "-laws",
-                    "Laws for EI(T), the closest first.",
-                    {{"law", {}, false},
-                     {"formula (EI in N m², T in N)", {}, false},
-                     {"rms deviation", Origin::modelled},
-                     {"weight", Origin::modelled},
-                     {"remark", {}, false}},
-                    {},
-                    {}};
-  for (const auto& law : laws.laws) {
-    table.rows.push_back(
-        {name_of(law.kind), law.formula, shown(100 * law.rms_relative_error, 2) + " %",
-         std::isfinite(law.akaike_weight) ? shown(law.akaike_weight, 2) : "", law.message});
-  }
-  return table;
-}
-
 class BendingPart : public TestPart {
  public:
   explicit BendingPart(const CampaignTest& test)
-      : test_(test), kind_(test.as<BendingTest>()), bending_(kind_.campaign) {
-    part_.id = test.name;
-    part_.title = test.title;
-    part_.json_key = "bending";
-    part_.json["test"] = test.name;
+      : TestPart(test, "bending"), kind_(test.as<BendingTest>()), bending_(kind_.campaign) {
     part_.json["span_m"] = bending_.test.span_m.value;
-  }
-
-  void read(const FileRead& file_read) override {
-    part_.blocks.push_back(Paragraph{setup_words(kind_)});
-    if (kind_.published()) {
-      origins_.push_back(Origin::published);
-    } else {
-      read_recordings(file_read);
-    }
+    from_.assign(bending_.sources.size(), Origin::published);
   }
 
   void add_to(ident::CampaignInputs& inputs) override {
@@ -79,18 +29,32 @@ class BendingPart : public TestPart {
   std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
     const auto& result = campaign.bending[index_];
     bending_ = std::move(campaign.inputs.bending[index_]);
+    const auto& laws = result.curve.laws();
     part_.json.update(bending_json(bending_, result));
-    part_.json["laws_decided"] = !kind_.beam() && result.curve.laws().decided;
-    for (std::size_t i = 0; i < result.points.size(); ++i) {
-      part_.json["tests"][i]["origin"] = word_of(origins_[result.points[i].source]);
+    part_.json["laws_decided"] = !kind_.beam() && laws.decided;
+    for (const auto& finding : result.findings) {
+      part_.warnings.push_back({finding.code, finding.message, test_.name});
     }
-    tell_findings(result);
+    for (std::size_t i = 0; i < result.points.size(); ++i) {
+      const auto& one = result.points[i];
+      part_.json["tests"][i]["origin"] = word_of(from_[one.source]);
+      if (!one.analysis) continue;
+      const auto& file = bending_.sources[one.source].name;
+      const std::string where =
+          one.point.tension_N > 0 ? fmt::format("{} at {:.4g} N", file, one.point.tension_N) : file;
+      for (const auto& finding : one.analysis->findings) {
+        part_.warnings.push_back({finding.code, finding.message, where, finding.refuses});
+      }
+    }
+    if (!kind_.beam() && !laws.laws.empty()) {
+      part_.blocks.push_back(stiffness_plot(test_.name + "-EI", from_, result));
+    }
     if (!result.points.empty()) {
+      part_.blocks.push_back(points_table(result));
       if (!kind_.published()) {
         part_.blocks.push_back(
-            load_deflection_plot(test_.name + "-load-deflection", bending_, origins_, result));
+            load_deflection_plot(test_.name + "-load-deflection", bending_, from_, result));
       }
-      part_.blocks.push_back(points_table(result));
     }
     if (!kind_.beam()) show_laws(result);
     add_answers(result);
@@ -100,73 +64,73 @@ class BendingPart : public TestPart {
   }
 
  private:
-  void read_recordings(const FileRead& file_read) {
-    auto loaded = load_recordings(test_.recordings, file_read);
-    for (auto& entry : loaded) {
-      part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
-      if (entry.recording) drop_time_notes(*entry.recording);
+  [[nodiscard]] std::string intro() const override {
+    if (!kind_.beam()) {
+      return std::string(
+                 "A length of cable is clamped at both ends, pulled to a tension and pressed "
+                 "sideways at mid-span. The slope of deflection over load gives its bending "
+                 "stiffness EI.") +
+             (kind_.published() ? " Here the EI values themselves are published." : "");
     }
-    add_recordings(part_, test_, loaded);
+    const char* held = bending_.test.ends == ident::BeamEnds::cantilever
+                           ? "clamped at one end and loaded at the other"
+                       : bending_.test.ends == ident::BeamEnds::pinned
+                           ? "laid on two supports and loaded between"
+                           : "clamped at both ends and loaded between";
+    return fmt::format(
+        "A beam is {}, {:g} m, without tension. The slope of load over deflection in its elastic "
+        "part gives EI = slope span³ / {:g}; shear is left out.",
+        held, bending_.test.span_m.value, ident::beam_stiffness_factor(bending_.test.ends));
+  }
+
+  void take(LoadedRecording entry, const RecordingGroup& group) override {
     const BendingColumns columns{
         kind_.tension_channel, kind_.load_channel, kind_.deflection_channel,
         "name it in the campaign, channels = {{ {} = \"...\" }}", kind_.beam()};
-    for (const auto& entry : loaded) {
-      if (!entry.recording) continue;
-      std::vector<Warning> warnings;
-      try {
-        bending_.sources.push_back(bending_source(*entry.recording, columns, warnings));
-      } catch (const signal::RecordingError& error) {
-        refuse(part_, "channel", error.what(), entry.file);
-        continue;
-      }
-      origins_.push_back(test_.recordings[entry.group].origin());
-      for (auto& one : warnings) {
-        part_.warnings.push_back(
-            {std::move(one.code), std::move(one.message), std::move(one.where), false});
-      }
+    std::vector<Warning> warnings;
+    try {
+      bending_.sources.push_back(bending_source(*entry.recording, columns, warnings));
+    } catch (const signal::RecordingError& error) {
+      refuse(part_, "channel", error.what(), entry.file);
+      return;
     }
-  }
-
-  void tell_findings(const ident::BendingCampaignResult& result) {
-    for (const auto& finding : result.findings) {
-      part_.warnings.push_back({finding.code, finding.message, test_.name, false});
-    }
-    for (const auto& one : result.points) {
-      if (!one.analysis) continue;
-      const auto& file = bending_.sources[one.source].name;
-      const std::string where =
-          one.point.tension_N > 0 ? fmt::format("{} at {:.4g} N", file, one.point.tension_N) : file;
-      for (const auto& finding : one.analysis->findings) {
-        part_.warnings.push_back({finding.code, finding.message, where, finding.refuses});
-      }
+    from_.push_back(group.origin());
+    for (auto& one : warnings) {
+      part_.warnings.push_back({std::move(one.code), std::move(one.message), std::move(one.where)});
     }
   }
 
   [[nodiscard]] ReportTable points_table(const ident::BendingCampaignResult& result) const {
-    const bool section = bending_.second_moment_m4.value > 0;
-    ReportTable table;
-    table.id = test_.name + "-results";
-    table.caption = "EI with its standard uncertainty and 95 % interval.";
-    table.columns = {{"recording", {}, false}, {"origin", {}, false}, {"tension, N", {}, true},
-                     {"slope d/Q, µm/N"},      {"EI, N m²"},          {"95 % interval"},
-                     {"hysteresis, N"},        {"modulus, GPa"},      {"remarks", {}, false}};
+    ReportTable table{test_.name + "-results",
+                      "EI with its standard uncertainty and 95 % interval.",
+                      {{"recording", {}, false},
+                       {"tension, N"},
+                       {"slope d/Q, µm/N"},
+                       {"EI, N m²"},
+                       {"95 % interval"},
+                       {"hysteresis, N"},
+                       {"modulus, GPa"},
+                       {"remarks", {}, false}}};
     for (const auto& one : result.points) {
-      const Origin from = origins_[one.source];
+      const Origin from = from_[one.source];
       const auto* r = one.analysis ? &*one.analysis : nullptr;
       const auto& point = one.point;
+      // What is wrong stands in the row; what is only taken as exact, in the warnings.
       std::string said, modulus;
-      for (const auto& finding : r ? r->findings : std::vector<ident::BendingFinding>()) {
-        said += (said.empty() ? "" : "; ") + finding.message;
+      if (r && !one.usable()) {
+        for (const auto& finding : r->findings) {
+          if (finding.refuses) said += (said.empty() ? "" : "; ") + finding.message;
+        }
+        if (said.empty()) said = r->stiffness.reason;
       }
-      if (r && said.empty()) said = r->stiffness.reason;
-      if (section && one.usable()) {
+      if (bending_.second_moment_m4.value > 0 && one.usable()) {
         const auto E = ident::bending_modulus(bending_, one);
         modulus = shown_estimate(1e-9 * E.value, 1e-9 * E.std);
       }
       Cell remarks(said);
       remarks.doubtful = !said.empty();
       table.rows.push_back(
-          {short_name(bending_.sources[one.source].name), Cell(name_of(from), from),
+          {short_name(bending_.sources[one.source].name),
            kind_.beam() ? ""
            : r          ? shown_estimate(r->tension_N.value, r->tension_N.std)
                         : shown(point.tension_N, 3),
@@ -184,12 +148,22 @@ class BendingPart : public TestPart {
     const auto& laws = result.curve.laws();
     if (!laws.laws.empty()) {
       part_.blocks.push_back(
-          stiffness_plot(test_.name + "-EI", stiffness_series(result, origins_), result));
-      part_.blocks.push_back(
           Paragraph{"For the model: " + result.curve.sentence(), Paragraph::Kind::note});
-      part_.blocks.push_back(law_table(test_, laws));
+      ReportTable table{test_.name + "-laws",
+                        "Laws for EI(T), the closest first.",
+                        {{"law", {}, false},
+                         {"formula (EI in N m², T in N)", {}, false},
+                         {"rms deviation", Origin::modelled},
+                         {"weight", Origin::modelled},
+                         {"remark", {}, false}}};
+      for (const auto& law : laws.laws) {
+        table.rows.push_back(
+            {name_of(law.kind), law.formula, shown(100 * law.rms_relative_error, 2) + " %",
+             std::isfinite(law.akaike_weight) ? shown(law.akaike_weight, 2) : "", law.message});
+      }
+      part_.blocks.push_back(std::move(table));
       if (!laws.decided) {
-        part_.warnings.push_back({"law_not_decided", result.curve.sentence(), test_.name, false});
+        part_.warnings.push_back({"law_not_decided", result.curve.sentence(), test_.name});
       }
     }
     if (const auto& bounds = result.bounds) {
@@ -203,21 +177,20 @@ class BendingPart : public TestPart {
   /// EI of every point on the first page; of specimens the first one.
   void add_answers(const ident::BendingCampaignResult& result) {
     int found = 0;
+    bool refused = false;
     for (const auto& one : result.points) {
+      refused = refused || one.refused();
       if (!one.usable()) continue;
       const auto& point = one.point;
       const std::string file = short_name(bending_.sources[one.source].name);
-      Answer EI;
-      EI.key = fmt::format("{}/EI/{}", test_.name, ++found);
-      EI.quantity = kind_.beam() ? fmt::format("Beam bending stiffness EI ({})", file)
-                                 : fmt::format("Cable bending stiffness EI at {} N",
-                                               shown(point.tension_N, 3));
-      EI.how = kind_.published() ? "published"
-               : kind_.beam()    ? "bending test without tension"
-                                 : "bending test";
-      EI.unit = "N m²";
-      EI.value = point.EI_Nm2;
-      EI.std = point.std;
+      Answer EI = answer(fmt::format("EI/{}", ++found),
+                         kind_.beam() ? fmt::format("Beam bending stiffness EI ({})", file)
+                                      : fmt::format("Cable bending stiffness EI at {} N",
+                                                    shown(point.tension_N, 3)),
+                         kind_.published() ? "published"
+                         : kind_.beam()    ? "bending test without tension"
+                                           : "bending test",
+                         "N m²", {point.EI_Nm2, point.std}, from_[one.source]);
       EI.low = point.low;
       EI.high = point.high;
       if (!kind_.beam() && one.analysis) {  // with what the tests share
@@ -225,8 +198,6 @@ class BendingPart : public TestPart {
         EI.low = one.analysis->stiffness.low;
         EI.high = one.analysis->stiffness.high;
       }
-      EI.origin = origins_[one.source];
-      EI.anchor = part_.id;
       EI.rank = kind_.beam() && found > 1 ? 1 : 0;
       const auto modulus = ident::bending_modulus(bending_, one);
       if (kind_.beam() && std::isfinite(modulus.value)) {
@@ -244,15 +215,10 @@ class BendingPart : public TestPart {
         part_.answers.push_back(std::move(E));
       }
       part_.summary.push_back(
-          {SummaryItem::Kind::result,
-           kind_.beam() ? "EI of the beam, " + file
-                        : fmt::format("EI of the cable at {} N", shown(point.tension_N, 3)),
-           value_words(EI) + " N m²", EI.origin, part_.id});
+          {SummaryItem::Kind::result, EI.quantity, value_words(EI) + " N m²", EI.origin, part_.id});
       part_.answers.push_back(std::move(EI));
     }
-    const bool said = std::any_of(result.points.begin(), result.points.end(),
-                                  [](const auto& one) { return one.refused(); });
-    if (kind_.beam() && found == 0 && !said) {
+    if (kind_.beam() && found == 0 && !refused) {
       refuse(part_, "no_EI", "no test gives an EI", test_.name);
     }
     if (!result.specimens) return;
@@ -263,18 +229,13 @@ class BendingPart : public TestPart {
         Paragraph::Kind::note});
   }
 
-  const CampaignTest& test_;
   const BendingTest& kind_;
   ident::BendingCampaign bending_;
-  std::vector<Origin> origins_;  ///< origins of the sources
-  std::size_t index_ = 0;
-  ReportPart part_;
+  std::vector<Origin> from_;  ///< origins of the sources
 };
 
 }  // namespace
 
-std::unique_ptr<TestPart> bending_part(const CampaignTest& test) {
-  return std::make_unique<BendingPart>(test);
-}
+TestPartPtr bending_part(const CampaignTest& test) { return std::make_unique<BendingPart>(test); }
 
 }  // namespace rigfit::apps

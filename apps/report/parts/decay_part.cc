@@ -1,15 +1,9 @@
-#include "apps/report/parts/parts.h"
-
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "apps/describe/json_of.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
-#include "apps/report/modal/modal_part.h"
+#include "apps/report/parts/parts.h"
 
 namespace rigfit::apps {
 namespace {
@@ -17,47 +11,7 @@ namespace {
 class DecayPart : public TestPart {
  public:
   DecayPart(const Campaign& campaign, const CampaignTest& test)
-      : campaign_(campaign), test_(test), inputs_(test.as<DecayTest>().inputs) {
-    part_.id = test.name;
-    part_.title = test.title;
-    part_.json_key = "decays";
-    part_.json["test"] = test.name;
-    table_.id = test.name + "-modes";
-    table_.caption =
-        "Oscillations found in each record, strongest first, with standard uncertainties.";
-    compared_.id = test.name + "-compared";
-    compared_.caption =
-        "The same oscillations in the model's answer, by the same estimator over the same time. "
-        "Decay rate: damping "
-        "ratio times angular frequency, how fast the oscillation dies away.";
-    compared_.columns = {{"record", {}, false},
-                         {"model", {}, false},
-                         {"test, Hz", {}, true},
-                         {"model, Hz", Origin::modelled},
-                         {"error", Origin::modelled},
-                         {"test damping, %", {}, true},
-                         {"model damping, %", Origin::modelled},
-                         {"test decay rate, 1/s", {}, true},
-                         {"model decay rate, 1/s", Origin::modelled}};
-  }
-
-  void read(const FileRead& file_read) override {
-    auto loaded = load_recordings(test_.recordings, file_read);
-    for (const auto& entry : loaded) {
-      part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
-    }
-    files_ = loaded.size();
-    part_.blocks.push_back(Paragraph{
-        "The rig is set free (a string is cut, or it is tapped) and rings. Damped oscillations are "
-        "fitted to what it rings, without anybody's guess of frequency or window."});
-    add_recordings(part_, test_, loaded);
-    for (auto& entry : loaded) {
-      if (!entry.recording) continue;
-      const auto& group = test_.recordings[entry.group];
-      inputs_.recordings.push_back({entry.file, std::move(*entry.recording), group.tension_N});
-      groups_.push_back(&group);
-    }
-  }
+      : TestPart(test, "decays"), campaign_(campaign), inputs_(test.as<DecayTest>().inputs) {}
 
   void add_to(ident::CampaignInputs& inputs) override {
     index_ = inputs.decays.size();
@@ -75,26 +29,34 @@ class DecayPart : public TestPart {
     for (const auto& finding : outcome.findings) {
       refuse(part_, finding.code, finding.message, finding.where);
     }
-    Json list = Json::array();
+    table_ = {test_.name + "-modes",
+              "Oscillations found in each record, strongest first, with standard uncertainties; "
+              "those of the model by the same estimator over the same time.",
+              {{"record", {}, false},
+               {"channel", {}, false},
+               {"taken at", {}, false},
+               {"frequency, Hz"},
+               {"damping, %"},
+               {"R²"},
+               {"cycles"},
+               {"model", {}, false},
+               {"frequency, Hz", Origin::modelled},
+               {"error", Origin::modelled},
+               {"damping, %", Origin::modelled}}};
+    part_.json["records"] = Json::array();
+    PlotGroup group{test_.name + "-decays", "Decays", {}};
     PlotTab tab;
-    auto& channels = outcome.channels;
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      const std::size_t r = channels[i].recording;
-      if (i == 0 || r != channels[i - 1].recording) tab.label = short_name(recordings[r].name);
-      tell(channels[i], recordings[r], *groups_[r], tab, list);
-      if (i + 1 < channels.size() && channels[i + 1].recording == r) continue;
-      if (!tab.plots.empty()) group_.tabs.push_back(std::move(tab));
+    for (std::size_t i = 0; i < outcome.channels.size(); ++i) {
+      const std::size_t r = outcome.channels[i].recording;
+      tab.label = short_name(recordings[r].name);
+      tell_channel(outcome.channels[i], recordings[r], origins_[r], tab);
+      if (i + 1 < outcome.channels.size() && outcome.channels[i + 1].recording == r) continue;
+      if (!tab.plots.empty()) group.tabs.push_back(std::move(tab));
       tab = {};
     }
-    part_.json["records"] = std::move(list);
+    part_.brief = {table_.id};
     if (!table_.rows.empty()) part_.blocks.push_back(std::move(table_));
-    part_.brief = {compared_.rows.empty() ? table_.id : compared_.id};
-    if (!compared_.rows.empty()) part_.blocks.push_back(std::move(compared_));
-    if (!group_.tabs.empty()) {
-      group_.id = test_.name + "-decays";
-      group_.title = "Decays";
-      part_.blocks.push_back(std::move(group_));
-    }
+    if (!group.tabs.empty()) part_.blocks.push_back(std::move(group));
     auto damping = damping_plot(test_.name + "-damping", decays_);
     if (!damping.series.empty()) part_.blocks.push_back(std::move(damping));
     part_.summary.push_back(
@@ -106,152 +68,122 @@ class DecayPart : public TestPart {
   }
 
  private:
-  void tell(ident::DecayOutcome& outcome, const ident::DecayRecording& recorded,
-            const RecordingGroup& group, PlotTab& tab, Json& list) {
-    AnalysedDecay decay;
-    decay.file = recorded.name;
-    decay.channel = outcome.found.channel;
-    decay.unit = outcome.found.unit;
-    decay.origin = group.origin();
-    decay.rate_hz = recorded.recording.sample_rate_hz;
-    decay.start_s = recorded.recording.start_time_s;
-    decay.samples = std::move(outcome.found.samples);
-    decay.result = outcome.found.strongest;
-    const std::string where = decay.file + ": " + decay.channel;
-    for (const auto& finding : outcome.found.findings) {
-      if (finding.refused) {
-        refuse(part_, finding.code, finding.message, where);
-      } else {
-        part_.warnings.push_back({finding.code, finding.message, where, false});
-      }
-    }
+  [[nodiscard]] std::string intro() const override {
+    return "The rig is released (a string is cut) or tapped and vibrates freely. Damped "
+           "oscillations are fitted to the records; frequencies and time window are found, not "
+           "given.";
+  }
+
+  void take(LoadedRecording entry, const RecordingGroup& group) override {
+    inputs_.recordings.push_back({entry.file, std::move(*entry.recording), group.tension_N});
+  }
+
+  void tell_channel(ident::DecayOutcome& outcome, const ident::DecayRecording& recorded,
+                    Origin origin, PlotTab& tab) {
+    AnalysedDecay decay{recorded.name,
+                        outcome.found.channel,
+                        outcome.found.unit,
+                        origin,
+                        recorded.recording.sample_rate_hz,
+                        recorded.recording.start_time_s,
+                        std::move(outcome.found.samples),
+                        outcome.found.strongest};
+    tell(outcome.found.findings, decay.file + ": " + decay.channel);
     if (decay.result.modes.empty()) return;
     const std::string id = fmt::format("{}-{}", test_.name, decays_.size() + 1);
     tab.plots.push_back(decay_plot(id, decay));
     Json json{{"file", decay.file},
               {"channel", decay.channel},
-              {"origin", word_of(decay.origin)},
-              {"tension_N", group.tension_N ? Json(*group.tension_N) : Json(nullptr)},
+              {"origin", word_of(origin)},
+              {"tension_N", recorded.tension_N ? Json(*recorded.tension_N) : Json(nullptr)},
               {"modes", describe::json_of(decay.result.modes)},
               {"decays", describe::json_of(outcome.found.decays)},
-              {"law", name_of(decay.result.envelope.law)},
-              {"frequency_drift_hz", describe::json_of(decay.result.envelope.frequency_drift_hz)}};
-    list_modes(decay, group);
-    add_answers(decay, group);
-    if (outcome.modelled) overlay(decay, outcome.answers, id, tab, json);
-    list.push_back(std::move(json));
+              {"law", name_of(decay.result.envelope.law)}};
+    add_answers(decay, recorded.tension_N);
+    std::vector<const ident::ReleaseAnswer*> models;
+    if (outcome.modelled) {
+      for (auto& plot : release_plots(id, decay, outcome.answers,
+                                      test_.as<DecayTest>().inputs.options.decay.band_high_hz)) {
+        tab.plots.push_back(std::move(plot));
+      }
+      json["models"] = Json::array();
+      for (const auto& answer : outcome.answers) {
+        if (!answer.failure.empty()) {
+          refuse(part_, "no_model", answer.failure,
+                 fmt::format("{}: {}, {}", test_.title, short_name(decay.file), answer.label));
+          continue;
+        }
+        models.push_back(&answer);
+        json["models"].push_back({{"version", answer.label},
+                                  {"nonlinear", answer.response.nonlinear},
+                                  {"frequency_shift", answer.response.frequency_shift},
+                                  {"modes", describe::json_of(answer.found.modes)}});
+      }
+    }
+    list_modes(decay, recorded.tension_N, models);
+    part_.json["records"].push_back(std::move(json));
     decays_.push_back(std::move(decay));
   }
 
-  void overlay(const AnalysedDecay& decay, const std::vector<ReleaseAnswer>& answers,
-               const std::string& id, PlotTab& tab, Json& json) {
-    for (auto& plot : release_plots(id, decay, answers,
-                                    test_.as<DecayTest>().inputs.options.decay.band_high_hz)) {
-      tab.plots.push_back(std::move(plot));
-    }
-    Json list = Json::array();
-    for (const auto& answer : answers) {
-      const std::string what =
-          fmt::format("{}: {}, {}", test_.title, short_name(decay.file), answer.label);
-      if (!answer.failure.empty()) {
-        refuse(part_, "no_model", answer.failure, what);
-        continue;
-      }
-      part_.costs.push_back(response_cost(what, answer.response));
-      compare(decay, answer);
-      list.push_back({{"version", answer.label},
-                      {"solver", name_of(answer.response.solver)},
-                      {"nonlinear", answer.response.nonlinear},
-                      {"frequency_shift", answer.response.frequency_shift},
-                      {"modes", describe::json_of(answer.found.modes)}});
-    }
-    json["models"] = std::move(list);
-  }
-
-  void compare(const AnalysedDecay& decay, const ReleaseAnswer& answer) {
-    bool first = true;
-    for (const auto& mode : decay.result.modes) {
-      const auto rate = [](const signal::DecayMode& m) {
-        return 2 * std::numbers::pi * m.frequency_hz.value * m.damping_ratio.value;
-      };
-      const auto* same = ident::same_oscillation(mode, answer);
-      const double error = same ? same->frequency_hz.value / mode.frequency_hz.value - 1 : 0;
-      compared_.rows.push_back(
-          {first ? short_name(decay.file) : "", first ? answer.label : "",
-           Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), decay.origin),
-           same ? shown(same->frequency_hz.value, 5) : "–", same ? shown_percent(error) : "–",
-           Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
-                decay.origin),
-           same ? shown(100 * same->damping_ratio.value, 3) : "–",
-           Cell(shown(rate(mode), 3), decay.origin), same ? shown(rate(*same), 3) : "–"});
-      if (same && first) {
-        last_best_ = fmt::format("; strongest {} Hz, {} {} Hz", shown(mode.frequency_hz.value, 5),
-                                 answer.label, shown(same->frequency_hz.value, 5));
-      }
-      first = false;
-    }
-    if (best_.empty() || decays_.empty()) best_ = last_best_;
-  }
-
   /// Adds frequency and damping of the strongest oscillation.
-  void add_answers(const AnalysedDecay& decay, const RecordingGroup& group) {
+  void add_answers(const AnalysedDecay& decay, std::optional<double> tension_N) {
     const auto& mode = decay.result.modes.front();
-    const std::string at = group.tension_N ? fmt::format(", {:g} N", *group.tension_N) : "";
-    Answer answer;
-    answer.key = fmt::format("{}{}/frequency", test_.name, at);
-    answer.quantity = fmt::format("{}{}: frequency", test_.title, at);
-    answer.how = fmt::format("decay of {}", decay.channel);
-    answer.unit = "Hz";
-    answer.value = mode.frequency_hz.value;
-    answer.std = mode.frequency_hz.std;
-    answer.origin = decay.origin;
-    answer.anchor = part_.id;
-    answer.rank = test_.scene ? 2 : 0;
-    part_.answers.push_back(answer);
-    answer.key = fmt::format("{}{}/damping", test_.name, at);
-    answer.quantity = fmt::format("{}{}: damping ratio ζ", test_.title, at);
-    answer.unit.clear();
-    answer.percent = true;
-    answer.value = mode.damping_ratio.value;
-    answer.std = mode.damping_ratio.std;
-    part_.answers.push_back(std::move(answer));
+    const std::string at = tension_N ? fmt::format(", {:g} N", *tension_N) : "";
+    const std::string how = "decay of " + decay.channel;
+    for (auto one : {answer("frequency", test_.title + at + ": frequency", how, "Hz",
+                            mode.frequency_hz, decay.origin),
+                     answer("damping", test_.title + at + ": damping ratio ζ", how, "",
+                            mode.damping_ratio, decay.origin)}) {
+      one.key.insert(test_.name.size(), at);
+      one.rank = test_.scene ? 2 : 0;
+      part_.answers.push_back(std::move(one));
+    }
   }
 
-  void list_modes(const AnalysedDecay& decay, const RecordingGroup& group) {
-    if (table_.columns.empty()) {
-      table_.columns = {{"record", {}, false},        {"channel", {}, false},
-                        {"taken at", {}, false},      {"frequency, Hz", decay.origin},
-                        {"damping, %", decay.origin}, {"R²", decay.origin},
-                        {"cycles", decay.origin}};
-    }
+  /// A row a mode; of several models one below the other.
+  void list_modes(const AnalysedDecay& decay, std::optional<double> tension_N,
+                  const std::vector<const ident::ReleaseAnswer*>& models) {
     bool first = true;
     for (const auto& mode : decay.result.modes) {
-      table_.rows.push_back(
-          {first ? short_name(decay.file) : "", first ? decay.channel : "",
-           first && group.tension_N ? fmt::format("{:g} N", *group.tension_N) : "",
-           Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), decay.origin),
-           Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
-                decay.origin),
-           shown(mode.r_squared, 4), shown(mode.cycles, 3)});
+      std::vector<Cell> row{
+          first ? short_name(decay.file) : "",
+          first ? decay.channel : "",
+          first && tension_N ? fmt::format("{:g} N", *tension_N) : "",
+          Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), decay.origin),
+          Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
+               decay.origin),
+          shown(mode.r_squared, 4),
+          shown(mode.cycles, 3)};
+      for (const auto* model : models) {
+        const auto* same = ident::same_oscillation(mode, *model);
+        const double f = same ? same->frequency_hz.value : Answer::kNone;
+        for (const auto& cell :
+             {model->label, shown(f, 5), shown_percent(f / mode.frequency_hz.value - 1),
+              same ? shown(100 * same->damping_ratio.value, 3) : std::string("–")}) {
+          row.emplace_back(cell);
+        }
+        if (same && first) {
+          best_ = fmt::format("; strongest {} Hz, {} {} Hz", shown(mode.frequency_hz.value, 5),
+                              model->label, shown(f, 5));
+        }
+        table_.rows.push_back(std::move(row));
+        row.assign(7, Cell());
+      }
+      if (models.empty()) table_.rows.push_back(std::move(row));
       first = false;
     }
   }
 
   const Campaign& campaign_;
-  const CampaignTest& test_;
   ident::DecayInputs inputs_;
-  std::size_t index_ = 0, files_ = 0;
-  std::vector<const RecordingGroup*> groups_;  ///< group of each recording
-  ReportPart part_;
-  ReportTable table_, compared_;
-  PlotGroup group_;
+  ReportTable table_;
   std::vector<AnalysedDecay> decays_;
-  std::string best_, last_best_;
+  std::string best_;  ///< the last model against the strongest oscillation of the last record
 };
 
 }  // namespace
 
-std::unique_ptr<TestPart> decay_part(const Campaign& campaign, const CampaignTest& test) {
+TestPartPtr decay_part(const Campaign& campaign, const CampaignTest& test) {
   return std::make_unique<DecayPart>(campaign, test);
 }
 

@@ -3,12 +3,16 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "apps/campaign_file/campaign.h"
+#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/recording_group.h"
+#include "apps/describe/sheet.h"
 #include "apps/report/page/report_part.h"
 #include "ident/campaign/campaign.h"
 
@@ -16,19 +20,36 @@ namespace rigfit::apps {
 
 class TestPart {
  public:
-  TestPart() = default;
+  /// `json_key`: the list of the document that gets the test's results.
+  TestPart(const CampaignTest& test, const char* json_key);
   TestPart(const TestPart&) = delete;
   TestPart& operator=(const TestPart&) = delete;
   virtual ~TestPart() = default;
 
   /// Called after each recording that was read.
   using FileRead = std::function<void()>;
-  /// Reads files; may run beside that of other tests.
-  virtual void read(const FileRead& /*file_read*/) {}
+  /// Reads files; may run beside that of other tests. What cannot be used is refused in its place.
+  void read(const FileRead& file_read);
   /// Hands over what was read; tests are added in the order of the campaign.
   virtual void add_to(ident::CampaignInputs& inputs) = 0;
   /// What is on the page; may run beside that of other tests. Called once, last.
   virtual std::vector<ReportPart> show(ident::CampaignResult& result) = 0;
+
+ protected:
+  /// What was done, for somebody who does not know such tests.
+  [[nodiscard]] virtual std::string intro() const = 0;
+  virtual void take(LoadedRecording entry, const RecordingGroup& group) = 0;
+  void tell(const std::vector<ident::Finding>& findings, const std::string& where = {});
+  /// `name`: the key within the test; `reference`: as known otherwise.
+  [[nodiscard]] Answer answer(const std::string& name, std::string quantity, std::string how,
+                              std::string unit, const signal::Estimate& value, Origin origin,
+                              std::optional<double> reference = std::nullopt) const;
+
+  const CampaignTest& test_;
+  std::size_t index_ = 0;        ///< among the inputs of its kind
+  std::size_t files_ = 0;        ///< recordings that the campaign names
+  std::vector<Origin> origins_;  ///< of the recordings that can be used
+  ReportPart part_;
 };
 using TestPartPtr = std::unique_ptr<TestPart>;
 
@@ -38,9 +59,25 @@ using TestPartPtr = std::unique_ptr<TestPart>;
 /// Free decays; where a scene stands for the test, its answer by the same estimator.
 [[nodiscard]] TestPartPtr decay_part(const Campaign& campaign, const CampaignTest& test);
 /// Recordings of hits, FRFs and modes state by state; then the model's modes against them.
-[[nodiscard]] TestPartPtr modal_test_part(const Campaign& campaign, const CampaignTest& test);
+[[nodiscard]] TestPartPtr modal_part(const Campaign& campaign, const CampaignTest& test);
 /// The tension of a cable from its frequencies.
 [[nodiscard]] TestPartPtr tension_part(const CampaignTest& test);
+
+/// Modes of a scene against a test, tension by tension: natural modes, measured frequencies paired
+/// with modelled ones, published models beside them. `states`: of the model, by rising tension;
+/// `known`: what its scene took from other tests.
+[[nodiscard]] ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
+                                    const ident::KnownValues& known,
+                                    const std::vector<ident::ModalState>& states);
+
+/// `modal_tests`: the campaign's modal tests, in the order of CampaignInputs::modal.
+[[nodiscard]] ident::FitInputs fit_inputs(const CampaignFit& fit,
+                                          const std::vector<std::size_t>& modal_tests,
+                                          std::uint64_t seed, int threads);
+/// A fit of the campaign: what was fitted to which tests, what came out with which uncertainty,
+/// errors before, after and of states held out, FRFs laid over the test.
+[[nodiscard]] ReportPart fit_part(const Campaign& campaign, const CampaignFit& fit,
+                                  const ident::CampaignFitOutcome& answer);
 
 /// What the first page shows besides the answers: the largest scene that a test names, to scale,
 /// and all modes of the other parts against the model.
@@ -48,10 +85,47 @@ using TestPartPtr = std::unique_ptr<TestPart>;
                                        const std::vector<ReportPart>& parts);
 /// What the models were given: each value of each scene with how it is known.
 [[nodiscard]] ReportPart scenes_part(const Campaign& campaign);
-/// Costs of all parts. Times are of this machine and differ from run to run: they are on the page,
-/// not in the document.
-[[nodiscard]] ReportPart cost_part(const std::vector<ReportPart>& parts);
 
+// What parts have in common
+
+/// Puts a refusal on the part: it ends the run with exit code 4.
+void refuse(ReportPart& part, const std::string& code, const std::string& message,
+            const std::string& where);
+
+/// The answer with its interval and reference.
+[[nodiscard]] SummaryItem summary_of(const Answer& answer);
+
+/// A described list (apps/describe/sheet.h) as a table of the report.
+[[nodiscard]] ReportTable described_table(const std::string& id, const std::string& caption,
+                                          const describe::Table& table,
+                                          std::optional<Origin> origin = std::nullopt);
+/// The single values of a described result.
+[[nodiscard]] ReportTable described_table(const std::string& id, const std::string& caption,
+                                          const std::vector<describe::Sheet::Line>& lines,
+                                          std::optional<Origin> origin = std::nullopt);
+
+/// A measured mode beside the model's.
+struct PairRow {
+  std::string state;
+  double measured_hz = 0, measured_std_hz = 0;  ///< std NaN: not known
+  Origin origin = Origin::measured;
+  /// NaN: the model has no mode near.
+  double model_hz = std::numeric_limits<double>::quiet_NaN();
+  double before_hz = std::numeric_limits<double>::quiet_NaN();  ///< before a fit
+  double mac = std::numeric_limits<double>::quiet_NaN();
+  std::string mode = {};                  ///< the model's: "in 2"
+  std::vector<double> published_hz = {};  ///< by published model; NaN: dash
+  std::string remark = {};
+};
+/// Columns without values are left out. `published`: names of the published models.
+[[nodiscard]] ReportTable pairs_table(const std::string& id, const std::string& caption,
+                                      const std::vector<PairRow>& rows,
+                                      const std::vector<std::string>& published = {});
+
+/// "0.82 %"; a dash where there is none.
+[[nodiscard]] std::string percent_words(double ratio);
+/// "200 N"; empty for the only state of a test.
+[[nodiscard]] std::string label_of(std::optional<double> tension_N);
 /// The unit of a scene's parameter as people write it, "N m²"; empty for a ratio.
 [[nodiscard]] std::string parameter_unit(const model::Scene& scene, const std::string& name);
 

@@ -85,11 +85,10 @@ TEST_F(PlotOption, RecordsAreDrawnWithTheirQualityMarks) {
   EXPECT_THAT(text, HasSubstr(">clipped ("));
 }
 
-TEST_F(PlotOption, ADecayIsDrawnWithItsFitItsEnvelopeAndWhatIsLeft) {
+TEST_F(PlotOption, ADecayIsDrawnWithItsFitAndWhatIsLeft) {
   const std::string text =
       svg({"decay", kLab + "bench/axial/L1m-1.csv", "--channel", "tension", "--band", "20", "100"});
-  for (const char* words :
-       {">record<", ">fit<", ">residual<", ">envelope of the strongest mode<"}) {
+  for (const char* words : {">record<", ">fit<", ">residual<"}) {
     EXPECT_THAT(text, HasSubstr(words));
   }
 }

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "apps/report/page/parameter_words.h"
+#include "apps/report/page/tables.h"
 
 namespace rigfit::apps::html_text_test {
 namespace {
@@ -50,6 +52,20 @@ TEST(ParameterWords, AreNamesAndSymbols) {
   EXPECT_EQ(parameter_words("cable span"), "Cable span");
   EXPECT_EQ(state_words("beam, as built"), "beam");
   EXPECT_EQ(state_words("200 N"), "200 N");
+}
+
+TEST(PageLimits, RowsWithRemarksComeFirst) {
+  ReportTable table;
+  table.columns = {{"file", {}, false}};
+  for (int i = 0; i < 5000; ++i) {
+    Cell cell(std::to_string(i));
+    cell.doubtful = i == 4321;
+    table.rows.push_back({cell});
+  }
+  const auto rows = rows_on_page(table);
+  EXPECT_EQ(rows.size(), kMostRows);
+  EXPECT_EQ(rows.back(), 4321u);
+  EXPECT_EQ(table_csv(table).substr(0, 11), "\"file\"\n\"0\"\n");
 }
 
 }  // namespace

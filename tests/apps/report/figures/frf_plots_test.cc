@@ -58,9 +58,13 @@ TEST(FrfFigures, AreLinkedAndMarkTheModes) {
   modal.model.modes.resize(1);
   modal.model.modes[0].frequency_hz = {30, 0.1};
   modal.model.modes[0].doubtful = true;
-  const auto plots = frf_figures({"test", "200N", Origin::measured}, frfs,
-                                 lines_between(frfs, 0, 100), &modal, nullptr);
-  ASSERT_EQ(plots.size(), 2u);  // neither coherence nor poles
+  modal.model.responses.resize(1);
+  modal.model.inputs.resize(1);
+  modal.model.lower_residual = modal.model.upper_residual = Eigen::MatrixXcd::Zero(1, 1);
+  modal.model.modes[0].pole_rad_s = {-1, 188};
+  modal.model.modes[0].participation = modal.model.modes[0].shape = Eigen::VectorXcd::Ones(1);
+  const auto plots = hammer_plots({nullptr, nullptr, frfs, 0, 100, &modal, "test", "200N"});
+  ASSERT_EQ(plots.size(), 2u);  // neither hits nor coherence nor poles
   for (const auto& plot : plots) {
     EXPECT_EQ(plot.link, "test-frf-200N");
     ASSERT_EQ(plot.marks.size(), 1u);

@@ -6,10 +6,13 @@
 #include <cmath>
 #include <complex>
 #include <iterator>
+#include <limits>
+#include <numbers>
 
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
 #include "model/scene/sensor_quantity.h"
+#include "signal/spectra/fft.h"
 
 namespace rigfit::apps {
 namespace {
@@ -241,6 +244,49 @@ void add_csv(std::string& csv, const model::ModalAnalysis& analysis, std::size_t
   }
 }
 
+/// The extremes of stretches of samples, in the order in which they come, at most about 6000; gaps
+/// stay gaps.
+template <class Time>
+void add_extremes(PlotSeries& series, const Eigen::Ref<const Eigen::VectorXd>& samples, Time time) {
+  constexpr Index kMost = 6000;
+  const Index count = samples.size(),
+              stretch = count <= kMost ? 1 : (2 * count + kMost - 1) / kMost;
+  for (Index first = 0; first < count; first += stretch) {
+    Index low = -1, high = -1;
+    bool gap = false;
+    for (Index i = first; i < std::min(count, first + stretch); ++i) {
+      if (!std::isfinite(samples[i])) {
+        gap = true;
+        continue;
+      }
+      if (low < 0 || samples[i] < samples[low]) low = i;
+      if (high < 0 || samples[i] > samples[high]) high = i;
+    }
+    if (low > high) std::swap(low, high);
+    if (low >= 0) series.add(time(low), samples[low]);
+    if (low != high) series.add(time(high), samples[high]);
+    if (gap) series.add(time(first), std::numeric_limits<double>::quiet_NaN());
+  }
+}
+
+PlotSeries amplitude_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double rate_hz,
+                              double high_hz, PlotSeries series) {
+  const Index n = samples.size();
+  Eigen::VectorXd windowed(n);
+  const double mean = samples.mean();
+  for (Index i = 0; i < n; ++i) {  // Hann
+    const double phase = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
+    windowed[i] = (0.5 - 0.5 * std::cos(phase)) * (samples[i] - mean);
+  }
+  const Index length = signal::good_fft_length(n);
+  const Eigen::VectorXcd lines = signal::real_spectra(windowed, length).col(0);
+  const Eigen::VectorXd frequency = signal::line_frequencies(length, rate_hz);
+  for (Index k = 1; k < lines.size() && (high_hz <= 0 || frequency[k] <= high_hz); ++k) {
+    series.add(frequency[k], 4 * std::abs(lines[k]) / static_cast<double>(n));
+  }
+  return series;
+}
+
 }  // namespace
 
 std::vector<Picture> shapes_pictures(const std::string& id, const std::string& state,
@@ -303,31 +349,27 @@ std::vector<Picture> shapes_pictures(const std::string& id, const std::string& s
   return pictures;
 }
 
-Plot mode_frequencies_plot(const std::string& id, const model::ModalAnalysis& analysis) {
-  Plot plot;
-  plot.id = id;
-  plot.title = "Natural frequencies";
-  plot.caption = "By mode number, a series for each plane.";
-  plot.x_label = "mode";
-  plot.y_label = "frequency, Hz";
+std::vector<Block> modes_blocks(const std::string& id, const model::Scene& scene,
+                                const model::ModalAnalysis& analysis) {
+  std::vector<Block> blocks;
+  if (analysis.modes.empty()) return blocks;
+  for (auto& one : shapes_pictures(id, "", scene, analysis)) blocks.emplace_back(std::move(one));
+  Plot plot{"frequencies", "Natural frequencies", "By mode number, a series for each plane.",
+            "mode", "frequency, Hz"};
   for (std::size_t i = 0; i < analysis.modes.size(); ++i) {
     const auto& mode = analysis.modes[i];
     const std::string name = name_of(mode.plane);
     auto at = std::find_if(plot.series.begin(), plot.series.end(),
                            [&](const PlotSeries& series) { return series.name == name; });
     if (at == plot.series.end()) {
-      PlotSeries series;
-      series.name = name;
-      series.origin = Origin::modelled;
-      series.style = PlotSeries::Style::points;
-      series.variant = static_cast<int>(plot.series.size());
-      plot.series.push_back(std::move(series));
+      plot.series.push_back({name, Origin::modelled, static_cast<int>(plot.series.size()),
+                             PlotSeries::Style::points});
       at = plot.series.end() - 1;
     }
-    at->x.push_back(static_cast<double>(i + 1));
-    at->y.push_back(mode.frequency_hz);
+    at->add(static_cast<double>(i + 1), mode.frequency_hz);
   }
-  return plot;
+  blocks.emplace_back(std::move(plot));
+  return blocks;
 }
 
 std::vector<Plot> response_plots(const std::string& id, const model::Scene& scene,
@@ -335,42 +377,130 @@ std::vector<Plot> response_plots(const std::string& id, const model::Scene& scen
   std::vector<Plot> plots, spectra;
   for (Index s = 0; s < response.samples.cols(); ++s) {
     const auto k = static_cast<std::size_t>(s);
-    const std::string unit = unit_words(model::described(scene.sensors[k].quantity).unit);
-    Plot plot;
-    plot.id = fmt::format("{}-{}", id, s + 1);
-    plot.title = "Response: " + response.sensors[k];
-    plot.caption =
-        response.nonlinear ? "Computed with its large motion." : "Linear about the equilibrium.";
-    plot.x_label = "time, s";
-    plot.y_label = fmt::format("{}, {}", model::described(scene.sensors[k].quantity).name, unit);
+    const auto& quantity = model::described(scene.sensors[k].quantity);
+    const std::string unit = unit_words(quantity.unit);
+    Plot plot{
+        fmt::format("{}-{}", id, s + 1), "Response: " + response.sensors[k],
+        response.nonlinear ? "Computed with its large motion." : "Linear about the equilibrium.",
+        "time, s", fmt::format("{}, {}", quantity.name, unit)};
     plot.link = id;
-    PlotSeries series;
-    series.name = response.sensors[k];
-    series.origin = Origin::modelled;
-    add_samples(series, response.samples.col(s), 0, response.rate_hz);
-    plot.series.push_back(std::move(series));
+    PlotSeries series{response.sensors[k]};
+    add_extremes(series, response.samples.col(s),
+                 [&](Index i) { return static_cast<double>(i) / response.rate_hz; });
+    plot.add(std::move(series));
     plots.push_back(std::move(plot));
     auto same = std::find_if(spectra.begin(), spectra.end(),
                              [&](const Plot& one) { return one.y_label == "amplitude, " + unit; });
     if (same == spectra.end()) {
-      Plot spectrum;
-      spectrum.id = fmt::format("{}-spectrum-{}", id, spectra.size() + 1);
-      spectrum.title = "Spectra";
-      spectrum.caption = "Amplitudes by frequency over the whole time, Hann window.";
-      spectrum.x_label = "frequency, Hz";
-      spectrum.y_label = "amplitude, " + unit;
-      spectrum.log_y = true;
-      spectra.push_back(std::move(spectrum));
+      spectra.push_back({fmt::format("{}-spectrum-{}", id, spectra.size() + 1), "Spectra",
+                         "Amplitudes by frequency over the whole time, Hann window.",
+                         "frequency, Hz", "amplitude, " + unit, false, true});
       same = spectra.end() - 1;
     }
-    PlotSeries lines;
-    lines.name = response.sensors[k];
-    lines.origin = Origin::modelled;
-    lines.variant = static_cast<int>(same->series.size());
-    same->series.push_back(
-        amplitude_spectrum(response.samples.col(s), response.rate_hz, 0, std::move(lines)));
+    same->series.push_back(amplitude_spectrum(
+        response.samples.col(s), response.rate_hz, 0,
+        {response.sensors[k], Origin::modelled, static_cast<int>(same->series.size())}));
   }
   std::move(spectra.begin(), spectra.end(), std::back_inserter(plots));
+  return plots;
+}
+
+std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& decay,
+                                const std::vector<ident::ReleaseAnswer>& answers, double high_hz) {
+  constexpr double kBefore_s = 0.02, kFirst_s = 0.5;
+  const bool large = std::any_of(answers.begin(), answers.end(),
+                                 [](const auto& answer) { return answer.response.nonlinear; });
+  const std::string unit = unit_words(decay.unit);
+  Plot plot{id + "-model", "First half second, test and model",
+            fmt::format("The record and the model's response to the same release or tap, {}; only "
+                        "the model's time was shifted, to where both agree best. Nothing was "
+                        "fitted to this record.",
+                        large ? "computed with its large motion" : "linear"),
+            "time, s", fmt::format("{}, {}", decay.channel, unit)};
+  Plot spectra{id + "-spectrum",
+               "Spectra, test and model",
+               "Amplitudes by frequency of both, over the same time after the start.",
+               "frequency, Hz",
+               "amplitude, " + unit,
+               false,
+               true};
+  const Eigen::VectorXd record = ident::filled(decay.samples);
+  Index first = -1, common = 0;
+  const auto add = [&](PlotSeries series, const auto& samples, Index start) {
+    const double t0 = static_cast<double>(first) / decay.rate_hz;
+    for (Index i = 0; i < samples.size() && start + i < record.size(); ++i) {
+      const double t = static_cast<double>(start + i) / decay.rate_hz;
+      if (t >= t0 - kBefore_s && t <= t0 + kFirst_s) series.add(decay.start_s + t, samples[i]);
+    }
+    plot.add(std::move(series));
+  };
+  const PlotSeries test{"test", decay.origin};
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    const auto& answer = answers[k];
+    if (!answer.failure.empty()) continue;
+    // The last stands for the report, those before it are broken lines.
+    const PlotSeries series{
+        "rigfit model, " + answer.label, Origin::modelled, static_cast<int>(answers.size() - k),
+        k + 1 < answers.size() ? PlotSeries::Style::dashed : PlotSeries::Style::line};
+    const auto model = answer.response.samples.col(0);
+    const Index length = std::min(record.size() - answer.start, model.size());
+    if (first < 0) {
+      first = answer.start, common = length;
+      add(test, decay.samples, 0);
+      spectra.add(amplitude_spectrum(record.segment(first, common), decay.rate_hz, high_hz, test));
+    }
+    add(series, model, answer.start);
+    spectra.add(
+        amplitude_spectrum(model.head(std::min(common, length)), decay.rate_hz, high_hz, series));
+  }
+  if (first < 0) return {};
+  return {std::move(plot), std::move(spectra)};
+}
+
+std::vector<Plot> recording_plots(const std::string& id, const signal::Recording& recording,
+                                  const signal::QualityResult& quality) {
+  constexpr std::size_t kMostClipped = 1000;  // points drawn of clipped samples
+  std::vector<Plot> plots;
+  const bool over_time =
+      (recording.sample_rate_hz > 0 || recording.time_s.size() > 0) &&
+      std::none_of(recording.notes.begin(), recording.notes.end(),
+                   [](const auto& note) { return note.code == "not_a_time_history"; });
+  if (!over_time) return plots;
+  const auto time = [&](Index i) {
+    return recording.time_s.size() > 0
+               ? recording.time_s[i]
+               : recording.start_time_s + static_cast<double>(i) / recording.sample_rate_hz;
+  };
+  for (std::size_t k = 0; k < recording.channels.size(); ++k) {
+    const auto& channel = recording.channels[k];
+    const auto& found = quality.channels[k];
+    Plot plot{fmt::format("{}-{}", id, k + 1),
+              fmt::format("{}: {}", short_name(recording.path.string()), channel.name),
+              found.findings.empty() ? "Nothing was found wrong with this channel." : "Found:",
+              "time, s", fmt::format("{}, {}", channel.name, unit_words(channel.unit))};
+    plot.link = id;
+    PlotSeries record{"record", Origin::measured};
+    add_extremes(record, channel.samples, time);
+    plot.add(std::move(record));
+    PlotSeries clipped{fmt::format("clipped ({} samples)", found.clipped_samples), Origin::modelled,
+                       1, PlotSeries::Style::points};
+    for (Index i = 0; found.clipped_samples > 0 && i < channel.samples.size(); ++i) {
+      const double y = channel.samples[i];
+      const bool at_end = y == found.max || y == found.min;
+      if (at_end && clipped.x.size() < kMostClipped) clipped.add(time(i), y);
+    }
+    plot.add(std::move(clipped));
+    for (const auto& finding : found.findings) {
+      plot.caption += fmt::format(" {}: {}.", finding.code, finding.message);
+      if (finding.first < 0 || finding.first >= channel.samples.size()) continue;
+      std::string word = finding.code;
+      std::replace(word.begin(), word.end(), '_', ' ');
+      plot.marks.push_back({time(finding.first), word, Origin::modelled, true});
+    }
+    std::sort(plot.marks.begin(), plot.marks.end(),
+              [](const PlotMark& a, const PlotMark& b) { return a.x < b.x; });
+    plots.push_back(std::move(plot));
+  }
   return plots;
 }
 

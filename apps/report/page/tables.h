@@ -1,8 +1,10 @@
-// Numbers from 0 to 1 as tables whose fields are the darker the larger they are: where an
-// uncertainty comes from, MAC.
+// Tables of the report: numbers from 0 to 1 whose cells are the darker the larger they are, and
+// what a page of thousands of recordings carries of a long table. The rest is in data/ beside the
+// page.
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,7 +26,15 @@ struct Shares {
 /// `values`: rows x columns, 0..1.
 [[nodiscard]] ReportTable matrix_table(const std::string& id, const std::string& caption,
                                        const Eigen::MatrixXd& values,
-                                       const std::vector<std::string>& rows,
-                                       const std::vector<std::string>& columns);
+                                       const std::vector<std::string>& names);
+
+inline constexpr std::size_t kMostRows = 300;  ///< rows of a table on the page
+inline constexpr std::size_t kMostTabs = 60;   ///< states of a group of figures on the page
+
+/// Indices of the rows on the page: all, or those with a doubtful cell first, in their order.
+[[nodiscard]] std::vector<std::size_t> rows_on_page(const ReportTable& table);
+
+/// The whole table for a spreadsheet, as it is shown.
+[[nodiscard]] std::string table_csv(const ReportTable& table);
 
 }  // namespace rigfit::apps

@@ -1,0 +1,319 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "apps/report/drawing/html_text.h"
+#include "apps/report/figures/figures.h"
+#include "apps/report/page/parameter_words.h"
+#include "apps/report/page/tables.h"
+#include "ident/bending/bending_equation.h"
+#include "ident/statistics/uncertainty.h"
+
+namespace rigfit::apps {
+
+using Style = PlotSeries::Style;
+
+std::string short_name(const std::string& file) {
+  return std::filesystem::path(file).filename().string();
+}
+
+std::string unit_words(const std::string& unit) {
+  std::string text = unit.empty() ? "no unit" : unit;
+  if (const auto at = text.find("^2"); at != std::string::npos) text.replace(at, 2, "²");
+  return text;
+}
+
+// Decays ------------------------------------------------------------------------------------------
+
+Plot decay_plot(const std::string& id, const AnalysedDecay& decay) {
+  Plot plot{id, "Decay and fit: " + short_name(decay.file),
+            "The record, the damped oscillations fitted to it, and the residual. A residual that "
+            "looks like noise means that the fit is complete.",
+            "time, s", fmt::format("{}, {}", decay.channel, unit_words(decay.unit))};
+  const auto time = [&](Eigen::Index i) {
+    return decay.start_s + static_cast<double>(i) / decay.rate_hz;
+  };
+  PlotSeries record{"record", decay.origin, 0}, fit{"fit", Origin::modelled, 1},
+      residual{"residual", decay.origin, 2};
+  for (Eigen::Index i = 0; i < decay.samples.size(); ++i) record.add(time(i), decay.samples[i]);
+  const auto& r = decay.result;
+  for (Eigen::Index i = 0; i < r.residual.size(); ++i) {
+    const double y = decay.samples[r.start + i];
+    fit.add(time(r.start + i), y - r.residual[i]);
+    residual.add(time(r.start + i),
+                 std::isfinite(y) ? r.residual[i] : std::numeric_limits<double>::quiet_NaN());
+  }
+  for (auto* series : {&record, &fit, &residual}) plot.add(std::move(*series));
+  return plot;
+}
+
+Plot damping_plot(const std::string& id, const std::vector<AnalysedDecay>& decays) {
+  Plot plot{id,
+            "Damping against amplitude",
+            "Damping of the strongest mode along each decay. Level: viscous, the same at every "
+            "size of motion; rising towards small motion: friction; rising towards large motion: "
+            "drag.",
+            "amplitude",
+            "damping ratio, %",
+            true};
+  for (const auto& decay : decays) {
+    const auto& points = decay.result.envelope.points;
+    if (points.size() < 2) continue;
+    plot.x_label = "amplitude, " + unit_words(decay.unit);
+    PlotSeries series{short_name(decay.file) + (decay.channel.empty() ? "" : ", " + decay.channel),
+                      decay.origin, static_cast<int>(plot.series.size()), Style::line_and_points};
+    for (const auto& point : points) {
+      const double y = 100 * point.damping_ratio.value,
+                   half = 100 * decay.result.coverage_factor_95 * point.damping_ratio.std;
+      series.add(point.amplitude, y, y - half, y + half);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+// Axial tests -------------------------------------------------------------------------------------
+
+Plot axial_length_plot(const std::string& id, const ident::AxialTestResult& r, Origin origin,
+                       const std::optional<ReferenceValue>& reference) {
+  Plot plot{id, "EA by length",
+            "EA at each length if only the cable stretches. EA does not depend on the length of "
+            "cable that was tested; a trend is a compliance in series (frame, adapter), which the "
+            "result leaves out. The band is the result with its 95 % interval.",
+            "length, m", "EA, kN"};
+  const double k95 = ident::coverage_factor(0.95, 0);
+  PlotSeries records{"each record", origin, 2, Style::points};
+  for (const auto& one : r.samples) records.add(one.length_m, 1e-3 * one.EA_N.value);
+  PlotSeries each{"EA at each length, 95 %", origin, 1, Style::points};
+  double low = r.lengths.front().length_m, high = low;
+  for (const auto& one : r.lengths) {
+    low = std::min(low, one.length_m), high = std::max(high, one.length_m);
+    const double y = 1e-3 * one.EA_N.value, half = 1e-3 * k95 * one.EA_N.std;
+    each.add(one.length_m, y, y - half, y + half);
+  }
+  const double margin = high > low ? 0.1 * (high - low) : 0.1 * high;
+  PlotSeries all{r.conditional ? "EA, if only the cable stretches" : "EA, all lengths"};
+  PlotSeries line;
+  if (reference) line = {reference->name, reference->origin, 3, Style::dashed};
+  for (const double x : {low - margin, high + margin}) {
+    all.add(x, 1e-3 * r.EA_N.value, 1e-3 * (r.conditional ? r.EA_if_rigid_low_N : r.EA_low_N),
+            1e-3 * (r.conditional ? r.EA_if_rigid_high_N : r.EA_high_N));
+    if (reference) line.add(x, 1e-3 * reference->value);
+  }
+  for (auto* series : {&all, &records, &each, &line}) plot.add(std::move(*series));
+  return plot;
+}
+
+std::vector<Block> axial_decay_blocks(const std::string& id, const ident::AxialInputs& inputs,
+                                      const ident::AxialCampaignResult& result,
+                                      const std::vector<Origin>& origins) {
+  PlotGroup group{id + "-decays", "Decays", {}};
+  std::vector<AnalysedDecay> decays;
+  double last = -1;
+  for (const auto& d : result.decays) {
+    const auto& recording = inputs.recordings[d.recording];
+    if (!d.mode || recording.length_m == last) continue;  // the first of each length
+    last = recording.length_m;
+    decays.push_back({recording.name, d.channel, d.unit, origins[d.recording], d.rate_hz,
+                      d.samples_start_s, d.samples, d.result});
+    group.tabs.push_back({fmt::format("{:g} m", last),
+                          {decay_plot(fmt::format("{}-decay-{:g}m", id, last), decays.back())}});
+  }
+  std::vector<Block> blocks;
+  if (!group.tabs.empty()) blocks.emplace_back(std::move(group));
+  auto damping = damping_plot(id + "-damping", decays);
+  if (!damping.series.empty()) blocks.emplace_back(std::move(damping));
+  return blocks;
+}
+
+// Bending tests -----------------------------------------------------------------------------------
+
+Plot load_deflection_plot(const std::string& id, const ident::BendingCampaign& campaign,
+                          const std::vector<Origin>& origins,
+                          const ident::BendingCampaignResult& result) {
+  const bool tensioned = campaign.test.ends == ident::BeamEnds::tensioned;
+  Plot plot{id, "Load against deflection",
+            tensioned ? "Each recording loads the cable at mid-span and unloads it again; the "
+                        "slope of the straight parts gives EI. The gap between loading and "
+                        "unloading is friction between the wires."
+                      : "Load against deflection of beams without tension; the slope of the "
+                        "elastic part, between a toe and yield or a stop, gives EI.",
+            "deflection, mm", "load, N"};
+  for (const auto& one : result.points) {
+    if (!one.analysis) continue;
+    const std::string file = short_name(campaign.sources[one.source].name);
+    PlotSeries series{tensioned ? fmt::format("{:.0f} N: {}", one.point.tension_N, file) : file,
+                      origins[one.source], static_cast<int>(plot.series.size())};
+    const Eigen::Index n = one.record.load_N.size();
+    for (Eigen::Index i = 0; i < n; i += 1 + n / 600) {
+      const double d = one.record.deflection_m[i], load = one.record.load_N[i];
+      if (std::isfinite(load) && std::isfinite(d)) series.add(1e3 * d, load);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+Plot stiffness_plot(const std::string& id, const std::vector<Origin>& origins,
+                    const ident::BendingCampaignResult& result) {
+  const auto& bounds = result.bounds;
+  Plot plot{id,
+            "Bending stiffness against tension",
+            "The tighter the strand is pulled, the more its wires hold on to each other and the "
+            "stiffer it bends.",
+            "tension, N",
+            "EI, N m²",
+            false,
+            bounds.has_value()};
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  std::vector<PlotSeries> points;  // a series an origin
+  for (const auto& one : result.points) {
+    if (!one.usable()) continue;
+    const Origin origin = origins[one.source];
+    low = std::min(low, one.point.tension_N), high = std::max(high, one.point.tension_N);
+    auto at = std::find_if(points.begin(), points.end(),
+                           [&](const PlotSeries& series) { return series.origin == origin; });
+    if (at == points.end()) {
+      points.push_back({origin == Origin::published ? std::string("published EI")
+                                                    : fmt::format("EI, {}", name_of(origin)),
+                        origin, 2 + static_cast<int>(points.size()), Style::points});
+      at = points.end() - 1;
+    }
+    at->add(one.point.tension_N, one.point.EI_Nm2, one.point.low, one.point.high);
+  }
+  const double from = std::max(0.5 * low, low - 0.1 * (high - low)), to = high + 0.1 * (high - low);
+  // The law that lies closest to the points comes first, with its band.
+  std::vector<const ident::FittedLaw*> closest;
+  for (const auto& law : result.curve.laws().laws) {
+    if (law.converged) closest.push_back(&law);
+  }
+  std::stable_sort(closest.begin(), closest.end(), [](const auto* a, const auto* b) {
+    return a->rms_relative_error < b->rms_relative_error;
+  });
+  for (const auto* law : closest) {
+    const auto variant = static_cast<int>(plot.series.size());
+    PlotSeries series{fmt::format("law: {}", name_of(law->kind)), Origin::modelled,
+                      variant < 2 ? variant : variant + 2};
+    const bool band = variant == 0 && ident::predict(*law, from).low > 0;
+    for (int i = 0; i <= 80; ++i) {
+      const double tension = from + (to - from) * i * i / 6400;  // laws bend most where slack
+      const auto predicted = ident::predict(*law, tension);
+      if (band) {
+        series.add(tension, predicted.EI_Nm2, predicted.low, predicted.high);
+      } else {
+        series.add(tension, predicted.EI_Nm2);
+      }
+    }
+    if (band) plot.caption += " The band is the 95 % band of the law closest to the points.";
+    plot.series.push_back(std::move(series));
+  }
+  if (bounds) {
+    plot.caption += " Every strand lies between the bounds (free slip below, no slip above).";
+    for (const auto& [name, value] : {std::pair{"EImin, wires slip", bounds->EI_min_Nm2},
+                                      std::pair{"EImax, no slip", bounds->EI_max_Nm2}}) {
+      PlotSeries series{name, Origin::modelled, 2, Style::dashed};
+      for (const double x : {from, to}) series.add(x, value);
+      plot.series.push_back(std::move(series));
+    }
+  }
+  for (auto& series : points) plot.series.push_back(std::move(series));
+  return plot;
+}
+
+// Tension from frequencies ------------------------------------------------------------------------
+
+std::vector<Block> tension_blocks(const std::string& id, const ident::TensionResult& result) {
+  if (result.candidates.empty()) return {};
+  Plot frequencies{id + "-frequencies", "Frequencies over mode number",
+                   "Measured, and the model's with each kind of ends.", "mode number",
+                   "frequency, Hz"};
+  Plot errors{id + "-errors", "Model over test, mode by mode",
+              "A trend over the mode number means that bending stiffness, ends or sag are not "
+              "those of the cable.",
+              "mode number", "model over test, %"};
+  frequencies.link = errors.link = id;
+  const auto add = [](Plot& plot, PlotSeries series, const ident::TensionCandidate& candidate,
+                      auto value) {
+    for (const auto& mode : candidate.modes) {
+      if (mode.order > 0) series.add(mode.order, value(mode));
+    }
+    plot.add(std::move(series));
+  };
+  add(frequencies, {"measured", Origin::measured, 0, Style::points}, result.candidates.front(),
+      [](const auto& mode) { return mode.measured_hz; });
+  int variant = 0;
+  for (const auto& one : result.candidates) {
+    if (!one.solved) continue;
+    PlotSeries series{fmt::format("{} ends, weight {:.2g}", ident::name_of(one.ends), one.weight),
+                      Origin::modelled, ++variant, Style::points};
+    add(frequencies, series, one, [](const auto& mode) { return mode.model_hz; });
+    add(errors, std::move(series), one, [](const auto& m) { return 100 * m.relative_error; });
+  }
+  std::vector<Block> blocks{std::move(frequencies), std::move(errors)};
+  Shares shares{"tension", {}};
+  for (const auto& term : result.budget) {
+    if (std::isfinite(term.std)) shares.parts.emplace_back(term.source, term.std * term.std);
+  }
+  if (!shares.parts.empty()) {
+    blocks.emplace_back(share_table(
+        id + "-budget", "Where the uncertainty of the tension comes from: shares of its variance.",
+        {shares}));
+  }
+  return blocks;
+}
+
+// Fits --------------------------------------------------------------------------------------------
+
+std::vector<Block> fit_blocks(const std::string& id, const std::vector<ident::UpdateState>& states,
+                              const ident::UpdateResult& result,
+                              const std::vector<ident::HeldOut>& held_out) {
+  constexpr double kNormal95 = 1.959963984540054;  // two-sided 95 % of a normal distribution
+  Plot plot{id + "-errors-by-mode", "Model against test, mode by mode",
+            "How far the model's frequency lies above the test's.", "frequency of the test, Hz",
+            "model over test, %"};
+  if (!held_out.empty()) plot.caption += " Held out: predicted from the other states.";
+  PlotSeries before{"before the fit", Origin::modelled, 2, Style::points},
+      held{"held out, predicted", Origin::modelled, 1, Style::points},
+      fitted{"fitted", Origin::modelled, 0, Style::points};
+  const auto add = [](PlotSeries& series, const std::vector<ident::UpdatedPair>& pairs) {
+    for (const auto& pair : pairs) {
+      if (!pair.cross_plane) series.add(pair.measured_hz, 100 * pair.relative_error);
+    }
+  };
+  add(before, result.pairs_before);
+  for (const auto& one : held_out) add(held, one.pairs);
+  bool bars = false;
+  for (const auto& pair : result.pairs) {
+    if (pair.cross_plane) continue;
+    const auto& mode = states[static_cast<std::size_t>(pair.state)]
+                           .measured[static_cast<std::size_t>(pair.measured)];
+    const double error = 100 * pair.relative_error,
+                 half = 100 * kNormal95 * mode.frequency_hz.std / pair.measured_hz;
+    bars = bars || std::isfinite(half);
+    fitted.add(pair.measured_hz, error, error - half, error + half);
+  }
+  if (bars) plot.caption += " Bars: the test's own 95 % interval.";
+  for (auto* series : {&before, &held, &fitted}) plot.add(std::move(*series));
+  std::vector<Block> blocks;
+  if (!plot.series.empty()) blocks.emplace_back(std::move(plot));
+  std::vector<Shares> budgets;
+  for (const auto& parameter : result.parameters) {
+    if (parameter.budget.empty()) continue;
+    budgets.push_back({parameter_words(parameter.name), {}});
+    for (const auto& term : parameter.budget) {
+      budgets.back().parts.emplace_back(with_parameter_words(term.source), term.std * term.std);
+    }
+  }
+  if (!budgets.empty()) {
+    blocks.emplace_back(share_table(id + "-budget",
+                                    "Where the uncertainty of each parameter comes from: shares "
+                                    "of its variance. The largest is what to improve first.",
+                                    budgets));
+  }
+  return blocks;
+}
+
+}  // namespace rigfit::apps

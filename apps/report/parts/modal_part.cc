@@ -1,0 +1,284 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "apps/report/drawing/html_text.h"
+#include "apps/report/figures/figures.h"
+#include "apps/report/parts/parts.h"
+#include "apps/results/modal_files.h"
+#include "apps/results/modal_json.h"
+
+namespace rigfit::apps {
+namespace {
+
+/// Recordings of hits and their modes, then the model's modes against them: a part each.
+class ModalPart : public TestPart {
+ public:
+  ModalPart(const Campaign& campaign, const CampaignTest& test)
+      : TestPart(test, "recorded_modal"),
+        campaign_(campaign),
+        inputs_(test.as<ModalTest>().inputs),
+        sensors_(inputs_.setup.sensors) {
+    part_.id = test.name + "-recordings";
+    part_.title = test.title + ": recordings";
+    part_.test = test.name;
+    if (test.scene) scene_ = &campaign.scenes[*test.scene].scene;
+  }
+
+  void add_to(ident::CampaignInputs& inputs) override {
+    index_ = inputs.modal.size();
+    inputs.modal.push_back(std::move(inputs_));
+  }
+
+  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
+    auto& outcome = campaign.modal[index_];
+    std::vector<ReportPart> parts;
+    if (!test_.recordings.empty()) {
+      show_recorded(outcome.test);
+      parts.push_back(std::move(part_));
+    }
+    if (test_.scene) {
+      parts.push_back(model_part(campaign_, test_, campaign.known, outcome.model));
+    }
+    return parts;
+  }
+
+ private:
+  [[nodiscard]] std::string intro() const override {
+    if (inputs_.options.ambient) {
+      return "The rig moves under forces that nobody measures. Resonances of the correlations "
+             "between the sensors give natural frequencies, damping and unscaled shapes.";
+    }
+    const double end_level = inputs_.options.hammer.impact.exponential_end_level;
+    return fmt::format(
+        "The rig is struck with a hammer that measures its force, and the response of the sensors "
+        "is recorded. Each hit is judged; the accepted ones are averaged to frequency response "
+        "functions, which give natural frequencies, damping and shapes.{}",
+        end_level > 0
+            ? fmt::format(" An exponential window, down to {:g} % at the end, acts on force and "
+                          "responses alike; its damping is taken out of every mode.",
+                          100 * end_level)
+            : "");
+  }
+
+  void take(LoadedRecording entry, const RecordingGroup& group) override {
+    inputs_.recordings.push_back(
+        {std::move(*entry.recording), group.tension_N, group.load, group.origin()});
+  }
+
+  void show_recorded(ident::ModalTest& analysed) {
+    for (const auto& finding : analysed.findings) {
+      refuse(part_, finding.code, finding.message, finding.where);
+    }
+    part_.json["states"] = Json::array();
+    hits_ = {test_.name + "-hits",
+             "Every hit, kept or rejected.",
+             {{"state", {}, false},
+              {"recording", {}, false},
+              {"time, s"},
+              {"peak, N"},
+              {"pulse, ms"},
+              {"usable to, Hz"},
+              {"verdict", {}, false}}};
+    modes_ = {test_.name + "-identified",
+              "Modes identified from the frequency responses, with standard uncertainties. MPC: 1 "
+              "for a shape whose points move in phase; misfit: residual near the mode.",
+              {{"state", {}, false},
+               {"frequency, Hz"},
+               {"damping, %"},
+               {"MPC"},
+               {"misfit, %"},
+               {"remarks", {}, false}}};
+    std::optional<Origin> origin;
+    std::size_t states = 0, hits = 0, rejected = 0;
+    for (auto& state : analysed.states) {
+      hits += state.hammer.hits(), rejected += state.hammer.hits() - state.hammer.accepted_hits();
+      if (state.has_modes() && ++states == 1) origin = state.origin;
+      show(state);
+    }
+    if (hits_.rows.size() > 12)
+      hits_.fold = fmt::format("All {} hits, {} rejected", hits, rejected);
+    if (!hits_.rows.empty()) part_.blocks.push_back(std::move(hits_));
+    if (!scene_) short_report();
+    if (!tabs_.empty()) {
+      part_.blocks.push_back(
+          PlotGroup{test_.name + "-frfs", "Frequency responses and poles", std::move(tabs_)});
+    }
+    part_.json["hits"] = hits;
+    part_.json["hits_rejected"] = rejected;
+    part_.summary.push_back(
+        {SummaryItem::Kind::recorded, test_.title,
+         fmt::format("{} in {} from {}", counted(modes_.rows.size(), "mode"),
+                     counted(states, "state"), counted(files_, "recording")) +
+             (hits > 0 ? fmt::format("; {} of {} hits rejected", rejected, hits) : ""),
+         origin, part_.id});
+    if (!modes_.rows.empty()) part_.blocks.push_back(std::move(modes_));
+  }
+
+  /// Hits alone: the first state's response and the modes.
+  void short_report() {
+    part_.brief = {modes_.id};
+    if (tabs_.empty()) return;
+    auto& plots = tabs_.front().plots;
+    const auto frf = std::find_if(plots.begin(), plots.end(), [](const Plot& plot) {
+      return plot.title == "Frequency response, magnitude";
+    });
+    if (frf == plots.end()) return;
+    part_.brief.push_back(frf->id);
+    part_.blocks.push_back(std::move(*frf));
+    plots.erase(frf);
+  }
+
+  void show(ident::ModalTestState& state) {
+    const std::string label = ident::state_label(state.tension_N);
+    Json struck = Json::array();
+    for (std::size_t p = 0; p < state.hammer.tests.size(); ++p) {
+      struck.push_back({{"load", state.places[p].name},
+                        {"hits", hits_json(state.places[p], state.hammer.tests[p])}});
+      list_hits(state.places[p], state.hammer.tests[p], state.tension_N);
+    }
+    tell_state(state.findings, label);
+    if (state.modal) {
+      name_points(state.hammer.frfs.responses, state.hammer.frfs.inputs);
+      name_points(state.modal->model.responses, state.modal->model.inputs);
+    }
+    auto plots = hammer_plots(
+        {&state.places, &state.hammer, state.hammer.frfs, state.modal ? state.modal->low_hz : 0,
+         state.modal ? state.modal->high_hz : 0, state.modal ? &*state.modal : nullptr, test_.name,
+         file_word(label), state.origin});
+    if (!plots.empty()) tabs_.push_back({label, std::move(plots)});
+    for (auto& place : state.places) place.recordings.clear();  // not needed any more
+    if (!state.modal) return;
+    add_answers(state, label);
+    list_modes(state);
+    const auto file = [&](const char* what) {
+      return fmt::format("uff/{}-{}-{}.uff", test_.name, what, file_word(label));
+    };
+    Json uff = Json::array();
+    if (state.hammer.accepted_hits() > 0) {
+      uff.push_back(file("frf"));
+      part_.files.push_back({file("frf"), frf_file(state.hammer.frfs)});
+    }
+    uff.push_back(file("modes"));
+    part_.files.push_back({file("modes"), mode_file(scene_, state.modal->model)});
+    const auto& modal = *state.modal;
+    Json modes = Json::array(), rejected = Json::array();
+    for (const auto& mode : modal.model.modes) modes.push_back(mode_json(mode));
+    for (const auto& column : modal.rejected) {
+      rejected.push_back({{"frequency_hz", column.frequency_hz},
+                          {"code", column.code},
+                          {"reason", column.reason}});
+    }
+    part_.json["states"].push_back(
+        {{"tension_N", state.tension_N ? Json(*state.tension_N) : Json(nullptr)},
+         {"origin", word_of(state.origin)},
+         {"responses", state.channels},
+         {"averages", state.hammer.frfs.averages},
+         {"frf_form", name_of(state.hammer.frfs.form)},
+         {"units", state.hammer.frfs.unit},
+         {"band_hz", {modal.low_hz, modal.high_hz}},
+         {"misfit_over_error_bars",
+          modal.misfit_over_error_bars ? Json(*modal.misfit_over_error_bars) : Json(nullptr)},
+         {"force_window", force_window_json(state.hammer)},
+         {"struck", std::move(struck)},
+         {"modes", std::move(modes)},
+         {"rejected_columns", std::move(rejected)},
+         {"uff", std::move(uff)}});
+  }
+
+  /// A place left out is refused here: the campaign asked for it. A mode whose damping is refused
+  /// keeps its frequency, and the test goes on.
+  void tell_state(const std::vector<ident::Finding>& findings, const std::string& label) {
+    for (const auto& finding : findings) {
+      part_.warnings.push_back({finding.code, finding.message,
+                                fmt::format("{}, {}{}{}", test_.name, label,
+                                            finding.where.empty() ? "" : ", ", finding.where),
+                                finding.code == "point_left_out" ||
+                                    (finding.refused && finding.code != "window_damping")});
+    }
+  }
+
+  void list_hits(const ident::StruckPlace& struck, const signal::ImpactTest& test,
+                 std::optional<double> tension_N) {
+    for (const auto& hit : test.search.hits) {
+      Cell verdict(hit.accepted ? (hit.reason.empty() ? "kept" : "kept: " + hit.reason)
+                                : "rejected: " + hit.reason);
+      verdict.doubtful = !hit.accepted;
+      const bool first = &hit == &test.search.hits.front();
+      hits_.rows.push_back({first ? label_of(tension_N) : "",
+                            short_name(struck.recordings[hit.recording].path.string()),
+                            fmt::format("{:.4f}", hit.time_s), shown(hit.peak, 4),
+                            shown(1e3 * hit.pulse_duration_s, 3), shown(hit.usable_hz, 3),
+                            verdict});
+    }
+  }
+
+  /// UFF node numbers and directions from the scene's sensors and loads.
+  void name_points(std::vector<signal::MeasuredPoint>& responses,
+                   std::vector<signal::MeasuredPoint>& inputs) const {
+    if (!scene_) return;
+    for (auto& response : responses) {
+      const auto other = sensors_.find(response.name);
+      const std::string& name = other == sensors_.end() ? response.name : other->second;
+      response = uff_point(*scene_, name, response.name);
+    }
+    for (auto& input : inputs) input = uff_point(*scene_, input.name, input.name);
+  }
+
+  void list_modes(const ident::ModalTestState& found) {
+    bool first = true;
+    for (const auto& mode : found.modal->model.modes) {
+      Cell remark(mode.doubtful ? mode.doubt : "");
+      remark.doubtful = mode.doubtful;
+      modes_.rows.push_back(
+          {first ? label_of(found.tension_N) : "",
+           Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), found.origin),
+           mode.damping_dominated_by_window
+               ? Cell("refused")
+               : Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
+                      found.origin),
+           fmt::format("{:.3f}", mode.modal_phase_collinearity),
+           shown(100 * mode.reconstruction_error, 2), remark});
+      first = false;
+    }
+  }
+
+  /// Frequencies and damping; on the first page only where no model says more.
+  void add_answers(const ident::ModalTestState& found, const std::string& label) {
+    const auto hits = static_cast<std::size_t>(found.hammer.frfs.averages);
+    const std::string how = hits > 0 ? counted(hits, "hit") : "ambient motion";
+    int number = 0;
+    for (const auto& mode : found.modal->model.modes) {
+      Answer f = answer(label + "/frequency",
+                        fmt::format("{}, {}: natural frequency {}", test_.title, label, ++number),
+                        how, "Hz", mode.frequency_hz, found.origin);
+      Answer damping = answer(label + "/damping",
+                              fmt::format("{}, {}: damping ratio ζ {}", test_.title, label, number),
+                              how, "", mode.damping_ratio, found.origin);
+      for (auto* one : {&f, &damping}) {
+        one->mode_hz = mode.frequency_hz.value;
+        one->rank = scene_ ? 2 : 0;
+        // A refused damping is a doubt about the damping only.
+        if (mode.doubtful && !mode.damping_dominated_by_window) one->verdict = "doubtful mode";
+      }
+      part_.answers.push_back(std::move(f));
+      if (!mode.damping_dominated_by_window) part_.answers.push_back(std::move(damping));
+    }
+  }
+
+  const Campaign& campaign_;
+  ident::ModalInputs inputs_;
+  std::map<std::string, std::string> sensors_;  ///< by channel, where names differ
+  const model::Scene* scene_ = nullptr;         ///< null: points keep their numbers
+  ReportTable hits_, modes_;
+  std::vector<PlotTab> tabs_;
+};
+
+}  // namespace
+
+TestPartPtr modal_part(const Campaign& campaign, const CampaignTest& test) {
+  return std::make_unique<ModalPart>(campaign, test);
+}
+
+}  // namespace rigfit::apps

@@ -1,0 +1,335 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/report/drawing/html_text.h"
+#include "apps/report/figures/figures.h"
+#include "apps/report/parts/parts.h"
+#include "apps/results/modal_files.h"
+#include "ident/campaign/modal/mode_lines.h"
+
+namespace rigfit::apps {
+namespace {
+
+/// Labels of the published models in the test's table; empty without a table.
+std::vector<std::string> published_models(const CampaignTest& test) {
+  std::vector<std::string> labels;
+  for (const auto& [label, column] : test.as<ModalTest>().models) labels.push_back(label);
+  return labels;
+}
+
+using ident::MeasuredRow, ident::ModalState;
+using ModalStates = std::vector<ModalState>;
+using Style = PlotSeries::Style;
+
+/// Number of a mode among those of its plane: "in 2".
+std::string mode_name(const model::ModalAnalysis& analysis, std::size_t index) {
+  const auto plane = analysis.modes[index].plane;
+  const auto number =
+      std::count_if(analysis.modes.begin(), analysis.modes.begin() + 1 + static_cast<long>(index),
+                    [&](const auto& mode) { return mode.plane == plane; });
+  return fmt::format("{} {}", name_of(plane), number);
+}
+
+/// Frequencies of test, published models and model: against tension where there are several, else
+/// by row of the table.
+Plot frequency_plot(const CampaignTest& test, const ident::SceneUse& use,
+                    const ident::KnownValues& known, const ModalStates& states) {
+  const bool tensions = states.front().tension_N && states.size() > 1;
+  Plot plot{test.name + "-frequency",
+            tensions ? "Natural frequencies against tension" : "Natural frequencies",
+            tensions ? "Lines: the model, in plane (full) and out of plane (broken), each mode "
+                       "followed by its shape. The order of the modes changes where lines cross "
+                       "(×), so that frequencies must not be compared by number."
+                     : "Measured, published and modelled frequencies, in the order of the table.",
+            tensions ? "tension, N" : "row of the table",
+            "frequency, Hz",
+            false,
+            !tensions};
+  if (tensions) {
+    constexpr int kSteps = 48;  // from the lowest to the highest tension: lines look smooth
+    double highest = 0;
+    for (const auto& state : states) {
+      for (const auto& row : state.rows) {
+        if (row.measured_hz > highest) highest = row.measured_hz;
+      }
+    }
+    const auto followed = ident::follow_modes(
+        [&](double tension_N) { return ident::scene_at(use, known, tension_N).scene; },
+        *states.front().tension_N, *states.back().tension_N, kSteps, 1.1 * highest);
+    for (const auto& line : followed.lines) {
+      const bool in = line.plane == model::ModePlane::in;
+      PlotSeries series{fmt::format("rigfit {} {}", in ? "in" : "out", line.number),
+                        Origin::modelled, 0, in ? Style::line : Style::dashed,
+                        in ? "rigfit, in plane" : "rigfit, out of plane"};
+      const auto begin = followed.tension_N.begin() + line.first;
+      series.x.assign(begin, begin + static_cast<std::ptrdiff_t>(line.frequency_hz.size()));
+      series.y = line.frequency_hz;
+      plot.add(std::move(series));
+    }
+    PlotSeries crossings{"crossing of two modes", Origin::modelled, 4, Style::points};
+    for (const auto& one : followed.crossings) crossings.add(one.tension_N, one.frequency_hz);
+    plot.add(std::move(crossings));
+  }
+  /// Points of every state: `value(state, row)`, NaN where there is none.
+  const auto points = [&](PlotSeries series, auto value, bool bars = false) {
+    series.style = Style::points;
+    for (const auto& state : states) {
+      for (std::size_t i = 0; i < state.rows.size(); ++i) {
+        const auto& row = state.rows[i];
+        const double at = tensions ? *state.tension_N : static_cast<double>(i + 1);
+        const double hz = value(state, row), half = 1.96 * row.std_hz;
+        if (!std::isfinite(hz)) continue;
+        if (bars) {
+          series.add(at, hz, hz - half, hz + half);
+        } else {
+          series.add(at, hz);
+        }
+      }
+    }
+    plot.add(std::move(series));
+  };
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const auto published = published_models(test);
+  for (std::size_t k = 0; k < published.size(); ++k) {
+    points({published[k] + " (published model)", Origin::published_model, 2 + static_cast<int>(k)},
+           [&](const auto&, const MeasuredRow& row) {
+             return k < row.models_hz.size() ? row.models_hz[k] : kNone;
+           });
+  }
+  for (const Origin origin : {Origin::published, Origin::measured, Origin::synthetic}) {
+    points(
+        {fmt::format("test ({})", origin == Origin::published ? "published" : name_of(origin)),
+         origin, 1},
+        [&](const auto&, const MeasuredRow& row) {
+          return row.origin == origin ? row.measured_hz : kNone;
+        },
+        origin != Origin::published);
+  }
+  if (!tensions) {
+    points({"rigfit"}, [](const ModalState& state, const MeasuredRow& row) {
+      return row.mode ? state.analysis.modes[*row.mode].frequency_hz : kNone;
+    });
+  }
+  return plot;
+}
+
+std::vector<PairRow> pair_rows(const ModalStates& states) {
+  std::vector<PairRow> rows;
+  for (const auto& state : states) {
+    for (const auto& row : state.rows) {
+      const bool published = row.origin == Origin::published;
+      if (published && state.recorded && !std::isfinite(row.measured_hz) && row.models_hz.empty()) {
+        continue;
+      }
+      PairRow pair{label_of(state.tension_N), row.measured_hz, row.std_hz, row.origin};
+      pair.published_hz = row.models_hz;
+      if (row.mode) {
+        const auto& mode = state.analysis.modes[*row.mode];
+        pair.model_hz = mode.frequency_hz;
+        pair.mode =
+            fmt::format("{} ({})", mode_name(state.analysis, *row.mode), name_of(mode.family));
+        if (row.other_plane) pair.remark = "a mode of the other plane: leaked into this test";
+      } else if (std::isfinite(row.measured_hz)) {
+        pair.remark = "no mode of the model is near";
+      }
+      if (state.recorded && published && pair.remark.empty()) pair.remark = "published";
+      rows.push_back(std::move(pair));
+    }
+  }
+  return rows;
+}
+
+/// Root-mean-square errors of this model and of the published ones, state by state.
+ReportTable error_table(const CampaignTest& test, const ModalStates& states) {
+  ReportTable table{test.name + "-errors",
+                    "Root-mean-square relative error in frequency against the test (modes "
+                    "compared).",
+                    {{"state", {}, false}, {"rigfit", Origin::modelled}}};
+  const auto published = published_models(test);
+  for (const auto& name : published) table.columns.push_back({name, Origin::published_model});
+  const auto add = [&](const std::string& label, const ModalStates& some) {
+    const auto cell = [](const ident::RmsError& error) {
+      return error.rows == 0 ? Cell("–")
+                             : Cell(fmt::format("{} ({})", percent_words(error.value), error.rows));
+    };
+    std::vector<Cell> cells{label, cell(rms_of_model(some))};
+    for (std::size_t k = 0; k < published.size(); ++k) {
+      cells.push_back(cell(rms_of_published(some, k)));
+    }
+    table.rows.push_back(std::move(cells));
+  };
+  for (const auto& state : states) add(label_of(state.tension_N), {state});
+  if (states.size() > 1) add("all", states);
+  return table;
+}
+
+Json state_json(const ModalState& state, const std::vector<std::string>& published) {
+  const auto& analysis = state.analysis;
+  Json members = Json::array(), modes = Json::array(), pairs = Json::array();
+  for (const auto& member : analysis.equilibrium.members) {
+    members.push_back({{"member", member.member},
+                       {"sag_m", member.sag_m},
+                       {"tension_N", member.tension_N},
+                       {"segments", member.segments}});
+  }
+  const auto mode_json = [](const model::NaturalMode& mode) {
+    return Json{{"plane", name_of(mode.plane)}, {"family", name_of(mode.family)}};
+  };
+  for (const auto& mode : analysis.modes) {
+    modes.push_back({{"frequency_hz", mode.frequency_hz}, {"damping_ratio", mode.damping_ratio}});
+    modes.back().update(mode_json(mode));
+  }
+  for (const auto& row : state.rows) {
+    Json pair{{"origin", word_of(row.origin)},
+              {"measured_hz", row.measured_hz},
+              {"measured_std_hz", row.std_hz},
+              {"model_hz", nullptr},
+              {"relative_error", nullptr}};
+    if (row.mode) {
+      const auto& mode = analysis.modes[*row.mode];
+      pair["model_hz"] = mode.frequency_hz;
+      pair["relative_error"] = mode.frequency_hz / row.measured_hz - 1;
+      pair["other_plane"] = row.other_plane;
+      pair["mac"] = row.mac;
+      pair.update(mode_json(mode));
+    }
+    for (std::size_t k = 0; k < std::min(row.models_hz.size(), published.size()); ++k) {
+      pair["published_hz"][published[k]] = row.models_hz[k];
+    }
+    pairs.push_back(std::move(pair));
+  }
+  return {{"tension_N", state.tension_N ? Json(*state.tension_N) : Json(nullptr)},
+          {"EI_Nm2", state.EI_Nm2 ? Json(*state.EI_Nm2) : Json(nullptr)},
+          {"equilibrium",
+           {{"status", name_of(analysis.equilibrium.status)},
+            {"reason", analysis.equilibrium.reason},
+            {"residual", analysis.equilibrium.residual},
+            {"members", std::move(members)}}},
+          {"modes", std::move(modes)},
+          {"relative_error_estimate", state.segments_error},
+          {"pairs", std::move(pairs)}};
+}
+
+void tell(ReportPart& part, const CampaignTest& test, const ModalStates& states) {
+  double worst = 0;
+  std::string leaked, lonely;
+  for (const auto& state : states) {
+    const auto& equilibrium = state.analysis.equilibrium;
+    if (equilibrium.status != model::EquilibriumStatus::converged) {
+      refuse(part, "equilibrium",
+             fmt::format("{}: {} ({})", ident::state_label(state.tension_N),
+                         name_of(equilibrium.status), equilibrium.reason),
+             test.name);
+    }
+    worst = std::max(worst, state.segments_error);
+    for (const auto& row : state.rows) {
+      if (!std::isfinite(row.measured_hz) || (row.mode && !row.other_plane)) continue;
+      std::string& list = row.mode ? leaked : lonely;
+      list += fmt::format("{}{} Hz ({})", list.empty() ? "" : ", ", shown(row.measured_hz, 4),
+                          ident::state_label(state.tension_N));
+    }
+  }
+  // A tenth of what a good test resolves (about 1 %) is all that segments may cost.
+  if (worst > 1e-3) {
+    part.warnings.push_back(
+        {"segments",
+         fmt::format("Give the scene's members more segments, or segments = \"auto\": their number "
+                     "changes frequencies by an estimated {}",
+                     percent_words(worst)),
+         test.name});
+  }
+  if (!leaked.empty()) {
+    part.warnings.push_back({"cross-plane",
+                             "Check the direction of the test: measured modes lie at modes of the "
+                             "model in the other plane and are left out: " +
+                                 leaked,
+                             test.name});
+  }
+  if (!lonely.empty()) {
+    part.warnings.push_back({"unpaired",
+                             "Look at measured modes that no mode of the model is near: " + lonely,
+                             test.name});
+  }
+}
+
+}  // namespace
+
+ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
+                      const ident::KnownValues& known, const ModalStates& states) {
+  const auto published = published_models(test);
+  const auto& scene = campaign.scenes[*test.scene].name;
+  const auto& plane = test.as<ModalTest>().inputs.setup.plane;
+  ReportPart part;
+  part.id = part.test = test.name;
+  part.title = test.title;
+  part.json_key = "modal";
+  tell(part, test, states);
+  part.blocks.push_back(Paragraph{fmt::format(
+      "Hammer test, {}; scene \"{}\". The values of the model are those given for the scene, "
+      "nothing was fitted to these frequencies here.",
+      !plane                           ? "in and out of the plane of gravity"
+      : *plane == model::ModePlane::in ? "in the plane of gravity"
+                                       : "out of the plane of gravity",
+      scene)});
+  part.blocks.push_back(error_table(test, states));
+  if (std::any_of(states.begin(), states.end(),
+                  [](const auto& state) { return !state.analysis.modes.empty(); })) {
+    part.blocks.push_back(frequency_plot(test, *test.as<ModalTest>().inputs.scene, known, states));
+  }
+  ReportTable pairs = pairs_table(
+      test.name + "-pairs",
+      "Each measured frequency beside the model's mode, found by pairing (not by row number), and "
+      "beside the published models' values of that row.",
+      pair_rows(states), published);
+  part.brief = {test.name + "-frequency",
+                pairs.rows.size() <= 14 ? pairs.id : test.name + "-errors"};
+  part.blocks.push_back(std::move(pairs));
+
+  part.json = {{"test", test.name}, {"scene", scene}, {"states", Json::array()}};
+  for (const auto& state : states) {
+    const std::string label = label_of(state.tension_N);
+    std::vector<MeasuredShape> measured;
+    for (const auto& row : state.rows) {
+      if (row.mode && std::isfinite(row.measured_hz)) {
+        measured.push_back({*row.mode, row.measured_hz, row.shape, row.mac, row.origin});
+      }
+      if (row.other_plane) continue;
+      if (row.mode) {
+        part.modes.push_back({"model as given", Origin::modelled, row.measured_hz,
+                              state.analysis.modes[*row.mode].frequency_hz});
+      }
+      for (std::size_t k = 0; k < row.models_hz.size(); ++k) {
+        part.modes.push_back({"published model, " + published[k], Origin::published_model,
+                              row.measured_hz, row.models_hz[k]});
+      }
+    }
+    for (auto& picture : shapes_pictures(
+             fmt::format("{}-shapes-{}", test.name, file_word(ident::state_label(state.tension_N))),
+             label, state.rig.scene, state.analysis, measured)) {
+      part.blocks.push_back(std::move(picture));
+    }
+    part.json["states"].push_back(state_json(state, published));
+  }
+  const auto ours = rms_of_model(states);
+  part.json["rms_relative_error"] = ours.value;
+  part.json["paired_rows"] = ours.rows;
+  part.json["published_models"] = Json::object();
+  std::string text =
+      ours.rows > 0 ? fmt::format("rigfit {} over {} modes", percent_words(ours.value), ours.rows)
+                    : std::string("no mode could be paired");
+  for (std::size_t k = 0; k < published.size(); ++k) {
+    const auto theirs = rms_of_published(states, k);
+    part.json["published_models"][published[k]] = {{"rms_relative_error", theirs.value},
+                                                   {"rows", theirs.rows}};
+    if (theirs.rows == 0) continue;
+    text += fmt::format("; published {} {} over {}", published[k], percent_words(theirs.value),
+                        theirs.rows);
+  }
+  part.summary.push_back(
+      {SummaryItem::Kind::error, test.title + ", rms error", text, Origin::modelled, part.id});
+  return part;
+}
+
+}  // namespace rigfit::apps

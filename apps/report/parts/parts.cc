@@ -1,0 +1,289 @@
+#include "apps/report/parts/parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/campaign_file/bending_files.h"
+#include "apps/report/drawing/html_text.h"
+#include "apps/report/figures/figures.h"
+#include "apps/report/page/parameter_words.h"
+#include "model/scene/parameters.h"
+#include "signal/quality/quality.h"
+
+namespace rigfit::apps {
+namespace {
+
+/// Findings that spoil a result; the others are listed in the table only.
+bool serious(const std::string& code) {
+  constexpr std::array<std::string_view, 6> kCodes{"clipped", "missing", "dropouts",
+                                                   "stuck",   "one_bit", "mains_hum"};
+  return std::find(kCodes.begin(), kCodes.end(), code) != kCodes.end();
+}
+
+Cell doubtful_cell(std::string text, bool doubtful) {
+  Cell cell(std::move(text));
+  cell.doubtful = doubtful;
+  return cell;
+}
+
+/// The table of recordings, channel by channel, their notes as warnings, unusable ones as refusals,
+/// and the list `recordings` of the document.
+void add_recordings(ReportPart& part, const CampaignTest& test,
+                    const std::vector<LoadedRecording>& loaded) {
+  ReportTable table{test.name + "-quality",
+                    "Recordings of this test, channel by channel. Noise floor: the even noise "
+                    "under the signal, root mean square.",
+                    {{"file", {}, false},
+                     {"origin", {}, false},
+                     {"taken at", {}, false},
+                     {"rate, Hz"},
+                     {"length, s"},
+                     {"channel (unit)", {}, false},
+                     {"lowest"},
+                     {"highest"},
+                     {"rms"},
+                     {"noise floor"},
+                     {"remarks", {}, false}}};
+  Json list = Json::array();
+  std::size_t remarks = 0, refused = 0;
+  for (const auto& entry : loaded) {
+    const auto& group = test.recordings[entry.group];
+    std::string at = group.tension_N ? fmt::format("{:g} N", *group.tension_N) : "";
+    if (group.length_m) at += fmt::format("{}{:g} m", at.empty() ? "" : ", ", *group.length_m);
+    const Cell origin(name_of(group.origin()), group.origin());
+    Json json{{"file", entry.file}, {"origin", word_of(group.origin())}};
+    if (!entry.recording) {
+      table.rows.push_back({short_name(entry.file), origin, at, "", "", "", "", "", "", "",
+                            doubtful_cell(entry.error, true)});
+      json["error"] = entry.error;
+      list.push_back(std::move(json));
+      refuse(part, "recording", entry.error, entry.file);
+      ++refused;
+      continue;
+    }
+    const auto& recording = *entry.recording;
+    std::string notes;
+    for (const auto& note : recording.notes) {
+      const std::string where = note.where.empty() ? "" : ": " + note.where;
+      notes += (notes.empty() ? "" : "; ") + note.message;
+      part.warnings.push_back({note.code, note.message, entry.file + where});
+    }
+    json["sample_rate_hz"] = recording.sample_rate_hz;
+    json["samples"] = recording.samples();
+    json["remarks"] = notes;
+    json["channels"] = Json::array();
+    const auto quality = signal::check_quality(recording);
+    for (std::size_t k = 0; k < recording.channels.size(); ++k) {
+      const auto& channel = recording.channels[k];
+      const auto& found = quality.channels[k];
+      const bool first = k == 0;
+      std::string said = first ? notes : "";
+      bool bad = !said.empty();
+      Json findings = Json::array();
+      for (const auto& finding : found.findings) {
+        said += (said.empty() ? "" : "; ") + finding.message;
+        findings.push_back({{"code", finding.code}, {"message", finding.message}});
+        ++remarks;
+        if (!serious(finding.code)) continue;
+        bad = true;
+        part.warnings.push_back({finding.code, finding.message, entry.file + ": " + channel.name});
+      }
+      table.rows.push_back({first ? short_name(entry.file) : "", first ? origin : Cell(),
+                            first ? at : "", first ? shown(recording.sample_rate_hz, 5) : "",
+                            first ? shown(recording.duration_s(), 3) : "",
+                            fmt::format("{} ({})", channel.name, unit_words(channel.unit)),
+                            shown(found.min, 3), shown(found.max, 3), shown(found.rms, 3),
+                            shown(found.noise_floor, 2), doubtful_cell(said, bad)});
+      json["channels"].push_back({{"name", channel.name},
+                                  {"unit", channel.unit},
+                                  {"min", found.min},
+                                  {"max", found.max},
+                                  {"rms", found.rms},
+                                  {"noise_floor", found.noise_floor},
+                                  {"findings", std::move(findings)}});
+    }
+    list.push_back(std::move(json));
+  }
+  if (table.rows.size() > 8) {
+    table.fold =
+        fmt::format("{}: {}, {} refused", counted(list.size(), "recording"),
+                    remarks == 0 ? std::string("no remarks") : counted(remarks, "remark"), refused);
+  }
+  part.blocks.push_back(std::move(table));
+  part.json["recordings"] = std::move(list);
+}
+
+std::string with_signs(std::string text) {
+  if (text == "-") return "–";
+  if (text.starts_with('-')) text.replace(0, 1, "−");
+  for (const auto& [plain, written] :
+       {std::pair{"+-", "±"}, std::pair{" m2", " m²"}, std::pair{"chi2", "χ²"}}) {
+    if (const auto at = text.find(plain); at != std::string::npos) {
+      text.replace(at, std::string_view(plain).size(), written);
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+TestPart::TestPart(const CampaignTest& test, const char* json_key) : test_(test) {
+  part_.id = test.name;
+  part_.title = test.title;
+  part_.json_key = json_key;
+  part_.json["test"] = test.name;
+}
+
+void TestPart::read(const FileRead& file_read) {
+  part_.blocks.push_back(Paragraph{intro()});
+  if (test_.recordings.empty()) return;
+  auto loaded = load_recordings(test_.recordings, file_read);
+  files_ = loaded.size();
+  for (auto& entry : loaded) {
+    part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
+    if (entry.recording && test_.is<BendingTest>()) {
+      drop_time_notes(*entry.recording);
+    }
+  }
+  add_recordings(part_, test_, loaded);
+  for (auto& entry : loaded) {
+    if (!entry.recording) continue;
+    const auto& group = test_.recordings[entry.group];
+    origins_.push_back(group.origin());
+    take(std::move(entry), group);
+  }
+}
+
+void TestPart::tell(const std::vector<ident::Finding>& findings, const std::string& where) {
+  for (const auto& one : findings) {
+    part_.warnings.push_back({one.code, one.message,
+                              !where.empty()       ? where
+                              : !one.where.empty() ? one.where
+                                                   : test_.name,
+                              one.refused});
+  }
+}
+
+Answer TestPart::answer(const std::string& name, std::string quantity, std::string how,
+                        std::string unit, const signal::Estimate& value, Origin origin,
+                        std::optional<double> reference) const {
+  Answer answer;
+  answer.key = test_.name + "/" + name;
+  answer.quantity = std::move(quantity);
+  answer.how = std::move(how);
+  answer.percent = unit.empty();
+  answer.unit = std::move(unit);
+  answer.value = value.value;
+  answer.std = value.std;
+  answer.reference = reference;
+  if (reference) answer.reference_name = test_.reference_name;
+  answer.origin = origin;
+  answer.anchor = part_.id;
+  return answer;
+}
+
+void refuse(ReportPart& part, const std::string& code, const std::string& message,
+            const std::string& where) {
+  part.warnings.push_back({code, message, where, true});
+}
+
+SummaryItem summary_of(const Answer& answer) {
+  const std::string unit = shown_unit(answer), interval = interval_words(answer);
+  std::string text = value_words(answer) + (unit.empty() ? "" : " " + unit);
+  if (!interval.empty()) text += fmt::format(" (95 %: {})", interval);
+  if (answer.reference) {
+    text += fmt::format("; {} {}", answer.reference_name,
+                        shown((answer.percent ? 100 : 1) * *answer.reference, 5));
+  }
+  return {SummaryItem::Kind::result, answer.quantity, text, answer.origin, answer.anchor};
+}
+
+ReportTable described_table(const std::string& id, const std::string& caption,
+                            const describe::Table& table, std::optional<Origin> origin) {
+  ReportTable shown{id, caption};
+  for (std::size_t c = 0; c < table.heads.size(); ++c) {
+    shown.columns.push_back(
+        {with_signs(table.heads[c]), c > 0 ? origin : std::nullopt, table.numeric[c]});
+  }
+  for (const auto& row : table.rows) {
+    shown.rows.emplace_back();
+    for (const auto& cell : row) shown.rows.back().emplace_back(with_signs(cell));
+  }
+  return shown;
+}
+
+ReportTable described_table(const std::string& id, const std::string& caption,
+                            const std::vector<describe::Sheet::Line>& lines,
+                            std::optional<Origin> origin) {
+  ReportTable shown{id, caption, {{"quantity", {}, false}, {"value", origin}}};
+  for (const auto& line : lines) shown.rows.push_back({line.label, with_signs(line.text)});
+  return shown;
+}
+
+ReportTable pairs_table(const std::string& id, const std::string& caption,
+                        const std::vector<PairRow>& rows,
+                        const std::vector<std::string>& published) {
+  ReportTable table{id,
+                    caption,
+                    {{"state", {}, false},
+                     {"test, Hz"},
+                     {"model, Hz", Origin::modelled},
+                     {"error", Origin::modelled},
+                     {"before the fit", Origin::modelled},
+                     {"MAC", Origin::modelled},
+                     {"mode", {}, false}}};
+  for (const auto& name : published) {
+    table.columns.push_back({name + ", Hz", Origin::published_model});
+    table.columns.push_back({"error", Origin::published_model});
+  }
+  table.columns.push_back({"remark", {}, false});
+  const std::string* last = nullptr;
+  for (const auto& row : rows) {
+    const auto error = [&](double hz) {
+      return std::isfinite(hz) ? shown_percent(hz / row.measured_hz - 1) : std::string();
+    };
+    const bool paired = std::isfinite(row.model_hz);
+    std::vector<Cell> cells{
+        last && *last == row.state ? "" : row.state,
+        Cell(shown_estimate(row.measured_hz, row.measured_std_hz, 4), row.origin),
+        paired ? shown(row.model_hz, 5) : "–",
+        paired ? error(row.model_hz) : "–",
+        error(row.before_hz),
+        std::isfinite(row.mac) ? shown(row.mac, 3) : "",
+        row.mode};
+    for (std::size_t k = 0; k < published.size(); ++k) {
+      const bool has = k < row.published_hz.size();
+      cells.emplace_back(has ? shown(row.published_hz[k], 4) : "");
+      cells.emplace_back(has ? error(row.published_hz[k]) : "");
+    }
+    cells.push_back(doubtful_cell(row.remark, !row.remark.empty() && row.remark != "published"));
+    table.rows.push_back(std::move(cells));
+    last = &row.state;
+  }
+  return table;
+}
+
+std::string percent_words(double ratio) {
+  return std::isfinite(ratio) ? shown(100 * ratio, 3) + " %" : std::string("–");
+}
+
+std::string label_of(std::optional<double> tension_N) {
+  return state_words(ident::state_label(tension_N));
+}
+
+std::string parameter_unit(const model::Scene& scene, const std::string& name) {
+  std::string unit = model::parameters_named(scene, {name}).front().unit;
+  if (unit == "1") return {};
+  for (const auto& [plain, written] :
+       {std::pair<std::string, std::string>{"m2", "m²"}, {"s2", "s²"}, {"m3", "m³"}}) {
+    if (const auto at = unit.find(plain); at != std::string::npos) {
+      unit.replace(at, plain.size(), written);
+    }
+  }
+  return unit;
+}
+
+}  // namespace rigfit::apps
