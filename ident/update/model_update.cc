@@ -275,7 +275,7 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
           ? settled.with_auto_segments(options.auto_segments).with_segment_errors_off(answer.q)
           : settled;
   state_intervals(quick, options, answer.matches.matches, result);
-  if (problem.modes_only()) {
+  if (problem.modes_only() && options.intervals) {
     result.alternatives.push_back(alternative_of(answers.front(), result));
     state_alternatives(problem, options, answers, result);
   }

@@ -79,7 +79,7 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
                                    const std::vector<FreeParameter>& free,
                                    const UpdateOptions& given) {
   UpdateOptions options = given;
-  options.exact_ends = false;
+  options.exact_ends = options.intervals = false;  // the prediction needs the covariance alone
   std::vector<HeldOut> result(states.size());
   in_parallel(states.size(), options.threads, [&](std::size_t index) {
     const int s = static_cast<int>(index);

@@ -59,6 +59,7 @@ struct UpdateOptions {
   /// Initial number of segments of "auto" members; it grows where the data need more.
   int auto_segments = 30;
   bool exact_ends = true;     ///< compute the effect of other end conditions
+  bool intervals = true;      ///< by profile where needed, and over all answers; else linear
   ModeSolver solver = {};     ///< empty: model::analyse_mode_sensitivities
   FrfSolver frf_solver = {};  ///< empty: model::synthesize_frf_sensitivities
 };

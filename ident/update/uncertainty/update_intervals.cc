@@ -127,8 +127,9 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
   const Eigen::Index n = problem.size();
   if (known.std.size() != n) return;
   double least = 0;
-  const bool costs = problem.modes_only() && robust_cost(problem, matches, UpdateStage::full,
-                                                         options, result.coordinates, least);
+  const bool costs =
+      options.intervals && problem.modes_only() &&
+      robust_cost(problem, matches, UpdateStage::full, options, result.coordinates, least);
   bool loose = false;
   for (const auto& parameter : result.parameters) {
     loose = loose || parameter.at_bound || !parameter.identifiable;
